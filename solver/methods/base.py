@@ -1,0 +1,65 @@
+"""What a method is: dimensionless problems and stations in, a trajectory out."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..reduced import Array, Reduced
+
+SOLVED = "solved"
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """The answer to B problems at n stations, in units of rho.
+
+    beta, dbeta (d/dt), alpha (from 0), z (from 0): (B, n). swirl: returns the integral of sin(beta) cos(beta), (B, n),
+    when it is asked for. outcome: (B,) sentences, "solved" or why not. error, condition, evaluations: (B,).
+    orbit: the periodic structure behind the answer where the method knows it (see `methods.orbit`), else None.
+    """
+
+    beta: Array
+    dbeta: Array
+    alpha: Array
+    z: Array
+    swirl: Callable[[], Array]
+    outcome: NDArray[np.object_]
+    error: Array
+    condition: Array
+    evaluations: NDArray[np.int64]
+    orbit: Any = None
+
+
+class Run(Protocol):
+    """How a method is called; t: (B, n) stations in units of rho, rising from 0, the last at most the span."""
+
+    def __call__(self, problem: Reduced, t: Array, tol: float, **knobs: Any) -> Trajectory: ...
+
+
+@dataclass(frozen=True)
+class Method:
+    """One method: kinds of problem ("start", "ends"), order of convergence in its knob (inf: geometric)."""
+
+    name: str
+    run: Run
+    kinds: tuple[str, ...]
+    order: float
+    knob: str
+    summary: str
+
+
+def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> NDArray[np.object_]:
+    """The outcome of each problem, (B,): whether its error meets tol * max(1, condition)."""
+    outcome = np.full(error.shape, SOLVED, dtype=object)
+    finite = np.isfinite(beta).all(axis=-1) & np.isfinite(error)
+    kept = error <= tol * np.maximum(1, condition)
+    for i in np.flatnonzero(~finite):
+        outcome[i] = "failed: the computation left the finite numbers"
+    for i in np.flatnonzero(finite & ~kept):
+        outcome[i] = f"failed: error {error[i]:.1e} above the tolerance {tol:.1e} at condition {condition[i]:.1e}"
+    for i in np.flatnonzero(finite & kept & (error > tol)):
+        outcome[i] = f"solved; ill-conditioned: error {error[i]:.1e} at condition {condition[i]:.1e}"
+    return outcome

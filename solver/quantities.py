@@ -1,0 +1,113 @@
+"""Every quantity of the workbench, one row each: whatever labels anything reads this table.
+
+A dimension is a pair of exponents (length, force); angles count as numbers and are labelled ``rad``.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from .errors import InputError, no_such
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Name, symbol, unit dimension and long name of a quantity."""
+
+    name: str
+    symbol: str
+    dimension: tuple[int, int] | str
+    long_name: str
+
+
+_NUMBER = (0, 0)
+_LENGTH = (1, 0)
+_FORCE = (0, 1)
+_MOMENT = (1, 1)
+_PER_LENGTH = (-1, 0)
+
+_ROWS = (
+    # the rod, the cylinder, what is given
+    Quantity("E", "E", (-2, 1), "Young's modulus"),
+    Quantity("nu", "ν", _NUMBER, "Poisson ratio"),
+    Quantity("a", "a", _LENGTH, "radius of the rod"),
+    Quantity("L", "L", _LENGTH, "length of the rod"),
+    Quantity("R", "R", _LENGTH, "radius of the cylinder"),
+    Quantity("rho", "ρ", _LENGTH, "distance of the centreline from the axis"),
+    Quantity("bending_stiffness", "A", (2, 1), "bending stiffness"),
+    Quantity("torsional_stiffness", "C", (2, 1), "torsional stiffness"),
+    Quantity("beta0", "β₀", "rad", "angle from the axis at the start"),
+    Quantity("dbeta0", "β₀′", "rad/length", "rate of the angle at the start"),
+    Quantity("betaL", "β(L)", "rad", "angle from the axis at the far end"),
+    Quantity("dgamma", "γ₀′", "rad/length", "rate of the section's own rotation at the start"),
+    # along the rod
+    Quantity("u", "s/L", _NUMBER, "share of the length"),
+    Quantity("s", "s", _LENGTH, "arc length"),
+    Quantity("beta", "β", "rad", "angle from the axis to the tangent"),
+    Quantity("dbeta", "β′", "rad/length", "rate of the angle (geodesic curvature)"),
+    Quantity("alpha", "α", "rad", "azimuth"),
+    Quantity("z", "z", _LENGTH, "height along the axis"),
+    Quantity("gamma", "γ", "rad", "rotation of the section"),
+    Quantity("position", "r", _LENGTH, "position of the centreline"),
+    Quantity("kappa", "κ", _PER_LENGTH, "curvature"),
+    Quantity("F1", "F₁", _FORCE, "internal force along the inward normal"),
+    Quantity("F2", "F₂", _FORCE, "internal force in the surface, across the rod"),
+    Quantity("F3", "F₃", _FORCE, "internal force along the tangent, tension positive"),
+    Quantity("FY", "F_Y", _FORCE, "circumferential force"),
+    Quantity("contact", "f", (-1, 1), "push of the cylinder per length, positive outward"),
+    Quantity("M1", "M₁", _MOMENT, "bending moment about the inward normal"),
+    Quantity("M2", "M₂", _MOMENT, "bending moment about the binormal in the surface"),
+    # constants of the rod
+    Quantity("FZ", "F_Z", _FORCE, "axial force"),
+    Quantity("MZ", "M_Z", _MOMENT, "axial moment"),
+    Quantity("M3", "M₃", _MOMENT, "twisting moment"),
+    Quantity("h", "h", (-2, 0), "first integral of the angle"),
+    # observables
+    Quantity("turns", "turns", _NUMBER, "number of bends (interior extrema of beta)"),
+    Quantity("bend_number", "bend number", _NUMBER, "length over half a period of beta"),
+    Quantity("loops", "loops", _NUMBER, "full turns of beta"),
+    Quantity("amplitude", "swing of β", "rad", "largest less smallest beta"),
+    Quantity("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature"),
+    Quantity("kappa_max", "max κ", _PER_LENGTH, "largest curvature"),
+    Quantity("wraps", "wraps", _NUMBER, "turns about the axis"),
+    Quantity("height", "z(L)", _LENGTH, "height of the far end"),
+    Quantity("contact_mean", "mean |f|", (-1, 1), "mean size of the push per length"),
+    Quantity("contact_min", "min f", (-1, 1), "smallest push per length, positive outward"),
+    Quantity("contact_max", "max f", (-1, 1), "largest push per length, positive outward"),
+    Quantity("attached", "attached", _NUMBER, "share of the length where the cylinder pushes"),
+    Quantity("overlaps", "overlaps", _NUMBER, "1 where the rod would pass through itself, else 0"),
+    Quantity("energy", "energy", _MOMENT, "energy less the work of the end loads"),
+    Quantity("index", "index", _NUMBER, "Morse index (0: stable)"),
+    # how well it was solved
+    Quantity("error", "error", _NUMBER, "estimated error of beta, and of alpha and z/rho over max(1, L/rho)"),
+    Quantity("condition", "condition", _NUMBER, "growth of a change of the start along the rod"),
+    Quantity("outcome", "outcome", "text", "solved, or why not"),
+)
+
+QUANTITIES: dict[str, Quantity] = {row.name: row for row in _ROWS}
+
+
+def quantity(name: str) -> Quantity:
+    """The row of one quantity; raises `InputError` for an unknown name."""
+    if name not in QUANTITIES:
+        raise no_such("quantity", name, QUANTITIES)
+    return QUANTITIES[name]
+
+
+def unit_of(name: str, units: Mapping[str, str]) -> str:
+    """The unit of a quantity in a system such as ``{"length": "cm", "force": "N"}``: ``unit_of("E", ...) == "N/cm^2"``."""
+    missing = [key for key in ("length", "force") if not units.get(key)]
+    if missing:
+        raise InputError(f"units need a {' and a '.join(missing)}, got {dict(units)!r}")
+    dimension = quantity(name).dimension
+    if dimension == "text":
+        return ""
+    if isinstance(dimension, str):
+        return dimension.replace("length", units["length"])
+    length, force = dimension
+    above = [_power(units[key], n) for key, n in (("force", force), ("length", length)) if n > 0]
+    below = [_power(units[key], -n) for key, n in (("force", force), ("length", length)) if n < 0]
+    return " ".join(above or ["1"]) + "".join(f"/{unit}" for unit in below)
+
+
+def _power(unit: str, exponent: int) -> str:
+    return unit if exponent == 1 else f"{unit}^{exponent}"
