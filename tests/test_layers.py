@@ -1,0 +1,133 @@
+"""Which floor may import what, decided by reading the source and not by running it."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+SOLVER = {"numpy", "scipy"}
+STUDIES = SOLVER | {"solver", "tomllib", "pydantic"}
+WORKBENCH = STUDIES | {
+    "studies", "xarray", "h5netcdf", "h5py", "pyvista", "matplotlib", "typer", "rich", "jinja2",
+}  # fmt: skip
+FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
+
+STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics
+HEAVY = {
+    "numpy", "scipy", "pandas", "xarray", "h5netcdf", "h5py", "pyvista", "vtk", "vtkmodules", "matplotlib",
+}  # fmt: skip
+
+
+def is_for_type_checkers_only(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and ast.unparse(node.test) in {"TYPE_CHECKING", "typing.TYPE_CHECKING"}
+
+
+def imported(node: ast.AST, package: str, at_start_only: bool = False) -> Iterator[str]:
+    """Absolute dotted names that `node` imports; relative ones are resolved against `package`.
+
+    `from a import b` gives both `a` and `a.b`, as b may be a module. With `at_start_only`, function bodies
+    and `if TYPE_CHECKING` are left out: what remains runs when the module is first imported.
+    """
+    if isinstance(node, ast.Import):
+        yield from (alias.name for alias in node.names)
+    elif isinstance(node, ast.ImportFrom):
+        above = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+        base = ".".join([*above, *([node.module] if node.module else [])])
+        yield base
+        yield from (f"{base}.{alias.name}" for alias in node.names)
+    elif at_start_only and is_for_type_checkers_only(node):
+        assert isinstance(node, ast.If)
+        for child in node.orelse:
+            yield from imported(child, package, at_start_only)
+    elif not (at_start_only and isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)):
+        for child in ast.iter_child_nodes(node):
+            yield from imported(child, package, at_start_only)
+
+
+def imports_of(file: Path, at_start_only: bool = False) -> set[str]:
+    package = ".".join(file.relative_to(ROOT).parent.parts)
+    return set(imported(ast.parse(file.read_text(encoding="utf-8")), package, at_start_only))
+
+
+def tops(names: set[str]) -> set[str]:
+    return {name.partition(".")[0] for name in names}
+
+
+def reaches(names: set[str], modules: set[str]) -> set[str]:
+    """Those of `names` that are one of `modules` or lie inside one."""
+    return {name for name in names if any(f"{name}.".startswith(f"{module}.") for module in modules)}
+
+
+def files_of(*patterns: str) -> list[Path]:
+    found = sorted(file for pattern in patterns for file in ROOT.glob(pattern))
+    assert found, f"no file matches {patterns}: this test would pass by looking at nothing"
+    return found
+
+
+@pytest.mark.parametrize("floor", FLOORS)
+def test_a_floor_imports_only_what_lies_below_it(floor: str) -> None:
+    allowed = FLOORS[floor] | STDLIB | {floor}
+    breaches = {
+        str(file.relative_to(ROOT)): sorted(tops(imports_of(file)) - allowed)
+        for file in files_of(f"{floor}/**/*.py")
+    }
+    assert {file: names for file, names in breaches.items() if names} == {}
+
+
+def test_methods_see_dimensionless_numbers_and_never_a_case() -> None:
+    for file in files_of("solver/methods/*.py"):
+        seen = reaches(imports_of(file), {"solver.case", "solver.Case", "solver.Rod", "solver.Cylinder"})
+        assert not seen, f"{file.name} can see E and R"
+
+
+def test_drawing_reads_datasets_and_never_solves() -> None:
+    solving = {"solver.solve", "solver.equilibria", "solver.methods"}
+    for file in files_of("workbench/plots.py", "workbench/scenes.py", "workbench/style.py"):
+        assert not reaches(imports_of(file), solving), f"{file.name} solves"
+
+
+def test_the_command_line_imports_what_is_heavy_only_inside_functions() -> None:
+    (cli,) = files_of("workbench/cli.py")
+    assert tops(imports_of(cli, at_start_only=True)) & HEAVY == set()
+
+
+def test_importing_the_command_line_loads_nothing_heavy_through_a_back_door() -> None:
+    code = f"import sys, workbench.cli; print(*sorted({HEAVY!r} & set(sys.modules)))"
+    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.split() == []
+
+
+def test_the_reader_finds_imports_wherever_they_hide() -> None:
+    source = """
+import os.path as p, numpy
+from . import near
+from ..case import Rod
+if TYPE_CHECKING:
+    import xarray
+else:
+    import rich
+try:
+    import h5py
+except ImportError:
+    pass
+class A:
+    import pyvista
+def f():
+    import scipy.special
+    async def g():
+        from matplotlib import pyplot
+"""
+    at_start = {
+        "os.path", "numpy", "solver.methods", "solver.methods.near", "solver.case", "solver.case.Rod", "rich",
+        "h5py", "pyvista",
+    }  # fmt: skip
+    later = {"xarray", "scipy.special", "matplotlib", "matplotlib.pyplot"}
+    tree = ast.parse(source)
+    assert set(imported(tree, "solver.methods", at_start_only=True)) == at_start
+    assert set(imported(tree, "solver.methods")) == at_start | later
