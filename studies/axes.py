@@ -1,0 +1,178 @@
+"""The parts of a study that are numbers with a unit: units, base case, axes."""
+
+from dataclasses import fields
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from solver import Cylinder, Ends, Rod, Start
+from solver.errors import choices
+from solver.quantities import Quantity, quantity
+
+STRICT = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+LENGTHS = ("nm", "um", "mm", "cm", "dm", "m", "km", "in", "ft")
+FORCES = ("pN", "nN", "uN", "mN", "N", "daN", "kN", "MN", "dyn", "gf", "kgf", "lbf")
+
+ROD = tuple(f.name for f in fields(Rod))
+CYLINDER = tuple(f.name for f in fields(Cylinder))
+START = tuple(f.name for f in fields(Start))
+ENDS = tuple(f.name for f in fields(Ends))
+WORDS = ("stiffness", "side")  # the fields that are not numbers
+
+MAX_COUNT = 100_000  # of the values of an axis, and of the cases of a grid
+
+# A field of Start is what the quantity of another name is at s = 0.
+_AT_START = {"beta": "beta0", "dbeta": "dbeta0"}
+
+
+class Misplaced(ValueError):
+    """A refusal that knows the key it is about: path, from the model that raises it."""
+
+    def __init__(self, message: str, *path: str | int) -> None:
+        super().__init__(message)
+        self.path = path
+
+
+def quantity_of(field: str) -> Quantity:
+    """The quantity that a field of a case is: `beta` of Start is beta0."""
+    return quantity(_AT_START.get(field, field))
+
+
+class Units(BaseModel):
+    """The units that every number of a study is in."""
+
+    model_config = STRICT
+
+    length: str
+    force: str
+
+    @field_validator("length")
+    @classmethod
+    def _length(cls, value: str) -> str:
+        return _unit("length", value, LENGTHS)
+
+    @field_validator("force")
+    @classmethod
+    def _force(cls, value: str) -> str:
+        return _unit("force", value, FORCES)
+
+
+def _unit(kind: str, value: str, known: tuple[str, ...]) -> str:
+    if value not in known:
+        raise ValueError(f"{value!r} is no unit of {kind}; choose from {choices(known)}")
+    return value
+
+
+class Base(BaseModel):
+    """The case that the axes vary: fields of Rod, Cylinder, and Start or Ends, each a number."""
+
+    model_config = STRICT
+
+    E: float | None = None
+    nu: float | None = None
+    a: float | None = None
+    L: float | None = None
+    stiffness: Literal["solid", "paper"] | None = None
+    R: float | None = None
+    side: Literal["outside", "inside"] | None = None
+    beta: float | None = None
+    dbeta: float | None = None
+    F1: float | None = None
+    F2: float | None = None
+    F3: float | None = None
+    dgamma: float | None = None
+    alpha: float | None = None
+    gamma: float | None = None
+    beta0: float | None = None
+    betaL: float | None = None
+    FZ: float | None = None
+    MZ: float | None = None
+    M3: float | None = None
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """The fields that were given."""
+        return self.model_dump(exclude_none=True)
+
+
+class Axis(BaseModel):
+    """The values of one axis: a list, or from, to and count; or, for betaL alone, followed up to a limit.
+
+    unit: only where it differs from the study's: "deg" for an angle. Values are used and stored in rad.
+    """
+
+    model_config = STRICT
+
+    values: list[float] | None = None
+    from_: float | None = Field(None, alias="from")
+    to: float | None = None
+    count: int | None = None
+    spacing: Literal["linear", "geometric"] = "linear"
+    unit: str | None = None
+    follow: bool = False
+
+    @model_validator(mode="after")
+    def _one_way(self) -> "Axis":
+        ways = "give values, or from, to and count"
+        if self.values is not None:
+            also = [k for k in ("from", "to", "count", "spacing", "follow") if k in self._said()]
+            if also:
+                raise Misplaced(f"values and {also[0]} exclude each other: {ways}", also[0])
+            if not self.values:
+                raise Misplaced("the axis is empty: give at least one value", "values")
+            if len(set(self.values)) < len(self.values):
+                twice = next(v for i, v in enumerate(self.values) if v in self.values[:i])
+                raise Misplaced(f"{twice!r} stands twice among the values", "values")
+            return self
+        if self.follow and "from" in self._said():
+            raise Misplaced("a followed axis starts from the base rod's own value: leave out from", "from")
+        needed = ("to", "count") if self.follow else ("from", "to", "count")
+        missing = [key for key in needed if key not in self._said()]
+        if missing:
+            raise ValueError(f"the axis has no {', '.join(missing)}: {ways}")
+        self._check_range()
+        return self
+
+    def _said(self) -> set[str]:
+        return {"from" if name == "from_" else name for name in self.model_fields_set}
+
+    def _check_range(self) -> None:
+        assert self.to is not None
+        assert self.count is not None
+        if self.count < 1:
+            raise Misplaced(f"the axis is empty: count must be at least 1, got {self.count}", "count")
+        if self.follow or self.from_ is None:
+            return
+        if (self.count == 1) != (self.from_ == self.to):
+            ends = f"from {self.from_:g} to {self.to:g}"
+            raise Misplaced(f"{self.count} distinct values do not fit {ends}", "count")
+        if self.spacing == "geometric" and not self.from_ * self.to > 0:
+            raise Misplaced(
+                f"geometric spacing needs both ends of one sign and not 0, got {self.from_:g} to {self.to:g}",
+                "spacing",
+            )
+
+    @property
+    def size(self) -> int:
+        """How many values."""
+        return len(self.values) if self.values is not None else int(self.count or 0)
+
+    def numbers(self) -> NDArray[np.float64]:
+        """The values, (size,), angles in rad. Only for axes that are not followed."""
+        if self.values is not None:
+            values = np.array(self.values, dtype=float)
+        else:
+            assert self.from_ is not None
+            assert self.to is not None
+            space = np.geomspace if self.spacing == "geometric" else np.linspace
+            values = space(self.from_, self.to, self.size)
+        return np.deg2rad(values) if self.unit == "deg" else values
+
+    @property
+    def limit(self) -> float:
+        """Where a followed axis ends at the latest [rad]."""
+        assert self.to is not None
+        return float(np.deg2rad(self.to)) if self.unit == "deg" else self.to

@@ -1,0 +1,178 @@
+"""Laws and their verdicts: does an observable rise or fall along an axis, as a sentence says it must?
+
+*holds*: every step goes the right way; a count may stay the same between neighbours but must change over the
+whole axis. *holds as a trend*: Kendall's tau in the direction is at least 0.8; the steps that go the wrong
+way are listed. *fails*: neither, or a case is unsolved.
+
+Tau is tau-b: right less wrong pairs over sqrt(all pairs x pairs whose values differ), so a count that pauses
+loses a little.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import BaseModel, ConfigDict, Field
+
+from solver.errors import InputError, choices, no_such
+
+HOLDS, TREND, FAILS = "holds", "holds as a trend", "fails"
+VERDICTS = (HOLDS, TREND, FAILS)  # best first
+
+# direction -> (sign of a right step, whether standing still is allowed)
+DIRECTIONS = {"rises": (1, False), "falls": (-1, False), "not-falling": (1, True), "not-rising": (-1, True)}
+
+COUNTS = frozenset({"turns", "loops", "overlaps", "index"})  # observables that are whole numbers
+
+TREND_TAU = 0.8
+NOISE = 1e-9  # of the largest value; a smaller step is none, as the solver's own tolerance is 1e-8
+
+
+class Law(BaseModel):
+    """One law of a study: how an observable goes along an axis, and the sentence that says so.
+
+    claim: a short label, "(1)". also: further observables that the sentence admits, judged in the same
+    direction.
+    """
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+    claim: str
+    observable: str
+    axis: str
+    direction: Literal["rises", "falls", "not-falling", "not-rising"]
+    source: str = Field(min_length=1)
+    also: list[str] = []
+
+    @property
+    def observables(self) -> list[str]:
+        """The law's observable, then the others it admits."""
+        return [self.observable, *self.also]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """holds, holds as a trend, or fails; tau in the law's direction (None where nothing varies or a case is unsolved).
+
+    exceptions: the steps (i, i + 1) that go the wrong way. reason: why it fails, where it is not the trend.
+    """
+
+    verdict: str
+    tau: float | None = None
+    exceptions: list[tuple[int, int]] = field(default_factory=list)
+    reason: str = ""
+
+
+def judge(values: ArrayLike, direction: str, count: bool | None = None) -> Verdict:
+    """The verdict on values along an axis, in the axis's rising order.
+
+    count: whether the values are a count, which may stay the same between neighbours; by default, whether
+    they are integers. Raises `InputError` for an unknown direction or values that are not one row of numbers.
+    """
+    if direction not in DIRECTIONS:
+        raise no_such("direction", direction, DIRECTIONS)
+    given = np.asarray(values)
+    if given.ndim != 1 or given.size == 0 or given.dtype.kind not in "iufb":
+        raise InputError(f"a law judges one row of numbers, got an array of shape {given.shape}")
+    row = given.astype(float)
+    unsolved = int(np.count_nonzero(~np.isfinite(row)))
+    if unsolved:
+        return Verdict(FAILS, reason=f"{unsolved} of {row.size} cases unsolved")
+    sign, may_stand = DIRECTIONS[direction]
+    noise = NOISE * float(np.abs(row).max())
+    pausing = may_stand or (given.dtype.kind in "iub" if count is None else count)
+    steps = sign * np.diff(row)
+    wrong = steps < -noise if pausing else steps <= noise
+    exceptions = [(int(i), int(i) + 1) for i in np.flatnonzero(wrong)]
+    changed = may_stand or sign * (row[-1] - row[0]) > noise
+    tau = _tau(row, sign, noise)
+    if not exceptions and changed:
+        return Verdict(HOLDS, tau)
+    if tau is not None and tau >= TREND_TAU:
+        return Verdict(TREND, tau, exceptions)
+    return Verdict(FAILS, tau, exceptions, "" if np.ptp(row) > noise else "it does not change")
+
+
+def _tau(row: NDArray[np.float64], sign: int, noise: float) -> float | None:
+    """Kendall's tau-b of a row against its order, times the sign; differences within the noise are ties."""
+    i, j = np.triu_indices(row.size, 1)
+    steps = row[j] - row[i]
+    steps = steps[np.abs(steps) > noise]
+    if steps.size == 0:
+        return None
+    return float(sign * np.sign(steps).sum() / np.sqrt(i.size * steps.size))
+
+
+def worst(verdicts: Sequence[str]) -> str:
+    """The worst of some verdicts."""
+    return max(verdicts, key=VERDICTS.index)
+
+
+def decide(law: Law, observed: Mapping[str, ArrayLike], axes: Mapping[str, ArrayLike]) -> dict[str, Any]:
+    """The law's verdict and those of the other observables it admits, as plain data.
+
+    observed: name -> array over the grid, one dimension an axis, in the order of `axes`, NaN where unsolved;
+    axes: name -> values. On a grid of several axes every line along the law's axis is judged, and the worst
+    line's verdict is the law's.
+
+    Returns the law's own fields and, for it and each entry of "also": verdict, tau (the smallest), lines,
+    lines_hold, lines_trend, exceptions (from, to: values of the axis; values; at: the other axes), reason,
+    first and last (the range of the observable at the two ends of the axis). Raises `InputError` where the
+    observable or the axis is missing.
+    """
+    missing = [name for name in law.observables if name not in observed]
+    if missing:
+        raise InputError(f"the law {law.claim} needs {missing[0]!r}; there are {choices(observed)}")
+    if law.axis not in axes:
+        raise no_such("axis", law.axis, axes)
+    rows = [
+        {"observable": name, **_over_lines(law, name, np.asarray(observed[name]), axes)}
+        for name in law.observables
+    ]
+    told = {name: getattr(law, name) for name in ("claim", "axis", "direction", "source")}
+    return {**told, **rows[0], "also": rows[1:]}
+
+
+def _over_lines(law: Law, name: str, grid: NDArray[Any], axes: Mapping[str, ArrayLike]) -> dict[str, Any]:
+    """The verdict over every line of the grid along the law's axis."""
+    dims = list(axes)
+    if grid.shape != tuple(np.size(axes[dim]) for dim in dims):
+        raise InputError(f"{name} has shape {grid.shape}, but its axes are {', '.join(dims)}")
+    along = np.asarray(axes[law.axis], dtype=float)
+    order = np.argsort(along, kind="stable")
+    along = along[order]
+    lines = np.moveaxis(grid, dims.index(law.axis), -1)[..., order]
+    others = [dim for dim in dims if dim != law.axis]
+    verdicts, exceptions = [], []
+    for where in np.ndindex(lines.shape[:-1]):
+        line = lines[where]
+        verdict = judge(line, law.direction, count=name in COUNTS)
+        verdicts.append(verdict)
+        at = {dim: float(np.asarray(axes[dim])[i]) for dim, i in zip(others, where, strict=True)}
+        exceptions += [
+            {"from": float(along[i]), "to": float(along[j]), "values": line[[i, j]].tolist(), "at": at}
+            for i, j in verdict.exceptions
+        ]
+    names = [verdict.verdict for verdict in verdicts]
+    taus = [verdict.tau for verdict in verdicts if verdict.tau is not None]
+    reasons = sorted({verdict.reason for verdict in verdicts if verdict.reason})
+    return {
+        "verdict": worst(names),
+        "tau": min(taus) if taus else None,
+        "lines": len(names),
+        "lines_hold": names.count(HOLDS),
+        "lines_trend": names.count(TREND),
+        "exceptions": exceptions,
+        "reason": "; ".join(reasons),
+        "first": _range(lines[..., 0]),
+        "last": _range(lines[..., -1]),
+    }
+
+
+def _range(values: NDArray[Any]) -> list[float] | None:
+    """Smallest and largest, or None where a case is unsolved."""
+    finite = np.isfinite(values.astype(float))
+    return [float(values.min()), float(values.max())] if finite.all() else None
+

@@ -1,0 +1,191 @@
+"""What a study is: units, how Table 1 is read, a base case, axes, what to compute, and laws."""
+
+from math import prod
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, Field, PrivateAttr, field_validator, model_validator
+
+from solver import Case, Cylinder, Ends, InputError, Rod, Start
+from solver.case import from_fields
+from solver.errors import choices
+from solver.observables import OBSERVABLES
+from solver.quantities import unit_of
+
+from . import axes as parts
+from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Misplaced, Units
+from .laws import Law
+from .readings import TABLE_1, Reading, parse
+
+# What can be stored along the rod: names of `Solution`.
+OUTPUTS = (
+    "beta", "dbeta", "alpha", "z", "gamma", "position", "kappa",
+    "F1", "F2", "F3", "FY", "contact", "M1", "M2", "h",
+)  # fmt: skip
+
+MAX_VALUES = 20_000_000  # cases x stations: 160 MB a stored output
+
+
+class Study(BaseModel):
+    """One study. Without axes it is a single case.
+
+    With a `reading`, base and axes are values as Table 1 prints them (F1 is F10, F3 the size of F30), the
+    table's own where left out, and the reading makes the case of them. Without one they are the fields of the
+    case themselves.
+    """
+
+    model_config = parts.STRICT
+
+    name: str = Field("study", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")
+    title: str = Field(min_length=1)
+    units: Units
+    reading: str | None = None
+    base: Base = Base()
+    axes: dict[str, Axis] = {}
+    observables: list[str] = []
+    outputs: list[str] = ["beta", "alpha", "z", "contact"]
+    stations: int = Field(201, ge=2, le=100_001)
+    tol: float = Field(1e-8, gt=0, lt=1)
+    method: str = "auto"
+    laws: list[Law] = []
+    _text: str = PrivateAttr("")
+
+    @field_validator("reading")
+    @classmethod
+    def _full_reading(cls, value: str | None) -> str | None:
+        return None if value is None else parse(value).name
+
+    @field_validator("observables")
+    @classmethod
+    def _known_observables(cls, value: list[str]) -> list[str]:
+        return _known("observable", value, OBSERVABLES)
+
+    @field_validator("outputs")
+    @classmethod
+    def _known_outputs(cls, value: list[str]) -> list[str]:
+        return _known("output", value, OUTPUTS)
+
+    @model_validator(mode="after")
+    def _base_fits(self) -> "Study":
+        fields = self.fields
+        for name in self.base.given:
+            if name not in fields:
+                why = "Table 1 prints no" if self.reading else f"a study of {self._kind.__name__} has no"
+                raise Misplaced(f"{why} {name!r}; choose from {choices(fields)}", "base", name)
+        return self
+
+    @model_validator(mode="after")
+    def _axes_fit(self) -> "Study":
+        numeric = [name for name in self.fields if name not in parts.WORDS]
+        for name, axis in self.axes.items():
+            if name not in numeric and not (axis.follow and name == "betaL"):
+                raise Misplaced(f"no axis {name!r}; choose from {choices(numeric)}", "axes", name)
+            if axis.follow and (name != "betaL" or len(self.axes) > 1 or self._kind is Ends):
+                why = "follow is for betaL alone, over a base rod given at its start"
+                raise Misplaced(why, "axes", name, "follow")
+            unit = unit_of(parts.quantity_of(name).name, self.unit_system)
+            allowed = [unit, "deg"] if unit == "rad" else [unit]
+            if axis.unit is not None and axis.unit not in allowed:
+                why = f"{name} is in {' or '.join(allowed)}, got unit {axis.unit!r}"
+                raise Misplaced(why, "axes", name, "unit")
+        cases = prod(axis.size for axis in self.axes.values())
+        values = cases * self.stations
+        if cases > parts.MAX_COUNT:
+            raise Misplaced(f"the grid has {cases} cases, more than the limit of {parts.MAX_COUNT}", "axes")
+        if values > MAX_VALUES:
+            size = f"{cases} cases at {self.stations} stations are {values} values"
+            raise Misplaced(f"{size}, more than the limit of {MAX_VALUES}", "axes")
+        return self
+
+    @model_validator(mode="after")
+    def _laws_fit(self) -> "Study":
+        for i, law in enumerate(self.laws):
+            if law.axis not in self.axes:
+                raise Misplaced(f"no axis {law.axis!r}; choose from {choices(self.axes)}", "laws", i, "axis")
+            for key, names in (("observable", [law.observable]), ("also", law.also)):
+                try:
+                    _known("observable", names, OBSERVABLES)
+                except ValueError as error:
+                    raise Misplaced(str(error), "laws", i, key) from None
+        return self
+
+    # what it says
+
+    @property
+    def text(self) -> str:
+        """The TOML that it was read from, or empty."""
+        return self._text
+
+    @property
+    def unit_system(self) -> dict[str, str]:
+        """``{"length": "cm", "force": "N"}``."""
+        return self.units.model_dump()
+
+    @property
+    def _kind(self) -> type:
+        """Start or Ends, from the names that were given."""
+        said = {*self.base.given, *(name for name, axis in self.axes.items() if not axis.follow)}
+        return Ends if said & (set(ENDS) - set(START)) else Start
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """The names that base may give."""
+        if self.reading:
+            return (*TABLE_1, "side")
+        return (*ROD, *CYLINDER, *(START if self._kind is Start else ENDS))
+
+    @property
+    def follow(self) -> Axis | None:
+        """The axis along which an equilibrium is followed, or None."""
+        return next((axis for axis in self.axes.values() if axis.follow), None)
+
+    @property
+    def wanted(self) -> list[str]:
+        """The observables to compute: those named, and those that the laws judge."""
+        judged = (name for law in self.laws for name in law.observables)
+        return list(dict.fromkeys([*self.observables, *judged]))
+
+    def under(self, reading: str | None) -> "Study":
+        """The same study under another reading; words left out keep the study's own. Raises `InputError`."""
+        if reading is None:
+            return self
+        if self.reading is None:
+            raise InputError(f"{self.name} does not use Table 1, so it has no reading {reading!r}")
+        return self.model_copy(update={"reading": parse(reading, parse(self.reading)).name})
+
+    def coordinates(self) -> dict[str, NDArray[np.float64]]:
+        """The values of each axis that is not followed, angles in rad."""
+        return {name: axis.numbers() for name, axis in self.axes.items() if not axis.follow}
+
+    def meaning(self, field: str) -> str:
+        """What the study's reading makes of a printed value, in words; empty where nothing need be said."""
+        return parse(self.reading).meaning(field) if self.reading else ""
+
+    def case(self) -> Case:
+        """The whole grid as one case, of shape (size of each axis, in their order); a followed study's base rod.
+
+        Raises `InputError` for a value that the solver refuses.
+        """
+        values: dict[str, Any] = self.base.given
+        coordinates = self.coordinates()
+        for i, (name, numbers) in enumerate(coordinates.items()):
+            values[name] = numbers.reshape([-1 if i == k else 1 for k in range(len(coordinates))])
+        if self.reading:
+            side = values.pop("side", "outside")
+            return parse(self.reading).case(values, side)
+        rod, cylinder = ({k: values[k] for k in names if k in values} for names in (ROD, CYLINDER))
+        given = {k: v for k, v in values.items() if k not in (*ROD, *CYLINDER)}
+        return Case(from_fields(Rod, rod), from_fields(Cylinder, cylinder), from_fields(self._kind, given))
+
+
+def reading_of(study: Study) -> Reading | None:
+    """The reading of a study, or None where it does not use Table 1."""
+    return parse(study.reading) if study.reading else None
+
+
+def _known(kind: str, names: list[str], known: Any) -> list[str]:
+    for name in names:
+        if name not in known:
+            raise ValueError(f"no {kind} {name!r}; choose from {choices(known)}")
+    return names

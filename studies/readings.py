@@ -1,0 +1,119 @@
+"""Table 1 of the paper, and the twelve ways to read it.
+
+The table prints the twist rate gamma0' and the normal force F10, which fix the same thing and contradict each
+other, and it leaves out F20; it does not say what sign F30 has, and eq. (20) has a stiffness of its own. So
+whoever uses it names a reading: where the twist comes from, tension or compression, and the stiffness.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from solver import Case, Cylinder, InputError, Rod, Start
+from solver.errors import choices
+
+# Table 1, in cm and N, and the length from the text below eq. (47). F1 is F10, F3 is F30, a prime is a
+# leading d.
+TABLE_1: dict[str, float] = {
+    "E": 1.07e4,
+    "nu": 0.25,
+    "R": 0.75,
+    "a": 0.25,
+    "L": 20.0,
+    "alpha": 0.0,
+    "beta": float(np.pi / 6),
+    "gamma": -0.1,
+    "dbeta": 0.5,
+    "dgamma": 0.5,
+    "F1": 5.0,
+    "F3": 10.0,
+}
+
+TWISTS = ("force-first", "twist-first", "shear")
+LOADS = ("tension", "compression")
+STIFFNESSES = ("paper", "solid")
+
+# What becomes of a printed value, where it is not simply the field of its name.
+MEANING = {
+    ("force-first", "dgamma"): "printed, but dropped by the reading",
+    ("twist-first", "F1"): "printed, but dropped by the reading: it has no effect",
+    ("shear", "F1"): "printed F10, taken as the in-surface shear F2",
+    ("tension", "F3"): "printed F30, taken as tension",
+    ("compression", "F3"): "printed F30, taken as compression",
+}
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One way to read the table.
+
+    twist: "force-first" (F1 = F10, gamma0' dropped), "twist-first" (gamma0', F10 dropped) or "shear"
+    (gamma0', and F10 is the in-surface shear F2). load: "tension" (F3 = +F30) or "compression" (F3 = -F30).
+    stiffness: "paper" or "solid".
+    """
+
+    twist: str = "force-first"
+    load: str = "tension"
+    stiffness: str = "paper"
+
+    @property
+    def name(self) -> str:
+        """``force-first/tension/paper``."""
+        return f"{self.twist}/{self.load}/{self.stiffness}"
+
+    def meaning(self, field: str) -> str:
+        """What the reading makes of a printed value, in words; empty where that is the field of its name."""
+        return MEANING.get((self.twist, field)) or MEANING.get((self.load, field)) or ""
+
+    def case(self, printed: Mapping[str, Any] | None = None, side: str = "outside") -> Case:
+        """The case of printed values (numbers or arrays that broadcast); Table 1 where they are left out.
+
+        Every field of the case is an array of the full grid where any value is one, even if the reading drops
+        it. Raises `InputError` for a name that the table does not print, or a value that the solver refuses.
+        """
+        printed = dict(printed or {})
+        for name in printed:
+            if name not in TABLE_1:
+                raise InputError(f"Table 1 prints no {name!r}; choose from {choices(TABLE_1)}")
+        p: dict[str, Any] = {**TABLE_1, **printed}
+        grid = np.broadcast_shapes(*(np.shape(value) for value in p.values()))
+        sign = 1.0 if self.load == "tension" else -1.0
+        given: dict[str, Any] = {"F3": sign * np.asarray(p["F3"])}
+        if self.twist == "force-first":
+            given["F1"] = p["F1"]
+        else:
+            given["dgamma"] = p["dgamma"]
+            given["F2"] = p["F1"] if self.twist == "shear" else 0.0
+        given["alpha"] = np.broadcast_to(p["alpha"], grid)  # keeps the axis of a value that was dropped
+        return Case(
+            Rod(p["E"], p["nu"], p["a"], p["L"], self.stiffness),
+            Cylinder(p["R"], side),
+            Start(p["beta"], p["dbeta"], gamma=p["gamma"], **given),
+        )
+
+
+READINGS: dict[str, Reading] = {
+    reading.name: reading for reading in (Reading(*parts) for parts in product(TWISTS, LOADS, STIFFNESSES))
+}
+DEFAULT = Reading()
+
+
+def parse(text: str, default: Reading = DEFAULT) -> Reading:
+    """The reading of ``force-first/tension/paper``, or of some of these words; the others are the default's.
+
+    Raises `InputError` for a word that is none of them, or two words for the same choice.
+    """
+    parts = {"twist": default.twist, "load": default.load, "stiffness": default.stiffness}
+    said: dict[str, str] = {}
+    for word in text.split("/"):
+        for part, words in (("twist", TWISTS), ("load", LOADS), ("stiffness", STIFFNESSES)):
+            if word in words and part not in said:
+                said[part] = word
+                break
+        else:
+            ways = " / ".join("|".join(words) for words in (TWISTS, LOADS, STIFFNESSES))
+            raise InputError(f"no reading {text!r}; choose one word, or one from each of {ways}")
+    return Reading(**{**parts, **said})
