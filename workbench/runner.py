@@ -1,0 +1,47 @@
+"""From a study to a dataset: the whole grid is one case, solved in one call."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from solver import solve
+from studies import Study
+
+from . import check, dataset
+
+
+@dataclass(frozen=True, eq=False)
+class StudyResult:
+    """A study that was run: its dataset, its laws' verdicts, and where things are.
+
+    verdicts: rows of `check.verdicts`. path: the stored file. pictures: name -> file.
+    """
+
+    study: Study
+    ds: xr.Dataset
+    verdicts: list[dict[str, Any]]
+    path: Path | None = None
+    pictures: dict[str, Path] = field(default_factory=dict)
+
+
+def run(study: Study, tol: float | None = None, method: str | None = None) -> xr.Dataset:
+    """Solve every case of a study and label the answer; tol and method in place of the study's own where given.
+
+    A case that fails keeps its outcome and leaves its neighbours alone. Raises `InputError` for what cannot
+    be asked.
+    """
+    tol = study.tol if tol is None else tol
+    method = method or study.method
+    if study.follow is not None:
+        from .following import run_followed
+
+        return run_followed(study, tol, method)
+    sol = solve(study.case(), tol=tol, method=method, stations=study.stations)
+    return dataset.make(study, study.coordinates(), sol)
+
+
+def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:
+    """A dataset with the verdicts of its laws."""
+    return StudyResult(study, ds, check.verdicts(ds), path)

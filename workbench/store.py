@@ -1,0 +1,101 @@
+"""Datasets to and from HDF5 (netCDF4-compatible): written aside and renamed, so that no half file takes a good one's place."""
+
+import contextlib
+import os
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from solver.errors import InputError
+
+NEEDED = ("title", "study_name", "study", "laws")  # attributes by which a file is known as one of ours
+# What h5py, h5netcdf and xarray raise on files that are not HDF5, not netCDF, cut short or damaged.
+_UNREADABLE = (OSError, ValueError, KeyError, RuntimeError, TypeError, AttributeError, EOFError)
+
+
+def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
+    """Store a dataset under `path` and return it.
+
+    A file that is already there gives way only if it is a dataset of the same study, or with `force`. Raises
+    `InputError` where it is something else, or where the folder cannot be written; what was there then stays
+    as it was.
+    """
+    path = Path(path)
+    if not force:
+        check_free(path, str(ds.attrs["study_name"]))
+    aside = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        ds.to_netcdf(aside, engine="h5netcdf", encoding=_encoding(ds), invalid_netcdf=False)
+        _flush(aside)
+        os.replace(aside, path)
+        _flush(path.parent)
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror or error}") from None
+    finally:
+        with contextlib.suppress(OSError):
+            aside.unlink(missing_ok=True)
+    return path
+
+
+def read(path: str | Path) -> xr.Dataset:
+    """The dataset of a file, all in memory. Raises `InputError` where it is missing, cut short, or not one of ours."""
+    path = Path(path)
+    if not path.exists():
+        raise InputError(f"there is no file {path}")
+    if path.is_dir():
+        raise InputError(f"{path} is a folder, not a dataset")
+    try:
+        ds = xr.load_dataset(path, engine="h5netcdf")
+    except PermissionError:
+        raise InputError(f"cannot read {path}: permission denied") from None
+    except _UNREADABLE:
+        raise InputError(f"{path} cannot be read as HDF5: it is damaged, cut short, or another kind of file") from None
+    missing = [name for name in NEEDED if name not in ds.attrs]
+    if missing or "outcome" not in ds:
+        raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
+    return ds
+
+
+def check_free(path: str | Path, study_name: str) -> None:
+    """Raise `InputError` unless nothing is at `path`, or a dataset of the study of that name."""
+    path = Path(path)
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; give the name of a file")
+    if not path.exists():
+        return
+    try:
+        there = read(path).attrs["study_name"]
+    except InputError:
+        raise InputError(f"{path} exists and is no dataset of a study; give --force to replace it") from None
+    if there != study_name:
+        raise InputError(f"{path} holds the study {there!r}, not {study_name!r}; give --force to replace it")
+
+
+def check_folder(folder: str | Path) -> Path:
+    """The folder, made if need be; `InputError` where it cannot be written."""
+    folder = Path(folder)
+    probe = folder / f".probe.{os.getpid()}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe.write_bytes(b"")
+        probe.unlink()
+    except OSError as error:
+        raise InputError(f"cannot write into the folder {folder}: {error.strerror or error}") from None
+    return folder
+
+
+def _encoding(ds: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """gzip 1 and shuffle for arrays of numbers; scalars and text cannot be packed."""
+    packed = {"zlib": True, "complevel": 1, "shuffle": True}
+    return {str(name): packed for name, v in ds.variables.items() if v.ndim and v.dtype.kind in "iuf"}
+
+
+def _flush(path: Path) -> None:
+    """Have the system put a file, or the names in a folder, on the disk."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
