@@ -1,28 +1,216 @@
-"""The algebra of the potential G: what it is, and (below) where it turns.
+"""The algebra of the potential: where it turns, and how far it lies below a level, without losing digits.
 
-Dimensionless throughout (lengths in rho): beta_t^2 + G(beta) = eta, beta_tt = -H(beta), H = G'/2; eqs. (32), (35).
+Dimensionless throughout (lengths in rho): beta_t^2 + G(beta) = eta and beta_tt = -H(beta), H = G'/2; eqs. (32), (35).
+A centre is a minimum of G (a stable helix of the dynamics in t), a saddle a maximum.
 """
 
+from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .reduced import Reduced
+from .reduced import Array, Reduced
+from .roots import bracketed
+
+TAU = 2 * np.pi
 
 
-def potential(problem: Reduced, beta: Any) -> Any:
+def potential(problem: Any, beta: Any) -> Any:
     """G(beta), eq. (32) corrected; beta broadcasts against the problems' (B,)."""
     s, c = np.sin(beta), np.cos(beta)
     return (2 * (problem.lam - problem.mu * c) - s**3) * s + 2 * problem.phi * c
 
 
-def slope(problem: Reduced, beta: Any) -> Any:
-    """H(beta) = G'/2, eq. (35) corrected."""
+def slope(problem: Any, beta: Any) -> Any:
+    """H(beta) = G'/2, eq. (35) corrected; written so that lam and mu cancel exactly about beta = 0."""
     s, c = np.sin(beta), np.cos(beta)
-    return problem.lam * c - problem.mu * (c - s) * (c + s) - (problem.phi + 2 * c * s * s) * s
+    bent = 2 * np.sin(beta / 2) ** 2 * (1 + 2 * c)  # cos(beta) - cos(2 beta)
+    return (problem.lam - problem.mu) * c + problem.mu * bent - (problem.phi + 2 * c * s * s) * s
 
 
-def slope_rate(problem: Reduced, beta: Any) -> Any:
+def slope_rate(problem: Any, beta: Any) -> Any:
     """H'(beta): positive about a centre, negative about a saddle."""
     s, c = np.sin(beta), np.cos(beta)
     return -problem.lam * s + 4 * problem.mu * s * c - problem.phi * c - 2 * s * s * (3 * c * c - s * s)
+
+
+@dataclass(frozen=True, eq=False)
+class Extrema:
+    """The critical points of G in [-pi, pi) of B problems, rising; padded to (B, K) with NaN.
+
+    beta: (B, K). centre: (B, K), whether each is a minimum of G; they alternate. count: (B,), even, at least 2.
+    """
+
+    beta: Array
+    centre: NDArray[np.bool_]
+    count: NDArray[np.int64]
+
+
+@cache
+def _grid() -> tuple[Array, Array]:
+    """Angles and H, H' there as linear functions of (lam - mu, mu, phi, 1): (M,), (4, 2 M).
+
+    Even spacing leaves at most one pair of roots of H in a cell; small loads gather three roots about beta = 0,
+    which points in geometric progression tell apart.
+    """
+    near = 2.0 ** -np.arange(6, 42)
+    even = np.linspace(-np.pi, np.pi, 193)[:-1] + 1e-3
+    angles = np.sort(np.concatenate([even, near, -near, [0.0]]))
+    s, c = np.sin(angles), np.cos(angles)
+    value = [c, 2 * np.sin(angles / 2) ** 2 * (1 + 2 * c), -s, -2 * c * s**3]
+    rate = [-s, -s + 2 * np.sin(2 * angles), -c, -2 * s * s * (3 * c * c - s * s)]
+    return angles, np.hstack([value, rate])
+
+
+def extrema(problem: Reduced) -> Extrema:
+    """Every helix: the roots of H, found as sign changes on a grid and polished inside their brackets."""
+    angles, basis = _grid()
+    m = angles.size
+    loads = np.stack([problem.lam - problem.mu, problem.mu, problem.phi, np.ones(problem.size)], axis=1)
+    both = loads @ basis
+    value, rate = both[:, :m], both[:, m:]
+    right = np.append(angles[1:], angles[0] + TAU)
+    rising = value >= 0
+    change = rising != np.roll(rising, -1, axis=1)
+    row, cell = np.nonzero(change)
+    lo, hi, up = angles[cell], right[cell], ~rising[row, cell]
+    row2, lo2, hi2, up2 = _pairs(problem, angles, right, value, rate, change)
+    if row2.size:
+        row, lo, hi, up = (np.concatenate(ab) for ab in ((row, row2), (lo, lo2), (hi, hi2), (up, up2)))
+    loads_at = problem.take(row)
+    sign = np.where(up, 1.0, -1.0)
+    roots = bracketed(lambda x: (sign * slope(loads_at, x), sign * slope_rate(loads_at, x)), lo, hi)
+    roots = np.where(roots >= np.pi, roots - TAU, roots)
+    order = np.lexsort((roots, row))
+    row, roots, up = row[order], roots[order], up[order]
+    count = np.bincount(row, minlength=problem.size)
+    place = np.arange(row.size) - np.repeat(np.cumsum(count) - count, count)
+    width = int(count.max(initial=0))
+    beta = np.full((problem.size, width), np.nan)
+    centre = np.zeros((problem.size, width), dtype=bool)
+    beta[row, place], centre[row, place] = roots, up
+    return Extrema(beta, centre, count)
+
+
+def _pairs(
+    problem: Reduced, angles: Array, right: Array, value: Array, rate: Array, change: Any
+) -> tuple[Any, Array, Array, Any]:
+    """Brackets of two roots of H that share a cell: row, lo, hi, whether H rises through each."""
+    v2, r2 = np.roll(value, -1, axis=1), np.roll(rate, -1, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # H heads for zero from both sides, and its tangents reach it inside the cell
+        reach = np.abs(value / rate) + np.abs(v2 / r2) < right - angles
+    row, cell = np.nonzero(~change & (value * rate < 0) & (v2 * r2 > 0) & reach)
+    if not row.size:
+        return row, np.empty(0), np.empty(0), np.empty(0, dtype=bool)
+    at, lo, hi = problem.take(row), angles[cell], right[cell]
+    sign = np.sign(r2[row, cell])
+    tip = bracketed(
+        lambda x: (sign * slope_rate(at, x), (slope_rate(at, x + 1e-6) - slope_rate(at, x - 1e-6)) / 2e-6 * sign), lo, hi
+    )
+    crosses = slope(at, tip) * value[row, cell] < 0
+    row, lo, hi, tip, start = row[crosses], lo[crosses], hi[crosses], tip[crosses], value[row, cell][crosses]
+    ends = np.concatenate([lo, tip]), np.concatenate([tip, hi])
+    return np.concatenate([row, row]), *ends, np.concatenate([start < 0, start >= 0])
+
+
+@dataclass(frozen=True, eq=False)
+class Well:
+    """G about critical points o: G(o + x) - G(o) = -q K(x) with q = sin^2(x/2), exact to relative accuracy in x.
+
+    The linear term 2 H(o) sin(x) is left out, so o must be a root of H. All fields (P, 1).
+    """
+
+    lam: Array
+    mu: Array
+    phi: Array
+    o: Array
+    level: Array
+    _fixed: tuple[Array, ...]
+
+    @classmethod
+    def about(cls, problem: Reduced, o: Array, level: Any = 0.0) -> "Well":
+        """Around o (P,), where eta - G(o) = level (P,)."""
+        lam, mu, phi, o = (v[:, None] for v in (problem.lam, problem.mu, problem.phi, o))
+        level = np.broadcast_to(level, o.shape[0])[:, None]
+        s, c = np.sin(o), np.cos(o)
+        fixed = s, c, mu * (c - s) * (c + s), 2 * mu * s * c, lam * s + phi * c - 2 * s**4
+        return cls(lam, mu, phi, o, level, fixed)
+
+    def take(self, index: Any) -> "Well":
+        """The wells that an index picks."""
+        picked = (v[index] for v in (self.lam, self.mu, self.phi, self.o, self.level))
+        return Well(*picked, tuple(v[index] for v in self._fixed))
+
+    def _near(self, sh: Array, ch: Array) -> tuple[Array, Array, Array, Array]:
+        """sin(o + x), cos(o + x/2), and cos^2(o + x/2) (S^2 + 2 s S + 3 s^2) with its bracket, x by its half angle.
+
+        o + x is never formed: next to o = pi it would cost the digits of x.
+        """
+        s, c = self._fixed[0], self._fixed[1]
+        S = s * (1 - 2 * sh * sh) + 2 * c * sh * ch
+        C = c * ch - s * sh
+        bracket = S * S + s * (2 * S + 3 * s)
+        return S, C, C * C * bracket, bracket
+
+    def steepness(self, x: Array) -> Array:
+        """K(x), (P, n): 4 times -H'(o) at x = 0."""
+        sh, ch = np.sin(x / 2), np.cos(x / 2)
+        return self._steepness(sh, ch, self._near(sh, ch)[2])
+
+    def _steepness(self, sh: Array, ch: Array, near: Array) -> Array:
+        _, _, turn, bend, fixed = self._fixed
+        return 4 * (fixed - 2 * ch * (turn * sh + bend * ch) + near)
+
+    def steepness_rate(self, x: Array) -> Array:
+        """K'(x), (P, n)."""
+        s, c, turn, bend, _ = self._fixed
+        sh, ch = np.sin(x / 2), np.cos(x / 2)
+        S, C, _, bracket = self._near(sh, ch)
+        cos_x, sin_x = 1 - 2 * sh * sh, 2 * sh * ch
+        near = -C * (s * ch + c * sh) * bracket + 2 * C * C * (c * cos_x - s * sin_x) * (S + s)
+        return 4 * (-turn * cos_x + bend * sin_x + near)
+
+    def drop(self, x: Array) -> Array:
+        """G(o) - G(o + x) = q K, (P, n)."""
+        return np.sin(x / 2) ** 2 * self.steepness(x)
+
+    def speed2(self, x: Array) -> Array:
+        """beta_t^2 = level + q K, (P, n)."""
+        return self.level + self.drop(x)
+
+    def ratio(self, x: Array, turn: Array) -> Array:
+        """(G(turn) - G(x)) / (x^2 - turn^2), (P, n): smooth and exact through the turning point x = turn (P, 1)."""
+        s, c, cos2o, sin2o, _ = self._fixed
+        mid, d = (x + turn) / 2, x - turn
+        sh, ch, sin_mid, cos_mid = np.sin(x / 2), np.cos(x / 2), np.sin(mid), np.cos(mid)
+        S, _, near, bracket = self._near(sh, ch)
+        sh1, ch1 = np.sin(turn / 2), np.cos(turn / 2)
+        S1, C1, _, _ = self._near(sh1, ch1)
+        inner = 2 * C1 * C1 * (c * cos_mid - s * sin_mid) * (S + S1 + 2 * s)
+        inner = inner - bracket * (2 * s * c * cos_mid + (c - s) * (c + s) * sin_mid) - 2 * cos2o * cos_mid
+        W = sin_mid * (self._steepness(sh, ch, near) + 8 * sh1 * sh1 * sin2o) + 4 * sh1 * sh1 * inner
+        return 0.5 * np.sinc(d / TAU) * W / (x + turn)
+
+    def turning(self, limit: Array, start: Array | None = None) -> Array:
+        """x with speed2(x) = 0 between 0 and `limit`, to relative accuracy, (P,) -> (P,).
+
+        The level must lie below a saddle's o or above a centre's; in log(x) and log(drop) the root is nearly a
+        straight line's, however small it is.
+        """
+        side = np.sign(limit)[:, None]
+        wanted = np.log(np.abs(self.level))
+
+        def f(y: Array) -> tuple[Array, Array]:
+            x = side * np.exp(y[:, None])
+            K = self.steepness(x)
+            rate = x * (1 / np.tan(x / 2) + self.steepness_rate(x) / K)
+            return (np.log(np.sin(x / 2) ** 2 * np.abs(K)) - wanted)[:, 0], rate[:, 0]
+
+        high = np.log(np.abs(limit))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            guess = 0.5 * (wanted + np.log(4 / np.abs(self.steepness(np.zeros_like(self.o)))))[:, 0]
+            y = bracketed(f, np.full(high.shape, -700.0), high, np.where(np.isfinite(guess), np.minimum(guess, high), high))
+        return side[:, 0] * np.exp(y)

@@ -1,0 +1,55 @@
+"""Chebyshev series on [-1, 1], many at once: the last axis holds nodes or coefficients."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.polynomial import chebyshev as C
+
+from .reduced import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """n points of the second kind and the linear maps on them, each applied as ``values @ map``.
+
+    nodes: (n,), rising. analyse: values to coefficients, (n, n). integrate: coefficients to those of the integral
+    from -1, (n, n + 1). middles: values to values at `pieces` midpoints of equal parts, (n, pieces).
+    """
+
+    nodes: Array
+    analyse: Array
+    integrate: Array
+    middles: Array
+
+
+@cache
+def basis(n: int, pieces: int = 6) -> Basis:
+    """The basis of n points."""
+    nodes = -np.cos(np.pi * np.arange(n) / (n - 1))
+    analyse = np.linalg.inv(C.chebvander(nodes, n - 1)).T
+    integrate = np.stack([C.chebint(row, lbnd=-1) for row in np.eye(n)])
+    middle = -1 + (2 * np.arange(pieces) + 1) / pieces
+    return Basis(nodes, analyse, integrate, analyse @ C.chebvander(middle, n - 1).T)
+
+
+def clenshaw(coefficients: Array, x: Array) -> Array:
+    """The series (P, n) at points (P, k): (P, k)."""
+    twice = 2 * x
+    above, now = np.zeros_like(x), np.zeros_like(x)
+    for k in range(coefficients.shape[1] - 1, 0, -1):
+        above, now = now, coefficients[:, k : k + 1] + twice * now - above
+    return coefficients[:, :1] + x * now - above
+
+
+def polynomials(x: Array, n: int) -> Array:
+    """T_0 .. T_{n-1} at x: (n, *x.shape)."""
+    out = np.empty((n, *x.shape))
+    out[0] = 1
+    if n > 1:
+        out[1] = x
+    twice = 2 * x
+    for k in range(2, n):
+        np.multiply(twice, out[k - 1], out=out[k])
+        out[k] -= out[k - 2]
+    return out

@@ -1,0 +1,222 @@
+"""The course of an orbit: from the start forward and backward, cut at every extremum of G and at the turning points.
+
+On each monotone piece of G one change of variables makes dt/du smooth however near a saddle the orbit passes:
+x = a sinh(u) over a saddle that is passed, x = x1 cosh(u) where the orbit turns before it, x = x1 sin(u) where it turns
+nearer the centre; x is measured from that saddle or centre. Eq. (36), regularised.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .landscape import TAU, Extrema, Well, extrema
+from .reduced import Array, Reduced
+
+PASS, SADDLE, CENTRE = 0, 1, 2
+HELIX, LIBRATION, ROTATION = 0, 1, 2
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """P monotone pieces of courses, in the order they are travelled away from the start. Fields (P,) but `well`.
+
+    part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. base: the angle that x counts from.
+    kind: PASS, SADDLE or CENTRE. scale: a or x1 (signed). u0, u1: ends in u, along the travel.
+    """
+
+    part: NDArray[np.int64]
+    kind: NDArray[np.int64]
+    base: Array
+    scale: Array
+    u0: Array
+    u1: Array
+    well: Well
+
+    def take(self, index: Any) -> "Pieces":
+        fields = (self.part, self.kind, self.base, self.scale, self.u0, self.u1)
+        return Pieces(*(v[index] for v in fields), self.well.take(index))
+
+    def displacement(self, u: Array) -> Array:
+        """x at u (P, n)."""
+        kind, scale = self.kind[:, None], self.scale[:, None]
+        with np.errstate(over="ignore"):
+            return scale * np.where(kind == PASS, np.sinh(u), np.where(kind == SADDLE, np.cosh(u), np.sin(u)))
+
+    def pace(self, u: Array, x: Array) -> tuple[Array, Array]:
+        """dt/|du| and |beta_t| at u, x (P, n)."""
+        kind, scale = self.kind[:, None], self.scale[:, None]
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            stretch = np.where(kind == PASS, np.cosh(u), np.where(kind == SADDLE, np.sinh(u), np.cos(u)))
+            passing = self.well.speed2(x) / (x * x + scale * scale)
+            turning = np.abs(self.well.ratio(x, scale))
+            root = np.sqrt(np.where(kind == PASS, passing, turning))
+            return 1 / root, np.abs(scale * stretch) * root
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """B orbits: kind (B,): HELIX, LIBRATION or ROTATION; direction (B,): sign of beta_t just after the start."""
+
+    kind: NDArray[np.int64]
+    direction: Array
+    pieces: Pieces
+
+
+def course(problem: Reduced) -> Course:
+    """Where each orbit goes, and the pieces of its way; the problems' numbers must be finite."""
+    assert problem.dbeta0 is not None
+    found = extrema(problem)
+    m, B = found.count, problem.size
+    start = problem.beta0 - TAU * np.round(problem.beta0 / TAU)
+    start = np.where(start >= np.pi, start - TAU, start)
+    behind = np.count_nonzero(found.beta <= start[:, None], axis=1) - 1  # -1: the last one, a turn lower
+    level = _levels(problem, found, start)
+    v = problem.dbeta0
+    rest = v == 0
+    # a rod that starts without slope goes downhill: up where the extremum above it is a centre
+    rows = np.arange(B)
+    above = found.centre[rows, (behind + 1) % m]
+    direction = np.where(rest, np.where(above, 1.0, -1.0), np.sign(v))
+    still = rest & (found.beta == start[:, None]).any(axis=1)
+    forward, blocked = _blocked(found, level, behind, direction)
+    backward, _ = _blocked(found, level, behind, -direction)
+    kind = np.where(still, HELIX, np.where(blocked, LIBRATION, ROTATION))
+    # pieces of the forward and the backward course of each problem; a rotation goes once round and has no backward one
+    counts = np.zeros((B, 2), dtype=np.int64)
+    counts[:, 0] = np.where(still, 0, np.where(blocked, forward + 1, m + 1))
+    counts[:, 1] = np.where(still | ~blocked | rest, 0, backward + 1)
+    pieces = _pieces(problem, found, level, start, behind, direction, kind, counts.reshape(-1))
+    return Course(kind, direction, pieces)
+
+
+def _levels(problem: Reduced, found: Extrema, start: Array) -> Array:
+    """eta - G at every extremum, (B, K), kept to relative accuracy where both parts of it are small; NaN beyond."""
+    B, K = found.beta.shape
+    wide = problem.take(np.repeat(np.arange(B), K))
+    x = _wrapped(start[:, None] - found.beta).reshape(-1, 1)
+    drop = Well.about(wide, found.beta.reshape(-1)).drop(x).reshape(B, K)
+    assert problem.dbeta0 is not None
+    v2 = problem.dbeta0[:, None] ** 2
+    level = v2 - drop
+    # within rounding of the saddle's own level either side is as true; none is zero
+    floor = 2e-17 * (v2 + np.abs(drop))
+    return np.where(np.abs(level) < floor, np.where(level > 0, floor, -floor), level)
+
+
+def _wrapped(x: Array) -> Array:
+    """x moved into [-pi, pi) by whole turns; untouched where it is there already."""
+    return np.where(x >= np.pi, x - TAU, np.where(x < -np.pi, x + TAU, x))
+
+
+def _blocked(found: Extrema, level: Array, behind: Any, direction: Array) -> tuple[Any, Any]:
+    """How many extrema are passed before the one that blocks, and whether any does, (B,), (B,)."""
+    K = found.beta.shape[1]
+    rank = np.arange(K)[None, :]
+    m = found.count[:, None]
+    up = direction[:, None] > 0
+    index = np.where(up, behind[:, None] + 1 + rank, behind[:, None] - rank) % m
+    stops = (np.take_along_axis(level, index, axis=1) <= 0) & (rank < m)
+    return np.argmax(stops, axis=1), stops.any(axis=1)
+
+
+def _pieces(
+    problem: Reduced,
+    found: Extrema,
+    level: Array,
+    start: Array,
+    behind: Any,
+    direction: Array,
+    kind: Any,
+    counts: Any,
+) -> Pieces:
+    part = np.repeat(np.arange(counts.size), counts)
+    rank = np.arange(part.size) - np.repeat(np.cumsum(counts) - counts, counts)
+    b = part // 2
+    m = found.count[b]
+    way = np.where(part % 2 == 0, direction[b], -direction[b])
+    last = (rank == counts[part] - 1) & (kind[b] == LIBRATION)
+    around = (rank == counts[part] - 1) & (kind[b] == ROTATION)
+    # the monotone interval of each piece lies between extrema `low` and `low + 1`, whole turns counted
+    low = behind[b] + np.where(way > 0, rank, -rank)
+    c_low, c_high = found.beta[b, low % m], found.beta[b, (low + 1) % m]
+    turn_low, turn_high = TAU * (low // m), TAU * ((low + 1) // m)
+    width = c_high - c_low + np.where((low + 1) % m == 0, TAU, 0.0)
+    saddle_low = ~found.centre[b, low % m]
+    g_low, g_high = level[b, low % m], level[b, (low + 1) % m]
+    # the start's place in its interval, from either end (also one turn on, where a rotation closes)
+    x_low, x_high = _wrapped(start[b] - c_low), _wrapped(start[b] - c_high)
+    x_low, x_high = np.where(x_low < 0, x_low + TAU, x_low), np.where(x_high > 0, x_high - TAU, x_high)
+    g_saddle = np.where(saddle_low, g_low, g_high)
+    at_rest = problem.dbeta0[b] == 0  # type: ignore[index]
+    holds_start = (rank == 0) | around
+    passes = g_saddle > 0
+    # turning point, from the saddle; the start itself where the rod starts without slope
+    well = Well.about(problem.take(b), np.where(saddle_low, c_low, c_high), g_saddle)
+    limit = np.where(saddle_low, width, -width)
+    x1 = np.zeros(part.size)
+    turn = np.flatnonzero(~passes)
+    x1[turn] = well.take(turn).turning(limit[turn])
+    x_start = np.where(saddle_low, x_low, x_high)
+    x1 = np.where(~passes & at_rest & (rank == 0), x_start, x1)
+    near_centre = ~passes & (np.abs(x1) > 0.5 * width)
+    flip = np.flatnonzero(near_centre)
+    on_low = np.where(near_centre, ~saddle_low, saddle_low)  # where the origin is
+    if flip.size:
+        o, g = np.where(on_low, c_low, c_high), np.where(on_low, g_low, g_high)
+        well = Well.about(problem.take(b), o, g)
+        x_start = np.where(on_low, x_low, x_high)
+        x1[flip] = well.take(flip).turning(np.where(on_low, width, -width)[flip])
+        x1 = np.where(near_centre & at_rest & (rank == 0), x_start, x1)
+    # ends of the piece: at the start, at an extremum, or at the turning point
+    x_first = np.where(on_low, 0.0, -width)  # the interval's lower end, from the origin
+    x_second = np.where(on_low, width, 0.0)
+    x_from = np.where(way > 0, x_first, x_second)
+    x_to = np.where(way > 0, x_second, x_first)
+    form = np.where(passes, PASS, np.where(near_centre, CENTRE, SADDLE))
+    scale = np.where(passes, _passing_scale(well, g_saddle, limit), x1)
+    here = _start_variable(form, scale, x_start, problem.dbeta0[b], well)  # type: ignore[index]
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        u_from, u_to = _variable(form, scale, x_from), _variable(form, scale, x_to)
+    u0 = np.where(rank == 0, here, u_from)
+    u1 = np.where(last, np.where(form == CENTRE, np.pi / 2, 0.0), np.where(around, here, u_to))
+    shift = (problem.beta0 - start)[b]
+    base = np.where(on_low, c_low + turn_low, c_high + turn_high) + shift
+    del holds_start
+    pieces = Pieces(part, form, base, scale, u0, u1, well)
+    return pieces.take(np.flatnonzero(u0 != u1))
+
+
+def _passing_scale(well: Well, level: Array, limit: Array) -> Array:
+    """a of x = a sinh(u): how far from the saddle the speed starts to grow, (P,)."""
+    bend = well.steepness(np.zeros((limit.size, 1)))[:, 0] / 4
+    rise = well.drop(limit[:, None])[:, 0] / limit**2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        a = np.sqrt(level / np.maximum(bend, rise))
+    flat = np.flatnonzero((bend < 0.01 * rise) & (level < 0.1 * rise * limit**2) & (level > 0))
+    if flat.size:  # a saddle with next to no curvature: the speed grows with a higher power of x
+        a[flat] = np.abs(well.take(flat).turning(limit[flat]))
+    return np.where(np.isfinite(a), np.minimum(a, 1e8), 1e8)
+
+
+def _variable(form: Any, scale: Array, x: Array) -> Array:
+    """u at x, (P,)."""
+    ratio = x / scale
+    return np.where(
+        form == PASS,
+        np.arcsinh(ratio),
+        np.where(form == SADDLE, np.arccosh(np.maximum(ratio, 1)), np.arcsin(np.clip(ratio, -1, 1))),
+    )
+
+
+def _start_variable(form: Any, scale: Array, x: Array, v: Array, well: Well) -> Array:
+    """u at the start, where the slope is known exactly: no digits are lost next to a turning point, (P,)."""
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        root = np.sqrt(np.abs(well.ratio(x[:, None], scale[:, None])))[:, 0]
+        sine = np.abs(v) / (np.abs(scale) * root)
+        return np.where(
+            form == PASS,
+            np.arcsinh(x / scale),
+            np.where(form == SADDLE, np.arcsinh(sine), np.arctan2(np.abs(x / scale), sine)),
+        )

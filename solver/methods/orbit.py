@@ -1,0 +1,213 @@
+"""`orbit`: the paper's quadrature (36) made exact, and nothing integrated beyond one half period.
+
+The course of the orbit from its start to its turning points (or once round) is cut into pieces on which time is a smooth
+function of one variable (`course`). On panels of these, short enough for a Chebyshev series to reach rounding or the
+tolerance, t(u) is integrated and inverted, and beta, beta_t, alpha, z become series in t. Reflection at the turning
+points and repetition do the rest: a rod of a million bends costs what one of three bends costs. Converges
+geometrically; all problems are solved together.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..chebyshev import basis, polynomials
+from ..course import HELIX, LIBRATION, Course, course
+from ..panels import EPS, Panels, panelled
+from ..reduced import Array, Reduced
+from ..sensitivity import condition
+from .base import Method, Trajectory, verdicts
+
+_BLOCK = 8192  # stations evaluated at once: series and points stay in the cache
+_LARGEST = 1e100  # dimensionless numbers beyond this would overflow when squared
+
+
+@dataclass(frozen=True, eq=False)
+class Orbit:
+    """The solved orbits of B problems, ready to be read anywhere along the rod.
+
+    ahead, back: (B,), time from the start to the turning points forward and backward (once round: ahead alone).
+    period: (B,), of beta_t; inf where nothing moves. evaluations: (B,).
+    """
+
+    problem: Reduced
+    course: Course
+    panels: Panels
+    since: Array
+    first: NDArray[np.int64]
+    count: NDArray[np.int64]
+    duration: Array
+    gain: Array
+
+    @property
+    def ahead(self) -> Array:
+        return self.duration[0::2]
+
+    @property
+    def back(self) -> Array:
+        return self.duration[1::2]
+
+    @cached_property
+    def period(self) -> Array:
+        swings = np.where(self.course.kind == LIBRATION, 2.0, 1.0)
+        return np.where(self.course.kind == HELIX, np.inf, swings * (self.ahead + self.back))
+
+    def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
+        """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
+        where = self._locate(t)
+        values = self._read(slice(0, 4), where)
+        return self._unfold(values, where)
+
+    def swirl(self, t: Array) -> Array:
+        """The integral of sin(beta) cos(beta) from the start, (B, n)."""
+        where = self._locate(t)
+        value = self._read(slice(4, 5), where)[..., 0]
+        s = np.sin(self.problem.beta0) * np.cos(self.problem.beta0)
+        return self._repeat(value, where, 4, s)
+
+    def _locate(self, t: Array) -> "_Where":
+        """Fold t into the courses: which part, how far along it, whether on the way back, after how many periods."""
+        kind = self.course.kind[:, None]
+        period, ahead = self.period[:, None], self.ahead[:, None]
+        with np.errstate(invalid="ignore"):
+            rest = np.where(np.isfinite(period), np.fmod(t, period), t)
+            rounds = np.where(np.isfinite(period), np.round((t - rest) / period), 0.0)
+        folded = kind == LIBRATION
+        second = folded & (rest > 2 * ahead)
+        local = np.where(second, rest - 2 * ahead, rest)
+        limit = np.where(second, self.back[:, None], ahead)
+        mirrored = folded & (local > limit)
+        local = np.where(mirrored, np.maximum(2 * limit - local, 0), local)
+        part = 2 * np.arange(t.shape[0])[:, None] + second
+        return _Where(t, part, local, mirrored, second, rounds)
+
+    def _read(self, columns: slice, where: "_Where") -> Array:
+        """The series at the located times, (B, n, k)."""
+        part, local = where.part.reshape(-1), where.local.reshape(-1)
+        series = self.panels.series[:, columns]
+        out = np.empty((part.size, series.shape[1]))
+        if not self.panels.part.size:
+            out[:] = 0
+            return out.reshape(*where.part.shape, -1)
+        since, duration = self.since, self.panels.duration
+        for k in range(0, part.size, _BLOCK):
+            p, x = part[k : k + _BLOCK], local[k : k + _BLOCK]
+            first, count = self.first[p], self.count[p]
+            panel = first.copy()
+            for j in range(1, int(count.max(initial=0))):
+                panel += (j < count) & (x >= since[np.minimum(first + j, since.size - 1)])
+            panel = np.minimum(panel, since.size - 1)
+            x = np.clip(2 * (x - since[panel]) / duration[panel] - 1, -1, 1)
+            out[k : k + _BLOCK] = np.einsum("pcn,np->pc", series[panel], polynomials(x, series.shape[2]), optimize=False)
+        return out.reshape(*where.part.shape, -1)
+
+    def _unfold(self, values: Array, where: "_Where") -> tuple[Array, Array, Array, Array]:
+        kind, direction = self.course.kind[:, None], self.course.direction[:, None]
+        way = np.where(where.second, -direction, direction) * np.where(where.mirrored, -1.0, 1.0)
+        helix = kind == HELIX
+        around = np.where(kind == LIBRATION, 0.0, 2 * np.pi) * direction * where.rounds
+        beta = np.where(helix, self.problem.beta0[:, None], values[..., 0] + around)
+        dbeta = np.where(helix, 0.0, values[..., 1] * way)
+        alpha = self._repeat(values[..., 2], where, 2, np.sin(self.problem.beta0))
+        z = self._repeat(values[..., 3], where, 3, np.cos(self.problem.beta0))
+        return beta, dbeta, alpha, z
+
+    def _repeat(self, value: Array, where: "_Where", column: int, straight: Array) -> Array:
+        """A mean + periodic quantity from its value within a course; `straight`: its rate on a helix."""
+        kind = self.course.kind[:, None]
+        gain = self.gain[:, column - 2].reshape(-1, 2)
+        there, after = gain[:, :1], gain[:, 1:]
+        limit = np.where(where.second, after, there)
+        value = np.where(where.mirrored, 2 * limit - value, value) + np.where(where.second, 2 * there, 0.0)
+        a_period = np.where(kind == LIBRATION, 2 * (there + after), there)
+        return np.where(kind == HELIX, straight[:, None] * where.t, value + where.rounds * a_period)
+
+
+@dataclass(frozen=True, eq=False)
+class _Where:
+    """Times folded into courses, all (B, n)."""
+
+    t: Array
+    part: NDArray[np.int64]
+    local: Array
+    mirrored: NDArray[np.bool_]
+    second: NDArray[np.bool_]
+    rounds: Array
+
+
+def solve_orbit(problem: Reduced, tol: float) -> Orbit:
+    """The orbits of B start problems with finite numbers."""
+    way = course(problem)
+    n, length = (12, 1.2) if tol >= 1e-5 else (16, 1.2) if tol >= 1e-8 else (22, 1.4)
+    panels = panelled(problem, way, basis(n), length, 0.01 * tol)
+    parts = 2 * problem.size
+    count = np.bincount(panels.part, minlength=parts)
+    first = np.cumsum(count) - count
+    duration = np.bincount(panels.part, weights=panels.duration, minlength=parts)
+    ends = panels.series[:, 2:].sum(axis=2)
+    gain = np.stack([np.bincount(panels.part, weights=ends[:, k], minlength=parts) for k in range(3)], axis=1)
+    # times and integrals of each panel count from the start of its course
+    since = _running(panels.duration, first, count)
+    for k in range(3):
+        panels.series[:, 2 + k, 0] += _running(ends[:, k], first, count)
+    return Orbit(problem, way, panels, since, first, count, duration, gain)
+
+
+def _running(values: Array, first: Any, count: Any) -> Array:
+    """Sum of the values before each panel within its part, (P,): added up part by part, so that none sees another's."""
+    out = np.zeros(values.size)
+    for j in range(1, int(count.max(initial=0))):
+        at = first[count > j] + j
+        out[at] = out[at - 1] + values[at - 1]
+    return out
+
+
+def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
+    """All problems at once; those whose numbers a float cannot hold are refused by their outcome."""
+    assert problem.dbeta0 is not None
+    numbers = np.stack([problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, problem.dbeta0])
+    fit = (np.abs(numbers) < _LARGEST).all(axis=0) & (problem.span > 0)
+    if fit.all():
+        return _run(problem, t, tol)
+    n = t.shape[1]
+    whole = np.full((5, problem.size, n), np.nan)
+    error, condition_, calls = (np.full(problem.size, v) for v in (np.inf, np.inf, 0.0))
+    outcome = np.full(problem.size, "failed: the loads are beyond 1e100 in units of A and rho", dtype=object)
+    orbit = None
+    if fit.any():
+        part = _run(problem.take(fit), t[fit], tol)
+        whole[:, fit] = part.beta, part.dbeta, part.alpha, part.z, part.swirl()
+        error[fit], condition_[fit], calls[fit] = part.error, part.condition, part.evaluations
+        outcome[fit] = part.outcome
+    beta, dbeta, alpha, z, swirl = whole
+    return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition_, calls.astype(np.int64), orbit)
+
+
+def _run(problem: Reduced, t: Array, tol: float) -> Trajectory:
+    orbit = solve_orbit(problem, tol)
+    beta, dbeta, alpha, z = orbit.at(t)
+    growth = condition(
+        problem, orbit.course, orbit.panels, orbit.since, orbit.first, orbit.count, orbit.duration
+    )
+    error = _error(orbit, growth)
+    outcome = verdicts(beta, error, growth, tol)
+    calls = np.bincount(orbit.panels.part // 2, weights=orbit.panels.calls, minlength=problem.size).astype(np.int64)
+    return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), outcome, error, growth, calls, orbit)
+
+
+def _error(orbit: Orbit, growth: Array) -> Array:
+    """What the cut series, the repeated period and the rounding of the input leave, (B,)."""
+    problem, panels = orbit.problem, orbit.panels
+    b = panels.part // 2
+    slack, drift, fastest = (np.zeros(problem.size) for _ in range(3))
+    np.maximum.at(slack, b, panels.slack)
+    np.maximum.at(drift, b, panels.drift)
+    np.maximum.at(fastest, b, panels.fastest)
+    late = problem.span * (drift * (problem.span > orbit.ahead) + 2 * EPS)
+    return 2 * slack + fastest * late + 2 * EPS * growth * np.maximum(1, np.abs(problem.beta0))
+
+
+ORBIT = Method("orbit", run, ("start",), float("inf"), "tol", "quadrature over half a period, the rest by symmetry")

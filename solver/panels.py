@@ -1,0 +1,120 @@
+"""Short stretches of a course on which beta and the developed curve are Chebyshev series in time."""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .chebyshev import Basis, clenshaw
+from .course import Course, Pieces
+from .reduced import Array, Reduced
+
+EPS = 2.0**-52
+_ROUNDS = 14  # how often a panel may be halved
+_NEWTON = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """P panels in order of part and of time away from the start.
+
+    part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. duration: (P,). series: (P, 5, n + 1),
+    of beta, |beta_t|, alpha, z and the swirl (the integral of sin cos), the last three from the panel's near end.
+    middles: (P, pieces), beta at the middles of equal parts in time. fastest: largest |beta_t|; slack: what the cut
+    series leave out of beta; drift: the same for the duration, as a share of it; all (P,). calls: evaluations, (P,).
+    """
+
+    part: NDArray[np.int64]
+    duration: Array
+    series: Array
+    middles: Array
+    fastest: Array
+    slack: Array
+    drift: Array
+    calls: NDArray[np.int64]
+
+    def take(self, index: Any) -> "Panels":
+        return Panels(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
+
+
+def panelled(problem: Reduced, way: Course, points: Basis, length: float, goal: float) -> Panels:
+    """Panels of about `length` in u, halved until their series end below `goal` (of beta, and of time where it repeats)."""
+    pieces = way.pieces
+    share = np.maximum(np.ceil(np.abs(pieces.u1 - pieces.u0) / length), 1).astype(np.int64)
+    piece = np.repeat(np.arange(share.size), share)
+    k = np.arange(piece.size) - np.repeat(np.cumsum(share) - share, share)
+    step = ((pieces.u1 - pieces.u0) / share)[piece]
+    near, far = pieces.u0[piece] + k * step, np.where(k + 1 == share[piece], pieces.u1[piece], pieces.u0[piece] + (k + 1) * step)
+    order = k.astype(float)
+    # a late start of the phase is repeated all along the rod
+    fastest = np.sqrt(problem.dbeta0**2 + 4 * (2 * np.abs(problem.lam) + 2 * np.abs(problem.phi) + np.abs(problem.mu) + 1))
+    repeats = np.maximum(1, problem.span * fastest)
+    done: list[tuple[Any, Array, Panels]] = []
+    for round_ in range(_ROUNDS + 1):
+        batch = pieces.take(piece)
+        panels = _series(batch, near, far, points)
+        enough = (panels.slack <= max(goal, 20 * EPS)) & (
+            panels.drift <= np.maximum(goal / repeats[batch.part // 2], 40 * EPS)
+        )
+        if round_ == _ROUNDS:
+            enough[:] = True
+        done.append((piece[enough], order[enough], panels.take(enough)))
+        if enough.all():
+            break
+        piece, near, far, order = (np.repeat(v[~enough], 2) for v in (piece, near, far, order))
+        middle = (near + far) / 2
+        second = np.arange(piece.size) % 2 == 1
+        near, far = np.where(second, middle, near), np.where(second, far, middle)
+        order = order + np.where(second, 0.5 ** (round_ + 1), 0)
+    if len(done) == 1:
+        return done[0][2]
+    place = np.lexsort((np.concatenate([d[1] for d in done]), np.concatenate([d[0] for d in done])))
+    return Panels(*(np.concatenate([getattr(d[2], f.name) for d in done])[place] for f in fields(Panels)))
+
+
+def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
+    """The panels between `near` and `far` in u, (P,), each with one series."""
+    middle, half = ((near + far) / 2)[:, None], ((far - near) / 2)[:, None]
+    u = middle + half * points.nodes
+    pace, _ = pieces.pace(u, pieces.displacement(u))
+    rate = (np.abs(half) * pace) @ points.analyse
+    clock = rate @ points.integrate
+    duration = clock.sum(axis=1)
+    at, met = _inverted(clock, rate, duration, points.nodes)
+    u = middle + half * at
+    x = pieces.displacement(u)
+    _, speed = pieces.pace(u, x)
+    angle = pieces.base[:, None] + x
+    s, c = np.sin(angle), np.cos(angle)
+    values = np.stack([x, speed, s, c, s * c], axis=1)
+    cut = values @ points.analyse
+    series = np.empty((near.size, 5, points.nodes.size + 1))
+    series[:, :2, :-1], series[:, :2, -1] = cut[:, :2], 0
+    series[:, 0, 0] += pieces.base
+    series[:, 2:] = (cut[:, 2:] @ points.integrate) * (duration / 2)[:, None, None]
+    fastest = speed.max(axis=1)
+    tail = np.abs(cut[:, :, -2:]).max(axis=2)
+    late = np.abs(clock[:, -3:]).max(axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        slack = np.maximum(tail[:, [0, 2, 3]].max(axis=1), late * fastest)
+        drift = late / duration
+    slack = np.where(met, slack, np.inf)
+    calls = np.full(near.size, 2 * points.nodes.size)
+    return Panels(pieces.part, duration, series, x @ points.middles + pieces.base[:, None], fastest, slack, drift, calls)
+
+
+def _inverted(clock: Array, rate: Array, duration: Array, nodes: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Where in [-1, 1] the clock shows equal-angle shares of the duration, (P, n), and whether Newton's rule met there."""
+    wanted = duration[:, None] * ((1 + nodes) / 2)
+    at = np.broadcast_to(nodes, wanted.shape).copy()
+    inner = slice(1, -1)
+    step = np.ones((1, 1))
+    for _ in range(_NEWTON):
+        off = clenshaw(clock, at[:, inner]) - wanted[:, inner]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            step = off / clenshaw(rate, at[:, inner])
+        at[:, inner] = np.clip(at[:, inner] - step, -1, 1)
+        if np.abs(step).max(initial=0.0) < 1e-9:  # the next step is its square
+            break
+    return at, np.abs(step).max(axis=1, initial=0.0) < 1e-7
