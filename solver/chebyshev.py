@@ -14,23 +14,24 @@ class Basis:
     """n points of the second kind and the linear maps on them, each applied as ``values @ map``.
 
     nodes: (n,), rising. analyse: values to coefficients, (n, n). integrate: coefficients to those of the integral
-    from -1, (n, n + 1). middles: values to values at `pieces` midpoints of equal parts, (n, pieces).
+    from -1, (n, n + 1). gauss: values to values at two Gauss points of each of `pieces` equal parts, (n, 2 pieces).
     """
 
     nodes: Array
     analyse: Array
     integrate: Array
-    middles: Array
+    gauss: Array
 
 
 @cache
-def basis(n: int, pieces: int = 6) -> Basis:
+def basis(n: int, pieces: int = 4) -> Basis:
     """The basis of n points."""
     nodes = -np.cos(np.pi * np.arange(n) / (n - 1))
     analyse = np.linalg.inv(C.chebvander(nodes, n - 1)).T
     integrate = np.stack([C.chebint(row, lbnd=-1) for row in np.eye(n)])
     middle = -1 + (2 * np.arange(pieces) + 1) / pieces
-    return Basis(nodes, analyse, integrate, analyse @ C.chebvander(middle, n - 1).T)
+    gauss = (middle[:, None] + np.array([-1, 1]) / np.sqrt(3) / pieces).ravel()
+    return Basis(nodes, analyse, integrate, analyse @ C.chebvander(gauss, n - 1).T)
 
 
 def clenshaw(coefficients: Array, x: Array) -> Array:
