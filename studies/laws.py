@@ -54,7 +54,7 @@ class Law(BaseModel):
 
 @dataclass(frozen=True)
 class Verdict:
-    """holds, holds as a trend, or fails; tau in the law's direction (None where nothing varies or a case is unsolved).
+    """holds, holds as a trend, or fails; tau in the law's direction, None where nothing varies.
 
     exceptions: the steps (i, i + 1) that go the wrong way. reason: why it fails, where it is not the trend.
     """

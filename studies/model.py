@@ -163,7 +163,7 @@ class Study(BaseModel):
         return parse(self.reading).meaning(field) if self.reading else ""
 
     def case(self) -> Case:
-        """The whole grid as one case, of shape (size of each axis, in their order); a followed study's base rod.
+        """The whole grid as one case, of shape (size of each axis, in order); a followed study's base rod.
 
         Raises `InputError` for a value that the solver refuses.
         """

@@ -36,7 +36,7 @@ def all_well(ds: xr.Dataset) -> bool:
 
 
 def measured(row: dict[str, Any]) -> str:
-    """What was measured, from one end of the axis to the other: ``8 → 5``, or ranges over the lines of a grid."""
+    """What was measured at the two ends of the axis: ``8 → 5``, or ranges over the lines of a grid."""
     return f"{_span(row['first'])} → {_span(row['last'])}"
 
 

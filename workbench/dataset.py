@@ -24,7 +24,7 @@ LOADS = ("FZ", "MZ", "M3")
 
 
 def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], sol: Solution) -> xr.Dataset:
-    """The dataset of a study's solution; coordinates: the values of each axis, in the order of the case's shape.
+    """The dataset of a study's solution; coordinates: the values of each axis, in the case's order.
 
     Only the study's outputs and observables are computed. Cases that were not solved are NaN, and keep their
     outcome. An output along the rod whose name is an axis's is stored as that name and `_along` (see
@@ -47,17 +47,19 @@ def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], sol: Solu
     put("condition", axes, np.asarray(sol.condition, dtype=float))
     for name in SCALARS:
         if name not in axes:
-            value = sol.case.rho if name == "rho" else getattr(sol.case.cylinder if name == "R" else sol.case.rod, name)
-            put(name, *_own_dims(value, axes))
+            owner = {"R": sol.case.cylinder, "rho": sol.case}.get(name, sol.case.rod)
+            put(name, *_own_dims(getattr(owner, name), axes))
     for name in LOADS:
         if name not in axes:
             put(name, axes, np.asarray(getattr(sol, name), dtype=float))
     u = np.linspace(0.0, 1.0, sol.s.shape[-1])
-    coords: dict[str, Any] = {name: xr.Variable((name,), v, _axis_labels(study, name)) for name, v in coordinates.items()}
+    coords: dict[str, Any] = {
+        name: xr.Variable((name,), values, _axis_labels(study, name)) for name, values in coordinates.items()
+    }
     coords["u"] = xr.Variable(("u",), u, _labels("u", units))
     coords["s"] = xr.Variable(*_arc(sol, axes), _labels("s", units))
     if any(name in INNER for name in study.outputs):
-        coords["xyz"] = xr.Variable(("xyz",), ["x", "y", "z"], {"long_name": "component; the cylinder's axis is z"})
+        coords["xyz"] = xr.Variable(("xyz",), ["x", "y", "z"], {"long_name": "component; z is the axis"})
     return xr.Dataset(data, coords, _attributes(study, sol))
 
 
@@ -104,7 +106,8 @@ def _where_solved(values: Any, sol: Solution) -> NDArray[Any]:
     solved = np.asarray(sol.solved)
     if solved.all():
         return values
-    return np.where(solved.reshape(solved.shape + (1,) * (values.ndim - solved.ndim)), values.astype(float), np.nan)
+    kept = solved.reshape(solved.shape + (1,) * (values.ndim - solved.ndim))
+    return np.where(kept, values.astype(float), np.nan)
 
 
 def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArray[np.float64]]:

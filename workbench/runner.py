@@ -27,7 +27,7 @@ class StudyResult:
 
 
 def run(study: Study, tol: float | None = None, method: str | None = None) -> xr.Dataset:
-    """Solve every case of a study and label the answer; tol and method in place of the study's own where given.
+    """Solve every case of a study and label the answer; tol and method, where given, replace the study's.
 
     A case that fails keeps its outcome and leaves its neighbours alone. Raises `InputError` for what cannot
     be asked.

@@ -1,4 +1,4 @@
-"""Datasets to and from HDF5 (netCDF4-compatible): written aside and renamed, so that no half file takes a good one's place."""
+"""Datasets to and from HDF5 (netCDF4-compatible), written aside and renamed: a half file replaces nothing."""
 
 import contextlib
 import os
@@ -40,7 +40,7 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
 
 
 def read(path: str | Path) -> xr.Dataset:
-    """The dataset of a file, all in memory. Raises `InputError` where it is missing, cut short, or not one of ours."""
+    """The dataset of a file, all in memory; `InputError` where it is missing, cut short or not ours."""
     path = Path(path)
     if not path.exists():
         raise InputError(f"there is no file {path}")
@@ -51,7 +51,8 @@ def read(path: str | Path) -> xr.Dataset:
     except PermissionError:
         raise InputError(f"cannot read {path}: permission denied") from None
     except _UNREADABLE:
-        raise InputError(f"{path} cannot be read as HDF5: it is damaged, cut short, or another kind of file") from None
+        why = "it is damaged, cut short, or another kind of file"
+        raise InputError(f"{path} cannot be read as HDF5: {why}") from None
     missing = [name for name in NEEDED if name not in ds.attrs]
     if missing or "outcome" not in ds:
         raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")

@@ -1,0 +1,181 @@
+"""The command line. Each command imports what is heavy itself, so that --help answers at once.
+
+Exit status: 0 done; 1 done, but a law fails or a case is unsolved; 2 asked wrongly; 130 interrupted.
+"""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+app = typer.Typer(
+    help="The shape of an elastic rod on a cylinder: solve, study, store, draw and check.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["--help", "-h"], "max_content_width": 110},
+)
+
+File = Annotated[Path, typer.Argument(metavar="FILE", help="A stored dataset, made by run or reproduce.")]
+Reading = Annotated[
+    str | None,
+    typer.Option(
+        help="How Table 1 is read: words of force-first|twist-first|shear, tension|compression, paper|solid, "
+        "joined by /. What is left out stays as the study has it."
+    ),
+]
+Tol = Annotated[float | None, typer.Option(help="The error allowed, times max(1, condition).")]
+Method = Annotated[str | None, typer.Option(help="auto, or the name of a method.")]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+
+
+@app.command()
+def reproduce(
+    out: Annotated[Path, typer.Option(help="The folder for everything.")] = Path("results"),
+    reading: Reading = None,
+) -> None:
+    """Figures 6 and 7 from Table 1: solve, store, draw, check, report."""
+    from .reproduce import reproduce as work
+
+    raise typer.Exit(work(out, reading))
+
+
+@app.command("list")
+def list_studies(json: Json = False) -> None:
+    """The studies that come with the workbench."""
+    from . import console
+    from .running import listed
+
+    rows = listed()
+    if json:
+        console.print_json(rows)
+    else:
+        console.print_table(["study", "title", "axes", "laws"], [list(row.values()) for row in rows])
+
+
+@app.command()
+def run(
+    study: Annotated[str, typer.Argument(metavar="STUDY", help="A study's name (see list) or TOML file.")],
+    out: Annotated[Path | None, typer.Option(help="The file to store; NAME.h5 where left out.")] = None,
+    reading: Reading = None,
+    tol: Tol = None,
+    method: Method = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that is not this study's.")] = False,
+    json: Json = False,
+) -> None:
+    """Solve every case of a study, store them, judge its laws."""
+    from .running import run_study
+
+    raise typer.Exit(run_study(study, out, reading, tol, method, force, json))
+
+
+@app.command()
+def check(file: File, json: Json = False) -> None:
+    """Judge each law of a stored study; exit status 1 where one fails or a case is unsolved."""
+    from .running import check_file
+
+    raise typer.Exit(check_file(file, json))
+
+
+@app.command()
+def plot(
+    file: File,
+    out: Annotated[Path | None, typer.Option(help="The picture; FILE.png where left out.")] = None,
+) -> None:
+    """Developed curves, and observables against the axis with their laws."""
+    from .drawing import plot_file
+
+    plot_file(file, out)
+
+
+@app.command()
+def scene(
+    file: File,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(help="E=1.07e4 or beta=30deg: the stored case nearest to it on that axis."),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="The picture; FILE_scene.png where left out.")] = None,
+) -> None:
+    """The rod on its cylinder in three dimensions, off-screen."""
+    from .drawing import scene_file
+
+    raise typer.Exit(scene_file(file, at or [], out))
+
+
+@app.command()
+def solve(
+    file: Annotated[
+        Path | None,
+        typer.Argument(metavar="[FILE]", help="A TOML study without axes; options change its fields."),
+    ] = None,
+    E: Annotated[float | None, typer.Option("--E", help="Young's modulus [N/cm^2].")] = None,
+    nu: Annotated[float | None, typer.Option("--nu", help="Poisson ratio.")] = None,
+    a: Annotated[float | None, typer.Option("--a", help="Radius of the rod [cm].")] = None,
+    L: Annotated[float | None, typer.Option("--L", help="Length of the rod [cm].")] = None,
+    stiffness: Annotated[str | None, typer.Option(help="solid or paper.")] = None,
+    R: Annotated[float | None, typer.Option("--R", help="Radius of the cylinder [cm].")] = None,
+    side: Annotated[str | None, typer.Option(help="outside or inside.")] = None,
+    beta: Annotated[float | None, typer.Option(help="Angle from the axis at the start [rad].")] = None,
+    dbeta: Annotated[float | None, typer.Option(help="Its rate at the start [rad/cm].")] = None,
+    F1: Annotated[float | None, typer.Option("--F1", help="Normal force [N].")] = None,
+    F2: Annotated[float | None, typer.Option("--F2", help="In-surface shear [N].")] = None,
+    F3: Annotated[float | None, typer.Option("--F3", help="Tangential force [N], tension positive.")] = None,
+    dgamma: Annotated[float | None, typer.Option(help="Rotation rate of the section [rad/cm].")] = None,
+    tol: Tol = None,
+    method: Method = None,
+    json: Json = False,
+) -> None:
+    """One case, from a TOML file or from options.
+
+    What is left out comes from Table 1, read force-first/tension/paper; --dgamma drops its F1. Units are the
+    file's, else cm and N.
+    """
+    from .solving import solve_case
+
+    options: dict[str, Any] = {
+        "E": E, "nu": nu, "a": a, "L": L, "stiffness": stiffness, "R": R, "side": side, "beta": beta,
+        "dbeta": dbeta, "F1": F1, "F2": F2, "F3": F3, "dgamma": dgamma,
+    }  # fmt: skip
+    given = {name: value for name, value in options.items() if value is not None}
+    raise typer.Exit(solve_case(file, given, tol, method, json))
+
+
+@app.command()
+def doctor(json: Json = False) -> None:
+    """What works on this machine: OpenGL, HDF5, fonts, versions."""
+    from .doctor import examine
+
+    raise typer.Exit(examine(json))
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the command line; every refusal is one sentence on stderr."""
+    status = 0
+    try:
+        status = app(args, prog_name="workbench", standalone_mode=False)
+    except typer.TyperException as error:
+        _refuse(error.format_message(), error.exit_code)
+    except (KeyboardInterrupt, typer.Abort):
+        _refuse("interrupted; what was stored is whole", 130)
+    except BrokenPipeError:  # the reader of our output went away, as head does
+        sys.stderr.close()
+        sys.exit(0)
+    except ValueError as error:
+        from solver.errors import InputError
+
+        if not isinstance(error, InputError):
+            raise
+        _refuse(str(error), 2)
+    sys.exit(status or 0)
+
+
+def _refuse(sentence: str, status: int) -> None:
+    print(f"workbench: {sentence}", file=sys.stderr)
+    sys.exit(status)
+
+
+if __name__ == "__main__":
+    main()

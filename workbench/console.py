@@ -1,0 +1,71 @@
+"""What is printed: tables for people, JSON for programs, progress on a terminal only."""
+
+import json
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+out = Console(highlight=False, soft_wrap=True)
+err = Console(stderr=True, highlight=False, soft_wrap=True)
+
+COLOURS = {"holds": "green", "holds as a trend": "yellow", "fails": "red"}
+
+
+def say(text: str) -> None:
+    """One line for people, on stdout."""
+    out.print(text, markup=False)
+
+
+def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str | None = None) -> None:
+    """A table; cells that begin with a verdict take its colour."""
+    table = Table(*columns, title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    for row in rows:
+        table.add_row(*(_cell(value) for value in row))
+    out.print(table, soft_wrap=False)
+
+
+def _cell(value: Any) -> Any:
+    from rich.text import Text
+
+    text = f"{value:.6g}" if isinstance(value, float) else str(value)
+    word = next((word for word in sorted(COLOURS, key=len, reverse=True) if text.startswith(word)), None)
+    return Text(text, style=COLOURS[word] if word else "")
+
+
+def print_json(data: Any) -> None:
+    """The data as JSON; what is not a finite number is null."""
+    print(json.dumps(_finite(data), indent=2, ensure_ascii=False))
+
+
+def _finite(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {str(key): _finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_finite(value) for value in data]
+    if isinstance(data, float) and not math.isfinite(data):
+        return None
+    return data
+
+
+@contextmanager
+def progress(total: int) -> Iterator[Any]:
+    """A bar on stderr that counts to `total`; yields step(text), to be called as each piece of work begins.
+
+    Where stderr is no terminal nothing is shown.
+    """
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
+        task = bar.add_task("", total=total)
+        begun = False
+
+        def step(text: str) -> None:
+            nonlocal begun
+            bar.update(task, description=text, advance=1 if begun else 0)
+            begun = True
+
+        yield step
