@@ -141,8 +141,8 @@ class _Where:
 def solve_orbit(problem: Reduced, tol: float) -> Orbit:
     """The orbits of B start problems with finite numbers."""
     way = course(problem)
-    n, length = (12, 1.2) if tol >= 1e-5 else (16, 1.2) if tol >= 1e-8 else (22, 1.4)
-    panels = panelled(problem, way, basis(n), length, 0.01 * tol)
+    n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
+    panels = panelled(problem, way, basis(n), length, 0.05 * tol)
     parts = 2 * problem.size
     count = np.bincount(panels.part, minlength=parts)
     first = np.cumsum(count) - count
