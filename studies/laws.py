@@ -175,4 +175,3 @@ def _range(values: NDArray[Any]) -> list[float] | None:
     """Smallest and largest, or None where a case is unsolved."""
     finite = np.isfinite(values.astype(float))
     return [float(values.min()), float(values.max())] if finite.all() else None
-

@@ -35,6 +35,11 @@ def all_well(ds: xr.Dataset) -> bool:
     return unsolved(ds) == 0 and all(row["verdict"] != FAILS for row in verdicts(ds))
 
 
+def stated(row: dict[str, Any]) -> str:
+    """The law in words: ``turns falls along E``."""
+    return f"{row['observable']} {row['direction']} along {row['axis']}"
+
+
 def measured(row: dict[str, Any]) -> str:
     """What was measured at the two ends of the axis: ``8 → 5``, or ranges over the lines of a grid."""
     return f"{_span(row['first'])} → {_span(row['last'])}"

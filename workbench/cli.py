@@ -9,14 +9,27 @@ from typing import Annotated, Any
 
 import typer
 
+from . import __version__
+
 app = typer.Typer(
-    help="The shape of an elastic rod on a cylinder: solve, study, store, draw and check.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["--help", "-h"], "max_content_width": 110},
 )
+
+
+def number(text: str) -> float:
+    """A number from the command line; the refusal names what was given."""
+    try:
+        return float(text)
+    except ValueError:
+        raise typer.BadParameter(f"{text!r} is not a number") from None
+
+
+def _number(help: str, *names: str) -> Any:
+    return typer.Option(*names, help=help, parser=number, metavar="NUMBER")
+
 
 File = Annotated[Path, typer.Argument(metavar="FILE", help="A stored dataset, made by run or reproduce.")]
 Reading = Annotated[
@@ -26,9 +39,25 @@ Reading = Annotated[
         "joined by /. What is left out stays as the study has it."
     ),
 ]
-Tol = Annotated[float | None, typer.Option(help="The error allowed, times max(1, condition).")]
+Tol = Annotated[float | None, _number("The error allowed, times max(1, condition).")]
 Method = Annotated[str | None, typer.Option(help="auto, or the name of a method.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        print(f"workbench {__version__}")
+        raise typer.Exit()
+
+
+@app.callback()
+def start(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version and stop.", is_eager=True, callback=_show_version),
+    ] = False,
+) -> None:
+    """The shape of an elastic rod on a cylinder: solve, study, store, draw and check."""
 
 
 @app.command()
@@ -111,19 +140,19 @@ def solve(
         Path | None,
         typer.Argument(metavar="[FILE]", help="A TOML study without axes; options change its fields."),
     ] = None,
-    E: Annotated[float | None, typer.Option("--E", help="Young's modulus [N/cm^2].")] = None,
-    nu: Annotated[float | None, typer.Option("--nu", help="Poisson ratio.")] = None,
-    a: Annotated[float | None, typer.Option("--a", help="Radius of the rod [cm].")] = None,
-    L: Annotated[float | None, typer.Option("--L", help="Length of the rod [cm].")] = None,
+    E: Annotated[float | None, _number("Young's modulus [N/cm^2].", "--E")] = None,
+    nu: Annotated[float | None, _number("Poisson ratio.")] = None,
+    a: Annotated[float | None, _number("Radius of the rod [cm].", "--a")] = None,
+    L: Annotated[float | None, _number("Length of the rod [cm].", "--L")] = None,
     stiffness: Annotated[str | None, typer.Option(help="solid or paper.")] = None,
-    R: Annotated[float | None, typer.Option("--R", help="Radius of the cylinder [cm].")] = None,
+    R: Annotated[float | None, _number("Radius of the cylinder [cm].", "--R")] = None,
     side: Annotated[str | None, typer.Option(help="outside or inside.")] = None,
-    beta: Annotated[float | None, typer.Option(help="Angle from the axis at the start [rad].")] = None,
-    dbeta: Annotated[float | None, typer.Option(help="Its rate at the start [rad/cm].")] = None,
-    F1: Annotated[float | None, typer.Option("--F1", help="Normal force [N].")] = None,
-    F2: Annotated[float | None, typer.Option("--F2", help="In-surface shear [N].")] = None,
-    F3: Annotated[float | None, typer.Option("--F3", help="Tangential force [N], tension positive.")] = None,
-    dgamma: Annotated[float | None, typer.Option(help="Rotation rate of the section [rad/cm].")] = None,
+    beta: Annotated[float | None, _number("Angle from the axis at the start [rad].")] = None,
+    dbeta: Annotated[float | None, _number("Its rate at the start [rad/cm].")] = None,
+    F1: Annotated[float | None, _number("Normal force [N].", "--F1")] = None,
+    F2: Annotated[float | None, _number("In-surface shear [N].", "--F2")] = None,
+    F3: Annotated[float | None, _number("Tangential force [N], tension positive.", "--F3")] = None,
+    dgamma: Annotated[float | None, _number("Rotation rate of the section [rad/cm].")] = None,
     tol: Tol = None,
     method: Method = None,
     json: Json = False,
@@ -153,11 +182,12 @@ def doctor(json: Json = False) -> None:
 
 def main(args: list[str] | None = None) -> None:
     """Run the command line; every refusal is one sentence on stderr."""
+    words = (sys.argv[1:] if args is None else args) or ["--help"]
     status = 0
     try:
-        status = app(args, prog_name="workbench", standalone_mode=False)
+        status = app(words, prog_name="workbench", standalone_mode=False)
     except typer.TyperException as error:
-        _refuse(error.format_message(), error.exit_code)
+        _refuse(_sentence(error), error.exit_code)
     except (KeyboardInterrupt, typer.Abort):
         _refuse("interrupted; what was stored is whole", 130)
     except BrokenPipeError:  # the reader of our output went away, as head does
@@ -170,6 +200,19 @@ def main(args: list[str] | None = None) -> None:
             raise
         _refuse(str(error), 2)
     sys.exit(status or 0)
+
+
+def _sentence(error: typer.TyperException) -> str:
+    """What the parser says, and the choices where it left them out."""
+    said = error.format_message().rstrip(".")
+    context = getattr(error, "ctx", None)
+    command: Any = context.command if context else None
+    if command and said.startswith("No such command"):
+        return f"{said}; choose from {', '.join(command.commands)}"
+    if command and said.startswith("No such option"):
+        options = [name for param in command.params for name in param.opts if name.startswith("-")]
+        return f"{said.partition(' (')[0]}; choose from {', '.join(options)}"
+    return said
 
 
 def _refuse(sentence: str, status: int) -> None:

@@ -49,14 +49,17 @@ def run(
 
 
 def _labelled(
-    studies: Sequence[Study], readings: Sequence[str], rows: list[list[dict[str, Any]]], unsolved: list[list[int]]
+    studies: Sequence[Study],
+    readings: Sequence[str],
+    rows: list[list[dict[str, Any]]],
+    unsolved: list[list[int]],
 ) -> xr.Dataset:
     both = ("reading", "law")
     laws = [f"{row['claim']} {row['observable']} {row['direction']} along {row['axis']}" for row in rows[0]]
     claims = list(dict.fromkeys(row["claim"] for row in rows[0]))
 
-    def table(key: str) -> Any:
-        return [[row[key] for row in line] for line in rows]
+    def table(key: str, of: Callable[[Any], Any] = lambda value: value) -> Any:
+        return [[of(row[key]) for row in line] for line in rows]
 
     def middle(ends: list[float] | None) -> float:
         return float(np.mean(ends)) if ends else np.nan
@@ -66,9 +69,9 @@ def _labelled(
         "tau": (both, np.array(table("tau"), dtype=float), _number("Kendall's tau in the law's direction")),
         "lines": (both, table("lines"), _number("lines of the grid along the law's axis")),
         "lines_hold": (both, table("lines_hold"), _number("lines on which the law holds")),
-        "exceptions": (both, [[len(r["exceptions"]) for r in line] for line in rows], _number("steps the wrong way")),
-        "first": (both, [[middle(r["first"]) for r in line] for line in rows], {"long_name": "at the axis's start"}),
-        "last": (both, [[middle(r["last"]) for r in line] for line in rows], {"long_name": "at the axis's end"}),
+        "exceptions": (both, table("exceptions", len), _number("steps the wrong way")),
+        "first": (both, table("first", middle), {"long_name": "observable at the axis's start"}),
+        "last": (both, table("last", middle), {"long_name": "observable at the axis's end"}),
         "claim_verdict": (
             ("reading", "claim"),
             [[worst([r["verdict"] for r in line if r["claim"] == c]) for c in claims] for line in rows],

@@ -17,7 +17,7 @@ def listed() -> list[dict[str, Any]]:
     for name in names():
         study = load(name)
         axes = ", ".join(_told(field, axis) for field, axis in study.axes.items())
-        laws = ", ".join(f"{law.claim} {law.observable} {law.direction}" for law in study.laws)
+        laws = ", ".join(f"{v.claim} {v.observable} {v.direction} along {v.axis}" for v in study.laws)
         rows.append({"study": name, "title": study.title, "axes": axes or "-", "laws": laws or "-"})
     return rows
 
@@ -53,8 +53,7 @@ def verdict_rows(ds: xr.Dataset) -> list[list[str]]:
     """Table rows of a dataset's laws, each with its alternatives below it: claim, law, measured, verdict."""
     rows = []
     for row in check.verdicts(ds):
-        law = f"{row['observable']} {row['direction']} along {row['axis']}"
-        rows.append([row["claim"], law, check.measured(row), check.said(row)])
+        rows.append([row["claim"], check.stated(row), check.measured(row), check.said(row)])
         for also in row["also"]:
             rows.append(["", f"  or {also['observable']}", check.measured(also), check.said(also)])
     return rows

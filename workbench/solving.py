@@ -33,7 +33,7 @@ def solve_case(
         if study.axes:
             raise InputError(f"{file.name} has the axes {', '.join(study.axes)}: workbench run solves it")
         units, stations, base = study.unit_system, study.stations, study.case()
-        tol, method = tol or study.tol, method or study.method
+        tol, method = study.tol if tol is None else tol, method or study.method
     case = with_fields(base, options)
     sol = solve(case, tol=1e-8 if tol is None else tol, method=method or "auto", stations=stations)
     told = described(sol, units)

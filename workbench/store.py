@@ -9,7 +9,7 @@ import xarray as xr
 
 from solver.errors import InputError
 
-NEEDED = ("title", "study_name", "study", "laws")  # attributes by which a file is known as one of ours
+NEEDED = ("title", "study_name", "laws")  # attributes by which a file is known as one of ours
 # What h5py, h5netcdf and xarray raise on files that are not HDF5, not netCDF, cut short or damaged.
 _UNREADABLE = (OSError, ValueError, KeyError, RuntimeError, TypeError, AttributeError, EOFError)
 
@@ -40,23 +40,26 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
 
 
 def read(path: str | Path) -> xr.Dataset:
-    """The dataset of a file, all in memory; `InputError` where it is missing, cut short or not ours."""
-    path = Path(path)
+    """A study's dataset, all in memory; `InputError` where the file is missing, cut short or not ours."""
+    ds = _open(Path(path))
+    missing = [name for name in NEEDED if name not in ds.attrs]
+    if missing or "outcome" not in ds:
+        raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
+    return ds
+
+
+def _open(path: Path) -> xr.Dataset:
     if not path.exists():
         raise InputError(f"there is no file {path}")
     if path.is_dir():
         raise InputError(f"{path} is a folder, not a dataset")
     try:
-        ds = xr.load_dataset(path, engine="h5netcdf")
+        return xr.load_dataset(path, engine="h5netcdf")
     except PermissionError:
         raise InputError(f"cannot read {path}: permission denied") from None
     except _UNREADABLE:
         why = "it is damaged, cut short, or another kind of file"
         raise InputError(f"{path} cannot be read as HDF5: {why}") from None
-    missing = [name for name in NEEDED if name not in ds.attrs]
-    if missing or "outcome" not in ds:
-        raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
-    return ds
 
 
 def check_free(path: str | Path, study_name: str) -> None:
@@ -67,9 +70,11 @@ def check_free(path: str | Path, study_name: str) -> None:
     if not path.exists():
         return
     try:
-        there = read(path).attrs["study_name"]
+        there = _open(path).attrs.get("study_name")
     except InputError:
-        raise InputError(f"{path} exists and is no dataset of a study; give --force to replace it") from None
+        there = None
+    if there is None:
+        raise InputError(f"{path} exists and is no dataset of a study; give --force to replace it")
     if there != study_name:
         raise InputError(f"{path} holds the study {there!r}, not {study_name!r}; give --force to replace it")
 

@@ -1,0 +1,225 @@
+"""The study language: what a TOML says is what is solved; what it must not say is refused in one sentence."""
+
+import numpy as np
+import pytest
+
+from solver import Ends, InputError, Start
+from studies.loader import load, loads, names
+
+UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
+HEAD = 'title = "t"\nreading = "force-first/tension/paper"\n' + UNITS  # lines 1 to 5
+PLAIN = 'title = "t"\n' + UNITS  # lines 1 to 4
+ROD = "[base]\nE = 1e4\nnu = 0.25\na = 0.25\nL = 20.0\nR = 0.75\n"
+
+
+def test_linear_geometric_and_listed_axes_give_their_values() -> None:
+    study = loads(
+        HEAD + "[axes.E]\nfrom = 5e3\nto = 4e4\ncount = 4\nspacing = 'geometric'\n"
+        "[axes.R]\nfrom = 0.5\nto = 1.5\ncount = 3\n[axes.L]\nvalues = [10, 20.5]"
+    )
+    axes = study.coordinates()
+    np.testing.assert_allclose(axes["E"], [5e3, 1e4, 2e4, 4e4], rtol=1e-14)  # rounding of the powers
+    np.testing.assert_array_equal(axes["R"], [0.5, 1.0, 1.5])
+    np.testing.assert_array_equal(axes["L"], [10.0, 20.5])
+
+
+def test_several_axes_make_a_grid_in_their_order() -> None:
+    case = loads(HEAD + "[axes.R]\nvalues = [1, 2]\n[axes.E]\nvalues = [1e4, 2e4, 3e4]").case()
+    assert case.shape == (2, 3)
+    assert np.shape(case.cylinder.R) == (2, 1)
+    assert np.shape(case.rod.E) == (1, 3)
+
+
+def test_angles_may_be_given_in_degrees_and_are_kept_in_radians() -> None:
+    study = loads(HEAD + "[axes.beta]\nvalues = [30, 60]\nunit = 'deg'")
+    np.testing.assert_allclose(study.coordinates()["beta"], [np.pi / 6, np.pi / 3], rtol=1e-15)  # rounding
+
+
+def test_what_base_leaves_out_comes_from_table_1_when_there_is_a_reading() -> None:
+    case = loads(HEAD + "[base]\nE = 2e4").case()
+    assert (case.rod.E, case.rod.L, case.cylinder.R) == (2e4, 20.0, 0.75)
+
+
+def test_without_a_reading_base_names_the_fields_of_the_case() -> None:
+    start = loads(PLAIN + ROD + "beta = 0.5\ndbeta = 0.1\ndgamma = 0.2\nF2 = 1.0").case().given
+    assert isinstance(start, Start)
+    assert (start.dgamma, start.F2, start.F1) == (0.2, 1.0, None)
+    ends = loads(PLAIN + ROD + "beta0 = 0.5\nFZ = -8.0\n[axes.betaL]\nvalues = [0.5, 0.6]").case()
+    assert isinstance(ends.given, Ends)
+    assert ends.shape == (2,)
+
+
+def test_what_the_laws_judge_is_computed_without_being_asked_for_twice() -> None:
+    law = '[[laws]]\nclaim = "a"\nobservable = "turns"\naxis = "E"\ndirection = "falls"\nsource = "s"\n'
+    axis = "[axes.E]\nvalues = [1e4, 2e4]\n"
+    study = loads('observables = ["wraps"]\n' + HEAD + axis + law + 'also = ["wraps"]')
+    assert study.wanted == ["wraps", "turns"]
+
+
+def test_another_reading_keeps_everything_else() -> None:
+    study = loads(HEAD + "[axes.E]\nvalues = [1e4]")
+    other = study.under("compression")
+    assert other.reading == "force-first/compression/paper"
+    assert (other.axes, other.text) == (study.axes, study.text)
+    with pytest.raises(InputError, match="does not use Table 1"):
+        loads(PLAIN + ROD + "beta = 0.5\ndbeta = 0.1\ndgamma = 0.2").under("shear")
+
+
+AXIS = HEAD + "[axes.E]\n"
+LAW = AXIS + "values = [1e4, 2e4]\n[[laws]]\nclaim = 'a'\nsource = 's'\n"  # [[laws]] is line 8
+REFUSED = {
+    "a misspelt key": ("titel = 'x'\n" + HEAD, "line 1: no key 'titel', did you mean 'title'; choose from"),
+    "a misspelt key of an axis": (
+        AXIS + "form = 1\nto = 2\ncount = 3",
+        "line 7: no key 'form' in axes.E, did",
+    ),
+    "an unknown field": (
+        HEAD + "[base]\nyoung = 1",
+        "line 7: no key 'young' in base; choose from E, nu, a, L",
+    ),
+    "a field the table does not print": (
+        HEAD + "[base]\nF2 = 1.0",
+        "line 7: Table 1 prints no 'F2'; choose from",
+    ),
+    "a unit that is none": (
+        HEAD.replace('"cm"', '"parsec"'),
+        "line 4: 'parsec' is no unit of length; choose",
+    ),
+    "a force as the length": (HEAD.replace('"cm"', '"N"'), "line 4: 'N' is no unit of length"),
+    "an axis in another unit": (
+        AXIS + "values = [1]\nunit = 'GPa'",
+        "line 8: E is in N/cm\\^2, got unit 'GPa'",
+    ),
+    "an axis without values": (AXIS + "values = []", "line 7: the axis is empty: give at least one value"),
+    "a count of nothing": (AXIS + "from = 1\nto = 2\ncount = 0", "line 9: the axis is empty: .* got 0"),
+    "a value twice": (AXIS + "values = [1, 2, 1]", "line 7: 1.0 stands twice among the values"),
+    "not a number": (
+        AXIS + "values = [1, nan]",
+        r"line 7: axes.E.values\[2\] must be a finite number, got nan",
+    ),
+    "a NaN in the base case": (HEAD + "[base]\nR = nan", "line 7: base.R must be a finite number, got nan"),
+    "text for a number": (
+        AXIS + "from = 'a'\nto = 2\ncount = 3",
+        "line 7: axes.E.from must be a valid number",
+    ),
+    "half a count": (AXIS + "from = 1\nto = 2\ncount = 2.5", "line 9: axes.E.count must be a valid integer"),
+    "two ways at once": (AXIS + "values = [1]\ncount = 3", "line 8: values and count exclude each other"),
+    "half a range": (
+        AXIS + "from = 1\ncount = 3",
+        "line 6: the axis has no to: give values, or from, to and",
+    ),
+    "a geometric axis through 0": (
+        AXIS + "from = 0\nto = 2\ncount = 3\nspacing = 'geometric'",
+        "not 0, got 0",
+    ),
+    "an unknown spacing": (
+        AXIS + "from = 1\nto = 2\ncount = 3\nspacing = 'log'",
+        "'linear' or 'geometric', got 'log'",
+    ),
+    "an axis that is no field": (
+        HEAD + "[axes.young]\nvalues = [1]",
+        "line 6: no axis 'young'; choose from E",
+    ),
+    "an axis of words": (HEAD + "[axes.side]\nvalues = [1]", "line 6: no axis 'side'; choose from"),
+    "an axis with a path in it": (
+        HEAD + '[axes."../E"]\nvalues = [1]',
+        "line 6: no axis '../E'; choose from",
+    ),
+    "a grid without end": (
+        AXIS + "from = 1\nto = 2\ncount = 1000000\n[axes.R]\nfrom = 1\nto = 2\ncount = 1000000",
+        "line 6: the grid has 1000000000000 cases, more than the limit of 100000",
+    ),
+    "more values than memory": (
+        "stations = 100001\n" + AXIS + "from = 1\nto = 2\ncount = 1000",
+        "1000 cases at 100001 stations are 100001000 values, more than the limit of 20000000",
+    ),
+    "a name with a path in it": (
+        "name = '../x'\n" + HEAD,
+        "line 1: name must be letters, digits, - and _ only",
+    ),
+    "a name with a slash": ("name = 'a/b'\n" + HEAD, "line 1: name must be"),
+    "an unknown reading": (
+        HEAD.replace("tension", "torsion"),
+        "line 2: no reading 'force-first/torsion/paper'",
+    ),
+    "an unknown observable": (
+        'observables = ["turn"]\n' + HEAD,
+        "line 1: no observable 'turn'; choose from turns",
+    ),
+    "an unknown output": ('outputs = ["x"]\n' + HEAD, "line 1: no output 'x'; choose from beta"),
+    "one station": ("stations = 1\n" + HEAD, "line 1: stations must be greater than or equal to 2, got 1"),
+    "a tolerance of nothing": ("tol = 0.0\n" + HEAD, "line 1: tol must be greater than 0, got 0.0"),
+    "no title": (UNITS, "the study needs the key 'title'"),
+    "no units": ('title = "t"', "the study needs the key 'units'"),
+    "a table as a number": ("axes = 3\n" + HEAD, "line 1: axes must be a table, got 3"),
+    "a law without observable": (
+        LAW + "axis = 'E'\ndirection = 'falls'",
+        r"line 8: laws\[1\] needs the key 'obs",
+    ),
+    "a law on no axis": (
+        LAW + "axis = 'R'\nobservable = 'turns'\ndirection = 'falls'",
+        "line 11: no axis 'R'; choose from E",
+    ),
+    "a law in no direction": (
+        LAW + "axis = 'E'\nobservable = 'turns'\ndirection = 'up'",
+        r"laws\[1\].direction must be",
+    ),
+    "a law on no observable": (
+        LAW + "axis = 'E'\nobservable = 'x'\ndirection = 'falls'",
+        "line 12: no observable 'x'",
+    ),
+    "E below zero": (HEAD + "[base]\nE = -1.0", "line 7: Rod.E must be positive and finite, got -1.0"),
+    "E below zero on its axis": (
+        AXIS + "values = [1, -2]",
+        "line 6: Rod.E must be positive and finite, got -2.0",
+    ),
+    "a half case": (PLAIN + "[base]\nE = 1.0\nbeta = 1.0", "Rod needs nu, a, L; got E"),
+    "F1 and dgamma": (
+        PLAIN + ROD + "beta = 0.5\ndbeta = 0.1\nF1 = 1.0\ndgamma = 0.2",
+        "exactly one of F1 and dgamma, got F1=1.0 and dgamma=0.2",
+    ),
+    "a start's field among ends": (
+        PLAIN + ROD + "beta0 = 0.5\nF1 = 1.0",
+        "line 12: a study of Ends has no 'F1'",
+    ),
+    "no room inside": (HEAD + "[base]\nR = 0.2\nside = 'inside'", "R must be larger than Rod.a = 0.25"),
+    "following another axis": (AXIS + "follow = true\nto = 60\ncount = 9", "follow is for betaL alone"),
+    "following from somewhere": (
+        HEAD + "[axes.betaL]\nfollow = true\nfrom = 1\nto = 2\ncount = 9",
+        "line 8: a followed axis starts from the base rod's own value",
+    ),
+    "no TOML": ("title = ", "study is not TOML: Invalid value"),
+}
+
+
+@pytest.mark.parametrize("text, sentence", REFUSED.values(), ids=REFUSED)
+def test_a_study_is_refused_for(text: str, sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence) as refusal:
+        loads(text)
+    assert "\n" not in str(refusal.value)
+
+
+def test_an_unknown_study_is_refused_with_the_nearest_and_the_choices() -> None:
+    with pytest.raises(InputError, match="'fig7_1', did you mean 'fig7_1_modulus'; choose from fig6, "):
+        load("fig7_1")
+
+
+def test_a_study_that_cannot_be_read_is_refused(tmp_path) -> None:
+    with pytest.raises(InputError, match="No such file"):
+        load(tmp_path / "absent.toml")
+    (tmp_path / "folder.toml").mkdir()
+    with pytest.raises(InputError, match="cannot read the study"):
+        load(tmp_path / "folder.toml")
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match="not a text file"):
+        load(tmp_path / "bytes.toml")
+
+
+def test_a_file_gives_its_study_a_name_that_a_file_may_have(tmp_path) -> None:
+    path = tmp_path / "my study (2).toml"
+    path.write_text(HEAD)
+    assert load(path).name == "my_study_2_"
+
+
+def test_every_shipped_study_can_be_loaded_and_names_itself() -> None:
+    assert [load(name).name for name in names()] == names()
