@@ -1,0 +1,93 @@
+"""What stays constant along the rod, rebuilt from vectors where there are any, and what the start was given."""
+
+import numpy as np
+import pytest
+
+from solver import Solution, solve
+from tests.cases import EXACT, GENERAL, TABLE_1, Named
+
+CASES: dict[str, Named] = {**TABLE_1, **GENERAL, "catenary": EXACT["catenary"]}
+
+
+@pytest.fixture(scope="module", params=CASES)
+def sol(request: pytest.FixtureRequest) -> Solution:
+    answer = solve(CASES[request.param].case, tol=1e-11)
+    assert answer.solved, answer.outcome
+    return answer
+
+
+def force(sol: Solution) -> np.ndarray:
+    T, N = sol.tangent, sol.normal
+    return sol.F1[:, None] * N + sol.F2[:, None] * np.cross(T, N) + sol.F3[:, None] * T
+
+
+def moment(sol: Solution) -> np.ndarray:
+    T, N = sol.tangent, sol.normal
+    return sol.M1[:, None] * N + sol.M2[:, None] * np.cross(T, N) + sol.M3 * T
+
+
+def constant(values: np.ndarray, expected: float, scale: float, share: float) -> None:
+    np.testing.assert_allclose(values, expected, rtol=0, atol=share * scale)
+
+
+def test_axial_force_is_constant(sol: Solution) -> None:
+    F = force(sol)
+    constant(F[:, 2], sol.FZ, np.abs(F).max(), 1e-14)  # rounding
+
+
+def test_axial_moment_of_force_and_couple_is_constant(sol: Solution) -> None:
+    F, M = force(sol), moment(sol)
+    arm = np.cross(sol.position, F)
+    constant((arm + M)[:, 2], sol.MZ, np.abs(arm).max() + np.abs(M).max(), 1e-14)  # rounding
+
+
+def test_h_is_constant(sol: Solution) -> None:
+    """eq. (32), from beta and beta' as they are and G as the paper writes it (with rho for R)."""
+    A, rho, b = sol.case.rod.bending_stiffness, sol.case.rho, sol.beta
+    l, m, p = sol.MZ / A, sol.M3 / A, sol.FZ / A  # noqa: E741
+    G = (2 * (l - m * np.cos(b)) - np.sin(b) ** 3 / rho) * np.sin(b) / rho + 2 * p * np.cos(b)
+    h = sol.dbeta**2 + G
+    scale = (sol.dbeta**2).max() + np.abs(G).max()
+    constant(h, h[0], scale, 1e-11)  # the tolerance asked for
+    np.testing.assert_allclose(sol.h, h, rtol=0, atol=1e-13 * scale)  # rounding
+
+
+def test_tension_and_bending_energy_per_length_add_up(sol: Solution) -> None:
+    """F3 + A kappa^2/2 = A h/2: the contact has no part along the rod; eq. (27)."""
+    bending = sol.case.rod.bending_stiffness / 2 * sol.kappa**2
+    level = sol.case.rod.bending_stiffness / 2 * sol.h[0]
+    constant(sol.F3 + bending, level, np.abs(sol.F3).max() + bending.max(), 1e-11)  # the tolerance asked for
+
+
+def test_the_section_force_at_the_start_is_the_one_given(sol: Solution) -> None:
+    given = sol.case.given
+    scale = np.abs(force(sol)[0]).max() + abs(sol.M3) / sol.case.rho
+    for got, wanted in ((sol.F1[0], given.F1), (sol.F2[0], given.F2), (sol.F3[0], given.F3)):
+        if wanted is not None:
+            assert abs(got - wanted) <= 1e-13 * scale  # rounding
+
+
+def test_the_twist_rate_at_the_start_is_the_one_given(sol: Solution) -> None:
+    if sol.case.given.dgamma is None:
+        pytest.skip("the twist is given by F1")
+    slope = np.sin(sol.beta[0]) * np.cos(sol.beta[0]) / sol.case.rho
+    rate = sol.M3 / sol.case.rod.torsional_stiffness - slope
+    assert rate == pytest.approx(sol.case.given.dgamma, abs=1e-14 * (1 + abs(rate)))  # rounding
+
+
+def test_energy_is_the_integral_of_its_density() -> None:
+    """Routh's: A/2 kappa^2 + M3 sin cos/rho - FZ cos - MZ sin/rho, against the trapezoidal rule on many stations."""
+    from solver.observables import observe
+
+    case = TABLE_1["twist-first/compression/solid"].case
+    sol = solve(case, tol=1e-11, stations=20001)
+    s, c, rho = np.sin(sol.beta), np.cos(sol.beta), case.rho
+    density = case.rod.bending_stiffness / 2 * sol.kappa**2 + sol.M3 * s * c / rho - sol.FZ * c - sol.MZ * s / rho
+    expected = np.trapezoid(density, sol.s)
+    assert observe(sol, ["energy"])["energy"] == pytest.approx(expected, rel=1e-6)  # step^2 of the rule
+
+
+def test_table_1_contradicts_itself() -> None:
+    """gamma0' = 0.5 gives F10 = -2.268 N, not the 5 N printed beside it."""
+    sol = solve(TABLE_1["twist-first/tension/paper"].case, tol=1e-6)
+    assert sol.F1[0] == pytest.approx(-2.268, abs=5e-4)  # as many figures
