@@ -1,8 +1,9 @@
 """The mechanics and the numerics of an elastic rod on a cylinder. Needs numpy and scipy, nothing else."""
 
 from .case import Case, Cylinder, Ends, Rod, Start
+from .equilibria import Equilibrium, equilibria
 from .errors import InputError
 from .solution import Solution
 from .solve import solve
 
-__all__ = ["Case", "Cylinder", "Ends", "InputError", "Rod", "Solution", "Start", "solve"]
+__all__ = ["Case", "Cylinder", "Ends", "Equilibrium", "InputError", "Rod", "Solution", "Start", "equilibria", "solve"]

@@ -22,11 +22,13 @@ HELIX, LIBRATION, ROTATION = 0, 1, 2
 class Pieces:
     """P monotone pieces of courses, in the order they are travelled away from the start. Fields (P,) but `well`.
 
-    part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. base: the angle that x counts from.
+    part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. rank: 0 for the piece with the start, then
+    counting away from it. base: the angle that x counts from.
     kind: PASS, SADDLE or CENTRE. scale: a or x1 (signed). u0, u1: ends in u, along the travel.
     """
 
     part: NDArray[np.int64]
+    rank: NDArray[np.int64]
     kind: NDArray[np.int64]
     base: Array
     scale: Array
@@ -35,7 +37,7 @@ class Pieces:
     well: Well
 
     def take(self, index: Any) -> "Pieces":
-        fields = (self.part, self.kind, self.base, self.scale, self.u0, self.u1)
+        fields = (self.part, self.rank, self.kind, self.base, self.scale, self.u0, self.u1)
         return Pieces(*(v[index] for v in fields), self.well.take(index))
 
     def displacement(self, u: Array) -> Array:
@@ -64,15 +66,19 @@ class Course:
     pieces: Pieces
 
 
-def course(problem: Reduced) -> Course:
-    """Where each orbit goes, and the pieces of its way; the problems' numbers must be finite."""
+def course(problem: Reduced, pin: tuple[Array, Array] | None = None) -> Course:
+    """Where each orbit goes, and the pieces of its way; the problems' numbers must be finite.
+
+    pin: angles r in [-pi, pi) and gaps eta - G(r), (B,) each, that fix the level more finely than beta_t(0) can where
+    the orbit hugs a saddle r; without them the start does, r = beta(0) and the gap beta_t(0)^2.
+    """
     assert problem.dbeta0 is not None
     found = extrema(problem)
     m, B = found.count, problem.size
     start = problem.beta0 - TAU * np.round(problem.beta0 / TAU)
     start = np.where(start >= np.pi, start - TAU, start)
     behind = np.count_nonzero(found.beta <= start[:, None], axis=1) - 1  # -1: the last one, a turn lower
-    level = _levels(problem, found, start)
+    level = _levels(problem, found, *((start, problem.dbeta0**2) if pin is None else pin))
     v = problem.dbeta0
     rest = v == 0
     # a rod that starts without slope goes downhill: up where the extremum above it is a centre
@@ -91,17 +97,18 @@ def course(problem: Reduced) -> Course:
     return Course(kind, direction, pieces)
 
 
-def _levels(problem: Reduced, found: Extrema, start: Array) -> Array:
+def _levels(problem: Reduced, found: Extrema, pinned: Array, gap: Array) -> Array:
     """eta - G at every extremum, (B, K), kept to relative accuracy where both parts of it are small; NaN beyond."""
     B, K = found.beta.shape
     wide = problem.take(np.repeat(np.arange(B), K))
-    x = _wrapped(start[:, None] - found.beta).reshape(-1, 1)
+    x = _wrapped(pinned[:, None] - found.beta).reshape(-1, 1)
     drop = Well.about(wide, found.beta.reshape(-1)).drop(x).reshape(B, K)
-    assert problem.dbeta0 is not None
-    v2 = problem.dbeta0[:, None] ** 2
-    level = v2 - drop
+    # extrema as high as the pinned one, which symmetry makes common, must share its gap
+    heights = np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1
+    drop = np.where((np.abs(drop) < 4e-16 * heights[:, None]) & (np.abs(x.reshape(B, K)) > 1e-3), 0.0, drop)
+    level = gap[:, None] - drop
     # within rounding of the saddle's own level either side is as true; none is zero
-    floor = 2e-17 * (v2 + np.abs(drop))
+    floor = 2e-17 * (np.abs(gap[:, None]) + np.abs(drop)) + 1e-300
     return np.where(np.abs(level) < floor, np.where(level > 0, floor, -floor), level)
 
 
@@ -150,7 +157,6 @@ def _pieces(
     x_low, x_high = np.where(x_low < 0, x_low + TAU, x_low), np.where(x_high > 0, x_high - TAU, x_high)
     g_saddle = np.where(saddle_low, g_low, g_high)
     at_rest = problem.dbeta0[b] == 0  # type: ignore[index]
-    holds_start = (rank == 0) | around
     passes = g_saddle > 0
     # turning point, from the saddle; the start itself where the rod starts without slope
     well = Well.about(problem.take(b), np.where(saddle_low, c_low, c_high), g_saddle)
@@ -183,9 +189,8 @@ def _pieces(
     u1 = np.where(last, np.where(form == CENTRE, np.pi / 2, 0.0), np.where(around, here, u_to))
     shift = (problem.beta0 - start)[b]
     base = np.where(on_low, c_low + turn_low, c_high + turn_high) + shift
-    del holds_start
-    pieces = Pieces(part, form, base, scale, u0, u1, well)
-    return pieces.take(np.flatnonzero(u0 != u1))
+    moving = np.flatnonzero(u0 != u1)
+    return Pieces(part, rank, form, base, scale, u0, u1, well).take(moving)
 
 
 def _passing_scale(well: Well, level: Array, limit: Array) -> Array:

@@ -19,13 +19,14 @@ _NEWTON = 12
 class Panels:
     """P panels in order of part and of time away from the start.
 
-    part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. duration: (P,). series: (P, 5, n + 1),
+    part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. rank: of its piece. duration: (P,). series: (P, 5, n + 1),
     of beta, |beta_t|, alpha, z and the swirl (the integral of sin cos), the last three from the panel's near end.
     gauss: (P, 2 k), beta at two Gauss points of each of k equal parts in time. fastest: largest |beta_t|; slack: what the cut
     series leave out of beta; drift: the same for the duration, as a share of it; all (P,). calls: evaluations, (P,).
     """
 
     part: NDArray[np.int64]
+    rank: NDArray[np.int64]
     duration: Array
     series: Array
     gauss: Array
@@ -101,7 +102,7 @@ def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
         drift = late / duration
     slack = np.where(met, slack, np.inf)
     calls = np.full(near.size, 2 * points.nodes.size)
-    return Panels(pieces.part, duration, series, x @ points.gauss + pieces.base[:, None], fastest, slack, drift, calls)
+    return Panels(pieces.part, pieces.rank, duration, series, x @ points.gauss + pieces.base[:, None], fastest, slack, drift, calls)
 
 
 def _inverted(clock: Array, rate: Array, duration: Array, nodes: Array) -> tuple[Array, NDArray[np.bool_]]:

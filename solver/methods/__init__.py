@@ -1,6 +1,7 @@
 """The methods, one file each."""
 
 from .base import Method, Trajectory
+from .difference import DIFFERENCE
 from .dop853 import DOP853
 from .orbit import ORBIT
 from .verlet import VERLET
@@ -9,6 +10,7 @@ METHODS: dict[str, Method] = {
     "orbit": ORBIT,
     "dop853": DOP853,
     "verlet": VERLET,
+    "difference": DIFFERENCE,
 }
 
 __all__ = ["METHODS", "Method", "Trajectory"]

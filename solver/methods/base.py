@@ -33,6 +33,26 @@ class Trajectory:
     orbit: Any = None
 
 
+@dataclass(frozen=True, eq=False)
+class Seed:
+    """Near which of many solutions to look. slope: beta_t(0), (B,). u, beta: the shape at shares u of the rod, (B, n)."""
+
+    slope: Array
+    u: Array
+    beta: Array
+
+    def take(self, i: int) -> "Seed":
+        return Seed(self.slope[i : i + 1], self.u[i : i + 1], self.beta[i : i + 1])
+
+    def on(self, problem: Reduced, nodes: int) -> Array:
+        """The one shape on equal steps, (nodes,), bent to meet the ends asked for."""
+        assert problem.betaL is not None
+        u = np.linspace(0, 1, nodes)
+        beta = np.interp(u, self.u[0], self.beta[0])
+        first, last = problem.beta0[0] - beta[0], problem.betaL[0] - beta[-1]
+        return beta + first + (last - first) * u
+
+
 class Run(Protocol):
     """How a method is called; t: (B, n) stations in units of rho, rising from 0, the last at most the span."""
 

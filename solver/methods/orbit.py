@@ -7,7 +7,7 @@ points and repetition do the rest: a rod of a million bends costs what one of th
 geometrically; all problems are solved together.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -60,6 +60,18 @@ class Orbit:
         where = self._locate(t)
         values = self._read(slice(0, 4), where)
         return self._unfold(values, where)
+
+    def take(self, i: int) -> "Orbit":
+        """The orbit of problem i alone."""
+        mine = np.flatnonzero(self.panels.part // 2 == i)
+        panels = self.panels.take(mine)
+        panels = replace(panels, part=panels.part - 2 * i)
+        count = self.count[2 * i : 2 * i + 2]
+        first = np.cumsum(count) - count
+        parts = slice(2 * i, 2 * i + 2)
+        way = Course(self.course.kind[i : i + 1], self.course.direction[i : i + 1], self.course.pieces)
+        one = self.problem.take(slice(i, i + 1))
+        return Orbit(one, way, panels, self.since[mine], first, count, self.duration[parts], self.gain[parts])
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
@@ -138,9 +150,9 @@ class _Where:
     rounds: Array
 
 
-def solve_orbit(problem: Reduced, tol: float) -> Orbit:
-    """The orbits of B start problems with finite numbers."""
-    way = course(problem)
+def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None) -> Orbit:
+    """The orbits of B start problems with finite numbers; `pin` as in `course`."""
+    way = course(problem, pin)
     n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
     panels = panelled(problem, way, basis(n), length, 0.05 * tol)
     parts = 2 * problem.size
