@@ -11,6 +11,8 @@ import typer
 
 from . import __version__
 
+INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
+
 app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -189,7 +191,7 @@ def main(args: list[str] | None = None) -> None:
     except typer.TyperException as error:
         _refuse(_sentence(error), error.exit_code)
     except (KeyboardInterrupt, typer.Abort):
-        _refuse("interrupted; what was stored is whole", 130)
+        status = INTERRUPTED
     except BrokenPipeError:  # the reader of our output went away, as head does
         sys.stderr.close()
         sys.exit(0)
@@ -199,6 +201,8 @@ def main(args: list[str] | None = None) -> None:
         if not isinstance(error, InputError):
             raise
         _refuse(str(error), 2)
+    if status == INTERRUPTED:
+        _refuse("interrupted; what was stored is whole", INTERRUPTED)
     sys.exit(status or 0)
 
 

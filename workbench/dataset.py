@@ -57,7 +57,7 @@ def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], sol: Solu
         name: xr.Variable((name,), values, _axis_labels(study, name)) for name, values in coordinates.items()
     }
     coords["u"] = xr.Variable(("u",), u, _labels("u", units))
-    coords["s"] = xr.Variable(*_arc(sol, axes), _labels("s", units))
+    coords["s"] = xr.Variable(*_arc(sol, axes, u), _labels("s", units))
     if any(name in INNER for name in study.outputs):
         coords["xyz"] = xr.Variable(("xyz",), ["x", "y", "z"], {"long_name": "component; z is the axis"})
     return xr.Dataset(data, coords, _attributes(study, sol))
@@ -118,11 +118,14 @@ def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArr
     return kept, array.reshape([size for size in array.shape if size > 1])
 
 
-def _arc(sol: Solution, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
+def _arc(
+    sol: Solution, axes: tuple[str, ...], u: NDArray[np.float64]
+) -> tuple[tuple[str, ...], NDArray[np.float64]]:
     """s over u alone where every case has the same length, else over the whole grid."""
-    if np.size(sol.case.rod.L) == 1:
-        return ("u",), sol.s.reshape(-1, sol.s.shape[-1])[0]
-    return (*axes, "u"), sol.s
+    L = np.asarray(sol.case.rod.L, dtype=float)
+    if L.size == 1:
+        return ("u",), L.item() * u
+    return (*axes, "u"), np.broadcast_to(L, sol.case.shape)[..., None] * u
 
 
 def _attributes(study: Study, sol: Solution) -> dict[str, Any]:

@@ -54,7 +54,7 @@ def _open(path: Path) -> xr.Dataset:
     if path.is_dir():
         raise InputError(f"{path} is a folder, not a dataset")
     try:
-        return xr.load_dataset(path, engine="h5netcdf")
+        return xr.load_dataset(path, engine="h5netcdf", phony_dims="access")
     except PermissionError:
         raise InputError(f"cannot read {path}: permission denied") from None
     except _UNREADABLE:

@@ -1,0 +1,244 @@
+"""The command line, run as its users run it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from studies import names
+from tests.workbench import small
+from workbench import cli, store
+
+ROOT = Path(__file__).parents[2]
+
+
+def workbench(*args: object, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "workbench.cli", *map(str, args)]
+    return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, timeout=120, check=False)
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory) -> Path:
+    """A small study, run and stored by the command line."""
+    folder = tmp_path_factory.mktemp("stored")
+    (folder / "small.toml").write_text(small.TEXT)
+    run = workbench("run", "small.toml", cwd=folder)
+    assert run.returncode == 0, run.stderr
+    return folder / "small.h5"
+
+
+def test_help_lists_the_commands_and_each_has_help_of_its_own() -> None:
+    shown = workbench("--help")
+    assert shown.returncode == 0
+    for command in ("reproduce", "list", "run", "check", "plot", "scene", "solve", "doctor"):
+        assert f"\n  {command} " in shown.stdout
+    assert workbench().stdout == shown.stdout
+
+
+def test_list_names_every_study_also_for_programs() -> None:
+    rows = json.loads(workbench("list", "--json").stdout)
+    assert [row["study"] for row in rows] == names()
+
+
+def test_run_stores_a_dataset_and_prints_its_laws(stored) -> None:
+    with xr.open_dataset(stored) as ds:
+        assert ds["turns"].dims == ("E", "R")
+    shown = workbench("run", stored.with_suffix(".toml"), "--out", stored)
+    assert shown.returncode == 0
+    assert "kappa_max falls along R" in shown.stdout
+    assert "6 cases, 0 unsolved" in shown.stdout
+    assert shown.stderr == ""  # no progress bar where nobody watches
+
+
+def test_run_takes_a_reading_a_tolerance_and_a_method(stored, tmp_path) -> None:
+    options = ("--reading", "compression/solid", "--tol", "1e-6", "--method", "verlet", "--json")
+    told = workbench("run", stored.with_suffix(".toml"), "--out", tmp_path / "new" / "x.h5", *options)
+    assert json.loads(told.stdout)["reading"] == "force-first/compression/solid"
+    ds = store.read(tmp_path / "new" / "x.h5")
+    assert (ds.attrs["method"], ds.attrs["tolerance"]) == ("verlet", 1e-6)
+
+
+def test_check_tells_a_law_that_holds_from_one_that_fails_by_its_status(stored, tmp_path) -> None:
+    good = workbench("check", stored, "--json")
+    assert (good.returncode, json.loads(good.stdout)["laws"][0]["verdict"]) == (0, "holds")
+    ds = store.read(stored)
+    turned = ds.assign(kappa_max=-ds["kappa_max"])
+    bad = workbench("check", store.write(turned, tmp_path / "bad.h5"))
+    assert bad.returncode == 1
+    assert "fails" in bad.stdout
+
+
+def test_solve_prints_one_case_and_takes_what_is_left_out_from_table_1() -> None:
+    shown = workbench("solve", "--F3", "-10", "--json")
+    told = json.loads(shown.stdout)
+    assert shown.returncode == 0
+    assert told["outcome"].startswith("solved")
+    assert told["case"]["F3"] == -10.0
+    assert (told["case"]["E"], told["case"]["F1"], told["case"]["stiffness"]) == (1.07e4, 5.0, "paper")
+    assert told["observables"]["turns"] == 11  # the paper's stiffness, compression
+    assert len(told["along"]["beta"]) == 201
+    table = workbench("solve", "--F3=-10").stdout
+    assert "turns         11" in table
+
+
+def test_solve_drops_table_1s_normal_force_for_a_twist_rate() -> None:
+    case = json.loads(workbench("solve", "--dgamma", "0.5", "--json").stdout)["case"]
+    assert case["dgamma"] == 0.5
+    assert "F1" not in case
+
+
+def test_solve_reads_a_case_from_a_file_and_options_change_it(tmp_path) -> None:
+    (tmp_path / "case.toml").write_text(
+        'title = "one"\n[units]\nlength = "mm"\nforce = "N"\n[base]\nE = 100.0\nnu = 0.25\na = 2.5\n'
+        'L = 200.0\nR = 7.5\nbeta = 0.5\ndbeta = 0.05\ndgamma = 0.05\nF3 = 10.0\nstiffness = "paper"\n'
+    )
+    told = json.loads(workbench("solve", tmp_path / "case.toml", "--L", "100", "--json").stdout)
+    assert told["units"] == {"length": "mm", "force": "N"}
+    assert (told["case"]["L"], told["case"]["a"]) == (100.0, 2.5)
+
+
+def test_a_case_that_is_not_solved_gives_status_1() -> None:
+    run = workbench("solve", "--method", "dop853", "--tol", "1e-15", "--json")
+    assert run.returncode == 1, run.stderr
+    assert json.loads(run.stdout)["outcome"].startswith("failed")
+
+
+REFUSED = {
+    "no room inside": (
+        ["solve", "--R", "0.2", "--side", "inside"],
+        "larger than Rod.a = 0.25 for a rod inside, got 0.2",
+    ),
+    "E below zero": (["solve", "--E", "-1"], "Rod.E must be positive and finite, got -1.0"),
+    "nu too large": (["solve", "--nu", "0.6"], "Rod.nu must be in (-1, 0.5], got 0.6"),
+    "no number": (["solve", "--E", "nan"], "Rod.E must be finite, got nan"),
+    "text for a number": (["solve", "--E", "abc"], "'abc' is not a number"),
+    "F1 and dgamma": (
+        ["solve", "--F1", "5", "--dgamma", "1"],
+        "exactly one of F1 and dgamma, got F1=5.0 and dgamma=1",
+    ),
+    "F1 without slope": (["solve", "--dbeta", "0"], "F1 cannot fix the twist where dbeta = 0"),
+    "no length": (["solve", "--L", "0"], "Rod.L must be positive and finite, got 0.0"),
+    "an unknown field": (["solve", "--young", "1"], "No such option: --young; choose from --E, --nu"),
+    "an unknown stiffness": (
+        ["solve", "--stiffness", "soft"],
+        "no stiffness 'soft'; choose from solid, paper",
+    ),
+    "an unknown method": (["solve", "--method", "rk5"], "no method 'rk5'; choose from auto"),
+    "a tolerance of nothing": (["solve", "--tol", "0"], "tol must be a number between 0 and 1, got 0.0"),
+    "an unknown command": (["frobnicate"], "No such command 'frobnicate'; choose from reproduce, list"),
+    "an unknown study": (["run", "fig7_1"], "did you mean 'fig7_1_modulus'; choose from fig6"),
+    "an unknown reading": (["run", "fig6", "--reading", "torsion"], "no reading 'torsion'; choose one word"),
+    "a missing file": (["check", "absent.h5"], "there is no file absent.h5"),
+    "a file that is no HDF5": (["check", "small.toml"], "small.toml cannot be read as HDF5"),
+    "half a file": (["check", "half.h5"], "half.h5 cannot be read as HDF5"),
+    "half a file to draw": (["scene", "half.h5"], "half.h5 cannot be read as HDF5"),
+    "an axis that is not there": (["scene", "small.h5", "--at", "Q=1"], "no axis 'Q'; choose from E, R"),
+    "a value off the axis": (
+        ["scene", "small.h5", "--at", "E=1"],
+        "outside the axis, which goes from 10000 to 20000",
+    ),
+    "a value that is none": (["scene", "small.h5", "--at", "E=x"], "'x' is not a number"),
+    "a picture of no kind": (
+        ["plot", "small.h5", "--out", "x.doc"],
+        "choose a name that ends in .png, .pdf, .svg",
+    ),
+    "a place that cannot be written": (
+        ["run", "fig6", "--out", "small.toml/x.h5"],
+        "cannot write into the folder",
+    ),
+    "another study's file": (
+        ["run", "fig6", "--out", "small.h5"],
+        "holds the study 'small', not 'fig6'; give --force",
+    ),
+    "a file of another kind": (["run", "fig6", "--out", "small.toml"], "small.toml exists and is no dataset"),
+    "a grid without end": (
+        ["run", "huge.toml"],
+        "the grid has 1000000000000 cases, more than the limit of 100000",
+    ),
+    "a misspelt key": (["run", "typo.toml"], "typo.toml, line 2: no key 'readin', did you mean 'reading'"),
+    "several cases at once": (
+        ["solve", "small.toml"],
+        "small.toml has the axes E, R: workbench run solves it",
+    ),
+    "a folder that is a file": (
+        ["reproduce", "--out", "small.toml"],
+        "cannot write into the folder small.toml",
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def crowded(stored) -> Path:
+    """A folder with a good file and some bad ones."""
+    folder = stored.parent
+    (folder / "half.h5").write_bytes(stored.read_bytes()[:3000])
+    axis = "[axes.{}]\nfrom = 1.0\nto = 2.0\ncount = 1000000\n"
+    huge = small.TEXT[: small.TEXT.index("[axes.E]")] + axis.format("E") + axis.format("R")
+    (folder / "huge.toml").write_text(huge)
+    (folder / "typo.toml").write_text('title = "t"\nreadin = "shear"\n')
+    return folder
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
+@pytest.mark.parametrize("args, sentence", REFUSED.values(), ids=REFUSED)
+def test_one_sentence_and_status_2_for(args, sentence, crowded, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(crowded)
+    before = contents(crowded)
+    with pytest.raises(SystemExit) as end:
+        cli.main(args)
+    out, err = capsys.readouterr()
+    assert (end.value.code, out) == (2, "")
+    assert sentence in err
+    assert err.startswith("workbench: ")
+    assert len(err.splitlines()) == 1
+    assert contents(crowded) == before
+
+
+@pytest.mark.parametrize("case", ["no room inside", "an unknown command", "half a file"])
+def test_a_refusal_is_the_same_in_a_process_of_its_own(case, crowded) -> None:
+    args, sentence = REFUSED[case]
+    run = workbench(*args, cwd=crowded)
+    assert (run.returncode, run.stdout) == (2, "")
+    assert sentence in run.stderr
+    assert len(run.stderr.splitlines()) == 1
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals are sent otherwise there")
+def test_an_interrupted_run_says_so_and_leaves_no_file(crowded, tmp_path) -> None:
+    study = small.TEXT[: small.TEXT.index("[axes.E]")].replace("stations = 21", "stations = 2001")
+    (tmp_path / "long.toml").write_text(study + "[axes.E]\nfrom = 1e4\nto = 2e4\ncount = 2000\n")
+    command = [sys.executable, "-c", INTERRUPTIBLE, "run", "long.toml", "--method", "dop853"]
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(command, cwd=tmp_path, env=env, stdout=-1, stderr=-1, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "solving\n"
+        time.sleep(0.1)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert said == "workbench: interrupted; what was stored is whole\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["long.toml"]
+
+
+# Says on stdout when the solving begins, so that the test need not guess how long importing takes.
+INTERRUPTIBLE = """
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
+from workbench import cli, runner
+run = runner.run
+def told(*args, **kwargs):
+    print("solving", flush=True)
+    return run(*args, **kwargs)
+runner.run = told
+cli.main()
+"""

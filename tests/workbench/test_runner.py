@@ -1,0 +1,139 @@
+"""From a study to a labelled dataset."""
+
+import json
+
+import numpy as np
+import pytest
+
+from solver import InputError, solve
+from solver.methods import METHODS
+from solver.methods.base import Trajectory
+from tests.workbench import small
+from workbench import check, dataset, runner
+
+
+def test_the_grid_is_solved_as_its_cases_are_one_by_one() -> None:
+    study = small.grid()
+    ds = runner.run(study)
+    for E in (1e4, 2e4):
+        for R in (0.5, 0.75, 1.0):
+            one = solve(small.study(f"[base]\nE = {E}\nR = {R}").case(), stations=21)
+            cell = ds.sel(E=E, R=R)
+            # Two runs at tol 1e-8 whose nodes may differ; both do far better than asked.
+            np.testing.assert_allclose(cell["beta"], one.beta, atol=1e-10)
+            assert cell["turns"].item() == small_turns(one)
+            np.testing.assert_allclose(cell["s"], one.s, rtol=1e-15)  # u L against rho t
+
+
+def small_turns(sol) -> int:
+    from solver.observables import observe
+
+    return int(observe(sol, ["turns"])["turns"])
+
+
+def test_axes_are_labelled_dimensions_in_the_order_of_the_study() -> None:
+    ds = runner.run(small.grid())
+    assert dict(ds.sizes) == {"E": 2, "R": 3, "u": 21}
+    assert ds["beta"].dims == ("E", "R", "u")
+    assert ds["turns"].dims == ("E", "R")
+    assert ds["R"].values.tolist() == [0.5, 0.75, 1.0]
+    np.testing.assert_allclose(ds["u"], np.linspace(0, 1, 21), rtol=1e-15)  # rounding
+
+
+def test_everything_has_a_unit_and_a_long_name() -> None:
+    ds = runner.run(small.grid())
+    for name, variable in ds.variables.items():
+        assert {"units", "long_name"} <= set(variable.attrs), name
+    assert ds["E"].attrs["units"] == "N/cm^2"
+    assert ds["F1"].attrs["units"] == "N"
+    assert ds["turns"].attrs["units"] == "1"
+
+
+def test_only_what_was_asked_for_is_stored() -> None:
+    ds = runner.run(small.study(head='observables = ["wraps"]\noutputs = ["z"]'))
+    always = {"outcome", "error", "condition", "R", "a", "L", "rho", "E", "nu", "FZ", "MZ", "M3"}
+    assert set(ds.data_vars) == {"wraps", "z"} | always
+
+
+def test_what_is_needed_to_draw_is_there_and_varies_with_its_axis_only() -> None:
+    ds = runner.run(small.grid())
+    assert (ds["a"].item(), ds["L"].item(), ds["nu"].item()) == (0.25, 20.0, 0.25)
+    assert ds["rho"].dims == ("R",)
+    np.testing.assert_allclose(ds["rho"], ds["R"] + 0.25, rtol=1e-15)  # rounding
+    assert (ds.attrs["side"], ds.attrs["stiffness"]) == ("outside", "paper")
+    assert (ds.attrs["length_unit"], ds.attrs["force_unit"]) == ("cm", "N")
+
+
+def test_arc_length_is_shared_unless_the_length_varies() -> None:
+    assert runner.run(small.grid())["s"].dims == ("u",)
+    varied = runner.run(small.study("[axes.L]\nvalues = [10, 20]"))
+    assert varied["s"].dims == ("L", "u")
+    assert varied["s"][:, -1].values.tolist() == [10.0, 20.0]
+
+
+def test_an_output_with_the_name_of_an_axis_is_kept_beside_it() -> None:
+    ds = runner.run(small.study("[axes.beta]\nvalues = [15, 30]\nunit = 'deg'"))
+    np.testing.assert_allclose(ds["beta"], np.deg2rad([15, 30]), rtol=1e-15)  # rounding
+    assert ds["beta"].attrs["long_name"].startswith("angle from the axis at the start")
+    assert ds["beta_along"].dims == ("beta", "u")
+    # The shape starts where it is told, but for the rounding of the map to an orbit.
+    np.testing.assert_allclose(ds["beta_along"][:, 0], ds["beta"], rtol=1e-12)
+    assert dataset.along(ds, "beta").name == "beta_along"
+    assert dataset.along(ds, "alpha").name == "alpha"
+
+
+def test_an_axis_says_what_the_reading_makes_of_it() -> None:
+    forces = small.study("[axes.F1]\nvalues = [2.5, 10]\n[axes.F3]\nvalues = [5, 20]")
+    shear = runner.run(forces.under("shear/compression"))
+    assert "in-surface shear" in shear["F1"].attrs["long_name"]
+    assert "compression" in shear["F3"].attrs["long_name"]
+    dropped = runner.run(forces.under("twist-first"))
+    assert "no effect" in dropped["F1"].attrs["long_name"]
+    assert bool((dropped["alpha"][0] == dropped["alpha"][1]).all())
+
+
+def test_where_it_came_from_is_kept_as_attributes() -> None:
+    study = small.grid()
+    ds = runner.run(study.under("compression"), tol=1e-7, method="verlet")
+    assert ds.attrs["study"] == study.text
+    assert ds.attrs["study_name"] == "small"
+    assert ds.attrs["reading"] == "force-first/compression/paper"
+    assert (ds.attrs["tolerance"], ds.attrs["method"]) == (1e-7, "verlet")
+    assert {"python", "numpy", "h5netcdf"} <= set(json.loads(ds.attrs["versions"]))
+    assert not any(isinstance(value, bool | dict | None) for value in ds.attrs.values())
+
+
+def test_a_case_that_fails_keeps_its_outcome_and_leaves_its_neighbours_alone(monkeypatch) -> None:
+    method = METHODS["verlet"]
+
+    def failing(problem, t, tol, **knobs) -> Trajectory:
+        path = method.run(problem, t, tol, **knobs)
+        path.outcome[2] = "failed: on purpose"
+        return path
+
+    monkeypatch.setitem(METHODS, "verlet", type(method)(**{**vars(method), "run": failing}))
+    ds = runner.run(small.grid(), method="verlet")
+    bad = ds.isel(E=0, R=2)
+    assert bad["outcome"].item() == "failed: on purpose"
+    assert np.isnan(bad["beta"]).all()
+    assert np.isnan(bad["turns"])
+    assert check.unsolved(ds) == 1
+    assert not np.isnan(ds["beta"]).where(ds["outcome"] == "solved").sum() > 0
+    (row,) = check.verdicts(ds)
+    assert row["verdict"] == "fails"
+    assert "1 of 3 cases unsolved" in row["reason"]
+    assert not check.all_well(ds)
+
+
+def test_verdicts_are_those_of_the_stored_numbers() -> None:
+    ds = runner.run(small.grid())
+    (row,) = check.verdicts(ds)
+    assert (row["claim"], row["verdict"], row["lines_hold"]) == ("(2)", "holds", 2)
+    swapped = ds.assign(kappa_max=ds["kappa_max"].copy(data=ds["kappa_max"].values[:, ::-1]))
+    assert check.verdicts(swapped)[0]["verdict"] == "fails"
+
+
+@pytest.mark.parametrize("change", [{"method": "rk5"}, {"tol": 2.0}, {"tol": 0.0}])
+def test_an_unknown_method_or_a_senseless_tolerance_is_refused(change: dict) -> None:
+    with pytest.raises(InputError):
+        runner.run(small.grid(), **change)

@@ -1,0 +1,79 @@
+"""The command reproduce: Fig. 6 and all of Fig. 7, from Table 1 to one report."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import xarray as xr
+
+from studies import load, names
+from studies.laws import FAILS
+
+from . import check, console, gl, plots, readings_run, report, runner, scenes, store
+from .runner import StudyResult
+
+DEFAULT_STUDIES = "fig"  # the shipped studies whose names begin so are figures of the paper
+
+
+def reproduce(out: Path, reading: str | None) -> int:
+    """Do everything into the folder `out`; 0, or 1 where a law fails or a case is unsolved.
+
+    Raises `InputError` before any work where the reading is unknown, the folder cannot be written, or a file
+    in it is something else.
+    """
+    studies = [load(name).under(reading) for name in names() if name.startswith(DEFAULT_STUDIES)]
+    store.check_folder(out)
+    files = {study.name: out / f"{study.name}.h5" for study in studies}
+    for name, path in {**files, readings_run.NAME: out / f"{readings_run.NAME}.h5"}.items():
+        store.check_free(path, name)
+    able, advice = gl.probe()
+    panels = readings_run.panels()
+    work = len(studies) * 2 + len(panels) * len(readings_run.READINGS) + 1
+    with console.progress(work) as step:
+        results = []
+        for study in studies:
+            step(f"solving {study.name}")
+            ds = runner.run(study)
+            result = runner.result(study, ds, store.write(ds, files[study.name]))
+            step(f"drawing {study.name}")
+            results.append(replace(result, pictures=_draw(ds, out, able)))
+        readings = readings_run.run(panels, step=step)
+        store.write(readings, out / f"{readings_run.NAME}.h5")
+        step("writing the report")
+        report.write(results, out)
+    _summary(results, readings, out, advice if not able else "")
+    return 0 if all(check.all_well(result.ds) for result in results) else 1
+
+
+def _draw(ds: xr.Dataset, out: Path, able: bool) -> dict[str, Path]:
+    """The pictures of one dataset: name -> file. Scenes only where OpenGL works."""
+    name = ds.attrs["study_name"]
+    pictures = {"figure": out / f"{name}.png"}
+    plots.figure(ds, pictures["figure"])
+    if able:
+        pictures["scene"] = out / f"{name}_scene.png"
+        scenes.render(ds, pictures["scene"], None)
+    return pictures
+
+
+def _summary(results: list[StudyResult], readings: xr.Dataset, out: Path, advice: str) -> None:
+    reading = results[0].ds.attrs["reading"]
+    verdicts = [row for result in results for row in result.verdicts]
+    rows = [[row["claim"], check.stated(row), check.measured(row), check.said(row)] for row in verdicts]
+    console.print_table(["claim", "law", "measured", "verdict"], rows, title=f"Table 1 read {reading}")
+    console.say("")
+    claims = [str(claim) for claim in readings["claim"].values]
+    console.print_table(["reading", *claims], _marks(readings), title="Which claims hold in which reading")
+    unsolved = sum(check.unsolved(result.ds) for result in results)
+    cases = sum(result.ds["outcome"].size for result in results)
+    console.say("")
+    console.say(f"{cases} cases, {unsolved} unsolved")
+    console.say(f"everything is in {out}, the report is {out / 'report.html'}")
+    if advice:
+        console.say(f"The scenes were left out: {advice}")
+
+
+def _marks(readings: xr.Dataset) -> list[list[str]]:
+    """One row a reading: the verdict of each claim."""
+    short = {"holds": "holds", "holds as a trend": "trend", FAILS: FAILS}
+    table = zip(readings["reading"].values, readings["claim_verdict"].values, strict=True)
+    return [[str(reading), *(short[str(verdict)] for verdict in line)] for reading, line in table]
