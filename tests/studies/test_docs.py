@@ -1,0 +1,42 @@
+"""docs/studies.md shows only what works, and all of it."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from solver.observables import OBSERVABLES
+from studies.axes import FORCES, LENGTHS
+from studies.loader import loads
+from studies.model import OUTPUTS
+
+TEXT = (Path(__file__).parents[2] / "docs" / "studies.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
+WHOLE = [example for example in EXAMPLES if "title" in example]
+
+
+def test_there_are_examples() -> None:
+    assert len(WHOLE) == 3
+    assert len(EXAMPLES) == 4
+
+
+@pytest.mark.parametrize("example", WHOLE, ids=lambda text: text.splitlines()[0])
+def test_each_whole_example_is_a_study(example: str) -> None:
+    loads(example).case()
+
+
+def test_the_example_of_following_is_a_study_with_a_head() -> None:
+    (part,) = set(EXAMPLES) - set(WHOLE)
+    assert loads(WHOLE[0] + part).follow is not None
+
+
+@pytest.mark.parametrize("heading, known", [("Observables: ", OBSERVABLES), ("Outputs: ", OUTPUTS)])
+def test_every_name_that_can_be_asked_for_is_listed(heading: str, known) -> None:
+    listed = TEXT.split(heading)[1].split("\n\n")[0]
+    assert re.findall(r"`(\w+)`", listed) == list(known)
+
+
+def test_every_unit_is_listed() -> None:
+    lengths, forces = TEXT.split("Units of length: ")[1].split(". Of force: ")
+    assert tuple(lengths.split(", ")) == LENGTHS
+    assert tuple(forces.split(".\n")[0].split(", ")) == FORCES
