@@ -51,8 +51,10 @@ def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: 
         return []
     t = problem.span[:, None] * np.linspace(0, 1, stations)
     found = []
-    all_ = trajectory(problem, orbit, np.repeat(t, slopes.size, axis=0), tol)
-    index = _index(problem, orbit)
+    wide = many(problem, slopes.size)
+    all_ = trajectory(wide, orbit, np.repeat(t, slopes.size, axis=0), tol)
+    beta, h = _grid(wide, orbit)
+    index = morse_index(wide, h, beta)
     for i in range(slopes.size):
         solution = Solution(case, problem, _pick(all_, orbit, i, t), t, "shooting", tol)
         seen = observe(solution, ("energy", "turns", "attached"))
@@ -177,10 +179,7 @@ def _with_helices(problem: Reduced, pin: Array, gap: Array, leaving: Array) -> t
     b = problem.beta0
     scale = 1 + np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi)
     if problem.betaL[0] == b[0] and np.abs(slope(problem, b))[0] <= 4e-16 * scale[0]:
-        found = extrema(problem)
         angle = b[0] - 2 * np.pi * np.round(b[0] / (2 * np.pi))
-        near = found.beta[0, np.nanargmin(np.abs(found.beta[0] - angle))]
-        del near
         return np.append(pin, angle), np.append(gap, 0.0), np.append(leaving, 0.0)
     return pin, gap, leaving
 
@@ -204,27 +203,20 @@ def _distinct(problem: Reduced, leaving: Array, pin: Array, gap: Array) -> Array
     return np.array(keep, dtype=int)
 
 
-def _grid(problem: Reduced, orbit: Orbit) -> tuple[Array, Array, Reduced]:
-    """beta of every solution on equal steps that resolve it, (K, n), and the steps, (K,)."""
-    K = orbit.problem.size
-    beta_scale = 4 * (np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1)
-    n = int(np.clip(12 * problem.span[0] * np.sqrt(beta_scale[0]), 400, 20000))
-    t = np.repeat(problem.span[:, None] * np.linspace(0, 1, n + 1), K, axis=0)
-    return orbit.at(t)[0], np.full(K, problem.span[0] / n), many(problem, K)
-
-
-def _index(problem: Reduced, orbit: Orbit) -> Array:
-    beta, h, wide = _grid(problem, orbit)
-    return morse_index(wide, h, beta)
+def _grid(problem: Reduced, orbit: Orbit) -> tuple[Array, Array]:
+    """beta of K solutions on equal steps that resolve them, (K, n), and the steps, (K,)."""
+    fastest = np.sqrt(4 * (np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1))
+    n = int(np.clip(12 * np.max(problem.span * fastest), 400, 20000))
+    return orbit.at(problem.span[:, None] * np.linspace(0, 1, n + 1))[0], problem.span / n
 
 
 def trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float) -> Trajectory:
-    """The orbits of one ends problem at stations t (K, n), with how far they miss beta(L) as their error."""
+    """The orbits of K ends problems at stations t (K, n), with how far they miss beta(L) as their error."""
     assert problem.betaL is not None
     beta, dbeta, alpha, z = orbit.at(t)
-    grid, h, wide = _grid(problem, orbit)
-    condition = response(wide, h, grid)
-    miss = np.abs(orbit.at(orbit.problem.span[:, None])[0][:, 0] - problem.betaL[0])
+    grid, h = _grid(problem, orbit)
+    condition = response(problem, h, grid)
+    miss = np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
     error = (2 * miss + 1e-14) * condition
     calls = np.bincount(orbit.panels.part // 2, weights=orbit.panels.calls, minlength=t.shape[0]).astype(np.int64)
     return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), verdicts(beta, error, condition, tol), error, condition, calls, orbit)
@@ -238,19 +230,32 @@ def _pick(all_: Trajectory, orbit: Orbit, i: int, t: Array) -> Trajectory:
     return Trajectory(*(v[one] for v in fields), lambda: alone.swirl(t), *(v[one] for v in told), alone)
 
 
+def chosen(problem: Reduced, t: Array, tol: float, slope: float | None) -> Trajectory | None:
+    """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or of lowest energy; None where there is none."""
+    slopes, orbit = search(problem)
+    if not slopes.size:
+        return None
+    i = int(np.argmin(_energies(problem, slopes, orbit) if slope is None else np.abs(slopes - slope)))
+    alone = orbit.take(i)
+    return trajectory(problem, alone, t, tol)
+
+
+def _energies(problem: Reduced, slopes: Array, orbit: Orbit) -> Array:
+    """Energy of each orbit in units of A/rho, (K,)."""
+    wide = many(problem, slopes.size)
+    t = wide.span[:, None] * np.linspace(0, 1, 4001)
+    dbeta = orbit.at(t)[1]
+    level = slopes**2 + potential(wide, wide.beta0)
+    return np.trapezoid(dbeta**2, t, axis=1) - level * problem.span[0] / 2
+
+
 def lowest(problem: Reduced, points: int = 2001) -> Seed:
     """The equilibrium of lowest energy of each problem, as a seed; NaN where there is none."""
     u = np.linspace(0, 1, points)
     slopes, shapes = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)
     for i in range(problem.size):
         one = problem.take(slice(i, i + 1))
-        found, orbit = search(one)
-        if not found.size:
-            continue
-        t = np.repeat(one.span[:, None] * u, found.size, axis=0)
-        beta, dbeta, _, _ = orbit.at(t)
-        level = found**2 + potential(many(one, found.size), np.full(found.size, one.beta0[0]))
-        energy = np.trapezoid(dbeta**2, t, axis=1) - level * one.span[0] / 2
-        best = int(np.argmin(energy))
-        slopes[i], shapes[i] = found[best], beta[best]
+        found = chosen(one, one.span[:, None] * u, 1e-8, None)
+        if found is not None:
+            slopes[i], shapes[i] = found.dbeta[0, 0], found.beta[0]
     return Seed(slopes, np.tile(u, (problem.size, 1)), shapes)

@@ -7,18 +7,22 @@ import numpy as np
 from .case import Case
 from .errors import InputError, no_such
 from .methods import METHODS
+from .methods.base import Seed
 from .reduced import Array, Reduced, flat, reduce
 from .solution import Solution
 
-AUTO = {"start": "orbit", "ends": "difference"}
+AUTO = {"start": "orbit", "ends": "shooting"}
 
 
-def solve(case: Case, tol: float = 1e-8, method: str = "auto", stations: Any = 201, **knobs: Any) -> Solution:
+def solve(
+    case: Case, tol: float = 1e-8, method: str = "auto", stations: Any = 201, seed: Any = None, **knobs: Any
+) -> Solution:
     """The shape of a case, or of every case of a grid at once.
 
     tol: the error allowed, times max(1, condition): of beta [rad], and of alpha and z/rho over max(1, L/rho).
     method: "auto" or one of `METHODS`. stations: how many equal steps of s plus one, or the values of s [length],
-    rising within [0, L], (n,) or (*cases, n). knobs: the method's own.
+    rising within [0, L], (n,) or (*cases, n). seed: for an ends problem, which of its many solutions: the one with beta'(0)
+    [rad/length] near the seed, or near a Solution; the one of lowest energy without it. knobs: the method's own.
 
     Each case's `outcome` says whether it was solved; a case that was not leaves its neighbours alone.
     Raises `InputError` for a bad tolerance, method, knob or stations.
@@ -34,6 +38,14 @@ def solve(case: Case, tol: float = 1e-8, method: str = "auto", stations: Any = 2
         given = type(case.given).__name__
         raise InputError(f"method {name!r} does not solve problems given by {given}; choose from {able}")
     t = _stations(case, problem, stations)
+    allowed = {"tol"} | METHODS[name].knobs
+    for knob in knobs:
+        if knob not in allowed:
+            raise no_such(f"knob of method {name!r},", knob, sorted(allowed))
+    if seed is not None:
+        if problem.kind == "start":
+            raise InputError("a seed chooses among the solutions of an ends problem; a start problem has only one")
+        knobs["seed"] = _seed(case, problem, seed)
     return Solution(case, problem, METHODS[name].run(problem, t, float(tol), **knobs), t, name, float(tol))
 
 
@@ -54,3 +66,21 @@ def _stations(case: Case, problem: Reduced, stations: Any) -> Array:
     if s.shape[1] < 1 or not inside.all() or (np.diff(s, axis=1) < 0).any():
         raise InputError(f"stations must rise within [0, L], L = {length.min()}, got {s.min()} to {s.max()}")
     return np.minimum(s / flat(case.rho, case.shape)[:, None], problem.span[:, None])
+
+
+def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:
+    """A seed in units of rho, from beta'(0) [rad/length] or from a solution near the one wanted."""
+    if isinstance(seed, Solution):
+        if seed.case.shape not in ((), case.shape):
+            raise InputError(f"the seed's cases have shape {seed.case.shape}, these {case.shape or '()'}")
+        told = seed.trajectory
+        fields = told.dbeta[:, 0], seed.t / seed.problem.span[:, None], told.beta
+        return Seed(*(np.broadcast_to(v, (problem.size, *v.shape[1:])) for v in fields))
+    try:
+        slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
+    except (TypeError, ValueError):
+        raise InputError(f"seed must be beta'(0) or a Solution, got {seed!r}") from None
+    start = problem.started(slope)
+    u = np.linspace(0, 1, 2001)
+    beta = METHODS["orbit"].run(start, start.span[:, None] * u, 1e-8).beta
+    return Seed(slope, np.tile(u, (problem.size, 1)), beta)

@@ -61,7 +61,8 @@ class Run(Protocol):
 
 @dataclass(frozen=True)
 class Method:
-    """One method: kinds of problem ("start", "ends"), order of convergence in its knob (inf: geometric)."""
+    """One method: kinds of problem ("start", "ends"), order of convergence in its first knob (inf: geometric), and the
+    names of its knobs."""
 
     name: str
     run: Run
@@ -69,6 +70,11 @@ class Method:
     order: float
     knob: str
     summary: str
+    options: tuple[str, ...] = ()
+
+    @property
+    def knobs(self) -> set[str]:
+        return set(self.options)
 
 
 def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> NDArray[np.object_]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import BPoly
 from scipy.linalg import solve_banded
 
 from ..landscape import slope, slope_rate
@@ -164,19 +163,22 @@ def _difference(coarse: Array, fine: Array, span: float) -> float:
 def _read(problem: Reduced, columns: Array, t: Array) -> Array:
     """The columns at the stations: polynomials of degree five through values and two derivatives at the nodes, (5, k)."""
     beta, rate = columns[:2]
-    grid = np.linspace(0, problem.span[0], beta.size)
+    h = problem.span[0] / (beta.size - 1)
     pull = slope(problem, beta)
     s, c = np.sin(beta), np.cos(beta)
-    derivatives = (
-        (beta, rate, -pull),
-        (rate, -pull, -slope_rate(problem, beta) * rate),
-        (columns[2], s, c * rate),
-        (columns[3], c, -s * rate),
-        (columns[4], s * c, (c - s) * (c + s) * rate),
-    )
-    return np.stack([BPoly.from_derivatives(grid, np.stack(d, axis=1))(t) for d in derivatives])
+    first = np.stack([rate, -pull, s, c, s * c])
+    second = np.stack([-pull, -slope_rate(problem, beta) * rate, c * rate, -s * rate, (c - s) * (c + s) * rate])
+    k = np.clip(np.rint(t / h).astype(int), 0, beta.size - 1)
+    k = np.where(np.abs(t - k * h) <= 1e-12 * problem.span[0], k, np.minimum((t / h).astype(int), beta.size - 2))
+    x = t / h - k
+    far = np.minimum(k + 1, beta.size - 1)
+    y0, y1 = columns[:, k], columns[:, far]
+    d0, d1, e0, e1 = h * first[:, k], h * first[:, far], h * h * second[:, k], h * h * second[:, far]
+    # Hermite's quintic, in powers of x about the near node
+    jump, climb, curve = y1 - y0 - d0 - e0 / 2, d1 - d0 - e0, e1 - e0
+    c3, c4, c5 = 10 * jump - 4 * climb + curve / 2, -15 * jump + 7 * climb - curve, 6 * jump - 3 * climb + curve / 2
+    return y0 + x * (d0 + x * (e0 / 2 + x * (c3 + x * (c4 + x * c5))))
 
 
 DIFFERENCE = Method(
-    "difference", run, ("ends",), 4, "nodes", "the paper's scheme: central differences, Newton, extrapolation; order 2, then 4"
-)
+    "difference", run, ("ends",), 4, "nodes", "the paper's scheme: central differences, Newton, extrapolation; order 2, then 4", ("nodes", "extrapolate"))

@@ -88,4 +88,4 @@ def _trajectory(problem: Reduced, t: Array, tol: float, answer: Array, off: Arra
     return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, evaluations)
 
 
-VERLET = Method("verlet", run, ("start",), 4, "steps", "the paper's difference equation marched; order 2, extrapolated 4")
+VERLET = Method("verlet", run, ("start",), 4, "steps", "the paper's difference equation marched; order 2, extrapolated 4", ("steps", "extrapolate"))
