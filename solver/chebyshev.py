@@ -14,12 +14,15 @@ class Basis:
     """n points of the second kind and the linear maps on them, each applied as ``values @ map``.
 
     nodes: (n,), rising. analyse: values to coefficients, (n, n). integrate: coefficients to those of the integral
-    from -1, (n, n + 1). gauss: values to values at two Gauss points of each of `pieces` equal parts, (n, 2 pieces).
+    from -1, (n, n + 1). values: coefficients of a series one longer to values at the nodes, (n + 1, n).
+    differentiate: coefficients to values of the derivative at the nodes, (n, n). gauss: values to values at two Gauss points of each of `pieces` equal parts, (n, 2 pieces).
     """
 
     nodes: Array
     analyse: Array
     integrate: Array
+    values: Array
+    differentiate: Array
     gauss: Array
 
 
@@ -31,16 +34,8 @@ def basis(n: int, pieces: int = 4) -> Basis:
     integrate = np.stack([C.chebint(row, lbnd=-1) for row in np.eye(n)])
     middle = -1 + (2 * np.arange(pieces) + 1) / pieces
     gauss = (middle[:, None] + np.array([-1, 1]) / np.sqrt(3) / pieces).ravel()
-    return Basis(nodes, analyse, integrate, analyse @ C.chebvander(gauss, n - 1).T)
-
-
-def clenshaw(coefficients: Array, x: Array) -> Array:
-    """The series (P, n) at points (P, k): (P, k)."""
-    twice = 2 * x
-    above, now = np.zeros_like(x), np.zeros_like(x)
-    for k in range(coefficients.shape[1] - 1, 0, -1):
-        above, now = now, coefficients[:, k : k + 1] + twice * now - above
-    return coefficients[:, :1] + x * now - above
+    slopes = np.stack([C.chebval(nodes, C.chebder(row)) for row in np.eye(n)])
+    return Basis(nodes, analyse, integrate, C.chebvander(nodes, n).T, slopes, analyse @ C.chebvander(gauss, n - 1).T)
 
 
 def polynomials(x: Array, n: int) -> Array:

@@ -42,19 +42,38 @@ class Pieces:
 
     def displacement(self, u: Array) -> Array:
         """x at u (P, n)."""
-        kind, scale = self.kind[:, None], self.scale[:, None]
-        with np.errstate(over="ignore"):
-            return scale * np.where(kind == PASS, np.sinh(u), np.where(kind == SADDLE, np.cosh(u), np.sin(u)))
+        return self.scale[:, None] * _by_kind(self.kind, u, (np.sinh, np.cosh, np.sin))
 
     def pace(self, u: Array, x: Array) -> tuple[Array, Array]:
         """dt/|du| and |beta_t| at u, x (P, n)."""
-        kind, scale = self.kind[:, None], self.scale[:, None]
+        scale = self.scale[:, None]
+        passes = self.kind == PASS
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            stretch = np.where(kind == PASS, np.cosh(u), np.where(kind == SADDLE, np.sinh(u), np.cos(u)))
-            passing = self.well.speed2(x) / (x * x + scale * scale)
-            turning = np.abs(self.well.ratio(x, scale))
-            root = np.sqrt(np.where(kind == PASS, passing, turning))
+            if passes.all():
+                root = self._passing(x, scale)
+            elif passes.any():
+                root = np.where(passes[:, None], self._passing(x, scale), self._turning(x, scale))
+            else:
+                root = self._turning(x, scale)
+            stretch = _by_kind(self.kind, u, (np.cosh, np.sinh, np.cos))
             return 1 / root, np.abs(scale * stretch) * root
+
+    def _passing(self, x: Array, scale: Array) -> Array:
+        return np.sqrt(self.well.speed2(x) / (x * x + scale * scale))
+
+    def _turning(self, x: Array, scale: Array) -> Array:
+        return np.sqrt(np.abs(self.well.ratio(x, scale)))
+
+
+def _by_kind(kind: Any, u: Array, functions: tuple[Any, Any, Any]) -> Array:
+    """The function of each row's kind at u (P, n)."""
+    out = np.empty_like(u)
+    with np.errstate(over="ignore"):
+        for value, function in enumerate(functions):
+            rows = kind == value
+            if rows.any():
+                out[rows] = function(u[rows])
+    return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,30 +177,23 @@ def _pieces(
     g_saddle = np.where(saddle_low, g_low, g_high)
     at_rest = problem.dbeta0[b] == 0  # type: ignore[index]
     passes = g_saddle > 0
-    # turning point, from the saddle; the start itself where the rod starts without slope
+    # the origin of x: the saddle, or the centre where the orbit turns on its half of the interval
     well = Well.about(problem.take(b), np.where(saddle_low, c_low, c_high), g_saddle)
     limit = np.where(saddle_low, width, -width)
-    x1 = np.zeros(part.size)
-    turn = np.flatnonzero(~passes)
-    x1[turn] = well.take(turn).turning(limit[turn])
-    x_start = np.where(saddle_low, x_low, x_high)
-    x1 = np.where(~passes & at_rest & (rank == 0), x_start, x1)
-    near_centre = ~passes & (np.abs(x1) > 0.5 * width)
-    flip = np.flatnonzero(near_centre)
-    on_low = np.where(near_centre, ~saddle_low, saddle_low)  # where the origin is
-    if flip.size:
-        o, g = np.where(on_low, c_low, c_high), np.where(on_low, g_low, g_high)
-        well = Well.about(problem.take(b), o, g)
-        x_start = np.where(on_low, x_low, x_high)
-        x1[flip] = well.take(flip).turning(np.where(on_low, width, -width)[flip])
-        x1 = np.where(near_centre & at_rest & (rank == 0), x_start, x1)
+    near_centre = ~passes & (well.speed2(limit[:, None] / 2)[:, 0] < 0)
+    on_low = saddle_low ^ near_centre
+    if near_centre.any():
+        well = Well.about(problem.take(b), np.where(on_low, c_low, c_high), np.where(on_low, g_low, g_high))
+    x_start = np.where(on_low, x_low, x_high)
+    scale = _scales(well, passes, np.where(on_low, width, -width))
+    # a rod that starts without slope starts at its turning point
+    scale = np.where(~passes & at_rest & (rank == 0), x_start, scale)
     # ends of the piece: at the start, at an extremum, or at the turning point
     x_first = np.where(on_low, 0.0, -width)  # the interval's lower end, from the origin
     x_second = np.where(on_low, width, 0.0)
     x_from = np.where(way > 0, x_first, x_second)
     x_to = np.where(way > 0, x_second, x_first)
     form = np.where(passes, PASS, np.where(near_centre, CENTRE, SADDLE))
-    scale = np.where(passes, _passing_scale(well, g_saddle, limit), x1)
     here = _start_variable(form, scale, x_start, problem.dbeta0[b], well)  # type: ignore[index]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         u_from, u_to = _variable(form, scale, x_from), _variable(form, scale, x_to)
@@ -193,13 +205,26 @@ def _pieces(
     return Pieces(part, rank, form, base, scale, u0, u1, well).take(moving)
 
 
-def _passing_scale(well: Well, level: Array, limit: Array) -> Array:
-    """a of x = a sinh(u): how far from the saddle the speed starts to grow, (P,)."""
+def _scales(well: Well, passes: Any, limit: Array) -> Array:
+    """x1 where the orbit turns; where it passes, how far from the saddle the speed starts to grow, (P,)."""
+    scale = np.empty(limit.size)
+    turn = np.flatnonzero(~passes)
+    if turn.size:
+        scale[turn] = well.take(turn).turning(limit[turn])
+    over = np.flatnonzero(passes)
+    if over.size:
+        scale[over] = _passing_scale(well.take(over), limit[over])
+    return scale
+
+
+def _passing_scale(well: Well, limit: Array) -> Array:
+    """a of x = a sinh(u), (P,)."""
+    level = well.level[:, 0]
     bend = well.steepness(np.zeros((limit.size, 1)))[:, 0] / 4
     rise = well.drop(limit[:, None])[:, 0] / limit**2
     with np.errstate(divide="ignore", invalid="ignore"):
         a = np.sqrt(level / np.maximum(bend, rise))
-    flat = np.flatnonzero((bend < 0.01 * rise) & (level < 0.1 * rise * limit**2) & (level > 0))
+    flat = np.flatnonzero((bend < 0.01 * rise) & (level < 0.1 * rise * limit**2))
     if flat.size:  # a saddle with next to no curvature: the speed grows with a higher power of x
         a[flat] = np.abs(well.take(flat).turning(limit[flat]))
     return np.where(np.isfinite(a), np.minimum(a, 1e8), 1e8)

@@ -164,14 +164,14 @@ class Well:
         _, _, turn, bend, fixed = self._fixed
         return 4 * (fixed - 2 * ch * (turn * sh + bend * ch) + near)
 
-    def steepness_rate(self, x: Array) -> Array:
-        """K'(x), (P, n)."""
+    def steepness_and_rate(self, x: Array) -> tuple[Array, Array]:
+        """K(x) and K'(x), (P, n) each."""
         s, c, turn, bend, _ = self._fixed
         sh, ch = np.sin(x / 2), np.cos(x / 2)
-        S, C, _, bracket = self._near(sh, ch)
+        S, C, near, bracket = self._near(sh, ch)
         cos_x, sin_x = 1 - 2 * sh * sh, 2 * sh * ch
-        near = -C * (s * ch + c * sh) * bracket + 2 * C * C * (c * cos_x - s * sin_x) * (S + s)
-        return 4 * (-turn * cos_x + bend * sin_x + near)
+        rate = -C * (s * ch + c * sh) * bracket + 2 * C * C * (c * cos_x - s * sin_x) * (S + s)
+        return self._steepness(sh, ch, near), 4 * (-turn * cos_x + bend * sin_x + rate)
 
     def drop(self, x: Array) -> Array:
         """G(o) - G(o + x) = q K, (P, n)."""
@@ -205,8 +205,8 @@ class Well:
 
         def f(y: Array) -> tuple[Array, Array]:
             x = side * np.exp(y[:, None])
-            K = self.steepness(x)
-            rate = x * (1 / np.tan(x / 2) + self.steepness_rate(x) / K)
+            K, K_rate = self.steepness_and_rate(x)
+            rate = x * (1 / np.tan(x / 2) + K_rate / K)
             return (np.log(np.sin(x / 2) ** 2 * np.abs(K)) - wanted)[:, 0], rate[:, 0]
 
         high = np.log(np.abs(limit))

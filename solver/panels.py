@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .chebyshev import Basis, clenshaw
+from .chebyshev import Basis, polynomials
 from .course import Course, Pieces
 from .reduced import Array, Reduced
 
@@ -82,7 +82,7 @@ def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
     rate = (np.abs(half) * pace) @ points.analyse
     clock = rate @ points.integrate
     duration = clock.sum(axis=1)
-    at, met = _inverted(clock, rate, duration, points.nodes)
+    at, met = _inverted(clock, rate, duration, points)
     u = middle + half * at
     x = pieces.displacement(u)
     _, speed = pieces.pace(u, x)
@@ -105,17 +105,26 @@ def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
     return Panels(pieces.part, pieces.rank, duration, series, x @ points.gauss + pieces.base[:, None], fastest, slack, drift, calls)
 
 
-def _inverted(clock: Array, rate: Array, duration: Array, nodes: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _inverted(clock: Array, rate: Array, duration: Array, points: Basis) -> tuple[Array, NDArray[np.bool_]]:
     """Where in [-1, 1] the clock shows equal-angle shares of the duration, (P, n), and whether Newton's rule met there."""
+    nodes = points.nodes
     wanted = duration[:, None] * ((1 + nodes) / 2)
-    at = np.broadcast_to(nodes, wanted.shape).copy()
-    inner = slice(1, -1)
-    step = np.ones((1, 1))
+    both = np.stack([clock, np.pad(rate, ((0, 0), (0, 1)))], axis=1)
+    shown = both @ points.values
+    at = np.empty(wanted.shape)
+    at[:, 0], at[:, -1] = -1, 1
+    with np.errstate(invalid="ignore", divide="ignore"):
+        # from the clock at the nodes themselves, corrected for the change of pace between the two
+        early = (wanted - shown[:, 0]) / shown[:, 1]
+        change = (rate @ points.differentiate) / shown[:, 1]
+        guess = nodes + early * (1 - 0.5 * change * early)
+    at[:, 1:-1] = np.clip(guess[:, 1:-1], -1, 1)
+    step = np.full((duration.size, 1), np.inf)
     for _ in range(_NEWTON):
-        off = clenshaw(clock, at[:, inner]) - wanted[:, inner]
+        shown = np.einsum("pcn,npk->cpk", both, polynomials(at[:, 1:-1], both.shape[2]))
         with np.errstate(invalid="ignore", divide="ignore"):
-            step = off / clenshaw(rate, at[:, inner])
-        at[:, inner] = np.clip(at[:, inner] - step, -1, 1)
-        if np.abs(step).max(initial=0.0) < 1e-9:  # the next step is its square
+            step = (shown[0] - wanted[:, 1:-1]) / shown[1]
+        at[:, 1:-1] = np.clip(at[:, 1:-1] - step, -1, 1)
+        if not np.abs(step).max(initial=0.0) > 1e-8:  # the next step is its square
             break
     return at, np.abs(step).max(axis=1, initial=0.0) < 1e-7
