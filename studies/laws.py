@@ -33,8 +33,9 @@ NOISE = 1e-9  # of the largest value; a smaller step is none, as the solver's ow
 class Law(BaseModel):
     """One law of a study: how an observable goes along an axis, and the sentence that says so.
 
-    claim: a short label, "(1)". also: further observables that the sentence admits, judged in the same
-    direction.
+    claim: a short label, "(1)". also: further observables that the sentence admits, judged in its direction.
+    at: on a grid, values of other axes; the line nearest to them decides, the others are counted. Angles in
+    rad.
     """
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
@@ -45,6 +46,7 @@ class Law(BaseModel):
     direction: Literal["rises", "falls", "not-falling", "not-rising"]
     source: str = Field(min_length=1)
     also: list[str] = []
+    at: dict[str, float] = {}
 
     @property
     def observables(self) -> list[str]:
@@ -114,13 +116,13 @@ def decide(law: Law, observed: Mapping[str, ArrayLike], axes: Mapping[str, Array
     """The law's verdict and those of the other observables it admits, as plain data.
 
     observed: name -> array over the grid, one dimension an axis, in the order of `axes`, NaN where unsolved;
-    axes: name -> values. On a grid of several axes every line along the law's axis is judged, and the worst
-    line's verdict is the law's.
+    axes: name -> values. On a grid of several axes every line along the law's axis is judged; the worst
+    verdict is the law's, or that of the line that the law's `at` names.
 
-    Returns the law's own fields and, for it and each entry of "also": verdict, tau (the smallest), lines,
-    lines_hold, lines_trend, exceptions (from, to: values of the axis; values; at: the other axes), reason,
-    first and last (the range of the observable at the two ends of the axis). Raises `InputError` where the
-    observable or the axis is missing.
+    Returns the law's own fields and, for it and each entry of "also": verdict, tau (the smallest), at (where
+    it was decided, empty for everywhere), lines, lines_hold, lines_trend (of all lines), exceptions (from,
+    to: values of the axis; values; at: the other axes), reason, first and last (the range of the observable
+    at the two ends of the axis). Raises `InputError` where the observable or the axis is missing.
     """
     missing = [name for name in law.observables if name not in observed]
     if missing:
@@ -135,8 +137,22 @@ def decide(law: Law, observed: Mapping[str, ArrayLike], axes: Mapping[str, Array
     return {**told, **rows[0], "also": rows[1:]}
 
 
+def refused(law: Law, reason: str) -> dict[str, Any]:
+    """The row of a law that could not be put to the test, as `decide` gives it: it fails, for a reason."""
+    nothing = {"lines": 0, "lines_hold": 0, "lines_trend": 0, "exceptions": [], "first": None, "last": None}
+    rows = [
+        {"observable": name, "verdict": FAILS, "tau": None, "at": {}, **nothing, "reason": reason}
+        for name in law.observables
+    ]
+    return {**_told(law), **rows[0], "also": rows[1:]}
+
+
+def _told(law: Law) -> dict[str, Any]:
+    return {name: getattr(law, name) for name in ("claim", "axis", "direction", "source")}
+
+
 def _over_lines(law: Law, name: str, grid: NDArray[Any], axes: Mapping[str, ArrayLike]) -> dict[str, Any]:
-    """The verdict over every line of the grid along the law's axis."""
+    """The verdict over the lines of the grid along the law's axis."""
     dims = list(axes)
     if grid.shape != tuple(np.size(axes[dim]) for dim in dims):
         raise InputError(f"{name} has shape {grid.shape}, but its axes are {', '.join(dims)}")
@@ -144,31 +160,40 @@ def _over_lines(law: Law, name: str, grid: NDArray[Any], axes: Mapping[str, Arra
     order = np.argsort(along, kind="stable")
     along = along[order]
     lines = np.moveaxis(grid, dims.index(law.axis), -1)[..., order]
-    others = [dim for dim in dims if dim != law.axis]
-    verdicts, exceptions = [], []
+    others = {dim: np.asarray(axes[dim], dtype=float) for dim in dims if dim != law.axis}
+    at = {dim: float(_nearest(values, law.at[dim])) for dim, values in others.items() if dim in law.at}
+    every, deciding, exceptions, ends = [], [], [], []
     for where in np.ndindex(lines.shape[:-1]):
         line = lines[where]
         verdict = judge(line, law.direction, count=name in COUNTS)
-        verdicts.append(verdict)
-        at = {dim: float(np.asarray(axes[dim])[i]) for dim, i in zip(others, where, strict=True)}
+        every.append(verdict.verdict)
+        here = {dim: float(values[i]) for (dim, values), i in zip(others.items(), where, strict=True)}
+        if any(here[dim] != value for dim, value in at.items()):
+            continue
+        deciding.append(verdict)
+        ends.append(line[[0, -1]])
         exceptions += [
-            {"from": float(along[i]), "to": float(along[j]), "values": line[[i, j]].tolist(), "at": at}
+            {"from": float(along[i]), "to": float(along[j]), "values": line[[i, j]].tolist(), "at": here}
             for i, j in verdict.exceptions
         ]
-    names = [verdict.verdict for verdict in verdicts]
-    taus = [verdict.tau for verdict in verdicts if verdict.tau is not None]
-    reasons = sorted({verdict.reason for verdict in verdicts if verdict.reason})
+    taus = [verdict.tau for verdict in deciding if verdict.tau is not None]
+    first, last = np.array(ends).T
     return {
-        "verdict": worst(names),
+        "verdict": worst([verdict.verdict for verdict in deciding]),
         "tau": min(taus) if taus else None,
-        "lines": len(names),
-        "lines_hold": names.count(HOLDS),
-        "lines_trend": names.count(TREND),
+        "at": at,
+        "lines": len(every),
+        "lines_hold": every.count(HOLDS),
+        "lines_trend": every.count(TREND),
         "exceptions": exceptions,
-        "reason": "; ".join(reasons),
-        "first": _range(lines[..., 0]),
-        "last": _range(lines[..., -1]),
+        "reason": "; ".join(sorted({verdict.reason for verdict in deciding if verdict.reason})),
+        "first": _range(first),
+        "last": _range(last),
     }
+
+
+def _nearest(values: NDArray[np.float64], wanted: float) -> float:
+    return values[np.abs(values - wanted).argmin()]
 
 
 def _range(values: NDArray[Any]) -> list[float] | None:

@@ -89,8 +89,7 @@ class Study(BaseModel):
             if axis.unit is not None and axis.unit not in allowed:
                 why = f"{name} is in {' or '.join(allowed)}, got unit {axis.unit!r}"
                 raise Misplaced(why, "axes", name, "unit")
-        cases = prod(axis.size for axis in self.axes.values())
-        values = cases * self.stations
+        cases, values = self.size, self.size * self.stations
         if cases > parts.MAX_COUNT:
             raise Misplaced(f"the grid has {cases} cases, more than the limit of {parts.MAX_COUNT}", "axes")
         if values > MAX_VALUES:
@@ -103,6 +102,11 @@ class Study(BaseModel):
         for i, law in enumerate(self.laws):
             if law.axis not in self.axes:
                 raise Misplaced(f"no axis {law.axis!r}; choose from {choices(self.axes)}", "laws", i, "axis")
+            for name in law.at:
+                if name not in self.axes or name == law.axis:
+                    named = choices(axis for axis in self.axes if axis != law.axis)
+                    others = f"choose from {named}" if named else "there is none"
+                    raise Misplaced(f"no other axis {name!r}; {others}", "laws", i, "at")
             for key, names in (("observable", [law.observable]), ("also", law.also)):
                 try:
                     _known("observable", names, OBSERVABLES)
@@ -139,6 +143,11 @@ class Study(BaseModel):
     def follow(self) -> Axis | None:
         """The axis along which an equilibrium is followed, or None."""
         return next((axis for axis in self.axes.values() if axis.follow), None)
+
+    @property
+    def size(self) -> int:
+        """How many cases."""
+        return prod(axis.size for axis in self.axes.values())
 
     @property
     def wanted(self) -> list[str]:

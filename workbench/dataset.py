@@ -35,7 +35,7 @@ def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], sol: Solu
     data: dict[str, Any] = {}
 
     def put(name: str, dims: tuple[str, ...], values: Any, row: str = "") -> None:
-        data[name] = xr.Variable(dims, values, _labels(row or name, units))
+        data[name] = xr.Variable(dims, values, labels(row or name, units))
 
     for name in study.outputs:
         stored = f"{name}_along" if name in axes else name
@@ -56,8 +56,8 @@ def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], sol: Solu
     coords: dict[str, Any] = {
         name: xr.Variable((name,), values, _axis_labels(study, name)) for name, values in coordinates.items()
     }
-    coords["u"] = xr.Variable(("u",), u, _labels("u", units))
-    coords["s"] = xr.Variable(*_arc(sol, axes, u), _labels("s", units))
+    coords["u"] = xr.Variable(("u",), u, labels("u", units))
+    coords["s"] = xr.Variable(*_arc(sol, axes, u), labels("s", units))
     if any(name in INNER for name in study.outputs):
         coords["xyz"] = xr.Variable(("xyz",), ["x", "y", "z"], {"long_name": "component; z is the axis"})
     return xr.Dataset(data, coords, _attributes(study, sol))
@@ -84,18 +84,19 @@ def versions() -> dict[str, str]:
     return found
 
 
-def _labels(name: str, units: Mapping[str, str]) -> dict[str, str]:
+def labels(name: str, units: Mapping[str, str]) -> dict[str, str]:
+    """The attributes that a variable of that quantity carries: units, long_name, symbol."""
     row = quantity(name)
     return {"units": unit_of(name, units), "long_name": row.long_name, "symbol": row.symbol}
 
 
 def _axis_labels(study: Study, name: str) -> dict[str, str]:
     row = quantity_of(name)
-    labels = _labels(row.name, study.unit_system)
+    told = labels(row.name, study.unit_system)
     if meaning := study.meaning(name):
-        labels["long_name"] += f" ({meaning})"
-        labels["reading"] = meaning
-    return labels
+        told["long_name"] += f" ({meaning})"
+        told["reading"] = meaning
+    return told
 
 
 def _where_solved(values: Any, sol: Solution) -> NDArray[Any]:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from studies import load, names
+from studies import READINGS, load, names
 from studies.laws import FAILS
 
 from . import check, console, gl, plots, readings_run, report, runner, scenes, store
@@ -27,7 +27,7 @@ def reproduce(out: Path, reading: str | None) -> int:
         store.check_free(path, name)
     able, advice = gl.probe()
     panels = readings_run.panels()
-    work = len(studies) * 2 + len(panels) * len(readings_run.READINGS) + 1
+    work = len(studies) * 2 + len(panels) * len(READINGS) + 1
     with console.progress(work) as step:
         results = []
         for study in studies:

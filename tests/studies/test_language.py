@@ -168,6 +168,10 @@ REFUSED = {
         LAW + "axis = 'E'\nobservable = 'x'\ndirection = 'falls'",
         "line 12: no observable 'x'",
     ),
+    "a law at no other axis": (
+        LAW + "axis = 'E'\nobservable = 'turns'\ndirection = 'falls'\nat = { E = 1.0 }",
+        "line 14: no other axis 'E'; there is none",
+    ),
     "E below zero": (HEAD + "[base]\nE = -1.0", "line 7: Rod.E must be positive and finite, got -1.0"),
     "E below zero on its axis": (
         AXIS + "values = [1, -2]",

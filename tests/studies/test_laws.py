@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import kendalltau
 
 from solver import InputError
-from studies.laws import FAILS, HOLDS, TREND, Law, decide, judge
+from studies.laws import FAILS, HOLDS, TREND, Law, decide, judge, refused
 
 LAW = Law(claim="(1)", observable="turns", axis="E", direction="falls", source="a sentence")
 
@@ -99,6 +99,24 @@ def test_on_a_grid_the_law_goes_along_its_own_axis() -> None:
     rises = LAW.model_copy(update={"observable": "kappa_max", "direction": "rises"})
     assert decide(rises, {"kappa_max": grid}, axes)["verdict"] == HOLDS
     assert decide(rises.model_copy(update={"axis": "R"}), {"kappa_max": grid}, axes)["verdict"] == FAILS
+
+
+def test_a_law_decided_at_a_value_of_the_other_axis_counts_the_other_lines_too() -> None:
+    grid = np.array([[9, 9, 1], [8, 8, 2], [7, 7, 3]])  # along E; the third line rises
+    axes = {"E": [1.0, 2, 3], "R": [0.5, 1.0, 1.5]}
+    good = decide(LAW.model_copy(update={"at": {"R": 0.9}}), {"turns": grid}, axes)
+    assert (good["verdict"], good["at"], good["exceptions"]) == (HOLDS, {"R": 1.0}, [])
+    assert (good["lines"], good["lines_hold"], good["first"]) == (3, 2, [9.0, 9.0])
+    bad = decide(LAW.model_copy(update={"at": {"R": 9.0}}), {"turns": grid}, axes)
+    assert (bad["verdict"], bad["at"]) == (FAILS, {"R": 1.5})
+
+
+def test_a_law_that_cannot_be_tested_fails_for_a_reason_in_a_row_like_the_others() -> None:
+    law = LAW.model_copy(update={"also": ["wraps"]})
+    row = refused(law, "no such shape")
+    other = decide(law, {"turns": [2, 1], "wraps": [2.0, 1.0]}, {"E": [1.0, 2.0]})
+    assert (row["verdict"], row["reason"], row["also"][0]["verdict"]) == (FAILS, "no such shape", FAILS)
+    assert (row.keys(), row["also"][0].keys()) == (other.keys(), other["also"][0].keys())
 
 
 def test_other_observables_that_the_sentence_admits_get_verdicts_of_their_own() -> None:

@@ -1,0 +1,99 @@
+"""The studies of Fig. 6 and Fig. 7 themselves: the laws the paper states, and where they hold."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import Ends, solve
+from solver.branch import follow
+from studies import READINGS, TABLE_1, load, names
+from workbench import check, readings_run, runner
+
+
+@pytest.fixture(scope="module")
+def readings() -> xr.Dataset:
+    return readings_run.run()
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_law_of_the_paper_holds_under_the_default_reading(name: str) -> None:
+    ds = runner.run(load(name))
+    assert check.unsolved(ds) == 0
+    verdicts = {check.stated(row): check.said(row) for row in check.verdicts(ds)}
+    assert all(said.startswith("holds") for said in verdicts.values()), verdicts
+    assert check.all_well(ds)
+
+
+def test_fig_6_is_table_1_as_printed() -> None:
+    assert load("fig6").base.given == TABLE_1
+
+
+def test_ranges_and_observables_are_those_fixed_beforehand() -> None:
+    fixed = {
+        "fig7_1_modulus": ("E", 5e3, 4e4, {"turns"}),
+        "fig7_2_radius": ("R", 0.5, 1.5, {"kappa_max"}),
+        "fig7_3_start_angle": ("beta", np.deg2rad(15), np.deg2rad(60), {"turns", "kappa_mean"}),
+        "fig7_5_forces": ("F1", 2.5, 10.0, {"contact_mean"}),
+    }
+    for name, (axis, first, last, judged) in fixed.items():
+        study = load(name)
+        values = study.coordinates()[axis]
+        assert (values.size, values[0], values[-1]) == (9, pytest.approx(first), pytest.approx(last))
+        assert {law.observable for law in study.laws} == judged
+    steps = np.diff(np.log(load("fig7_1_modulus").coordinates()["E"]))
+    np.testing.assert_allclose(steps, steps[0], rtol=1e-12)  # rounding of the logarithms
+    assert load("fig7_5_forces").coordinates()["F3"][[0, -1]].tolist() == [5.0, 20.0]
+
+
+def test_the_end_angle_is_followed_from_the_base_rod_to_its_fold() -> None:
+    study = load("fig7_4_end_angle")
+    ds = runner.run(study)
+    base = solve(study.case())
+    assert ds["betaL"][0] == pytest.approx(base.beta[-1], abs=1e-8)  # the tolerance of the base rod
+    np.testing.assert_allclose(ds["beta"][0], base.beta, atol=1e-6)  # 1e-8 times the growth along the rod
+    np.testing.assert_allclose(ds["beta"][:, -1], ds["betaL"], atol=1e-8)  # each ends where its axis says
+    np.testing.assert_allclose(ds["beta"][:, 0], TABLE_1["beta"], atol=1e-8)
+    for load_name in ("FZ", "MZ", "M3"):
+        assert np.ptp(ds[load_name].values) == 0
+    assert ds["fold"] == pytest.approx(ds["betaL"][-1].item())
+    assert "ceases to exist at beta(L) = 0.6168" in ds.attrs["fold_note"]
+
+
+def test_beyond_the_fold_the_followed_equilibrium_is_gone() -> None:
+    study = load("fig7_4_end_angle")
+    branch = follow(study.case(), study.follow.limit, 9)
+    ends = branch.ends.given
+    beyond = Ends(ends.beta0, branch.fold + 1e-3, ends.FZ, ends.MZ, ends.M3)
+    case = type(branch.ends)(branch.ends.rod, branch.ends.cylinder, beyond)
+    found = solve(case, seed=branch.fold_dbeta0)
+    assert (
+        not found.solved or abs(found.dbeta[0] - branch.fold_dbeta0) > 0.1
+    )  # none near: another, or none at all
+
+
+def test_the_readings_table_covers_every_reading_and_claim(readings) -> None:
+    assert readings["reading"].values.tolist() == list(READINGS)
+    assert readings["claim"].values.tolist() == ["(1)", "(2)", "(3)", "(4)", "(5)"]
+    assert set(np.unique(readings["claim_verdict"])) <= {"holds", "holds as a trend", "fails"}
+
+
+def test_only_the_default_reading_gives_every_claim(readings) -> None:
+    good = (readings["claim_verdict"] != "fails").all("claim")
+    assert readings["reading"].values[good.values].tolist() == [load("fig6").reading]
+
+
+def test_a_claim_is_as_good_as_its_worst_law(readings) -> None:
+    laws = readings["law"].str.startswith("(4)")
+    for reading in READINGS:
+        row = readings.sel(reading=reading)
+        assert (row["claim_verdict"].sel(claim="(4)") == "fails") == (row["verdict"][laws] == "fails").any()
+
+
+def test_a_panel_that_cannot_be_run_under_a_reading_fails_there_and_says_why(readings) -> None:
+    import json
+
+    rows = json.loads(readings.attrs["rows"])["shear/compression/solid"]
+    (row, _) = [row for row in rows if row["claim"] == "(4)"]
+    assert row["verdict"] == "fails"
+    assert "limit must lie above" in row["reason"]
+    assert readings["unsolved"].sel(reading="shear/compression/solid", panel="fig7_4_end_angle") == 9
