@@ -13,7 +13,7 @@ import xarray as xr
 
 from studies import names
 from tests.workbench import small
-from workbench import cli, store
+from workbench import cli, runner, store
 
 ROOT = Path(__file__).parents[2]
 
@@ -202,6 +202,14 @@ def test_one_sentence_and_status_2_for(args, sentence, crowded, monkeypatch, cap
     assert err.startswith("workbench: ")
     assert len(err.splitlines()) == 1
     assert contents(crowded) == before
+
+
+@pytest.mark.parametrize("case", ["another study's file", "a place that cannot be written"])
+def test_what_cannot_be_stored_is_refused_before_any_work(case, crowded, monkeypatch) -> None:
+    monkeypatch.chdir(crowded)
+    monkeypatch.setattr(runner, "run", lambda *_: pytest.fail("worked in vain"))
+    with pytest.raises(SystemExit, match="2"):
+        cli.main(REFUSED[case][0])
 
 
 @pytest.mark.parametrize("case", ["no room inside", "an unknown command", "half a file"])

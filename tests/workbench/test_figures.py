@@ -66,9 +66,7 @@ def test_beyond_the_fold_the_followed_equilibrium_is_gone() -> None:
     beyond = Ends(ends.beta0, branch.fold + 1e-3, ends.FZ, ends.MZ, ends.M3)
     case = type(branch.ends)(branch.ends.rod, branch.ends.cylinder, beyond)
     found = solve(case, seed=branch.fold_dbeta0)
-    assert (
-        not found.solved or abs(found.dbeta[0] - branch.fold_dbeta0) > 0.1
-    )  # none near: another, or none at all
+    assert not found.solved or abs(found.dbeta[0] - branch.fold_dbeta0) > 0.1  # none near: another, or none at all
 
 
 def test_the_readings_table_covers_every_reading_and_claim(readings) -> None:

@@ -123,6 +123,7 @@ def test_a_case_that_fails_keeps_its_outcome_and_leaves_its_neighbours_alone(mon
     assert row["verdict"] == "fails"
     assert "1 of 3 cases unsolved" in row["reason"]
     assert not check.all_well(ds)
+    assert not check.all_well(ds.assign_attrs(laws="[]"))  # an unsolved case is enough
 
 
 def test_verdicts_are_those_of_the_stored_numbers() -> None:

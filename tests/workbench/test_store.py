@@ -97,6 +97,15 @@ def test_a_result_replaces_one_of_the_same_study_and_nothing_else(ds, tmp_path) 
     xr.testing.assert_identical(store.read(tmp_path / "notes.txt"), ds)
 
 
+def test_whoever_reads_the_old_file_while_it_is_replaced_reads_it_whole(ds, tmp_path) -> None:
+    path = store.write(ds, tmp_path / "small.h5")
+    with path.open("rb") as reading:
+        before = path.read_bytes()
+        store.write(ds.assign_attrs(title="new"), path)
+        assert reading.read() == before
+    assert store.read(path).attrs["title"] == "new"
+
+
 def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monkeypatch) -> None:
     path = store.write(ds, tmp_path / "small.h5")
     before = path.read_bytes()
@@ -106,7 +115,7 @@ def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monk
 
     monkeypatch.setattr(os, "fsync", full_disk)
     with pytest.raises(InputError, match=r"cannot write .*small.h5: No space left on device"):
-        store.write(ds, path)
+        store.write(ds.assign_attrs(title="new"), path)
     assert path.read_bytes() == before
     assert [p.name for p in tmp_path.iterdir()] == ["small.h5"]
 
@@ -126,9 +135,7 @@ def test_a_killed_run_leaves_the_good_file_whole(ds, tmp_path) -> None:
     path = store.write(ds, tmp_path / "small.h5")
     before = path.read_bytes()
     root = Path(__file__).parents[2]
-    run = subprocess.run(
-        [sys.executable, "-c", KILLED, str(path)], cwd=root, capture_output=True, check=False
-    )
+    run = subprocess.run([sys.executable, "-c", KILLED, str(path)], cwd=root, capture_output=True, check=False)
     assert run.returncode == -signal.SIGKILL, run.stderr
     assert path.read_bytes() == before
     xr.testing.assert_identical(store.read(path), ds)
