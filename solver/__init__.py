@@ -6,4 +6,15 @@ from .errors import InputError
 from .solution import Solution
 from .solve import solve
 
-__all__ = ["Case", "Cylinder", "Ends", "Equilibrium", "InputError", "Rod", "Solution", "Start", "equilibria", "solve"]
+__all__ = [
+    "Case",
+    "Cylinder",
+    "Ends",
+    "Equilibrium",
+    "InputError",
+    "Rod",
+    "Solution",
+    "Start",
+    "equilibria",
+    "solve",
+]

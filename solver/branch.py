@@ -32,8 +32,8 @@ def follow(case: Case, limit: float, count: int = 9, tol: float = 1e-12) -> Bran
     """Follow a start problem's own equilibrium while beta(L) rises to `limit` [rad] or to the fold, `count` values.
 
     At the fold d beta(L)/d beta'(0) = 0: the two ways of reaching an end angle meet there and both end.
-    `limit` is met on the rod's own turn of beta: whole turns are added to it. Raises `InputError` for an ends problem, a
-    grid of cases, or a limit below the rod's own beta(L).
+    `limit` is met on the rod's own turn of beta: whole turns are added to it. Raises `InputError` for an ends
+    problem, a grid of cases, or a limit below the rod's own beta(L).
     """
     if not isinstance(case.given, Start) or case.shape:
         raise InputError("follow takes one start problem at a time")
@@ -85,7 +85,8 @@ def _walk(problem: Reduced, first: float, way: float, limit: float, tol: float) 
 
 def _far(problem: Reduced, slopes: Array, tol: float) -> Array:
     """beta(L) of rods that start with these beta_t(0), (K,)."""
-    wide = Reduced(*(np.repeat(v, slopes.size) for v in _fixed(problem)), dbeta0=slopes)
+    lam, mu, phi, span, beta0 = (np.repeat(v, slopes.size) for v in _fixed(problem))
+    wide = Reduced(lam, mu, phi, span, beta0, dbeta0=slopes)
     return solve_orbit(wide, tol).at(wide.span[:, None])[0][:, 0]
 
 
@@ -101,4 +102,6 @@ def _rate(problem: Reduced, slope: float, tol: float, nudge: float = 1e-4) -> fl
 
 def _reach(problem: Reduced, target: float, low: float, high: float, tol: float) -> float:
     """beta_t(0) that ends at `target`, between two that end below and above it."""
-    return float(brentq(lambda v: float(_far(problem, np.array([v]), tol)[0]) - target, low, high, xtol=1e-14, rtol=1e-14))
+    return float(
+        brentq(lambda v: float(_far(problem, np.array([v]), tol)[0]) - target, low, high, xtol=1e-14, rtol=1e-14)
+    )

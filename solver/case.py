@@ -3,6 +3,7 @@
 Every numeric field may be a number or an array; the fields of a case broadcast against each other.
 """
 
+from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -52,7 +53,7 @@ class Rod:
     """A naturally straight, inextensible rod of circular section.
 
     E: Young's modulus [force/length^2]; nu: Poisson ratio; a: radius of the section [length]; L: length [length].
-    stiffness: "solid" (pi/4 E a^4, the second moment of a solid section) or "paper" (eq. 20 as printed, a quarter of it).
+    stiffness: "solid" (pi/4 E a^4, the second moment of a solid section) or "paper" (eq. 20 as printed, a quarter).
 
     Raises `InputError` for E, a or L not positive, nu outside (-1, 0.5], or an unknown stiffness.
     """
@@ -139,7 +140,7 @@ class Ends:
     """The angle at both ends and the dead loads: a boundary value problem with many solutions.
 
     beta0, betaL [rad]: the angle at s = 0 and s = L. FZ [force]: axial force, tension positive. MZ, M3
-    [force length]: axial and twisting moment. alpha, gamma [rad]: azimuth and rotation at s = 0, which are free otherwise.
+    [force length]: axial and twisting moment. alpha, gamma [rad]: azimuth and rotation at s = 0.
     """
 
     beta0: Any
@@ -166,9 +167,9 @@ class Case:
     given: Start | Ends
 
     def __post_init__(self) -> None:
-        for name, kind in (("rod", Rod), ("cylinder", Cylinder), ("given", (Start, Ends))):
-            if not isinstance(getattr(self, name), kind):
-                wanted = "Start or Ends" if name == "given" else kind.__name__
+        for name, kinds in (("rod", (Rod,)), ("cylinder", (Cylinder,)), ("given", (Start, Ends))):
+            if not isinstance(getattr(self, name), kinds):
+                wanted = " or ".join(kind.__name__ for kind in kinds)
                 raise InputError(f"Case.{name} must be a {wanted}, got {getattr(self, name)!r}")
         if self.cylinder.side == "inside":
             tight = np.less_equal(self.cylinder.R, self.rod.a)
@@ -180,7 +181,7 @@ class Case:
             shapes = {f"{type(o).__name__}.{f}": np.shape(v) for o, f, v in self._numeric() if np.ndim(v)}
             raise InputError(f"the fields of a Case must broadcast, got shapes {shapes}") from None
 
-    def _numeric(self):
+    def _numeric(self) -> Iterator[tuple[Any, str, Any]]:
         for part in (self.rod, self.cylinder, self.given):
             for field in fields(part):
                 value = getattr(part, field.name)
@@ -209,7 +210,7 @@ class Case:
 
     @cached_property
     def loads(self) -> tuple[Any, Any, Any]:
-        """FZ [force], MZ, M3 [force length], the constants of the rod; eqs. (25) and (30), and (33) or (24) row 6 for M3."""
+        """FZ [force], MZ, M3 [force length], constants of the rod; eqs. (25), (30), and (33) or (24) row 6 for M3."""
         given, rod, rho = self.given, self.rod, self.rho
         if isinstance(given, Ends):
             return given.FZ, given.MZ, given.M3

@@ -15,7 +15,8 @@ class Basis:
 
     nodes: (n,), rising. analyse: values to coefficients, (n, n). integrate: coefficients to those of the integral
     from -1, (n, n + 1). values: coefficients of a series one longer to values at the nodes, (n + 1, n).
-    differentiate: coefficients to values of the derivative at the nodes, (n, n). gauss: values to values at two Gauss points of each of `pieces` equal parts, (n, 2 pieces).
+    differentiate: coefficients to values of the derivative at the nodes, (n, n). gauss: values to values at two Gauss
+    points of each of `pieces` equal parts, (n, 2 pieces).
     """
 
     nodes: Array

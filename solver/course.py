@@ -22,8 +22,8 @@ HELIX, LIBRATION, ROTATION = 0, 1, 2
 class Pieces:
     """P monotone pieces of courses, in the order they are travelled away from the start. Fields (P,) but `well`.
 
-    part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. rank: 0 for the piece with the start, then
-    counting away from it. base: the angle that x counts from.
+    part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. rank: 0 for the piece with the start,
+    then counting away from it. base: the angle that x counts from.
     kind: PASS, SADDLE or CENTRE. scale: a or x1 (signed). u0, u1: ends in u, along the travel.
     """
 
@@ -38,7 +38,8 @@ class Pieces:
 
     def take(self, index: Any) -> "Pieces":
         fields = (self.part, self.rank, self.kind, self.base, self.scale, self.u0, self.u1)
-        return Pieces(*(v[index] for v in fields), self.well.take(index))
+        part, rank, kind, base, scale, u0, u1 = (v[index] for v in fields)
+        return Pieces(part, rank, kind, base, scale, u0, u1, self.well.take(index))
 
     def displacement(self, u: Array) -> Array:
         """x at u (P, n)."""

@@ -76,12 +76,14 @@ def extrema(problem: Reduced) -> Extrema:
     change = rising != np.roll(rising, -1, axis=1)
     row, cell = np.nonzero(change)
     lo, hi, up = angles[cell], right[cell], ~rising[row, cell]
+    guess = _crossing(lo, hi, value[row, cell], value[row, (cell + 1) % m], rate[row, cell], rate[row, (cell + 1) % m])
     row2, lo2, hi2, up2 = _pairs(problem, angles, right, value, rate, change)
     if row2.size:
+        guess = np.concatenate([guess, (lo2 + hi2) / 2])
         row, lo, hi, up = (np.concatenate(ab) for ab in ((row, row2), (lo, lo2), (hi, hi2), (up, up2)))
     loads_at = problem.take(row)
     sign = np.where(up, 1.0, -1.0)
-    roots = bracketed(lambda x: (sign * slope(loads_at, x), sign * slope_rate(loads_at, x)), lo, hi)
+    roots = bracketed(lambda x: (sign * slope(loads_at, x), sign * slope_rate(loads_at, x)), lo, hi, guess)
     roots = np.where(roots >= np.pi, roots - TAU, roots)
     order = np.lexsort((roots, row))
     row, roots, up = row[order], roots[order], up[order]
@@ -92,6 +94,16 @@ def extrema(problem: Reduced) -> Extrema:
     centre = np.zeros((problem.size, width), dtype=bool)
     beta[row, place], centre[row, place] = roots, up
     return Extrema(beta, centre, count)
+
+
+def _crossing(lo: Array, hi: Array, v0: Array, v1: Array, r0: Array, r1: Array) -> Array:
+    """Where the inverse cubic through two values and rates of opposite sign is zero; the secant's root if outside."""
+    rise = v1 - v0
+    w = -v0 / rise
+    secant = lo + (hi - lo) * w
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cubic = secant + w * (1 - w) * ((1 - w) * (rise / r0 - (hi - lo)) - w * (rise / r1 - (hi - lo)))
+    return np.where((cubic - lo) * (cubic - hi) <= 0, cubic, secant)
 
 
 def _pairs(
@@ -108,7 +120,12 @@ def _pairs(
     at, lo, hi = problem.take(row), angles[cell], right[cell]
     sign = np.sign(r2[row, cell])
     tip = bracketed(
-        lambda x: (sign * slope_rate(at, x), (slope_rate(at, x + 1e-6) - slope_rate(at, x - 1e-6)) / 2e-6 * sign), lo, hi
+        lambda x: (
+            sign * slope_rate(at, x),
+            (slope_rate(at, x + 1e-6) - slope_rate(at, x - 1e-6)) / 2e-6 * sign,
+        ),
+        lo,
+        hi,
     )
     crosses = slope(at, tip) * value[row, cell] < 0
     row, lo, hi, tip, start = row[crosses], lo[crosses], hi[crosses], tip[crosses], value[row, cell][crosses]
@@ -142,7 +159,8 @@ class Well:
     def take(self, index: Any) -> "Well":
         """The wells that an index picks."""
         picked = (v[index] for v in (self.lam, self.mu, self.phi, self.o, self.level))
-        return Well(*picked, tuple(v[index] for v in self._fixed))
+        lam, mu, phi, o, level = picked
+        return Well(lam, mu, phi, o, level, tuple(v[index] for v in self._fixed))
 
     def _near(self, sh: Array, ch: Array) -> tuple[Array, Array, Array, Array]:
         """sin(o + x), cos(o + x/2), and cos^2(o + x/2) (S^2 + 2 s S + 3 s^2) with its bracket, x by its half angle.
@@ -212,5 +230,10 @@ class Well:
         high = np.log(np.abs(limit))
         with np.errstate(divide="ignore", invalid="ignore"):
             guess = 0.5 * (wanted + np.log(4 / np.abs(self.steepness(np.zeros_like(self.o)))))[:, 0]
-            y = bracketed(f, np.full(high.shape, -700.0), high, np.where(np.isfinite(guess), np.minimum(guess, high), high))
+            y = bracketed(
+                f,
+                np.full(high.shape, -700.0),
+                high,
+                np.where(np.isfinite(guess), np.minimum(guess, high), high),
+            )
         return side[:, 0] * np.exp(y)

@@ -1,7 +1,7 @@
-"""How long the ways between two angles take, as functions of the level: the equations that an ends problem comes down to.
+"""How long the ways between two angles take, as functions of the level: what an ends problem comes down to.
 
-An orbit of level eta that joins beta(0) to beta(L) swings n times between its turning points, leaving upward or downward
-and arriving upward or downward. Its length in t is a sum of the times from the two angles to the turning points; the
+An orbit of level eta that joins beta(0) to beta(L) swings n times between its turning points, leaving upward or
+downward and arriving upward or downward. Its length in t is a sum of times from the two angles to the turning points; the
 equilibria are the levels at which that sum is the rod's.
 """
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .chebyshev import basis
 from .course import LIBRATION, ROTATION, course
-from .landscape import TAU, Extrema, Well, extrema, potential, slope_rate
+from .landscape import TAU, Extrema, Well, extrema, potential, slope, slope_rate
 from .panels import panelled
 from .reduced import Array, Reduced
 
@@ -35,7 +35,7 @@ class Ladder:
 
 def many(problem: Reduced, count: int, **changed: Array) -> Reduced:
     """One problem, `count` times over, with some fields changed."""
-    fields = {k: v if v is None else np.repeat(v, count) for k, v in vars(problem).items()}
+    fields: dict[str, Any] = {k: v if v is None else np.repeat(v, count) for k, v in vars(problem).items()}
     return Reduced(**{**fields, **changed})
 
 
@@ -110,7 +110,10 @@ def ways(problem: Reduced, pin: Array, gap: Array, tol: float) -> tuple[Ways, Ar
     assert problem.betaL is not None
     M = pin.size
     start = many(problem, M)
-    v2 = [_speed2(start, pin, gap, many(problem, M, beta0=np.full(M, b)).beta0) for b in (problem.beta0[0], problem.betaL[0])]
+    v2 = [
+        _speed2(start, pin, gap, many(problem, M, beta0=np.full(M, b)).beta0)
+        for b in (problem.beta0[0], problem.betaL[0])
+    ]
     joins = (v2[0] > 0) & (v2[1] > 0)
     way = float(problem.betaL[0] - problem.beta0[0])
     sense = UP if way >= 0 else DOWN
@@ -129,8 +132,8 @@ def ways(problem: Reduced, pin: Array, gap: Array, tol: float) -> tuple[Ways, Ar
     direct = np.full(M, np.nan)
     if turns.any():
         direct[turns] = _direct(problem, both, panels, M, way)[turns]
-    values = [np.where(swings, v, np.nan) for v in (up[0], down[0], up[1], down[1])]
-    return Ways(*values, direct), np.where(joins, v2[0], np.nan)
+    there, back_, there_far, back_far = (np.where(swings, v, np.nan) for v in (up[0], down[0], up[1], down[1]))
+    return Ways(there, back_, there_far, back_far, direct), np.where(joins, v2[0], np.nan)
 
 
 def _speed2(problem: Reduced, pin: Array, gap: Array, beta: Array) -> Array:
@@ -141,14 +144,10 @@ def _speed2(problem: Reduced, pin: Array, gap: Array, beta: Array) -> Array:
     linear = potential(problem, pin) - potential(problem, beta)
     # the pin is an extremum of G, or one of the two ends itself
     near = np.where(np.abs(x) < 1, well.drop(x[:, None])[:, 0], linear)
-    at_extremum = np.abs(_pull(problem, pin)) < 1e-9 * (1 + np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi))
+    at_extremum = np.abs(slope(problem, pin)) < 1e-9 * (
+        1 + np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi)
+    )
     return gap + np.where(x == 0, 0.0, np.where(at_extremum, near, linear))
-
-
-def _pull(problem: Reduced, beta: Array) -> Array:
-    from .landscape import slope
-
-    return slope(problem, beta)
 
 
 def _same_well(both: Reduced, way: Any, panels: Any, M: int) -> NDArray[np.bool_]:

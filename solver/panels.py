@@ -19,10 +19,11 @@ _NEWTON = 12
 class Panels:
     """P panels in order of part and of time away from the start.
 
-    part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. rank: of its piece. duration: (P,). series: (P, 5, n + 1),
-    of beta, |beta_t|, alpha, z and the swirl (the integral of sin cos), the last three from the panel's near end.
-    gauss: (P, 2 k), beta at two Gauss points of each of k equal parts in time. fastest: largest |beta_t|; slack: what the cut
-    series leave out of beta; drift: the same for the duration, as a share of it; all (P,). calls: evaluations, (P,).
+    part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. rank: of its piece. duration: (P,).
+    series: (P, 5, n + 1), of beta, |beta_t|, alpha, z and the swirl (the integral of sin cos), the last three from the
+    panel's near end. gauss: (P, 2 k), beta at two Gauss points of each of k equal parts in time. fastest: largest
+    |beta_t|; slack: what the cut series leave out of beta; drift: the same for the duration, as a share of it; all
+    (P,). calls: evaluations, (P,).
     """
 
     part: NDArray[np.int64]
@@ -40,16 +41,22 @@ class Panels:
 
 
 def panelled(problem: Reduced, way: Course, points: Basis, length: float, goal: float) -> Panels:
-    """Panels of about `length` in u, halved until their series end below `goal` (of beta, and of time where it repeats)."""
+    """Panels of about `length` in u, halved until their series end below `goal` (of beta, and of repeated time)."""
+    assert problem.dbeta0 is not None
     pieces = way.pieces
     share = np.maximum(np.ceil(np.abs(pieces.u1 - pieces.u0) / length), 1).astype(np.int64)
     piece = np.repeat(np.arange(share.size), share)
     k = np.arange(piece.size) - np.repeat(np.cumsum(share) - share, share)
     step = ((pieces.u1 - pieces.u0) / share)[piece]
-    near, far = pieces.u0[piece] + k * step, np.where(k + 1 == share[piece], pieces.u1[piece], pieces.u0[piece] + (k + 1) * step)
+    near, far = (
+        pieces.u0[piece] + k * step,
+        np.where(k + 1 == share[piece], pieces.u1[piece], pieces.u0[piece] + (k + 1) * step),
+    )
     order = k.astype(float)
     # a late start of the phase is repeated all along the rod
-    fastest = np.sqrt(problem.dbeta0**2 + 4 * (2 * np.abs(problem.lam) + 2 * np.abs(problem.phi) + np.abs(problem.mu) + 1))
+    fastest = np.sqrt(
+        problem.dbeta0**2 + 4 * (2 * np.abs(problem.lam) + 2 * np.abs(problem.phi) + np.abs(problem.mu) + 1)
+    )
     repeats = np.maximum(1, problem.span * fastest)
     done: list[tuple[Any, Array, Panels]] = []
     for round_ in range(_ROUNDS + 1):
@@ -102,11 +109,21 @@ def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
         drift = late / duration
     slack = np.where(met, slack, np.inf)
     calls = np.full(near.size, 2 * points.nodes.size)
-    return Panels(pieces.part, pieces.rank, duration, series, x @ points.gauss + pieces.base[:, None], fastest, slack, drift, calls)
+    return Panels(
+        pieces.part,
+        pieces.rank,
+        duration,
+        series,
+        x @ points.gauss + pieces.base[:, None],
+        fastest,
+        slack,
+        drift,
+        calls,
+    )
 
 
 def _inverted(clock: Array, rate: Array, duration: Array, points: Basis) -> tuple[Array, NDArray[np.bool_]]:
-    """Where in [-1, 1] the clock shows equal-angle shares of the duration, (P, n), and whether Newton's rule met there."""
+    """Where in [-1, 1] the clock shows the nodes' shares of the duration, (P, n), and whether Newton's rule met."""
     nodes = points.nodes
     wanted = duration[:, None] * ((1 + nodes) / 2)
     both = np.stack([clock, np.pad(rate, ((0, 0), (0, 1)))], axis=1)

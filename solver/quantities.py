@@ -94,7 +94,7 @@ def quantity(name: str) -> Quantity:
 
 
 def unit_of(name: str, units: Mapping[str, str]) -> str:
-    """The unit of a quantity in a system such as ``{"length": "cm", "force": "N"}``: ``unit_of("E", ...) == "N/cm^2"``."""
+    """The unit of a quantity in a system: ``unit_of("E", {"length": "cm", "force": "N"}) == "N/cm^2"``."""
     missing = [key for key in ("length", "force") if not units.get(key)]
     if missing:
         raise InputError(f"units need a {' and a '.join(missing)}, got {dict(units)!r}")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .case import Case, Ends
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]  # of floats, unless it is said otherwise
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,8 @@ class Reduced:
 
     def take(self, index: Any) -> "Reduced":
         """The problems that an index array or mask picks."""
-        return Reduced(**{name: None if v is None else v[index] for name, v in vars(self).items()})
+        picked: dict[str, Any] = {name: None if v is None else v[index] for name, v in vars(self).items()}
+        return Reduced(**picked)
 
     def started(self, dbeta0: Array) -> "Reduced":
         """The same problems with the start's slope given instead of the far angle."""

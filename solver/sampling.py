@@ -7,6 +7,7 @@ is left of the rod. Elsewhere the stations themselves, with straight lines betwe
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -133,7 +134,7 @@ def _signed(values: Array) -> tuple[Array, Array]:
                 x = np.clip(np.where(np.isfinite(step), x - step, x), points[k], points[k + 1])
         edges.append(np.where(y0 * y1 < 0, x, edges[-1]))
     edges.append(np.ones(row.size))
-    pieces = [(_horner(primitive, b) - _horner(primitive, a), b - a) for a, b in zip(edges, edges[1:], strict=False)]
+    pieces = [(_horner(primitive, b) - _horner(primitive, a), b - a) for a, b in pairwise(edges)]
     size[row, part] = sum(np.abs(area) for area, _ in pieces)
     share[row, part] = sum(np.where(area >= 0, width, 0) for area, width in pieces)
     return size, share

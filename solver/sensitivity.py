@@ -31,26 +31,30 @@ def condition(
         still = (_helix(problem) * weight).max(axis=1)
         if not panels.part.size:
             return np.maximum(1, still)
-        b, second = panels.part // 2, panels.part % 2 == 1
+        b = panels.part // 2
         rows, clock, exits = _transfers(problem, panels, since, first, count)
         there, back = duration[0::2], duration[1::2]
         flow = np.stack([v0, -slope(problem, problem.beta0)], axis=1)
         turned, turned_back = (
             _reflection(problem, panels, first, count, exits, part, flow * [1 - 2 * part, 1]) for part in (0, 1)
         )
-        folded = (way.kind == LIBRATION)[:, None, None]
         half = _MIRROR @ turned
-        whole = np.where(folded, _MIRROR @ turned_back @ half, exits[0::2])
-        legs = (  # what stands before the rows, the time at the rows, for which panels
-            (np.broadcast_to(np.eye(2), half.shape), clock, ~second),
-            (turned, 2 * there[b][:, None] - clock, ~second & folded[b, 0, 0]),
-            (half, 2 * there[b][:, None] + clock, second),
-            (turned_back @ half, 2 * (there + back)[b][:, None] - clock, second),
-        )
+        folded = (way.kind == LIBRATION)[:, None, None]
+        far = turned_back @ half
+        whole = np.where(folded, _MIRROR @ far, exits[0::2])
+        # each panel is met on the way out, and in a libration again on the way back
+        out, back_again = np.empty((2, 2 * v0.size, 2, 2))
+        out[0::2], out[1::2], back_again[0::2], back_again[1::2] = np.eye(2), half, turned, far
+        begins, ends = np.zeros((2, 2 * v0.size))
+        begins[1::2], ends[0::2] = 2 * there, 2 * there
+        ends[1::2] = np.where(way.kind == LIBRATION, 2 * (there + back), np.inf)
+        ends[0::2] = np.where(way.kind == LIBRATION, ends[0::2], np.inf)
         worst = np.zeros(weight.shape)
-        for before, time, which in legs:
-            size = np.abs(rows @ before[b]) * (which[:, None] & (time <= span[b][:, None]))[..., None]
-            np.maximum.at(worst, b, np.nan_to_num(size.max(axis=1), nan=np.inf))
+        part = panels.part
+        for before, time in ((out, begins[part, None] + clock), (back_again, ends[part, None] - clock)):
+            met = (time <= span[b][:, None])[..., None]
+            size = np.where(met, np.abs(rows @ before[part]), 0).max(axis=1)
+            np.maximum.at(worst, b, np.where(np.isnan(size), np.inf, size))
         # each whole period comes late by d(period)/d(level) once more
         gradient = np.stack([-flow[:, 1], v0], axis=1)
         steep = (flow**2).sum(axis=1) * (gradient**2).sum(axis=1)
@@ -110,7 +114,7 @@ def _reflection(
 ) -> Array:
     """The change that, followed to the turning point and back, is the mirror of the one at the start, (B, 2, 2).
 
-    A change along the flow returns with its sign turned; one that moves the turning point without delay returns as it is.
+    A change along the flow returns with its sign turned; one that does not delay the turning point returns as it is.
     """
     last = np.maximum(first[part::2] + count[part::2] - 1, 0)
     pull = slope(problem, panels.series[np.minimum(last, panels.part.size - 1), 0].sum(axis=1))

@@ -111,7 +111,7 @@ class Solution:
     @cached_property
     def FY(self) -> Array:
         """Circumferential force, (*cases, n) [force]; eq. (30)."""
-        A, l, m, _ = self._loads  # noqa: E741
+        A, l, m, _ = self._loads
         return statics.circumferential_force(A, l, m, self._rho, self.beta)
 
     @cached_property
@@ -137,13 +137,13 @@ class Solution:
     @cached_property
     def contact(self) -> Array:
         """The cylinder's push per length, (*cases, n) [force/length], positive outward; eq. (34), corrected."""
-        A, l, m, p = self._loads  # noqa: E741
+        A, l, m, p = self._loads
         H = statics.slope(l, m, p, self._rho, self.beta)
         return statics.contact(A, m, self._rho, self.FY, H, self.beta, self.dbeta)
 
     @property
     def push(self) -> Array:
-        """Contact counted positive where the cylinder really pushes, (*cases, n) [force/length]; negative: lifts off."""
+        """Contact counted positive where the cylinder pushes, negative where it lifts off, (*cases, n)."""
         return self.case.outward * self.contact
 
     @property
@@ -182,7 +182,7 @@ class Solution:
 
     @property
     def outcome(self) -> Any:
-        """"solved" (perhaps with a remark after it), or why not, (*cases)."""
+        """ "solved" (perhaps with a remark after it), or why not, (*cases)."""
         return self._each(self.trajectory.outcome)
 
     @cached_property

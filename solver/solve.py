@@ -21,14 +21,14 @@ def solve(
 
     tol: the error allowed, times max(1, condition): of beta [rad], and of alpha and z/rho over max(1, L/rho).
     method: "auto" or one of `METHODS`. stations: how many equal steps of s plus one, or the values of s [length],
-    rising within [0, L], (n,) or (*cases, n). seed: for an ends problem, which of its many solutions: the one with beta'(0)
-    [rad/length] near the seed, or near a Solution; the one of lowest energy without it. knobs: the method's own.
+    rising within [0, L], (n,) or (*cases, n). seed: for an ends problem, which of its many solutions: the one with
+    beta'(0) [rad/length] near the seed, or near a Solution; without it the one of lowest energy. knobs: the
+    method's own.
 
     Each case's `outcome` says whether it was solved; a case that was not leaves its neighbours alone.
     Raises `InputError` for a bad tolerance, method, knob or stations.
     """
-    if not (np.isscalar(tol) and 0 < float(tol) < 1):
-        raise InputError(f"tol must be a number between 0 and 1, got {tol!r}")
+    tol = _tolerance(tol)
     problem = reduce(case)
     name = AUTO[problem.kind] if method == "auto" else method
     if name not in METHODS:
@@ -46,7 +46,17 @@ def solve(
         if problem.kind == "start":
             raise InputError("a seed chooses among the solutions of an ends problem; a start problem has only one")
         knobs["seed"] = _seed(case, problem, seed)
-    return Solution(case, problem, METHODS[name].run(problem, t, float(tol), **knobs), t, name, float(tol))
+    return Solution(case, problem, METHODS[name].run(problem, t, tol, **knobs), t, name, tol)
+
+
+def _tolerance(tol: Any) -> float:
+    try:
+        value = float(tol)
+    except (TypeError, ValueError):
+        value = np.nan
+    if not 0 < value < 1:
+        raise InputError(f"tol must be a number between 0 and 1, got {tol!r}")
+    return value
 
 
 def _stations(case: Case, problem: Reduced, stations: Any) -> Array:

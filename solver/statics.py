@@ -11,13 +11,13 @@ import numpy as np
 from .reduced import Array
 
 
-def slope(l: Any, m: Any, p: Any, rho: Any, beta: Array) -> Array:  # noqa: E741
+def slope(l: Any, m: Any, p: Any, rho: Any, beta: Array) -> Array:
     """H(beta) [1/length^2]; eq. (35), corrected."""
     s, c = np.sin(beta), np.cos(beta)
     return (l * c - m * np.cos(2 * beta)) / rho - (p + 2 * c * s * s / rho**2) * s
 
 
-def circumferential_force(A: Any, l: Any, m: Any, rho: Any, beta: Array) -> Array:  # noqa: E741
+def circumferential_force(A: Any, l: Any, m: Any, rho: Any, beta: Array) -> Array:
     """FY [force]; eq. (30)."""
     return A / rho * (l - m * np.cos(beta) - np.sin(beta) ** 3 / rho)
 
@@ -34,7 +34,7 @@ def surface_forces(FY: Array, FZ: Any, beta: Array) -> tuple[Array, Array]:
 
 
 def contact(A: Any, m: Any, rho: Any, FY: Array, H: Array, beta: Array, dbeta: Array) -> Array:
-    """The cylinder's push per length f [force/length], positive outward; eq. (34), without its factor [h - G]^(-1/2)."""
+    """The cylinder's push per length [force/length], positive outward; eq. (34) without its factor [h - G]^(-1/2)."""
     bent = H * (1.5 * np.sin(2 * beta) / rho - m) - 3 / rho * dbeta**2 * np.cos(2 * beta)
     return np.sin(beta) * FY / rho + A * bent
 

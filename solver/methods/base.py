@@ -35,7 +35,7 @@ class Trajectory:
 
 @dataclass(frozen=True, eq=False)
 class Seed:
-    """Near which of many solutions to look. slope: beta_t(0), (B,). u, beta: the shape at shares u of the rod, (B, n)."""
+    """Near which of many solutions to look: slope, beta_t(0), (B,); beta at shares u of the rod, (B, n)."""
 
     slope: Array
     u: Array
@@ -61,8 +61,8 @@ class Run(Protocol):
 
 @dataclass(frozen=True)
 class Method:
-    """One method: kinds of problem ("start", "ends"), order of convergence in its first knob (inf: geometric), and the
-    names of its knobs."""
+    """One method: the kinds of problem it solves ("start", "ends"), its order of convergence in its first knob (inf:
+    geometric), and the names of its knobs."""
 
     name: str
     run: Run
@@ -87,5 +87,5 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> NDArray
     for i in np.flatnonzero(finite & ~kept):
         outcome[i] = f"failed: error {error[i]:.1e} above the tolerance {tol:.1e} at condition {condition[i]:.1e}"
     for i in np.flatnonzero(finite & kept & (error > tol)):
-        outcome[i] = f"solved; ill-conditioned: error {error[i]:.1e} at condition {condition[i]:.1e}"
+        outcome[i] = f"solved; condition {condition[i]:.1e} costs digits: error {error[i]:.1e}"
     return outcome

@@ -1,7 +1,7 @@
 """`difference`: the paper's own scheme for a rod given by its two ends.
 
-Central differences (40), Newton's rule on the tridiagonal system (43), and the extrapolation (47). Order 2, extrapolated
-4. Newton's rule finds the solution next to its seed: without one it starts from the equilibrium of lowest energy.
+Central differences (40), Newton's rule on the tridiagonal system (43), and the extrapolation (47): order 2, then 4.
+Newton's rule finds the solution next to its seed; without one it starts from the equilibrium of lowest energy.
 """
 
 from dataclasses import dataclass
@@ -15,15 +15,15 @@ from ..reduced import Array, Reduced
 from ..stability import response
 from .base import Method, Seed, Trajectory, verdicts
 
-_FIRST, _MOST = 129, 2**17 + 1  # nodes
+_FIRST, _LARGEST_FIRST, _MOST = 129, 2**13 + 1, 2**17 + 1  # nodes
 _NEWTON = 60
 
 
 @dataclass(frozen=True, eq=False)
 class _Mesh:
-    """A converged difference solution of one problem on equal steps: columns beta, beta_t, alpha, z, swirl, (5, n)."""
+    """A difference solution of one problem on equal steps: columns beta, beta_t, alpha, z, swirl, (5, n); whether
+    Newton's rule met it."""
 
-    h: float
     columns: Array
     met: bool
     iterations: int
@@ -43,7 +43,9 @@ def run(
     seed: near which solution to look; see `Seed`.
     """
     if seed is None:
-        from ..equilibria import lowest  # the search stands above the methods; it is asked only where nothing is given
+        from ..equilibria import (
+            lowest,
+        )  # the search stands above the methods; it is asked only where nothing is given
 
         seed = lowest(problem)
     n = t.shape[1]
@@ -63,73 +65,84 @@ def run(
 def _one(
     problem: Reduced, t: Array, tol: float, nodes: int | None, extrapolate: bool, seed: Seed
 ) -> tuple[Array, float, float, int, bool]:
-    span = float(problem.span[0])
-    size = _FIRST if nodes is None else nodes
-    fixed = nodes is not None
-    meshes = [_newton(problem, seed.on(problem, size))]
+    span, most = float(problem.span[0]), _MOST if nodes is None else 0
+    mesh, work = _first(problem, seed, nodes)
     answers: list[Array] = []
+    error = np.inf
     while True:
-        meshes.append(_newton(problem, _refined(meshes[-1].columns[0])))
-        work = sum(m.iterations * m.columns.shape[1] for m in meshes)
-        if not (meshes[-1].met and meshes[-2].met):
+        finer = _newton(problem, _refined(mesh.columns[0]))
+        work += finer.iterations * finer.columns.shape[1]
+        if not (mesh.met and finer.met):
             return np.full((5, t.size), np.nan), np.inf, np.inf, work, False
-        coarse, fine = meshes[-2].columns, meshes[-1].columns[:, ::2]
-        if extrapolate:
-            answers.append((4 * fine - coarse) / 3)
-        else:
-            answers.append(coarse)
-        after = 2 if extrapolate else 1
-        error = np.inf
-        if len(answers) >= 2:
+        answers.append((4 * finer.columns[:, ::2] - mesh.columns) / 3 if extrapolate else mesh.columns)
+        if len(answers) > 1:
             error = _difference(answers[-2], answers[-1][:, ::2], span)
-            shown = answers[-2] if fixed else answers[-1]
-            if fixed or error <= tol or (answers[-1].shape[1] - 1) * 2**after > _MOST:
+            if error <= tol or 2 * finer.columns.shape[1] > most:
                 break
+        mesh = finer
+    shown = answers[-1] if nodes is None else answers[-2]
     h = np.array([span / (shown.shape[1] - 1)])
     condition = float(response(problem, h, shown[:1])[0])
-    error += 4e-16 * condition
-    return _read(problem, shown, t), error, condition, work, True
+    return _read(problem, shown, t), error + 4e-16 * condition, condition, work, True
+
+
+def _first(problem: Reduced, seed: Seed, nodes: int | None) -> tuple[_Mesh, int]:
+    """The coarsest mesh on which Newton's rule finds the seed's solution, and the work; the one asked for, if any."""
+    size, work = nodes or _FIRST, 0
+    while True:
+        mesh = _newton(problem, seed.on(problem, size))
+        work += mesh.iterations * size
+        if mesh.met or nodes is not None or 2 * size > _LARGEST_FIRST:
+            return mesh, work
+        size = 2 * size - 1
 
 
 def _newton(problem: Reduced, beta: Array) -> _Mesh:
-    """Solve beta'' = -H on equal steps from a first guess (n,) that holds the right ends."""
+    """Solve beta'' = -H on equal steps from a first guess (n,), its ends moved to the right ones."""
+    assert problem.betaL is not None
     h = float(problem.span[0]) / (beta.size - 1)
     beta = beta.copy()
-    assert problem.betaL is not None
     beta[0], beta[-1] = problem.beta0[0], problem.betaL[0]
-    floor = 16 * 2.0**-52 * np.abs(beta).max() + 1e-300  # what rounding leaves of the residual times h^2
-
-    def residual(at: Array) -> Array:
-        return np.diff(at, 2) + h * h * slope(problem, at[1:-1])
-
-    off = residual(beta)
-    met = False
-    bands = np.ones((3, beta.size - 2))
-    for iteration in range(1, _NEWTON + 1):
-        bands[1] = -2 + h * h * slope_rate(problem, beta[1:-1])
-        with np.errstate(all="ignore"):
-            try:
-                step = solve_banded((1, 1), bands, -off)
-            except (np.linalg.LinAlgError, ValueError):
-                break
-        if not np.isfinite(step).all():
+    floor = 16 * 2.0**-52 * np.abs(beta).max() + 1e-300  # what rounding leaves of the residual, which is times h^2
+    off, met, iteration = _residual(problem, beta, h), False, 0
+    while iteration < _NEWTON and not met:
+        iteration += 1
+        step = _step(problem, beta, off, h)
+        if step is None:
             break
-        share, size = min(1.0, 1.0 / max(np.abs(step).max(), 1e-300)), np.abs(off).max()
-        while share > 1e-4:
+        size = np.abs(off).max()
+        share = min(1.0, 1.0 / max(np.abs(step).max(), 1e-300))
+        for _ in range(14):
             tried = beta.copy()
             tried[1:-1] += share * step
-            off_tried = residual(tried)
-            if np.abs(off_tried).max() < size or np.abs(off_tried).max() <= floor:
+            left = _residual(problem, tried, h)
+            if np.abs(left).max() < max(size, floor):
                 break
             share /= 2
         else:
-            met = size <= 4 * floor
+            met = size <= 4 * floor  # no step helps: rounding, or lost
             break
-        beta, off = tried, off_tried
-        if share == 1.0 and (np.abs(step).max() <= 1e-9 or np.abs(off).max() <= floor):
-            met = True  # the step after this one would be its square, or rounding
-            break
-    return _Mesh(h, _columns(problem, beta, h), met, iteration)
+        beta, off = tried, left
+        # the step after a full and small one would be its square
+        met = share == 1.0 and bool(np.abs(step).max() <= 1e-9 or np.abs(off).max() <= floor)
+    return _Mesh(_columns(problem, beta, h), met, iteration)
+
+
+def _residual(problem: Reduced, beta: Array, h: float) -> Array:
+    """h^2 times what eq. (41) leaves at the inner nodes."""
+    return np.diff(beta, 2) + h * h * slope(problem, beta[1:-1])
+
+
+def _step(problem: Reduced, beta: Array, off: Array, h: float) -> Array | None:
+    """Newton's step from the tridiagonal system (43); None where it is singular."""
+    bands = np.ones((3, beta.size - 2))
+    bands[1] = -2 + h * h * slope_rate(problem, beta[1:-1])
+    with np.errstate(all="ignore"):
+        try:
+            step = solve_banded((1, 1), bands, -off)
+        except (np.linalg.LinAlgError, ValueError):
+            return None
+    return step if np.isfinite(step).all() else None
 
 
 def _columns(problem: Reduced, beta: Array, h: float) -> Array:
@@ -161,7 +174,7 @@ def _difference(coarse: Array, fine: Array, span: float) -> float:
 
 
 def _read(problem: Reduced, columns: Array, t: Array) -> Array:
-    """The columns at the stations: polynomials of degree five through values and two derivatives at the nodes, (5, k)."""
+    """The columns at the stations, (5, k): polynomials of degree five through values and two derivatives at nodes."""
     beta, rate = columns[:2]
     h = problem.span[0] / (beta.size - 1)
     pull = slope(problem, beta)
@@ -176,9 +189,20 @@ def _read(problem: Reduced, columns: Array, t: Array) -> Array:
     d0, d1, e0, e1 = h * first[:, k], h * first[:, far], h * h * second[:, k], h * h * second[:, far]
     # Hermite's quintic, in powers of x about the near node
     jump, climb, curve = y1 - y0 - d0 - e0 / 2, d1 - d0 - e0, e1 - e0
-    c3, c4, c5 = 10 * jump - 4 * climb + curve / 2, -15 * jump + 7 * climb - curve, 6 * jump - 3 * climb + curve / 2
+    c3, c4, c5 = (
+        10 * jump - 4 * climb + curve / 2,
+        -15 * jump + 7 * climb - curve,
+        6 * jump - 3 * climb + curve / 2,
+    )
     return y0 + x * (d0 + x * (e0 / 2 + x * (c3 + x * (c4 + x * c5))))
 
 
 DIFFERENCE = Method(
-    "difference", run, ("ends",), 4, "nodes", "the paper's scheme: central differences, Newton, extrapolation; order 2, then 4", ("nodes", "extrapolate"))
+    "difference",
+    run,
+    ("ends",),
+    4,
+    "nodes",
+    "the paper's scheme: central differences, Newton, extrapolation; order 2, then 4",
+    ("nodes", "extrapolate"),
+)

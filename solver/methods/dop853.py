@@ -66,4 +66,6 @@ def _integrate(problem: Reduced, t: Array, rtol: float) -> tuple[Array, tuple[Ar
     return answer.y, (points, answer.sol(points)[0]), answer.nfev
 
 
-DOP853 = Method("dop853", run, ("start",), 8, "rtol", "adaptive Runge-Kutta of order 8 (scipy), the reference", ("rtol",))
+DOP853 = Method(
+    "dop853", run, ("start",), 8, "rtol", "adaptive Runge-Kutta of order 8 (scipy), the reference", ("rtol",)
+)

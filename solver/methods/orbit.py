@@ -1,7 +1,7 @@
 """`orbit`: the paper's quadrature (36) made exact, and nothing integrated beyond one half period.
 
-The course of the orbit from its start to its turning points (or once round) is cut into pieces on which time is a smooth
-function of one variable (`course`). On panels of these, short enough for a Chebyshev series to reach rounding or the
+The course of the orbit from its start to its turning points (or once round) is cut into pieces on which time is a
+smooth function of one variable (`course`). On panels of these, short enough for a Chebyshev series to reach rounding or the
 tolerance, t(u) is integrated and inverted, and beta, beta_t, alpha, z become series in t. Reflection at the turning
 points and repetition do the rest: a rod of a million bends costs what one of three bends costs. Converges
 geometrically; all problems are solved together.
@@ -113,7 +113,9 @@ class Orbit:
                 panel += (j < count) & (x >= since[np.minimum(first + j, since.size - 1)])
             panel = np.minimum(panel, since.size - 1)
             x = np.clip(2 * (x - since[panel]) / duration[panel] - 1, -1, 1)
-            out[k : k + _BLOCK] = np.einsum("pcn,np->pc", series[panel], polynomials(x, series.shape[2]), optimize=False)
+            out[k : k + _BLOCK] = np.einsum(
+                "pcn,np->pc", series[panel], polynomials(x, series.shape[2]), optimize=False
+            )
         return out.reshape(*where.part.shape, -1)
 
     def _unfold(self, values: Array, where: "_Where") -> tuple[Array, Array, Array, Array]:
@@ -162,15 +164,15 @@ def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = 
     ends = panels.series[:, 2:].sum(axis=2)
     gain = np.stack([np.bincount(panels.part, weights=ends[:, k], minlength=parts) for k in range(3)], axis=1)
     # times and integrals of each panel count from the start of its course
-    since = _running(panels.duration, first, count)
-    for k in range(3):
-        panels.series[:, 2 + k, 0] += _running(ends[:, k], first, count)
+    before = _running(np.column_stack([ends, panels.duration]), first, count)
+    panels.series[:, 2:, 0] += before[:, :3]
+    since = before[:, 3]
     return Orbit(problem, way, panels, since, first, count, duration, gain)
 
 
 def _running(values: Array, first: Any, count: Any) -> Array:
-    """Sum of the values before each panel within its part, (P,): added up part by part, so that none sees another's."""
-    out = np.zeros(values.size)
+    """Sums of the values (P, k) before each panel within its part: added part by part, so that none sees another's."""
+    out = np.zeros(values.shape)
     for j in range(1, int(count.max(initial=0))):
         at = first[count > j] + j
         out[at] = out[at - 1] + values[at - 1]
@@ -201,9 +203,7 @@ def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
 def _run(problem: Reduced, t: Array, tol: float) -> Trajectory:
     orbit = solve_orbit(problem, tol)
     beta, dbeta, alpha, z = orbit.at(t)
-    growth = condition(
-        problem, orbit.course, orbit.panels, orbit.since, orbit.first, orbit.count, orbit.duration
-    )
+    growth = condition(problem, orbit.course, orbit.panels, orbit.since, orbit.first, orbit.count, orbit.duration)
     error = _error(orbit, growth)
     outcome = verdicts(beta, error, growth, tol)
     calls = np.bincount(orbit.panels.part // 2, weights=orbit.panels.calls, minlength=problem.size).astype(np.int64)
@@ -214,10 +214,9 @@ def _error(orbit: Orbit, growth: Array) -> Array:
     """What the cut series, the repeated period and the rounding of the input leave, (B,)."""
     problem, panels = orbit.problem, orbit.panels
     b = panels.part // 2
-    slack, drift, fastest = (np.zeros(problem.size) for _ in range(3))
-    np.maximum.at(slack, b, panels.slack)
-    np.maximum.at(drift, b, panels.drift)
-    np.maximum.at(fastest, b, panels.fastest)
+    most = np.zeros((problem.size, 3))
+    np.maximum.at(most, b, np.stack([panels.slack, panels.drift, panels.fastest], axis=1))
+    slack, drift, fastest = most.T
     late = problem.span * (drift * (problem.span > orbit.ahead) + 2 * EPS)
     return 2 * slack + fastest * late + 2 * EPS * growth * np.maximum(1, np.abs(problem.beta0))
 

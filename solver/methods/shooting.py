@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..reduced import Array, Reduced
-from .base import Method, Seed, Trajectory, verdicts
+from .base import Method, Seed, Trajectory
 from .orbit import solve_orbit
 
 _ROUNDS = 40
@@ -17,7 +17,10 @@ _ROUNDS = 40
 
 def run(problem: Reduced, t: Array, tol: float, seed: Seed | None = None, **_: Any) -> Trajectory:
     """The equilibrium next to `seed`, or that of lowest energy without one."""
-    from ..equilibria import chosen, trajectory  # the search stands above the methods; it is asked only where nothing else will do
+    from ..equilibria import (
+        chosen,
+        trajectory,
+    )  # the search stands above the methods; it is asked only where nothing else will do
 
     slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
     columns = np.full((5, problem.size, t.shape[1]), np.nan)
@@ -35,13 +38,14 @@ def run(problem: Reduced, t: Array, tol: float, seed: Seed | None = None, **_: A
         outcome[near] = found.outcome
     for i in np.flatnonzero(~np.isfinite(slopes)):
         one = problem.take(slice(i, i + 1))
-        found = chosen(one, t[i : i + 1], tol, None if seed is None else float(seed.slope[i]))
-        if found is None:
+        alone = chosen(one, t[i : i + 1], tol, None if seed is None else float(seed.slope[i]))
+        if alone is None:
             continue
         if problem.size == 1:
-            return found
-        columns[:, i] = found.beta[0], found.dbeta[0], found.alpha[0], found.z[0], found.swirl()[0]
-        error[i], condition[i], calls[i], outcome[i] = found.error[0], found.condition[0], found.evaluations[0], found.outcome[0]
+            return alone
+        columns[:, i] = alone.beta[0], alone.dbeta[0], alone.alpha[0], alone.z[0], alone.swirl()[0]
+        error[i], condition[i], calls[i] = alone.error[0], alone.condition[0], alone.evaluations[0]
+        outcome[i] = alone.outcome[0]
     beta, dbeta, alpha, z, swirl = columns
     return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, calls.astype(np.int64))
 
@@ -52,7 +56,7 @@ def _next_to(problem: Reduced, slope: Array) -> Array:
     B = problem.size
     twice = Reduced(*(np.tile(v, 2) for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
     at = np.where(np.isfinite(slope), slope, 0.0)
-    step = np.full(B, np.inf)
+    off = np.full(B, np.inf)
     for _ in range(_ROUNDS):
         nudge = 1e-7 * np.maximum(1, np.abs(at))
         orbit = solve_orbit(twice.started(np.concatenate([at, at + nudge])), 1e-13)

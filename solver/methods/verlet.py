@@ -5,6 +5,7 @@ rounding from growing with 1/h^2. Symplectic; order 2, order 4 once (4 y_{h/2} -
 by the trapezoidal rule on the same points, whose error has the same expansion in h^2.
 """
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -26,8 +27,10 @@ def run(
     """
     intervals = max(1, t.shape[1] - 1)
     if steps is not None:
-        marches = [_march(problem, t, n) for n in ((steps, 2 * steps, 4 * steps) if extrapolate else (steps, 2 * steps))]
-        answers = [_extrapolated(a, b) for a, b in zip(marches, marches[1:], strict=False)] if extrapolate else marches
+        marches = [
+            _march(problem, t, n) for n in ((steps, 2 * steps, 4 * steps) if extrapolate else (steps, 2 * steps))
+        ]
+        answers = [_extrapolated(a, b) for a, b in pairwise(marches)] if extrapolate else marches
         work = intervals * steps * (3 if extrapolate else 1)
         return _trajectory(problem, t, tol, answers[0], np.abs(answers[0] - answers[1]), work)
     steps, work, marches, answers = 1, 0, [], []
@@ -88,4 +91,12 @@ def _trajectory(problem: Reduced, t: Array, tol: float, answer: Array, off: Arra
     return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, evaluations)
 
 
-VERLET = Method("verlet", run, ("start",), 4, "steps", "the paper's difference equation marched; order 2, extrapolated 4", ("steps", "extrapolate"))
+VERLET = Method(
+    "verlet",
+    run,
+    ("start",),
+    4,
+    "steps",
+    "the paper's difference equation marched; order 2, extrapolated 4",
+    ("steps", "extrapolate"),
+)
