@@ -8,7 +8,7 @@ import xarray as xr
 from studies import READINGS, load, names
 from studies.laws import FAILS
 
-from . import check, console, gl, plots, readings_run, report, runner, scenes, store
+from . import check, console, readings_run, runner, store
 from .runner import StudyResult
 
 DEFAULT_STUDIES = "fig"  # the shipped studies whose names begin so are figures of the paper
@@ -25,6 +25,8 @@ def reproduce(out: Path, reading: str | None) -> int:
     files = {study.name: out / f"{study.name}.h5" for study in studies}
     for name, path in {**files, readings_run.NAME: out / f"{readings_run.NAME}.h5"}.items():
         store.check_free(path, name)
+    from . import gl, report  # drawing is loaded once nothing more can be refused
+
     able, advice = gl.probe()
     panels = readings_run.panels()
     work = len(studies) * 2 + len(panels) * len(READINGS) + 1
@@ -39,13 +41,15 @@ def reproduce(out: Path, reading: str | None) -> int:
         readings = readings_run.run(panels, step=step)
         store.write(readings, out / f"{readings_run.NAME}.h5")
         step("writing the report")
-        report.write(results, out)
-    _summary(results, readings, out, advice if not able else "")
+        report.write(results, out, readings=readings, advice="" if able else advice)
+    _summary(results, readings, out, "" if able else advice)
     return 0 if all(check.all_well(result.ds) for result in results) else 1
 
 
 def _draw(ds: xr.Dataset, out: Path, able: bool) -> dict[str, Path]:
     """The pictures of one dataset: name -> file. Scenes only where OpenGL works."""
+    from . import plots, scenes
+
     name = ds.attrs["study_name"]
     pictures = {"figure": out / f"{name}.png"}
     plots.figure(ds, pictures["figure"])
