@@ -54,8 +54,7 @@ def _draw(ds: xr.Dataset, out: Path, able: bool) -> dict[str, Path]:
     pictures = {"figure": out / f"{name}.png"}
     plots.figure(ds, pictures["figure"])
     if able:
-        pictures["scene"] = out / f"{name}_scene.png"
-        scenes.render(ds, pictures["scene"], None)
+        pictures |= scenes.draw(ds, out / f"{name}_scene.png")
     return pictures
 
 
