@@ -1,0 +1,131 @@
+"""A sheet of rendered views: titles, labels, a length scale, the axes and a legend around them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from . import style
+
+MARGIN, HEAD, LABEL, FOOT = 36, 112, 76, 126  # pixels: around, title, text under a cell, legend and scale
+TRIAD = 46  # pixels of an axis
+SMALL: dict[str, Any] = {"size": style.TEXT["small"]}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What is written under a view, and why it is empty where it is."""
+
+    label: str
+    why_empty: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """What is put together.
+
+    pixels: (height, width, 3), all views in one picture, each with room for its label below. cells: the views,
+    row by row. per_unit: pixels per length. axes: where x, y, z point on the page, (3, 2). legend: colours and
+    what they mean. least: width and height of the sheet.
+    """
+
+    title: str
+    subtitle: str
+    pixels: NDArray[np.uint8]
+    cells: Sequence[Sequence[Cell]]
+    per_unit: float
+    length_unit: str
+    axes: NDArray[np.float64]
+    legend: Sequence[tuple[str, str]] = field(default_factory=list)
+    notes: Sequence[str] = field(default_factory=list)
+    least: tuple[int, int] = (1300, 0)
+
+
+def figure(sheet: Sheet) -> Figure:
+    """The sheet as a figure of `style.DPI`, in which the pixels are those of the views."""
+    width = max(sheet.pixels.shape[1] + 2 * MARGIN, sheet.least[0])
+    height = max(sheet.pixels.shape[0] + HEAD + FOOT, sheet.least[1])
+    with rc_context(style.RC):
+        fig = Figure(figsize=(width / style.DPI, height / style.DPI), dpi=style.DPI)
+        FigureCanvasAgg(fig)
+        _text(fig, MARGIN, height - 30, sheet.title, size=style.TEXT["large"], va="top", weight="bold")
+        _text(fig, MARGIN, height - 72, sheet.subtitle, color=style.SOFT, va="top")
+        left = (width - sheet.pixels.shape[1]) // 2
+        bottom = FOOT + (height - HEAD - FOOT - sheet.pixels.shape[0]) // 2
+        fig.figimage(sheet.pixels, left, bottom, origin="upper")
+        _cells(fig, sheet, left, bottom)
+        right = _triad(fig, MARGIN + TRIAD, FOOT / 2 - 8, sheet.axes)
+        right = _scale(fig, right + 60, FOOT / 2 - 22, sheet)
+        _legend(fig, right + 70, width, sheet)
+    return fig
+
+
+def _cells(fig: Figure, sheet: Sheet, left: int, bottom: int) -> None:
+    high = sheet.pixels.shape[0] / len(sheet.cells)
+    for i, row in enumerate(reversed(sheet.cells)):
+        wide = sheet.pixels.shape[1] / len(row)
+        for j, cell in enumerate(row):
+            x, y = left + (j + 0.5) * wide, bottom + i * high
+            _text(fig, x, y + LABEL - 10, cell.label, ha="center", va="top")
+            if cell.why_empty:
+                told = fill(cell.why_empty, max(int(wide / 13), 10))
+                _text(fig, x, y + (high + LABEL) / 2, told, color=style.SOFT, ha="center", va="center", **SMALL)
+
+
+def _triad(fig: Figure, x: float, y: float, axes: NDArray[np.float64]) -> float:
+    """The axes x, y, z as the camera sees them; returns the right end."""
+    origin = np.array([x, y]) - TRIAD * (axes.min(axis=0) + axes.max(axis=0)) / 2 * [0.6, 1]
+    # the farthest first, so that nearer arrows lie above
+    for name, way in zip("xyz", axes, strict=True):
+        tip = origin + TRIAD * way
+        if np.hypot(*way) > 0.08:
+            fig.add_artist(_line(fig, origin, tip, color=style.INK, linewidth=1.4))
+        side = way / max(np.hypot(*way), 0.3)
+        _text(fig, *(tip + 13 * side), name, ha="center", va="center", **SMALL)
+    return float(x + TRIAD + 12)
+
+
+def _scale(fig: Figure, x: float, y: float, sheet: Sheet) -> float:
+    """A bar of a round length; returns its right end."""
+    length = round_length(150 / sheet.per_unit)
+    pixels = length * sheet.per_unit
+    for a, b in (((0, 0), (pixels, 0)), ((0, -7), (0, 7)), ((pixels, -7), (pixels, 7))):
+        fig.add_artist(_line(fig, np.add((x, y), a), np.add((x, y), b), color=style.INK, linewidth=1.4))
+    _text(fig, x + pixels / 2, y + 16, f"{style.number(length)} {sheet.length_unit}", ha="center", va="bottom")
+    return float(x + pixels)
+
+
+def round_length(target: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above the target."""
+    power = 10.0 ** np.floor(np.log10(target))
+    return float(max(step for step in (1, 2, 5) if step * power <= target * (1 + 1e-9)) * power)
+
+
+def _legend(fig: Figure, x: float, width: float, sheet: Sheet) -> None:
+    height = fig.get_size_inches()[1] * fig.dpi
+    handles = [Patch(facecolor=colour, label=text) for colour, text in sheet.legend]
+    if handles:
+        fig.legend(handles=handles, loc="center left", bbox_to_anchor=(x / width, (FOOT / 2 - 14) / height),
+                   fontsize=style.TEXT["small"], handlelength=1.4, labelspacing=0.5)  # fmt: skip
+    if sheet.notes:
+        _text(fig, width - MARGIN, FOOT / 2 - 14, "\n".join(sheet.notes), color=style.SOFT, ha="right", va="center",
+              **SMALL)  # fmt: skip
+
+
+def _text(fig: Figure, x: float, y: float, text: str, **how: Any) -> None:
+    width, height = fig.get_size_inches() * fig.dpi
+    fig.text(x / width, y / height, text, **{"linespacing": 1.35, **how})
+
+
+def _line(fig: Figure, a: Any, b: Any, **how: Any) -> Line2D:
+    size = fig.get_size_inches() * fig.dpi
+    (x0, y0), (x1, y1) = np.asarray(a) / size, np.asarray(b) / size
+    return Line2D([x0, x1], [y0, y1], transform=fig.transFigure, solid_capstyle="round", **how)
