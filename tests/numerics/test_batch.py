@@ -1,0 +1,141 @@
+"""A grid of cases is solved as each of them alone, and one that fails leaves its neighbours alone."""
+
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Ends, Rod, Start, solve
+from solver.methods import METHODS
+from solver.observables import OBSERVABLES, observe
+from tests.cases import GAPS, in_units_of_rho
+
+STARTS = [name for name, method in METHODS.items() if "start" in method.kinds]
+KNOBS: dict[str, dict[str, Any]] = {"verlet": {"steps": 4}}  # else the worst of a batch sets its steps
+TOL = {"orbit": 1e-10, "dop853": 1e-7}
+
+
+def run(case: Case, method: str, **more: Any) -> Any:
+    return solve(case, tol=TOL.get(method, 1e-3), method=method, stations=101, **KNOBS.get(method, {}), **more)
+
+
+def grid() -> Case:
+    """E down, beta across: three by two cases of every kind of orbit."""
+    E = np.array([[5e3], [1e4], [4e4]])
+    beta = np.array([0.3, 2.5])
+    return Case(Rod(E, 0.25, 0.25, 20.0), Cylinder(0.75), Start(beta, 0.5, F3=10.0, dgamma=0.5))
+
+
+def alone(case: Case, i: int, j: int) -> Case:
+    return Case(Rod(float(case.rod.E[i, 0]), 0.25, 0.25, 20.0), case.cylinder, Start(float(case.given.beta[j]), 0.5, F3=10.0, dgamma=0.5))
+
+
+@pytest.mark.parametrize("method", STARTS)
+def test_a_grid_holds_what_its_cases_are_alone(method: str) -> None:
+    case = grid()
+    together = run(case, method)
+    assert together.beta.shape == (3, 2, 101)
+    assert together.position.shape == (3, 2, 101, 3)
+    assert together.material_frame.shape == (3, 2, 101, 3, 3)
+    assert together.error.shape == together.condition.shape == together.outcome.shape == together.FZ.shape == (3, 2)
+    for i in range(3):
+        for j in range(2):
+            one = run(alone(case, i, j), method)
+            assert together.outcome[i, j] == one.outcome
+            # the same numbers in another order: rounding, grown
+            atol = 1e-13 * float(one.condition)
+            for field in ("s", "beta", "dbeta", "alpha", "z", "gamma", "F1", "F2", "F3", "contact", "kappa", "h"):
+                whole, part = getattr(together, field)[i, j], getattr(one, field)
+                np.testing.assert_allclose(whole, part, atol=atol * (1 + np.abs(part).max()), err_msg=field)
+
+
+def test_observables_have_the_shape_of_the_grid() -> None:
+    case = grid()
+    whole = observe(solve(case, tol=1e-9), OBSERVABLES)
+    one = observe(solve(alone(case, 2, 1), tol=1e-9), OBSERVABLES)
+    for name, values in whole.items():
+        assert values.shape == (3, 2), name
+        assert np.shape(one[name]) == (), name
+        assert values[2, 1] == pytest.approx(one[name], rel=1e-9, abs=1e-9), name
+
+
+def test_every_field_may_be_an_axis() -> None:
+    plain = {"E": 1e4, "nu": 0.25, "a": 0.25, "L": 20.0}
+    start = {"beta": 0.5, "dbeta": 0.5, "F2": 1.0, "F3": 10.0, "dgamma": 0.5, "alpha": 0.1, "gamma": 0.2}
+    for field in (*plain, *start, "R"):
+        rod = Rod(**{k: v * np.array([1.0, 1.1]) if k == field else v for k, v in plain.items()})
+        given = Start(**{k: v * np.array([1.0, 1.1]) if k == field else v for k, v in start.items()})
+        R = 0.75 * np.array([1.0, 1.1]) if field == "R" else 0.75
+        sol = solve(Case(rod, Cylinder(R), given), tol=1e-6, stations=5)
+        assert sol.beta.shape == (2, 5)
+        assert sol.solved.all()
+        assert np.isfinite(sol.contact).all()
+        assert np.isfinite(sol.gamma).all()
+
+
+@pytest.mark.parametrize("method", STARTS)
+@pytest.mark.parametrize("bad", (1e200, 1e308))
+def test_a_case_that_fails_says_so_and_leaves_its_neighbours_alone(method: str, bad: float) -> None:
+    F3 = np.array([10.0, bad, -10.0])
+    make = lambda F3: Case(Rod(1e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start(0.5, 0.5, F3=F3, dgamma=0.5))  # noqa: E731
+    with warnings.catch_warnings():
+        # the default method is quiet; what scipy says of numbers beyond its reach is another matter
+        warnings.simplefilter("error" if method == "orbit" else "ignore")
+        sol = run(make(F3), method)
+    assert list(sol.solved) == [True, False, True]
+    assert sol.outcome[1].startswith("failed")
+    for i in (0, 2):
+        one = run(make(float(F3[i])), method)
+        np.testing.assert_allclose(sol.beta[i], one.beta, atol=1e-13 * float(one.condition))
+
+
+def test_a_failed_case_has_no_numbers_that_look_like_an_answer() -> None:
+    F3 = np.array([10.0, 1e200])
+    case = Case(Rod(1e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start(0.5, 0.5, F3=F3, dgamma=0.5))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        sol = solve(case)
+        seen = observe(sol, ["kappa_max", "wraps", "turns"])
+    assert np.isnan(sol.beta[1]).all()
+    assert np.isnan(seen["kappa_max"][1])
+    assert np.isnan(seen["wraps"][1])
+    assert np.isfinite(seen["kappa_max"][0])
+
+
+def test_a_thousand_cases_of_every_kind_are_solved_at_once() -> None:
+    rng = np.random.default_rng(1)
+    lam, mu, phi = rng.uniform(-2, 2, (3, 1000))
+    case = in_units_of_rho(lam, mu, phi, 15.0, rng.uniform(-3, 3, 1000), rng.uniform(-2, 2, 1000))
+    sol = solve(case, tol=1e-8, stations=51)
+    assert sol.solved.all(), sol.outcome[~sol.solved]
+    h = sol.h - sol.h[:, :1]
+    assert np.abs(h).max() < 1e-9 * np.abs(sol.h).max()
+
+
+@pytest.mark.parametrize("gap", GAPS)
+def test_near_a_separatrix_the_outcome_says_what_was_lost(gap: float) -> None:
+    """Condition 2/gap: orbit keeps tol * condition; a march that cannot says so instead of pretending."""
+    from tests.cases import turning_before_saddle
+
+    case = turning_before_saddle(gap)
+    orbit = solve(case, tol=1e-8, method="orbit")
+    assert orbit.solved
+    assert 0.5 / gap < orbit.condition < 50 / gap
+    march = solve(case, tol=1e-8, method="verlet", steps=1)
+    assert march.solved == (march.error <= 1e-8 * max(1, march.condition))
+
+
+def ends(betaL: Any) -> Case:
+    return Case(Rod(1.07e4, 0.25, 0.25, 20.0, "paper"), Cylinder(0.75), Ends(np.pi / 6, betaL, -8.66, 1.3, 6.1))
+
+
+@pytest.mark.parametrize("method", [name for name, m in METHODS.items() if "ends" in m.kinds])
+def test_ends_problems_come_in_grids_too(method: str) -> None:
+    betaL = np.array([0.6, 0.7, 0.8])
+    together = solve(ends(betaL), tol=1e-6, method=method)
+    assert together.solved.all(), together.outcome
+    np.testing.assert_allclose(together.beta[:, -1], betaL, atol=1e-9)
+    for i in range(3):
+        one = solve(ends(float(betaL[i])), tol=1e-6, method=method)
+        np.testing.assert_allclose(together.beta[i], one.beta, atol=1e-5)

@@ -1,0 +1,203 @@
+"""What is refused at the door: one sentence that holds the value and, where there are any, the choices."""
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, solve
+from solver.case import from_fields
+from solver.observables import OBSERVABLES, observe
+from solver.quantities import QUANTITIES, quantity, unit_of
+
+ROD: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 20.0}
+START: dict[str, Any] = {"beta": 0.5, "dbeta": 0.5, "F3": 10.0, "dgamma": 0.5}
+
+
+def case(**start: Any) -> Case:
+    return Case(Rod(**ROD), Cylinder(0.75), Start(**{**START, **start}))
+
+
+def refused(*words: Any) -> Any:
+    """`pytest.raises` for one sentence that names all of the words."""
+    return pytest.raises(InputError, match="(?s)^(?!.*\n)" + "".join(f"(?=.*{re.escape(str(w))})" for w in words))
+
+
+@pytest.mark.parametrize("field", ("E", "a", "L"))
+@pytest.mark.parametrize("value", (0.0, -1.0, np.nan, np.inf))
+def test_a_rod_needs_positive_finite_sizes(field: str, value: float) -> None:
+    with refused(f"Rod.{field}", value):
+        Rod(**{**ROD, field: value})
+
+
+@pytest.mark.parametrize("nu", (-1.0, -1.5, 0.50001, np.nan))
+def test_poisson_ratio_lies_in_its_range(nu: float) -> None:
+    with refused("Rod.nu", nu):
+        Rod(**{**ROD, "nu": nu})
+
+
+@pytest.mark.parametrize("nu", (-0.999, 0.0, 0.5))
+def test_poisson_ratio_may_reach_one_half(nu: float) -> None:
+    assert Rod(**{**ROD, "nu": nu}).torsional_stiffness > 0
+
+
+@pytest.mark.parametrize("value", (0.0, -0.75, np.nan))
+def test_a_cylinder_needs_a_positive_radius(value: float) -> None:
+    with refused("Cylinder.R", value):
+        Cylinder(value)
+
+
+@pytest.mark.parametrize("R", (0.25, 0.1))
+def test_a_rod_inside_needs_room(R: float) -> None:
+    with refused("Cylinder.R", R, "Rod.a = 0.25", "inside"):
+        Case(Rod(**ROD), Cylinder(R, "inside"), Start(**START))
+    assert Case(Rod(**ROD), Cylinder(R, "outside"), Start(**START)).rho == R + 0.25
+
+
+@pytest.mark.parametrize("field", ("beta", "dbeta", "F2", "F3", "dgamma", "alpha", "gamma"))
+@pytest.mark.parametrize("value", (np.nan, -np.inf))
+def test_a_start_needs_finite_numbers(field: str, value: float) -> None:
+    with refused(f"Start.{field}", value):
+        Start(**{**START, field: value})
+
+
+@pytest.mark.parametrize("field", ("beta0", "betaL", "FZ", "MZ", "M3"))
+def test_ends_need_finite_numbers(field: str) -> None:
+    with refused(f"Ends.{field}", "nan"):
+        Ends(**{"beta0": 0.1, "betaL": 0.2, field: np.nan})
+
+
+@pytest.mark.parametrize("value", ("five", None, [1.0, "x"], [[1.0], [1.0, 2.0]], 1 + 2j, {}))
+def test_numbers_are_numbers(value: Any) -> None:
+    with refused("Rod.E"):
+        Rod(**{**ROD, "E": value})
+
+
+def test_an_empty_axis_is_no_axis() -> None:
+    with refused("Rod.E", "empty"):
+        Rod(**{**ROD, "E": []})
+
+
+def test_the_first_bad_value_of_many_is_named() -> None:
+    with refused("Rod.E", -3.0, "2 among 4"):
+        Rod(**{**ROD, "E": [1.0, -3.0, 2.0, -5.0]})
+
+
+def test_the_twist_comes_from_exactly_one_of_two() -> None:
+    with refused("F1=5.0", "dgamma=0.5"):
+        Start(0.5, 0.5, F1=5.0, dgamma=0.5)
+    with refused("F1=None", "dgamma=None"):
+        Start(0.5, 0.5)
+
+
+@pytest.mark.parametrize("dbeta", (0.0, -0.0, [0.5, 0.0]))
+def test_the_normal_force_cannot_fix_the_twist_without_a_slope(dbeta: Any) -> None:
+    with refused("F1=5.0", "dbeta", "dgamma"):
+        Start(0.5, dbeta, F1=5.0)
+
+
+def test_names_are_refused_with_the_choices() -> None:
+    with refused("stiffness", "hollow", "solid", "paper"):
+        Rod(**ROD, stiffness="hollow")
+    with refused("side", "within", "outside", "inside"):
+        Cylinder(1.0, "within")
+    with refused("method", "rk5", "orbit", "dop853", "verlet"):
+        solve(case(), method="rk5")
+    with refused("observable", "bends", *OBSERVABLES):
+        observe(solve(case()), ["turns", "bends"])
+    with refused("quantity", "young", "kappa"):
+        quantity("young")
+    with refused("young", "Rod", "E, nu, a, L, stiffness"):
+        from_fields(Rod, {**ROD, "young": 1.0})
+    with refused("Rod", "nu"):
+        from_fields(Rod, {"E": 1.0, "a": 0.25, "L": 1.0})
+
+
+def test_from_fields_makes_what_the_class_makes() -> None:
+    assert from_fields(Rod, ROD).bending_stiffness == Rod(**ROD).bending_stiffness
+
+
+def test_a_method_says_which_problems_it_solves() -> None:
+    ends = Case(Rod(**ROD), Cylinder(0.75), Ends(0.5, 0.6))
+    with refused("orbit", "Ends", "difference"):
+        solve(ends, method="orbit")
+    with refused("difference", "Start", "orbit", "verlet"):
+        solve(case(), method="difference")
+
+
+@pytest.mark.parametrize("tol", (0.0, -1e-8, 1.0, np.nan, np.inf, "small", None, [1e-8, 1e-9]))
+def test_a_tolerance_is_a_small_positive_number(tol: Any) -> None:
+    with refused("tol", tol):
+        solve(case(), tol=tol)
+
+
+@pytest.mark.parametrize("stations", (1, 0, -5, 10**12, True, "many", None, [], [2.0, 1.0], [-1.0, 1.0], [0.0, 21.0]))
+def test_stations_rise_within_the_rod(stations: Any) -> None:
+    with refused("stations"):
+        solve(case(), stations=stations)
+
+
+@pytest.mark.parametrize("method", ("orbit", "verlet", "dop853"))
+def test_a_misspelt_knob_is_refused(method: str) -> None:
+    with refused("step_s"):
+        solve(case(), method=method, step_s=4)
+
+
+@pytest.mark.parametrize(
+    "method, knob, value",
+    [
+        ("verlet", "steps", 0), ("verlet", "steps", -4), ("verlet", "steps", 2.5), ("dop853", "rtol", -1.0),
+        ("difference", "nodes", 2), ("difference", "nodes", 0.5),
+        pytest.param("dop853", "rtol", np.nan, marks=pytest.mark.xfail(run=False, reason="never comes back")),
+    ],
+)  # fmt: skip
+def test_a_knob_has_its_range(method: str, knob: str, value: Any) -> None:
+    problem = Case(Rod(**ROD), Cylinder(0.75), Ends(0.5, 0.6)) if method == "difference" else case()
+    with refused(knob, value):
+        solve(problem, method=method, **{knob: value})
+
+
+def test_fields_must_broadcast() -> None:
+    with refused("broadcast", "Rod.E", "(3,)", "Start.beta", "(2,)"):
+        Case(Rod(**{**ROD, "E": [1.0, 2.0, 3.0]}), Cylinder(0.75), Start(**{**START, "beta": [0.1, 0.2]}))
+
+
+def test_the_parts_of_a_case_are_what_they_should_be() -> None:
+    with refused("Case.given", "Start or Ends", 5):
+        Case(Rod(**ROD), Cylinder(0.75), 5)
+    with refused("Case.rod", "Rod"):
+        Case(ROD, Cylinder(0.75), Start(**START))
+
+
+def test_a_case_keeps_its_values() -> None:
+    E = np.array([1.0, 2.0])
+    rod = Rod(**{**ROD, "E": E})
+    E[0] = -1.0
+    assert rod.E[0] == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        rod.E[0] = -1.0
+    with pytest.raises(AttributeError):
+        rod.E = 3.0
+
+
+def test_equilibria_are_sought_for_one_ends_problem() -> None:
+    with refused("Ends", "Start"):
+        equilibria(case())
+    with refused("one case", "(2,)"):
+        equilibria(Case(Rod(**ROD), Cylinder(0.75), Ends([0.5, 0.6], 0.7)))
+
+
+def test_a_start_problem_takes_no_seed() -> None:
+    with refused("seed"):
+        solve(case(), seed=0.5)
+
+
+def test_a_unit_system_names_both_units() -> None:
+    assert unit_of("E", {"length": "cm", "force": "N"}) == "N/cm^2"
+    assert unit_of("M1", {"length": "m", "force": "kN"}) == "kN m"
+    assert unit_of("kappa", {"length": "m", "force": "kN"}) == "1/m"
+    assert unit_of("dbeta", {"length": "m", "force": "kN"}) == "rad/m"
+    with refused("force"):
+        unit_of("E", {"length": "cm"})
+    assert all(unit_of(name, {"length": "cm", "force": "N"}) is not None for name in QUANTITIES)
