@@ -20,6 +20,8 @@ SIDES = {"outside": 1.0, "inside": -1.0}
 def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
     """The value as a float or a float array; `InputError` where it is neither, or not finite."""
     try:
+        if value is None:
+            raise TypeError
         array = np.array(value, dtype=float)
     except (TypeError, ValueError):
         raise InputError(f"{owner}.{field} must be a number or an array of numbers, got {value!r}") from None
@@ -44,7 +46,8 @@ def _check_numbers(self: Any, skip: tuple[str, ...] = ()) -> None:
     """Turn each numeric field of a frozen dataclass into floats or read-only arrays."""
     for field in fields(self):
         value = getattr(self, field.name)
-        if field.name not in skip and value is not None:
+        optional = field.default is None
+        if field.name not in skip and not (optional and value is None):
             object.__setattr__(self, field.name, _numbers(type(self).__name__, field.name, value))
 
 

@@ -1,8 +1,8 @@
 """How long the ways between two angles take, as functions of the level: what an ends problem comes down to.
 
 An orbit of level eta that joins beta(0) to beta(L) swings n times between its turning points, leaving upward or
-downward and arriving upward or downward. Its length in t is a sum of times from the two angles to the turning points; the
-equilibria are the levels at which that sum is the rod's.
+downward and arriving upward or downward. Its length in t is a sum of times from both angles to the turning points;
+the equilibria are the levels at which that sum is the rod's.
 """
 
 from dataclasses import dataclass

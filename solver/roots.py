@@ -20,7 +20,8 @@ def bracketed(
     A Newton step that leaves the bracket, or does not halve the step before last, becomes a bisection.
     """
     x = (lo + hi) / 2 if start is None else start
-    last = older = np.abs(hi - lo)
+    older = np.abs(hi - lo)
+    last = np.zeros_like(older)  # no step yet
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for _ in range(rounds):
             value, rate = f(x)
@@ -33,7 +34,7 @@ def bracketed(
                 new = np.where(outside, np.where(value == 0, x, (lo + hi) / 2), new)
                 step = np.abs(new - x)
             # Newton's steps shrink to the square, so the next one would be step (step/last)^2
-            if (step * (step / last) ** 2 <= 4e-16 * np.abs(new)).all() or not step.any():
+            if (step * np.fmin(step / last, 1) ** 2 <= 4e-16 * np.abs(new)).all():
                 return new
-            older, last, x = last, step, new
+            older, last, x = (older if not last.any() else last), step, new
     return x

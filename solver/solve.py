@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from .case import Case
-from .errors import InputError, no_such
-from .methods import METHODS
+from .errors import InputError, choices, no_such
+from .methods import METHODS, Method
 from .methods.base import Seed
 from .reduced import Array, Reduced, flat, reduce
 from .solution import Solution
@@ -38,15 +38,21 @@ def solve(
         given = type(case.given).__name__
         raise InputError(f"method {name!r} does not solve problems given by {given}; choose from {able}")
     t = _stations(case, problem, stations)
-    allowed = {"tol"} | METHODS[name].knobs
-    for knob in knobs:
-        if knob not in allowed:
-            raise no_such(f"knob of method {name!r},", knob, sorted(allowed))
+    for knob, value in knobs.items():
+        _check_knob(METHODS[name], knob, value)
     if seed is not None:
         if problem.kind == "start":
             raise InputError("a seed chooses among the solutions of an ends problem; a start problem has only one")
         knobs["seed"] = _seed(case, problem, seed)
     return Solution(case, problem, METHODS[name].run(problem, t, tol, **knobs), t, name, tol)
+
+
+def _check_knob(method: Method, knob: str, value: Any) -> None:
+    if knob not in method.knobs:
+        known = choices(method.knobs) or "none"
+        raise InputError(f"no knob {knob!r} in method {method.name!r}; its knobs: {known}")
+    if value is not None and not method.knobs[knob].accepts(value):
+        raise InputError(f"{knob} must be {method.knobs[knob].rule}, got {value!r}")
 
 
 def _tolerance(tol: Any) -> float:
@@ -72,8 +78,10 @@ def _stations(case: Case, problem: Reduced, stations: Any) -> Array:
         shape = f"(n,) or {(*case.shape, 'n')}"
         raise InputError(f"stations must be a number or values of s, {shape}, got {stations!r}") from None
     length = flat(case.rod.L, case.shape)[:, None]
+    if not s.size:
+        raise InputError("stations is empty; give at least one value of s, or how many there should be")
     inside = np.isfinite(s) & (s >= 0) & (s <= length * (1 + 4e-16))
-    if s.shape[1] < 1 or not inside.all() or (np.diff(s, axis=1) < 0).any():
+    if not inside.all() or (np.diff(s, axis=1) < 0).any():
         raise InputError(f"stations must rise within [0, L], L = {length.min()}, got {s.min()} to {s.max()}")
     return np.minimum(s / flat(case.rho, case.shape)[:, None], problem.span[:, None])
 

@@ -1,7 +1,7 @@
 """What a method is: dimensionless problems and stations in, a trajectory out."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -60,21 +60,39 @@ class Run(Protocol):
 
 
 @dataclass(frozen=True)
+class Knob:
+    """One setting of a method: a whole number of at least `least`, a positive number, or a flag (least None)."""
+
+    kind: type
+    least: int | None = None
+
+    def accepts(self, value: Any) -> bool:
+        if self.kind is bool:
+            return isinstance(value, bool)
+        if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+            return False
+        if self.kind is int:
+            return isinstance(value, (int, np.integer)) and bool(self.least is None or value >= self.least)
+        return bool(0 < value < 1)
+
+    @property
+    def rule(self) -> str:
+        if self.kind is bool:
+            return "True or False"
+        return f"a whole number of at least {self.least}" if self.kind is int else "a number between 0 and 1"
+
+
+@dataclass(frozen=True)
 class Method:
-    """One method: the kinds of problem it solves ("start", "ends"), its order of convergence in its first knob (inf:
-    geometric), and the names of its knobs."""
+    """One method: the kinds of problem it solves ("start", "ends"), its order of convergence (inf: geometric), and
+    its knobs."""
 
     name: str
     run: Run
     kinds: tuple[str, ...]
     order: float
-    knob: str
     summary: str
-    options: tuple[str, ...] = ()
-
-    @property
-    def knobs(self) -> set[str]:
-        return set(self.options)
+    knobs: Mapping[str, Knob] = field(default_factory=dict)
 
 
 def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> NDArray[np.object_]:

@@ -13,7 +13,7 @@ from scipy.linalg import solve_banded
 from ..landscape import slope, slope_rate
 from ..reduced import Array, Reduced
 from ..stability import response
-from .base import Method, Seed, Trajectory, verdicts
+from .base import Knob, Method, Seed, Trajectory, verdicts
 
 _FIRST, _LARGEST_FIRST, _MOST = 129, 2**13 + 1, 2**17 + 1  # nodes
 _NEWTON = 60
@@ -104,7 +104,7 @@ def _newton(problem: Reduced, beta: Array) -> _Mesh:
     beta = beta.copy()
     beta[0], beta[-1] = problem.beta0[0], problem.betaL[0]
     floor = 16 * 2.0**-52 * np.abs(beta).max() + 1e-300  # what rounding leaves of the residual, which is times h^2
-    off, met, iteration = _residual(problem, beta, h), False, 0
+    off, met, iteration, last = _residual(problem, beta, h), False, 0, np.inf
     while iteration < _NEWTON and not met:
         iteration += 1
         step = _step(problem, beta, off, h)
@@ -123,8 +123,10 @@ def _newton(problem: Reduced, beta: Array) -> _Mesh:
             met = size <= 4 * floor  # no step helps: rounding, or lost
             break
         beta, off = tried, left
-        # the step after a full and small one would be its square
-        met = share == 1.0 and bool(np.abs(step).max() <= 1e-9 or np.abs(off).max() <= floor)
+        # the step after a full and small one would be its square; where rounding rules, steps stop shrinking
+        length = np.abs(step).max()
+        stale = np.abs(off).max() <= floor and length > last / 2
+        met, last = share == 1.0 and bool(length <= 1e-8 or stale), length
     return _Mesh(_columns(problem, beta, h), met, iteration)
 
 
@@ -202,7 +204,6 @@ DIFFERENCE = Method(
     run,
     ("ends",),
     4,
-    "nodes",
     "the paper's scheme: central differences, Newton, extrapolation; order 2, then 4",
-    ("nodes", "extrapolate"),
+    {"nodes": Knob(int, 5), "extrapolate": Knob(bool)},
 )

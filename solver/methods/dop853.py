@@ -12,9 +12,14 @@ from scipy.integrate import solve_ivp
 
 from ..growth import growth
 from ..reduced import Array, Reduced
-from .base import Method, Trajectory, verdicts
+from .base import Knob, Method, Trajectory, verdicts
 
 _TIGHTEST = 3e-14  # scipy refuses rtol below 100 eps
+_MOST_CALLS = 400_000  # of one integration: a second or two; stiffer cases are for `orbit`
+
+
+class _TooLong(Exception):
+    """The integration would take more calls than allowed."""
 
 
 def run(problem: Reduced, t: Array, tol: float, rtol: float | None = None, **_: Any) -> Trajectory:
@@ -33,6 +38,8 @@ def run(problem: Reduced, t: Array, tol: float, rtol: float | None = None, **_: 
 def _one(problem: Reduced, t: Array, tol: float, rtol: float | None) -> tuple[Array, float, float, int]:
     wanted = max(_TIGHTEST, 0.1 * tol) if rtol is None else max(rtol, _TIGHTEST)
     coarse, _, calls = _integrate(problem, t, min(30 * wanted, 1e-2))
+    if np.isnan(coarse).any():  # a tighter run would take longer still
+        return coarse, math.inf, math.inf, calls
     weight = np.array([1, 0, 1, 1, 0]) / np.array([1, 1, max(1.0, t[-1]), max(1.0, t[-1]), 1])
     while True:
         fine, (steps, at_steps), more = _integrate(problem, t, wanted)
@@ -50,14 +57,23 @@ def _one(problem: Reduced, t: Array, tol: float, rtol: float | None) -> tuple[Ar
 def _integrate(problem: Reduced, t: Array, rtol: float) -> tuple[Array, tuple[Array, Array], int]:
     lam, mu, phi = float(problem.lam[0]), float(problem.mu[0]), float(problem.phi[0])
 
+    calls = 0
+
     def rates(_: float, y: Array) -> list[float]:
+        nonlocal calls
+        calls += 1
+        if calls > _MOST_CALLS:
+            raise _TooLong
         s, c = math.sin(y[0]), math.cos(y[0])
         pull = lam * c - mu * (c - s) * (c + s) - (phi + 2 * c * s * s) * s
         return [y[1], -pull, s, c, s * c]
 
     assert problem.dbeta0 is not None
     start = [problem.beta0[0], problem.dbeta0[0], 0.0, 0.0, 0.0]
-    answer = solve_ivp(rates, (0.0, t[-1]), start, "DOP853", t_eval=t, rtol=rtol, atol=rtol, dense_output=True)
+    try:
+        answer = solve_ivp(rates, (0.0, t[-1]), start, "DOP853", t_eval=t, rtol=rtol, atol=rtol, dense_output=True)
+    except (_TooLong, ValueError):  # math.sin refuses an infinite angle by a ValueError
+        return np.full((5, t.size), np.nan), (t, t), calls
     if answer.status != 0:
         return np.full((5, t.size), np.nan), (t, t), answer.nfev
     # four points in each step are enough for the condition number's digit or two
@@ -67,5 +83,5 @@ def _integrate(problem: Reduced, t: Array, rtol: float) -> tuple[Array, tuple[Ar
 
 
 DOP853 = Method(
-    "dop853", run, ("start",), 8, "rtol", "adaptive Runge-Kutta of order 8 (scipy), the reference", ("rtol",)
+    "dop853", run, ("start",), 8, "adaptive Runge-Kutta of order 8 (scipy), the reference", {"rtol": Knob(float)}
 )

@@ -1,10 +1,10 @@
 """`orbit`: the paper's quadrature (36) made exact, and nothing integrated beyond one half period.
 
 The course of the orbit from its start to its turning points (or once round) is cut into pieces on which time is a
-smooth function of one variable (`course`). On panels of these, short enough for a Chebyshev series to reach rounding or the
-tolerance, t(u) is integrated and inverted, and beta, beta_t, alpha, z become series in t. Reflection at the turning
-points and repetition do the rest: a rod of a million bends costs what one of three bends costs. Converges
-geometrically; all problems are solved together.
+smooth function of one variable (`course`). On panels of these, short enough for a Chebyshev series to reach
+rounding or the tolerance, t(u) is integrated and inverted, and beta, beta_t, alpha, z become series in t.
+Reflection at the turning points and repetition do the rest: a rod of a million bends costs what one of three bends
+costs. Converges geometrically; all problems are solved together.
 """
 
 from dataclasses import dataclass, replace
@@ -221,4 +221,4 @@ def _error(orbit: Orbit, growth: Array) -> Array:
     return 2 * slack + fastest * late + 2 * EPS * growth * np.maximum(1, np.abs(problem.beta0))
 
 
-ORBIT = Method("orbit", run, ("start",), float("inf"), "tol", "quadrature over half a period, the rest by symmetry")
+ORBIT = Method("orbit", run, ("start",), float("inf"), "quadrature over half a period, the rest by symmetry")

@@ -72,4 +72,4 @@ def _next_to(problem: Reduced, slope: Array) -> Array:
     return np.where(met, at, np.nan)
 
 
-SHOOTING = Method("shooting", run, ("ends",), float("inf"), "tol", "the level at which the orbit's length is the rod's")
+SHOOTING = Method("shooting", run, ("ends",), float("inf"), "the level at which the orbit's length is the rod's")

@@ -13,9 +13,9 @@ import numpy as np
 from ..growth import growth
 from ..landscape import slope
 from ..reduced import Array, Reduced
-from .base import Method, Trajectory, verdicts
+from .base import Knob, Method, Trajectory, verdicts
 
-_MOST_STEPS = 2**20
+_MOST_STEPS = 2**17
 
 
 def run(
@@ -23,7 +23,7 @@ def run(
 ) -> Trajectory:
     """March all problems at once, with `steps` equal steps between neighbouring stations.
 
-    Without `steps` the number is doubled until two answers agree to `tol` or 2^20 steps in all are reached.
+    Without `steps` the number is doubled until two answers agree to `tol` or 2^17 steps in all are reached.
     """
     intervals = max(1, t.shape[1] - 1)
     if steps is not None:
@@ -96,7 +96,6 @@ VERLET = Method(
     run,
     ("start",),
     4,
-    "steps",
     "the paper's difference equation marched; order 2, extrapolated 4",
-    ("steps", "extrapolate"),
+    {"steps": Knob(int, 1), "extrapolate": Knob(bool)},
 )
