@@ -164,7 +164,7 @@ def photograph(shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view:
     """
     pitch = np.array([view.size[0], view.size[1] + sheet.LABEL])
     width, height = (int(n) for n in pitch * (len(shots[0]), len(shots)))
-    plotter = pv.Plotter(off_screen=True, window_size=[FINER * width, FINER * height], lighting="none")
+    plotter: Any = pv.Plotter(off_screen=True, window_size=[FINER * width, FINER * height], lighting="none")
     try:
         plotter.ren_win.SetMultiSamples(0)  # each pixel is a mean anyway
         plotter.set_background("white")
@@ -193,7 +193,7 @@ def photograph(shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view:
     return (sums // FINER**2).astype(np.uint8)
 
 
-def _place(plotter: pv.Plotter, shot: Shot, ends: tuple[float, float], where: Array) -> None:
+def _place(plotter: Any, shot: Shot, ends: tuple[float, float], where: Array) -> None:
     """The rod and the cylinder, turned about the axis and then moved."""
     curve = shot.curve
     assert curve is not None
@@ -228,7 +228,7 @@ def rod(curve: Curve) -> list[tuple[pv.PolyData, str]]:
     parts = []
     for colour, chosen in ((style.PUSHED, held), (style.LIFTED, ~held)):
         if chosen.any():
-            part = pv.PolyData.from_regular_faces(points, triangles[chosen])
+            part = pv.PolyData(points, faces=np.insert(triangles[chosen], 0, 3, axis=1).ravel())
             part.point_data.active_normals = normals
             parts.append((part, colour))
     return parts

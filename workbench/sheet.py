@@ -17,7 +17,7 @@ from . import style
 
 MARGIN, HEAD, LABEL, FOOT = 36, 112, 76, 126  # pixels: around, title, text under a cell, legend and scale
 TRIAD = 46  # pixels of an axis
-SMALL: dict[str, Any] = {"size": style.TEXT["small"]}
+SMALL: dict[str, Any] = {"size": style.SMALL}
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def figure(sheet: Sheet) -> Figure:
     with rc_context(style.RC):
         fig = Figure(figsize=(width / style.DPI, height / style.DPI), dpi=style.DPI)
         FigureCanvasAgg(fig)
-        _text(fig, MARGIN, height - 30, sheet.title, size=style.TEXT["large"], va="top", weight="bold")
+        _text(fig, MARGIN, height - 30, sheet.title, size=style.LARGE, va="top", weight="bold")
         _text(fig, MARGIN, height - 72, sheet.subtitle, color=style.SOFT, va="top")
         left = (width - sheet.pixels.shape[1]) // 2
         bottom = FOOT + (height - HEAD - FOOT - sheet.pixels.shape[0]) // 2
@@ -89,7 +89,7 @@ def _triad(fig: Figure, x: float, y: float, axes: NDArray[np.float64]) -> float:
         if np.hypot(*way) > 0.08:
             fig.add_artist(_line(fig, origin, tip, color=style.INK, linewidth=1.4))
         side = way / max(np.hypot(*way), 0.3)
-        _text(fig, *(tip + 13 * side), name, ha="center", va="center", **SMALL)
+        _text(fig, tip[0] + 13 * side[0], tip[1] + 13 * side[1], name, ha="center", va="center", **SMALL)
     return float(x + TRIAD + 12)
 
 
@@ -114,7 +114,7 @@ def _legend(fig: Figure, x: float, width: float, sheet: Sheet) -> None:
     handles = [Patch(facecolor=colour, label=text) for colour, text in sheet.legend]
     if handles:
         fig.legend(handles=handles, loc="center left", bbox_to_anchor=(x / width, (FOOT / 2 - 14) / height),
-                   fontsize=style.TEXT["small"], handlelength=1.4, labelspacing=0.5)  # fmt: skip
+                   fontsize=style.SMALL, handlelength=1.4, labelspacing=0.5)  # fmt: skip
     if sheet.notes:
         _text(fig, width - MARGIN, FOOT / 2 - 14, "\n".join(sheet.notes), color=style.SOFT, ha="right", va="center",
               **SMALL)  # fmt: skip

@@ -6,9 +6,9 @@ from typing import Any
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from solver.errors import InputError
-from solver.quantities import QUANTITIES, quantity
 from studies.axes import quantity_of
 from studies.laws import FAILS, HOLDS, TREND
 
@@ -23,13 +23,13 @@ RAMP = colormaps["viridis"]
 RAMP_ENDS = (0.0, 0.88)  # the last yellow is too light on white
 
 DPI = 200
-TEXT = {"small": 7.5, "normal": 9.0, "large": 11.5}
+SMALL, NORMAL, LARGE = 8.0, 9.5, 12.0  # points
 
-RC: dict[str, Any] = {
+RC: Any = {
     "font.family": "DejaVu Sans",  # comes with Matplotlib
-    "font.size": TEXT["normal"],
-    "axes.titlesize": TEXT["normal"],
-    "axes.labelsize": TEXT["normal"],
+    "font.size": NORMAL,
+    "axes.titlesize": NORMAL,
+    "axes.labelsize": NORMAL,
     "axes.edgecolor": SOFT,
     "axes.labelcolor": INK,
     "axes.linewidth": 0.8,
@@ -38,10 +38,10 @@ RC: dict[str, Any] = {
     "text.color": INK,
     "xtick.color": SOFT,
     "ytick.color": SOFT,
-    "xtick.labelsize": TEXT["small"],
-    "ytick.labelsize": TEXT["small"],
+    "xtick.labelsize": SMALL,
+    "ytick.labelsize": SMALL,
     "legend.frameon": False,
-    "legend.fontsize": TEXT["small"],
+    "legend.fontsize": SMALL,
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
     "figure.dpi": DPI,
@@ -79,25 +79,30 @@ def shown(value: float, array: xr.DataArray) -> str:
     return f"{number(value)} {unit(str(array.attrs.get('units', '1')))}".strip().replace("-", "−")
 
 
-def symbol(name: str) -> str:
-    """The letter of an axis or variable; an axis `beta` is the angle at the start."""
-    return quantity_of(name).symbol if name in START_NAMES or name not in QUANTITIES else quantity(name).symbol
+def symbol(axis: str) -> str:
+    """The letter of an axis; `beta` as an axis is the angle at the start."""
+    return quantity_of(axis).symbol
 
 
-START_NAMES = ("beta", "dbeta", "F1", "F2", "F3", "alpha", "gamma")  # as axes these are values at the start
-
-
-def axis_label(name: str, array: xr.DataArray) -> str:
-    """``Young's modulus E [N/cm²]``; angles in degrees."""
-    text = str(array.attrs.get("long_name", name)).partition(" (")[0]
-    return f"{text}  {symbol(name)}{_bracketed('°' if is_angle(array) else unit(str(array.attrs['units'])))}"
+def axis_label(name: str, array: xr.DataArray, long: bool = True) -> str:
+    """``Young's modulus  E [N/cm²]``, or ``E [N/cm²]``; angles in degrees."""
+    text = f"{words(array)}  " if long else ""
+    return f"{text}{symbol(name)}{_bracketed('°' if is_angle(array) else unit(str(array.attrs['units'])))}"
 
 
 def label(array: xr.DataArray) -> str:
-    """``mean curvature  mean κ [1/cm]`` of a stored variable; angles in rad."""
-    text, letter = str(array.attrs.get("long_name", array.name)), str(array.attrs.get("symbol", ""))
-    letter = "" if letter in text or letter.isascii() and len(letter) > 3 else f"  {letter}"
-    return f"{text.partition(' (')[0]}{letter}{_bracketed(unit(str(array.attrs.get('units', '1'))))}"
+    """``mean κ [1/cm]``: symbol and unit of a stored variable."""
+    return f"{short(array)}{_bracketed(unit(str(array.attrs.get('units', '1'))))}"
+
+
+def short(array: xr.DataArray) -> str:
+    """The symbol of a stored variable, or its name."""
+    return str(array.attrs.get("symbol", array.name))
+
+
+def words(array: xr.DataArray) -> str:
+    """The long name of a stored variable, without what stands in brackets."""
+    return str(array.attrs.get("long_name", array.name)).partition(" (")[0]
 
 
 def reading(ds: xr.Dataset) -> str:
@@ -110,6 +115,15 @@ def colours(count: int) -> list[Any]:
     """So many colours along the ramp."""
     low, high = RAMP_ENDS
     return [RAMP(low + (high - low) * i / max(count - 1, 1)) for i in range(count)]
+
+
+def entitle(fig: Figure, ds: xr.Dataset) -> None:
+    """The study's title and its reading, above a constrained layout."""
+    inch = 1 / fig.get_size_inches()[1]
+    told = reading(ds)
+    fig.get_layout_engine().set(rect=(0, 0, 1, 1 - (0.62 if told else 0.4) * inch))  # type: ignore[union-attr]
+    fig.text(0.012, 1 - 0.1 * inch, str(ds.attrs["title"]), va="top", weight="bold", size=LARGE)
+    fig.text(0.012, 1 - 0.36 * inch, told, va="top", color=SOFT)
 
 
 def quiet(ax: Axes) -> Axes:

@@ -1,0 +1,235 @@
+"""Trends and developed curves of a stored dataset, as Matplotlib figures without pyplot and without solving."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator, NullLocator
+
+from solver.errors import InputError, no_such
+from studies.laws import COUNTS, FAILS
+
+from . import check, dataset, picking, profile, style
+
+KINDS = (".png", ".pdf", ".svg")
+MOST_CURVES = 9
+WIDTH, LAW_HEIGHT = 9.6, 3.9  # inches
+STRIP = (1.5, 4.5)  # inches, the least and the most that a row of curves is high
+NOTE = 66  # letters a line of small print
+MOST_PLAIN = 4  # observables shown where there is no law
+NOT_OBSERVED = ("outcome", "error", "condition", "FZ", "MZ", "M3", "dbeta0")
+DIRECTIONS = {
+    "rises": "rises with",
+    "falls": "falls with",
+    "not-falling": "does not fall with",
+    "not-rising": "does not rise with",
+}
+
+
+def figure(ds: xr.Dataset, path: str | Path) -> Figure:
+    """Draw all of a study and save it as PNG, PDF or SVG by the name's ending.
+
+    A study with axes: for each axis the developed curves, beside them each law in its panel (where there is no law,
+    the first observables). One case alone: its angle, its contact and its developed curve. Raises `InputError`.
+    """
+    path = Path(path)
+    style.picture_kind(path, KINDS)
+    axes = dataset.axes_of(ds)
+    with rc_context(style.RC):
+        fig = _trends(ds, axes) if axes else profile.figure(ds)
+        style.entitle(fig, ds)
+        fig.savefig(path)
+    return fig
+
+
+def panel(ds: xr.Dataset, ax: Axes, law: int = 0) -> Axes:
+    """A law's observable against its axis, with the verdict; of the study's laws the one of that number.
+
+    Raises `InputError` where there is no such law.
+    """
+    laws = check.laws(ds)
+    if not 0 <= law < len(laws):
+        raise InputError(f"no law number {law}: the study has {len(laws)}")
+    row = check.verdicts(ds)[law]
+    trend(ds, ax, row["observable"], row["axis"], row["at"])
+    for step in row["exceptions"]:
+        if all(step["at"][name] == value for name, value in row["at"].items()):
+            ends = [_shown(ds[row["axis"]], step[end]) for end in ("from", "to")]
+            ax.plot(ends, step["values"], color=style.VERDICT_COLOURS[FAILS], linewidth=3, alpha=0.75, zorder=3,
+                    label="a step the wrong way")  # fmt: skip
+    words = f"{row['claim']}  {style.words(ds[row['observable']])} {DIRECTIONS[row['direction']]}"
+    ax.set_title(f"{words} {style.symbol(row['axis'])}:", loc="left", pad=20)
+    ax.text(0, 1.015, check.said(row), transform=ax.transAxes, va="bottom", weight="bold",
+            color=style.VERDICT_COLOURS[row["verdict"]])  # fmt: skip
+    if row["also"]:
+        others = "; ".join(f"{style.short(ds[also['observable']])} {_brief(also)}" for also in row["also"])
+        text = fill(f"Also admitted by the sentence: {others}.", NOTE)
+        lines = "\n" * (text.count("\n") + 2)
+        ax.set_xlabel(ax.get_xlabel() + lines, linespacing=0.95)  # room that the layout sees
+        note = ax.annotate(text, (0, 0), (-8, -38), xycoords="axes fraction", textcoords="offset points", va="top",
+                           size=style.SMALL, color=style.SOFT)  # fmt: skip
+        note.set_in_layout(False)
+    _legend(ax)
+    return ax
+
+
+def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:
+    """An observable against an axis; on a grid the line at `at` stands out and the others are faint.
+
+    Raises `InputError` for an observable or axis that is not stored.
+    """
+    if observable not in ds:
+        raise no_such("observable", observable, [str(name) for name in ds.data_vars])
+    order = picking.line(ds, axis, at)
+    along = _shown(ds[axis], ds[axis].values[[where[axis] for where in order]])
+    lines = ds[observable].transpose(..., axis).isel({axis: [where[axis] for where in order]})
+    for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 else ():
+        ax.plot(along, line, color=style.FAINT, linewidth=1, zorder=1)
+    others = {name: i for name, i in order[0].items() if name != axis}
+    values = lines.isel(others).values.astype(float)
+    ax.plot(along, values, color=style.SOFT, linewidth=1.2, zorder=2)
+    ax.scatter(along, values, c=style.colours(along.size), s=34, zorder=4, edgecolors="white", linewidths=0.7)
+    unsolved = ~np.isfinite(values)
+    if unsolved.any():
+        ax.plot(along[unsolved], np.zeros(unsolved.sum()), "x", color=style.VERDICT_COLOURS[FAILS], clip_on=False,
+                transform=ax.get_xaxis_transform(), label="unsolved")  # fmt: skip
+    _scale(ax, ds, axis, along)
+    if "fold" in ds and axis == "betaL" and np.isfinite(ds["fold"]):
+        ax.axvline(float(np.degrees(ds["fold"])), color=style.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
+    ax.set_xlabel(_axis_label(ds, axis, others, long=False))
+    ax.set_ylabel(style.label(ds[observable]))
+    ax.margins(x=0.04, y=0.1)
+    if observable in COUNTS:
+        ax.yaxis.set_major_locator(MaxNLocator(integer=True))
+        if values.size and np.nanmax(values) - np.nanmin(values) < 2:
+            middle = round(float(np.nanmean(values)))
+            ax.set_ylim(middle - 2, middle + 2)
+    return style.quiet(ax)
+
+
+def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
+    """The rods along an axis on the unrolled cylinder, side by side at one scale: rho alpha to the right, z up.
+
+    Each begins on its own line alpha = 0, at which its value is written. Raises `InputError`.
+    """
+    cases, lines, curves, width = _side_by_side(ds, axis)
+    for line, found, colour in zip(lines, curves, style.colours(len(cases)), strict=True):
+        ax.axvline(line, color=style.FAINT, linewidth=0.8, zorder=0)
+        if found is None:
+            ax.text(line, 0.5, "unsolved", transform=ax.get_xaxis_transform(), rotation=90, ha="center", va="center",
+                    color=style.SOFT, size=style.SMALL)  # fmt: skip
+        else:
+            ax.plot(line + found[0], found[1], color=colour, linewidth=1.7, solid_capstyle="round")
+    values = [style.shown(float(ds[axis].values[where[axis]]), ds[axis]).partition(" ")[0] for where in cases]
+    ax.set_xticks(lines, values)
+    ax.tick_params(axis="x", length=0)
+    ax.set_aspect("equal", adjustable="box", anchor="NW")
+    ax.set_xlim(0, width)
+    ax.set_xlabel(_axis_label(ds, axis, cases[0]))
+    ax.set_ylabel(f"z [{style.unit(str(ds.attrs['length_unit']))}]")
+    ax.set_title("Unrolled cylinder: ρα to the right, z up, all at one scale", loc="left")
+    ax.grid(axis="y", color=style.FAINT, linewidth=0.6)
+    ax.set_axisbelow(True)
+    return ax
+
+
+def _side_by_side(ds: xr.Dataset, axis: str) -> tuple[list[dict[str, int]], list[float], list[Any], float]:
+    """The cases along an axis, where each one's line alpha = 0 stands, its curve or None, and the width of all."""
+    cases = picking.spread(picking.line(ds, axis), MOST_CURVES)
+    curves = [profile.unrolled(ds, where) for where in cases]
+    spans = [(min(c[0].min(), 0.0), max(c[0].max(), 0.0)) if c is not None else (0.0, 0.0) for c in curves]
+    gap = 0.35 * float(np.mean([high - low for low, high in spans])) or 1.0
+    edge, lines = gap / 2, []
+    for low, high in spans:
+        lines.append(edge - low)
+        edge += high - low + gap
+    return cases, lines, curves, edge - gap / 2
+
+
+def _strip_height(ds: xr.Dataset, axis: str) -> float:
+    """Inches that the curves along an axis take across the page, with their labels."""
+    _, _, curves, width = _side_by_side(ds, axis)
+    ups = [curve[1] for curve in curves if curve is not None] or [np.zeros(2)]
+    tall = 1.1 * (max(up.max() for up in ups) - min(up.min() for up in ups))
+    return float(np.clip((WIDTH - 0.9) * tall / width, *STRIP)) + 0.9
+
+
+def _trends(ds: xr.Dataset, axes: Sequence[str]) -> Figure:
+    """Each law beside the curves along an axis, or all laws in a row below where there are more of them."""
+    count = len(check.laws(ds))
+    plain = [] if count else [str(name) for name in ds.data_vars if _observed(ds, str(name))][:MOST_PLAIN]
+    panels = count or len(plain)
+    rows = len(axes) if profile.has_shape(ds) else 0
+    beside = panels <= rows
+    below = 0 if beside else LAW_HEIGHT * -(-panels // 2)
+    fig = Figure(figsize=(WIDTH, 1), layout="constrained")
+    FigureCanvasAgg(fig)
+    heights = [LAW_HEIGHT if beside else _strip_height(ds, axis) for axis in axes[:rows]] + ([below] if below else [])
+    fig.set_figheight(0.7 + sum(heights))
+    fig.get_layout_engine().set(w_pad=0.1, h_pad=0.08)  # type: ignore[union-attr]
+    grid = fig.add_gridspec(
+        len(heights), 2 if beside else 1, height_ratios=heights, width_ratios=(1.3, 1) if beside else (1,)
+    )
+    cells = [grid[i, 1] for i in range(panels)] if beside else _pairs(grid[rows, 0], panels)
+    for i, axis in enumerate(axes[:rows]):
+        developed(ds, fig.add_subplot(grid[i, 0]), axis)
+    for i, cell in enumerate(cells):
+        ax = fig.add_subplot(cell)
+        if count:
+            panel(ds, ax, i)
+        else:
+            trend(ds, ax, plain[i], axes[0])
+            ax.set_title(style.words(ds[plain[i]]), loc="left")
+    return fig
+
+
+def _pairs(cell: Any, count: int) -> list[Any]:
+    """So many cells, two a row."""
+    grid = cell.subgridspec(-(-count // 2), min(count, 2))
+    return [grid[i // 2, i % 2] for i in range(count)]
+
+
+def _observed(ds: xr.Dataset, name: str) -> bool:
+    return ds[name].dims == ds["outcome"].dims and name not in NOT_OBSERVED
+
+
+def _axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = True) -> str:
+    """The axis with its unit, and where the others are held."""
+    held = [f"{style.symbol(k)} = {style.shown(float(ds[k][i]), ds[k])}" for k, i in where.items() if k != axis]
+    return style.axis_label(axis, ds[axis], long) + (f", at {', '.join(held)}" if held else "")
+
+
+def _brief(row: dict[str, Any]) -> str:
+    """A verdict and how often it is broken."""
+    wrong = len(row["exceptions"])
+    return f"{row['verdict']} ({wrong} step{'s' * (wrong > 1)} wrong)" if wrong else str(row["verdict"])
+
+
+def _shown(axis: xr.DataArray, values: Any) -> Any:
+    return np.degrees(values) if style.is_angle(axis) else np.asarray(values, dtype=float)
+
+
+def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
+    """A logarithmic axis where the values are spaced so, with ticks at some of them."""
+    if along.size < 3 or along.min() <= 0:
+        return
+    steps = np.diff(np.log(along))
+    if np.ptp(steps) < 1e-6 * steps.mean() and along[-1] / along[0] > 3:
+        ax.set_xscale("log")
+        some = along[:: max((along.size - 1) // 4, 1)]
+        ax.xaxis.set_minor_locator(NullLocator())
+        ax.set_xticks(some, [style.number(float(value)) for value in some])
+
+
+def _legend(ax: Axes) -> None:
+    handles, labels = ax.get_legend_handles_labels()
+    once = dict(zip(labels, handles, strict=True))
+    if once:
+        ax.legend(list(once.values()), list(once), loc="best")

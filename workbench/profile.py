@@ -1,0 +1,104 @@
+"""One rod along its length: angle, contact, and its curve on the unrolled cylinder."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from . import dataset, style
+
+SIZE = (9.6, 8.0)  # inches
+
+
+def has_shape(ds: xr.Dataset) -> bool:
+    """Whether the dataset stores what the unrolled curve is made of."""
+    return all(_has(ds, name) for name in ("alpha", "z", "rho"))
+
+
+def unrolled(ds: xr.Dataset, where: dict[str, int]) -> tuple[Any, Any] | None:
+    """rho (alpha - alpha(0)) and z of one case, (n,) each; None where it is not solved."""
+    one = ds.isel(where)
+    alpha, z = dataset.along(one, "alpha").values, dataset.along(one, "z").values
+    across = float(one["rho"]) * (alpha - alpha[0])
+    return (across, z) if np.isfinite([across, z]).all() else None
+
+
+def pushes(ds: xr.Dataset) -> Any:
+    """The cylinder's push along one rod, (n,), negative where it would have to pull; None if not stored."""
+    if not _has(ds, "contact"):
+        return None
+    sign = -1.0 if ds.attrs.get("side") == "inside" else 1.0
+    return sign * dataset.along(ds, "contact").values
+
+
+def figure(ds: xr.Dataset) -> Figure:
+    """The angle, the contact and the unrolled curve of a dataset of one case; what is not stored is left out."""
+    parts = [part for part, name in ((angle, "beta"), (contact, "contact")) if _has(ds, name)]
+    parts += [curve] if has_shape(ds) else []
+    fig = Figure(figsize=(SIZE[0], SIZE[1] * max(len(parts), 1) / 3), layout="constrained")
+    FigureCanvasAgg(fig)
+    for i, part in enumerate(parts):
+        part(ds, fig.add_subplot(max(len(parts), 1), 1, i + 1))
+    return fig
+
+
+def angle(ds: xr.Dataset, ax: Axes) -> Axes:
+    """beta against s, in degrees."""
+    ax.plot(ds["s"], np.degrees(dataset.along(ds, "beta")), color=style.PUSHED, linewidth=1.8)
+    ax.axhline(0, color=style.SOFT, linewidth=0.8)
+    ax.set_ylabel("β [°]")
+    ax.set_title("angle from the axis to the tangent", loc="left")
+    return _along(ds, ax)
+
+
+def contact(ds: xr.Dataset, ax: Axes) -> Axes:
+    """The push of the cylinder against s, shaded where it would have to pull."""
+    f = dataset.along(ds, "contact")
+    ax.plot(ds["s"], f, color=style.PUSHED, linewidth=1.8)
+    ax.axhline(0, color=style.SOFT, linewidth=0.8)
+    pulled = pushes(ds) < 0
+    if pulled.any():
+        ax.fill_between(ds["s"], 0, 1, where=pulled, transform=ax.get_xaxis_transform(), color=style.LIFTED, alpha=0.28,
+                        linewidth=0, label="the cylinder would have to pull: the rod would lift off")  # fmt: skip
+        ax.fill_between(ds["s"], 0, f, where=~pulled, color=style.PUSHED, alpha=0.25, linewidth=0,
+                        label="the cylinder pushes")  # fmt: skip
+        ax.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.2)
+    ax.set_ylabel(f"f [{style.unit(str(f.attrs['units']))}]")
+    ax.set_title("push of the cylinder per length, positive outward", loc="left")
+    return _along(ds, ax)
+
+
+def curve(ds: xr.Dataset, ax: Axes) -> Axes:
+    """The curve on the unrolled cylinder as one sees it from outside: z to the right, rho alpha down."""
+    found = unrolled(ds, {})
+    unit = style.unit(str(ds.attrs["length_unit"]))
+    ax.set_title("unrolled cylinder, seen from outside, both to one scale", loc="left")
+    ax.set_xlabel(f"z [{unit}]")
+    ax.set_ylabel(f"ρα [{unit}]")
+    if found is None:
+        ax.text(0.5, 0.5, str(ds["outcome"].values), transform=ax.transAxes, ha="center", color=style.SOFT)
+        return ax
+    across, up = found
+    pulled = pushes(ds) < 0 if _has(ds, "contact") else np.zeros(across.size, dtype=bool)
+    ax.plot(up, across, color=style.LIFTED, linewidth=2.4, solid_capstyle="round")
+    ax.plot(np.where(pulled, np.nan, up), across, color=style.PUSHED, linewidth=2.4, solid_capstyle="butt")
+    ax.plot(up[0], across[0], "o", color=style.INK, markersize=5)
+    ax.annotate("s = 0", (up[0], across[0]), (-6, 0), textcoords="offset points", ha="right", va="center",
+                size=style.SMALL)  # fmt: skip
+    ax.set_aspect("equal")
+    ax.margins(x=0.08, y=0.15)
+    ax.invert_yaxis()
+    return style.quiet(ax)
+
+
+def _along(ds: xr.Dataset, ax: Axes) -> Axes:
+    ax.set_xlabel(f"s [{style.unit(str(ds.attrs['length_unit']))}]")
+    ax.margins(x=0)
+    return style.quiet(ax)
+
+
+def _has(ds: xr.Dataset, name: str) -> bool:
+    return name in ds.data_vars or f"{name}_along" in ds
