@@ -48,12 +48,14 @@ def reproduce(out: Path, reading: str | None) -> int:
 
 def _draw(ds: xr.Dataset, out: Path, able: bool) -> dict[str, Path]:
     """The pictures of one dataset: name -> file. Scenes only where OpenGL works."""
-    from . import plots, scenes
+    from . import plots
 
     name = ds.attrs["study_name"]
     pictures = {"figure": out / f"{name}.png"}
     plots.figure(ds, pictures["figure"])
     if able:
+        from . import scenes
+
         pictures |= scenes.draw(ds, out / f"{name}_scene.png")
     return pictures
 

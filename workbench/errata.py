@@ -1,0 +1,66 @@
+"""The misprints of the paper that a reader with it in hand will meet: where, what is printed, what is right, why."""
+
+from typing import NamedTuple
+
+
+class Erratum(NamedTuple):
+    """One misprint."""
+
+    where: str
+    printed: str
+    right: str
+    why: str
+
+
+ERRATA = (
+    Erratum(
+        "eq. (14), row 1",
+        "α′ + β′ cos γ",
+        "α′ sin β sin γ + β′ cos γ",
+        "a component of the rotation rate; without the factor it does not vanish with sin β",
+    ),
+    Erratum("eq. (15), row 3", "dξ/ds", "dζ/ds", "the third row is the axial coordinate"),
+    Erratum(
+        "eq. (20)",
+        "A = B = (π/16) E a⁴",
+        "(π/4) E a⁴",
+        "the second moment of a solid circular section of radius a; the ratio C/A is right. The workbench has both, as "
+        "stiffness “paper” and “solid”",
+    ),
+    Erratum("eq. (24), row 5", "α″", "α″ sin β", "the factor was lost; with it the row integrates to eq. (29)"),
+    Erratum("eq. (28)", "ω₃₀", "ω₃₀²", "an energy is quadratic in the twist"),
+    Erratum(
+        "eqs. (32), (33)",
+        "R",
+        "ρ = R + a",
+        "the curvature belongs to the centreline, which lies at ρ (inside: ρ = R − a)",
+    ),
+    Erratum(
+        "eq. (34)",
+        "[h − G(β)]^(−1/2) before the brace",
+        "no such factor",
+        "the contact force would be infinite at every turning point",
+    ),
+    Erratum(
+        "eq. (35)",
+        "G′(χ)/2, and β² in the last denominator",
+        "G′(β)/2, and ρ²",
+        "H is half the derivative of G by its own argument",
+    ),
+    Erratum(
+        "eq. (36)",
+        "one sign of the root",
+        "each sign on its own stretch",
+        "it holds between turning points only: β′ changes its sign at each of them",
+    ),
+    Erratum(
+        "eqs. (41), (42)", "v/(hh); “=” missing before d", "v/(2h); p y + q y + r y = d", "the central difference (40)"
+    ),
+    Erratum(
+        "Table 1",
+        "F₁₀ and γ₀′",
+        "one of the two",
+        "γ₀′ = 0.5 implies F₁₀ = −2.268 N and not 5 N; F₂₀ and β(L) are not given, nor the sign convention of F₃₀. Hence "
+        "the twelve readings",
+    ),
+)

@@ -1,0 +1,200 @@
+"""The report: one HTML file that needs nothing else, made from stored datasets and drawn pictures."""
+
+import base64
+import json
+import os
+from collections.abc import Mapping, Sequence
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from jinja2 import Environment, StrictUndefined
+
+from solver.errors import InputError
+
+from . import check, gl, style
+from .dataset import axes_of
+from .errata import ERRATA
+from .runner import StudyResult
+
+NAME = "report.html"
+TEMPLATE = "report.html.j2"
+SINGLE = (
+    "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_mean", "contact_min",
+    "contact_max", "attached", "energy",
+)  # fmt: skip
+CLASSES = {"holds": "holds", "holds as a trend": "trend", "fails": "fails"}
+TYPES = {".png": "image/png", ".jpg": "image/jpeg", ".svg": "image/svg+xml"}
+
+
+def write(results: Sequence[StudyResult], out: Path, readings: xr.Dataset | None = None, advice: str = "") -> Path:
+    """Write `report.html` into the folder `out` and return it.
+
+    readings: the dataset of `readings_run`. advice: what to install where scenes could not be drawn. Raises
+    `InputError` where it cannot be written.
+    """
+    text = html(results, readings, advice)
+    path = Path(out) / NAME
+    aside = path.with_name(f".{NAME}.{os.getpid()}.part")
+    try:
+        aside.write_text(text, encoding="utf-8")
+        os.replace(aside, path)
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror or error}") from None
+    finally:
+        aside.unlink(missing_ok=True)
+    return path
+
+
+def html(results: Sequence[StudyResult], readings: xr.Dataset | None = None, advice: str = "") -> str:
+    """The report as text; every picture inside it."""
+    if not results:
+        raise InputError("a report needs at least one study")
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    template = environment.from_string((files(__package__) / TEMPLATE).read_text(encoding="utf-8"))
+    sections = [_section(result, advice) for result in results]
+    return template.render(
+        reading=str(results[0].ds.attrs["reading"]),
+        colours={CLASSES[verdict]: colour for verdict, colour in style.VERDICT_COLOURS.items()},
+        claims=_claims(sections),
+        sections=sections,
+        laws=[row for section in sections for row in section["laws"]],
+        readings=_readings(readings),
+        errata=ERRATA,
+        sources=[_source(result) for result in results],
+        versions=_versions(results, readings),
+        created=max(str(result.ds.attrs["created"]) for result in results),
+        packages=gl.PACKAGES,
+        advice=advice,
+    )
+
+
+def _section(result: StudyResult, advice: str) -> dict[str, Any]:
+    """What the report shows of one study."""
+    ds = result.ds
+    scenes = [(name, path) for name, path in result.pictures.items() if name.startswith("scene")]
+    others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
+    laws = [_law(row) for row in result.verdicts]
+    return {
+        "id": str(ds.attrs["study_name"]),
+        "title": str(ds.attrs["title"]),
+        "sentences": list(dict.fromkeys(row["source"] for row in result.verdicts)),
+        "laws": laws,
+        "single": _single(ds) if not axes_of(ds) else [],
+        "note": _sentence(str(ds.attrs.get("fold_note", ""))),
+        "unsolved": check.unsolved(ds),
+        "cases": int(ds["outcome"].size),
+        "scenes": [_picture(path, f"{ds.attrs['title']}: {_of(ds, name)}") for name, path in scenes],
+        "others": [_picture(path, f"{ds.attrs['title']}: curves and laws") for _, path in others],
+        "no_scene": bool(advice) and not scenes,
+    }
+
+
+def _of(ds: xr.Dataset, name: str) -> str:
+    axis = name.removeprefix("scene").strip()
+    return f"the rod along {style.axis_label(axis, ds[axis])}" if axis in ds.dims else "the rod on its cylinder"
+
+
+def _law(row: Mapping[str, Any]) -> dict[str, Any]:
+    """One law and the others that its sentence admits, in words."""
+    return {
+        "claim": row["claim"],
+        "stated": check.stated(dict(row)),
+        **_verdict(row),
+        "also": [{"stated": also["observable"], **_verdict(also)} for also in row["also"]],
+    }
+
+
+def _verdict(row: Mapping[str, Any]) -> dict[str, str]:
+    said = check.said(dict(row))
+    return {
+        "verdict": row["verdict"],
+        "class": CLASSES[row["verdict"]],
+        "measured": check.measured(dict(row)),
+        "detail": said.removeprefix(row["verdict"]).strip().removeprefix("(").removesuffix(")"),
+    }
+
+
+def _claims(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
+    """Each claim with the worst verdict of its laws and where it is shown."""
+    order = list(CLASSES)
+    found: dict[str, dict[str, str]] = {}
+    for section in sections:
+        for law in section["laws"]:
+            old = found.get(law["claim"])
+            if old is None or order.index(law["verdict"]) > order.index(old["verdict"]):
+                found[law["claim"]] = {**law, "id": section["id"], "title": section["title"]}
+    return list(found.values())
+
+
+def _readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
+    """The table reading x claim: in each cell the verdict and what was measured."""
+    if readings is None:
+        return None
+    claims = [str(claim) for claim in readings["claim"].values]
+    found = json.loads(readings.attrs["rows"])
+    table = []
+    for reading, verdicts in zip(readings["reading"].values, readings["claim_verdict"].values, strict=True):
+        cells = []
+        for claim, verdict in zip(claims, verdicts, strict=True):
+            laws = [row for row in found[str(reading)] if row["claim"] == claim]
+            measured = [f"{row['observable']} {check.measured(row)}" for row in laws if row["first"] and row["last"]]
+            reasons = [f"{row['observable']}: {check.said(row)}" for row in laws]
+            untested = [row["reason"] for row in laws if row["first"] is None and row["reason"]]
+            cells.append(
+                {
+                    "verdict": str(verdict),
+                    "class": CLASSES[str(verdict)],
+                    "measured": measured or untested[:1],
+                    "why": "; ".join(reasons),
+                }
+            )
+        good = sum(cell["class"] != "fails" for cell in cells)
+        table.append({"name": str(reading), "words": str(reading).split("/"), "cells": cells, "good": good})
+    return {"claims": claims, "rows": table}
+
+
+def _single(ds: xr.Dataset) -> list[tuple[str, str]]:
+    """Words and value of each observable of a study of one case."""
+    rows = []
+    for name in SINGLE:
+        if name in ds and np.isfinite(ds[name]):
+            units = style.unit(str(ds[name].attrs["units"]))
+            rows.append((style.words(ds[name]), f"{style.number(float(ds[name]))} {units}".replace("-", "−").strip()))
+    return rows
+
+
+def _source(result: StudyResult) -> dict[str, Any]:
+    """Where a study's numbers are and how well they were solved."""
+    ds = result.ds
+    error, condition = (np.asarray(ds[name].values, dtype=float) for name in ("error", "condition"))
+    return {
+        "name": str(ds.attrs["study_name"]),
+        "file": result.path.name if result.path else "",
+        "cases": int(ds["outcome"].size),
+        "unsolved": check.unsolved(ds),
+        "method": str(ds.attrs["method"]),
+        "tolerance": f"{float(ds.attrs['tolerance']):g}",
+        "error": f"{np.nanmax(error):.1e}" if np.isfinite(error).any() else "–",
+        "condition": f"{np.nanmax(condition):.3g}" if np.isfinite(condition).any() else "–",
+    }
+
+
+def _versions(results: Sequence[StudyResult], readings: xr.Dataset | None) -> list[tuple[str, str]]:
+    """Every package version that the datasets name."""
+    found: dict[str, str] = {}
+    for ds in [*(result.ds for result in results), *([readings] if readings is not None else [])]:
+        found |= json.loads(ds.attrs["versions"])
+    return list(found.items())
+
+
+def _picture(path: Path, alt: str) -> dict[str, str]:
+    """A picture as a data URL."""
+    data = base64.b64encode(path.read_bytes()).decode("ascii")
+    return {"src": f"data:{TYPES[path.suffix.lower()]};base64,{data}", "alt": alt}
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}." if text else ""
