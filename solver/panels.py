@@ -13,6 +13,7 @@ from .reduced import Array, Reduced
 EPS = 2.0**-52
 _ROUNDS = 14  # how often a panel may be halved
 _NEWTON = 12
+_BLOCK = 512  # panels worked on at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +62,7 @@ def panelled(problem: Reduced, way: Course, points: Basis, length: float, goal: 
     done: list[tuple[Any, Array, Panels]] = []
     for round_ in range(_ROUNDS + 1):
         batch = pieces.take(piece)
-        panels = _series(batch, near, far, points)
+        panels = _in_blocks(batch, near, far, points)
         enough = (panels.slack <= max(goal, 20 * EPS)) & (
             panels.drift <= np.maximum(goal / repeats[batch.part // 2], 40 * EPS)
         )
@@ -78,7 +79,21 @@ def panelled(problem: Reduced, way: Course, points: Basis, length: float, goal: 
     if len(done) == 1:
         return done[0][2]
     place = np.lexsort((np.concatenate([d[1] for d in done]), np.concatenate([d[0] for d in done])))
-    return Panels(*(np.concatenate([getattr(d[2], f.name) for d in done])[place] for f in fields(Panels)))
+    return joined([d[2] for d in done]).take(place)
+
+
+def _in_blocks(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
+    """`_series` on few enough panels at a time for what it works on to stay in the cache."""
+    if near.size <= _BLOCK:
+        return _series(pieces, near, far, points)
+    blocks = [slice(k, k + _BLOCK) for k in range(0, near.size, _BLOCK)]
+    return joined([_series(pieces.take(block), near[block], far[block], points) for block in blocks])
+
+
+def joined(parts: list[Panels]) -> Panels:
+    """Panels one after the other."""
+    columns: dict[str, Any] = {f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Panels)}
+    return Panels(**columns)
 
 
 def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:

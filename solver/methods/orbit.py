@@ -21,7 +21,7 @@ from ..reduced import Array, Reduced
 from ..sensitivity import condition
 from .base import Method, Trajectory, verdicts
 
-_BLOCK = 8192  # stations evaluated at once: series and points stay in the cache
+_BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
 _LARGEST = 1e100  # dimensionless numbers beyond this would overflow when squared
 
 
