@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -118,7 +118,10 @@ def test_the_indices_keep_to_morse(name: str) -> None:
 loads = st.floats(-1.5, 1.5)
 
 
-@settings(max_examples=12)
+@settings(max_examples=20)
+@example(0.0, 0.0, 0.13, 0.0, 2.9565, 0.8)  # joined by rods that turn all the way, without a turning point
+@example(0.8867, 0.0, -1.2994, -1.92662, 2.906478, 11.0393)
+@example(0.0, -0.190471, 0.0, -2.72992437, 2.72992437, 5.41219)
 @given(lam=loads, mu=loads, phi=loads, beta0=st.floats(-3, 3), betaL=st.floats(-3, 3), span=st.floats(0.5, 8))
 def test_between_any_two_ends_the_signed_count_is_one(
     lam: float, mu: float, phi: float, beta0: float, betaL: float, span: float
