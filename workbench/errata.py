@@ -60,7 +60,7 @@ ERRATA = (
         "Table 1",
         "F₁₀ and γ₀′",
         "one of the two",
-        "γ₀′ = 0.5 implies F₁₀ = −2.268 N and not 5 N; F₂₀ and β(L) are not given, nor the sign convention of F₃₀. Hence "
-        "the twelve readings",
+        "γ₀′ = 0.5 implies F₁₀ = −2.268 N and not 5 N; F₂₀ and β(L) are not given, nor the sign convention of F₃₀. "
+        "Hence the twelve readings",
     ),
 )

@@ -22,15 +22,10 @@ KINDS = (".png", ".pdf", ".svg")
 MOST_CURVES = 9
 WIDTH, LAW_HEIGHT = 9.6, 3.9  # inches
 STRIP = (1.5, 4.5)  # inches, the least and the most that a row of curves is high
+BESIDE, LEAST_BESIDE = 0.55, 2.6  # the share of the width that curves have beside a law, and inches they then need
 NOTE = 66  # letters a line of small print
 MOST_PLAIN = 4  # observables shown where there is no law
 NOT_OBSERVED = ("outcome", "error", "condition", "FZ", "MZ", "M3", "dbeta0")
-DIRECTIONS = {
-    "rises": "rises with",
-    "falls": "falls with",
-    "not-falling": "does not fall with",
-    "not-rising": "does not rise with",
-}
 
 
 def figure(ds: xr.Dataset, path: str | Path) -> Figure:
@@ -64,7 +59,7 @@ def panel(ds: xr.Dataset, ax: Axes, law: int = 0) -> Axes:
             ends = [_shown(ds[row["axis"]], step[end]) for end in ("from", "to")]
             ax.plot(ends, step["values"], color=style.VERDICT_COLOURS[FAILS], linewidth=3, alpha=0.75, zorder=3,
                     label="a step the wrong way")  # fmt: skip
-    words = f"{row['claim']}  {style.words(ds[row['observable']])} {DIRECTIONS[row['direction']]}"
+    words = f"{row['claim']}  {style.words(ds[row['observable']])} {style.DIRECTIONS[row['direction']]}"
     ax.set_title(f"{words} {style.symbol(row['axis'])}:", loc="left", pad=20)
     ax.text(0, 1.015, check.said(row), transform=ax.transAxes, va="bottom", weight="bold",
             color=style.VERDICT_COLOURS[row["verdict"]])  # fmt: skip
@@ -153,12 +148,12 @@ def _side_by_side(ds: xr.Dataset, axis: str) -> tuple[list[dict[str, int]], list
     return cases, lines, curves, edge - gap / 2
 
 
-def _strip_height(ds: xr.Dataset, axis: str) -> float:
-    """Inches that the curves along an axis take across the page, with their labels."""
+def _strip_height(ds: xr.Dataset, axis: str, share: float = 1.0) -> float:
+    """Inches that the curves along an axis are high, with their labels, on that share of the page's width."""
     _, _, curves, width = _side_by_side(ds, axis)
     ups = [curve[1] for curve in curves if curve is not None] or [np.zeros(2)]
     tall = 1.1 * (max(up.max() for up in ups) - min(up.min() for up in ups))
-    return float(np.clip((WIDTH - 0.9) * tall / width, *STRIP)) + 0.9
+    return float(np.clip((WIDTH * share - 0.9) * tall / width, *STRIP)) + 0.9
 
 
 def _trends(ds: xr.Dataset, axes: Sequence[str]) -> Figure:
@@ -167,13 +162,12 @@ def _trends(ds: xr.Dataset, axes: Sequence[str]) -> Figure:
     plain = [] if count else [str(name) for name in ds.data_vars if _observed(ds, str(name))][:MOST_PLAIN]
     panels = count or len(plain)
     rows = len(axes) if profile.has_shape(ds) else 0
-    beside = panels <= rows
+    beside = panels <= rows and all(_strip_height(ds, axis, BESIDE) > LEAST_BESIDE for axis in axes)
     below = 0 if beside else LAW_HEIGHT * -(-panels // 2)
     fig = Figure(figsize=(WIDTH, 1), layout="constrained")
     FigureCanvasAgg(fig)
     heights = [LAW_HEIGHT if beside else _strip_height(ds, axis) for axis in axes[:rows]] + ([below] if below else [])
     fig.set_figheight(0.7 + sum(heights))
-    fig.get_layout_engine().set(w_pad=0.1, h_pad=0.08)  # type: ignore[union-attr]
     grid = fig.add_gridspec(
         len(heights), 2 if beside else 1, height_ratios=heights, width_ratios=(1.3, 1) if beside else (1,)
     )

@@ -3,6 +3,7 @@
 import base64
 import json
 import os
+import re
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -13,6 +14,7 @@ import xarray as xr
 from jinja2 import Environment, StrictUndefined
 
 from solver.errors import InputError
+from solver.quantities import quantity
 
 from . import check, gl, style
 from .dataset import axes_of
@@ -76,7 +78,7 @@ def _section(result: StudyResult, advice: str) -> dict[str, Any]:
     ds = result.ds
     scenes = [(name, path) for name, path in result.pictures.items() if name.startswith("scene")]
     others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
-    laws = [_law(row) for row in result.verdicts]
+    laws = [_law(ds, row) for row in result.verdicts]
     return {
         "id": str(ds.attrs["study_name"]),
         "title": str(ds.attrs["title"]),
@@ -97,13 +99,18 @@ def _of(ds: xr.Dataset, name: str) -> str:
     return f"the rod along {style.axis_label(axis, ds[axis])}" if axis in ds.dims else "the rod on its cylinder"
 
 
-def _law(row: Mapping[str, Any]) -> dict[str, Any]:
+def _law(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
     """One law and the others that its sentence admits, in words."""
+    words = style.words(ds[row["observable"]])
     return {
         "claim": row["claim"],
-        "stated": check.stated(dict(row)),
+        "stated": f"{words} {style.DIRECTIONS[row['direction']]} {style.symbol(row['axis'])}",
+        "name": row["observable"],
         **_verdict(row),
-        "also": [{"stated": also["observable"], **_verdict(also)} for also in row["also"]],
+        "also": [
+            {"stated": style.words(ds[also["observable"]]), "name": also["observable"], **_verdict(also)}
+            for also in row["also"]
+        ],
     }
 
 
@@ -112,8 +119,8 @@ def _verdict(row: Mapping[str, Any]) -> dict[str, str]:
     return {
         "verdict": row["verdict"],
         "class": CLASSES[row["verdict"]],
-        "measured": check.measured(dict(row)),
-        "detail": said.removeprefix(row["verdict"]).strip().removeprefix("(").removesuffix(")"),
+        "measured": _minus(check.measured(dict(row))),
+        "detail": _minus(said.removeprefix(row["verdict"]).strip().removeprefix("(").removesuffix(")")),
     }
 
 
@@ -140,15 +147,16 @@ def _readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
         cells = []
         for claim, verdict in zip(claims, verdicts, strict=True):
             laws = [row for row in found[str(reading)] if row["claim"] == claim]
-            measured = [f"{row['observable']} {check.measured(row)}" for row in laws if row["first"] and row["last"]]
-            reasons = [f"{row['observable']}: {check.said(row)}" for row in laws]
-            untested = [row["reason"] for row in laws if row["first"] is None and row["reason"]]
+            measured = [
+                f"{quantity(row['observable']).symbol} {_minus(check.measured(row))}" for row in laws if row["first"]
+            ]
             cells.append(
                 {
                     "verdict": str(verdict),
                     "class": CLASSES[str(verdict)],
-                    "measured": measured or untested[:1],
-                    "why": "; ".join(reasons),
+                    "measured": measured,
+                    "reason": next((row["reason"] for row in laws if not row["first"]), ""),
+                    "why": "; ".join(f"{row['observable']}: {check.said(row)}" for row in laws),
                 }
             )
         good = sum(cell["class"] != "fails" for cell in cells)
@@ -162,7 +170,7 @@ def _single(ds: xr.Dataset) -> list[tuple[str, str]]:
     for name in SINGLE:
         if name in ds and np.isfinite(ds[name]):
             units = style.unit(str(ds[name].attrs["units"]))
-            rows.append((style.words(ds[name]), f"{style.number(float(ds[name]))} {units}".replace("-", "−").strip()))
+            rows.append((style.words(ds[name]), f"{_minus(style.number(float(ds[name])))} {units}".strip()))
     return rows
 
 
@@ -194,6 +202,11 @@ def _picture(path: Path, alt: str) -> dict[str, str]:
     """A picture as a data URL."""
     data = base64.b64encode(path.read_bytes()).decode("ascii")
     return {"src": f"data:{TYPES[path.suffix.lower()]};base64,{data}", "alt": alt}
+
+
+def _minus(text: str) -> str:
+    """Hyphens before numbers as minus signs."""
+    return re.sub(r"(?<![\w.])-(?=[\d.])", "−", text)
 
 
 def _sentence(text: str) -> str:

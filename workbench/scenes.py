@@ -29,7 +29,7 @@ LYING = 1.3  # how much taller than wide a scene is laid on its side
 MOST_CELLS = 9
 PAGE, ROW = (1600, 1200), (2200, 1200)  # pixels of a sheet with one case, and at most of one with a row
 # Three lights fixed to the camera: azimuth and elevation in degrees, intensity
-LIGHTS = ((-35, 40, 0.75), (50, 15, 0.4), (0, -50, 0.3))
+LIGHTS = ((40, 40, 0.75), (-50, 15, 0.4), (0, -50, 0.3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,9 @@ def _try(ds: xr.Dataset, where: dict[str, int]) -> tuple[Curve | None, str]:
 
 
 def _ends(curves: Sequence[Curve]) -> tuple[float, float]:
-    """Where the cylinder begins and ends, a little beyond the rods."""
+    """Where the cylinder begins and ends, a little beyond the rods; without rods somewhere."""
+    if not curves:
+        return 0.0, 5.0
     beyond = max(curve.a for curve in curves) + 0.3 * max(curve.R for curve in curves)
     return min(curve.z.min() for curve in curves) - beyond, max(curve.z.max() for curve in curves) + beyond
 
@@ -134,7 +136,7 @@ def _view(curves: Sequence[Curve], ends: tuple[float, float], room: tuple[int, i
     It looks from a little above, so that the end of the cylinder is seen; the axis goes up the page, or lying to
     its right.
     """
-    mean = np.mean([np.exp(1j * curve.alpha).mean() for curve in curves])
+    mean = np.mean([np.exp(1j * curve.alpha).mean() for curve in curves] or [1.0])
     azimuth = np.angle(mean) if abs(mean) > 0.05 else 0.0  # a rod that goes all around has no front
     out, axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0]), np.array([0.0, 0.0, 1.0])
     toward = np.cos(ABOVE) * out + np.sin(ABOVE) * axis
@@ -145,7 +147,7 @@ def _view(curves: Sequence[Curve], ends: tuple[float, float], room: tuple[int, i
     flat /= np.linalg.norm(flat)
     up = np.cross(toward, flat) if lying else flat
     page = np.array([np.cross(up, toward), up])
-    reach = max(curve.reach for curve in curves)
+    reach = max((curve.reach for curve in curves), default=1.0)
     around = np.linspace(0, 2 * np.pi, 73)
     rims = [np.stack([reach * np.cos(around), reach * np.sin(around), np.full(73, z)], axis=-1) for z in ends]
     seen = np.concatenate(rims) @ page.T
@@ -164,13 +166,16 @@ def photograph(shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view:
     """
     pitch = np.array([view.size[0], view.size[1] + sheet.LABEL])
     width, height = (int(n) for n in pitch * (len(shots[0]), len(shots)))
+    reaches = [shot.curve.reach for row in shots for shot in row if shot.curve]
+    if not reaches:
+        return np.full((height, width, 3), 255, dtype=np.uint8)
     plotter: Any = pv.Plotter(off_screen=True, window_size=[FINER * width, FINER * height], lighting="none")
     try:
         plotter.ren_win.SetMultiSamples(0)  # each pixel is a mean anyway
         plotter.set_background("white")
         for light in _lights():
             plotter.add_light(light)
-        reach = max(shot.curve.reach for row in shots for shot in row if shot.curve)
+        reach = max(reaches)
         for i, row in enumerate(shots):
             for j, shot in enumerate(row):
                 if shot.curve:
@@ -249,13 +254,11 @@ def _save(
 ) -> None:
     """Photograph the shots and write the sheet; page: its width and height in pixels, at most."""
     curves = [shot.curve for row in shots for shot in row if shot.curve]
-    if not curves:
-        raise InputError(f"nothing to draw: {shots[0][0].cell.why_empty}")
     ends = _ends(curves)
     room = page[0] - 2 * sheet.MARGIN, page[1] - sheet.HEAD - sheet.FOOT
     view = _view(curves, ends, (room[0] // len(shots[0]), room[1] // len(shots) - sheet.LABEL), lying)
     pixels = photograph(shots, ends, view)
-    inside = "inside the cylinder, cut open" if curves[0].side == "inside" else ""
+    inside = "inside the cylinder, cut open" if ds.attrs["side"] == "inside" else ""
     subtitle = " · ".join(fact for fact in (chosen, style.reading(ds), inside) if fact)
     unit = str(ds.attrs["length_unit"])
     cells = [[shot.cell for shot in row] for row in shots]
@@ -268,6 +271,8 @@ def _save(
 
 
 def _legend(curves: Sequence[Curve]) -> list[tuple[str, str]]:
+    if not curves:
+        return []
     if not all(np.isfinite(curve.push).all() for curve in curves):
         return [(style.PUSHED, "the rod (where it would lift off is not stored)")]
     return [(style.PUSHED, "the cylinder pushes"), (style.LIFTED, "it would have to pull: the rod would lift off")]

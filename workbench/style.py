@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from solver.errors import InputError
 from studies.axes import quantity_of
@@ -18,6 +19,14 @@ LIFTED = "#e69f00"  # where it would have to pull
 SURFACE = "#e3e6ea"  # the cylinder
 INK, SOFT, FAINT = "#1c2430", "#5b6675", "#d5dae1"
 VERDICT_COLOURS = {HOLDS: "#00704f", TREND: "#8a5a00", FAILS: "#b3261e"}
+
+# a law's direction between observable and axis
+DIRECTIONS = {
+    "rises": "rises with",
+    "falls": "falls with",
+    "not-falling": "does not fall with",
+    "not-rising": "does not rise with",
+}
 
 RAMP = colormaps["viridis"]
 RAMP_ENDS = (0.0, 0.88)  # the last yellow is too light on white
@@ -121,7 +130,9 @@ def entitle(fig: Figure, ds: xr.Dataset) -> None:
     """The study's title and its reading, above a constrained layout."""
     inch = 1 / fig.get_size_inches()[1]
     told = reading(ds)
-    fig.get_layout_engine().set(rect=(0, 0, 1, 1 - (0.62 if told else 0.4) * inch))  # type: ignore[union-attr]
+    engine = fig.get_layout_engine()
+    assert isinstance(engine, ConstrainedLayoutEngine)
+    engine.set(rect=(0, 0, 1, 1 - (0.62 if told else 0.4) * inch), w_pad=0.1, h_pad=0.08)
     fig.text(0.012, 1 - 0.1 * inch, str(ds.attrs["title"]), va="top", weight="bold", size=LARGE)
     fig.text(0.012, 1 - 0.36 * inch, told, va="top", color=SOFT)
 
