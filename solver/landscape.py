@@ -68,11 +68,12 @@ def extrema(problem: Reduced) -> Extrema:
     """Every helix: the roots of H, found as sign changes on a grid and polished inside their brackets."""
     angles, basis = _grid()
     m = angles.size
-    loads = np.stack([problem.lam - problem.mu, problem.mu, problem.phi, np.ones(problem.size)], axis=1)
-    both = loads @ basis
+    loads = np.array([problem.lam - problem.mu, problem.mu, problem.phi, np.ones(problem.size)])
+    both = loads.T @ basis
     value, rate = both[:, :m], both[:, m:]
     right = np.append(angles[1:], angles[0] + TAU)
-    rising = value >= 0
+    # a root on the grid itself goes with its left neighbour, so that one where H only touches zero is none
+    rising = np.where(value == 0, np.roll(value, 1, axis=1), value) >= 0
     change = rising != np.roll(rising, -1, axis=1)
     row, cell = np.nonzero(change)
     lo, hi, up = angles[cell], right[cell], ~rising[row, cell]
@@ -212,7 +213,7 @@ class Well:
         W = sin_mid * (self._steepness(sh, ch, near) + 8 * sh1 * sh1 * sin2o) + 4 * sh1 * sh1 * inner
         return 0.5 * np.sinc(d / TAU) * W / (x + turn)
 
-    def turning(self, limit: Array, start: Array | None = None) -> Array:
+    def turning(self, limit: Array) -> Array:
         """x with speed2(x) = 0 between 0 and `limit`, to relative accuracy, (P,) -> (P,).
 
         The level must lie below a saddle's o or above a centre's; in log(x) and log(drop) the root is nearly a
@@ -227,13 +228,16 @@ class Well:
             rate = x * (1 / np.tan(x / 2) + K_rate / K)
             return (np.log(np.sin(x / 2) ** 2 * np.abs(K)) - wanted)[:, 0], rate[:, 0]
 
-        high = np.log(np.abs(limit))
         with np.errstate(divide="ignore", invalid="ignore"):
-            guess = 0.5 * (wanted + np.log(4 / np.abs(self.steepness(np.zeros_like(self.o)))))[:, 0]
-            y = bracketed(
-                f,
-                np.full(high.shape, -700.0),
-                high,
-                np.where(np.isfinite(guess), np.minimum(guess, high), high),
-            )
-        return side[:, 0] * np.exp(y)
+            # a first look at eighths of the way, and the parabola's law below the first of them
+            shares = np.linspace(0.125, 1, 8)
+            known = np.log(np.abs(self.drop(limit[:, None] * shares)))
+            y = np.log(np.abs(limit))[:, None] + np.log(shares)
+            row, cell = np.arange(limit.size), np.minimum(np.count_nonzero(known < wanted, axis=1), 7)
+            high, above = y[row, cell], known[row, cell]
+            first = cell == 0
+            low = np.where(first, -700.0, y[row, cell - 1])
+            rate = np.where(first, 2.0, (above - known[row, cell - 1]) / (high - low))
+            guess = high + (wanted[:, 0] - above) / rate
+            guess = np.where((guess >= low) & (guess <= high), guess, (low + high) / 2)
+            return side[:, 0] * np.exp(bracketed(f, low, high, guess))

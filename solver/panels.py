@@ -141,7 +141,8 @@ def _inverted(clock: Array, rate: Array, duration: Array, points: Basis) -> tupl
     """Where in [-1, 1] the clock shows the nodes' shares of the duration, (P, n), and whether Newton's rule met."""
     nodes = points.nodes
     wanted = duration[:, None] * ((1 + nodes) / 2)
-    both = np.stack([clock, np.pad(rate, ((0, 0), (0, 1)))], axis=1)
+    both = np.zeros((duration.size, 2, clock.shape[1]))
+    both[:, 0], both[:, 1, :-1] = clock, rate
     shown = both @ points.values
     at = np.empty(wanted.shape)
     at[:, 0], at[:, -1] = -1, 1

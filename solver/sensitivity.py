@@ -99,14 +99,15 @@ def _transfers(problem: Reduced, panels: Panels, since: Array, first: Any, count
     step[..., 1, 0], step[..., 1, 1] = odd * q, even - odd * p
     for k in range(1, pieces):
         step[:, k] = step[:, k] @ step[:, k - 1]
-    so_far = np.broadcast_to(np.eye(2), (count.size, 2, 2)).copy()
-    entry = np.empty((panels.part.size, 2, 2))
-    for j in range(int(count.max(initial=0))):
-        parts = np.flatnonzero(count > j)
-        index = first[parts] + j
-        entry[index] = so_far[parts]
-        so_far[parts] = step[index, -1] @ so_far[parts]
-    return step[..., 0, :] @ entry, since[:, None] + h * np.arange(1, pieces + 1), so_far
+    # chained from panel to panel, part by part; parts that have ended stand still
+    part = panels.part
+    rank = np.arange(part.size) - first[part]
+    links = np.tile(np.eye(2), (count.size, int(count.max(initial=0)) + 1, 1, 1))
+    links[part, rank + 1] = step[:, -1]
+    for j in range(1, links.shape[1]):
+        links[:, j] = links[:, j] @ links[:, j - 1]
+    entry = links[part, rank]
+    return step[..., 0, :] @ entry, since[:, None] + h * np.arange(1, pieces + 1), links[:, -1]
 
 
 def _reflection(

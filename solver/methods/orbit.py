@@ -172,11 +172,11 @@ def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = 
 
 def _running(values: Array, first: Any, count: Any) -> Array:
     """Sums of the values (P, k) before each panel within its part: added part by part, so that none sees another's."""
-    out = np.zeros(values.shape)
-    for j in range(1, int(count.max(initial=0))):
-        at = first[count > j] + j
-        out[at] = out[at - 1] + values[at - 1]
-    return out
+    part = np.repeat(np.arange(count.size), count)
+    rank = np.arange(part.size) - first[part]
+    table = np.zeros((count.size, int(count.max(initial=0)) + 1, values.shape[1]))
+    table[part, rank + 1] = values
+    return np.cumsum(table, axis=1)[part, rank]
 
 
 def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
