@@ -162,7 +162,7 @@ def test_contact_is_that_of_the_orbit(name: str) -> None:
 @cases
 def test_the_section_turns_as_in_the_orbit(name: str) -> None:
     sol, found = orbit(name), marched(name)
-    assert found.M3 == pytest.approx(float(sol.M3), rel=1e-12)
+    np.testing.assert_allclose(found.M3, sol.M3, rtol=1e-12)
     close(sol.material_frame[:, 0], found.d1, sol.condition)
 
 
