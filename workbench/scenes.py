@@ -27,7 +27,9 @@ FINER = 2  # each pixel is the mean of 2 x 2
 ABOVE = 0.3  # rad from which the camera looks down
 LYING = 1.3  # how much taller than wide a scene is laid on its side
 MOST_CELLS = 9
-PAGE, ROW = (1600, 1200), (2200, 1200)  # pixels of a sheet with one case, and at most of one with a row
+AT_ONCE = 3  # columns of cells
+LEAST_CELL = 190  # pixels of width, for the label
+PAGE, ROW = (1600, 1200), (2000, 1100)  # pixels of a sheet with one case, and at most of one with a row
 # Three lights fixed to the camera: azimuth and elevation in degrees, intensity
 LIGHTS = ((40, 40, 0.75), (-50, 15, 0.4), (0, -50, 0.3))
 
@@ -154,20 +156,29 @@ def _view(curves: Sequence[Curve], ends: tuple[float, float], room: tuple[int, i
     low, high = seen.min(axis=0), seen.max(axis=0)
     width, height = (high - low) * 1.05 + 0.1 * reach
     per_unit = min(room[0] / width, room[1] / height)
-    size = (int(width * per_unit), int(height * per_unit))
+    size = (max(int(width * per_unit), min(LEAST_CELL, room[0])), int(height * per_unit))
     return View(toward, up, (low + high) / 2 @ page, per_unit, size)
 
 
 def photograph(shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view: View) -> NDArray[np.uint8]:
     """All cells in one picture, (height, width, 3), each with room for its label below.
 
-    One scene with one camera: the projection is parallel, so rods that stand apart on the page look as if each were
-    seen alone.
+    Taken a few columns at a time, as what the ambient shading holds of a picture is ten times its size.
+    """
+    columns = len(shots[0])
+    parts = [[row[j : j + AT_ONCE] for row in shots] for j in range(0, columns, AT_ONCE)]
+    reach = max((shot.curve.reach for row in shots for shot in row if shot.curve), default=1.0)
+    return np.concatenate([_taken(part, ends, view, reach) for part in parts], axis=1)
+
+
+def _taken(shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view: View, reach: float) -> NDArray[np.uint8]:
+    """Some cells in one picture: one scene with one camera.
+
+    The projection is parallel, so rods that stand apart on the page look as if each were seen alone.
     """
     pitch = np.array([view.size[0], view.size[1] + sheet.LABEL])
     width, height = (int(n) for n in pitch * (len(shots[0]), len(shots)))
-    reaches = [shot.curve.reach for row in shots for shot in row if shot.curve]
-    if not reaches:
+    if not any(shot.curve for row in shots for shot in row):
         return np.full((height, width, 3), 255, dtype=np.uint8)
     plotter: Any = pv.Plotter(off_screen=True, window_size=[FINER * width, FINER * height], lighting="none")
     try:
@@ -175,7 +186,6 @@ def photograph(shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view:
         plotter.set_background("white")
         for light in _lights():
             plotter.add_light(light)
-        reach = max(reaches)
         for i, row in enumerate(shots):
             for j, shot in enumerate(row):
                 if shot.curve:
@@ -229,7 +239,8 @@ def _place(plotter: Any, shot: Shot, ends: tuple[float, float], where: Array) ->
 
 def rod(curve: Curve) -> list[tuple[pv.PolyData, str]]:
     """The tube in two parts, each with its colour: where the cylinder pushes, and where it would have to pull."""
-    points, normals, triangles, held = tube.mesh(curve)
+    sides = 28 if curve.s.size < 3000 else 16
+    points, normals, triangles, held = tube.mesh(curve, sides)
     parts = []
     for colour, chosen in ((style.PUSHED, held), (style.LIFTED, ~held)):
         if chosen.any():

@@ -62,7 +62,7 @@ def figure(sheet: Sheet) -> Figure:
         bottom = FOOT + (height - HEAD - FOOT - sheet.pixels.shape[0]) // 2
         fig.figimage(sheet.pixels, left, bottom, origin="upper")
         _cells(fig, sheet, left, bottom)
-        right = _triad(fig, MARGIN + TRIAD, FOOT / 2 - 8, sheet.axes)
+        right = _triad(fig, MARGIN + TRIAD, FOOT / 2 + 4, sheet.axes)
         right = _scale(fig, right + 60, FOOT / 2 - 22, sheet)
         _legend(fig, right + 70, width, sheet)
     return fig
@@ -82,8 +82,8 @@ def _cells(fig: Figure, sheet: Sheet, left: int, bottom: int) -> None:
 
 def _triad(fig: Figure, x: float, y: float, axes: NDArray[np.float64]) -> float:
     """The axes x, y, z as the camera sees them; returns the right end."""
-    origin = np.array([x, y]) - TRIAD * (axes.min(axis=0) + axes.max(axis=0)) / 2 * [0.6, 1]
-    # the farthest first, so that nearer arrows lie above
+    middle = (np.minimum(axes.min(axis=0), 0) + np.maximum(axes.max(axis=0), 0)) / 2
+    origin = np.array([x, y]) - TRIAD * middle
     for name, way in zip("xyz", axes, strict=True):
         tip = origin + TRIAD * way
         if np.hypot(*way) > 0.08:

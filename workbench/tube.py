@@ -88,7 +88,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Curve | None:
     )
 
 
-def mesh(curve: Curve, sides: int = 20) -> tuple[Array, Array, NDArray[np.int64], NDArray[np.bool_]]:
+def mesh(curve: Curve, sides: int = 24) -> tuple[Array, Array, NDArray[np.int64], NDArray[np.bool_]]:
     """The tube of radius a about the curve, closed at both ends.
 
     Returns points (m, 3), their normals (m, 3), triangles (k, 3) as indices of points, and for each triangle

@@ -1,0 +1,27 @@
+"""What a picture shows, from its pixels."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.colors import to_rgb
+from matplotlib.image import imread
+from numpy.typing import NDArray
+
+
+def pixels(path: Path) -> NDArray[np.float64]:
+    """(height, width, 3) between 0 and 1."""
+    return np.asarray(imread(path), dtype=float)[..., :3]
+
+
+def share_of_hue(picture: NDArray[np.float64], colour: str, slack: float = 0.06) -> float:
+    """The share of the pixels whose colour, whatever its brightness, is that one."""
+    wanted = np.array(to_rgb(colour))
+    strong = np.ptp(picture, axis=-1) > 0.25  # greys have no hue
+    bright = picture / np.maximum(picture.max(axis=-1, keepdims=True), 1e-9)
+    near = np.abs(bright - wanted / wanted.max()).max(axis=-1) < slack
+    return float((near & strong).mean())
+
+
+def share_of_ink(picture: NDArray[np.float64]) -> float:
+    """The share of the pixels that are not white."""
+    return float((picture.min(axis=-1) < 0.98).mean())

@@ -1,0 +1,71 @@
+"""Whether this machine can draw is asked in a child process, and a machine that cannot still does the rest."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from workbench import gl
+
+
+@pytest.fixture(autouse=True)
+def _forget(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv(gl.WINDOW, os.environ.get(gl.WINDOW, ""))  # what the probe sets is taken back afterwards
+    monkeypatch.delenv(gl.WINDOW)
+    gl.probe.cache_clear()
+    yield
+    gl.probe.cache_clear()
+
+
+def child(monkeypatch: pytest.MonkeyPatch, code: str) -> None:
+    monkeypatch.setattr(gl, "COMMAND", (sys.executable, "-c", code))
+
+
+def test_a_child_killed_by_a_signal_means_no_opengl_and_what_to_install(monkeypatch) -> None:
+    child(monkeypatch, "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
+    able, advice = gl.probe()
+    assert not able
+    assert "signal 11" in advice
+    assert "libegl1 libgl1-mesa-dri" in advice
+    assert "libosmesa6 libx11-6" in advice
+
+
+def test_a_child_that_fails_is_quoted(monkeypatch) -> None:
+    child(monkeypatch, "raise ImportError('libXrender.so.1 is not there')")
+    assert "libXrender.so.1 is not there" in gl.probe()[1]
+
+
+def test_a_child_that_draws_nothing_means_no_opengl(monkeypatch) -> None:
+    child(monkeypatch, "print('empty')")
+    able, advice = gl.probe()
+    assert not able
+    assert "empty" in advice
+
+
+def test_a_child_that_never_ends_is_not_waited_for(monkeypatch) -> None:
+    def never(*args, **kwargs):
+        raise subprocess.TimeoutExpired("child", gl.SECONDS)
+
+    monkeypatch.setattr(subprocess, "run", never)
+    assert f"more than {gl.SECONDS} s" in gl.probe()[1]
+
+
+def test_the_answer_is_asked_for_once(monkeypatch) -> None:
+    child(monkeypatch, "print('drawn')")
+    assert gl.probe() == (True, "")
+    child(monkeypatch, "raise SystemExit(1)")
+    assert gl.probe() == (True, "")
+
+
+def test_the_first_kind_of_window_that_works_is_left_in_the_environment(monkeypatch) -> None:
+    monkeypatch.setattr(gl, "_windows", lambda: ["vtkFirst", "vtkSecond", "vtkThird"])
+    child(monkeypatch, f"import os; print('drawn' if os.environ['{gl.WINDOW}'] == 'vtkSecond' else 'empty')")
+    assert gl.probe() == (True, "")
+    assert os.environ[gl.WINDOW] == "vtkSecond"
+
+
+def test_what_the_user_chose_is_the_only_one_tried(monkeypatch) -> None:
+    monkeypatch.setenv(gl.WINDOW, "vtkMine")
+    child(monkeypatch, f"import os; print('drawn' if os.environ['{gl.WINDOW}'] != 'vtkMine' else 'empty')")
+    assert not gl.probe()[0]
