@@ -33,7 +33,7 @@ def numbers(case: Case) -> dict[str, Any]:
         m = (mpf(float(given.dgamma)) + s * c / rho) / (1 + nu)
     else:
         m = mpf(float(given.F1)) / (A * dbeta) + 3 * s * c / rho
-    l = rho * (F3 * s - F2 * c) / A + m * c + s**3 / rho  # noqa: E741
+    l = rho * (F3 * s - F2 * c) / A + m * c + s**3 / rho
     p = (F2 * s + F3 * c) / A
     return {
         "rho": rho, "lam": l * rho, "mu": m * rho, "phi": p * rho**2, "span": L / rho, "beta": beta, "v": dbeta * rho,
@@ -108,7 +108,8 @@ def march(named: Named) -> dict[str, Any]:
         rows.append([float(b), float(v / rho), float(alpha), float(z * rho), float(swirl)])
     beta, dbeta, alpha, z, swirl = (list(column) for column in zip(*rows, strict=True))
     return {
-        "beta": beta, "dbeta": dbeta, "alpha": alpha, "z": z, "swirl": swirl, "condition": float(f"{float(condition):.3g}"),
+        "beta": beta, "dbeta": dbeta, "alpha": alpha, "z": z, "swirl": swirl,
+        "condition": float(f"{float(condition):.3g}"),
     }  # fmt: skip
 
 

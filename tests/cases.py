@@ -44,7 +44,7 @@ def cylinder_of(rho: float, a: float, side: str) -> Cylinder:
     return Cylinder(rho - a if side == "outside" else rho + a, side)
 
 
-def start_of(rod: Rod, rho: Any, l: Any, m: Any, p: Any, beta: Any, dbeta: Any, **more: Any) -> Start:  # noqa: E741
+def start_of(rod: Rod, rho: Any, l: Any, m: Any, p: Any, beta: Any, dbeta: Any, **more: Any) -> Start:
     """The section force and twist rate at s = 0 that give MZ = A l, M3 = A m, FZ = A p."""
     A, s, c = rod.bending_stiffness, np.sin(beta), np.cos(beta)
     FY, FZ = A / rho * (l - m * c - s**3 / rho), A * p
@@ -60,9 +60,7 @@ def in_units_of_rho(
     return Case(rod, cylinder_of(1.0, 0.25, side), start_of(rod, 1.0, lam, mu, phi, beta0, dbeta0, **more))
 
 
-def ends_in_units_of_rho(
-    lam: Any, mu: Any, phi: Any, span: Any, beta0: Any, betaL: Any, side: str = "outside"
-) -> Case:
+def ends_in_units_of_rho(lam: Any, mu: Any, phi: Any, span: Any, beta0: Any, betaL: Any, side: str = "outside") -> Case:
     """An ends problem from its dimensionless numbers."""
     rod = rod_of_unit_stiffness(span)
     A = rod.bending_stiffness

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from solver import Solution, solve
-from tests.cases import EXACT, GENERAL, TABLE_1, Named
+from solver import Rod, Solution, solve
+from tests.cases import EXACT, GENERAL, TABLE_1, Named, table_1
 
 CASES: dict[str, Named] = {**TABLE_1, **GENERAL, "catenary": EXACT["catenary"]}
 
@@ -44,7 +44,7 @@ def test_axial_moment_of_force_and_couple_is_constant(sol: Solution) -> None:
 def test_h_is_constant(sol: Solution) -> None:
     """eq. (32), from beta and beta' as they are and G as the paper writes it (with rho for R)."""
     A, rho, b = sol.case.rod.bending_stiffness, sol.case.rho, sol.beta
-    l, m, p = sol.MZ / A, sol.M3 / A, sol.FZ / A  # noqa: E741
+    l, m, p = sol.MZ / A, sol.M3 / A, sol.FZ / A
     G = (2 * (l - m * np.cos(b)) - np.sin(b) ** 3 / rho) * np.sin(b) / rho + 2 * p * np.cos(b)
     h = sol.dbeta**2 + G
     scale = (sol.dbeta**2).max() + np.abs(G).max()
@@ -85,6 +85,20 @@ def test_energy_is_the_integral_of_its_density() -> None:
     density = case.rod.bending_stiffness / 2 * sol.kappa**2 + sol.M3 * s * c / rho - sol.FZ * c - sol.MZ * s / rho
     expected = np.trapezoid(density, sol.s)
     assert observe(sol, ["energy"])["energy"] == pytest.approx(expected, rel=1e-6)  # step^2 of the rule
+
+
+def test_stiffness_of_a_solid_section_and_as_the_paper_prints_it() -> None:
+    """A = pi/4 E a^4 is E times the second moment of a circle; eq. (20) has a quarter of it; C = A/(1 + nu) in both."""
+    for stiffness, share in (("solid", np.pi / 4), ("paper", np.pi / 16)):
+        rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0, stiffness=stiffness)
+        assert rod.bending_stiffness == pytest.approx(share * 1.07e4 * 0.25**4, rel=1e-15)
+        assert rod.torsional_stiffness == pytest.approx(rod.bending_stiffness / 1.25, rel=1e-15)
+    assert Rod(E=1.0, nu=0.0, a=1.0, L=1.0).stiffness == "solid"
+
+
+def test_the_centreline_is_a_radius_off_the_surface() -> None:
+    assert table_1("shear", "tension", "paper").rho == 0.75 + 0.25
+    assert table_1("shear", "tension", "paper", side="inside").rho == 0.75 - 0.25
 
 
 def test_table_1_contradicts_itself() -> None:

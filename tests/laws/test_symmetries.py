@@ -9,14 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solver import Case, Solution, Start, solve
-from solver.methods import METHODS
 from tests.cases import GENERAL, TABLE_1, Named, in_units_of_rho, start_of
+from tests.reach import core
 
 CASES: dict[str, Named] = {
     **{name: TABLE_1[name] for name in ("force-first/tension/paper", "shear/compression/solid")},
     **{name: GENERAL[name] for name in ("going round", "inside, twisted", "from a far angle")},
 }
-STARTS = [name for name, method in METHODS.items() if "start" in method.kinds]
+STARTS = core("start")
 TOL = {"orbit": 1e-11, "verlet": 1e-4}  # verlet would need many steps for more
 
 
@@ -55,11 +55,9 @@ def test_a_mirror_through_the_axis_turns_beta_and_the_twist_around(name: str, me
     case = CASES[name].case
     g = case.given
     assert isinstance(g, Start)
-    image = changed(
-        case, beta=-g.beta, dbeta=-g.dbeta, F2=-g.F2, dgamma=flip(g.dgamma), alpha=-g.alpha, gamma=-g.gamma
-    )
+    image = changed(case, beta=-g.beta, dbeta=-g.dbeta, F2=-g.F2, dgamma=flip(g.dgamma), alpha=-g.alpha, gamma=-g.gamma)
     a, b = base(name, method), solved(image, method)
-    assert (b.MZ, b.M3, b.FZ) == pytest.approx((-a.MZ, -a.M3, a.FZ), rel=1e-13, abs=1e-13)
+    assert pytest.approx((-a.MZ, -a.M3, a.FZ), rel=1e-13, abs=1e-13) == (b.MZ, b.M3, b.FZ)
     atol = slack(a)
     np.testing.assert_allclose(b.beta, -a.beta, atol=atol)
     np.testing.assert_allclose(b.alpha, -a.alpha, atol=20 * atol)
@@ -76,12 +74,10 @@ def test_the_cylinder_upside_down_turns_tension_into_compression(name: str, meth
     """beta -> pi - beta flips (phi, mu)."""
     case = CASES[name].case
     g = case.given
-    image = changed(
-        case, beta=np.pi - g.beta, dbeta=-g.dbeta, F2=-g.F2, dgamma=flip(g.dgamma), gamma=-g.gamma
-    )
+    image = changed(case, beta=np.pi - g.beta, dbeta=-g.dbeta, F2=-g.F2, dgamma=flip(g.dgamma), gamma=-g.gamma)
     a, b = base(name, method), solved(image, method)
     scale = np.abs(a.contact).max()
-    assert (b.MZ, b.M3, b.FZ) == pytest.approx((a.MZ, -a.M3, -a.FZ), rel=1e-12, abs=1e-12 * scale)
+    assert pytest.approx((a.MZ, -a.M3, -a.FZ), rel=1e-12, abs=1e-12 * scale) == (b.MZ, b.M3, b.FZ)
     atol = slack(a)
     np.testing.assert_allclose(b.beta, np.pi - a.beta, atol=atol)
     np.testing.assert_allclose(b.alpha, a.alpha, atol=20 * atol)
@@ -97,7 +93,7 @@ def test_the_arc_reversed_leads_back_to_the_start(name: str, method: str) -> Non
     rod, rho = case.rod, case.rho
     A = rod.bending_stiffness
     there = base(name, method)
-    l, m, p = there.MZ / A, there.M3 / A, there.FZ / A  # noqa: E741
+    l, m, p = there.MZ / A, there.M3 / A, there.FZ / A
     end = start_of(rod, rho, l, m, p, there.beta[-1], -there.dbeta[-1])
     back = solved(Case(rod, case.cylinder, end), method)
     # the far end's own error grows on the way back

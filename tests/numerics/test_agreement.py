@@ -4,20 +4,12 @@ import numpy as np
 import pytest
 
 from solver import Case, Ends, Solution, solve
-from solver.methods import METHODS
 from tests.cases import EXACT, START, Named
+from tests.reach import TOLERANCES, matrix
 from tests.references import Reference, references
 
-# tol asked for; a method in reach of it must meet tol * max(1, condition), one that is not must say so
-TOLERANCES = {"orbit": (1e-6, 1e-12), "dop853": (1e-9,), "verlet": (1e-4,), "shooting": (1e-8,), "difference": (1e-6,)}
 STATIONS = 201  # the eight shares of the references are among these
 ROUNDING = 2e-15  # of the loads and of the start, grown by the condition number
-
-
-def of_kind(kind: str) -> list[tuple[str, float]]:
-    """Any method that comes to the table is tested, at 1e-6 unless it is known above."""
-    names = [name for name, method in METHODS.items() if kind in method.kinds]
-    return [(name, tol) for name in names for tol in TOLERANCES.get(name, (1e-6,))]
 
 
 def error_against(reference: Reference, sol: Solution, *, of: str = "beta alpha z") -> float:
@@ -64,13 +56,15 @@ def test_the_references_agree_with_the_closed_forms(name: str) -> None:
     np.testing.assert_allclose(reference.z, z, atol=named.L * atol)
 
 
-@pytest.mark.parametrize("method, tol", of_kind("start"))
-@pytest.mark.parametrize("name", START)
+@pytest.mark.parametrize("name, method, tol", matrix("start", list(START)))
 def test_start_problems_agree_with_the_reference(name: str, method: str, tol: float) -> None:
     named = START[name]
     if method == "verlet" and references()[name].condition > 1e5:
         pytest.skip("so near a separatrix a march of order 4 needs more than 2^20 steps")
     sol = solve(named.case, tol=tol, method=method, stations=STATIONS)
+    if method not in TOLERANCES and not sol.solved:
+        assert sol.outcome.startswith("failed")
+        pytest.skip(f"out of reach, and it says so: {sol.outcome}")
     assert sol.solved, sol.outcome
     compare(named, sol, tol)
 
@@ -87,14 +81,15 @@ MESHES = {("difference", "elliptic k=0.01 L=60"): 1025, ("difference", "turning 
 ENDS = [name for name in START if references()[name].condition < 1e3 and START[name].L < 100]
 
 
-@pytest.mark.parametrize("method, tol", of_kind("ends"))
-@pytest.mark.parametrize("name", ENDS)
+@pytest.mark.parametrize("name, method, tol", matrix("ends", ENDS))
 def test_ends_problems_agree_with_the_reference(name: str, method: str, tol: float) -> None:
     """Seeded with the slope at the start, a method for two ends finds the rod that the start problem has."""
     named, reference = START[name], references()[name]
     seed = float(named.case.given.dbeta)
     knobs = {"nodes": MESHES[method, name]} if (method, name) in MESHES else {}
     sol = solve(with_ends(named.case, reference), tol=tol, method=method, stations=STATIONS, seed=seed, **knobs)
+    if method not in TOLERANCES and not sol.solved:
+        pytest.skip(f"out of reach, and it says so: {sol.outcome}")
     assert sol.solved, sol.outcome
     assert sol.dbeta[0] == pytest.approx(seed, abs=1e-3)  # the same one of the many
     assert error_against(reference, sol) <= (tol + ROUNDING) * max(1, float(sol.condition), reference.condition)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from solver import Case, Start, solve
-from solver.methods import METHODS
 from tests.cases import START, Named, in_units_of_rho, start_of
+from tests.reach import core
 from tests.references import references
 
-STARTS = [name for name, method in METHODS.items() if "start" in method.kinds]
+STARTS = core("start")
 
 
 @pytest.mark.parametrize("name", START)
@@ -71,6 +71,19 @@ def test_what_condition_costs_is_said_in_the_outcome() -> None:
     assert "condition" in sol.outcome
     easy = solve(case, tol=1e-4)
     assert easy.outcome == "solved"
+
+
+@pytest.mark.parametrize("extrapolate", (False, True))
+def test_a_method_that_misses_its_tolerance_says_so(extrapolate: bool) -> None:
+    """Twenty steps for two periods; the sentence holds the error, the tolerance and the condition number."""
+    case = START["elliptic k=0.25 L=20"].case
+    sol = solve(case, tol=1e-8, method="verlet", stations=21, steps=1, extrapolate=extrapolate)
+    exact = START["elliptic k=0.25 L=20"].exact(sol.s)[0]
+    assert np.abs(sol.beta - exact).max() > 1e-8 * sol.condition
+    assert not sol.solved
+    assert sol.outcome.startswith("failed")
+    for number in (sol.error, 1e-8, sol.condition):
+        assert f"{number:.1e}" in sol.outcome
 
 
 def test_the_error_of_orbit_bounds_what_forty_digits_show() -> None:

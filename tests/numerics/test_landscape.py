@@ -63,9 +63,7 @@ def test_hills_and_valleys_alternate_and_valleys_are_centres(lam: float, mu: flo
 
 @settings(max_examples=60)
 @given(lam=loads, mu=loads, phi=loads, beta=st.floats(-10, 10))
-def test_the_slope_is_half_the_derivative_of_the_potential(
-    lam: float, mu: float, phi: float, beta: float
-) -> None:
+def test_the_slope_is_half_the_derivative_of_the_potential(lam: float, mu: float, phi: float, beta: float) -> None:
     one, step = problem(lam, mu, phi), 1e-3
     around = beta + step * np.array([-2, -1, 1, 2])
     rule = np.array([1, -8, 8, -1]) / (12 * step)  # error step^4

@@ -72,14 +72,14 @@ def test_largest_curvature_does_not_depend_on_the_stations() -> None:
 
 @by_both
 def test_mean_curvature_and_mean_contact_are_integrals_over_the_exact_shape(method: str) -> None:
-    """With no load f = -sin^4 - 3 sin^2 cos^2 (2 sin cos) ..: from beta alone, by adaptive quadrature."""
+    """With no load both follow from beta alone: by adaptive quadrature of the closed form."""
     span = 1.7 * ELLIPTIC_PERIOD
     sin = lambda t: np.sin(elliptic(t)[0])  # noqa: E731
     kappa = quad(lambda t: np.sqrt(2 * sin(t) ** 4 - 1 / 16), 0, span, limit=400)[0] / span
     assert seen(unloaded(span), "kappa_mean", method) == pytest.approx(kappa, rel=1e-5)
 
     def push(t: float) -> float:
-        """f = F3 kappa_n + ... written out for no load: -sin^4 + 3 sin(2b)/2 H - 3 beta'^2 cos(2b), H = -2 cos sin^3."""
+        """-sin^4 + 3/2 sin(2b) H - 3 beta'^2 cos(2b) with H = -2 cos sin^3: f where there is no load."""
         b = float(elliptic(t)[0])
         s, c = np.sin(b), np.cos(b)
         return -(s**4) - 6 * c * c * s**4 - 3 * (s**4 - 1 / 16) * np.cos(2 * b)
@@ -135,7 +135,13 @@ def test_a_mirror_image_has_the_same_observables_but_winds_the_other_way() -> No
         assert right[name] == pytest.approx(sign * left[name], rel=1e-9, abs=1e-9), name
 
 
-HELICES = ("helix at a centre", "helix at a centre, inside", "helix at a saddle", "buckled pipe 10 deg", "buckled pipe 70 deg")
+HELICES = (
+    "helix at a centre",
+    "helix at a centre, inside",
+    "helix at a saddle",
+    "buckled pipe 10 deg",
+    "buckled pipe 70 deg",
+)
 
 
 @by_both
