@@ -73,9 +73,10 @@ def test_the_tube_is_closed_and_its_faces_look_outward(fig6) -> None:
 
 
 def test_between_coarse_stations_the_curve_follows_the_fine_ones(fig6) -> None:
-    coarse = curve(fig6.isel(u=slice(None, None, 4)))
-    np.testing.assert_allclose(np.interp(fig6["s"], coarse.s, coarse.alpha), fig6["alpha"], atol=2e-3)
-    np.testing.assert_allclose(np.interp(fig6["s"], coarse.s, coarse.z), fig6["z"], atol=2e-3)
+    coarse = curve(fig6.isel(u=slice(None, None, 10)))
+    # measured 8e-4 with the stored tangents at a quarter of a centimetre, 4e-3 without
+    np.testing.assert_allclose(np.interp(fig6["s"], coarse.s, coarse.alpha), fig6["alpha"], atol=1.5e-3)
+    np.testing.assert_allclose(np.interp(fig6["s"], coarse.s, coarse.z), fig6["z"], atol=1.5e-3)
     steps = np.linalg.norm(np.diff(tube.frames.position(coarse.rho, coarse.alpha, coarse.z), axis=0), axis=1)
     assert steps.sum() == pytest.approx(20.0, rel=1e-3)  # the rod is not stretched; chords are a little short
 
