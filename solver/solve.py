@@ -8,6 +8,7 @@ from .case import Case
 from .errors import InputError, choices, no_such
 from .methods import METHODS, Method
 from .methods.base import Seed
+from .methods.heyoka import MISSING
 from .reduced import Array, Reduced, flat, reduce
 from .solution import Solution
 
@@ -31,6 +32,8 @@ def solve(
     tol = _tolerance(tol)
     problem = reduce(case)
     name = AUTO[problem.kind] if method == "auto" else method
+    if name == "heyoka" and name not in METHODS:
+        raise InputError(MISSING)
     if name not in METHODS:
         raise no_such("method", name, ["auto", *METHODS])
     if problem.kind not in METHODS[name].kinds:

@@ -5,47 +5,21 @@ rounding from growing with 1/h^2. Symplectic; order 2, order 4 once (4 y_{h/2} -
 by the trapezoidal rule on the same points, whose error has the same expansion in h^2.
 """
 
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from ..growth import growth
 from ..landscape import slope
 from ..reduced import Array, Reduced
-from .base import Knob, Method, Trajectory, verdicts
-
-_MOST_STEPS = 2**17
+from .base import Knob, Method, Trajectory
+from .marching import Scheme, marched
 
 
 def run(
     problem: Reduced, t: Array, tol: float, steps: int | None = None, extrapolate: bool = True, **_: Any
 ) -> Trajectory:
-    """March all problems at once, with `steps` equal steps between neighbouring stations.
-
-    Without `steps` the number is doubled until two answers agree to `tol` or 2^17 steps in all are reached.
-    """
-    intervals = max(1, t.shape[1] - 1)
-    if steps is not None:
-        marches = [
-            _march(problem, t, n) for n in ((steps, 2 * steps, 4 * steps) if extrapolate else (steps, 2 * steps))
-        ]
-        answers = [_extrapolated(a, b) for a, b in pairwise(marches)] if extrapolate else marches
-        work = intervals * steps * (3 if extrapolate else 1)
-        return _trajectory(problem, t, tol, answers[0], np.abs(answers[0] - answers[1]), work)
-    steps, work, marches, answers = 1, 0, [], []
-    while True:
-        marches.append(_march(problem, t, steps))
-        work += intervals * steps
-        if extrapolate and len(marches) > 1:
-            answers.append(_extrapolated(*marches[-2:]))
-        elif not extrapolate:
-            answers.append(marches[-1])
-        if len(answers) > 1:
-            off = np.abs(answers[-1] - answers[-2])
-            if _error(t, off).max(initial=0.0) <= tol or 2 * steps * intervals > _MOST_STEPS:
-                return _trajectory(problem, t, tol, answers[-1], off, work)
-        steps *= 2
+    """March all problems at once, with `steps` equal steps between neighbouring stations, or as many as `tol` needs."""
+    return marched(SCHEME, problem, t, tol, steps, extrapolate)
 
 
 def _march(problem: Reduced, t: Array, steps: int) -> Array:
@@ -71,25 +45,7 @@ def _march(problem: Reduced, t: Array, steps: int) -> Array:
     return out
 
 
-def _extrapolated(coarse: Array, fine: Array) -> Array:
-    """Eq. (47)."""
-    return (4 * fine - coarse) / 3
-
-
-def _error(t: Array, off: Array) -> Array:
-    """Error measure of a difference of two answers, (B,): beta, and alpha and z over max(1, t)."""
-    reach = np.maximum(1, t[:, -1:])
-    return np.nan_to_num(np.max(np.maximum(off[0], np.maximum(off[2], off[3]) / reach), axis=1), nan=np.inf)
-
-
-def _trajectory(problem: Reduced, t: Array, tol: float, answer: Array, off: Array, work: int) -> Trajectory:
-    beta, dbeta, alpha, z, swirl = answer
-    condition = growth(problem, t, beta)
-    error = _error(t, off) + 2e-16 * np.sqrt(work) * condition
-    evaluations = np.full(problem.size, work, dtype=np.int64)
-    outcome = verdicts(beta, error, condition, tol)
-    return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, evaluations)
-
+SCHEME = Scheme(_march, order=2, calls=1, most=2**17)
 
 VERLET = Method(
     "verlet",

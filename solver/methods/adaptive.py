@@ -1,0 +1,91 @@
+"""What scipy's adaptive integrators share: beta, beta_t, alpha, z and the swirl marched from the start.
+
+An integrator's tolerance is of one step, the error asked for is of the whole rod. So the error is measured, not
+trusted: a second run at thirty times the tolerance is the yardstick, and the tolerance is tightened until the two
+agree.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from ..growth import growth
+from ..reduced import Array, Reduced
+from .base import Run, Trajectory, verdicts
+
+_TIGHTEST = 3e-14  # scipy refuses rtol below 100 eps
+_MOST_CALLS = 400_000  # of one integration: a second or two; stiffer cases are for `orbit`
+
+
+class _TooLong(Exception):
+    """The integration would take more calls than allowed."""
+
+
+def make_run(integrator: str) -> Run:
+    """A method's run with that one of scipy's integrators (a name that `solve_ivp` knows)."""
+
+    def run(problem: Reduced, t: Array, tol: float, rtol: float | None = None, **_: Any) -> Trajectory:
+        """Integrate each problem by itself; `rtol` fixes the integrator's own tolerance instead of seeking `tol`."""
+        n = t.shape[1]
+        states = np.full((problem.size, 5, n), np.nan)
+        error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
+        calls = np.zeros(problem.size, dtype=np.int64)
+        for i in range(problem.size):
+            one = problem.take(slice(i, i + 1))
+            states[i], error[i], condition[i], calls[i] = _one(integrator, one, t[i], tol, rtol)
+        beta, dbeta, alpha, z, swirl = np.moveaxis(states, 1, 0)
+        outcome = verdicts(beta, error, condition, tol)
+        return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, calls)
+
+    return run
+
+
+def _one(
+    integrator: str, problem: Reduced, t: Array, tol: float, rtol: float | None
+) -> tuple[Array, float, float, int]:
+    wanted = max(_TIGHTEST, 0.1 * tol) if rtol is None else max(rtol, _TIGHTEST)
+    coarse, _, calls = _integrate(integrator, problem, t, min(30 * wanted, 1e-2))
+    if np.isnan(coarse).any():  # a tighter run would take longer still
+        return coarse, math.inf, math.inf, calls
+    weight = np.array([1, 0, 1, 1, 0]) / np.array([1, 1, max(1.0, t[-1]), max(1.0, t[-1]), 1])
+    while True:
+        fine, (steps, at_steps), more = _integrate(integrator, problem, t, wanted)
+        calls += more
+        error = float(np.max(np.abs(fine - coarse) * weight[:, None], initial=0.0))
+        if not math.isfinite(error):
+            return fine, math.inf, math.inf, calls
+        condition = float(growth(problem, steps[None], at_steps[None])[0])
+        error += 1e-15 * (1 + calls**0.5) * condition
+        if rtol is not None or error <= tol or wanted <= _TIGHTEST:
+            return fine, error, condition, calls
+        coarse, wanted = fine, max(_TIGHTEST, wanted / 30)
+
+
+def _integrate(integrator: str, problem: Reduced, t: Array, rtol: float) -> tuple[Array, tuple[Array, Array], int]:
+    lam, mu, phi = float(problem.lam[0]), float(problem.mu[0]), float(problem.phi[0])
+
+    calls = 0
+
+    def rates(_: float, y: Array) -> list[float]:
+        nonlocal calls
+        calls += 1
+        if calls > _MOST_CALLS:
+            raise _TooLong
+        s, c = math.sin(y[0]), math.cos(y[0])
+        pull = lam * c - mu * (c - s) * (c + s) - (phi + 2 * c * s * s) * s
+        return [y[1], -pull, s, c, s * c]
+
+    assert problem.dbeta0 is not None
+    start = [problem.beta0[0], problem.dbeta0[0], 0.0, 0.0, 0.0]
+    try:
+        answer = solve_ivp(rates, (0.0, t[-1]), start, integrator, t_eval=t, rtol=rtol, atol=rtol, dense_output=True)
+    except (_TooLong, ValueError):  # math.sin refuses an infinite angle by a ValueError
+        return np.full((5, t.size), np.nan), (t, t), calls
+    if answer.status != 0:
+        return np.full((5, t.size), np.nan), (t, t), answer.nfev
+    # four points in each step are enough for the condition number's digit or two
+    knots = answer.sol.ts
+    points = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(4) / 4).ravel(), knots[-1])
+    return answer.y, (points, answer.sol(points)[0]), answer.nfev

@@ -1,0 +1,89 @@
+"""`heyoka`: Taylor's method compiled to machine code, the strongest integrator one could pick instead; optional.
+
+Offered where the package heyoka is installed (the extra `taylor`). Its order follows the tolerance, about twenty at
+rounding. As with every adaptive integrator here, a second run measures the error.
+"""
+
+import math
+from functools import cache
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+
+from ..growth import growth
+from ..reduced import Array, Reduced
+from .base import Knob, Method, Trajectory, verdicts
+
+INSTALLED = find_spec("heyoka") is not None
+MISSING = "method 'heyoka' needs the package heyoka, which is not installed: pip install 'rod-workbench[taylor]'"
+_TIGHTEST = 2.3e-16
+_MOST_STEPS = 200_000  # of one integration
+
+
+def run(problem: Reduced, t: Array, tol: float, rtol: float | None = None, **_: Any) -> Trajectory:
+    """Integrate each problem by itself; `rtol` fixes the integrator's own tolerance instead of seeking `tol`."""
+    states = np.full((problem.size, 5, t.shape[1]), np.nan)
+    error, calls = np.full(problem.size, np.inf), np.zeros(problem.size, dtype=np.int64)
+    for i in range(problem.size):
+        states[i], error[i], calls[i] = _one(problem.take(slice(i, i + 1)), t[i], tol, rtol)
+    beta, dbeta, alpha, z, swirl = np.moveaxis(states, 1, 0)
+    condition = growth(problem, t, beta)
+    error = error + 2e-16 * (1 + np.sqrt(calls)) * condition
+    outcome = verdicts(beta, error, condition, tol)
+    return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, calls)
+
+
+def _one(problem: Reduced, t: Array, tol: float, rtol: float | None) -> tuple[Array, float, int]:
+    wanted = max(_TIGHTEST, 0.1 * tol) if rtol is None else max(rtol, _TIGHTEST)
+    coarse, calls = _integrate(problem, t, min(30 * wanted, 1e-2))
+    weight = np.array([1, 0, 1, 1, 0]) / np.array([1, 1, max(1.0, t[-1]), max(1.0, t[-1]), 1])
+    while True:
+        fine, more = _integrate(problem, t, wanted)
+        calls += more
+        error = float(np.max(np.abs(fine - coarse) * weight[:, None], initial=0.0))
+        if not math.isfinite(error):
+            return fine, math.inf, calls
+        if rtol is not None or error <= tol or wanted <= _TIGHTEST:
+            return fine, error, calls
+        coarse, wanted = fine, max(_TIGHTEST, wanted / 30)
+
+
+def _integrate(problem: Reduced, t: Array, rtol: float) -> tuple[Array, int]:
+    """The state at the stations, (5, n), NaN where the march came to nothing; and calls of the equation."""
+    assert problem.dbeta0 is not None
+    march = _compiled(rtol)
+    march.time = 0.0
+    march.state[:] = problem.beta0[0], problem.dbeta0[0], 0.0, 0.0, 0.0
+    march.pars[:] = problem.lam[0], problem.mu[0], problem.phi[0]
+    grid, back = np.unique(np.append(0.0, t), return_inverse=True)
+    if grid.size == 1:
+        return np.repeat(march.state[:, None].copy(), t.size, axis=1), 0
+    _, _, _, steps, _, states = march.propagate_grid(grid=grid, max_steps=_MOST_STEPS)
+    calls = int(steps) * (int(march.order) + 1)  # each step evaluates that many derivatives of the equation
+    if states.shape[0] < grid.size:
+        return np.full((5, t.size), np.nan), calls
+    return states.T[:, back[1:]], calls
+
+
+@cache
+def _compiled(rtol: float) -> Any:
+    """The integrator of that tolerance, made once in a process: compiling takes longer than integrating."""
+    import heyoka as hy
+
+    beta, v, alpha, z, swirl = hy.make_vars("beta", "v", "alpha", "z", "swirl")
+    lam, mu, phi = hy.par[0], hy.par[1], hy.par[2]
+    s, c = hy.sin(beta), hy.cos(beta)
+    pull = (lam - mu) * c + 2.0 * mu * hy.sin(0.5 * beta) ** 2.0 * (1.0 + 2.0 * c) - (phi + 2.0 * c * s * s) * s
+    rates = [(beta, v), (v, -pull), (alpha, s), (z, c), (swirl, s * c)]
+    return hy.taylor_adaptive(rates, [0.0] * 5, tol=rtol, pars=[0.0] * 3)
+
+
+HEYOKA = Method(
+    "heyoka",
+    run,
+    ("start",),
+    float("inf"),
+    "Taylor series compiled to machine code (the package heyoka)",
+    {"rtol": Knob(float)},
+)
