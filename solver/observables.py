@@ -36,18 +36,29 @@ class Reading:
 
 
 def turns(read: Reading) -> Any:
-    """Interior extrema of beta: the bends one counts."""
+    """Interior extrema of beta: the bends one counts. A helix that only trembles by rounding has none."""
     sol, orbit = read.sol, read.sol.trajectory.orbit
     if orbit is None:
         sign = np.sign(sol.dbeta)
-        return np.count_nonzero(sign[..., 1:] * sign[..., :-1] < 0, axis=-1)
+        count = np.count_nonzero(sign[..., 1:] * sign[..., :-1] < 0, axis=-1)
+        return np.where(_swings(read), count, 0)[()]
     span, swing = sol.problem.span, (orbit.ahead + orbit.back)
     first = np.where(orbit.ahead > 0, orbit.ahead, swing)
     with np.errstate(divide="ignore", invalid="ignore"):
         # the far end itself is not interior
         count = np.ceil((span - first) / swing * (1 - 1e-12))
-    turning = (orbit.course.kind == LIBRATION) & (span > first)
+    turning = (orbit.course.kind == LIBRATION) & (span > first) & np.reshape(_swings(read), -1)
     return read.each(np.where(turning, np.maximum(count, 0), 0).astype(int))
+
+
+def _swings(read: Reading) -> Any:
+    """Whether beta changes by more than rounding, and than the error allowed where the method knows no orbit, (*cases)."""
+    sol, points = read.sol, read.sampled.solution
+    rounding = 64 * 2.0**-52 * np.maximum(1, np.abs(points.beta).max(axis=-1))
+    allowed = np.minimum(2 * np.asarray(sol.error), 1e-6)
+    if sol.trajectory.orbit is None:
+        allowed = np.fmax(allowed, sol.tol)
+    return np.ptp(points.beta, axis=-1) > np.fmax(rounding, allowed)
 
 
 def bend_number(read: Reading) -> Any:
@@ -56,7 +67,8 @@ def bend_number(read: Reading) -> Any:
     if orbit is None:
         return read.each(np.full(read.sol.case.size, np.nan))
     with np.errstate(divide="ignore", invalid="ignore"):
-        count = np.where(orbit.course.kind == LIBRATION, read.sol.problem.span / (orbit.ahead + orbit.back), 0.0)
+        swings = (orbit.course.kind == LIBRATION) & np.reshape(_swings(read), -1)
+        count = np.where(swings, read.sol.problem.span / (orbit.ahead + orbit.back), 0.0)
     return read.each(count)
 
 
