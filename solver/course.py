@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .landscape import TAU, Extrema, Well, extrema
+from .landscape import TAU, Extrema, Well, extrema, slope
 from .reduced import Array, Reduced
 
 PASS, SADDLE, CENTRE = 0, 1, 2
 HELIX, LIBRATION, ROTATION = 0, 1, 2
+TINY = 1e-150  # angles and speeds below this have squares that a float cannot hold: none
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +64,12 @@ class Pieces:
         return np.sqrt(self.well.speed2(x) / (x * x + scale * scale))
 
     def _turning(self, x: Array, scale: Array) -> Array:
-        return np.sqrt(np.abs(self.well.ratio(x, scale)))
+        return _turning(self.well, x, scale)
+
+
+def _turning(well: Well, x: Array, scale: Array) -> Array:
+    """beta_t over sqrt(x1^2 - x^2); never zero, as where the turning point is next to a helix it would be."""
+    return np.sqrt(np.maximum(np.abs(well.ratio(x, scale)), well.faintest))
 
 
 def _by_kind(kind: Any, u: Array, functions: tuple[Any, Any, Any]) -> Array:
@@ -100,12 +106,13 @@ def course(problem: Reduced, pin: tuple[Array, Array] | None = None) -> Course:
     behind = np.count_nonzero(found.beta <= start[:, None], axis=1) - 1  # -1: the last one, a turn lower
     level = _levels(problem, found, *((start, problem.dbeta0**2) if pin is None else pin))
     v = problem.dbeta0
-    rest = v == 0
+    rest = np.abs(v) < TINY
     # a rod that starts without slope goes downhill: up where the extremum above it is a centre
     rows = np.arange(B)
     above = found.centre[rows, (behind + 1) % m]
     direction = np.where(rest, np.where(above, 1.0, -1.0), np.sign(v))
-    still = rest & (found.beta == start[:, None]).any(axis=1)
+    near = np.abs(_apart(start[:, None], found.beta)) < TINY
+    still = rest & (near.any(axis=1) | (slope(problem, start) == 0))
     forward, blocked = _blocked(found, level, behind, direction)
     backward, _ = _blocked(found, level, behind, -direction)
     kind = np.where(still, HELIX, np.where(blocked, LIBRATION, ROTATION))
@@ -121,7 +128,7 @@ def _levels(problem: Reduced, found: Extrema, pinned: Array, gap: Array) -> Arra
     """eta - G at every extremum, (B, K), kept to relative accuracy where both parts of it are small; NaN beyond."""
     B, K = found.beta.shape
     wide = problem.take(np.repeat(np.arange(B), K))
-    x = _wrapped(pinned[:, None] - found.beta).reshape(-1, 1)
+    x = _apart(pinned[:, None], found.beta).reshape(-1, 1)
     drop = Well.about(wide, found.beta.reshape(-1)).drop(x).reshape(B, K)
     # extrema as high as the pinned one, which symmetry makes common, must share its gap
     heights = np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1
@@ -132,9 +139,10 @@ def _levels(problem: Reduced, found: Extrema, pinned: Array, gap: Array) -> Arra
     return np.where(np.abs(level) < floor, np.where(level > 0, floor, -floor), level)
 
 
-def _wrapped(x: Array) -> Array:
-    """x moved into [-pi, pi) by whole turns; untouched where it is there already."""
-    return np.where(x >= np.pi, x - TAU, np.where(x < -np.pi, x + TAU, x))
+def _apart(a: Array, b: Array) -> Array:
+    """a - b moved into [-pi, pi), of angles in [-pi, pi); exact where they are neighbours across the cut at pi."""
+    x = a - b
+    return np.where(x >= np.pi, (a - TAU) - b, np.where(x < -np.pi, (a + TAU) - b, x))
 
 
 def _blocked(found: Extrema, level: Array, behind: Any, direction: Array) -> tuple[Any, Any]:
@@ -173,10 +181,10 @@ def _pieces(
     saddle_low = ~found.centre[b, low % m]
     g_low, g_high = level[b, low % m], level[b, (low + 1) % m]
     # the start's place in its interval, from either end (also one turn on, where a rotation closes)
-    x_low, x_high = _wrapped(start[b] - c_low), _wrapped(start[b] - c_high)
+    x_low, x_high = _apart(start[b], c_low), _apart(start[b], c_high)
     x_low, x_high = np.where(x_low < 0, x_low + TAU, x_low), np.where(x_high > 0, x_high - TAU, x_high)
     g_saddle = np.where(saddle_low, g_low, g_high)
-    at_rest = problem.dbeta0[b] == 0  # type: ignore[index]
+    at_rest = np.abs(problem.dbeta0[b]) < TINY  # type: ignore[index]
     passes = g_saddle > 0
     # the origin of x: the saddle, or the centre where the orbit turns on its half of the interval
     well = Well.about(problem.take(b), np.where(saddle_low, c_low, c_high), g_saddle)
@@ -195,7 +203,8 @@ def _pieces(
     x_from = np.where(way > 0, x_first, x_second)
     x_to = np.where(way > 0, x_second, x_first)
     form = np.where(passes, PASS, np.where(near_centre, CENTRE, SADDLE))
-    here = _start_variable(form, scale, x_start, problem.dbeta0[b], well)  # type: ignore[index]
+    speed = np.where(at_rest, 0.0, problem.dbeta0[b])  # type: ignore[index]
+    here = _start_variable(form, scale, x_start, speed, well)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         u_from, u_to = _variable(form, scale, x_from), _variable(form, scale, x_to)
     u0 = np.where(rank == 0, here, u_from)
@@ -244,8 +253,8 @@ def _variable(form: Any, scale: Array, x: Array) -> Array:
 def _start_variable(form: Any, scale: Array, x: Array, v: Array, well: Well) -> Array:
     """u at the start, where the slope is known exactly: no digits are lost next to a turning point, (P,)."""
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        root = np.sqrt(np.abs(well.ratio(x[:, None], scale[:, None])))[:, 0]
-        sine = np.abs(v) / (np.abs(scale) * root)
+        root = _turning(well, x[:, None], scale[:, None])[:, 0]
+        sine = np.where(v == 0, 0.0, np.abs(v) / (np.abs(scale) * root))
         return np.where(
             form == PASS,
             np.arcsinh(x / scale),

@@ -102,7 +102,7 @@ def _crossing(lo: Array, hi: Array, v0: Array, v1: Array, r0: Array, r1: Array) 
     rise = v1 - v0
     w = -v0 / rise
     secant = lo + (hi - lo) * w
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         cubic = secant + w * (1 - w) * ((1 - w) * (rise / r0 - (hi - lo)) - w * (rise / r1 - (hi - lo)))
     return np.where((cubic - lo) * (cubic - hi) <= 0, cubic, secant)
 
@@ -112,7 +112,7 @@ def _pairs(
 ) -> tuple[Any, Array, Array, Any]:
     """Brackets of two roots of H that share a cell: row, lo, hi, whether H rises through each."""
     v2, r2 = np.roll(value, -1, axis=1), np.roll(rate, -1, axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         # H heads for zero from both sides, and its tangents reach it inside the cell
         reach = np.abs(value / rate) + np.abs(v2 / r2) < right - angles
     row, cell = np.nonzero(~change & (value * rate < 0) & (v2 * r2 > 0) & reach)
@@ -162,6 +162,11 @@ class Well:
         picked = (v[index] for v in (self.lam, self.mu, self.phi, self.o, self.level))
         lam, mu, phi, o, level = picked
         return Well(lam, mu, phi, o, level, tuple(v[index] for v in self._fixed))
+
+    @property
+    def faintest(self) -> Array:
+        """What of K no float of these loads can tell from nothing, (P, 1)."""
+        return 1e-17 * (np.abs(self.lam) + np.abs(self.mu) + np.abs(self.phi) + 1)
 
     def _near(self, sh: Array, ch: Array) -> tuple[Array, Array, Array, Array]:
         """sin(o + x), cos(o + x/2), and cos^2(o + x/2) (S^2 + 2 s S + 3 s^2) with its bracket, x by its half angle.

@@ -12,6 +12,7 @@ from .reduced import Array, Reduced
 
 EPS = 2.0**-52
 _ROUNDS = 14  # how often a panel may be halved
+_PATIENCE, _CROWD = 3, 16  # after so many halvings, of so many panels of a course, there is no more to gain
 _NEWTON = 12
 _BLOCK = 512  # panels worked on at once
 
@@ -66,8 +67,9 @@ def panelled(problem: Reduced, way: Course, points: Basis, length: float, goal: 
         enough = (panels.slack <= max(goal, 20 * EPS)) & (
             panels.drift <= np.maximum(goal / repeats[batch.part // 2], 40 * EPS)
         )
-        if round_ == _ROUNDS:
-            enough[:] = True
+        # panels beside a singularity are few; many that halving does not help are at the end of what rounding allows
+        left = np.bincount(batch.part[~enough], minlength=2 * problem.size)
+        enough |= (round_ >= _PATIENCE) & (left[batch.part] > _CROWD) | (round_ == _ROUNDS)
         done.append((piece[enough], order[enough], panels.take(enough)))
         if enough.all():
             break
