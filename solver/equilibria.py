@@ -46,6 +46,8 @@ def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: 
         raise InputError(f"equilibria takes one case at a time, got a grid of shape {case.shape}")
     problem = reduce(case)
     slopes, orbit = search(problem, most_swings)
+    if orbit is None:
+        return []
     wide = many(problem, slopes.size)
     beta, h = _grid(wide, orbit)
     index = morse_index(wide, h, beta)
@@ -82,7 +84,7 @@ def _grid(problem: Reduced, orbit: Orbit) -> tuple[Array, Array]:
 def chosen(problem: Reduced, t: Array, tol: float, slope: float | None) -> Trajectory | None:
     """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or of lowest energy; None without any."""
     slopes, orbit = search(problem)
-    if not slopes.size:
+    if orbit is None:
         return None
     i = int(np.argmin(_energies(problem, slopes, orbit) if slope is None else np.abs(slopes - slope)))
     return trajectory(problem, orbit.take(i), t, tol)

@@ -131,7 +131,7 @@ def ways(problem: Reduced, pin: Array, gap: Array, tol: float) -> tuple[Ways, Ar
     turns = joins & (kind[0] == ROTATION) & (way != 0)
     direct = np.full(M, np.nan)
     if turns.any():
-        direct[turns] = _direct(problem, both, panels, M, way)[turns]
+        direct[turns] = _direct(both, panels, M)[turns]
     there, back_, there_far, back_far = (np.where(swings, v, np.nan) for v in (up[0], down[0], up[1], down[1]))
     return Ways(there, back_, there_far, back_far, direct), np.where(joins, v2[0], np.nan)
 
@@ -159,21 +159,28 @@ def _same_well(both: Reduced, way: Any, panels: Any, M: int) -> NDArray[np.bool_
     return np.abs(first - second).max(axis=1) < 1e-6
 
 
-def _direct(problem: Reduced, both: Reduced, panels: Any, M: int, way: float) -> Array:
+def _direct(both: Reduced, panels: Any, M: int) -> Array:
     """Time from beta(0) to beta(L) on orbits that turn all the way, (M,): up to the next extremum after beta(L), less
     the time from beta(L) to it."""
-    found = extrema(problem)
-    sense = 1.0 if way > 0 else -1.0
-    marks = found.beta[0, : found.count[0]]
-    ahead = np.mod(sense * (marks - problem.beta0[0]), TAU)
-    rest = np.mod(abs(way), TAU)
-    rounds = np.round((abs(way) - rest) / TAU)
-    passed = int(np.count_nonzero(ahead <= rest))
+    found = extrema(both)
+    m = int(found.count[0])
+    passed = abs(_interval(both, found, M) - _interval(both, found, 0))
+    rounds, rest = divmod(passed, m)
     forward = panels.part % 2 == 0
     index = panels.part // 2
-    first = forward & (index < M) & (panels.rank <= passed)
+    first = forward & (index < M) & (panels.rank <= rest)
     near = forward & (index >= M) & (panels.rank == 0)
     to_mark = np.bincount(index[first], weights=panels.duration[first], minlength=2 * M)[:M]
     from_far = np.bincount(index[near], weights=panels.duration[near], minlength=2 * M)[M:]
     whole = np.bincount(index[forward], weights=panels.duration[forward], minlength=2 * M)[:M]
     return to_mark - from_far + rounds * whole
+
+
+def _interval(problem: Reduced, found: Extrema, i: int) -> int:
+    """Between which extrema the start of problem i lies: the number of the lower one, counted on through whole turns,
+    and told as `course` tells it."""
+    beta = problem.beta0[i]
+    start = beta - TAU * np.round(beta / TAU)
+    start = start - TAU if start >= np.pi else start
+    behind = int(np.count_nonzero(found.beta[i] <= start)) - 1
+    return behind + int(found.count[i]) * round(float((beta - start) / TAU))

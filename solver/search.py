@@ -29,17 +29,21 @@ class Bracket:
     swings: int
 
 
-def search(problem: Reduced, most_swings: int = 200) -> tuple[Array, Orbit]:
-    """beta_t(0) of every solution of one ends problem, (K,), and their orbits."""
+def search(problem: Reduced, most_swings: int = 200) -> tuple[Array, Orbit | None]:
+    """beta_t(0) of every solution of one ends problem, (K,), and their orbits; None where there is none."""
     found = [b for ladder in ladders(problem, extrema(problem)) for b in _brackets(problem, ladder, most_swings)]
     pin, gap, leaving = _closed_in(problem, found) if found else (np.empty(0),) * 3
     pin, gap, leaving = _with_helix(problem, pin, gap, leaving)
     kept = _distinct(pin, gap, leaving)
+    if not kept:
+        return np.empty(0), None
     pin, gap, leaving = pin[kept], gap[kept], leaving[kept]
     start = many(problem, leaving.size).started(leaving)
     orbit = solve_orbit(start, _TIGHT, (pin, gap))
     assert problem.betaL is not None
     arrived = np.abs(orbit.at(start.span[:, None])[0][:, 0] - problem.betaL[0]) < 1e-6
+    if not arrived.any():
+        return np.empty(0), None
     if not arrived.all():
         orbit = solve_orbit(start.take(arrived), _TIGHT, (pin[arrived], gap[arrived]))
     return leaving[arrived], orbit
