@@ -101,7 +101,13 @@ def test_the_centreline_is_a_radius_off_the_surface() -> None:
     assert table_1("shear", "tension", "paper", side="inside").rho == 0.75 - 0.25
 
 
-def test_table_1_contradicts_itself() -> None:
-    """gamma0' = 0.5 gives F10 = -2.268 N, not the 5 N printed beside it."""
-    sol = solve(TABLE_1["twist-first/tension/paper"].case, tol=1e-6)
-    assert sol.F1[0] == pytest.approx(-2.268, abs=5e-4)  # as many figures
+# docs/physics.md, section 6: as many figures as it prints
+@pytest.mark.parametrize("stiffness, F1, dgamma", [("paper", -2.268, 2.714), ("solid", -9.071, 1.572)])
+def test_table_1_contradicts_itself(stiffness: str, F1: float, dgamma: float) -> None:
+    """gamma0' = 0.5 gives F10 = -2.268 N, not the 5 N beside it; 5 N need gamma0' = 2.714; no stiffness helps."""
+    by_twist = solve(table_1("twist-first", "tension", stiffness), tol=1e-6)
+    assert by_twist.F1[0] == pytest.approx(F1, abs=5e-4)
+    by_force = solve(table_1("force-first", "tension", stiffness), tol=1e-6)
+    slope = np.sin(by_force.beta[0]) * np.cos(by_force.beta[0]) / by_force.case.rho
+    rate = by_force.M3 / by_force.case.rod.torsional_stiffness - slope
+    assert rate == pytest.approx(dgamma, abs=5e-4)

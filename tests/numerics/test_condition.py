@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Start, solve
-from tests.cases import START, Named, in_units_of_rho, start_of
+from tests.cases import START, Named, helix_moment, in_units_of_rho, start_of
 from tests.reach import core
 from tests.references import references
 
@@ -56,6 +56,16 @@ def test_growth_is_exponential_at_a_saddle() -> None:
     for span in (5.0, 10.0, 20.0):
         sol = solve(in_units_of_rho(0, 0, 1.0, span, 0.0, 0.0))
         assert sol.condition == pytest.approx(np.cosh(span), rel=1e-3)
+
+
+def test_a_constant_h_proves_nothing() -> None:
+    """A helix at a saddle, long enough: the march holds h and loses the rod. The condition number knew."""
+    beta = 1.1
+    case = in_units_of_rho(helix_moment(beta, 0.4, 0.2), 0.4, 0.2, 80.0, beta, 0.0)
+    march = solve(case, tol=1e-8, method="dop853", rtol=1e-13)
+    assert np.ptp(march.h) < 1e-11
+    assert np.abs(march.beta - beta).max() > 1
+    assert march.condition * 2e-16 > 1
 
 
 def test_no_length_of_a_stable_helix_is_ill_conditioned() -> None:
