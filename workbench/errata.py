@@ -27,7 +27,7 @@ ERRATA = (
         "the second moment of a solid circular section of radius a; the ratio C/A is right. The workbench has both, as "
         "stiffness “paper” and “solid”",
     ),
-    Erratum("eq. (24), row 5", "α″", "α″ sin β", "the factor was lost; with it the row integrates to eq. (29)"),
+    Erratum("eq. (24), row 5", "α″", "α″ sin β", "the factor was lost; with it the row gives the F₁ of eq. (33)"),
     Erratum("eq. (28)", "ω₃₀", "ω₃₀²", "an energy is quadratic in the twist"),
     Erratum(
         "eqs. (32), (33)",

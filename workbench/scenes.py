@@ -276,7 +276,7 @@ def _save(
     least = page if page == PAGE else (1300, 0)
     drawn = Sheet(
         str(ds.attrs["title"]), subtitle, pixels, cells, view.per_unit, unit, view.page.T, _legend(curves),
-        _notes(ds, curves, unit), least,
+        _notes(curves, unit), least,
     )  # fmt: skip
     sheet.figure(drawn).savefig(path, dpi=style.DPI)
 
@@ -289,13 +289,13 @@ def _legend(curves: Sequence[Curve]) -> list[tuple[str, str]]:
     return [(style.PUSHED, "the cylinder pushes"), (style.LIFTED, "it would have to pull: the rod would lift off")]
 
 
-def _notes(ds: xr.Dataset, curves: Sequence[Curve], unit: str) -> list[str]:
+def _notes(curves: Sequence[Curve], unit: str) -> list[str]:
     notes = []
     part = [curve for curve in curves if not curve.whole]
     if part:
         shown, L = style.number(part[0].shown), style.number(part[0].L)
         notes.append(f"only the first {shown} {unit} of {L} {unit} are drawn")
-    if "overlaps" in ds and (ds["overlaps"] == 1).any():
+    if any(curve.overlaps for curve in curves):
         notes.append("where turns cross, the equations let\nthe rod pass through itself")
     return notes
 

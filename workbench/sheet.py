@@ -17,6 +17,7 @@ from . import style
 
 MARGIN, HEAD, LABEL, FOOT = 36, 112, 76, 126  # pixels: around, title, text under a cell, legend and scale
 TRIAD = 46  # pixels of an axis
+ROOMY = 230  # pixels of a cell whose label may be large
 SMALL: dict[str, Any] = {"size": style.SMALL}
 
 
@@ -74,7 +75,8 @@ def _cells(fig: Figure, sheet: Sheet, left: int, bottom: int) -> None:
         wide = sheet.pixels.shape[1] / len(row)
         for j, cell in enumerate(row):
             x, y = left + (j + 0.5) * wide, bottom + i * high
-            _text(fig, x, y + LABEL - 10, cell.label, ha="center", va="top")
+            size = style.NORMAL if wide > ROOMY else style.SMALL
+            _text(fig, x, y + LABEL - 10, cell.label, ha="center", va="top", size=size)
             if cell.why_empty:
                 told = fill(cell.why_empty, max(int(wide / 13), 10))
                 _text(fig, x, y + (high + LABEL) / 2, told, color=style.SOFT, ha="center", va="center", **SMALL)

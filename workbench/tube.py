@@ -42,6 +42,7 @@ class Curve:
     rho: float
     L: float
     side: str
+    overlaps: bool = False  # whether it would pass through itself
 
     @property
     def shown(self) -> float:
@@ -81,11 +82,11 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Curve | None:
     rings = _rings(s, azimuth, height, rho, a)
     around, up = rho * azimuth(rings, 1), height(rings, 1)
     stored = dataset.along(one, "contact").values if _has(one, "contact") else np.full(s.shape, np.nan)
-    sign = -1.0 if ds.attrs.get("side") == "inside" else 1.0
+    sign = -1.0 if ds.attrs["side"] == "inside" else 1.0
     push = sign * np.interp(rings, s, stored)
-    return Curve(
-        rings, azimuth(rings), np.arctan2(around, up), height(rings), push, R, a, rho, L, str(ds.attrs["side"])
-    )
+    overlaps = "overlaps" in one and bool(one["overlaps"] == 1)
+    side = str(ds.attrs["side"])
+    return Curve(rings, azimuth(rings), np.arctan2(around, up), height(rings), push, R, a, rho, L, side, overlaps)
 
 
 def mesh(curve: Curve, sides: int = 24) -> tuple[Array, Array, NDArray[np.int64], NDArray[np.bool_]]:
