@@ -52,7 +52,7 @@ def turns(read: Reading) -> Any:
 
 
 def _swings(read: Reading) -> Any:
-    """Whether beta changes by more than rounding, and than the error allowed where the method knows no orbit, (*cases)."""
+    """Whether beta changes by more than rounding, and, where no orbit is known, than the error allowed, (*cases)."""
     sol, points = read.sol, read.sampled.solution
     rounding = 64 * 2.0**-52 * np.maximum(1, np.abs(points.beta).max(axis=-1))
     allowed = np.minimum(2 * np.asarray(sol.error), 1e-6)
