@@ -172,14 +172,14 @@ def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> N
 
 @draws
 def test_a_row_has_one_scale_and_one_camera() -> None:
-    from workbench import scenes
+    from workbench import stage
     from workbench.sheet import Cell
 
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n")
     rods = [curve(ds, E=0), curve(ds, E=1), curve(ds, E=0), curve(ds, E=1)]
-    ends = scenes._ends(rods)
-    view = scenes._view(rods, ends, (160, 300), lying=False)
-    picture = scenes.photograph([[scenes.Shot(rod, Cell("")) for rod in rods]], ends, view).astype(int)
+    ends = stage.ends_of(rods)
+    view = stage.view_of(rods, ends, (160, 300), lying=False)
+    picture = stage.photograph([[stage.Shot(rod, Cell("")) for rod in rods]], ends, view).astype(int)
     first, second, third, fourth = np.split(picture, 4, axis=1)
     # the same rod in another cell, even of another part of the picture: the ambient shading is random in places
     assert (np.abs(first - third).max(axis=-1) > 24).mean() < 0.002
@@ -189,13 +189,13 @@ def test_a_row_has_one_scale_and_one_camera() -> None:
 
 @draws
 def test_the_cylinder_is_as_wide_as_the_scale_bar_says() -> None:
-    from workbench import scenes
+    from workbench import stage
     from workbench.sheet import Cell
 
     rod = curve(dataset())
-    ends = scenes._ends([rod])
-    view = scenes._view([rod], ends, (300, 600), lying=False)
-    picture = scenes.photograph([[scenes.Shot(rod, Cell(""))]], ends, view)
+    ends = stage.ends_of([rod])
+    view = stage.view_of([rod], ends, (300, 600), lying=False)
+    picture = stage.photograph([[stage.Shot(rod, Cell(""))]], ends, view)
     top = picture[:40].min(axis=-1) < 250  # only the cylinder reaches up there
     assert top.sum(axis=1).max() == pytest.approx(2 * 0.75 * view.per_unit, abs=2)  # a pixel on either side
 

@@ -1,0 +1,185 @@
+"""Rods on their cylinders before a camera: geometry to pixels, with VTK. Needs OpenGL, see `gl`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from . import sheet, style, tube
+from .sheet import Cell
+from .tube import Array, Curve
+
+FINER = 2  # each pixel is the mean of 2 x 2
+ABOVE = 0.3  # rad from which the camera looks down
+AT_ONCE = 3  # columns of cells
+LEAST_CELL = 190  # pixels of width, for the label
+# Three lights fixed to the camera: azimuth and elevation in degrees, intensity
+LIGHTS = ((40, 40, 0.75), (-50, 15, 0.4), (0, -50, 0.3))
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A camera in parallel projection, and the cell that it fills.
+
+    toward: to the camera; up: up on the page; focus: the middle of the cell; per_unit: pixels per length; size:
+    width and height of the cell in pixels.
+    """
+
+    toward: Array
+    up: Array
+    focus: Array
+    per_unit: float
+    size: tuple[int, int]
+
+    @property
+    def page(self) -> Array:
+        """Directions to the right and up on the page, (2, 3)."""
+        return np.array([np.cross(self.up, self.toward), self.up])
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """What stands in a cell: a rod, or why there is none; turned about the axis by an angle."""
+
+    curve: Curve | None
+    cell: Cell
+    turned: float = 0.0
+
+
+def ends_of(curves: Sequence[Curve]) -> tuple[float, float]:
+    """Where the cylinder begins and ends, a little beyond the rods; without rods somewhere."""
+    if not curves:
+        return 0.0, 5.0
+    beyond = max(curve.a for curve in curves) + 0.3 * max(curve.R for curve in curves)
+    return min(curve.z.min() for curve in curves) - beyond, max(curve.z.max() for curve in curves) + beyond
+
+
+def view_of(curves: Sequence[Curve], ends: tuple[float, float], room: tuple[int, int], lying: bool) -> View:
+    """The camera that faces the rods' mean azimuth, as near as the room of a cell (in pixels) allows.
+
+    It looks from a little above, so that the end of the cylinder is seen; the axis goes up the page, or lying to
+    its right.
+    """
+    mean = np.mean([np.exp(1j * curve.alpha).mean() for curve in curves] or [1.0])
+    azimuth = np.angle(mean) if abs(mean) > 0.05 else 0.0  # a rod that goes all around has no front
+    out, axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0]), np.array([0.0, 0.0, 1.0])
+    toward = np.cos(ABOVE) * out + np.sin(ABOVE) * axis
+    if lying:
+        toward = toward + np.tan(ABOVE) * np.cross(out, axis)
+    toward /= np.linalg.norm(toward)
+    flat = axis - toward * (toward @ axis)
+    flat /= np.linalg.norm(flat)
+    up = np.cross(toward, flat) if lying else flat
+    page = np.array([np.cross(up, toward), up])
+    reach = max((curve.reach for curve in curves), default=1.0)
+    around = np.linspace(0, 2 * np.pi, 73)
+    rims = [np.stack([reach * np.cos(around), reach * np.sin(around), np.full(73, z)], axis=-1) for z in ends]
+    seen = np.concatenate(rims) @ page.T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    width, height = (high - low) * 1.05 + 0.1 * reach
+    per_unit = min(room[0] / width, room[1] / height)
+    size = (max(int(width * per_unit), min(LEAST_CELL, room[0])), int(height * per_unit))
+    return View(toward, up, (low + high) / 2 @ page, per_unit, size)
+
+
+def photograph(shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view: View) -> NDArray[np.uint8]:
+    """All cells in one picture, (height, width, 3), each with room for its label below.
+
+    Taken a few columns at a time, as what the ambient shading holds of a picture is ten times its size.
+    """
+    columns = len(shots[0])
+    parts = [[row[j : j + AT_ONCE] for row in shots] for j in range(0, columns, AT_ONCE)]
+    reach = max((shot.curve.reach for row in shots for shot in row if shot.curve), default=1.0)
+    return np.concatenate([_taken(part, ends, view, reach) for part in parts], axis=1)
+
+
+def _taken(shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view: View, reach: float) -> NDArray[np.uint8]:
+    """Some cells in one picture: one scene with one camera.
+
+    The projection is parallel, so rods that stand apart on the page look as if each were seen alone.
+    """
+    pitch = np.array([view.size[0], view.size[1] + sheet.LABEL])
+    width, height = (int(n) for n in pitch * (len(shots[0]), len(shots)))
+    if not any(shot.curve for row in shots for shot in row):
+        return np.full((height, width, 3), 255, dtype=np.uint8)
+    plotter: Any = pv.Plotter(off_screen=True, window_size=[FINER * width, FINER * height], lighting="none")
+    try:
+        plotter.ren_win.SetMultiSamples(0)  # each pixel is a mean anyway
+        plotter.set_background("white")
+        for light in _lights():
+            plotter.add_light(light)
+        for i, row in enumerate(shots):
+            for j, shot in enumerate(row):
+                if shot.curve:
+                    steps = np.array([j - (len(row) - 1) / 2, (len(shots) - 1) / 2 - i]) * pitch
+                    steps[1] += sheet.LABEL / 2
+                    _place(plotter, shot, ends, steps / view.per_unit @ view.page)
+        # Near, as the ambient shading holds distances from the camera in half precision: far away it would band.
+        away = 1.1 * (reach + (ends[1] - ends[0]) / 2)
+        plotter.camera_position = [view.focus + away * view.toward, view.focus, view.up]
+        plotter.enable_parallel_projection()
+        plotter.camera.parallel_scale = height / view.per_unit / 2
+        plotter.renderer.ResetCameraClippingRange()
+        plotter.enable_ssao(radius=0.5 * reach, bias=0.02 * reach, kernel_size=32, blur=True)
+        fine = np.asarray(plotter.screenshot(return_img=True))[..., :3]
+    finally:
+        plotter.close()
+    sums = np.zeros((height, width, 3), dtype=np.uint16)
+    for i, j in np.ndindex(FINER, FINER):
+        sums += fine[i::FINER, j::FINER]
+    return (sums // FINER**2).astype(np.uint8)
+
+
+def _place(plotter: Any, shot: Shot, ends: tuple[float, float], where: Array) -> None:
+    """The rod and the cylinder, turned about the axis and then moved."""
+    curve = shot.curve
+    assert curve is not None
+    looks = {"ambient": 0.2, "diffuse": 0.85, "smooth_shading": False, "show_scalar_bar": False, "render": False}
+
+    def add(mesh: pv.PolyData, **how: Any) -> None:
+        turned = mesh.rotate_z(np.degrees(shot.turned), transform_all_input_vectors=True)
+        plotter.add_mesh(turned.translate(where), interpolation="Phong", **{**looks, **how})
+
+    for mesh, colour in rod(curve):
+        add(mesh, color=colour, specular=0.35, specular_power=25)
+    low, high = ends
+    wall = pv.Cylinder(
+        center=(0, 0, (low + high) / 2), direction=(0, 0, 1), radius=curve.R, height=high - low, resolution=180,
+        capping=False,
+    ).compute_normals(cell_normals=False)  # fmt: skip
+    if curve.side == "inside":  # cut open: the near half of the wall is hardly there
+        add(wall, color=style.SURFACE, culling="front")
+        add(wall, color=style.SOFT, culling="back", opacity=0.12)
+    else:
+        add(wall, color=style.SURFACE)
+    for z in ends:
+        end = pv.Disc(center=(0, 0, z), inner=0, outer=curve.R, normal=(0, 0, 1), c_res=180)
+        if curve.side == "outside":
+            add(end, color=style.SURFACE)
+        add(end.extract_feature_edges(), color=style.SOFT, line_width=FINER * 1.2, lighting=False)
+
+
+def rod(curve: Curve) -> list[tuple[pv.PolyData, str]]:
+    """The tube in two parts, each with its colour: where the cylinder pushes, and where it would have to pull."""
+    sides = 28 if curve.s.size < 3000 else 16
+    points, normals, triangles, held = tube.mesh(curve, sides)
+    parts = []
+    for colour, chosen in ((style.PUSHED, held), (style.LIFTED, ~held)):
+        if chosen.any():
+            part = pv.PolyData(points, faces=np.insert(triangles[chosen], 0, 3, axis=1).ravel())
+            part.point_data.active_normals = normals
+            parts.append((part, colour))
+    return parts
+
+
+def _lights() -> list[pv.Light]:
+    found = []
+    for azimuth, elevation, intensity in LIGHTS:
+        around, above = np.radians([azimuth, elevation])
+        light = pv.Light(light_type="camera light", intensity=intensity)
+        light.position = np.sin(around) * np.cos(above), np.sin(above), np.cos(around) * np.cos(above)
+        found.append(light)
+    return found
