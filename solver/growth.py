@@ -35,3 +35,18 @@ def growth(problem: Reduced, t: Array, beta: Array) -> Array:
             b1, v1, b2, v2 = d * b1 + u * v1, w * b1 + d * v1, d * b2 + u * v2, w * b2 + d * v2
             worst = np.fmax(worst, np.fmax(np.abs(b1), np.abs(b2)))
     return np.where(np.isfinite(worst), worst, np.inf)
+
+
+def refined(problem: Reduced, t: Array, most: int) -> tuple[Array, int]:
+    """The stations with k - 1 more on equal steps between neighbours, (B, (n - 1) k + 1), and k: a power of two that
+    divides `most`, at most 16, and no larger than `growth` needs to see how the field turns between them."""
+    steepest = np.abs(problem.lam) + 2 * np.abs(problem.mu) + np.abs(problem.phi) + 2  # |H'| is nowhere larger
+    with np.errstate(over="ignore"):
+        angle = np.max(np.sqrt(steepest) * np.diff(t, axis=1).max(axis=1, initial=0.0), initial=0.0)
+    k = 1
+    while k < 16 and angle > k / 2 and most % (2 * k) == 0:
+        k *= 2
+    if k == 1:
+        return t, 1
+    parts = t[:, :-1, None] + np.diff(t, axis=1)[:, :, None] * (np.arange(k) / k)
+    return np.concatenate([parts.reshape(t.shape[0], -1), t[:, -1:]], axis=1), k

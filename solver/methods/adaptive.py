@@ -16,6 +16,7 @@ from ..reduced import Array, Reduced
 from .base import Run, Trajectory, verdicts
 
 _TIGHTEST = 3e-14  # scipy refuses rtol below 100 eps
+_LOOSEST = 1e-2  # the yardstick runs at thirty times that, and must differ
 _MOST_CALLS = 400_000  # of one integration: a second or two; stiffer cases are for `orbit`
 
 
@@ -45,8 +46,8 @@ def make_run(integrator: str) -> Run:
 def _one(
     integrator: str, problem: Reduced, t: Array, tol: float, rtol: float | None
 ) -> tuple[Array, float, float, int]:
-    wanted = max(_TIGHTEST, 0.1 * tol) if rtol is None else max(rtol, _TIGHTEST)
-    coarse, _, calls = _integrate(integrator, problem, t, min(30 * wanted, 1e-2))
+    wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
+    coarse, _, calls = _integrate(integrator, problem, t, 30 * wanted)
     if np.isnan(coarse).any():  # a tighter run would take longer still
         return coarse, math.inf, math.inf, calls
     weight = np.array([1, 0, 1, 1, 0]) / np.array([1, 1, max(1.0, t[-1]), max(1.0, t[-1]), 1])

@@ -18,7 +18,7 @@ from ..stability import response
 from .base import Knob, Method, Seed, Trajectory, verdicts
 
 _FIRST, _MOST = (257, 2049), 20_000  # nodes: of the first mesh, and of the next where that was too coarse for the seed
-_TIGHTEST = 3e-14
+_TIGHTEST, _LOOSEST = 3e-14, 1e-2
 _GAUSS = np.polynomial.legendre.leggauss(5)
 
 
@@ -56,12 +56,12 @@ def _one(
 ) -> tuple[Array, float, float, int, str]:
     """Columns (5, n), error, condition, evaluations, and why it failed or nothing."""
     span, work = float(problem.span[0]), 0
-    wanted = max(_TIGHTEST, 0.1 * tol) if rtol is None else max(rtol, _TIGHTEST)
+    wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
     answer: Any = None
     for size in _FIRST if nodes is None else (nodes,):
         x = np.linspace(0, span, size)
         guess = seed.on(problem, size)
-        answer, more = _collocated(problem, x, np.stack([guess, np.gradient(guess, x)]), min(30 * wanted, 1e-2))
+        answer, more = _collocated(problem, x, np.stack([guess, np.gradient(guess, x)]), 30 * wanted)
         work += more
         if answer.status == 0:
             break

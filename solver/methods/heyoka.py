@@ -11,32 +11,33 @@ from typing import Any
 
 import numpy as np
 
-from ..growth import growth
+from ..growth import growth, refined
 from ..reduced import Array, Reduced
 from .base import Knob, Method, Trajectory, verdicts
 
 INSTALLED = find_spec("heyoka") is not None
 MISSING = "method 'heyoka' needs the package heyoka, which is not installed: pip install 'rod-workbench[taylor]'"
-_TIGHTEST = 2.3e-16
+_TIGHTEST, _LOOSEST = 2.3e-16, 1e-2
 _MOST_STEPS = 200_000  # of one integration
 
 
 def run(problem: Reduced, t: Array, tol: float, rtol: float | None = None, **_: Any) -> Trajectory:
     """Integrate each problem by itself; `rtol` fixes the integrator's own tolerance instead of seeking `tol`."""
+    t, k = refined(problem, t, 16)
     states = np.full((problem.size, 5, t.shape[1]), np.nan)
     error, calls = np.full(problem.size, np.inf), np.zeros(problem.size, dtype=np.int64)
     for i in range(problem.size):
         states[i], error[i], calls[i] = _one(problem.take(slice(i, i + 1)), t[i], tol, rtol)
-    beta, dbeta, alpha, z, swirl = np.moveaxis(states, 1, 0)
-    condition = growth(problem, t, beta)
+    condition = growth(problem, t, states[:, 0])
+    beta, dbeta, alpha, z, swirl = np.moveaxis(states[:, :, ::k], 1, 0)
     error = error + 2e-16 * (1 + np.sqrt(calls)) * condition
     outcome = verdicts(beta, error, condition, tol)
     return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, calls)
 
 
 def _one(problem: Reduced, t: Array, tol: float, rtol: float | None) -> tuple[Array, float, int]:
-    wanted = max(_TIGHTEST, 0.1 * tol) if rtol is None else max(rtol, _TIGHTEST)
-    coarse, calls = _integrate(problem, t, min(30 * wanted, 1e-2))
+    wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
+    coarse, calls = _integrate(problem, t, 30 * wanted)
     weight = np.array([1, 0, 1, 1, 0]) / np.array([1, 1, max(1.0, t[-1]), max(1.0, t[-1]), 1])
     while True:
         fine, more = _integrate(problem, t, wanted)

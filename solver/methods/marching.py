@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..growth import growth
+from ..growth import growth, refined
 from ..reduced import Array, Reduced
 from .base import Trajectory, verdicts
 
@@ -32,12 +32,16 @@ def marched(
     error. extrapolate: take Richardson's combination of each two neighbours, eq. (47), which is two orders better
     where the error has even powers only.
     """
-    intervals, power = max(1, t.shape[1] - 1), 2.0 ** (scheme.order + 2 * extrapolate)
-    answer, off = np.empty((2, 5, *t.shape))  # of all problems, each as it was when it was done
-    work, left = np.zeros(problem.size, dtype=np.int64), np.arange(problem.size)
+    base = t if not t[:, 0].any() else np.concatenate([np.zeros((problem.size, 1)), t], axis=1)
+    intervals, power = base.shape[1] - 1, 2.0 ** (scheme.order + 2 * extrapolate)
+    answer, off = np.empty((2, 5, *base.shape))  # of all problems, each as it was when it was done
+    condition, work, left = np.ones(problem.size), np.zeros(problem.size, dtype=np.int64), np.arange(problem.size)
     n, marches, answers = steps or 1, list[Array](), list[Array]()
     while left.size:
-        marches.append(scheme.march(problem.take(left), t[left], n))
+        some = problem.take(left)
+        grid, k = refined(some, base[left], n)
+        dense = scheme.march(some, grid, n // k)
+        marches.append(dense[:, :, ::k])
         work[left] += scheme.calls * intervals * n
         if not extrapolate:
             answers.append(marches[-1])
@@ -46,12 +50,14 @@ def marched(
         if len(answers) > 1:
             off[:, left] = np.abs(answers[-1] - answers[-2]) * power / (power - 1)
             answer[:, left] = answers[-1 if steps is None else 0]
-            pending = _error(t, off)[left] > tol
+            pending = _error(base, off)[left] > tol
             if steps is not None or 2 * n * intervals > scheme.most:
                 pending[:] = False
+            condition[left[~pending]] = growth(some.take(~pending), grid[~pending], dense[0, ~pending])
             marches, answers, left = [marches[-1][:, pending]], [answers[-1][:, pending]], left[pending]
         n *= 2
-    return _trajectory(problem, t, tol, answer, off, work)
+    skipped = base.shape[1] - t.shape[1]
+    return _trajectory(tol, answer[:, :, skipped:], _error(base, off), condition, work)
 
 
 def _extrapolated(order: int, coarse: Array, fine: Array) -> Array:
@@ -66,9 +72,8 @@ def _error(t: Array, off: Array) -> Array:
     return np.nan_to_num(np.max(np.maximum(off[0], np.maximum(off[2], off[3]) / reach), axis=1), nan=np.inf)
 
 
-def _trajectory(problem: Reduced, t: Array, tol: float, answer: Array, off: Array, work: Array) -> Trajectory:
+def _trajectory(tol: float, answer: Array, error: Array, condition: Array, work: Array) -> Trajectory:
     beta, dbeta, alpha, z, swirl = answer
-    condition = growth(problem, t, beta)
-    error = _error(t, off) + 2e-16 * np.sqrt(work) * condition
+    error = error + 2e-16 * np.sqrt(work) * condition
     outcome = verdicts(beta, error, condition, tol)
     return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, work)
