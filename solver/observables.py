@@ -18,6 +18,7 @@ from .overlap import overlaps
 from .reduced import flat
 from .sampling import Sampled, sampled
 from .solution import Solution
+from .stability import morse_index
 
 
 class Reading:
@@ -138,6 +139,19 @@ def energy(read: Reading) -> Any:
     return read.sampled.integral(lambda at: statics.energy_density(at._loads[0], at.h, at.dbeta))
 
 
+def index(read: Reading) -> Any:
+    """Morse index of the shape between its own two end angles, the loads dead: 0 is stable."""
+    sol, orbit, problem = read.sol, read.sol.trajectory.orbit, read.sol.problem
+    fastest = np.sqrt(4 * (np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1))
+    n = int(np.clip(12 * np.max(problem.span * fastest), 400, 20000))
+    t = problem.span[:, None] * np.linspace(0, 1, n + 1)
+    if orbit is None:
+        beta = np.stack([np.interp(*rows) for rows in zip(t, sol.t, sol.trajectory.beta, strict=True)])
+    else:
+        beta = orbit.at(t)[0]
+    return read.each(morse_index(problem, problem.span / n, beta))
+
+
 def _mean(read: Reading, integral: Any) -> Any:
     return integral / read.sampled.integral(lambda at: np.ones(at.beta.shape))
 
@@ -171,6 +185,7 @@ OBSERVABLES: dict[str, Callable[[Reading], Any]] = {
     "attached": attached,
     "overlaps": overlapping,
     "energy": energy,
+    "index": index,
 }
 
 
