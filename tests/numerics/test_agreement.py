@@ -61,6 +61,8 @@ def test_start_problems_agree_with_the_reference(name: str, method: str, tol: fl
     named = START[name]
     if method == "verlet" and references()[name].condition > 1e5:
         pytest.skip("so near a separatrix a march of order 4 needs more than 2^20 steps")
+    if method not in TOLERANCES and tol * references()[name].condition > 1:
+        pytest.skip("what is asked for allows a whole radian")
     sol = solve(named.case, tol=tol, method=method, stations=STATIONS)
     if method not in TOLERANCES and not sol.solved:
         assert sol.outcome.startswith("failed")
