@@ -31,13 +31,19 @@ CLASSES = {"holds": "holds", "holds as a trend": "trend", "fails": "fails"}
 TYPES = {".png": "image/png", ".jpg": "image/jpeg", ".svg": "image/svg+xml"}
 
 
-def write(results: Sequence[StudyResult], out: Path, readings: xr.Dataset | None = None, advice: str = "") -> Path:
+def write(
+    results: Sequence[StudyResult],
+    out: Path,
+    readings: xr.Dataset | None = None,
+    advice: str = "",
+    refusals: Sequence[str] = (),
+) -> Path:
     """Write `report.html` into the folder `out` and return it.
 
-    readings: the dataset of `readings_run`. advice: what to install where scenes could not be drawn. Raises
-    `InputError` where it cannot be written.
+    readings: the dataset of `readings_run`. advice: what to install where scenes could not be drawn. refusals:
+    studies that could not be run under this reading, and why. Raises `InputError` where it cannot be written.
     """
-    text = html(results, readings, advice)
+    text = html(results, readings, advice, refusals)
     path = Path(out) / NAME
     aside = path.with_name(f".{NAME}.{os.getpid()}.part")
     try:
@@ -50,7 +56,12 @@ def write(results: Sequence[StudyResult], out: Path, readings: xr.Dataset | None
     return path
 
 
-def html(results: Sequence[StudyResult], readings: xr.Dataset | None = None, advice: str = "") -> str:
+def html(
+    results: Sequence[StudyResult],
+    readings: xr.Dataset | None = None,
+    advice: str = "",
+    refusals: Sequence[str] = (),
+) -> str:
     """The report as text; every picture inside it."""
     if not results:
         raise InputError("a report needs at least one study")
@@ -70,6 +81,7 @@ def html(results: Sequence[StudyResult], readings: xr.Dataset | None = None, adv
         created=max(str(result.ds.attrs["created"]) for result in results),
         packages=gl.PACKAGES,
         advice=advice,
+        refusals=refusals,
     )
 
 

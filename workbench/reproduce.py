@@ -5,6 +5,7 @@ from pathlib import Path
 
 import xarray as xr
 
+from solver.errors import InputError
 from studies import READINGS, load, names
 from studies.laws import FAILS
 
@@ -31,19 +32,26 @@ def reproduce(out: Path, reading: str | None) -> int:
     panels = readings_run.panels()
     work = len(studies) * 2 + len(panels) * len(READINGS) + 1
     with console.progress(work) as step:
-        results = []
+        results, refusals = [], []
         for study in studies:
             step(f"solving {study.name}")
-            ds = runner.run(study)
+            try:
+                ds = runner.run(study)
+            except InputError as error:  # a panel that this reading does not admit leaves the others alone
+                refusals.append(f"{study.title}: {error}")
+                step("")
+                continue
             result = runner.result(study, ds, store.write(ds, files[study.name]))
             step(f"drawing {study.name}")
             results.append(replace(result, pictures=_draw(ds, out, able)))
         readings = readings_run.run(panels, step=step)
         store.write(readings, out / f"{readings_run.NAME}.h5")
         step("writing the report")
-        report.write(results, out, readings=readings, advice="" if able else advice)
+        report.write(results, out, readings=readings, advice="" if able else advice, refusals=refusals)
     _summary(results, readings, out, "" if able else advice)
-    return 0 if all(check.all_well(result.ds) for result in results) else 1
+    for refusal in refusals:
+        console.say(f"Left out: {refusal}")
+    return 0 if not refusals and all(check.all_well(result.ds) for result in results) else 1
 
 
 def _draw(ds: xr.Dataset, out: Path, able: bool) -> dict[str, Path]:

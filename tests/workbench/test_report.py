@@ -146,6 +146,12 @@ def test_without_readings_the_report_says_so(results) -> None:
     assert "The readings were not run." in report.html(results[:1])
 
 
+def test_a_study_that_a_reading_does_not_admit_is_named_with_its_reason(results, readings) -> None:
+    told = report.html(results, readings, refusals=["Fig. 7 (4): its own end angle lies beyond 60 degrees"])
+    assert "Fig. 7 (4): its own end angle lies beyond 60 degrees" in Page(told).text
+    assert "Left out." not in Page(report.html(results, readings)).text
+
+
 def test_what_a_study_says_is_text_and_not_markup(results) -> None:
     ds = results[0].ds.assign_attrs(title="<script>alert(1)</script>")
     text = report.html([replace(results[0], ds=ds)])
