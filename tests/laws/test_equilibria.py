@@ -74,8 +74,8 @@ def test_none_is_counted_twice(name: str) -> None:
 
 @both
 def test_they_come_with_the_lowest_energy_first(name: str) -> None:
-    energies = [one.energy for one in found(name)]
-    assert energies == sorted(energies)
+    energies = np.array([one.energy for one in found(name)])
+    assert (np.diff(energies) > -1e-8).all()  # mirror images have one energy but for rounding
 
 
 @both
