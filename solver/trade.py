@@ -18,8 +18,8 @@ from .solution import Solution
 from .solve import solve
 
 STATIONS = 201
-REPEATS = 3
-_ENOUGH = 0.05  # seconds of repeats, after which no further one is made
+REPEATS = 5
+_ENOUGH = 0.06  # seconds of repeats, after which no further one is made
 _LIMIT = 0.4  # seconds: the next rung is not tried where it would take longer
 _TRIED = 0.9  # the tolerance that a rung is judged by where its knob is not the tolerance: only the lost ones fail
 

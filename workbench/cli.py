@@ -175,6 +175,23 @@ def solve(
 
 
 @app.command()
+def trade(
+    cases: Annotated[
+        list[str] | None, typer.Option(help="Names of cases, commas between; all of them where left out.")
+    ] = None,
+    methods: Annotated[
+        list[str] | None, typer.Option(help="Names of methods, commas between; all of them where left out.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="The folder for the dataset and the diagrams.")] = Path("trade"),
+    json: Json = False,
+) -> None:
+    """Accuracy against cost: every method over a ladder of its knob, on cases whose answer is known."""
+    from .trade import trade as work
+
+    raise typer.Exit(work(cases or [], methods or [], out, json))
+
+
+@app.command()
 def doctor(json: Json = False) -> None:
     """What works on this machine: OpenGL, HDF5, fonts, versions."""
     from .doctor import examine

@@ -17,7 +17,7 @@ from ..reduced import Array, Reduced
 from ..stability import response
 from .base import Knob, Method, Seed, Trajectory, verdicts
 
-_FIRST, _MOST = (257, 2049), 20_000  # nodes: of the first mesh, and of the next where that was too coarse for the seed
+_FIRST, _MOST = (257, 2049), 10_000  # nodes: of the first mesh, and of the next where that was too coarse for the seed
 _TIGHTEST, _LOOSEST = 3e-14, 1e-2
 _GAUSS = np.polynomial.legendre.leggauss(5)
 
