@@ -14,7 +14,7 @@ from .observables import observe
 from .reduced import Array, Reduced, reduce
 from .search import search
 from .solution import Solution
-from .stability import morse_index, response
+from .stability import jacobi_zeros, response
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +45,11 @@ def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: 
     if case.shape:
         raise InputError(f"equilibria takes one case at a time, got a grid of shape {case.shape}")
     problem = reduce(case)
-    slopes, orbit = search(problem, most_swings)
-    if orbit is None:
+    all_of_them = search(problem, most_swings)
+    if all_of_them is None:
         return []
-    wide = many(problem, slopes.size)
-    beta, h = _grid(wide, orbit)
-    index = morse_index(wide, h, beta)
+    slopes, orbit = all_of_them.slope, all_of_them.orbit
+    index = jacobi_zeros(many(problem, slopes.size), orbit, all_of_them.lengthens)
     t = problem.span[:, None] * np.linspace(0, 1, stations)
     found = []
     for i, slope in enumerate(slopes):
@@ -58,7 +57,16 @@ def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: 
         seen = observe(solution, ("energy", "turns", "attached"))
         numbers = float(seen["energy"]), float(slope / case.rho), int(seen["turns"]), float(seen["attached"])
         found.append(Equilibrium(solution, int(index[i]), *numbers))
-    return sorted(found, key=lambda e: e.energy)
+    return _in_order(found)
+
+
+def _in_order(found: list[Equilibrium]) -> list[Equilibrium]:
+    """Lowest energy first; of mirror images, whose energies differ by rounding alone, the lower beta'(0) first."""
+    found = sorted(found, key=lambda e: e.energy)
+    energy = np.array([e.energy for e in found])
+    new = np.diff(energy, prepend=-np.inf) > 1e-9 * (1 + np.abs(energy))
+    slope = np.array([e.dbeta0 for e in found])
+    return [found[i] for i in np.lexsort((slope, np.cumsum(new)))]
 
 
 def trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float) -> Trajectory:
@@ -83,9 +91,10 @@ def _grid(problem: Reduced, orbit: Orbit) -> tuple[Array, Array]:
 
 def chosen(problem: Reduced, t: Array, tol: float, slope: float | None) -> Trajectory | None:
     """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or of lowest energy; None without any."""
-    slopes, orbit = search(problem)
-    if orbit is None:
+    found = search(problem)
+    if found is None:
         return None
+    slopes, orbit = found.slope, found.orbit
     i = int(np.argmin(_energies(problem, slopes, orbit) if slope is None else np.abs(slopes - slope)))
     return trajectory(problem, orbit.take(i), t, tol)
 

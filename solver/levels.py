@@ -68,12 +68,15 @@ def ladders(problem: Reduced, found: Extrema) -> list[Ladder]:
 
 
 def _rungs(problem: Reduced, pin: float) -> Array:
-    """Steps down in log(gap): as far as the time next to a saddle can grow to the rod's length."""
+    """Steps down in log(gap): as far as the time next to a saddle can grow to the rod's length.
+
+    The first goes up, so that two ladders that meet overlap and no fold falls between them.
+    """
     rate = float(slope_rate(problem, np.array([pin]))[0])
     deepest = 34.0
     if rate < 0:
         deepest = min(_FINEST, 45 + 1.2 * np.sqrt(-rate) * float(problem.span[0]))
-    dense = np.arange(0, 8, 0.25)
+    dense = np.arange(-0.25, 8, 0.25)
     rest = [8.0]
     while rest[-1] < deepest:
         rest.append(rest[-1] + max(0.75, 0.05 * rest[-1]))

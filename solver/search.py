@@ -4,9 +4,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
-from .landscape import extrema, slope
+from .landscape import TAU, extrema, potential, slope
 from .levels import DOWN, UP, Ladder, Ways, ladders, many, ways
 from .methods.orbit import Orbit, solve_orbit
 from .reduced import Array, Reduced
@@ -27,26 +28,45 @@ class Bracket:
     leaving: int
     arriving: int
     swings: int
+    lengthens: bool
 
 
-def search(problem: Reduced, most_swings: int = 200) -> tuple[Array, Orbit | None]:
-    """beta_t(0) of every solution of one ends problem, (K,), and their orbits; None where there is none."""
-    found = [b for ladder in ladders(problem, extrema(problem)) for b in _brackets(problem, ladder, most_swings)]
-    pin, gap, leaving = _closed_in(problem, found) if found else (np.empty(0),) * 3
-    pin, gap, leaving = _with_helix(problem, pin, gap, leaving)
-    kept = _distinct(pin, gap, leaving)
-    if not kept:
-        return np.empty(0), None
-    pin, gap, leaving = pin[kept], gap[kept], leaving[kept]
-    start = many(problem, leaving.size).started(leaving)
-    orbit = solve_orbit(start, _TIGHT, (pin, gap))
+@dataclass(frozen=True, eq=False)
+class Found:
+    """K solutions of one ends problem: beta_t(0), (K,); their orbits; whether their paths grow longer with the level,
+    (K,), which decides the index."""
+
+    slope: Array
+    orbit: Orbit
+    lengthens: NDArray[np.bool_]
+
+
+def search(problem: Reduced, most_swings: int = 200) -> Found | None:
+    """Every solution of one ends problem, or None where there is none."""
     assert problem.betaL is not None
-    arrived = np.abs(orbit.at(start.span[:, None])[0][:, 0] - problem.betaL[0]) < 1e-6
-    if not arrived.any():
-        return np.empty(0), None
-    if not arrived.all():
-        orbit = solve_orbit(start.take(arrived), _TIGHT, (pin[arrived], gap[arrived]))
-    return leaving[arrived], orbit
+    brackets = [b for ladder in ladders(problem, extrema(problem)) for b in _brackets(problem, ladder, most_swings)]
+    pin, gap, leaving = _closed_in(problem, brackets) if brackets else (np.empty(0),) * 3
+    lengthens = np.array([b.lengthens for b in brackets], dtype=bool)
+    kept = _distinct(problem, pin, gap, leaving)
+    pin, gap, leaving, lengthens = pin[kept], gap[kept], leaving[kept], lengthens[kept]
+    beta0 = np.full(leaving.size, problem.beta0[0])
+    helix = _helix(problem)
+    if helix is not None:
+        pin, beta0 = np.append(pin, helix[0]), np.append(beta0, helix[1])
+        gap, leaving, lengthens = np.append(gap, 0.0), np.append(leaving, 0.0), np.append(lengthens, False)
+    if not leaving.size:
+        return None
+    start = many(problem, leaving.size, beta0=beta0).started(leaving)
+    orbit = solve_orbit(start, _TIGHT, (pin, gap))
+    beta = orbit.at(start.span[:, None] * np.linspace(0, 1, 65))[0]
+    good = np.abs(beta[:, -1] - problem.betaL[0]) < 1e-6
+    if helix is not None:  # what stays within rounding of the helix is the helix
+        good[:-1] &= np.ptp(beta[:-1], axis=1) > 1e-12
+    if not good.any():
+        return None
+    if not good.all():
+        orbit = solve_orbit(start.take(good), _TIGHT, (pin[good], gap[good]))
+    return Found(leaving[good], orbit, lengthens[good])
 
 
 def _brackets(problem: Reduced, ladder: Ladder, most_swings: int) -> Iterator[Bracket]:
@@ -63,15 +83,19 @@ def _brackets(problem: Reduced, ladder: Ladder, most_swings: int) -> Iterator[Br
             # an orbit that turns all the way has one path; a path of no length is none
             plain = swings == 0 and leaving == arriving == sense
             length = np.where((length <= 0) | (turning & (not plain)), np.nan, length)
-            for low, high in _crossings(problem, ladder, length - span, (leaving, arriving, swings)):
-                yield Bracket(ladder.pin, ladder.sign, low, high, leaving, arriving, swings)
+            for low, high, rises in _crossings(problem, ladder, length - span, (leaving, arriving, swings)):
+                lengthens = rises == (ladder.sign > 0)
+                yield Bracket(ladder.pin, ladder.sign, low, high, leaving, arriving, swings, lengthens)
 
 
-def _crossings(problem: Reduced, ladder: Ladder, off: Array, path: tuple[int, int, int]) -> list[tuple[float, float]]:
-    """Pairs of y between which `off` changes sign, the two of a fold between two rungs among them."""
+def _crossings(
+    problem: Reduced, ladder: Ladder, off: Array, path: tuple[int, int, int]
+) -> list[tuple[float, float, bool]]:
+    """Pairs of y between which `off` changes sign, the two of a fold between two rungs among them, and whether it rises
+    with y."""
     y, size = ladder.y, np.abs(off)
     with np.errstate(invalid="ignore"):
-        pairs = [(float(y[k + 1]), float(y[k])) for k in np.flatnonzero(off[:-1] * off[1:] < 0)]
+        pairs = [(float(y[k + 1]), float(y[k]), bool(off[k] > 0)) for k in np.flatnonzero(off[:-1] * off[1:] < 0)]
         same = (off[1:-1] * off[:-2] > 0) & (off[1:-1] * off[2:] > 0)
         dips = np.flatnonzero(same & (size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:])) + 1
         # the bottom of a dip lies below its lowest rung by a fraction of the rise to the next ones
@@ -80,7 +104,7 @@ def _crossings(problem: Reduced, ladder: Ladder, off: Array, path: tuple[int, in
         low, high = float(y[k + 1]), float(y[k - 1])
         tip = _dip(problem, ladder, path, low, high, float(np.sign(off[k])))
         if tip is not None:
-            pairs += [(low, tip), (tip, high)]
+            pairs += [(low, tip, bool(off[k] < 0)), (tip, high, bool(off[k] > 0))]
     return pairs
 
 
@@ -123,24 +147,37 @@ def _closed_in(problem: Reduced, found: list[Bracket]) -> tuple[Array, Array, Ar
     return pin, sign * np.exp(y), path[:, 0] * np.sqrt(np.where(v2 > 0, v2, np.nan))
 
 
-def _with_helix(problem: Reduced, pin: Array, gap: Array, leaving: Array) -> tuple[Array, Array, Array]:
-    """The rod that lies as a helix from end to end, which has no level to close in on, where there is one."""
+def _helix(problem: Reduced) -> tuple[float, float] | None:
+    """The rod that lies as a helix from end to end, which has no level to close in on: its angle in [-pi, pi), and
+    counted on to beta(0); None where the ends are no helix's, to rounding."""
     assert problem.betaL is not None
     beta = problem.beta0
     scale = 1 + np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi)
-    if problem.betaL[0] == beta[0] and np.abs(slope(problem, beta))[0] <= 4e-16 * scale[0]:
-        angle = beta[0] - 2 * np.pi * np.round(beta[0] / (2 * np.pi))
-        return np.append(pin, angle), np.append(gap, 0.0), np.append(leaving, 0.0)
-    return pin, gap, leaving
+    if problem.betaL[0] != beta[0] or np.abs(slope(problem, beta))[0] > 4e-16 * scale[0]:
+        return None
+    found = extrema(problem)
+    angles = found.beta[0, : found.count[0]]
+    turns = np.round((beta[0] - angles) / TAU)
+    k = int(np.argmin(np.abs(angles + TAU * turns - beta[0])))
+    return float(angles[k]), float(angles[k] + TAU * turns[k])
 
 
-def _distinct(pin: Array, gap: Array, leaving: Array) -> list[int]:
-    """Indices of the solutions, each once: two are one where start slopes agree and so do gaps from the same pin."""
+def _distinct(problem: Reduced, pin: Array, gap: Array, leaving: Array) -> list[int]:
+    """Indices of the solutions, each once: two are one where start slopes agree and so do their levels.
+
+    Levels are compared by their gaps where both have the same pin; where not, they are one only well away from both.
+    """
     keep: list[int] = []
+    level = potential(many(problem, pin.size), pin) + gap
+
+    def one(i: int, j: int) -> bool:
+        if abs(leaving[j] - leaving[i]) > 1e-9 * (1 + abs(leaving[i])):
+            return False
+        if pin[i] == pin[j]:
+            return bool(abs(gap[i] - gap[j]) <= 1e-6 * abs(gap[i]))
+        return bool(min(abs(gap[i]), abs(gap[j])) > 1e-5 and abs(level[i] - level[j]) <= 1e-9 * (1 + abs(level[i])))
+
     for i in np.argsort(leaving, kind="stable"):
-        if np.isnan(leaving[i]):
-            continue
-        close = [j for j in keep if abs(leaving[j] - leaving[i]) <= 1e-9 * (1 + abs(leaving[i]))]
-        if not any(pin[i] != pin[j] or abs(gap[i] - gap[j]) <= 1e-6 * abs(gap[i]) for j in close):
+        if not np.isnan(leaving[i]) and not any(one(i, j) for j in keep):
             keep.append(int(i))
     return keep

@@ -4,14 +4,16 @@ Both beta(0) and beta(L) are held, FZ, MZ and M3 are dead loads and the position
 with no negative direction here is stable in that sense. Clamping the positions as well would forbid some directions,
 so it could only make more shapes stable.
 
-The index is counted in two ways that share nothing but H': negative pivots of that matrix on a mesh, and zeros of the
-Jacobi field along the orbit itself.
+The index is counted in two ways that share nothing: negative pivots of that matrix on a mesh, and zeros of the Jacobi
+field, known from the orbit itself. The pivots lose the rod that stays near a saddle for long: what it does after
+that hangs on digits that no mesh keeps.
 """
 
 from typing import Any
 
 import numpy as np
 
+from .course import HELIX, LIBRATION
 from .landscape import slope_rate
 from .reduced import Array, Reduced
 
@@ -28,39 +30,24 @@ def morse_index(problem: Reduced, h: Array, beta: Array) -> Array:
     return index
 
 
-def jacobi_zeros(problem: Reduced, orbit: Any, steps: int | None = None) -> Array:
+def jacobi_zeros(problem: Reduced, orbit: Any, lengthens: Array) -> Array:
     """Zeros inside (0, L) of eta'' + H'(beta) eta = 0, eta(0) = 0, eta'(0) = 1, on B orbits: the Morse index, (B,).
 
-    The field is carried by transfers of fourth order (Magnus, two Gauss points a step) and scaled back after each, so
-    however long the rod and however steep the saddle it hugs nothing overflows; only its direction is kept. `steps`:
-    how many; enough for less than a tenth of a turn in each where left out.
+    No march: beta_t solves the same equation, so by Sturm eta has one zero between each two of its zeros, the turning
+    points. Whether another follows the last of them is told by the sign of eta(L) = d beta(L)/d beta_t(0), which is
+    that of -2 beta_t(0) beta_t(L) dT/d(level), T being the length of the orbit between the two angles. Exact however
+    long the rod and however closely it hugs a saddle. `lengthens`: (B,), whether dT/d(level) > 0.
     """
-    if steps is None:
-        fastest = np.sqrt(4 * (np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1))
-        steps = int(np.ceil(np.max(problem.span * fastest / 0.2, initial=16)))
-    h = problem.span / steps
-    points = (np.arange(steps)[:, None] + 0.5 + np.array([-1, 1]) / np.sqrt(12)).reshape(-1)
-    column = Reduced(*(v[:, None] for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
-    rate = slope_rate(column, orbit.at(h[:, None] * points)[0]).reshape(-1, steps, 2)
-    early, late = rate[:, :, 0], rate[:, :, 1]
-    skew, pull = np.sqrt(3) / 12 * h[:, None] ** 2 * (late - early), -h[:, None] / 2 * (early + late)
-    square = skew**2 + h[:, None] * pull
-    root = np.sqrt(square.astype(complex))  # imaginary where the field swings
-    even = np.cosh(root).real
-    odd = np.where(square == 0, 1.0, (np.sinh(root) / np.where(square == 0, 1, root)).real)
-    eta, climb = np.zeros(problem.size), np.ones(problem.size)
-    zeros = np.zeros(problem.size, dtype=np.int64)
-    for k in range(steps):
-        e, o = even[:, k], odd[:, k]
-        last = eta
-        eta, climb = (
-            (e + o * skew[:, k]) * eta + o * h * climb,
-            o * pull[:, k] * eta + (e - o * skew[:, k]) * climb,
-        )
-        size = np.hypot(eta, climb)
-        eta, climb = eta / size, climb / size
-        zeros += last * eta < 0
-    return zeros
+    swing = orbit.ahead + orbit.back
+    first = np.where(orbit.ahead > 0, orbit.ahead, swing)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turns = np.maximum(np.ceil((problem.span - first) / swing * (1 - 1e-12)), 0)
+        rate = slope_rate(problem, problem.beta0)
+        waves = np.ceil(np.sqrt(np.maximum(rate, 0)) * problem.span / np.pi * (1 - 1e-12)) - 1
+    swings = orbit.course.kind == LIBRATION
+    at_rest = orbit.back == 0  # eta is beta_t itself
+    index = np.where(swings, np.maximum(turns - (lengthens & ~at_rest), 0), 0)
+    return np.where(orbit.course.kind == HELIX, np.maximum(waves, 0), index).astype(np.int64)
 
 
 def response(problem: Reduced, h: Array, beta: Array) -> Array:

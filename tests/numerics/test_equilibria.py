@@ -1,0 +1,314 @@
+"""The search for every equilibrium, against a search of another kind, and the index counted in two ways."""
+
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.linalg import solve_banded
+
+from solver import Case, Ends, Start, equilibria, solve
+from solver.branch import follow
+from solver.equilibria import Equilibrium
+from solver.levels import many
+from solver.reduced import reduce
+from solver.search import search
+from solver.stability import jacobi_zeros, morse_index
+from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
+
+MANY = -0.3655, 0.7464, -0.7506  # lam, mu, phi
+PROBLEMS = {
+    "many": (*MANY, 20.0, np.pi / 6, np.pi / 6),
+    "no loads": (0.0, 0.0, 0.0, 20.0, np.pi / 6, np.pi / 6),
+    "symmetric": (0.0, 0.0, -0.7, 12.0, 0.4, -0.4),
+    "pulled": (0.3, 0.5, 0.9, 8.0, 1.0, 2.5),
+    "all the way round": (0.3, 0.2, 0.1, 9.0, 0.5, 0.5 + 2 * np.pi),
+    "strongly twisted": (2.0, 6.0, -3.0, 4.0, 0.8, 0.3),
+}
+every = pytest.mark.parametrize("name", PROBLEMS)
+
+
+@cache
+def found(*numbers: float) -> list[Equilibrium]:
+    return equilibria(ends_in_units_of_rho(*numbers))
+
+
+def slopes(solutions: list[Equilibrium]) -> np.ndarray:
+    return np.sort([one.dbeta0 for one in solutions])
+
+
+# a search of another kind: Newton's rule on the difference equation, from seeds, away from what it has found
+
+
+def force(b: np.ndarray, lam: float, mu: float, phi: float) -> tuple[np.ndarray, np.ndarray]:
+    """H and H', written anew."""
+    s, c = np.sin(b), np.cos(b)
+    H = lam * c - mu * np.cos(2 * b) - (phi + 2 * c * s * s) * s
+    return H, -lam * s + 2 * mu * np.sin(2 * b) - phi * c - 6 * s * s * c * c + 2 * s**4
+
+
+def deflated(numbers: tuple[float, ...], b: np.ndarray, known: list[np.ndarray]) -> np.ndarray | None:
+    """A root of the difference equation that is none of the known ones, from a guess b with its ends in place.
+
+    Newton's step for the product of the equation and 1 + 1/|b - known|^2, which is a multiple of the plain step.
+    """
+    lam, mu, phi, span, *_ = numbers
+    h = span / (b.size - 1)
+    bands = np.ones((3, b.size - 2))
+    for _ in range(80):
+        H, rate = force(b[1:-1], lam, mu, phi)
+        off = np.diff(b, 2) + h * h * H
+        bands[1] = -2 + h * h * rate
+        step = solve_banded((1, 1), bands, -off)
+        if np.abs(step).max() < 1e-9:
+            return b if all(np.abs(b - k).max() > 1e-4 for k in known) else None
+        pushed = 0.0  # how fast the logarithm of the product falls along the step
+        for k in known:
+            away = (b - k)[1:-1]
+            square = h * away @ away
+            pushed -= 2 * h * (away @ step) / (square * (square + 1))
+        share = 1 / (1 - pushed) if abs(1 - pushed) > 1e-3 else 1.0
+        step = share * step
+        b = b.copy()
+        b[1:-1] += step * min(1.0, 0.7 / np.abs(step).max())
+    return None
+
+
+def guesses(numbers: tuple[float, ...], nodes: int, rng: np.random.Generator) -> list[np.ndarray]:
+    """Straight lines, swings of many lengths and heights about many angles, plateaus, and marches from random slopes:
+    all bent to end where they should."""
+    lam, mu, phi, span, first, last = numbers
+    u = np.linspace(0, 1, nodes)
+    line = first + (last - first) * u
+    out = [line]
+    for _ in range(60):
+        swing = rng.uniform(-1, 1) * np.sin(np.pi * rng.integers(1, 14) * u)
+        edge = np.clip(np.minimum(u, 1 - u) * rng.uniform(4, 40), 0, 1)
+        out.append(line + edge * (rng.uniform(-3.5, 3.5) - line) * rng.integers(0, 2) + swing)
+    h = span / (nodes - 1)
+    b = np.empty((nodes, 80))
+    b[0] = first
+    b[1] = first + h * rng.uniform(-2.1, 2.1, 80)
+    for k in range(1, nodes - 1):
+        b[k + 1] = 2 * b[k] - b[k - 1] - h * h * force(b[k], lam, mu, phi)[0]
+    b = b[:, np.abs(last - b[-1]) < 2]
+    return out + list((b + (last - b[-1]) * u[:, None]).T)
+
+
+@every
+def test_a_search_by_deflation_from_many_seeds_finds_no_further_one(name: str) -> None:
+    numbers, nodes = PROBLEMS[name], 601
+    rng = np.random.default_rng(7)
+    known: list[np.ndarray] = []
+    for guess in guesses(numbers, nodes, rng):
+        root = deflated(numbers, guess, known)
+        if root is not None:
+            known.append(root)
+    u = np.linspace(0, 1, nodes)
+    ours = [one.solution for one in found(*numbers)]
+    shapes = np.array([np.interp(u * numbers[3], sol.s, sol.beta) for sol in ours])
+    for root in known:
+        # second order in h, times how a shape answers to its residual; measured 2.4e-3
+        assert np.abs(shapes - root).max(axis=1).min() < 5e-3, root[:: nodes // 10]
+    assert len(known) >= 0.4 * len(ours)  # those that hug a saddle are found by chance only
+    assert signed_count(found(*numbers)) == 1
+
+
+def signed_count(solutions: list[Equilibrium]) -> int:
+    return sum((-1) ** one.index for one in solutions)
+
+
+def test_the_reference_problems_have_at_least_as_many_as_are_known() -> None:
+    assert len(found(*PROBLEMS["many"])) == 31
+    assert len(found(*PROBLEMS["no loads"])) == 9
+
+
+# the index in two ways
+
+
+@every
+def test_zeros_of_the_jacobi_field_are_the_negative_pivots(name: str) -> None:
+    problem = reduce(ends_in_units_of_rho(*PROBLEMS[name]))
+    all_of_them = search(problem)
+    assert all_of_them is not None
+    wide = many(problem, all_of_them.slope.size)
+    span = PROBLEMS[name][3]
+    beta = all_of_them.orbit.at(np.tile(np.linspace(0, span, 8001), (wide.size, 1)))[0]
+    zeros = jacobi_zeros(wide, all_of_them.orbit, all_of_them.lengthens)
+    assert (zeros == morse_index(wide, wide.span / 8000, beta)).all()
+    assert zeros.max() > zeros.min() or zeros.size == 1
+
+
+@pytest.mark.parametrize("span", (60.0, 150.0))
+def test_the_index_keeps_to_morse_on_rods_too_long_for_any_march(span: float) -> None:
+    """Fields that grow by exp(1.7 L) along the saddles; the indices still add up as the space of shapes demands."""
+    solutions = equilibria(ends_in_units_of_rho(*MANY, span, np.pi / 6, np.pi / 6), stations=2)
+    assert signed_count(solutions) == 1
+    partial = 0
+    for k, count in enumerate(np.bincount([one.index for one in solutions])):
+        partial = int(count) - partial
+        assert partial >= (-1) ** k
+    assert sum(one.index == 0 for one in solutions) >= 2
+
+
+@pytest.mark.parametrize("span", (0.5, 5.0, 50.0))
+@pytest.mark.parametrize("beta, mu, phi", ((1.1, 0.9, -0.4), (0.7, 0.5, -0.9)))
+def test_a_helix_at_a_centre_gains_an_unstable_direction_each_half_wave(span, beta, mu, phi) -> None:
+    numbers = helix_moment(beta, mu, phi), mu, phi
+    rate = force(np.array([beta]), *numbers)[1][0]
+    assert rate > 0
+    straight = [one for one in found(*numbers, span, beta, beta) if np.ptp(one.solution.beta) < 1e-12]
+    assert len(straight) == 1
+    assert straight[0].index == int(np.sqrt(rate) * span / np.pi)
+
+
+@pytest.mark.parametrize("span", (0.5, 5.0, 50.0))
+@pytest.mark.parametrize("beta, mu, phi", ((1.1, 0.4, 0.2), (0.4, -0.3, 0.1)))
+def test_a_helix_at_a_saddle_is_stable_however_long(span, beta, mu, phi) -> None:
+    numbers = helix_moment(beta, mu, phi), mu, phi
+    assert force(np.array([beta]), *numbers)[1][0] < 0
+    straight = [one for one in found(*numbers, span, beta, beta) if np.ptp(one.solution.beta) < 1e-12]
+    assert len(straight) == 1
+    assert straight[0].index == 0
+
+
+# rods that turn all the way
+
+
+@pytest.mark.parametrize("rounds", (-3, -1, 1, 2, 5))
+@pytest.mark.parametrize("beta0", (0.5, 0.0, -np.pi, 2.0))
+def test_a_rod_that_turns_all_the_way_is_found(rounds: int, beta0: float) -> None:
+    betaL = beta0 + 2 * np.pi * rounds
+    solutions = found(0.3, 0.2, 0.1, 6.0, beta0, betaL)
+    assert solutions
+    assert signed_count(solutions) == 1
+    for one in solutions:
+        assert one.solution.beta[-1] == pytest.approx(betaL, abs=1e-8)  # tol
+    assert any((np.sign(one.solution.dbeta) == np.sign(rounds)).all() for one in solutions)
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    (
+        (0.0, 0.0, -0.5289463541744542, 0.7775296511739638, 0.0, 2.25917698187677),  # starts on a helix angle
+        (0.9991052333730774, -0.4276177611325607, 1.334687730507262, 6.555842674256888, 3.06883997176247,
+         -1.936676784705245),  # ends between the start and the helix angle behind it
+        (2.692079329356268, 2.584381685339393, 4.360011565602786, 1.1617500751117587, -1.8561560112001212,
+         -8.139341318379707),  # just less than a whole turn, by rounding
+        (0.0, -1.0693813271761012, 0.0, 2.6651699081365625, 3.0937205752438244, -3.0937205752438244),
+        (0.0, 0.0, -0.4, 1.0, 0.0, np.pi),  # from one helix angle to another
+        (0.0, 0.0, -0.4, 1.0, np.pi, 0.0),
+    ),
+)  # fmt: skip
+def test_between_two_ends_there_is_always_one(numbers) -> None:
+    """By degree; these ends, more than a swing apart, were once found to have none."""
+    solutions = found(*numbers)
+    assert signed_count(solutions) == 1
+    for one in solutions:
+        assert one.solution.solved
+        assert one.solution.beta[-1] == pytest.approx(numbers[-1], abs=1e-8)  # tol
+
+
+def test_rods_that_turn_agree_with_a_march() -> None:
+    """Random ends up to two turns apart, short and hence fast rods: each start slope, marched, ends where it should."""
+    rng = np.random.default_rng(3)
+    for _ in range(12):
+        lam, mu, phi = rng.uniform(-1, 1, 3)
+        beta0, way, span = rng.uniform(-3, 3), rng.uniform(-13, 13), rng.uniform(0.3, 1.5)
+        for one in found(lam, mu, phi, span, beta0, beta0 + way):
+            sol = solve(in_units_of_rho(lam, mu, phi, span, beta0, one.dbeta0), tol=1e-9, method="dop853")
+            assert sol.beta[-1] == pytest.approx(beta0 + way, abs=1e-7 * sol.condition)
+
+
+# folds
+
+
+@cache
+def fold():
+    """The equilibrium of Table 1 as its far end turns, up to where it ceases to exist."""
+    case = table_1("force-first", "tension", "paper")
+    return follow(case, np.deg2rad(60))
+
+
+def at_end(betaL: float) -> list[Equilibrium]:
+    g = fold().ends.given
+    return equilibria(Case(fold().ends.rod, fold().ends.cylinder, Ends(g.beta0, betaL, g.FZ, g.MZ, g.M3)))
+
+
+def nearest(solutions: list[Equilibrium], slope: float, within: float) -> list[Equilibrium]:
+    return [one for one in solutions if abs(one.dbeta0 - slope) < within]
+
+
+def test_two_equilibria_meet_at_a_fold_and_none_is_left_beyond_it() -> None:
+    """Their distance falls with the square root of the way to the fold."""
+    at, slope = fold().fold, fold().fold_dbeta0
+    apart = []
+    for before in (1e-3, 1e-5, 1e-7):
+        two = nearest(at_end(at - before), slope, 0.05)
+        assert len(two) == 2, before
+        apart.append(abs(two[0].dbeta0 - two[1].dbeta0))
+    np.testing.assert_allclose(np.divide(apart[:-1], apart[1:]), 10, rtol=0.1)
+    assert not nearest(at_end(at + 1e-7), slope, 0.05)
+
+
+def test_the_index_changes_by_one_through_a_fold_and_nowhere_before_it() -> None:
+    """Up the branch to the fold, and back down the other one that it turns into."""
+    branch = fold()
+    for betaL, slope in zip(branch.betaL[:-1], branch.dbeta0[:-1], strict=True):
+        assert [one.index for one in nearest(at_end(betaL), slope, 1e-6)] == [6]
+    for betaL in (branch.betaL[-2], branch.fold - 1e-3, branch.fold - 1e-6):
+        two = sorted(nearest(at_end(betaL), branch.fold_dbeta0, 0.2), key=lambda one: one.dbeta0)
+        assert [one.index for one in two] == [6, 5]
+
+
+# symmetries
+
+
+def test_turning_the_sign_of_beta_turns_the_signs_of_the_slopes() -> None:
+    """beta -> -beta flips lam and mu."""
+    lam, mu, phi, span, first, last = PROBLEMS["pulled"]
+    mirrored = found(-lam, -mu, phi, span, -first, -last)
+    np.testing.assert_allclose(slopes(mirrored), -slopes(found(*PROBLEMS["pulled"]))[::-1], atol=1e-10)
+
+
+def test_turning_the_axis_round_gives_the_same_slopes_reversed() -> None:
+    """beta -> pi - beta flips phi and mu."""
+    lam, mu, phi, span, first, last = PROBLEMS["pulled"]
+    turned = found(lam, -mu, -phi, span, np.pi - first, np.pi - last)
+    np.testing.assert_allclose(slopes(turned), -slopes(found(*PROBLEMS["pulled"]))[::-1], atol=1e-10)
+
+
+def test_run_from_its_other_end_each_rod_is_found_again() -> None:
+    """beta(L - s) solves the same equation between the ends changed over, with the same energy and index."""
+    lam, mu, phi, span, first, last = PROBLEMS["many"]
+    for one, other in (((first, 1.2), (1.2, first)), ((first, last), (last, first))):
+        there, back = found(lam, mu, phi, span, *one), found(lam, mu, phi, span, *other)
+        np.testing.assert_allclose([e.energy for e in there], [e.energy for e in back], atol=1e-9)
+        assert sorted(e.index for e in there) == sorted(e.index for e in back)
+        ends = np.sort([-e.solution.dbeta[-1] for e in there])
+        np.testing.assert_allclose(ends, slopes(back), atol=1e-8)
+
+
+def test_whole_turns_added_to_both_ends_change_nothing() -> None:
+    lam, mu, phi, span, first, last = PROBLEMS["pulled"]
+    shifted = found(lam, mu, phi, span, first - 4 * np.pi, last - 4 * np.pi)
+    np.testing.assert_allclose(slopes(shifted), slopes(found(*PROBLEMS["pulled"])), atol=1e-9)
+
+
+def test_mirror_images_of_one_energy_come_in_one_order_always() -> None:
+    """Equal but for rounding, they are told apart by their start: the lower slope first."""
+    solutions = found(*PROBLEMS["no loads"])
+    pairs = [
+        (a, b) for a, b in pairwise(solutions) if abs(a.energy - b.energy) < 1e-9 and abs(a.dbeta0 + b.dbeta0) < 1e-9
+    ]
+    assert pairs
+    assert all(a.dbeta0 < b.dbeta0 for a, b in pairs)
+
+
+def test_a_start_problem_shares_its_shape_with_one_of_its_ends_problem() -> None:
+    start = in_units_of_rho(*MANY, 20.0, np.pi / 6, 1.0)
+    assert isinstance(start.given, Start)
+    sol = solve(start, tol=1e-11)
+    solutions = found(*MANY, 20.0, np.pi / 6, float(sol.beta[-1]))
+    own = min(solutions, key=lambda one: abs(one.dbeta0 - 1.0))
+    np.testing.assert_allclose(own.solution.beta, sol.beta, atol=1e-8)
