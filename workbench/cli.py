@@ -42,6 +42,12 @@ Reading = Annotated[
     ),
 ]
 Tol = Annotated[float | None, _number("The error allowed, times max(1, condition).")]
+Level = Annotated[
+    str | None,
+    typer.Option(
+        "--fidelity", help="draft, standard, fine or exact: a tolerance and what is computed. --tol goes first."
+    ),
+]
 Method = Annotated[str | None, typer.Option(help="auto, or the name of a method.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
@@ -93,13 +99,14 @@ def run(
     reading: Reading = None,
     tol: Tol = None,
     method: Method = None,
+    level: Level = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is not this study's.")] = False,
     json: Json = False,
 ) -> None:
     """Solve every case of a study, store them, judge its laws."""
     from .running import run_study
 
-    raise typer.Exit(run_study(study, out, reading, tol, method, force, json))
+    raise typer.Exit(run_study(study, out, reading, tol, method, force, json, level))
 
 
 @app.command()
@@ -157,6 +164,7 @@ def solve(
     dgamma: Annotated[float | None, _number("Rotation rate of the section [rad/cm].")] = None,
     tol: Tol = None,
     method: Method = None,
+    level: Level = None,
     json: Json = False,
 ) -> None:
     """One case, from a TOML file or from options.
@@ -171,7 +179,7 @@ def solve(
         "dbeta": dbeta, "F1": F1, "F2": F2, "F3": F3, "dgamma": dgamma,
     }  # fmt: skip
     given = {name: value for name, value in options.items() if value is not None}
-    raise typer.Exit(solve_case(file, given, tol, method, json))
+    raise typer.Exit(solve_case(file, given, tol, method, json, level))
 
 
 @app.command()

@@ -9,6 +9,7 @@ from studies import load, names
 from studies.axes import Axis
 
 from . import check, console, runner, store
+from .fidelity import fidelity
 
 
 def listed() -> list[dict[str, Any]]:
@@ -30,9 +31,15 @@ def run_study(
     method: str | None,
     force: bool,
     json: bool,
+    level: str | None = None,
 ) -> int:
-    """Run a study, store it and print its verdicts; 0, or 1 where a law fails or a case is unsolved."""
+    """Run a study, store it and print its verdicts; 0, or 1 where a law fails or a case is unsolved.
+
+    level: the name of a fidelity; a tolerance beside it replaces the fidelity's own.
+    """
     study = load(name).under(reading)
+    if level is not None:
+        study = fidelity(level).of(study)
     path = out or Path(f"{study.name}.h5")
     if not force:
         store.check_free(path, study.name)

@@ -6,26 +6,36 @@ from typing import Any
 
 import numpy as np
 
-from solver import Case, Cylinder, InputError, Rod, Solution, solve
+from solver import Case, Cylinder, InputError, Rod, Solution
 from solver.case import from_fields
-from solver.observables import OBSERVABLES, observe
+from solver.observables import observe
 from solver.quantities import quantity, unit_of
 from studies import load
 from studies.axes import quantity_of
 from studies.readings import DEFAULT
 
 from . import console
+from .fidelity import Fidelity, fidelity
+from .runner import solve_one
 
 LOADS = ("FZ", "MZ", "M3")
-ALONG = ("s", "beta", "dbeta", "alpha", "z", "contact")
 
 
 def solve_case(
-    file: Path | None, options: dict[str, Any], tol: float | None, method: str | None, json: bool
+    file: Path | None,
+    options: dict[str, Any],
+    tol: float | None,
+    method: str | None,
+    json: bool,
+    level: str | None = None,
 ) -> int:
-    """Solve and print; 0, or 1 where it is not solved. Raises `InputError`, also for a file with axes."""
+    """Solve and print; 0, or 1 where it is not solved. Raises `InputError`, also for a file with axes.
+
+    level: the name of a fidelity; a tolerance beside it replaces the fidelity's own.
+    """
+    chosen = fidelity(level or "standard")
     units = {"length": "cm", "force": "N"}
-    stations, base = 201, DEFAULT.case()
+    stations, base, which = 201, DEFAULT.case(), None
     if file is not None:
         if file.suffix != ".toml":
             raise InputError(f"solve reads a case from a .toml file, got {str(file)!r}")
@@ -33,10 +43,12 @@ def solve_case(
         if study.axes:
             raise InputError(f"{file.name} has the axes {', '.join(study.axes)}: workbench run solves it")
         units, stations, base = study.unit_system, study.stations, study.case()
-        tol, method = study.tol if tol is None else tol, method or study.method
+        which = study.equilibrium
+        tol, method = study.tol if tol is None and level is None else tol, method or study.method
     case = with_fields(base, options)
-    sol = solve(case, tol=1e-8 if tol is None else tol, method=method or "auto", stations=stations)
-    told = described(sol, units)
+    tol = chosen.tol if tol is None else tol
+    sol = solve_one(case, which, tol, method or "auto", chosen.stations or stations)
+    told = described(sol, units, chosen)
     if json:
         console.print_json(told)
     else:
@@ -59,8 +71,8 @@ def with_fields(case: Case, changes: dict[str, Any]) -> Case:
     return Case(*parts)
 
 
-def described(sol: Solution, units: dict[str, str]) -> dict[str, Any]:
-    """The case, how well it was solved, its loads, observables and arrays, as plain data."""
+def described(sol: Solution, units: dict[str, str], level: Fidelity) -> dict[str, Any]:
+    """The case, how well it was solved, its loads, and the observables and arrays of a fidelity, as plain data."""
     case = sol.case
     asked = {
         field.name: getattr(part, field.name)
@@ -78,8 +90,8 @@ def described(sol: Solution, units: dict[str, str]) -> dict[str, Any]:
         "error": float(sol.error),
         "condition": float(sol.condition),
         "loads": {name: float(getattr(sol, name)) for name in LOADS},
-        "observables": {name: np.asarray(value).item() for name, value in observe(sol, OBSERVABLES).items()},
-        "along": {name: getattr(sol, name).tolist() for name in ALONG},
+        "observables": {name: np.asarray(value).item() for name, value in observe(sol, level.observables).items()},
+        "along": {name: getattr(sol, name).tolist() for name in level.along},
     }
 
 

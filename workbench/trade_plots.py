@@ -64,7 +64,7 @@ def figure(ds: xr.Dataset, cost: str, path: Path) -> Path:
             fig.text(0.012, top - 0.1 * inch, title, va="center", size=style.SMALL, color=style.SOFT)
             fig.legend(handles=handles, loc="center left", bbox_to_anchor=(0.12, top - 0.1 * inch), ncols=len(handles),
                        borderaxespad=0, columnspacing=1.2, handlelength=1.8, handletextpad=0.5)  # fmt: skip
-        fig.get_layout_engine().set(rect=(0, 0, 1, 1 - 1.0 * inch))  # type: ignore[union-attr]
+        fig.get_layout_engine().set(rect=(0, 0, 1, 1 - 1.0 * inch))  # type: ignore[union-attr, call-arg]
         fig.savefig(path)
     return path
 
