@@ -69,6 +69,20 @@ def _in_order(found: list[Equilibrium]) -> list[Equilibrium]:
     return [found[i] for i in np.lexsort((slope, np.cumsum(new)))]
 
 
+def nearest(found: list[Equilibrium], dbeta0: float, energy: float) -> Equilibrium:
+    """Of all equilibria of a case the one next to beta'(0) [rad/length] and energy [force length], each measured by
+    its spread. Both are needed: mirror images share the energy, and what hugs one saddle the slope, to the last bit.
+
+    Raises `InputError` where there is none.
+    """
+    if not found:
+        raise InputError("no equilibrium joins these end angles under these loads")
+    far = np.zeros(len(found))
+    for values, wanted in (([e.dbeta0 for e in found], dbeta0), ([e.energy for e in found], energy)):
+        far += np.abs(np.array(values) - wanted) / (np.ptp(values) or 1.0)
+    return found[int(np.argmin(far))]
+
+
 def trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float) -> Trajectory:
     """The orbits of K ends problems at stations t (K, n), with how far they miss beta(L) as their error."""
     assert problem.betaL is not None

@@ -98,6 +98,15 @@ class Base(BaseModel):
         return self.model_dump(exclude_none=True)
 
 
+class Which(BaseModel):
+    """Which equilibrium of an ends problem: the one next to this beta'(0) [rad/length] and energy [force length]."""
+
+    model_config = STRICT
+
+    dbeta0: float
+    energy: float
+
+
 class Axis(BaseModel):
     """The values of one axis: a list, or from, to and count; or, for betaL alone, followed up to a limit.
 

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from solver.errors import InputError, choices
 
-from .axes import Axis, Base, Misplaced, Units
+from .axes import Axis, Base, Misplaced, Units, Which
 from .laws import Law
 from .model import Study
 
@@ -18,7 +18,7 @@ SHIPPED = Path(__file__).parent
 
 Where = tuple[str | int, ...]
 
-_MODELS: dict[str, type[BaseModel]] = {"units": Units, "base": Base, "axes": Axis, "laws": Law}
+_MODELS: dict[str, type[BaseModel]] = {"units": Units, "base": Base, "axes": Axis, "laws": Law, "equilibrium": Which}
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([^\[\]]+?)\s*\]")
 _PART = re.compile(r"""[\w-]+|"[^"]*"|'[^']*'""")
 _KEY = re.compile(r"""^\s*((?:[\w-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[\w-]+|"[^"]*"|'[^']*'))*)\s*=""")

@@ -14,7 +14,7 @@ from solver.observables import OBSERVABLES
 from solver.quantities import unit_of
 
 from . import axes as parts
-from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Misplaced, Units
+from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Misplaced, Units, Which
 from .laws import Law
 from .readings import TABLE_1, Reading, parse
 
@@ -42,6 +42,7 @@ class Study(BaseModel):
     units: Units
     reading: str | None = None
     base: Base = Base()
+    equilibrium: Which | None = None
     axes: dict[str, Axis] = {}
     observables: list[str] = []
     outputs: list[str] = ["beta", "alpha", "z", "contact"]
@@ -95,6 +96,13 @@ class Study(BaseModel):
         if values > MAX_VALUES:
             size = f"{cases} cases at {self.stations} stations are {values} values"
             raise Misplaced(f"{size}, more than the limit of {MAX_VALUES}", "axes")
+        return self
+
+    @model_validator(mode="after")
+    def _equilibrium_fits(self) -> "Study":
+        if self.equilibrium is not None and (self.axes or self.reading or self._kind is Start):
+            why = "equilibrium names one of many for a single case given by its ends: no axes, no reading"
+            raise Misplaced(why, "equilibrium")
         return self
 
     @model_validator(mode="after")

@@ -6,8 +6,10 @@ from typing import Any
 
 import xarray as xr
 
-from solver import solve
+from solver import Case, Solution, equilibria, solve
+from solver.equilibria import nearest
 from studies import Study
+from studies.axes import Which
 
 from . import check, dataset
 
@@ -38,8 +40,16 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
         from .following import run_followed
 
         return run_followed(study, tol, method)
-    sol = solve(study.case(), tol=tol, method=method, stations=study.stations)
+    sol = solve_one(study.case(), study.equilibrium, tol, method, study.stations)
     return dataset.make(study, study.coordinates(), sol)
+
+
+def solve_one(case: Case, which: Which | None, tol: float, method: str, stations: int) -> Solution:
+    """The solution of a case, or of a grid; where a study says which equilibrium, that one. Raises `InputError`."""
+    if which is None:
+        return solve(case, tol=tol, method=method, stations=stations)
+    found = nearest(equilibria(case, tol, stations), which.dbeta0, which.energy).solution
+    return found if method in ("auto", found.method) else solve(case, tol, method, stations, seed=found)
 
 
 def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:
