@@ -200,6 +200,53 @@ def trade(
 
 
 @app.command()
+def equilibria(
+    file: Annotated[
+        Path | None,
+        typer.Argument(metavar="[FILE]", help="A study's name or TOML file of one case, by its start or its ends."),
+    ] = None,
+    E: Annotated[float | None, _number("Young's modulus [N/cm^2].", "--E")] = None,
+    nu: Annotated[float | None, _number("Poisson ratio.")] = None,
+    a: Annotated[float | None, _number("Radius of the rod [cm].", "--a")] = None,
+    L: Annotated[float | None, _number("Length of the rod [cm].", "--L")] = None,
+    stiffness: Annotated[str | None, typer.Option(help="solid or paper.")] = None,
+    R: Annotated[float | None, _number("Radius of the cylinder [cm].", "--R")] = None,
+    side: Annotated[str | None, typer.Option(help="outside or inside.")] = None,
+    beta0: Annotated[float | None, _number("Angle from the axis at the start [rad].", "--beta0")] = None,
+    betaL: Annotated[float | None, _number("Angle at the far end [rad], whole turns counted.", "--betaL")] = None,
+    FZ: Annotated[float | None, _number("Axial force [N], tension positive.", "--FZ")] = None,
+    MZ: Annotated[float | None, _number("Axial moment [N cm].", "--MZ")] = None,
+    M3: Annotated[float | None, _number("Twisting moment [N cm].", "--M3")] = None,
+    axis: Annotated[
+        str | None,
+        typer.Option(help="NAME=FROM:TO:COUNT, as betaL=-90deg:60deg:41: follow all of them over that field."),
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="A picture: the curves and their energies; with --axis the branches and folds.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="A file for the dataset.")] = None,
+    export: Annotated[
+        Path | None, typer.Option(help="A folder: each equilibrium as a case that solve FILE reproduces.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that is not of equilibria.")] = False,
+    json: Json = False,
+) -> None:
+    """Every shape between two end angles under dead loads, lowest energy first, with its stability.
+
+    What is left out comes from Table 1, read force-first/tension/paper: its beta(0), the loads that this start has,
+    and the angle at which its own rod ends.
+    """
+    from .equilibria import run as work
+
+    options: dict[str, Any] = {
+        "E": E, "nu": nu, "a": a, "L": L, "stiffness": stiffness, "R": R, "side": side, "beta0": beta0,
+        "betaL": betaL, "FZ": FZ, "MZ": MZ, "M3": M3,
+    }  # fmt: skip
+    given = {name: value for name, value in options.items() if value is not None}
+    raise typer.Exit(work(file, given, axis, plot, out, export, json, force))
+
+
+@app.command()
 def doctor(json: Json = False) -> None:
     """What works on this machine: OpenGL, HDF5, fonts, versions."""
     from .doctor import examine

@@ -1,0 +1,158 @@
+"""The command equilibria: every shape between two ends; listed, drawn, followed over an axis, written as cases."""
+
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver import Case, Ends, InputError, solve
+from solver import equilibria as every_equilibrium
+from solver.equilibria import Equilibrium
+from solver.errors import choices
+from studies import Study, load
+from studies.axes import CYLINDER, ENDS, ROD, WORDS, quantity_of
+
+from . import console, drawing, store
+from .solving import with_fields
+
+DEFAULT = "fig7_4_end_angle"
+MOST = 401  # values of an axis
+NAMES = tuple(name for name in (*ROD, *CYLINDER, *ENDS) if name not in (*WORDS, "alpha", "gamma"))
+COLUMNS = ("dbeta0", "energy", "turns", "index", "attached")
+
+
+def run(
+    file: Path | None,
+    options: dict[str, Any],
+    axis: str | None,
+    plot: Path | None,
+    out: Path | None,
+    export: Path | None,
+    json: bool,
+    force: bool = False,
+) -> int:
+    """List, draw, store or export; 0, or 1 where there is none. Raises `InputError`."""
+    study = load(DEFAULT if file is None else str(file))
+    case = with_fields(ends_of(study), options)
+    if axis is not None and export is not None:
+        raise InputError("--export writes the equilibria of one case, so it does not go with --axis")
+    picture = drawing._picture(plot, drawing.PLOTS) if plot else None
+    if out is not None and not force:
+        store.check_free(out, "equilibria")
+    if axis is not None:
+        return _over(study, case, axis, picture, out, json, force)
+    found = every_equilibrium(case)
+    rows = [row(one) for one in found]
+    if json:
+        console.print_json({"case": told(case), "units": study.unit_system, "equilibria": rows})
+    else:
+        units = [f"rad/{study.units.length}", f"{study.units.force} {study.units.length}", "", "", ""]
+        heads = [f"{name} [{unit}]" if unit else name for name, unit in zip(COLUMNS, units, strict=True)]
+        console.print_table(["", *heads], [[i, *(r[c] for c in COLUMNS)] for i, r in enumerate(rows, 1)])
+        stable = sum(r["index"] == 0 for r in rows)
+        console.say(f"{len(rows)} equilibria, {stable} stable with the end angles held and the loads dead")
+    if picture or out:
+        from . import gallery
+
+        ds = gallery.dataset_of(study, case, found)
+        if out:
+            store.write(ds, out, force)
+        if picture:
+            gallery.figure(ds, picture)
+    if export:
+        write_cases(study, case, found, export)
+    return 0 if found else 1
+
+
+def ends_of(study: Study) -> Case:
+    """The study's case by its ends; a rod given at its start keeps its loads and ends at its own far angle.
+
+    Raises `InputError` for a grid, or a rod that is not solved.
+    """
+    if any(not axis.follow for axis in study.axes.values()):
+        raise InputError(f"{study.name} has the axes {', '.join(study.axes)}: equilibria takes one case")
+    case = study.case()
+    if isinstance(case.given, Ends):
+        return case
+    sol = solve(case, tol=1e-12, stations=2)
+    if not sol.solved:
+        raise InputError(f"{study.name}: the rod given at its start is not solved: {sol.outcome}")
+    g = case.given
+    return Case(case.rod, case.cylinder, Ends(g.beta, float(sol.beta[-1]), *case.loads, g.alpha, g.gamma))
+
+
+def row(one: Equilibrium) -> dict[str, Any]:
+    """An equilibrium as plain data."""
+    return {
+        "dbeta0": one.dbeta0, "energy": one.energy, "turns": one.turns, "index": one.index, "attached": one.attached,
+        "outcome": str(one.solution.outcome), "error": float(one.solution.error),
+    }  # fmt: skip
+
+
+def told(case: Case) -> dict[str, Any]:
+    """The fields of a case by name, as plain data."""
+    out: dict[str, Any] = {}
+    for part in (case.rod, case.cylinder, case.given):
+        for field in fields(part):
+            value = getattr(part, field.name)
+            out[field.name] = value if isinstance(value, str) else float(value)
+    return out
+
+
+def write_cases(study: Study, case: Case, found: list[Equilibrium], folder: Path) -> None:
+    """Each equilibrium as a TOML case that `workbench solve` and `run` read. Raises `InputError`."""
+    store.check_folder(folder)
+    width = len(str(len(found)))
+    base = "\n".join(f'{k} = "{v}"' if isinstance(v, str) else f"{k} = {v!r}" for k, v in told(case).items())
+    for i, one in enumerate(found, 1):
+        title = f"Equilibrium {i} of {len(found)}: index {one.index}, {one.turns} bends"
+        text = (
+            f'title = "{title}"\n\n[units]\nlength = "{study.units.length}"\nforce = "{study.units.force}"\n\n'
+            f"[base]\n{base}\n\n[equilibrium] # which of the {len(found)}: the one next to both\n"
+            f"dbeta0 = {one.dbeta0!r}\nenergy = {one.energy!r}\n"
+        )
+        (folder / f"equilibrium_{i:0{width}d}.toml").write_text(text, encoding="utf-8")
+    console.say(f"{len(found)} cases in {folder}")
+
+
+def parse_axis(text: str) -> tuple[str, np.ndarray]:
+    """``betaL=-90deg:60deg:41`` as a name and values, angles in rad. Raises `InputError`."""
+    name, equals, said = text.partition("=")
+    if name not in NAMES:
+        raise InputError(f"no axis {name!r}; choose from {choices(NAMES)}")
+    parts = said.split(":")
+    if not equals or len(parts) != 3:
+        raise InputError(f"--axis takes NAME=FROM:TO:COUNT, got {text!r}")
+    try:
+        ends = [_number(part, quantity_of(name).dimension == "rad") for part in parts[:2]]
+        count = int(parts[2])
+    except ValueError:
+        raise InputError(f"--axis takes NAME=FROM:TO:COUNT with numbers, got {text!r}") from None
+    if not 2 <= count <= MOST or ends[0] == ends[1] or not np.isfinite(ends).all():
+        raise InputError(f"--axis needs two different ends and a count from 2 to {MOST}, got {text!r}")
+    return name, np.linspace(min(ends), max(ends), count)
+
+
+def _number(text: str, is_angle: bool) -> float:
+    return float(np.deg2rad(float(text[:-3]))) if is_angle and text.endswith("deg") else float(text)
+
+
+def _over(study: Study, case: Case, axis: str, picture: Path | None, out: Path | None, json: bool, force: bool) -> int:
+    from . import bifurcation
+
+    name, values = parse_axis(axis)
+    with console.progress(values.size) as step:
+        ds = bifurcation.sweep(study, case, name, values, step)
+    if out:
+        store.write(ds, out, force)
+    if picture:
+        bifurcation.figure(ds, picture)
+    rows = bifurcation.branches(ds)
+    if json:
+        console.print_json({"axis": name, "units": study.unit_system, "branches": rows, "folds": bifurcation.folds(ds)})
+    else:
+        heads = [key for key in rows[0] if key != "tau"] if rows else ["branch"]
+        console.print_table(heads, [[r[key] for key in heads] for r in rows])
+        console.say(f"{len(rows)} branches, {ds.sizes['fold']} folds over {values.size} values of {name}")
+    return 0 if rows else 1
