@@ -5,46 +5,67 @@ import numpy as np
 from .landscape import slope_rate
 from .reduced import Array, Reduced
 
-
-def steps(problem: Reduced, dt: Array, beta: Array) -> tuple[Array, Array, Array]:
-    """The 2x2 transfer of eta'' = -H'(beta) eta over steps dt with beta frozen: (diagonal, upper, lower), as dt."""
-    rate = slope_rate(problem, beta)
-    root = np.sqrt(np.abs(rate))
-    angle = root * dt
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        centre = rate >= 0
-        diagonal = np.where(centre, np.cos(angle), np.cosh(np.minimum(angle, 700)))
-        sine = np.where(centre, np.sin(angle), np.sinh(np.minimum(angle, 700)))
-        upper = np.where(angle > 0, sine / np.where(root > 0, root, 1), dt)
-    return diagonal, upper, -rate * upper
+_BLOCK = 2**18  # stations worked on at once
+_MOST = 2**22  # stations that are worth their memory
 
 
-def growth(problem: Reduced, t: Array, beta: Array) -> Array:
-    """Largest |d beta(t)/d beta(0)| and |d beta(t)/d beta_t(0)| over the stations t, at least 1; all (B, n) -> (B,).
+def growth(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
+    """Largest |d beta(t)/d beta(0)| and |d beta(t)/d beta_t(0)| over the stations t, at least 1.
 
-    beta is taken as constant between stations, so a digit or two of the answer can be trusted where the stations
-    resolve it.
+    t, beta, rate (beta_t): (B, n) -> (B,). Order 4 in the distance of the stations, so a digit or two can be trusted
+    where these resolve beta; but not after a rest near a saddle, where what grew has to cancel.
+    """
+    worst = np.ones(problem.size)
+    share = max(1, _BLOCK // t.shape[1])
+    for first in range(0, problem.size, share):
+        some = slice(first, first + share)
+        product = _transfers(problem.take(some), t[some], beta[some], rate[some])
+        for reach in (2**k for k in range((t.shape[1] - 1).bit_length())):  # of all steps from the start: doubling
+            product[..., reach:] = _after(product[..., reach:], product[..., :-reach])
+        largest = np.fmax.reduce(np.abs(product[:2]), axis=(0, 2), initial=1.0)
+        worst[some] = np.where(np.isfinite(product).any(axis=(0, 2)) | (t.shape[1] < 2), largest, np.inf)
+    return worst
+
+
+def _after(late: Array, early: Array) -> Array:
+    """Products of matrices [[a, b], [c, d]] held as (4, ...): late times early."""
+    a, b, c, d = late
+    e, f, g, h = early
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.stack([a * e + b * g, a * f + b * h, c * e + d * g, c * f + d * h])
+
+
+def _transfers(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
+    """What each step makes of (eta, eta_t) where eta'' = -H'(beta) eta, the four entries (4, B, n - 1).
+
+    Magnus' exponential of order 4, H' by Simpson's rule with Hermite's cubic for beta between the stations; its
+    determinant is 1, and a long step at a steep saddle does it no harm.
     """
     column = Reduced(*(v[:, None] for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
-    diagonal, upper, lower = steps(column, np.diff(t, axis=1), (beta[:, 1:] + beta[:, :-1]) / 2)
-    zero, one = np.zeros(problem.size), np.ones(problem.size)
-    b1, v1, b2, v2, worst = one, zero, zero, one, one.copy()
-    with np.errstate(over="ignore", invalid="ignore"):
-        for k in range(diagonal.shape[1]):
-            d, u, w = diagonal[:, k], upper[:, k], lower[:, k]
-            b1, v1, b2, v2 = d * b1 + u * v1, w * b1 + d * v1, d * b2 + u * v2, w * b2 + d * v2
-            worst = np.fmax(worst, np.fmax(np.abs(b1), np.abs(b2)))
-    return np.where(np.isfinite(worst), worst, np.inf)
+    dt = np.diff(t, axis=1)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        middle = (beta[:, :-1] + beta[:, 1:]) / 2 + dt / 8 * (rate[:, :-1] - rate[:, 1:])
+        first, last = slope_rate(column, beta[:, :-1]), slope_rate(column, beta[:, 1:])
+        mean = (first + 4 * slope_rate(column, middle) + last) / 6
+        tilt = (last - first) * dt * dt / 12
+        square = tilt * tilt - mean * dt * dt  # of the exponent, a matrix without trace
+        root = np.sqrt(np.abs(square))
+        grows = square > 0
+        even = np.where(grows, np.cosh(np.minimum(root, 700)), np.cos(root))
+        odd = np.where(grows, np.sinh(np.minimum(root, 700)), np.sin(root)) / np.where(root > 0, root, 1)
+        odd = np.where(root > 0, odd, 1.0)
+        return np.stack([even + tilt * odd, dt * odd, -mean * dt * odd, even - tilt * odd])
 
 
 def refined(problem: Reduced, t: Array, most: int) -> tuple[Array, int]:
     """The stations with k - 1 more on equal steps between neighbours, (B, (n - 1) k + 1), and k: a power of two that
-    divides `most`, at most 16, and no larger than `growth` needs to see how the field turns between them."""
+    divides `most`, at most 16, and no larger than `growth` needs to see how the field turns between them (or than is
+    bearable where there are very many problems)."""
     steepest = np.abs(problem.lam) + 2 * np.abs(problem.mu) + np.abs(problem.phi) + 2  # |H'| is nowhere larger
     with np.errstate(over="ignore"):
         angle = np.max(np.sqrt(steepest) * np.diff(t, axis=1).max(axis=1, initial=0.0), initial=0.0)
     k = 1
-    while k < 16 and angle > k / 2 and most % (2 * k) == 0:
+    while k < 16 and angle > k / 4 and most % (2 * k) == 0 and 2 * k * t.size <= _MOST:
         k *= 2
     if k == 1:
         return t, 1

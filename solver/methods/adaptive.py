@@ -57,7 +57,7 @@ def _one(
         error = float(np.max(np.abs(fine - coarse) * weight[:, None], initial=0.0))
         if not math.isfinite(error):
             return fine, math.inf, math.inf, calls
-        condition = float(growth(problem, steps[None], at_steps[None])[0])
+        condition = float(growth(problem, steps[None], *at_steps[:2, None])[0])
         error += 1e-15 * (1 + calls**0.5) * condition
         if rtol is not None or error <= tol or wanted <= _TIGHTEST:
             return fine, error, condition, calls
@@ -83,10 +83,10 @@ def _integrate(integrator: str, problem: Reduced, t: Array, rtol: float) -> tupl
     try:
         answer = solve_ivp(rates, (0.0, t[-1]), start, integrator, t_eval=t, rtol=rtol, atol=rtol, dense_output=True)
     except (_TooLong, ValueError):  # math.sin refuses an infinite angle by a ValueError
-        return np.full((5, t.size), np.nan), (t, t), calls
+        return np.full((5, t.size), np.nan), (t, np.full((5, t.size), np.nan)), calls
     if answer.status != 0:
-        return np.full((5, t.size), np.nan), (t, t), answer.nfev
-    # four points in each step are enough for the condition number's digit or two
+        return np.full((5, t.size), np.nan), (t, np.full((5, t.size), np.nan)), answer.nfev
+    # eight points in each step are enough for the condition number's digit or two
     knots = answer.sol.ts
-    points = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(4) / 4).ravel(), knots[-1])
-    return answer.y, (points, answer.sol(points)[0]), answer.nfev
+    points = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(8) / 8).ravel(), knots[-1])
+    return answer.y, (points, answer.sol(points)), answer.nfev

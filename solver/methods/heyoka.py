@@ -28,7 +28,7 @@ def run(problem: Reduced, t: Array, tol: float, rtol: float | None = None, **_: 
     error, calls = np.full(problem.size, np.inf), np.zeros(problem.size, dtype=np.int64)
     for i in range(problem.size):
         states[i], error[i], calls[i] = _one(problem.take(slice(i, i + 1)), t[i], tol, rtol)
-    condition = growth(problem, t, states[:, 0])
+    condition = growth(problem, t, states[:, 0], states[:, 1])
     beta, dbeta, alpha, z, swirl = np.moveaxis(states[:, :, ::k], 1, 0)
     error = error + 2e-16 * (1 + np.sqrt(calls)) * condition
     outcome = verdicts(beta, error, condition, tol)

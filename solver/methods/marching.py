@@ -53,7 +53,7 @@ def marched(
             pending = _error(base, off)[left] > tol
             if steps is not None or 2 * n * intervals > scheme.most:
                 pending[:] = False
-            condition[left[~pending]] = growth(some.take(~pending), grid[~pending], dense[0, ~pending])
+            condition[left[~pending]] = growth(some.take(~pending), grid[~pending], *dense[:2, ~pending])
             marches, answers, left = [marches[-1][:, pending]], [answers[-1][:, pending]], left[pending]
         n *= 2
     skipped = base.shape[1] - t.shape[1]

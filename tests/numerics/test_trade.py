@@ -1,0 +1,235 @@
+"""Accuracy against cost: what is measured, against what, and that nothing which failed is left out."""
+
+import json
+from dataclasses import replace
+from importlib.resources import files
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from solver import InputError, Solution, solve, trade
+from solver.methods import METHODS
+from solver.reduced import reduce
+from solver.trade import Ladder, Row, achieved, cheapest, drift, measure, tens
+from tests.cases import EXACT, TABLE_1, elliptic, in_units_of_rho
+from tests.references import references
+from workbench.trade_cases import CASES, FILE, reference
+
+DATA = json.loads((files("workbench") / FILE).read_text(encoding="utf-8"))
+MARCHES = {"euler": 1, "verlet": 4, "rk4": 4}
+SHORT = {
+    "euler": Ladder("euler", "steps", (1, 4)),
+    "rk4": Ladder("rk4", "steps", (1, 2)),
+    "verlet extrapolated": Ladder("verlet", "steps", (1, 2)),
+    "dop853": Ladder("dop853", "rtol", tens(2, 8, 3)),
+    "lsoda": Ladder("lsoda", "rtol", tens(2, 8, 3)),
+    "orbit": Ladder("orbit", "tol", tens(1, 9, 4)),
+    "difference": Ladder("difference", "nodes", (129, 257), {"extrapolate": False}),
+    "collocation": Ladder("collocation", "rtol", tens(1, 7, 3)),
+    "shooting": Ladder("shooting", "tol", (1e-6,)),
+}
+
+
+def asked(*names: str) -> dict:
+    return {name: (CASES[name].case, reference(name), CASES[name].slope) for name in names}
+
+
+@pytest.fixture(scope="module")
+def rows() -> list[Row]:
+    return measure(asked("force-first/tension", "gap 1e-06", "ends table 1"), SHORT)
+
+
+# the references
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_each_reference_belongs_to_its_case_as_it_is_now(name: str) -> None:
+    problem = reduce(CASES[name].case)
+    numbers = [float(v[0]) for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)]
+    # loads are sums that cancel: rounding is against the largest
+    np.testing.assert_allclose(numbers, DATA["cases"][name]["numbers"], rtol=1e-14, atol=1e-14)
+
+
+@pytest.mark.parametrize("name, named", [("elliptic", "elliptic k=0.25 L=20"), ("catenary", "catenary")])
+def test_the_references_of_exact_cases_are_the_closed_forms(name: str, named: str) -> None:
+    known, s = reference(name), reference(name).u * 20.0
+    for found, exact in zip((known.beta, known.alpha, known.z), EXACT[named].exact(s), strict=True):
+        # rounding of the start, grown
+        np.testing.assert_allclose(found, exact, atol=1e-15 * (10 + known.condition))
+    sine, eta = np.sin(known.beta), {"elliptic": -1 / 16, "catenary": 0.0}[name]
+    # section 2 without loads: FY = -s^3, H = -2 c s^3, beta_t^2 = eta + s^4
+    contact = -(sine**4) - 6 * sine**4 * (1 - sine**2) - 3 * (eta + sine**4) * (1 - 2 * sine**2)
+    np.testing.assert_allclose(known.contact, contact, atol=1e-14)
+
+
+def test_the_references_agree_with_those_of_the_test_suite() -> None:
+    for twist in ("force-first", "twist-first", "shear"):
+        for load in ("tension", "compression"):
+            known, other = reference(f"{twist}/{load}"), references()[f"{twist}/{load}/paper"]
+            at = np.rint(other.u * 40).astype(int)
+            rho = TABLE_1[f"{twist}/{load}/paper"].case.rho
+            for found, exact in ((known.beta, other.beta), (known.alpha, other.alpha), (known.z * rho, other.z)):
+                np.testing.assert_allclose(found[at], exact, rtol=4e-15, atol=1e-14)  # both are rounded to floats
+
+
+# the methods of the ladder
+
+
+def short_rod(method: str, **knobs: object) -> float:
+    """The error of beta of a march along two radii of the elliptic rod, at eleven stations."""
+    sol = solve(in_units_of_rho(0, 0, 0, 2.0, np.pi / 6, 0.0), tol=0.5, method=method, stations=11, **knobs)
+    return float(np.abs(sol.beta - elliptic(sol.s)[0]).max())
+
+
+@pytest.mark.parametrize("method, order", MARCHES.items())
+def test_a_march_has_the_order_that_it_states(method: str, order: int) -> None:
+    assert METHODS[method].order == order
+    first = 40 if order == 1 else 2
+    errors = [short_rod(method, steps=steps) for steps in (first, 2 * first, 4 * first)]
+    np.testing.assert_allclose(np.log2(errors[:-1]) - np.log2(errors[1:]), order, atol=0.12)  # next power of h
+
+
+@pytest.mark.parametrize("method", MARCHES)
+def test_a_march_takes_the_steps_that_the_tolerance_needs_and_no_more_than_its_budget(method: str) -> None:
+    case = in_units_of_rho(0.1, 0.2, 0.3, 2.0, 0.5, 0.1)
+    tols = (1e-2, 1e-3) if method == "euler" else (1e-4, 1e-7)
+    loose, tight = (solve(case, tol=tol, method=method, stations=11) for tol in tols)
+    assert loose.solved
+    assert tight.solved
+    assert loose.evaluations < tight.evaluations
+
+
+def test_a_march_whose_budget_is_spent_says_so() -> None:
+    sol = solve(in_units_of_rho(0, 0, 0, 2.0, 0.5, 0.1), tol=1e-14, method="euler", stations=11)
+    assert sol.outcome.startswith("failed: error")
+    assert sol.evaluations <= 2 * 2**16
+
+
+def test_a_hard_case_costs_its_neighbours_in_a_batch_no_step() -> None:
+    easy, hard = ((0.5, 0.1), (0.5, 8.0))
+    grid = in_units_of_rho(0.1, 0.2, 0.3, 5.0, *np.transpose([easy, hard]))
+    both = solve(grid, tol=1e-6, method="rk4", stations=11)
+    alone = solve(in_units_of_rho(0.1, 0.2, 0.3, 5.0, *easy), tol=1e-6, method="rk4", stations=11)
+    assert both.evaluations[0] == alone.evaluations < both.evaluations[1]
+
+
+@pytest.mark.parametrize("method", ["dop853", "lsoda"])
+def test_an_adaptive_method_states_an_error_however_loose_its_tolerance(method: str) -> None:
+    """The yardstick is another run; at the loosest tolerance it must not be the same one."""
+    for options in ({"tol": 0.9}, {"tol": 0.9, "rtol": 0.5}):
+        case, known, _ = asked("catenary")["catenary"]
+        sol = solve(case, method=method, **options)
+        assert achieved(sol, known)["error_beta"] <= 10 * sol.error
+
+
+def test_far_stations_do_not_spoil_the_condition_number_of_a_march() -> None:
+    case = in_units_of_rho(0, 0, 0, 60.0, np.pi / 6, 0.0)
+    near, far = (solve(case, tol=1e-4, method="rk4", stations=n).condition for n in (961, 31))
+    assert far == pytest.approx(near, rel=0.3)  # a digit or two is what it is for
+
+
+def test_collocation_follows_its_tolerance_and_says_when_nothing_is_there_to_solve() -> None:
+    case, known, slope = asked("ends elliptic")["ends elliptic"]
+    errors = []
+    for tol in (1e-4, 1e-6, 1e-8):
+        sol = solve(case, tol=tol, method="collocation", seed=slope)
+        assert sol.solved
+        errors.append(achieved(sol, known)["error_beta"])
+        assert errors[-1] <= tol * sol.condition
+    assert errors[2] < 1e-2 * errors[0]
+
+
+def test_heyoka_where_it_is_not_installed_is_refused_with_how_to_get_it(monkeypatch) -> None:
+    monkeypatch.delitem(METHODS, "heyoka", raising=False)
+    assert "heyoka" not in trade.offered()
+    with pytest.raises(InputError, match=r"not installed: pip install 'rod-workbench\[taylor\]'"):
+        solve(EXACT["catenary"].case, method="heyoka")
+
+
+@pytest.mark.skipif("heyoka" not in METHODS, reason="the extra taylor is not installed")
+@pytest.mark.parametrize("name", ["force-first/tension", "catenary", "long"])
+def test_heyoka_meets_its_tolerance(name: str) -> None:
+    sol = solve(CASES[name].case, tol=1e-10, method="heyoka")
+    assert achieved(sol, reference(name))["error_beta"] <= 1e-10 * sol.condition
+
+
+# measuring
+
+
+def test_every_rung_of_every_method_of_the_kind_has_its_row(rows) -> None:
+    starts = ["euler", "rk4", "verlet extrapolated", "dop853", "lsoda", "orbit"]
+    for case, labels in (("gap 1e-06", starts), ("ends table 1", ["difference", "collocation", "shooting"])):
+        got = [(row.ladder, row.value) for row in rows if row.case == case]
+        assert got == [(label, value) for label in labels for value in SHORT[label].values]
+
+
+def test_what_a_method_says_of_its_error_is_honest_on_every_rung_it_calls_solved(rows) -> None:
+    for row in rows:
+        if row.outcome.startswith("solved"):
+            assert row.error <= 10 * row.estimate, row
+
+
+def test_failures_are_kept_with_what_they_cost(rows) -> None:
+    lost = [row for row in rows if row.case == "gap 1e-06" and row.ladder == "euler"]
+    assert all(row.error > 0.1 and row.seconds > 0 and row.evaluations > 0 for row in lost)
+
+
+def test_a_rung_that_would_take_too_long_is_named_and_not_run(monkeypatch) -> None:
+    monkeypatch.setattr(trade, "_LIMIT", 0.0)
+    first, second = measure(asked("catenary"), {"rk4": Ladder("rk4", "steps", (1, 2))})
+    assert first.outcome.startswith("solved")
+    assert second.outcome.startswith("not run: it would take more than")
+    assert np.isnan(second.seconds)
+
+
+def test_more_of_a_knob_is_more_accurate_and_costs_more_evaluations(rows) -> None:
+    for label in ("rk4", "verlet extrapolated", "dop853", "difference"):
+        case = "ends table 1" if label == "difference" else "force-first/tension"
+        some = [row for row in rows if row.case == case and row.ladder == label]
+        assert all(a.error > b.error for a, b in pairwise(some)), label
+        assert some[0].evaluations < some[-1].evaluations
+
+
+def test_loads_worked_out_from_the_forces_hold_with_any_method_but_h_only_with_a_good_one(rows) -> None:
+    """FZ and MZ follow from beta by statics, so they hold to rounding however wrong beta is: they prove nothing."""
+    for row in rows:
+        assert row.drift_FZ < 1e-13
+        assert row.drift_MZ < 1e-13
+    worst = {label: max(r.drift_h for r in rows if r.ladder == label) for label in ("euler", "orbit")}
+    assert worst["euler"] > 1e-2
+    assert worst["orbit"] < 1e-7
+
+
+def shaken(sol: Solution, **columns: np.ndarray) -> Solution:
+    """The solution with something added to columns of its trajectory."""
+    kept = {name: getattr(sol.trajectory, name) + added for name, added in columns.items()}
+    return Solution(sol.case, sol.problem, replace(sol.trajectory, **kept), sol.t)
+
+
+def test_an_error_put_in_is_the_error_found() -> None:
+    case, known, _ = asked("force-first/tension")["force-first/tension"]
+    sol = solve(case, tol=1e-12)
+    bump = 1e-3 * np.linspace(0, 1, 201)  # grows from the start, where the azimuth is counted from
+    assert achieved(shaken(sol, beta=bump), known)["error_beta"] == pytest.approx(1e-3)
+    assert achieved(shaken(sol, z=bump), known)["error_position"] == pytest.approx(1e-3 / 20)  # L = 20 rho
+    assert achieved(shaken(sol, alpha=bump), known)["error_position"] == pytest.approx(1e-3 / 20)
+    assert achieved(shaken(sol, dbeta=bump), known)["error_contact"] > 1e-6
+    assert drift(shaken(sol, dbeta=bump))["drift_h"] > 1e-5
+
+
+def test_what_is_not_finite_is_infinitely_wrong() -> None:
+    case, known, _ = asked("catenary")["catenary"]
+    broken = shaken(solve(case), beta=np.where(np.arange(201) == 200, np.nan, 0.0))
+    assert achieved(broken, known)["error_beta"] == np.inf
+    assert drift(broken)["drift_h"] == np.inf
+
+
+def test_the_cheapest_is_solved_meets_the_level_and_takes_least(rows) -> None:
+    def row(ladder: str, seconds: float, error: float, outcome: str = "solved") -> Row:
+        return replace(rows[0], ladder=ladder, seconds=seconds, error_beta=error, error_position=0.0, outcome=outcome)
+
+    some = [row("slow", 3.0, 1e-9), row("coarse", 0.1, 1e-2), row("lucky", 0.2, 1e-9, "failed: no"), row("a", 2, 1e-4)]
+    assert cheapest(some, 1e-3)[rows[0].case].ladder == "a"
+    assert cheapest(some, 1e-6)[rows[0].case].ladder == "slow"
+    assert cheapest(some, 1e-12) == {rows[0].case: None}

@@ -1,0 +1,164 @@
+"""The command trade, its dataset and its diagrams; and the dial of fidelities."""
+
+import json
+import os
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import InputError
+from solver.observables import OBSERVABLES
+from studies.model import OUTPUTS
+from tests.workbench import small
+from workbench import cli, runner, store, trade_plots
+from workbench.fidelity import FIDELITIES, fidelity
+
+ROOT = Path(__file__).parents[2]
+NUMBERS = (
+    "seconds", "evaluations", "error", "error_beta", "error_position", "error_contact", "estimate", "condition",
+    "drift_h", "drift_FZ", "drift_MZ",
+)  # fmt: skip
+
+
+def workbench(*args: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "workbench.cli", *map(str, args)]
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, timeout=120, check=False)
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory) -> tuple[Path, dict]:
+    """Two cases by three methods, from the command line; what it stored and what it said."""
+    out = tmp_path_factory.mktemp("trade")
+    run = workbench(
+        "trade", "--cases", "elliptic,ends elliptic", "--methods", "orbit,difference", "--out", out, "--json"
+    )
+    assert run.returncode == 0, run.stderr
+    return out, json.loads(run.stdout)
+
+
+@pytest.fixture(scope="module")
+def ds(ran) -> xr.Dataset:
+    return store.read(ran[0] / "trade.h5")
+
+
+def test_the_dataset_is_labelled(ds) -> None:
+    assert dict(ds.sizes) == {"case": 2, "ladder": 3, "rung": 10, "level": 4}
+    assert list(ds["case"].values) == ["elliptic", "ends elliptic"]
+    assert list(ds["ladder"].values) == ["orbit", "difference", "difference extrapolated"]
+    for name in (*NUMBERS, "value"):
+        assert {"units", "long_name"} <= set(ds[name].attrs), name
+        assert ds[name].dims[-1] == "rung"
+    assert ds["seconds"].attrs["units"] == "s"
+    assert ds.attrs["machine"]
+    assert "numpy" in json.loads(ds.attrs["versions"])
+
+
+def test_a_rung_that_was_tried_has_all_its_numbers_and_one_that_was_not_has_none(ds) -> None:
+    tried = ~np.char.startswith(ds["outcome"].values.astype(str), "not ")
+    assert tried.any()
+    assert (~tried).any()
+    for name in NUMBERS:
+        assert (np.isnan(ds[name].values) == ~tried).all(), name
+    # a method is tried on its own kind of problem only
+    assert set(ds["outcome"].sel(case="ends elliptic", ladder="orbit").values[:8]) == {
+        "not tried: it solves another kind of problem"
+    }
+
+
+def test_what_is_told_is_what_is_stored(ran, ds) -> None:
+    out, told = ran
+    assert told["cases"] == ["elliptic", "ends elliptic"]
+    for row in told["table"]:
+        for best in row["cheapest"]:
+            here = ds.sel(case=row["case"], level=best["level"])
+            assert best["method"] == str(here["cheapest"].item())
+            rungs = here.sel(ladder=best["method"])
+            good = rungs["error"].values <= best["level"]
+            assert best["seconds"] == rungs["seconds"].values[good].min()
+    assert [Path(picture).name for picture in told["pictures"]] == ["trade_seconds.png", "trade_evaluations.png"]
+    assert all((out / Path(picture).name).stat().st_size > 10_000 for picture in told["pictures"])
+
+
+def test_a_diagram_draws_every_rung_that_was_tried_failures_as_crosses(ds) -> None:
+    from matplotlib.figure import Figure
+
+    failed = ds.copy(deep=True)
+    failed["outcome"] = ds["outcome"].astype(object)
+    failed["outcome"].loc[{"case": "elliptic", "ladder": "orbit"}] = "failed: made up"
+    for data, crosses in ((ds, 0), (failed, 8)):
+        ax = trade_plots.panel(data, Figure().add_subplot(), "elliptic")
+        drawn = {line.get_marker(): line for line in ax.lines if len(line.get_xdata()) and line.get_marker() in "ox"}
+        assert len(drawn["x"].get_xdata() if "x" in drawn else ()) == crosses
+        assert len(drawn["o"].get_xdata() if "o" in drawn else ()) == 8 - crosses
+
+
+def test_a_diagram_needs_no_more_than_the_file(ds, tmp_path) -> None:
+    for cost in ("seconds", "evaluations"):
+        assert trade_plots.figure(ds, cost, tmp_path / f"{cost}.svg").stat().st_size > 10_000
+    with pytest.raises(InputError, match="no cost 'joules'; choose from seconds, evaluations"):
+        trade_plots.figure(ds, "joules", tmp_path / "x.svg")
+    with pytest.raises(InputError, match="no case 'long'; choose from elliptic"):
+        trade_plots.panel(ds, None, "long")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "args, sentence",
+    [
+        (["--cases", "short"], "no case 'short'; choose from force-first/tension"),
+        (["--methods", "rk5"], "no method 'rk5'; choose from euler, rk4"),
+        (["--cases", "ends", "--methods", "orbit"], "none of orbit solves problems of the kind of ends elliptic"),
+    ],
+)
+def test_one_sentence_for_a_name_that_is_none(args, sentence, tmp_path, capsys) -> None:
+    with pytest.raises(SystemExit) as end:
+        cli.main(["trade", "--out", str(tmp_path), *args])
+    assert end.value.code == 2
+    assert sentence in capsys.readouterr().err
+    assert not (tmp_path / "trade.h5").exists()
+
+
+# fidelities
+
+
+def test_each_fidelity_is_tighter_and_computes_no_less_than_the_one_before() -> None:
+    rows = list(FIDELITIES.values())
+    assert [row.name for row in rows] == ["draft", "standard", "fine", "exact"]
+    assert all(a.tol > b.tol for a, b in pairwise(rows))
+    assert all(set(a.along) <= set(b.along) for a, b in pairwise(rows))
+    with pytest.raises(InputError, match="no fidelity 'quick'; choose from draft, standard, fine, exact"):
+        fidelity("quick")
+
+
+def test_a_study_at_a_fidelity_has_its_tolerance_its_stations_and_what_it_computes() -> None:
+    study = small.grid()
+    found = {name: runner.run(level.of(study)) for name, level in FIDELITIES.items()}
+    for name, ds in found.items():
+        assert ds.attrs["tolerance"] == FIDELITIES[name].tol
+        assert (ds["error"] <= FIDELITIES[name].tol * np.maximum(1, ds["condition"])).all()
+    assert {name: ds.sizes["u"] for name, ds in found.items()} == {
+        "draft": 51,
+        "standard": 21,
+        "fine": 801,
+        "exact": 1601,
+    }
+    assert "F1" in found["standard"]
+    assert "F1" not in found["draft"]
+    assert "wraps" in found["draft"]  # a law admits it
+    assert "turns" not in found["draft"]
+    for name in ("fine", "exact"):
+        assert set(OUTPUTS) | set(OBSERVABLES) <= set(found[name].data_vars)
+
+
+def test_solve_takes_a_fidelity_and_a_tolerance_goes_before_it() -> None:
+    told = {name: json.loads(workbench("solve", "--fidelity", name, "--json").stdout) for name in ("draft", "exact")}
+    assert (told["draft"]["tolerance"], len(told["draft"]["along"]["beta"])) == (1e-3, 51)
+    assert told["draft"]["observables"] == {}
+    assert (told["exact"]["tolerance"], len(told["exact"]["along"]["F1"])) == (1e-13, 1601)
+    both = json.loads(workbench("solve", "--fidelity", "draft", "--tol", "1e-5", "--json").stdout)
+    assert (both["tolerance"], len(both["along"]["beta"])) == (1e-5, 51)
