@@ -16,6 +16,7 @@ from .reduced import Array, Reduced
 
 PASS, SADDLE, CENTRE = 0, 1, 2
 HELIX, LIBRATION, ROTATION = 0, 1, 2
+_BLUR = 64.0  # times the rounding of an angle: what that of G may cost the start
 TINY = 1e-150  # angles and speeds below this have squares that a float cannot hold: none
 
 
@@ -251,12 +252,14 @@ def _variable(form: Any, scale: Array, x: Array) -> Array:
 
 
 def _start_variable(form: Any, scale: Array, x: Array, v: Array, well: Well) -> Array:
-    """u at the start, where the slope is known exactly: no digits are lost next to a turning point, (P,)."""
+    """u at the start, (P,): from the slope, which loses no digits next to a turning point, where that is exact enough.
+
+    Where G is so flat that its rounding swamps the slope, from the angle.
+    """
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         root = _turning(well, x[:, None], scale[:, None])[:, 0]
         sine = np.where(v == 0, 0.0, np.abs(v) / (np.abs(scale) * root))
-        return np.where(
-            form == PASS,
-            np.arcsinh(x / scale),
-            np.where(form == SADDLE, np.arcsinh(sine), np.arctan2(np.abs(x / scale), sine)),
-        )
+        blurred = (form != PASS) & (sine**2 * well.weight(np.abs(x)) > _BLUR * root**2)
+        slanted = np.where(form == SADDLE, np.arcsinh(sine), np.arctan2(np.abs(x / scale), sine))
+        u = np.where(form == PASS, np.arcsinh(x / scale), slanted)
+        return np.where(blurred, _variable(form, scale, x), u) if blurred.any() else u

@@ -168,6 +168,13 @@ class Well:
         """What of K no float of these loads can tell from nothing, (P, 1)."""
         return 1e-17 * (np.abs(self.lam) + np.abs(self.mu) + np.abs(self.phi) + 1)
 
+    def weight(self, reach: Array) -> Array:
+        """The size of the terms that K/4 is the sum of, within |x| <= reach (P,), (P,): its rounding is so many eps."""
+        s, c, turn, bend, _ = (np.abs(v[:, 0]) for v in self._fixed)
+        lam, phi = np.abs(self.lam[:, 0]), np.abs(self.phi[:, 0])
+        x = np.minimum(reach, 1)
+        return lam * s + phi * c + bend + turn * x + (s + x) ** 2
+
     def _near(self, sh: Array, ch: Array) -> tuple[Array, Array, Array, Array]:
         """sin(o + x), cos(o + x/2), and cos^2(o + x/2) (S^2 + 2 s S + 3 s^2) with its bracket, x by its half angle.
 

@@ -13,6 +13,7 @@ from .reduced import Array, Reduced
 EPS = 2.0**-52
 _ROUNDS = 14  # how often a panel may be halved
 _PATIENCE, _CROWD = 3, 16  # after so many halvings, of so many panels of a course, there is no more to gain
+_LINGERS = 1e4
 _NEWTON = 12
 _BLOCK = 512  # panels worked on at once
 
@@ -24,8 +25,8 @@ class Panels:
     part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. rank: of its piece. duration: (P,).
     series: (P, 5, n + 1), of beta, |beta_t|, alpha, z and the swirl (the integral of sin cos), the last three from the
     panel's near end. gauss: (P, 2 k), beta at two Gauss points of each of k equal parts in time. fastest: largest
-    |beta_t|; slack: what the cut series leave out of beta; drift: the same for the duration, as a share of it; all
-    (P,). calls: evaluations, (P,).
+    |beta_t|; slack: what the cut series leave out of beta; drift: the same for the duration, as a share of it; noise:
+    what the rounding of G leaves out of it, as a share; all (P,). calls: evaluations, (P,).
     """
 
     part: NDArray[np.int64]
@@ -36,6 +37,7 @@ class Panels:
     fastest: Array
     slack: Array
     drift: Array
+    noise: Array
     calls: NDArray[np.int64]
 
     def take(self, index: Any) -> "Panels":
@@ -60,6 +62,7 @@ def panelled(problem: Reduced, way: Course, points: Basis, length: float, goal: 
         problem.dbeta0**2 + 4 * (2 * np.abs(problem.lam) + 2 * np.abs(problem.phi) + np.abs(problem.mu) + 1)
     )
     repeats = np.maximum(1, problem.span * fastest)
+    leads = np.diff(pieces.part, prepend=-1) != 0
     done: list[tuple[Any, Array, Panels]] = []
     for round_ in range(_ROUNDS + 1):
         batch = pieces.take(piece)
@@ -67,14 +70,20 @@ def panelled(problem: Reduced, way: Course, points: Basis, length: float, goal: 
         enough = (panels.slack <= max(goal, 20 * EPS)) & (
             panels.drift <= np.maximum(goal / repeats[batch.part // 2], 40 * EPS)
         )
+        # a rod that ends long before its first panel needs a shorter one: sums over the long one would swamp its own
+        span = problem.span[batch.part // 2]
+        lingers = (order == 0) & leads[piece] & (panels.duration > _LINGERS * np.maximum(1, span))
+        enough &= ~lingers
         # panels beside a singularity are few; many that halving does not help are at the end of what rounding allows
         left = np.bincount(batch.part[~enough], minlength=2 * problem.size)
         enough |= (round_ >= _PATIENCE) & (left[batch.part] > _CROWD) | (round_ == _ROUNDS)
         done.append((piece[enough], order[enough], panels.take(enough)))
         if enough.all():
             break
+        with np.errstate(divide="ignore", over="ignore"):
+            cut = np.repeat(np.where(lingers, np.minimum(4 * span / panels.duration, 0.5), 0.5)[~enough], 2)
         piece, near, far, order = (np.repeat(v[~enough], 2) for v in (piece, near, far, order))
-        middle = (near + far) / 2
+        middle = near + cut * (far - near)
         second = np.arange(piece.size) % 2 == 1
         near, far = np.where(second, middle, near), np.where(second, far, middle)
         order = order + np.where(second, 0.5 ** (round_ + 1), 0)
@@ -124,7 +133,9 @@ def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
     with np.errstate(invalid="ignore", divide="ignore"):
         slack = np.maximum(tail[:, [0, 2, 3]].max(axis=1), late * fastest)
         drift = late / duration
-    slack = np.where(met, slack, np.inf)
+    # where the clock could not be inverted, beta is known to lie within the panel and no better
+    slack = np.where(met, slack, np.abs(x[:, -1] - x[:, 0]))
+    noise = EPS / 2 * pieces.well.weight(np.abs(x).max(axis=1)) * pace.max(axis=1) ** 2
     calls = np.full(near.size, 2 * points.nodes.size)
     return Panels(
         pieces.part,
@@ -135,6 +146,7 @@ def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
         fastest,
         slack,
         drift,
+        noise,
         calls,
     )
 

@@ -211,14 +211,30 @@ def _run(problem: Reduced, t: Array, tol: float) -> Trajectory:
 
 
 def _error(orbit: Orbit, growth: Array) -> Array:
-    """What the cut series, the repeated period and the rounding of the input leave, (B,)."""
+    """What the cut series, the repeated period and the rounding of the input leave, (B,).
+
+    Only panels that the rod reaches count, each for the time spent on it.
+    """
     problem, panels = orbit.problem, orbit.panels
-    b = panels.part // 2
+    assert problem.dbeta0 is not None
+    b, back = panels.part // 2, panels.part % 2 == 1
+    stay = problem.span[b] - orbit.since - np.where(back, 2 * orbit.ahead[b], 0)
+    met = stay > 0
+    b, stay = b[met], np.minimum(stay, panels.duration)[met]
     most = np.zeros((problem.size, 3))
-    np.maximum.at(most, b, np.stack([panels.slack, panels.drift, panels.fastest], axis=1))
-    slack, drift, fastest = most.T
-    late = problem.span * (drift * (problem.span > orbit.ahead) + 2 * EPS)
-    return 2 * slack + fastest * late + 2 * EPS * growth * np.maximum(1, np.abs(problem.beta0))
+    np.maximum.at(most, b, np.stack([panels.slack, panels.fastest, panels.duration], axis=1)[met])
+    slack, fastest, longest = most.T
+    # no faster than the steepest fall from the start allows
+    heights = np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 2
+    fastest = np.minimum(fastest, np.abs(problem.dbeta0) + heights * problem.span)
+    late: Array = np.bincount(b, weights=stay * (panels.drift + panels.noise)[met], minlength=problem.size)
+    librates = orbit.course.kind == LIBRATION
+    late = late * np.where(librates, 2, 1) * np.maximum(1, problem.span / orbit.period) + EPS * problem.span
+    # however late, beta stays between its turning points; alpha and z are sums as long as a panel's time
+    swing = np.bincount(b, weights=2 * np.abs(panels.series[met, 0, 1::2].sum(axis=1)), minlength=problem.size)
+    shift = np.where(librates, np.minimum(fastest * late, swing), fastest * late)
+    sums = EPS * longest / np.maximum(1, problem.span)
+    return 2 * slack + shift + sums + 2 * EPS * growth * np.maximum(1, np.abs(problem.beta0))
 
 
 ORBIT = Method("orbit", run, ("start",), float("inf"), "quadrature over half a period, the rest by symmetry")
