@@ -56,13 +56,16 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Callable[[str]
     data["branch"] = xr.Variable(dims, _padded(branch, most), {"long_name": "number of the branch, -1 for none"})
     outcome = [[str(f[i].solution.outcome) if i < len(f) else "" for i in range(most)] for f in found]
     data["outcome"] = xr.Variable(dims, np.array(outcome, dtype=str).reshape(len(found), most))
-    folded = [_fold(values, found, *meet) for meet in meets]
+    folded = [_fold(lambda x: equilibria(with_fields(case, {name: x}), stations=STATIONS), values, found, *meet)
+              for meet in meets]  # fmt: skip
     for i, (key, row) in enumerate((("fold", name), ("fold_dbeta0", "dbeta0"), ("fold_energy", "energy"))):
         labels = dataset.labels(quantity_of(row).name, units)
         labels["long_name"] += " where two equilibria meet and cease to exist"
         data[key] = xr.Variable(("fold",), np.array([f[i] for f in folded], dtype=float), labels)
+    numbers = np.array([[branch[k][i], branch[k][j]] for k, i, j in meets], dtype=np.int64).reshape(-1, 2)
+    data["fold_branches"] = xr.Variable(("fold", "two"), numbers, {"long_name": "the two branches that meet"})
     ds = xr.Dataset(data, {name: xr.Variable((name,), values, dataset.labels(quantity_of(name).name, units))})
-    ds.attrs = attributes(study, case, f"All equilibria over {name}")
+    ds.attrs = attributes(study, case, f"All equilibria over {quantity_of(name).symbol}")
     ds.attrs["branches"] = json.dumps(_rows(ds, name, laws))
     return with_case(ds, case, units, skip=name)
 
@@ -125,22 +128,50 @@ def _pairs(members: list[Equilibrium], loose: list[int]) -> list[tuple[int, int]
     return out
 
 
-def _fold(values: Any, found: list[list[Equilibrium]], k: int, i: int, j: int) -> tuple[float, float, float]:
-    """Axis, beta'(0) and energy at a fold: the square of the distance of the two start slopes falls as a line."""
-    one, other = found[k][i], found[k][j]
+def _fold(
+    at: Callable[[float], list[Equilibrium]], values: Any, found: list[list[Equilibrium]], k: int, i: int, j: int
+) -> tuple[float, float, float]:
+    """Axis, beta'(0) and energy at a fold: the square of the distance of the two start slopes falls as a line, so it
+    is drawn on to zero, from nearer and nearer."""
+    two = found[k][i], found[k][j]
     begins = k + 1 == len(found) or (k > 0 and _begins(found, k, i))
-    back = k + 1 if begins else k - 1
-    ahead = values[k - 1] if begins else values[k + 1]
-    at = (values[k] + ahead) / 2
-    if 0 <= back < len(found) and found[back]:
-        apart = _apart(found[k], found[back])
-        last = found[back][int(np.argmin(apart[i]))], found[back][int(np.argmin(apart[j]))]
-        now, before = ((a.dbeta0 - b.dbeta0) ** 2 for a, b in ((one, other), last))
-        if before > now:
-            at = values[k] + (values[k] - values[back]) * now / (before - now)
-    low, high = sorted((values[k], ahead))
-    middle = (one.dbeta0 + other.dbeta0) / 2, (one.energy + other.energy) / 2
-    return float(np.clip(at, low, high)), *middle
+    back, ahead = (k + 1, values[k - 1]) if begins else (k - 1, values[k + 1])
+    middle = float(values[k] + ahead) / 2
+    if not (0 <= back < len(found) and found[back]):
+        return middle, *_between(two)
+    x0, x1 = float(values[back]), float(values[k])
+    d0, d1, end = _square(_like(found[back], two)), _square(two), middle
+    for _ in range(4):
+        if d0 <= d1:
+            return middle, *_between(two)
+        end = x1 + (x1 - x0) * d1 / (d0 - d1)
+        end = float(np.clip(end, *sorted((x1, ahead))))
+        x2 = x1 + 0.8 * (end - x1)
+        nearer = at(x2)
+        if abs(end - x1) < 1e-7 * abs(values[-1] - values[0]) or not nearer or _like(nearer, two)[0] is two[0]:
+            break
+        two = _like(nearer, two)
+        x0, x1, d0, d1 = x1, x2, d1, _square(two)
+    return end, *_between(two)
+
+
+def _like(found: list[Equilibrium], two: tuple[Equilibrium, Equilibrium]) -> tuple[Equilibrium, Equilibrium]:
+    """The two of them most like these; these themselves where their indices are gone."""
+    out = []
+    for one in two:
+        same = [other for other in found if other.index == one.index]
+        if not same:
+            return two
+        out.append(same[int(np.argmin(_apart([one], same)[0]))])
+    return out[0], out[1]
+
+
+def _square(two: tuple[Equilibrium, Equilibrium]) -> float:
+    return (two[0].dbeta0 - two[1].dbeta0) ** 2
+
+
+def _between(two: tuple[Equilibrium, Equilibrium]) -> tuple[float, float]:
+    return (two[0].dbeta0 + two[1].dbeta0) / 2, (two[0].energy + two[1].energy) / 2
 
 
 def _begins(found: list[list[Equilibrium]], k: int, i: int) -> bool:
@@ -177,8 +208,8 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law]) -> list[dict[str, Any]]:
 
 
 def figure(ds: xr.Dataset, path: Path) -> Figure:
-    """beta'(0) and energy against the axis: stable branches solid, unstable ones faint, folds marked; where laws were
-    judged, the branches on which all hold are drawn in their colour. Saved by the name's ending."""
+    """beta'(0) and energy against the axis: stable branches solid, unstable ones thin, folds marked; where laws were
+    judged, the branches on which all hold have a colour. Saved by the name's ending."""
     style.picture_kind(path, (".png", ".pdf", ".svg"))
     with rc_context(style.RC):
         fig = Figure(figsize=(9.6, 9.2), layout="constrained")
@@ -199,24 +230,35 @@ def panel(ds: xr.Dataset, ax: Axes, key: str) -> Axes:
         look, label = _look(row)
         ax.plot(along[k], ds[key].values[k, i], label=label, solid_capstyle="round",
                 marker="." if k.size == 1 else "", **look)  # fmt: skip
-    if ds.sizes["fold"]:
-        at = np.degrees(ds["fold"]) if style.is_angle(ds[name]) else ds["fold"]
-        ax.plot(at, ds[f"fold_{key}"], "o", color=style.INK, markersize=4, fillstyle="none", label="fold", zorder=5)
+    at = np.degrees(ds["fold"].values) if style.is_angle(ds[name]) else ds["fold"].values
+    share = np.linspace(0, 1, 21)  # next to a fold a branch is a parabola
+    for which, pair in enumerate(ds["fold_branches"].values):
+        fold, there = at[which], float(ds[f"fold_{key}"][which])
+        for row in branches(ds):
+            if row["branch"] in pair:
+                k, i = np.nonzero(ds["branch"].values == row["branch"])
+                tip = 0 if abs(along[k[0]] - fold) < abs(along[k[-1]] - fold) else -1
+                last = ds[key].values[k[tip], i[tip]]
+                bend = fold + (along[k[tip]] - fold) * share**2, there + (last - there) * share
+                ax.plot(*bend, **_look(row)[0])
+        ax.plot(fold, there, "o", color=style.INK, markersize=4, fillstyle="none", label="fold", zorder=5)
     ax.set_xlabel(style.axis_label(name, ds[name]))
     ax.set_ylabel(style.label(ds[key]))
     ax.margins(x=0.01)
     if key == "dbeta0":
         handles, labels = ax.get_legend_handles_labels()
         once = dict(zip(labels, handles, strict=True))
-        ax.legend(list(once.values()), list(once), loc="lower left", bbox_to_anchor=(0, 1), ncols=4)
+        ax.legend(list(once.values()), list(once), loc="lower left", bbox_to_anchor=(0, 1), ncols=5)
     return style.quiet(ax)
 
 
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     """How a branch is drawn, and what that means."""
     verdicts = [v for key, v in row.items() if " " in key]
-    if row["index"] == 0:
-        return {"color": style.INK, "linewidth": 2.2, "zorder": 4}, "stable"
-    if verdicts and all(v == "holds" for v in verdicts):
-        return {"color": style.PUSHED, "linewidth": 1.6, "zorder": 3}, "unstable; the study's laws hold on it"
-    return {"color": style.SOFT, "linewidth": 1.0, "alpha": 0.6, "zorder": 2}, "unstable"
+    holds = bool(verdicts) and all(v == "holds" for v in verdicts)
+    stable = row["index"] == 0
+    colour = style.PUSHED if holds else style.INK if stable else style.SOFT
+    look = {"color": colour, "linewidth": 2.6 if stable else 1.3, "zorder": 4 if stable else 3 if holds else 2}
+    if not stable and not holds:
+        look["alpha"] = 0.55
+    return look, ("stable" if stable else "unstable") + (", the study's laws hold" if holds else "")

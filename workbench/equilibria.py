@@ -48,7 +48,7 @@ def run(
         console.print_json({"case": told(case), "units": study.unit_system, "equilibria": rows})
     else:
         units = [f"rad/{study.units.length}", f"{study.units.force} {study.units.length}", "", "", ""]
-        heads = [f"{name} [{unit}]" if unit else name for name, unit in zip(COLUMNS, units, strict=True)]
+        heads = [f"{name} ({unit})" if unit else name for name, unit in zip(COLUMNS, units, strict=True)]
         console.print_table(["", *heads], [[i, *(r[c] for c in COLUMNS)] for i, r in enumerate(rows, 1)])
         stable = sum(r["index"] == 0 for r in rows)
         console.say(f"{len(rows)} equilibria, {stable} stable with the end angles held and the loads dead")
@@ -62,6 +62,8 @@ def run(
             gallery.figure(ds, picture)
     if export:
         write_cases(study, case, found, export)
+        if not json:
+            console.say(f"{len(found)} cases in {export}")
     return 0 if found else 1
 
 
@@ -113,7 +115,6 @@ def write_cases(study: Study, case: Case, found: list[Equilibrium], folder: Path
             f"dbeta0 = {one.dbeta0!r}\nenergy = {one.energy!r}\n"
         )
         (folder / f"equilibrium_{i:0{width}d}.toml").write_text(text, encoding="utf-8")
-    console.say(f"{len(found)} cases in {folder}")
 
 
 def parse_axis(text: str) -> tuple[str, np.ndarray]:
@@ -152,7 +153,8 @@ def _over(study: Study, case: Case, axis: str, picture: Path | None, out: Path |
     if json:
         console.print_json({"axis": name, "units": study.unit_system, "branches": rows, "folds": bifurcation.folds(ds)})
     else:
-        heads = [key for key in rows[0] if key != "tau"] if rows else ["branch"]
-        console.print_table(heads, [[r[key] for key in heads] for r in rows])
+        unit = "deg" if ds[name].attrs["units"] == "rad" else ds[name].attrs["units"]
+        heads = [f"{key} ({unit})" if key in ("from", "to") else key for key in rows[0]] if rows else ["branch"]
+        console.print_table(heads, [list(r.values()) for r in rows])
         console.say(f"{len(rows)} branches, {ds.sizes['fold']} folds over {values.size} values of {name}")
     return 0 if rows else 1

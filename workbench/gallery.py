@@ -20,8 +20,8 @@ from . import dataset, style
 
 ALONG = ("beta", "alpha", "z", "contact")
 EACH = ("dbeta0", "energy", "turns", "index", "attached")
-ACROSS, CELL = 8, (1.3, 1.45)  # panels a row, inches a panel
-MOST = 40
+WIDTH, MOST = 10.0, 40  # inches; curves shown
+ACROSS = (4, 8)  # the fewest and the most panels a row
 
 
 def dataset_of(study: Study, case: Case, found: list[Equilibrium]) -> xr.Dataset:
@@ -71,15 +71,16 @@ def figure(ds: xr.Dataset, path: Path) -> Figure:
     """The unrolled curves in the order of energy, and energy against index; saved by the name's ending."""
     style.picture_kind(path, (".png", ".pdf", ".svg"))
     count = min(ds.sizes["equilibrium"], MOST)
-    rows = max(-(-count // ACROSS), 1)
+    across = int(np.clip(np.ceil(np.sqrt(1.9 * count)), *ACROSS))
+    rows, cell = max(-(-count // across), 1), WIDTH / across + 0.1
     with rc_context(style.RC):
-        fig = Figure(figsize=(ACROSS * CELL[0], rows * CELL[1] + 3.6), layout="constrained")
+        fig = Figure(figsize=(WIDTH, rows * cell + 3.6), layout="constrained")
         FigureCanvasAgg(fig)
-        grid = fig.add_gridspec(2, 1, height_ratios=[rows * CELL[1], 2.9])
-        cells = grid[0].subgridspec(rows, ACROSS)
+        grid = fig.add_gridspec(2, 1, height_ratios=[rows * cell, 2.9])
+        cells = grid[0].subgridspec(rows, across)
         half = _half_width(ds, count)
         for k in range(count):
-            _curve(ds, fig.add_subplot(cells[k // ACROSS, k % ACROSS]), k, half)
+            _curve(ds, fig.add_subplot(cells[k // across, k % across]), k, half)
         energies(ds, fig.add_subplot(grid[1]))
         style.entitle(fig, ds)
         fig.savefig(path)
@@ -126,4 +127,4 @@ def _curve(ds: xr.Dataset, ax: Axes, k: int, half: float) -> None:
     for spine in ax.spines.values():
         spine.set(visible=True, color=style.FAINT)
     ax.set_title(f"{k + 1}  index {int(one['index'])}", loc="left", size=style.SMALL, pad=2)
-    ax.set_xlabel(style.number(float(one["energy"])), size=style.SMALL, labelpad=1)
+    ax.set_xlabel(f"energy {style.number(float(one['energy']))}".replace("-", "−"), size=style.SMALL, labelpad=1)

@@ -1,0 +1,217 @@
+"""The command equilibria: what it lists, stores, draws and writes, and its diagram over an axis."""
+
+import json
+
+import numpy as np
+import pytest
+
+from solver import Case, Ends, InputError, equilibria, solve
+from solver.branch import follow
+from solver.equilibria import nearest
+from studies import load
+from tests.cases import ends_in_units_of_rho
+from workbench import bifurcation, cli, gallery, runner, store
+from workbench import equilibria as command
+
+MANY = -0.3655, 0.7464, -0.7506
+
+
+def run(capsys, *words: object) -> tuple[int, str]:
+    with pytest.raises(SystemExit) as left:
+        cli.main(["equilibria", *map(str, words)])
+    said = capsys.readouterr()
+    return int(left.value.code or 0), said.out + said.err
+
+
+def default() -> Case:
+    return command.ends_of(load(command.DEFAULT))
+
+
+@pytest.fixture(scope="module")
+def swept():
+    """All equilibria of the default case while its far end turns by forty degrees, in steps of five."""
+    study = load(command.DEFAULT)
+    values = np.deg2rad(np.arange(0, 46, 5.0))
+    return bifurcation.sweep(study, default(), "betaL", values, lambda text: None)
+
+
+def test_the_default_is_table_1_held_at_its_own_far_end() -> None:
+    start = load(command.DEFAULT).case()
+    case = default()
+    assert case.given.betaL == pytest.approx(solve(start, tol=1e-12).beta[-1], abs=1e-12)
+    assert tuple(case.loads) == tuple(start.loads)
+
+
+def test_it_lists_every_equilibrium_lowest_energy_first(capsys) -> None:
+    status, text = run(capsys, "--json")
+    told = json.loads(text)
+    assert status == 0
+    ours = equilibria(default())
+    assert [row["dbeta0"] for row in told["equilibria"]] == [one.dbeta0 for one in ours]
+    assert set(told["equilibria"][0]) >= {"dbeta0", "energy", "turns", "index", "attached"}
+    assert any(abs(row["dbeta0"] - 0.5) < 1e-9 for row in told["equilibria"])  # Table 1's own rod
+    table = run(capsys)[1]
+    assert f"{len(ours)} equilibria" in table
+    assert "dbeta0 (rad/cm)" in table
+
+
+def test_options_change_the_case(capsys) -> None:
+    words = ("--betaL", "0.7", "--FZ", "-3", "--M3", "5", "--L", "8", "--R", "1", "--stiffness", "solid", "--json")
+    case = json.loads(run(capsys, *words)[1])["case"]
+    assert (case["betaL"], case["FZ"], case["M3"], case["L"], case["R"]) == (0.7, -3.0, 5.0, 8.0, 1.0)
+    assert case["stiffness"] == "solid"
+
+
+def test_each_exported_case_solves_to_the_equilibrium_it_was_written_from(capsys, tmp_path) -> None:
+    """Mirror images of one energy and shapes of one start slope among them: 40 rho long, most hug a saddle."""
+    case = ends_in_units_of_rho(*MANY, 40.0, np.pi / 6, np.pi / 6)
+    study = load(command.DEFAULT)
+    found = equilibria(case)
+    slopes = [one.dbeta0 for one in found]
+    assert len(set(slopes)) < len(slopes)
+    command.write_cases(study, case, found, tmp_path)
+    files = sorted(tmp_path.glob("*.toml"))
+    assert len(files) == len(found) == 63
+    for k in (1, 2, 40):
+        ds = runner.run(load(files[k]))
+        np.testing.assert_allclose(ds["beta"], found[k].solution.beta, atol=1e-12)
+    with pytest.raises(SystemExit) as left:
+        cli.main(["solve", str(files[3]), "--json"])
+    told = json.loads(capsys.readouterr().out)
+    assert not left.value.code
+    assert told["observables"]["energy"] == pytest.approx(found[3].energy, rel=1e-9)
+    assert told["observables"]["turns"] == found[3].turns
+
+
+def test_export_writes_one_file_each(capsys, tmp_path) -> None:
+    status, text = run(capsys, "--L", "6", "--export", tmp_path / "cases")
+    assert status == 0
+    assert len(list((tmp_path / "cases").glob("equilibrium_*.toml"))) == int(text.split(" cases in")[0].split()[-1])
+
+
+def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
+    study, case = load(command.DEFAULT), default()
+    found = equilibria(case)
+    path = store.write(gallery.dataset_of(study, case, found), tmp_path / "all.h5")
+    ds = store.read(path)
+    assert ds["beta"].dims == ("equilibrium", "u")
+    np.testing.assert_array_equal(ds["index"], [one.index for one in found])
+    assert ds["energy"].attrs["units"] == "N cm"
+    assert ds["dbeta0"].attrs["units"] == "rad/cm"
+    assert float(ds["betaL"]) == case.given.betaL
+
+
+def test_pictures_are_drawn_from_the_datasets_alone(swept, tmp_path, monkeypatch) -> None:
+    study, case = load(command.DEFAULT), default()
+    ds = gallery.dataset_of(study, case, equilibria(case))
+    for module in (gallery, bifurcation, command):
+        for name in ("equilibria", "every_equilibrium", "solve"):
+            if hasattr(module, name):
+                monkeypatch.setattr(module, name, None)
+    one = gallery.figure(ds, tmp_path / "gallery.png")
+    two = bifurcation.figure(swept, tmp_path / "branches.pdf")
+    assert (tmp_path / "gallery.png").stat().st_size > 20_000
+    assert (tmp_path / "branches.pdf").stat().st_size > 5_000
+    assert len(one.axes) == ds.sizes["equilibrium"] + 1
+    assert len(two.axes) == 2
+
+
+def test_branches_join_what_changes_little_and_keep_their_index(swept) -> None:
+    numbers, index, slope = (swept[key].values for key in ("branch", "index", "dbeta0"))
+    for branch in range(numbers.max() + 1):
+        k, i = np.nonzero(numbers == branch)
+        assert (np.diff(k) == 1).all()  # one a value, none left out
+        assert np.unique(index[k, i]).size == 1
+        assert np.abs(np.diff(slope[k, i])).max(initial=0) < 0.3
+    members = (swept["outcome"] != "").values
+    assert (numbers[members] >= 0).all()
+
+
+def test_a_fold_is_where_the_branch_of_table_1_is_known_to_end(swept) -> None:
+    known = follow(load(command.DEFAULT).case(), np.deg2rad(60))
+    off = np.abs(swept["fold"].values - known.fold)
+    # drawn on to zero from values that come nearer by a factor of five each time
+    assert off.min() < 1e-3
+    assert swept["fold_dbeta0"].values[off.argmin()] == pytest.approx(known.fold_dbeta0, abs=2e-2)
+    first, second = swept["fold_branches"].values[off.argmin()]
+    rows = bifurcation.branches(swept)
+    assert abs(rows[first]["index"] - rows[second]["index"]) == 1
+    assert rows[first]["to"] == rows[second]["to"] == pytest.approx(35)
+
+
+def test_the_papers_claim_holds_on_its_own_branch_and_not_on_all(swept) -> None:
+    """Panel (4): turns do not fall and kappa_mean rises with beta(L)."""
+    rows = [row for row in bifurcation.branches(swept) if row["values"] > 2]
+    known = follow(load(command.DEFAULT).case(), np.deg2rad(60))
+    at = np.interp(0.0, known.betaL, known.dbeta0)
+    own = int(swept["branch"].values[0, np.nanargmin(np.abs(swept["dbeta0"].values[0] - at))])
+    assert rows[own]["turns not-falling"] == rows[own]["kappa_mean rises"] == "holds"
+    assert any(row["kappa_mean rises"] == "fails" for row in rows)
+
+
+def test_over_a_load_too_and_for_programs(capsys, tmp_path) -> None:
+    words = ("--L", "4", "--axis", "FZ=-30:30:7", "--json", "--out", tmp_path / "FZ.h5", "--plot", tmp_path / "FZ.png")
+    status, text = run(capsys, *words)
+    told = json.loads(text)
+    assert status == 0
+    assert told["axis"] == "FZ"
+    assert told["branches"]
+    ds = store.read(tmp_path / "FZ.h5")
+    assert ds["dbeta0"].dims == ("FZ", "member")
+    assert "FZ" not in ds.data_vars
+    assert (tmp_path / "FZ.png").exists()
+
+
+def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
+    name, values = command.parse_axis("betaL=60deg:-30deg:4")
+    assert name == "betaL"
+    np.testing.assert_allclose(values, np.deg2rad([-30, 0, 30, 60]))
+
+
+@pytest.mark.parametrize(
+    "words, said",
+    (
+        (("--axis", "mass=1:2:3"), "no axis 'mass'; choose from E, nu, a, L, R, beta0, betaL, FZ, MZ, M3"),
+        (("--axis", "betaL=1:2"), "NAME=FROM:TO:COUNT"),
+        (("--axis", "betaL=1:x:3"), "with numbers"),
+        (("--axis", "betaL=1:1:3"), "two different ends"),
+        (("--axis", "betaL=1:2:1"), "count from 2"),
+        (("--axis", "L=-1:2:3"), "Rod.L must be positive"),
+        (("--axis", "betaL=0:1:3", "--export", "x"), "--export"),
+        (("--plot", "x.txt"), "choose a name that ends in"),
+        (("--L", "-1"), "Rod.L must be positive and finite, got -1.0"),
+        (("fig7_1_modulus",), "has the axes E"),
+        (("nothing",), "no study 'nothing'"),
+    ),
+)
+def test_what_cannot_be_asked_is_refused_in_one_sentence(capsys, words, said) -> None:
+    status, text = run(capsys, *words)
+    assert status == 2
+    assert said in text
+    assert text.count("\n") == 1
+
+
+def test_a_study_that_names_an_equilibrium_must_be_one_case_by_its_ends(tmp_path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(
+        'title = "x"\nreading = "force-first"\n[units]\nlength = "cm"\nforce = "N"\n'
+        "[equilibrium]\ndbeta0 = 1.0\nenergy = 2.0\n"
+    )
+    with pytest.raises(InputError, match=r"line 6.*given by its ends"):
+        load(path)
+
+
+def test_the_nearest_is_told_by_slope_and_energy_together() -> None:
+    found = equilibria(ends_in_units_of_rho(*MANY, 40.0, np.pi / 6, np.pi / 6))
+    for one in found:
+        assert nearest(found, one.dbeta0, one.energy) is one
+    with pytest.raises(InputError, match="no equilibrium"):
+        nearest([], 0.0, 0.0)
+
+
+def test_ends_given_as_ends_are_taken_as_they_are(tmp_path) -> None:
+    case = ends_in_units_of_rho(*MANY, 5.0, 0.3, 0.9)
+    command.write_cases(load(command.DEFAULT), case, equilibria(case), tmp_path)
+    again = command.ends_of(load(next(iter(sorted(tmp_path.glob("*.toml"))))))
+    assert isinstance(again.given, Ends)
+    assert command.told(again) == command.told(case)
