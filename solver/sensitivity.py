@@ -1,9 +1,10 @@
 """How an orbit answers to a change of its start: the condition number, without following any change along the rod.
 
-Two changes of the start span all others. One along the flow f = (beta_t, -H) stays along it: it becomes f(t). One across
-becomes a(t) f(t) + b(t), b across the flow and of size 1/|f(t)|, because the flow keeps areas; only the shear a(t) has
-to be integrated, a' = (1 - H') (beta_t^2 - H^2) / (beta_t^2 + H^2)^2. It grows by the same amount each period, so a rod of a
-million bends is again no more work than one of three, and next to a saddle no large numbers cancel.
+Two changes of the start span all others. One along the flow f = (beta_t, -H) stays along it: it becomes f(t). One
+across becomes a(t) f(t) + b(t), b across the flow and of size 1/|f(t)|, because the flow keeps areas; only the
+shear a(t) has to be integrated, a' = (1 - H') (beta_t^2 - H^2) / (beta_t^2 + H^2)^2. It grows by the same amount
+each period, so a rod of a million bends is again no more work than one of three, and next to a saddle no large
+numbers cancel.
 """
 
 from typing import Any

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..reduced import Array, Reduced
 
 SOLVED = "solved"
+_SHAPELESS = 0.1  # rad: an error with which the shape is another, whatever the condition number excuses
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +97,7 @@ class Method:
 
 
 def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> NDArray[np.object_]:
-    """The outcome of each problem, (B,): whether its error meets tol * max(1, condition)."""
+    """The outcome of each problem, (B,): whether its error meets tol * max(1, condition), and leaves a shape at all."""
     outcome = np.full(error.shape, SOLVED, dtype=object)
     finite = np.isfinite(beta).all(axis=-1) & np.isfinite(error)
     kept = error <= tol * np.maximum(1, condition)
@@ -105,5 +106,8 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> NDArray
     for i in np.flatnonzero(finite & ~kept):
         outcome[i] = f"failed: error {error[i]:.1e} above the tolerance {tol:.1e} at condition {condition[i]:.1e}"
     for i in np.flatnonzero(finite & kept & (error > tol)):
-        outcome[i] = f"solved; condition {condition[i]:.1e} costs digits: error {error[i]:.1e}"
+        if error[i] > _SHAPELESS:
+            outcome[i] = f"failed: condition {condition[i]:.1e} leaves no digit: error {error[i]:.1e}"
+        else:
+            outcome[i] = f"solved; condition {condition[i]:.1e} costs digits: error {error[i]:.1e}"
     return outcome
