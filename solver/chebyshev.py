@@ -15,8 +15,7 @@ class Basis:
 
     nodes: (n,), rising. analyse: values to coefficients, (n, n). integrate: coefficients to those of the integral
     from -1, (n, n + 1). values: coefficients of a series one longer to values at the nodes, (n + 1, n).
-    differentiate: coefficients to values of the derivative at the nodes, (n, n). gauss: values to values at two Gauss
-    points of each of `pieces` equal parts, (n, 2 pieces).
+    differentiate: coefficients to values of the derivative at the nodes, (n, n).
     """
 
     nodes: Array
@@ -24,19 +23,16 @@ class Basis:
     integrate: Array
     values: Array
     differentiate: Array
-    gauss: Array
 
 
 @cache
-def basis(n: int, pieces: int = 4) -> Basis:
+def basis(n: int) -> Basis:
     """The basis of n points."""
     nodes = -np.cos(np.pi * np.arange(n) / (n - 1))
     analyse = np.linalg.inv(C.chebvander(nodes, n - 1)).T
     integrate = np.stack([C.chebint(row, lbnd=-1) for row in np.eye(n)])
-    middle = -1 + (2 * np.arange(pieces) + 1) / pieces
-    gauss = (middle[:, None] + np.array([-1, 1]) / np.sqrt(3) / pieces).ravel()
     slopes = np.stack([C.chebval(nodes, C.chebder(row)) for row in np.eye(n)])
-    return Basis(nodes, analyse, integrate, C.chebvander(nodes, n).T, slopes, analyse @ C.chebvander(gauss, n - 1).T)
+    return Basis(nodes, analyse, integrate, C.chebvander(nodes, n).T, slopes)
 
 
 def polynomials(x: Array, n: int) -> Array:

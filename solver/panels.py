@@ -24,16 +24,15 @@ class Panels:
 
     part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. rank: of its piece. duration: (P,).
     series: (P, 5, n + 1), of beta, |beta_t|, alpha, z and the swirl (the integral of sin cos), the last three from the
-    panel's near end. gauss: (P, 2 k), beta at two Gauss points of each of k equal parts in time. fastest: largest
-    |beta_t|; slack: what the cut series leave out of beta; drift: the same for the duration, as a share of it; noise:
-    what the rounding of G leaves out of it, as a share; all (P,). calls: evaluations, (P,).
+    panel's near end. fastest: largest |beta_t|; slack: what the cut series leave out of beta; drift: the same for the
+    duration, as a share of it; noise: what the rounding of G leaves out of it, as a share; all (P,). calls:
+    evaluations, (P,).
     """
 
     part: NDArray[np.int64]
     rank: NDArray[np.int64]
     duration: Array
     series: Array
-    gauss: Array
     fastest: Array
     slack: Array
     drift: Array
@@ -142,7 +141,6 @@ def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
         pieces.rank,
         duration,
         series,
-        x @ points.gauss + pieces.base[:, None],
         fastest,
         slack,
         drift,
