@@ -247,6 +247,17 @@ def equilibria(
 
 
 @app.command()
+def extremes(
+    out: Annotated[Path, typer.Option(help="The folder for the dataset and the map.")] = Path("extremes"),
+    json: Json = False,
+) -> None:
+    """Where each method breaks: every method at every named extreme, stored and drawn as a map."""
+    from .extremes import run_extremes
+
+    raise typer.Exit(run_extremes(out, json))
+
+
+@app.command()
 def doctor(json: Json = False) -> None:
     """What works on this machine: OpenGL, HDF5, fonts, versions."""
     from .doctor import examine

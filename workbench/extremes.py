@@ -1,0 +1,144 @@
+"""The command extremes: every method at every named extreme; what came of it, stored and drawn as a map."""
+
+import json
+import time
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver import Case, Ends, Solution, solve
+from solver.methods import METHODS
+
+from . import console, dataset, extremes_map, store
+from .extreme_cases import SHARES, Extreme, Reference, extremes, references
+
+TOL = 1e-6
+SOLVED, REFUSED, INACCURATE, NONFINITE = VERDICTS = ("solved", "refused", "inaccurate", "non-finite")
+_SLACK = 10.0  # an answer this many times past tol * max(1, condition) is inaccurate
+NUMBERS = {
+    "error": ("rad", "largest error of the angle, against the reference"),
+    "estimate": ("1", "the error that the method itself states"),
+    "condition": ("1", "the condition number that the method itself states"),
+    "seconds": ("s", "time of the whole call"),
+    "evaluations": ("1", "evaluations of the equation"),
+}
+
+
+@dataclass(frozen=True)
+class Met:
+    """What a method made of an extreme."""
+
+    verdict: str
+    outcome: str
+    error: float
+    estimate: float
+    condition: float
+    seconds: float
+    evaluations: float
+
+
+def run_extremes(out: Path, as_json: bool) -> int:
+    """Run every method at every extreme; store extremes.h5 and draw extremes.png in the folder. Raises `InputError`.
+
+    0, or 1 where a method calls solved what is not.
+    """
+    store.check_folder(out)
+    store.check_free(out / "extremes.h5", "extremes")
+    named, known = extremes(), references()
+    met: dict[tuple[str, str], Met] = {}
+    with console.progress(len(named)) as step:
+        for one in named:
+            step(one.name)
+            met |= {(one.name, method): row for method, row in at_one(one, known[one.name]).items()}
+    ds = labelled(named, known, met)
+    files = [store.write(ds, out / "extremes.h5"), extremes_map.draw(ds, out / "extremes.png")]
+    _tell(ds, files, as_json)
+    return 1 if (ds["verdict"] == INACCURATE).any() else 0
+
+
+def at_one(one: Extreme, reference: Reference) -> dict[str, Met]:
+    """Each method at one extreme; methods for ends are given the angle at the far end, and the shape to look near."""
+    best = solve(one.case, tol=1e-12, stations=_stations(one.case))
+    known = reference.beta if reference.beta is not None else best.beta
+    rows = {}
+    for name, method in METHODS.items():
+        if "start" in method.kinds:
+            rows[name] = _met(one.case, name, known)
+        elif not np.isfinite(best.beta).all():
+            rows[name] = Met(REFUSED, "failed: not tried, no shape to look near", *[np.nan] * 5)
+        else:
+            given = Ends(one.case.given.beta, known[-1], best.FZ, best.MZ, best.M3)
+            rows[name] = _met(Case(one.case.rod, one.case.cylinder, given), name, known, best)
+    return rows
+
+
+def _stations(case: Case) -> np.ndarray:
+    return float(case.rod.L) * np.array((0.0, *SHARES))
+
+
+def _met(case: Case, method: str, known: Any, seed: Solution | None = None) -> Met:
+    began = time.perf_counter()
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")  # scipy speaks of what the outcome says
+        sol = solve(case, TOL, method, stations=_stations(case), **({} if seed is None else {"seed": seed}))
+    seconds = time.perf_counter() - began
+    finite = bool(np.isfinite([sol.beta, sol.dbeta, sol.alpha, sol.z]).all())
+    error = float(np.abs(sol.beta[1:] - known).max()) if finite else np.nan
+    allowed = _SLACK * TOL * max(1.0, float(sol.condition))
+    if sol.solved:
+        verdict = NONFINITE if not finite else SOLVED if error <= allowed else INACCURATE
+    else:
+        verdict = REFUSED if finite or "finite" not in sol.outcome else NONFINITE
+    numbers = float(sol.error), float(sol.condition), seconds, float(sol.evaluations)
+    return Met(verdict, str(sol.outcome), error, *numbers)
+
+
+def labelled(named: Sequence[Extreme], known: dict[str, Reference], met: dict[tuple[str, str], Met]) -> xr.Dataset:
+    """The rows over (extreme, method)."""
+    methods = list(dict.fromkeys(method for _, method in met))
+    full = ("extreme", "method")
+    table = [[met[one.name, method] for method in methods] for one in named]
+    data: dict[str, Any] = {}
+    for name, words in {"verdict": "what came of it", "outcome": "solved, or why not"}.items():
+        data[name] = (full, [[str(getattr(row, name)) for row in line] for line in table], {"long_name": words})
+    for name, (units, words) in NUMBERS.items():
+        values = np.array([[getattr(row, name) for row in line] for line in table], dtype=float)
+        data[name] = (full, values, {"units": units, "long_name": words})
+    problems = [solve(one.case, stations=2).problem for one in named]
+    for name in ("lam", "mu", "phi", "span", "beta0", "dbeta0"):
+        data[name] = (("extreme",), np.concatenate([getattr(p, name) for p in problems]), {"units": "1"})
+    sources = ["taylor series to 25 digits" if known[one.name].beta is not None else "orbit at 1e-12" for one in named]
+    data["reference"] = (("extreme",), sources, {"long_name": "what the error is measured against"})
+    data["group"] = (("extreme",), [one.group for one in named], {"long_name": "what is extreme"})
+    return xr.Dataset(data, {"extreme": [one.name for one in named], "method": methods}, _attributes())
+
+
+def _attributes() -> dict[str, Any]:
+    return {
+        "title": f"What each method makes of the extremes, tolerance {TOL:g}",
+        "study_name": "extremes",
+        "laws": "[]",
+        "tolerance": TOL,
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "versions": json.dumps(dataset.versions()),
+    }
+
+
+def _tell(ds: xr.Dataset, files: Sequence[Path], as_json: bool) -> None:
+    counts = {
+        str(method): {verdict: int((ds["verdict"].sel(method=method) == verdict).sum()) for verdict in VERDICTS}
+        for method in ds["method"].values
+    }
+    if as_json:
+        console.print_json({"methods": counts, "files": [str(file) for file in files]})
+        return
+    rows = [[method, *(str(n) for n in row.values())] for method, row in counts.items()]
+    console.print_table(["method", *VERDICTS], rows, str(ds.attrs["title"]))
+    for file in files:
+        console.say(str(file))

@@ -1,0 +1,81 @@
+"""The map of the extremes: a row each extreme, a column each method, its colour what came of it, its figure the error."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
+
+from . import style
+
+COLOURS = {"solved": "#cfe8dc", "refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#f3cf8a"}
+WORDS = {
+    "solved": "solved (error shown)",
+    "refused": "refused, and says why",
+    "inaccurate": "called solved, but wrong",
+    "non-finite": "left the finite numbers, and says so",
+}
+_ROW, _COLUMN, _NAMES = 0.2, 0.78, 2.6  # inches
+
+
+def draw(ds: xr.Dataset, path: Path) -> Path:
+    """Draw the map and save it by the name's ending."""
+    style.picture_kind(path, (".png", ".pdf", ".svg"))
+    rows, columns = ds.sizes["extreme"], ds.sizes["method"]
+    with rc_context(style.RC):
+        fig = Figure(figsize=(_NAMES + _COLUMN * (columns + 2), _ROW * rows + 1.5), layout="constrained")
+        panel(ds, fig.add_subplot())
+        style.entitle(fig, ds)
+        fig.savefig(path)
+    return path
+
+
+def panel(ds: xr.Dataset, ax: Axes) -> Axes:
+    """The map on given axes."""
+    names, methods = [str(v) for v in ds["extreme"].values], [str(v) for v in ds["method"].values]
+    verdict, error = ds["verdict"].values, ds["error"].values
+    for i in range(len(names)):
+        for j in range(len(methods)):
+            ax.add_patch(Rectangle((j, i), 1, 1, facecolor=COLOURS[str(verdict[i, j])], edgecolor="white", linewidth=1))
+            _write(ax, j + 0.5, i + 0.5, _figure(error[i, j]) if verdict[i, j] in ("solved", "inaccurate") else "")
+        _write(ax, len(methods) + 0.5, i + 0.5, _figure(_condition(ds, i)))
+        _write(ax, len(methods) + 1.5, i + 0.5, _figure(float(ds["span"].values[i])))
+    _groups(ax, [str(v) for v in ds["group"].values], len(methods) + 2)
+    ax.set(xlim=(0, len(methods) + 2), ylim=(len(names), 0))
+    ax.set_yticks(np.arange(len(names)) + 0.5, names)
+    ax.set_xticks(np.arange(len(methods) + 2) + 0.5, [*methods, "condition", "L/ρ"])
+    ax.tick_params(length=0, top=True, labeltop=True, bottom=False, labelbottom=False, colors=style.INK)
+    ax.spines[:].set_visible(False)
+    handles = [Patch(facecolor=colour, label=WORDS[name]) for name, colour in COLOURS.items()]
+    ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.005), ncols=4)
+    return ax
+
+
+def _condition(ds: xr.Dataset, i: int) -> float:
+    """The condition number that `orbit` states."""
+    return float(ds["condition"].sel(method="orbit").values[i])
+
+
+def _write(ax: Axes, x: float, y: float, text: str) -> None:
+    ax.text(x, y, text, ha="center", va="center", fontsize=style.SMALL - 0.5, color=style.INK)
+
+
+def _figure(value: Any) -> str:
+    """2e-9; nothing for what is no number."""
+    if not np.isfinite(value):
+        return "∞" if value == np.inf else ""
+    if value == 0:
+        return "0"
+    digits, power = f"{value:.0e}".split("e")
+    return digits if int(power) == 0 else f"{digits}e{int(power)}".replace("-", "−")
+
+
+def _groups(ax: Axes, groups: list[str], width: float) -> None:
+    """A line between groups of extremes."""
+    for i in range(1, len(groups)):
+        if groups[i] != groups[i - 1]:
+            ax.plot([0, width], [i, i], color=style.SOFT, linewidth=0.8)
