@@ -1,6 +1,6 @@
 """Every equilibrium of a rod whose end angles and dead loads are given, with its stability."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,16 +48,33 @@ def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: 
     all_of_them = search(problem, most_swings)
     if all_of_them is None:
         return []
-    slopes, orbit = all_of_them.slope, all_of_them.orbit
-    index = jacobi_zeros(many(problem, slopes.size), orbit, all_of_them.lengthens)
-    t = problem.span[:, None] * np.linspace(0, 1, stations)
+    slopes, orbit, K = all_of_them.slope, all_of_them.orbit, all_of_them.slope.size
+    wide = many(problem, K)
+    index = jacobi_zeros(wide, orbit, all_of_them.lengthens)
+    t = wide.span[:, None] * np.linspace(0, 1, stations)
+    together = trajectory(wide, orbit, t, tol)
+    seen = observe(Solution(_repeated(case, K), wide, together, t, "shooting", tol), ("energy", "turns", "attached"))
     found = []
-    for i, slope in enumerate(slopes):
-        solution = Solution(case, problem, trajectory(problem, orbit.take(i), t, tol), t, "shooting", tol)
-        seen = observe(solution, ("energy", "turns", "attached"))
-        numbers = float(seen["energy"]), float(slope / case.rho), int(seen["turns"]), float(seen["attached"])
-        found.append(Equilibrium(solution, int(index[i]), *numbers))
+    for i in range(K):
+        solution = Solution(case, problem, _one(together, orbit.take(i), t, i), t[i : i + 1], "shooting", tol)
+        numbers = float(seen["energy"][i]), float(slopes[i] / case.rho), int(seen["turns"][i])
+        found.append(Equilibrium(solution, int(index[i]), *numbers, float(seen["attached"][i])))
     return _in_order(found)
+
+
+def _repeated(case: Case, K: int) -> Case:
+    """The same ends problem K times over."""
+    g = case.given
+    assert isinstance(g, Ends)
+    return Case(case.rod, case.cylinder, Ends(np.full(K, g.beta0), g.betaL, g.FZ, g.MZ, g.M3, g.alpha, g.gamma))
+
+
+def _one(together: Trajectory, orbit: Orbit, t: Array, i: int) -> Trajectory:
+    """Row i of a trajectory, with its own orbit."""
+    row = slice(i, i + 1)
+    names = ("beta", "dbeta", "alpha", "z", "outcome", "error", "condition", "evaluations")
+    picked = {name: getattr(together, name)[row] for name in names}
+    return replace(together, **picked, swirl=lambda: orbit.swirl(t[row]), orbit=orbit)
 
 
 def _in_order(found: list[Equilibrium]) -> list[Equilibrium]:

@@ -120,17 +120,20 @@ def ways(problem: Reduced, pin: Array, gap: Array, tol: float) -> tuple[Ways, Ar
     joins = (v2[0] > 0) & (v2[1] > 0)
     way = float(problem.betaL[0] - problem.beta0[0])
     sense = UP if way >= 0 else DOWN
-    beta = np.concatenate([np.full(M, problem.beta0[0]), np.full(M, problem.betaL[0])])
-    slope0 = sense * np.sqrt(np.where(joins, np.concatenate(v2).reshape(2, M), 1.0)).reshape(-1)
-    both = many(problem, 2 * M, beta0=beta, betaL=None, dbeta0=slope0)  # type: ignore[arg-type]
-    course_ = course(both, (np.tile(pin, 2), np.tile(gap, 2)))
+    ends = [problem.beta0[0], problem.betaL[0]][: 2 if way else 1]  # seen from one alone where they are the same
+    n = len(ends)
+    slope0 = sense * np.sqrt(np.where(joins, np.stack(v2[:n]), 1.0)).reshape(-1)
+    both = many(problem, n * M, beta0=np.repeat(ends, M), betaL=None, dbeta0=slope0)  # type: ignore[arg-type]
+    course_ = course(both, (np.tile(pin, n), np.tile(gap, n)))
     panels = panelled(both, course_, basis(16) if tol > 1e-9 else basis(22), 0.7, 0.01 * tol)
-    total = np.bincount(panels.part, weights=panels.duration, minlength=4 * M).reshape(2, M, 2)
-    kind = course_.kind.reshape(2, M)
+    total = np.bincount(panels.part, weights=panels.duration, minlength=2 * n * M).reshape(n, M, 2)
+    total, kind = (np.broadcast_to(v, (2, *v.shape[1:])) for v in (total, course_.kind.reshape(n, M)))
     ahead, back = total[..., 0], total[..., 1]
     up, down = (ahead, back) if sense == UP else (back, ahead)
     joins &= kind[0] == kind[1]
-    swings = joins & (kind[0] == LIBRATION) & _same_well(both, course_, panels, M)
+    swings = joins & (kind[0] == LIBRATION)
+    if way:
+        swings &= _same_well(both, course_, panels, M)
     turns = joins & (kind[0] == ROTATION) & (way != 0)
     direct = np.full(M, np.nan)
     if turns.any():

@@ -51,30 +51,20 @@ def jacobi_zeros(problem: Reduced, orbit: Any, lengthens: Array) -> Array:
 
 
 def response(problem: Reduced, h: Array, beta: Array) -> Array:
-    """Largest |d beta(t)/d beta(L)| along each equilibrium, (B,): unbounded at a fold, 1 or so away from one."""
-    diagonal = _diagonal(problem, h, beta)
-    out = np.empty(beta.shape[0])
-    for i, row in enumerate(diagonal):
-        out[i] = _one_response(row)
-    return out
+    """Largest |d beta(t)/d beta(L)| along each equilibrium, (B,): unbounded at a fold, 1 or so away from one.
 
-
-def _one_response(diagonal: Array) -> float:
-    """By elimination without pivoting, which follows the Jacobi field; an indefinite matrix is no obstacle to it."""
-    n = diagonal.size
-    ratio = np.empty(n)  # eta_k = ratio_k eta_{k+1}
-    last = 0.0
-    for k in range(n):
-        pivot = diagonal[k] - last
-        last = 1 / pivot if pivot != 0 else np.inf
-        ratio[k] = last
-    largest, eta = 1.0, 1.0
-    for value in ratio[::-1]:
-        eta *= value
-        if not np.isfinite(eta):
-            return np.inf
-        largest = max(largest, abs(eta))
-    return largest
+    By elimination without pivoting, which follows the Jacobi field; an indefinite matrix is no obstacle to it.
+    """
+    diagonal = np.ascontiguousarray(_diagonal(problem, h, beta).T)
+    ratio = np.empty_like(diagonal)  # eta_k = ratio_k eta_{k+1}
+    last = np.zeros(beta.shape[0])
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        for k in range(ratio.shape[0]):
+            last = 1 / (diagonal[k] - last)
+            ratio[k] = last
+        eta = np.cumprod(ratio[::-1], axis=0)
+    largest = np.maximum(1, np.abs(eta).max(axis=0, initial=1))
+    return np.where(np.isfinite(largest), largest, np.inf)
 
 
 def _diagonal(problem: Reduced, h: Array, beta: Array) -> Array:
