@@ -65,7 +65,7 @@ def run_extremes(out: Path, as_json: bool) -> int:
 def at_one(one: Extreme, reference: Reference) -> dict[str, Met]:
     """Each method at one extreme; methods for ends are given the angle at the far end, and the shape to look near."""
     best = solve(one.case, tol=1e-12, stations=_stations(one.case))
-    known = reference.beta if reference.beta is not None else best.beta
+    known = reference.beta if reference.beta is not None else best.beta[1:]
     rows = {}
     for name, method in METHODS.items():
         if "start" in method.kinds:
@@ -73,7 +73,7 @@ def at_one(one: Extreme, reference: Reference) -> dict[str, Met]:
         elif not np.isfinite(best.beta).all():
             rows[name] = Met(REFUSED, "failed: not tried, no shape to look near", *[np.nan] * 5)
         else:
-            given = Ends(one.case.given.beta, known[-1], best.FZ, best.MZ, best.M3)
+            given = Ends(best.problem.beta0[0], known[-1], best.FZ, best.MZ, best.M3)
             rows[name] = _met(Case(one.case.rod, one.case.cylinder, given), name, known, best)
     return rows
 

@@ -1,4 +1,4 @@
-"""The map of the extremes: a row each extreme, a column each method, its colour what came of it, its figure the error."""
+"""The map of the extremes: a row each extreme, a column each method, its colour what came of it."""
 
 from pathlib import Path
 from typing import Any

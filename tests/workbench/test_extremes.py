@@ -1,0 +1,45 @@
+"""The map of the extremes: what is stored for each method, and that the drawing needs nothing else."""
+
+from pathlib import Path
+
+import numpy as np
+
+from solver.methods import METHODS
+from workbench import store
+from workbench.extreme_cases import extremes, references
+from workbench.extremes import INACCURATE, REFUSED, VERDICTS, at_one, labelled
+from workbench.extremes_map import draw
+
+
+def test_every_extreme_has_a_name_of_its_own_and_a_reference_or_none_said() -> None:
+    names = [one.name for one in extremes()]
+    assert len(set(names)) == len(names)
+    assert set(references()) == set(names)
+
+
+def test_orbit_is_right_to_its_promise_at_every_extreme_that_a_march_of_25_digits_reaches() -> None:
+    """Looser than the promise by ten only where rounding of the case's own numbers is amplified."""
+    from solver import solve
+    from workbench.extreme_cases import SHARES
+
+    for one in extremes():
+        known = references()[one.name].beta
+        sol = solve(one.case, tol=1e-9, stations=float(one.case.rod.L) * np.array((0.0, *SHARES)))
+        if known is not None and sol.solved:
+            assert np.abs(sol.beta[1:] - known).max() <= 10 * max(sol.error, 1e-15), one.name
+        if known is not None and sol.condition < 1e10:
+            assert sol.solved, (one.name, sol.outcome)
+
+
+def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
+    named = [one for one in extremes() if one.name in ("no loads", "E = 1e-9 N/cm²")]
+    met = {(one.name, name): row for one in named for name, row in at_one(one, references()[one.name]).items()}
+    ds = labelled(named, references(), met)
+    store.write(ds, tmp_path / "extremes.h5")
+    again = store.read(tmp_path / "extremes.h5")
+    assert list(again["method"].values) == list(METHODS)
+    assert set(again["verdict"].values.flat) <= set(VERDICTS)
+    assert not (again["verdict"].sel(extreme="no loads") == INACCURATE).any()
+    assert (again["verdict"].sel(extreme="no loads", method="orbit") == "solved").all()
+    assert (again["verdict"].sel(extreme="E = 1e-9 N/cm²", method="euler") == REFUSED).all()
+    assert draw(again, tmp_path / "map.png").stat().st_size > 10_000
