@@ -11,6 +11,7 @@ from .landscape import TAU, extrema, potential, slope
 from .levels import DOWN, UP, Ladder, Ways, ladders, many, ways
 from .methods.orbit import Orbit, solve_orbit
 from .reduced import Array, Reduced
+from .resting import resting
 
 _PATHS = ((UP, UP), (UP, DOWN), (DOWN, UP), (DOWN, DOWN))
 _LOOSE, _MIDDLE, _TIGHT = 1e-5, 1e-10, 1e-13
@@ -47,6 +48,10 @@ def search(problem: Reduced, most_swings: int = 200) -> Found | None:
     brackets = [b for ladder in ladders(problem, extrema(problem)) for b in _brackets(problem, ladder, most_swings)]
     pin, gap, leaving = _closed_in(problem, brackets) if brackets else (np.empty(0),) * 3
     lengthens = np.array([b.lengthens for b in brackets], dtype=bool)
+    for rest in resting(problem):
+        if not _known(problem, rest, pin, gap, leaving):
+            pin, gap, leaving = np.append(pin, rest[0]), np.append(gap, rest[1]), np.append(leaving, rest[2])
+            lengthens = np.append(lengthens, rest[3])
     kept = _distinct(problem, pin, gap, leaving)
     pin, gap, leaving, lengthens = pin[kept], gap[kept], leaving[kept], lengthens[kept]
     beta0 = np.full(leaving.size, problem.beta0[0])
@@ -160,6 +165,13 @@ def _helix(problem: Reduced) -> tuple[float, float] | None:
     turns = np.round((beta[0] - angles) / TAU)
     k = int(np.argmin(np.abs(angles + TAU * turns - beta[0])))
     return float(angles[k]), float(angles[k] + TAU * turns[k])
+
+
+def _known(problem: Reduced, rest: tuple[float, float, float, bool], pin: Array, gap: Array, leaving: Array) -> bool:
+    """Whether the scan has met the rod that rests at one end already."""
+    level = potential(many(problem, pin.size), pin) + gap
+    own = float(potential(problem, np.array([rest[0]]))[0]) + rest[1]
+    return bool(((np.abs(leaving - rest[2]) < 1e-5) & (np.abs(level - own) < 1e-9)).any())
 
 
 def _distinct(problem: Reduced, pin: Array, gap: Array, leaving: Array) -> list[int]:

@@ -209,6 +209,23 @@ def test_between_two_ends_there_is_always_one(numbers) -> None:
         assert one.solution.beta[-1] == pytest.approx(numbers[-1], abs=1e-8)  # tol
 
 
+@pytest.mark.parametrize("numbers", ((0, 0, 0, 20.0, np.pi / 6), (0.3, 0.2, -0.5, 12.0, 1.0), (0, 0, -0.7, 7.0, 0.3)))
+@pytest.mark.parametrize("slope", (0.0, 1e-12, -1e-9, 1e-7, -3e-6, 1e-4))
+def test_a_rod_that_starts_or_ends_at_rest_is_found_once(numbers, slope: float) -> None:
+    """Where beta' = 0 at an end the paths of two kinds meet, and neither shows the rod by itself."""
+    first = numbers[-1]
+    sol = solve(in_units_of_rho(*numbers, slope), tol=1e-12)
+    last = float(sol.beta[-1])
+    there, back = found(*numbers[:-1], first, last), found(*numbers[:-1], last, first)
+    for solutions, wanted in ((there, slope), (back, -float(sol.dbeta[-1]))):
+        own = [one for one in solutions if abs(one.dbeta0 - wanted) < 1e-8]
+        assert len(own) == 1
+        assert signed_count(solutions) == 1
+        assert own[0].solution.solved
+        shape = own[0].solution.beta
+        np.testing.assert_allclose(shape if solutions is there else shape[::-1], sol.beta, atol=1e-8)
+
+
 def test_rods_that_turn_agree_with_a_march() -> None:
     """Random ends up to two turns apart, short and hence fast rods: each start slope, marched, ends where it should."""
     rng = np.random.default_rng(3)
