@@ -1,9 +1,11 @@
 """The command extremes: every method at every named extreme; what came of it, stored and drawn as a map."""
 
 import json
+import os
 import time
 import warnings
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -52,10 +54,11 @@ def run_extremes(out: Path, as_json: bool) -> int:
     store.check_free(out / "extremes.h5", "extremes")
     named, known = extremes(), references()
     met: dict[tuple[str, str], Met] = {}
-    with console.progress(len(named)) as step:
+    with ProcessPoolExecutor(max_workers=os.cpu_count()) as pool, console.progress(len(named)) as step:
+        rows_of = pool.map(at_one, named, [known[one.name] for one in named])
         for one in named:
             step(one.name)
-            met |= {(one.name, method): row for method, row in at_one(one, known[one.name]).items()}
+            met |= {(one.name, method): row for method, row in next(rows_of).items()}
     ds = labelled(named, known, met)
     files = [store.write(ds, out / "extremes.h5"), extremes_map.draw(ds, out / "extremes.png")]
     _tell(ds, files, as_json)
@@ -90,6 +93,9 @@ def _met(case: Case, method: str, known: Any, seed: Solution | None = None) -> M
     seconds = time.perf_counter() - began
     finite = bool(np.isfinite([sol.beta, sol.dbeta, sol.alpha, sol.z]).all())
     error = float(np.abs(sol.beta[1:] - known).max()) if finite else np.nan
+    if seed is not None and finite:  # another shape between the same ends is no error
+        own = METHODS["orbit"].run(sol.problem.started(sol.trajectory.dbeta[:, 0]), sol.t, 1e-12).beta
+        error = min(error, float(np.abs(sol.trajectory.beta - own).max()))
     allowed = _SLACK * TOL * max(1.0, float(sol.condition))
     if sol.solved:
         verdict = NONFINITE if not finite else SOLVED if error <= allowed else INACCURATE
@@ -132,7 +138,7 @@ def _attributes() -> dict[str, Any]:
 
 def _tell(ds: xr.Dataset, files: Sequence[Path], as_json: bool) -> None:
     counts = {
-        str(method): {verdict: int((ds["verdict"].sel(method=method) == verdict).sum()) for verdict in VERDICTS}
+        str(method): {verdict: int((ds["verdict"].sel({"method": method}) == verdict).sum()) for verdict in VERDICTS}
         for method in ds["method"].values
     }
     if as_json:

@@ -17,7 +17,7 @@ WORDS = {
     "solved": "solved (error shown)",
     "refused": "refused, and says why",
     "inaccurate": "called solved, but wrong",
-    "non-finite": "left the finite numbers, and says so",
+    "non-finite": "no finite answer: overflow, or out of steps; says so",
 }
 _ROW, _COLUMN, _NAMES = 0.2, 0.78, 2.6  # inches
 
@@ -57,7 +57,7 @@ def panel(ds: xr.Dataset, ax: Axes) -> Axes:
 
 def _condition(ds: xr.Dataset, i: int) -> float:
     """The condition number that `orbit` states."""
-    return float(ds["condition"].sel(method="orbit").values[i])
+    return float(ds["condition"].sel({"method": "orbit"}).values[i])
 
 
 def _write(ax: Axes, x: float, y: float, text: str) -> None:
