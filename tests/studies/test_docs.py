@@ -16,8 +16,8 @@ WHOLE = [example for example in EXAMPLES if "title" in example]
 
 
 def test_there_are_examples() -> None:
-    assert len(WHOLE) == 3
-    assert len(EXAMPLES) == 4
+    assert len(WHOLE) == 4
+    assert len(EXAMPLES) == 5
 
 
 @pytest.mark.parametrize("example", WHOLE, ids=lambda text: text.splitlines()[0])
