@@ -79,7 +79,7 @@ def _rungs(problem: Reduced, pin: float) -> Array:
     dense = np.arange(-0.25, 8, 0.25)
     rest = [8.0]
     while rest[-1] < deepest:
-        rest.append(rest[-1] + max(0.75, 0.05 * rest[-1]))
+        rest.append(rest[-1] + max(0.75, 0.15 * rest[-1]))
     return np.concatenate([dense, rest])
 
 
