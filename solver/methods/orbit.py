@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..chebyshev import basis, polynomials
 from ..course import HELIX, LIBRATION, Course, course
+from ..landscape import slope_rate
 from ..panels import EPS, Panels, panelled
 from ..reduced import Array, Reduced
 from ..sensitivity import condition
@@ -234,7 +235,25 @@ def _error(orbit: Orbit, growth: Array) -> Array:
     swing = np.bincount(b, weights=2 * np.abs(panels.series[met, 0, 1::2].sum(axis=1)), minlength=problem.size)
     shift = np.where(librates, np.minimum(fastest * late, swing), fastest * late)
     sums = EPS * longest / np.maximum(1, problem.span)
-    return 2 * slack + shift + sums + 2 * EPS * growth * np.maximum(1, np.abs(problem.beta0))
+    # the last digit of the loads moves the extrema of G, and the rod with them as far as its length lets it
+    swing_time = np.minimum(problem.span, orbit.ahead + orbit.back)
+    with np.errstate(divide="ignore", over="ignore"):
+        room = np.minimum(swing_time**2 / 2, 1 / np.abs(slope_rate(problem, problem.beta0)))
+    inputs = np.maximum(1, np.abs(problem.beta0)) + heights * room / 2
+    return 2 * slack + shift + sums + growth * (_mismatch(orbit) + 2 * EPS * inputs)
+
+
+def _mismatch(orbit: Orbit) -> Array:
+    """How far the series at t = 0 are from the start they were made for, as a change of its angle, (B,)."""
+    problem, panels = orbit.problem, orbit.panels
+    assert problem.dbeta0 is not None
+    off = np.zeros(problem.size)
+    goes = np.flatnonzero(orbit.count[0::2] > 0)
+    series = panels.series[orbit.first[0::2][goes], :2]
+    beta, speed = (2 * series[:, :, 0::2].sum(axis=2) - series.sum(axis=2)).T
+    late = np.abs(speed - np.abs(problem.dbeta0[goes])) * np.minimum(problem.span[goes], 1)
+    off[goes] = np.abs(beta - problem.beta0[goes]) + late
+    return off
 
 
 ORBIT = Method("orbit", run, ("start",), float("inf"), "quadrature over half a period, the rest by symmetry")
