@@ -205,7 +205,7 @@ def _pieces(
     x_to = np.where(way > 0, x_second, x_first)
     form = np.where(passes, PASS, np.where(near_centre, CENTRE, SADDLE))
     speed = np.where(at_rest, 0.0, problem.dbeta0[b])  # type: ignore[index]
-    here = _start_variable(form, scale, x_start, speed, well)
+    here, scale = _start_variable(form, scale, x_start, speed, rank == 0, well)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         u_from, u_to = _variable(form, scale, x_from), _variable(form, scale, x_to)
     u0 = np.where(rank == 0, here, u_from)
@@ -251,15 +251,22 @@ def _variable(form: Any, scale: Array, x: Array) -> Array:
     )
 
 
-def _start_variable(form: Any, scale: Array, x: Array, v: Array, well: Well) -> Array:
-    """u at the start, (P,): from the slope, which loses no digits next to a turning point, where that is exact enough.
+def _start_variable(form: Any, scale: Array, x: Array, v: Array, first: Any, well: Well) -> tuple[Array, Array]:
+    """u at the start, from the slope, which loses no digits next to a turning point; and the scale, (P,) each.
 
-    Where G is so flat that its rounding swamps the slope, from the angle.
+    Where G is so flat that its rounding blurs the turning point of a `first` piece, that is moved to agree with angle
+    and slope at the start; where it swamps the slope, u comes from the angle.
     """
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         root = _turning(well, x[:, None], scale[:, None])[:, 0]
         sine = np.where(v == 0, 0.0, np.abs(v) / (np.abs(scale) * root))
-        blurred = (form != PASS) & (sine**2 * well.weight(np.abs(x)) > _BLUR * root**2)
         slanted = np.where(form == SADDLE, np.arcsinh(sine), np.arctan2(np.abs(x / scale), sine))
         u = np.where(form == PASS, np.arcsinh(x / scale), slanted)
-        return np.where(blurred, _variable(form, scale, x), u) if blurred.any() else u
+        blur = np.where(first & (form != PASS), well.weight(np.abs(x)) / root**2, 0)
+        blurred = blur > _BLUR
+        if blurred.any():
+            lost = blur * sine**2 > _BLUR
+            moved = x / np.where(form == SADDLE, np.cosh(u), np.sin(u))
+            scale = np.where(blurred & ~lost, moved, scale)
+            u = np.where(lost, _variable(form, scale, x), u)
+        return u, scale

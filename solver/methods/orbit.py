@@ -23,6 +23,7 @@ from ..sensitivity import condition
 from .base import Method, Trajectory, verdicts
 
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
+_FOLD = 100.0  # times the last digit of a load: the most it is taken to move the rod's start
 _LARGEST = 1e100  # dimensionless numbers beyond this would overflow when squared
 
 
@@ -239,7 +240,8 @@ def _error(orbit: Orbit, growth: Array) -> Array:
     swing_time = np.minimum(problem.span, orbit.ahead + orbit.back)
     with np.errstate(divide="ignore", over="ignore"):
         room = np.minimum(swing_time**2 / 2, 1 / np.abs(slope_rate(problem, problem.beta0)))
-    inputs = np.maximum(1, np.abs(problem.beta0)) + heights * room / 2
+    # at a fold that is without end; there `noise` and `_mismatch` know better
+    inputs = np.maximum(1, np.abs(problem.beta0)) + np.minimum(heights * room / 2, _FOLD)
     return 2 * slack + shift + sums + growth * (_mismatch(orbit) + 2 * EPS * inputs)
 
 
@@ -251,8 +253,9 @@ def _mismatch(orbit: Orbit) -> Array:
     goes = np.flatnonzero(orbit.count[0::2] > 0)
     series = panels.series[orbit.first[0::2][goes], :2]
     beta, speed = (2 * series[:, :, 0::2].sum(axis=2) - series.sum(axis=2)).T
-    late = np.abs(speed - np.abs(problem.dbeta0[goes])) * np.minimum(problem.span[goes], 1)
-    off[goes] = np.abs(beta - problem.beta0[goes]) + late
+    v = np.abs(problem.dbeta0[goes])
+    unit = np.maximum(np.maximum(1, v), np.sqrt(np.abs(slope_rate(problem, problem.beta0)))[goes])
+    off[goes] = np.abs(beta - problem.beta0[goes]) + np.abs(speed - v) * np.minimum(problem.span[goes], 1 / unit)
     return off
 
 
