@@ -255,7 +255,9 @@ def _mismatch(orbit: Orbit) -> Array:
     beta, speed = (2 * series[:, :, 0::2].sum(axis=2) - series.sum(axis=2)).T
     v = np.abs(problem.dbeta0[goes])
     unit = np.maximum(np.maximum(1, v), np.sqrt(np.abs(slope_rate(problem, problem.beta0)))[goes])
-    off[goes] = np.abs(beta - problem.beta0[goes]) + np.abs(speed - v) * np.minimum(problem.span[goes], 1 / unit)
+    swift = np.sqrt(1 + np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi))[goes] + v
+    slip = np.maximum(np.abs(speed - v) - 16 * EPS * swift, 0)  # beyond the rounding of a speed
+    off[goes] = np.abs(beta - problem.beta0[goes]) + slip * np.minimum(problem.span[goes], 1 / unit)
     return off
 
 
