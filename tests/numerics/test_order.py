@@ -5,7 +5,7 @@ import pytest
 
 from solver import Case, Ends, solve
 from solver.methods import METHODS
-from tests.cases import EXACT, elliptic
+from tests.cases import EXACT, elliptic, in_units_of_rho
 
 ELLIPTIC = EXACT["elliptic k=0.25 L=20"]
 
@@ -109,3 +109,13 @@ def test_the_work_of_orbit_does_not_grow_with_the_length() -> None:
         int(solve(in_units_of_rho(0, 0, 0, span, np.pi / 6, 0.0), tol=1e-8).evaluations) for span in (20.0, 2e6)
     )
     assert many <= 3 * few
+
+
+@pytest.mark.parametrize("phi, nodes", [(-1e4, 101), (-1e6, 801), (-1e8, 2001)])
+def test_a_mesh_that_does_not_resolve_the_swings_is_no_solution(phi: float, nodes: int) -> None:
+    """Two meshes with less than six nodes a swing can agree on the same false, slower wave."""
+    start = in_units_of_rho(0.0, 0.0, phi, 20.0, 0.1, 0.0)
+    far = float(solve(start, stations=[start.rod.L]).beta[0])
+    FZ = phi * start.rod.bending_stiffness / start.rho**2
+    case = Case(start.rod, start.cylinder, Ends(0.1, far, FZ=FZ))
+    assert not solve(case, method="difference", nodes=nodes, tol=0.5, seed=0.0).solved
