@@ -15,6 +15,7 @@ from .errors import InputError, no_such
 
 STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}
 SIDES = {"outside": 1.0, "inside": -1.0}
+TWISTS = ("F1", "dgamma", "M3")  # of a start, each fixes the twisting moment
 
 
 def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
@@ -110,9 +111,10 @@ class Start:
 
     beta [rad], dbeta [rad/length]: angle from the axis to the tangent, and its rate. F1 (inward normal), F2 (in the
     surface, across), F3 (tangent, tension positive) [force]: the internal force. The twist follows from exactly one
-    of F1 and dgamma [rad/length], the rate of the section's own rotation. alpha, gamma [rad]: azimuth and rotation.
+    of F1, dgamma [rad/length], the rate of the section's own rotation, and M3 [force length], the twisting moment.
+    alpha, gamma [rad]: azimuth and rotation.
 
-    Raises `InputError` for both or neither of F1 and dgamma, or F1 together with dbeta = 0.
+    Raises `InputError` for none or several of F1, dgamma and M3, or F1 together with dbeta = 0.
     """
 
     beta: Any
@@ -123,18 +125,17 @@ class Start:
     dgamma: Any = None
     alpha: Any = 0.0
     gamma: Any = 0.0
+    M3: Any = None
 
     def __post_init__(self) -> None:
         _check_numbers(self)
-        if (self.F1 is None) == (self.dgamma is None):
-            raise InputError(
-                f"Start needs exactly one of F1 and dgamma, got F1={self.F1} and dgamma={self.dgamma}: "
-                "each fixes the twisting moment"
-            )
+        if sum(getattr(self, name) is not None for name in TWISTS) != 1:
+            got = ", ".join(f"{name}={getattr(self, name)}" for name in TWISTS)
+            raise InputError(f"Start needs exactly one of F1, dgamma and M3, got {got}: each fixes the twisting moment")
         if self.F1 is not None and np.any(np.equal(self.dbeta, 0)):
             raise InputError(
                 "Start.F1 cannot fix the twist where dbeta = 0 (F1 is proportional to dbeta), "
-                f"got F1={self.F1} and dbeta=0; give dgamma instead"
+                f"got F1={self.F1} and dbeta=0; give dgamma or M3 instead"
             )
 
 
@@ -218,13 +219,15 @@ class Case:
         if isinstance(given, Ends):
             return given.FZ, given.MZ, given.M3
         A, s, c = rod.bending_stiffness, np.sin(given.beta), np.cos(given.beta)
-        if given.F1 is None:
+        if given.M3 is not None:
+            m = given.M3 / A
+        elif given.dgamma is not None:
             m = (given.dgamma + s * c / rho) / (1 + rod.nu)
         else:
             m = given.F1 / (A * given.dbeta) + 3 * s * c / rho
         FY = -given.F2 * c + given.F3 * s
         FZ = given.F2 * s + given.F3 * c
-        return FZ, rho * FY + A * (m * c + s**3 / rho), A * m
+        return FZ, rho * FY + A * (m * c + s**3 / rho), A * m if given.M3 is None else given.M3
 
 
 def from_fields(kind: type, values: dict[str, Any]) -> Any:

@@ -1,5 +1,7 @@
 """What stays constant along the rod, rebuilt from vectors where there are any, and what the start was given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -73,6 +75,16 @@ def test_the_twist_rate_at_the_start_is_the_one_given(sol: Solution) -> None:
     slope = np.sin(sol.beta[0]) * np.cos(sol.beta[0]) / sol.case.rho
     rate = sol.M3 / sol.case.rod.torsional_stiffness - slope
     assert rate == pytest.approx(sol.case.given.dgamma, abs=1e-14 * (1 + abs(rate)))  # rounding
+
+
+def test_a_start_by_its_twisting_moment_has_the_normal_force_and_the_twist_rate_that_go_with_it() -> None:
+    case = table_1("force-first", "tension", "paper")
+    by_force = solve(case, stations=3)
+    start = replace(case.given, F1=None, M3=by_force.M3)
+    by_moment = solve(replace(case, given=start), stations=3)
+    assert by_moment.M3 == by_force.M3  # what was given, untouched
+    assert by_moment.F1[0] == pytest.approx(case.given.F1, rel=1e-13)  # rounding
+    assert by_moment.MZ == pytest.approx(by_force.MZ, rel=1e-14)
 
 
 def test_energy_is_the_integral_of_its_density() -> None:

@@ -84,16 +84,18 @@ def test_the_first_bad_value_of_many_is_named() -> None:
         Rod(**{**ROD, "E": [1.0, -3.0, 2.0, -5.0]})
 
 
-def test_the_twist_comes_from_exactly_one_of_two() -> None:
+def test_the_twist_comes_from_exactly_one_of_three() -> None:
     with refused("F1=5.0", "dgamma=0.5"):
         Start(0.5, 0.5, F1=5.0, dgamma=0.5)
-    with refused("F1=None", "dgamma=None"):
+    with refused("dgamma=0.5", "M3=0.0"):
+        Start(0.5, 0.5, dgamma=0.5, M3=0.0)
+    with refused("F1=None", "dgamma=None", "M3=None"):
         Start(0.5, 0.5)
 
 
 @pytest.mark.parametrize("dbeta", (0.0, -0.0, [0.5, 0.0]))
 def test_the_normal_force_cannot_fix_the_twist_without_a_slope(dbeta: Any) -> None:
-    with refused("F1=5.0", "dbeta", "dgamma"):
+    with refused("F1=5.0", "dbeta", "dgamma", "M3"):
         Start(0.5, dbeta, F1=5.0)
 
 

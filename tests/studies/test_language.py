@@ -44,6 +44,9 @@ def test_without_a_reading_base_names_the_fields_of_the_case() -> None:
     start = loads(PLAIN + ROD + "beta = 0.5\ndbeta = 0.1\ndgamma = 0.2\nF2 = 1.0").case().given
     assert isinstance(start, Start)
     assert (start.dgamma, start.F2, start.F1) == (0.2, 1.0, None)
+    untwisted = loads(PLAIN + ROD + "beta = 0.5\ndbeta = 0.0\nM3 = 0.0").case().given
+    assert isinstance(untwisted, Start)
+    assert (untwisted.M3, untwisted.dgamma, untwisted.F1) == (0.0, None, None)
     ends = loads(PLAIN + ROD + "beta0 = 0.5\nFZ = -8.0\n[axes.betaL]\nvalues = [0.5, 0.6]").case()
     assert isinstance(ends.given, Ends)
     assert ends.shape == (2,)
@@ -180,7 +183,7 @@ REFUSED = {
     "a half case": (PLAIN + "[base]\nE = 1.0\nbeta = 1.0", "Rod needs nu, a, L; got E"),
     "F1 and dgamma": (
         PLAIN + ROD + "beta = 0.5\ndbeta = 0.1\nF1 = 1.0\ndgamma = 0.2",
-        "exactly one of F1 and dgamma, got F1=1.0 and dgamma=0.2",
+        "exactly one of F1, dgamma and M3, got F1=1.0, dgamma=0.2, M3=None",
     ),
     "a start's field among ends": (
         PLAIN + ROD + "beta0 = 0.5\nF1 = 1.0",
