@@ -130,8 +130,7 @@ def decide(law: Law, observed: Mapping[str, ArrayLike], axes: Mapping[str, Array
     if law.axis not in axes:
         raise no_such("axis", law.axis, axes)
     rows = [
-        {"observable": name, **_over_lines(law, name, np.asarray(observed[name]), axes)}
-        for name in law.observables
+        {"observable": name, **_over_lines(law, name, np.asarray(observed[name]), axes)} for name in law.observables
     ]
     told = {name: getattr(law, name) for name in ("claim", "axis", "direction", "source")}
     return {**told, **rows[0], "also": rows[1:]}

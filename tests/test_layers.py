@@ -73,8 +73,7 @@ def files_of(*patterns: str) -> list[Path]:
 def test_a_floor_imports_only_what_lies_below_it(floor: str) -> None:
     allowed = FLOORS[floor] | STDLIB | {floor}
     breaches = {
-        str(file.relative_to(ROOT)): sorted(tops(imports_of(file)) - allowed)
-        for file in files_of(f"{floor}/**/*.py")
+        str(file.relative_to(ROOT)): sorted(tops(imports_of(file)) - allowed) for file in files_of(f"{floor}/**/*.py")
     }
     assert {file: names for file, names in breaches.items() if names} == {}
 

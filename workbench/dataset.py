@@ -119,9 +119,7 @@ def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArr
     return kept, array.reshape([size for size in array.shape if size > 1])
 
 
-def _arc(
-    sol: Solution, axes: tuple[str, ...], u: NDArray[np.float64]
-) -> tuple[tuple[str, ...], NDArray[np.float64]]:
+def _arc(sol: Solution, axes: tuple[str, ...], u: NDArray[np.float64]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
     """s over u alone where every case has the same length, else over the whole grid."""
     L = np.asarray(sol.case.rod.L, dtype=float)
     if L.size == 1:

@@ -36,8 +36,6 @@ def run_followed(study: Study, tol: float, method: str) -> xr.Dataset:
 
 def _note(fold: float | None, dbeta0: float | None, limit: float, length: str) -> str:
     if fold is None or dbeta0 is None:
-        return (
-            f"the equilibrium is followed to beta(L) = {np.rad2deg(limit):.4g} deg and has no fold before it"
-        )
+        return f"the equilibrium is followed to beta(L) = {np.rad2deg(limit):.4g} deg and has no fold before it"
     at = f"beta(L) = {fold:.6g} rad ({np.rad2deg(fold):.4g} deg)"
     return f"the equilibrium ceases to exist at {at}, where beta'(0) = {dbeta0:.6g} rad/{length}"
