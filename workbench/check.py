@@ -1,12 +1,13 @@
 """Do the laws of a stored dataset hold? Reads datasets and never solves."""
 
-import json
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from studies.laws import FAILS, HOLDS, Law, decide
+
+from . import opening
 
 
 def verdicts(ds: xr.Dataset) -> list[dict[str, Any]]:
@@ -20,8 +21,8 @@ def verdicts(ds: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def laws(ds: xr.Dataset) -> list[Law]:
-    """The laws that the dataset's study states."""
-    return [Law.model_validate(row) for row in json.loads(ds.attrs["laws"])]
+    """The laws that the dataset's study states. Raises `InputError` where they are none."""
+    return opening.laws(ds)
 
 
 def unsolved(ds: xr.Dataset) -> int:

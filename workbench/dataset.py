@@ -17,6 +17,7 @@ from solver.quantities import quantity, unit_of
 from studies import Study
 from studies.axes import quantity_of
 
+FORMAT = 1  # of the file: a reader refuses one with a higher number
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
 INNER = {"position": ("xyz",)}  # dimensions after u, of what is not one number a station
 SCALARS = ("R", "a", "L", "rho", "E", "nu")
@@ -129,6 +130,7 @@ def _arc(sol: Solution, axes: tuple[str, ...], u: NDArray[np.float64]) -> tuple[
 
 def _attributes(study: Study, sol: Solution) -> dict[str, Any]:
     return {
+        "format": FORMAT,
         "title": study.title,
         "study_name": study.name,
         "study": study.text,

@@ -9,9 +9,7 @@ import xarray as xr
 
 from solver.errors import InputError
 
-NEEDED = ("title", "study_name", "laws")  # attributes by which a file is known as one of ours
-# What h5py, h5netcdf and xarray raise on files that are not HDF5, not netCDF, cut short or damaged.
-_UNREADABLE = (OSError, ValueError, KeyError, RuntimeError, TypeError, AttributeError, EOFError)
+from . import opening
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
@@ -40,26 +38,18 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
 
 
 def read(path: str | Path) -> xr.Dataset:
-    """A study's dataset, all in memory; `InputError` where the file is missing, cut short or not ours."""
-    ds = _open(Path(path))
-    missing = [name for name in NEEDED if name not in ds.attrs]
-    if missing or "outcome" not in ds:
-        raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
-    return ds
+    """A study's dataset, all in memory; `InputError` where the file is missing, cut short, not ours, or too large."""
+    with opening.opened(path) as ds:
+        if ds.nbytes > _memory():
+            held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {_memory() / 1e9:.3g} GB"
+            raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
+        with opening.refusing(path):
+            return ds.load()
 
 
-def _open(path: Path) -> xr.Dataset:
-    if not path.exists():
-        raise InputError(f"there is no file {path}")
-    if path.is_dir():
-        raise InputError(f"{path} is a folder, not a dataset")
-    try:
-        return xr.load_dataset(path, engine="h5netcdf", phony_dims="access")
-    except PermissionError:
-        raise InputError(f"cannot read {path}: permission denied") from None
-    except _UNREADABLE:
-        why = "it is damaged, cut short, or another kind of file"
-        raise InputError(f"{path} cannot be read as HDF5: {why}") from None
+def _memory() -> int:
+    """Of this machine [bytes]."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
 
 
 def check_free(path: str | Path, study_name: str) -> None:
@@ -70,7 +60,8 @@ def check_free(path: str | Path, study_name: str) -> None:
     if not path.exists():
         return
     try:
-        there = _open(path).attrs.get("study_name")
+        with opening.raw(path) as ds:
+            there = ds.attrs.get("study_name")
     except InputError:
         there = None
     if there is None:
