@@ -70,7 +70,7 @@ _ROWS = (
     Quantity("kappa_max", "max κ", _PER_LENGTH, "largest curvature"),
     Quantity("wraps", "wraps", _NUMBER, "turns about the axis"),
     Quantity("height", "z(L)", _LENGTH, "height of the far end"),
-    Quantity("contact_mean", "mean |f|", (-1, 1), "mean size of the push per length"),
+    Quantity("contact_mean", "mean |f|", (-1, 1), "mean size of push or pull per length"),
     Quantity("contact_min", "min f", (-1, 1), "smallest push per length, positive outward"),
     Quantity("contact_max", "max f", (-1, 1), "largest push per length, positive outward"),
     Quantity("attached", "attached", _NUMBER, "share of the length where the cylinder pushes"),
@@ -81,6 +81,7 @@ _ROWS = (
     Quantity("error", "error", _NUMBER, "estimated error of beta, and of alpha and z/rho over max(1, L/rho)"),
     Quantity("condition", "condition", _NUMBER, "growth of a change of the start along the rod"),
     Quantity("outcome", "outcome", "text", "solved, or why not"),
+    Quantity("caution", "caution", "text", "why no real rod resting on the cylinder lies so; empty: none known"),
 )
 
 QUANTITIES: dict[str, Quantity] = {row.name: row for row in _ROWS}

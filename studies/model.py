@@ -24,6 +24,10 @@ OUTPUTS = (
     "F1", "F2", "F3", "FY", "contact", "M1", "M2", "h",
 )  # fmt: skip
 
+# What is computed of each case where a study does not say.
+OBSERVED = ["turns", "wraps", "height", "kappa_max", "contact_mean", "attached"]
+
+MAX_STATIONS = 100_001
 MAX_VALUES = 20_000_000  # cases x stations: 160 MB a stored output
 
 
@@ -44,9 +48,9 @@ class Study(BaseModel):
     base: Base = Base()
     equilibrium: Which | None = None
     axes: dict[str, Axis] = {}
-    observables: list[str] = []
+    observables: list[str] = OBSERVED
     outputs: list[str] = ["beta", "alpha", "z", "contact"]
-    stations: int = Field(201, ge=2, le=100_001)
+    stations: int = Field(201, ge=2, le=MAX_STATIONS)
     tol: float = Field(1e-8, gt=0, lt=1)
     method: str = "auto"
     laws: list[Law] = []
@@ -90,12 +94,10 @@ class Study(BaseModel):
             if axis.unit is not None and axis.unit not in allowed:
                 why = f"{name} is in {' or '.join(allowed)}, got unit {axis.unit!r}"
                 raise Misplaced(why, "axes", name, "unit")
-        cases, values = self.size, self.size * self.stations
-        if cases > parts.MAX_COUNT:
-            raise Misplaced(f"the grid has {cases} cases, more than the limit of {parts.MAX_COUNT}", "axes")
-        if values > MAX_VALUES:
-            size = f"{cases} cases at {self.stations} stations are {values} values"
-            raise Misplaced(f"{size}, more than the limit of {MAX_VALUES}", "axes")
+        if self.size > parts.MAX_COUNT:
+            raise Misplaced(f"the grid has {self.size} cases, more than the limit of {parts.MAX_COUNT}", "axes")
+        if too_many := self._too_many(self.stations):
+            raise Misplaced(too_many, "axes")
         return self
 
     @model_validator(mode="after")
@@ -121,6 +123,12 @@ class Study(BaseModel):
                 except ValueError as error:
                     raise Misplaced(str(error), "laws", i, key) from None
         return self
+
+    def _too_many(self, stations: int) -> str:
+        """Why a grid at so many stations is refused, or empty."""
+        values = self.size * stations
+        size = f"{self.size} cases at {stations} stations are {values} values"
+        return f"{size}, more than the limit of {MAX_VALUES}" if values > MAX_VALUES else ""
 
     # what it says
 
@@ -170,6 +178,14 @@ class Study(BaseModel):
         if self.reading is None:
             raise InputError(f"{self.name} does not use Table 1, so it has no reading {reading!r}")
         return self.model_copy(update={"reading": parse(reading, parse(self.reading)).name})
+
+    def at_stations(self, stations: int) -> "Study":
+        """The same study stored at so many points along the rod. Raises `InputError`."""
+        if not 2 <= stations <= MAX_STATIONS:
+            raise InputError(f"stations must be from 2 to {MAX_STATIONS}, got {stations}")
+        if too_many := self._too_many(stations):
+            raise InputError(too_many)
+        return self.model_copy(update={"stations": stations})
 
     def coordinates(self) -> dict[str, NDArray[np.float64]]:
         """The values of each axis that is not followed, angles in rad."""

@@ -31,6 +31,11 @@ def unsolved(ds: xr.Dataset) -> int:
     return sum(not str(text).startswith("solved") for text in outcomes)
 
 
+def counted(count: int, word: str) -> str:
+    """``1 case``, ``9 cases``."""
+    return f"{count} {word}{'s' * (count != 1)}"
+
+
 def all_well(ds: xr.Dataset) -> bool:
     """Whether every case was solved and every law holds, at least as a trend."""
     return unsolved(ds) == 0 and all(row["verdict"] != FAILS for row in verdicts(ds))

@@ -82,14 +82,9 @@ def reproduce(
 @app.command("list")
 def list_studies(json: Json = False) -> None:
     """The studies that come with the workbench."""
-    from . import console
-    from .running import listed
+    from .running import list_studies as work
 
-    rows = listed()
-    if json:
-        console.print_json(rows)
-    else:
-        console.print_table(["study", "title", "axes", "laws"], [list(row.values()) for row in rows])
+    work(json)
 
 
 @app.command()
@@ -100,13 +95,14 @@ def run(
     tol: Tol = None,
     method: Method = None,
     level: Level = None,
+    stations: Annotated[int | None, typer.Option(help="Points stored along the rod, in place of the study's.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is not this study's.")] = False,
     json: Json = False,
 ) -> None:
     """Solve every case of a study, store them, judge its laws."""
     from .running import run_study
 
-    raise typer.Exit(run_study(study, out, reading, tol, method, force, json, level))
+    raise typer.Exit(run_study(study, out, reading, tol, method, force, json, level, stations))
 
 
 @app.command()

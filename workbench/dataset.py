@@ -17,6 +17,8 @@ from solver.quantities import quantity, unit_of
 from studies import Study
 from studies.axes import quantity_of
 
+from . import cautions
+
 FORMAT = 1  # of the file: a reader refuses one with a higher number
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
 INNER = {"position": ("xyz",)}  # dimensions after u, of what is not one number a station
@@ -41,9 +43,11 @@ def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], sol: Solu
     for name in study.outputs:
         stored = f"{name}_along" if name in axes else name
         put(stored, (*axes, "u", *INNER.get(name, ())), _where_solved(getattr(sol, name), sol), name)
-    for name, values in observe(sol, study.wanted).items():
+    observed = observe(sol, study.wanted)
+    for name, values in observed.items():
         put(name, axes, _where_solved(values, sol))
     put("outcome", axes, np.asarray(sol.outcome).astype(str))
+    put("caution", axes, cautions.of_cases(sol, observed))
     put("error", axes, np.asarray(sol.error, dtype=float))
     put("condition", axes, np.asarray(sol.condition, dtype=float))
     for name in SCALARS:
@@ -61,7 +65,8 @@ def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], sol: Solu
     coords["s"] = xr.Variable(*_arc(sol, axes, u), labels("s", units))
     if any(name in INNER for name in study.outputs):
         coords["xyz"] = xr.Variable(("xyz",), ["x", "y", "z"], {"long_name": "component; z is the axis"})
-    return xr.Dataset(data, coords, _attributes(study, sol))
+    ds = xr.Dataset(data, coords, _attributes(study, sol))
+    return ds.assign_attrs(caution=cautions.sentence(ds))
 
 
 def along(ds: xr.Dataset, name: str) -> xr.DataArray:

@@ -74,5 +74,5 @@ def _picture(path: Path, kinds: tuple[str, ...]) -> Path:
         raise InputError(f"cannot draw {path.name!r}: choose a name that ends in {choices(kinds)}")
     if path.is_dir():
         raise InputError(f"{path} is a folder; give the name of a file")
-    store.check_folder(path.parent)
+    store.check_parent(path)
     return path

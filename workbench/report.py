@@ -98,6 +98,7 @@ def _section(result: StudyResult, advice: str) -> dict[str, Any]:
         "laws": laws,
         "single": _single(ds) if not axes_of(ds) else [],
         "note": _sentence(str(ds.attrs.get("fold_note", ""))),
+        "caution": str(ds.attrs.get("caution", "")),
         "unsolved": check.unsolved(ds),
         "cases": int(ds["outcome"].size),
         "scenes": [_picture(path, f"{ds.attrs['title']}: {_of(ds, name)}") for name, path in scenes],

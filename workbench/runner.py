@@ -35,7 +35,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     be asked.
     """
     tol = study.tol if tol is None else tol
-    method = method or study.method
+    method = study.method if method is None else method
     if study.follow is not None:
         from .following import run_followed
 

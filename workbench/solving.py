@@ -44,10 +44,11 @@ def solve_case(
             raise InputError(f"{file.name} has the axes {', '.join(study.axes)}: workbench run solves it")
         units, stations, base = study.unit_system, study.stations, study.case()
         which = study.equilibrium
-        tol, method = study.tol if tol is None and level is None else tol, method or study.method
+        tol = study.tol if tol is None and level is None else tol
+        method = study.method if method is None else method
     case = with_fields(base, options)
     tol = chosen.tol if tol is None else tol
-    sol = solve_one(case, which, tol, method or "auto", chosen.stations or stations)
+    sol = solve_one(case, which, tol, "auto" if method is None else method, chosen.stations or stations)
     told = described(sol, units, chosen)
     if json:
         console.print_json(told)

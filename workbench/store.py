@@ -20,11 +20,11 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
     as it was.
     """
     path = Path(path)
+    check_parent(path)
     if not force:
         check_free(path, str(ds.attrs["study_name"]))
     aside = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         ds.to_netcdf(aside, engine="h5netcdf", encoding=_encoding(ds), invalid_netcdf=False)
         _flush(aside)
         os.replace(aside, path)
@@ -68,6 +68,14 @@ def check_free(path: str | Path, study_name: str) -> None:
         raise InputError(f"{path} exists and is no dataset of a study; give --force to replace it")
     if there != study_name:
         raise InputError(f"{path} holds the study {there!r}, not {study_name!r}; give --force to replace it")
+
+
+def check_parent(path: str | Path) -> None:
+    """Raise `InputError` unless the folder of a file is there and can be written."""
+    folder = Path(path).parent
+    if not folder.is_dir():
+        raise InputError(f"cannot write {path}: there is no folder {folder}")
+    check_folder(folder)
 
 
 def check_folder(folder: str | Path) -> Path:

@@ -30,6 +30,9 @@ source = "a sentence of the paper"
 """
 
 
+HEAD = 'title = "one"\nreading = "force-first/tension/paper"\n[units]\nlength = "cm"\nforce = "N"\n'
+
+
 def grid() -> Study:
     return loads(TEXT, default_name="small")
 

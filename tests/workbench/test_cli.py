@@ -45,6 +45,11 @@ def test_help_lists_the_commands_and_each_has_help_of_its_own() -> None:
 def test_list_names_every_study_also_for_programs() -> None:
     rows = json.loads(workbench("list", "--json").stdout)
     assert [row["study"] for row in rows] == names()
+    modulus = next(row for row in rows if row["study"] == "fig7_1_modulus")
+    axis = {"axis": "E", "from": 5e3, "to": 4e4, "count": 9, "unit": "N/cm^2", "follow": False}
+    assert modulus["axes"] == [axis]  # data, not prose
+    assert {"observable": "turns", "direction": "falls"}.items() <= modulus["laws"][0].items()
+    assert "E 5000..40000 (9)" in workbench("list").stdout
 
 
 def test_run_stores_a_dataset_and_prints_its_laws(stored) -> None:
@@ -59,10 +64,21 @@ def test_run_stores_a_dataset_and_prints_its_laws(stored) -> None:
 
 def test_run_takes_a_reading_a_tolerance_and_a_method(stored, tmp_path) -> None:
     options = ("--reading", "compression/solid", "--tol", "1e-6", "--method", "verlet", "--json")
-    told = workbench("run", stored.with_suffix(".toml"), "--out", tmp_path / "new" / "x.h5", *options)
+    told = workbench("run", stored.with_suffix(".toml"), "--out", tmp_path / "x.h5", *options, "--stations", 33)
     assert json.loads(told.stdout)["reading"] == "force-first/compression/solid"
-    ds = store.read(tmp_path / "new" / "x.h5")
-    assert (ds.attrs["method"], ds.attrs["tolerance"]) == ("verlet", 1e-6)
+    ds = store.read(tmp_path / "x.h5")
+    assert (ds.attrs["method"], ds.attrs["tolerance"], ds.sizes["u"]) == ("verlet", 1e-6, 33)
+
+
+def test_what_no_real_rod_could_do_is_said_when_a_study_is_run_and_when_it_is_checked(tmp_path) -> None:
+    (tmp_path / "one.toml").write_text(small.HEAD)
+    ran = workbench("run", "one.toml", cwd=tmp_path)
+    assert "one.h5: 1 case, 0 unsolved" in ran.stdout
+    said = store.read(tmp_path / "one.h5").attrs["caution"]
+    assert said.startswith("The rod ")
+    assert f"caution: {said}" in ran.stdout
+    assert f"caution: {said}" in workbench("check", "one.h5", cwd=tmp_path).stdout
+    assert json.loads(workbench("check", "one.h5", "--json", cwd=tmp_path).stdout)["caution"] == said
 
 
 def test_check_tells_a_law_that_holds_from_one_that_fails_by_its_status(stored, tmp_path) -> None:
@@ -121,7 +137,7 @@ REFUSED = {
     "text for a number": (["solve", "--E", "abc"], "'abc' is not a number"),
     "F1 and dgamma": (
         ["solve", "--F1", "5", "--dgamma", "1"],
-        "exactly one of F1 and dgamma, got F1=5.0 and dgamma=1",
+        "exactly one of F1, dgamma and M3, got F1=5.0, dgamma=1",
     ),
     "F1 without slope": (["solve", "--dbeta", "0"], "F1 cannot fix the twist where dbeta = 0"),
     "no length": (["solve", "--L", "0"], "Rod.L must be positive and finite, got 0.0"),
@@ -151,8 +167,15 @@ REFUSED = {
     ),
     "a place that cannot be written": (
         ["run", "fig6", "--out", "small.toml/x.h5"],
-        "cannot write into the folder",
+        "cannot write small.toml/x.h5: there is no folder small.toml",
     ),
+    "a folder that is not there": (
+        ["run", "fig6", "--out", "not/here.h5"],
+        "cannot write not/here.h5: there is no folder not",
+    ),
+    "an empty method": (["run", "fig6", "--out", "x.h5", "--method", ""], "no method ''; choose from auto, orbit"),
+    "an empty method for one case": (["solve", "--method", ""], "no method ''; choose from auto, orbit"),
+    "too many stations": (["run", "fig6", "--stations", "100002"], "stations must be from 2 to 100001, got 100002"),
     "another study's file": (
         ["run", "fig6", "--out", "small.h5"],
         "holds the study 'small', not 'fig6'; give --force",
@@ -204,7 +227,9 @@ def test_one_sentence_and_status_2_for(args, sentence, crowded, monkeypatch, cap
     assert contents(crowded) == before
 
 
-@pytest.mark.parametrize("case", ["another study's file", "a place that cannot be written"])
+@pytest.mark.parametrize(
+    "case", ["another study's file", "a place that cannot be written", "a folder that is not there"]
+)
 def test_what_cannot_be_stored_is_refused_before_any_work(case, crowded, monkeypatch) -> None:
     monkeypatch.chdir(crowded)
     monkeypatch.setattr(runner, "run", lambda *_: pytest.fail("worked in vain"))

@@ -104,6 +104,12 @@ def test_every_picture_is_inside_and_described(text, results) -> None:
         assert len(picture["alt"]) > 10
 
 
+def test_each_study_tells_what_no_real_rod_could_do(text: str, results) -> None:
+    for result in results:
+        assert result.ds.attrs["caution"]
+        assert result.ds.attrs["caution"] in Page(text).text
+
+
 def test_tables_are_complete(text, results) -> None:
     rows = Page(text).rows
     laws = [row for result in results for row in result.verdicts]

@@ -51,7 +51,7 @@ def test_everything_has_a_unit_and_a_long_name() -> None:
 
 def test_only_what_was_asked_for_is_stored() -> None:
     ds = runner.run(small.study(head='observables = ["wraps"]\noutputs = ["z"]'))
-    always = {"outcome", "error", "condition", "R", "a", "L", "rho", "E", "nu", "FZ", "MZ", "M3"}
+    always = {"outcome", "caution", "error", "condition", "R", "a", "L", "rho", "E", "nu", "FZ", "MZ", "M3"}
     assert set(ds.data_vars) == {"wraps", "z"} | always
 
 

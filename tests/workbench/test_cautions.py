@@ -1,0 +1,72 @@
+"""What no real rod could do is said of every case, and of the study in one sentence."""
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Ends, Rod, Start, solve
+from studies.loader import loads
+from tests.workbench import small
+from workbench import cautions, dataset, runner
+
+STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m
+
+
+def told(case: Case, stations: int = 401) -> str:
+    return str(cautions.of_cases(solve(case, stations=stations), {}))
+
+
+def test_a_rope_wound_under_tension_gives_no_cause_for_caution_outside_and_lifts_off_inside() -> None:
+    """In tension a helix presses inwards with F3 sin^2(beta)/rho: the cylinder must be within."""
+    T, beta = 1000.0, 0.5
+    rope = {"rod": Rod(a=0.01, **STEEL), "given": Ends(beta, beta, FZ=T * np.cos(beta), MZ=1.01 * T * np.sin(beta))}
+    assert told(Case(cylinder=Cylinder(1.0, "outside"), **rope)) == ""
+    assert told(Case(cylinder=Cylinder(1.02, "inside"), **rope)) == "pulled"
+
+
+def test_a_pipe_pushed_down_its_hole_lifts_off_only_next_to_its_ends() -> None:
+    pipe = Case(Rod(a=0.0635, **{**STEEL, "L": 60.0}), Cylinder(0.108, "inside"), Ends(0.0, 0.0, FZ=-200.0))
+    sol = solve(pipe, stations=401)
+    assert str(cautions.of_cases(sol, {})) == "pulled"
+    assert (sol.push[100:300] > 0).all()
+
+
+def test_a_straight_rod_without_any_contact_is_not_said_to_be_pulled() -> None:
+    for F3 in (-10.0, 0.0, 10.0):
+        assert told(Case(Rod(a=0.1, **STEEL), Cylinder(1.0), Start(1e-9, 0.0, M3=0.0, F3=F3))) == ""
+
+
+def test_curvature_above_one_over_the_radius_is_too_tight_and_below_it_is_not() -> None:
+    thick = Rod(a=1.0, **STEEL)
+    assert "too tight" in told(Case(thick, Cylinder(5.0), Start(0.1, 1.05, M3=0.0)))
+    assert "too tight" not in told(Case(thick, Cylinder(5.0), Start(0.1, 0.5, M3=0.0)))
+
+
+def test_the_sentence_counts_the_cases_and_is_empty_where_there_is_nothing_to_say() -> None:
+    ds = runner.run(small.grid())
+    kinds = np.char.find(ds["caution"].values.astype(str), "pulled") >= 0
+    assert kinds.sum() == 6
+    assert "Of 6 rods" in ds.attrs["caution"]
+    assert "6 would lift off" in ds.attrs["caution"]
+    quiet = ds.assign(caution=ds["caution"].copy(data=np.full((2, 3), "")))
+    assert cautions.sentence(quiet) == ""
+    assert cautions.sentence(ds.drop_vars("caution")) == ""
+
+
+def test_of_one_rod_it_speaks_in_the_singular() -> None:
+    ds = runner.run(loads(small.HEAD))
+    assert ds.attrs["caution"].startswith("The rod ")
+    assert "no real rod" in ds.attrs["caution"]
+
+
+def test_an_unsolved_case_gives_no_caution() -> None:
+    study = small.study("[axes.E]\nvalues = [1e4, 2e4]", head='method = "verlet"')
+    failed = solve(study.case(), tol=1e-15, method="verlet", stations=21)
+    assert not np.any(failed.solved)
+    ds = dataset.make(study, study.coordinates(), failed)
+    assert set(ds["caution"].values.tolist()) == {""}
+
+
+@pytest.mark.parametrize("known", [0.0, 100.0])
+def test_what_is_observed_already_is_taken_from_there(known: float) -> None:
+    sol = solve(loads(small.HEAD).case())
+    assert ("too tight" in str(cautions.of_cases(sol, {"kappa_max": known}))) == (known > 1)

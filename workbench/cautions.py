@@ -1,0 +1,56 @@
+"""What a real rod could not do: shapes that solve the equations, told so that nobody takes them for more."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver import Solution
+from solver.observables import observe
+
+# what is stored of a case -> what is said of one rod, and of several
+TOLD = {
+    "too tight": (
+        "is bent tighter than its own radius (kappa a > 1)",
+        "are bent tighter than their own radius (kappa a > 1)",
+    ),
+    "overlaps": ("passes through itself", "pass through themselves"),
+    "pulled": ("would lift off where the cylinder has to pull", "would lift off where the cylinder has to pull"),
+}
+SLIGHT, ROUNDING = 1e-6, 1e-13  # of the largest push along the rod, and of A/rho^3: a smaller pull is none
+
+
+def of_cases(sol: Solution, observed: Mapping[str, Any]) -> Any:
+    """For each case the keys of `TOLD` that fit it, commas between, (*cases) of str; judged on the stations.
+
+    observed: observables that are known already, by name.
+    """
+    kappa = observed["kappa_max"] if "kappa_max" in observed else sol.kappa.max(axis=-1)
+    meets = observed["overlaps"] if "overlaps" in observed else observe(sol, ["overlaps"])["overlaps"]
+    least = SLIGHT * np.abs(sol.push).max(axis=-1) + ROUNDING * sol.case.rod.bending_stiffness / sol.case.rho**3
+    found = (kappa * sol.case.rod.a > 1, np.asarray(meets) == 1, sol.push.min(axis=-1) < -least)
+    text = np.full(sol.case.shape, "", dtype="U32")
+    for key, here in zip(TOLD, found, strict=True):
+        here = np.asarray(here) & sol.solved
+        text = np.where(here, np.where(text == "", key, np.char.add(np.char.add(text, ", "), key)), text)
+    return text
+
+
+def sentence(ds: xr.Dataset) -> str:
+    """One sentence on the cases that a real rod could not follow; empty where there are none, or none stored."""
+    if "caution" not in ds:
+        return ""
+    texts = np.atleast_1d(ds["caution"].values).astype(str).ravel()
+    counts = {key: int(np.count_nonzero(np.char.find(texts, key) >= 0)) for key in TOLD}
+    if not any(counts.values()):
+        return ""
+    if texts.size == 1:
+        facts = [TOLD[key][0] for key, count in counts.items() if count]
+        return f"The rod {_listed(facts)}: no real rod that only rests on the cylinder takes this shape."
+    facts = [f"{count} {TOLD[key][min(count - 1, 1)]}" for key, count in counts.items() if count]
+    return f"Of {texts.size} rods {_listed(facts)}: no real rod that only rests on the cylinder takes such shapes."
+
+
+def _listed(facts: list[str]) -> str:
+    return facts[0] if len(facts) == 1 else f"{', '.join(facts[:-1])} and {facts[-1]}"
