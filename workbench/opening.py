@@ -185,7 +185,7 @@ def _check_variable(name: str, variable: xr.Variable, axes: list[str], path: str
     fits = set(dims) <= known and (not along or name in ("u", "s") or dims == expected)
     if not fits or (name in ("u", "s") and dims[-1:] != ["u"]):
         raise InputError(f"{path}: {_shown(name)} has the dimensions {_shown(dims)}, which do not fit the axes")
-    if name not in ("outcome", "xyz") and variable.dtype.kind not in "iuf":
+    if name not in ("outcome", "caution", "xyz") and variable.dtype.kind not in "iuf":
         raise InputError(f"{path}: {_shown(name)} holds no numbers, but {variable.dtype}")
 
 
