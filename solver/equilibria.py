@@ -50,7 +50,7 @@ def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: 
         return []
     slopes, orbit, K = all_of_them.slope, all_of_them.orbit, all_of_them.slope.size
     wide = many(problem, K)
-    index = jacobi_zeros(wide, orbit, all_of_them.lengthens)
+    index = jacobi_zeros(orbit)
     t = wide.span[:, None] * np.linspace(0, 1, stations)
     together = trajectory(wide, orbit, t, tol)
     seen = observe(Solution(_repeated(case, K), wide, together, t, "shooting", tol), ("energy", "turns", "attached"))

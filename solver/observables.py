@@ -18,7 +18,7 @@ from .overlap import overlaps
 from .reduced import flat
 from .sampling import Sampled, sampled
 from .solution import Solution
-from .stability import morse_index
+from .stability import index_at_stations, jacobi_zeros
 
 
 class Reading:
@@ -43,13 +43,15 @@ def turns(read: Reading) -> Any:
         sign = np.sign(sol.dbeta)
         count = np.count_nonzero(sign[..., 1:] * sign[..., :-1] < 0, axis=-1)
         return np.where(_swings(read), count, 0)[()]
-    span, swing = sol.problem.span, (orbit.ahead + orbit.back)
-    first = np.where(orbit.ahead > 0, orbit.ahead, swing)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # the far end itself is not interior
-        count = np.ceil((span - first) / swing * (1 - 1e-12))
-    turning = (orbit.course.kind == LIBRATION) & (span > first) & np.reshape(_swings(read), -1)
-    return read.each(np.where(turning, np.maximum(count, 0), 0).astype(int))
+    return _whole(read, np.where(np.reshape(_swings(read), -1), orbit.turns - _just_turned(orbit), 0))
+
+
+def _just_turned(orbit: Any) -> Any:
+    """Whether the far end itself, which is not interior, is the last turning point, but for rounding, (B,)."""
+    span, swing = orbit.problem.span, orbit.ahead + orbit.back
+    where = orbit.locate(span[:, None])
+    since = np.where(where.second[:, 0], orbit.back, orbit.ahead) - where.local[:, 0]
+    return where.mirrored[:, 0] & (since <= np.minimum(1e-12 * span, 1e-6 * swing))
 
 
 def _swings(read: Reading) -> Any:
@@ -80,7 +82,7 @@ def loops(read: Reading) -> Any:
         return np.floor(np.ptp(sol.beta, axis=-1) / (2 * np.pi)).astype(int)
     with np.errstate(divide="ignore", invalid="ignore"):
         count = np.where(orbit.course.kind == ROTATION, np.floor(sol.problem.span / orbit.ahead), 0)
-    return read.each(count.astype(int))
+    return _whole(read, count)
 
 
 def amplitude(read: Reading) -> Any:
@@ -140,16 +142,23 @@ def energy(read: Reading) -> Any:
 
 
 def index(read: Reading) -> Any:
-    """Morse index of the shape between its own two end angles, the loads dead: 0 is stable."""
-    sol, orbit, problem = read.sol, read.sol.trajectory.orbit, read.sol.problem
-    fastest = np.sqrt(4 * (np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1))
-    n = int(np.clip(12 * np.max(problem.span * fastest), 400, 20000))
-    t = problem.span[:, None] * np.linspace(0, 1, n + 1)
-    if orbit is None:
-        beta = np.stack([np.interp(*rows) for rows in zip(t, sol.t, sol.trajectory.beta, strict=True)])
+    """Morse index of the shape between its own two end angles, the loads dead: 0 is stable.
+
+    NaN where it cannot be told: the case is not solved; or the method knows no orbit, and the stations do not resolve
+    the shape or its condition number leaves too few digits.
+    """
+    sol, problem, told = read.sol, read.sol.problem, read.sol.trajectory
+    if told.orbit is not None:
+        found = jacobi_zeros(told.orbit)
     else:
-        beta = orbit.at(t)[0]
-    return read.each(morse_index(problem, problem.span / n, beta))
+        found = index_at_stations(problem, sol.t, told.beta, told.dbeta)
+        found = np.where((told.error <= 1e-3) & (told.condition <= 1e8), found, np.nan)
+    return _whole(read, np.where(np.reshape(sol.solved, -1), found, np.nan))
+
+
+def _whole(read: Reading, values: Any) -> Any:
+    """Whole numbers as such where all of them are known, in the shape of the cases."""
+    return read.each(values.astype(np.int64) if (np.abs(values) < 2**62).all() else values)
 
 
 def _mean(read: Reading, integral: Any) -> Any:

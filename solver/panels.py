@@ -92,6 +92,15 @@ def panelled(problem: Reduced, way: Course, points: Basis, length: float, goal: 
     return joined([d[2] for d in done]).take(place)
 
 
+def running(values: Array, first: Any, count: Any) -> Array:
+    """Sums of the values (P, k) before each panel within its part: added part by part, so that none sees another's."""
+    part = np.repeat(np.arange(count.size), count)
+    rank = np.arange(part.size) - first[part]
+    table = np.zeros((count.size, int(count.max(initial=0)) + 1, values.shape[1]))
+    table[part, rank + 1] = values
+    return np.cumsum(table, axis=1)[part, rank]
+
+
 def _in_blocks(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
     """`_series` on few enough panels at a time for what it works on to stay in the cache."""
     if near.size <= _BLOCK:

@@ -14,28 +14,28 @@ from .reduced import Reduced
 _HAIR = 1e-5  # beta_t up to which a start counts as at rest
 
 
-def resting(problem: Reduced) -> list[tuple[float, float, float, bool]]:
-    """Pin, gap, beta_t(0) and whether the length grows with the level, of each that there is: at most two."""
+def resting(problem: Reduced) -> list[tuple[float, float, float]]:
+    """Pin, gap and beta_t(0) of each that there is: at most two."""
     assert problem.betaL is not None
     out = []
     first, last = float(problem.beta0[0]), float(problem.betaL[0])
     from_start, from_far = _shot(problem, first, last), _shot(problem, last, first)
     if from_start is not None:
-        v, w, eta = from_start
-        out.append((_wrapped(first), v * v, v, eta * v * w < 0))
+        v, _ = from_start
+        out.append((_wrapped(first), v * v, v))
     if from_far is not None:  # the same rod run backwards
-        v, w, eta = from_far
+        v, w = from_far
         level = float((potential(problem, last) - potential(problem, first))[0]) + v * v
         # next to its start's own level the slope says more than the level does
         leaving = float(-np.copysign(np.sqrt(level), w)) if level > 1e-6 else -w
         if from_start is None or abs(leaving - from_start[0]) > 1e-7:
-            out.append((_wrapped(last), v * v, leaving, eta * v * w < 0))
+            out.append((_wrapped(last), v * v, leaving))
     return out
 
 
-def _shot(problem: Reduced, start: float, target: float) -> tuple[float, float, float] | None:
-    """beta_t at the start and at the end, and d beta(end)/d beta_t(start), of the rod that starts within a hair of
-    rest; None where it does not end at the target, or where rest is a helix."""
+def _shot(problem: Reduced, start: float, target: float) -> tuple[float, float] | None:
+    """beta_t at the start and at the end of the rod that starts within a hair of rest; None where it does not end at
+    the target, or where rest is a helix."""
     if abs(float(slope(problem, np.array([start]))[0])) < 1e-9:
         return None
     three = many(problem, 3, beta0=np.full(3, start))
@@ -50,7 +50,7 @@ def _shot(problem: Reduced, start: float, target: float) -> tuple[float, float, 
         if abs(off) <= 4e-15 * (1 + abs(target)) * max(1, abs(eta)):
             break
         v -= off / eta
-    return (v, arriving, eta) if abs(v) <= _HAIR and abs(off) < 1e-9 else None
+    return (v, arriving) if abs(v) <= _HAIR and abs(off) < 1e-9 else None
 
 
 def _wrapped(angle: float) -> float:

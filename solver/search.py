@@ -1,10 +1,9 @@
 """The search for every orbit that joins two angles over a given length: one equation a path, the level unknown."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
 from .landscape import TAU, extrema, potential, slope
@@ -34,12 +33,10 @@ class Bracket:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """K solutions of one ends problem: beta_t(0), (K,); their orbits; whether their paths grow longer with the level,
-    (K,), which decides the index."""
+    """K solutions of one ends problem: beta_t(0), (K,), and their orbits."""
 
     slope: Array
     orbit: Orbit
-    lengthens: NDArray[np.bool_]
 
 
 def search(problem: Reduced, most_swings: int = 200) -> Found | None:
@@ -47,18 +44,18 @@ def search(problem: Reduced, most_swings: int = 200) -> Found | None:
     assert problem.betaL is not None
     brackets = [b for ladder in ladders(problem, extrema(problem)) for b in _brackets(problem, ladder, most_swings)]
     pin, gap, leaving = _closed_in(problem, brackets) if brackets else (np.empty(0),) * 3
-    lengthens = np.array([b.lengthens for b in brackets], dtype=bool)
+    lengthens = np.array([b.lengthens for b in brackets], dtype=float)
     for rest in resting(problem):
         if not _known(problem, rest, pin, gap, leaving):
             pin, gap, leaving = np.append(pin, rest[0]), np.append(gap, rest[1]), np.append(leaving, rest[2])
-            lengthens = np.append(lengthens, rest[3])
+            lengthens = np.append(lengthens, np.nan)
     kept = _distinct(problem, pin, gap, leaving)
     pin, gap, leaving, lengthens = pin[kept], gap[kept], leaving[kept], lengthens[kept]
     beta0 = np.full(leaving.size, problem.beta0[0])
     helix = _helix(problem)
     if helix is not None:
         pin, beta0 = np.append(pin, helix[0]), np.append(beta0, helix[1])
-        gap, leaving, lengthens = np.append(gap, 0.0), np.append(leaving, 0.0), np.append(lengthens, False)
+        gap, leaving, lengthens = np.append(gap, 0.0), np.append(leaving, 0.0), np.append(lengthens, np.nan)
     if not leaving.size:
         return None
     start = many(problem, leaving.size, beta0=beta0).started(leaving)
@@ -71,7 +68,7 @@ def search(problem: Reduced, most_swings: int = 200) -> Found | None:
         return None
     if not good.all():
         orbit = solve_orbit(start.take(good), _TIGHT, (pin[good], gap[good]))
-    return Found(leaving[good], orbit, lengthens[good])
+    return Found(leaving[good], replace(orbit, lengthens=lengthens[good]))
 
 
 def _brackets(problem: Reduced, ladder: Ladder, most_swings: int) -> Iterator[Bracket]:
@@ -167,7 +164,7 @@ def _helix(problem: Reduced) -> tuple[float, float] | None:
     return float(angles[k]), float(angles[k] + TAU * turns[k])
 
 
-def _known(problem: Reduced, rest: tuple[float, float, float, bool], pin: Array, gap: Array, leaving: Array) -> bool:
+def _known(problem: Reduced, rest: tuple[float, float, float], pin: Array, gap: Array, leaving: Array) -> bool:
     """Whether the scan has met the rod that rests at one end already."""
     level = potential(many(problem, pin.size), pin) + gap
     own = float(potential(problem, np.array([rest[0]]))[0]) + rest[1]

@@ -58,14 +58,9 @@ def _along(
     unit = np.sqrt(np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1)
     v0, H0, weight = problem.dbeta0 / unit, H0 / unit**2, weight / unit
     points = basis(panels.series.shape[2] - 1)
-    at = problem.take(b)
-    loads = Reduced(*(v[:, None] for v in (at.lam, at.mu, at.phi, at.span, at.beta0)))
-    beta, v = panels.series[:, 0] @ points.values, panels.series[:, 1] @ points.values
-    one = unit[b, None]
-    v, H, rate = v / one, slope(loads, beta) / one**2, slope_rate(loads, beta) / one**2
+    v, H, _ = _flow(problem, panels, unit)
     size = v * v + H * H
-    shear = (1 - rate) * ((v - H) * (v + H) / size) / size * (panels.duration / 2)[:, None] * one
-    running = shear @ points.analyse @ points.integrate @ points.values
+    running = shear(problem, panels, unit) @ points.values
     rank = np.arange(part.size) - first[part]
     table = np.zeros((count.size, int(count.max()) + 1))
     table[part, rank + 1] = running[:, -1]
@@ -95,6 +90,26 @@ def _along(
             grown = np.abs((along + across * (a + extra)) * (sign * v) + across * (H / size)).max(axis=0)
             largest = np.maximum(largest, np.where(met, grown, 0).max(axis=1))
     return largest
+
+
+def _flow(problem: Reduced, panels: Panels, unit: Array) -> tuple[Array, Array, Array]:
+    """|beta_t|, H and H' at the panels' nodes, (P, n) each, in a unit of time for each problem: 1/unit, (B,)."""
+    b = panels.part // 2
+    at, one = problem.take(b), unit[b, None]
+    loads = Reduced(*(v[:, None] for v in (at.lam, at.mu, at.phi, at.span, at.beta0)))
+    points = basis(panels.series.shape[2] - 1)
+    beta, v = panels.series[:, 0] @ points.values, panels.series[:, 1] @ points.values
+    return v / one, slope(loads, beta) / one**2, slope_rate(loads, beta) / one**2
+
+
+def shear(problem: Reduced, panels: Panels, unit: Array) -> Array:
+    """The series of the shear a(t) on each panel from its near end, (P, n + 1), in time of 1/unit, (B,)."""
+    points = basis(panels.series.shape[2] - 1)
+    v, H, rate = _flow(problem, panels, unit)
+    size = v * v + H * H
+    pace = (1 - rate) * ((v - H) * (v + H) / size) / size
+    scale: Array = (panels.duration / 2 * unit[panels.part // 2])[:, None]
+    return (pace * scale) @ points.analyse @ points.integrate
 
 
 def _helix(problem: Reduced, weight: Array) -> Array:

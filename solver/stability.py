@@ -12,10 +12,15 @@ that hangs on digits that no mesh keeps.
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from .course import HELIX, LIBRATION
-from .landscape import slope_rate
+from .landscape import slope, slope_rate
+from .panels import running
 from .reduced import Array, Reduced
+from .sensitivity import shear
+
+_MOST = 40_000  # steps of a mesh
 
 
 def morse_index(problem: Reduced, h: Array, beta: Array) -> Array:
@@ -30,24 +35,83 @@ def morse_index(problem: Reduced, h: Array, beta: Array) -> Array:
     return index
 
 
-def jacobi_zeros(problem: Reduced, orbit: Any, lengthens: Array) -> Array:
-    """Zeros inside (0, L) of eta'' + H'(beta) eta = 0, eta(0) = 0, eta'(0) = 1, on B orbits: the Morse index, (B,).
+def index_at_stations(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
+    """Negative pivots of shapes known at stations t alone, beta and beta_t (B, n), as floats (B,).
+
+    NaN where the stations are too few to tell: fewer than twelve to the quickest wave that H' allows, or every other
+    one of them gives another number.
+    """
+    column = Reduced(*(v[:, None] for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
+    index = np.full(problem.size, np.nan)
+    with np.errstate(invalid="ignore", over="ignore"):
+        quickest = np.sqrt(np.abs(slope_rate(column, beta)).max(axis=1))
+        told = np.diff(t, axis=1).max(axis=1) * quickest <= 0.5
+        told &= (t[:, 0] == 0) & (t[:, -1] >= problem.span * (1 - 1e-12))
+        steps = 2 * np.maximum(12 * problem.span * quickest, 400)
+    for i in np.flatnonzero(told & (steps <= _MOST) & (t.shape[1] >= 5)):
+        counts = []
+        for some in (slice(None), np.unique([*range(0, t.shape[1], 2), t.shape[1] - 1])):
+            n = int(steps[i])
+            even = np.linspace(0, problem.span[i], n + 1)
+            shape = CubicHermiteSpline(t[i, some], beta[i, some], rate[i, some])(even)
+            one = problem.take(slice(i, i + 1))
+            counts.append(int(morse_index(one, problem.span[i : i + 1] / n, shape[None])[0]))
+        index[i] = counts[0] if counts[0] == counts[1] else np.nan
+    return index
+
+
+def jacobi_zeros(orbit: Any) -> Array:
+    """Zeros inside (0, L) of eta'' + H'(beta) eta = 0, eta(0) = 0, eta'(0) = 1, on B orbits: the Morse index, (B,);
+    NaN where a float cannot hold what decides it.
 
     No march: beta_t solves the same equation, so by Sturm eta has one zero between each two of its zeros, the turning
     points. Whether another follows the last of them is told by the sign of eta(L) = d beta(L)/d beta_t(0), which is
     that of -2 beta_t(0) beta_t(L) dT/d(level), T being the length of the orbit between the two angles. Exact however
-    long the rod and however closely it hugs a saddle. `lengthens`: (B,), whether dT/d(level) > 0.
+    long the rod and however closely it hugs a saddle. The search for equilibria knows the sign of dT/d(level); for
+    other orbits `jacobi_end` tells that of eta(L).
     """
-    swing = orbit.ahead + orbit.back
-    first = np.where(orbit.ahead > 0, orbit.ahead, swing)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        turns = np.maximum(np.ceil((problem.span - first) / swing * (1 - 1e-12)), 0)
+    problem, turns = orbit.problem, orbit.turns
+    swings = orbit.course.kind == LIBRATION
+    shorter = np.full(problem.size, np.nan) if orbit.lengthens is None else 1 - orbit.lengthens
+    if np.isnan(shorter[swings]).any():
+        end = np.where(turns % 2 == 0, 1, -1) * jacobi_end(orbit)
+        shorter = np.where(np.isnan(shorter), np.where(np.isnan(end), np.nan, end > 0), shorter)
+    with np.errstate(invalid="ignore"):
         rate = slope_rate(problem, problem.beta0)
         waves = np.ceil(np.sqrt(np.maximum(rate, 0)) * problem.span / np.pi * (1 - 1e-12)) - 1
-    swings = orbit.course.kind == LIBRATION
     at_rest = orbit.back == 0  # eta is beta_t itself
-    index = np.where(swings, np.maximum(turns - (lengthens & ~at_rest), 0), 0)
-    return np.where(orbit.course.kind == HELIX, np.maximum(waves, 0), index).astype(np.int64)
+    index = np.maximum(turns - 1 + np.where(at_rest, 1, shorter), 0)
+    return np.where(orbit.course.kind == HELIX, np.maximum(waves, 0), np.where(swings, index, 0))
+
+
+def jacobi_end(orbit: Any) -> Array:
+    """eta(L) of B orbits that swing, (B,), in some unit of time; NaN for others and where a float cannot hold it.
+
+    eta = (c + beta_t(0) a) beta_t + beta_t(0) H / (beta_t^2 + H^2), with c = -H(0) / (beta_t(0)^2 + H(0)^2) and the
+    shear a(t) of `sensitivity`, which grows by the same amount each period.
+    """
+    problem, panels, swings = orbit.problem, orbit.panels, orbit.course.kind == LIBRATION
+    eta = np.full(problem.size, np.nan)
+    if not swings.any():
+        return eta
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        unit = np.where(swings, np.pi / (orbit.ahead + orbit.back), 1.0)  # in which a small swing has no shear
+        series = shear(problem, panels, unit)
+        ends = series.sum(axis=1)
+        total = np.bincount(panels.part, weights=ends, minlength=2 * problem.size).reshape(-1, 2)
+        series[:, 0] += running(ends[:, None], orbit.first, orbit.count)[:, 0]
+        where = orbit.locate(problem.span[:, None])
+        a = orbit.read(series[:, None], where)[:, 0, 0]
+        second, mirrored = where.second[:, 0], where.mirrored[:, 0]
+        limit = np.where(second, total[:, 1], total[:, 0])
+        a = np.where(mirrored, 2 * limit - a, a) + np.where(second, 2 * total[:, 0], 0)
+        a = a + where.rounds[:, 0] * 2 * total.sum(axis=1)
+        beta, v, _, _ = (value[:, 0] for value in orbit.at(problem.span[:, None]))
+        v0, H0 = problem.dbeta0 / unit, slope(problem, problem.beta0) / unit**2
+        v, H = v / unit, slope(problem, beta) / unit**2
+        found = (v0 * a - H0 / (v0 * v0 + H0 * H0)) * v + v0 * (H / (v * v + H * H))
+    eta[swings] = found[swings]
+    return eta
 
 
 def response(problem: Reduced, h: Array, beta: Array) -> Array:

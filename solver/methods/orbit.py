@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..chebyshev import basis, polynomials
 from ..course import HELIX, LIBRATION, Course, course
 from ..landscape import slope_rate
-from ..panels import EPS, Panels, panelled
+from ..panels import EPS, Panels, panelled, running
 from ..reduced import Array, Reduced
 from ..sensitivity import condition
 from .base import Method, Trajectory, verdicts
@@ -32,7 +32,8 @@ class Orbit:
     """The solved orbits of B problems, ready to be read anywhere along the rod.
 
     ahead, back: (B,), time from the start to the turning points forward and backward (once round: ahead alone).
-    period: (B,), of beta_t; inf where nothing moves. evaluations: (B,).
+    period: (B,), of beta_t; inf where nothing moves. lengthens: (B,), 1 where the way between the two end angles
+    grows longer with the level, 0 where shorter, NaN where whoever made the orbits does not know; the index needs it.
     """
 
     problem: Reduced
@@ -43,6 +44,7 @@ class Orbit:
     count: NDArray[np.int64]
     duration: Array
     gain: Array
+    lengthens: Array | None = None
 
     @property
     def ahead(self) -> Array:
@@ -57,10 +59,17 @@ class Orbit:
         swings = np.where(self.course.kind == LIBRATION, 2.0, 1.0)
         return np.where(self.course.kind == HELIX, np.inf, swings * (self.ahead + self.back))
 
+    @cached_property
+    def turns(self) -> Array:
+        """Turning points passed by the far end, (B,); 0 where beta does not swing."""
+        where = self.locate(self.problem.span[:, None])
+        passed = 2 * where.rounds + where.second + where.mirrored
+        return np.where(self.course.kind == LIBRATION, passed[:, 0], 0.0)
+
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
-        where = self._locate(t)
-        values = self._read(slice(0, 4), where)
+        where = self.locate(t)
+        values = self.read(self.panels.series[:, 0:4], where)
         return self._unfold(values, where)
 
     def take(self, i: int) -> "Orbit":
@@ -73,17 +82,18 @@ class Orbit:
         parts = slice(2 * i, 2 * i + 2)
         way = Course(self.course.kind[i : i + 1], self.course.direction[i : i + 1], self.course.pieces)
         one = self.problem.take(slice(i, i + 1))
-        return Orbit(one, way, panels, self.since[mine], first, count, self.duration[parts], self.gain[parts])
+        longer = None if self.lengthens is None else self.lengthens[i : i + 1]
+        return Orbit(one, way, panels, self.since[mine], first, count, self.duration[parts], self.gain[parts], longer)
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
-        where = self._locate(t)
-        value = self._read(slice(4, 5), where)[..., 0]
+        where = self.locate(t)
+        value = self.read(self.panels.series[:, 4:5], where)[..., 0]
         s = np.sin(self.problem.beta0) * np.cos(self.problem.beta0)
         return self._repeat(value, where, 4, s)
 
-    def _locate(self, t: Array) -> "_Where":
-        """Fold t into the courses: which part, how far along it, whether on the way back, after how many periods."""
+    def locate(self, t: Array) -> "Where":
+        """Fold t (B, n) into the courses: which part, how far along, whether on the way back, after how many rounds."""
         kind = self.course.kind[:, None]
         period, ahead = self.period[:, None], self.ahead[:, None]
         with np.errstate(invalid="ignore"):
@@ -96,12 +106,11 @@ class Orbit:
         mirrored = folded & (local > limit)
         local = np.where(mirrored, np.maximum(2 * limit - local, 0), local)
         part = 2 * np.arange(t.shape[0])[:, None] + second
-        return _Where(t, part, local, mirrored, second, rounds)
+        return Where(t, part, local, mirrored, second, rounds)
 
-    def _read(self, columns: slice, where: "_Where") -> Array:
-        """The series at the located times, (B, n, k)."""
+    def read(self, series: Array, where: "Where") -> Array:
+        """Series of the panels (P, k, n + 1) at the located times, (B, n, k)."""
         part, local = where.part.reshape(-1), where.local.reshape(-1)
-        series = self.panels.series[:, columns]
         out = np.empty((part.size, series.shape[1]))
         if not self.panels.part.size:
             out[:] = 0
@@ -120,7 +129,7 @@ class Orbit:
             )
         return out.reshape(*where.part.shape, -1)
 
-    def _unfold(self, values: Array, where: "_Where") -> tuple[Array, Array, Array, Array]:
+    def _unfold(self, values: Array, where: "Where") -> tuple[Array, Array, Array, Array]:
         kind, direction = self.course.kind[:, None], self.course.direction[:, None]
         way = np.where(where.second, -direction, direction) * np.where(where.mirrored, -1.0, 1.0)
         helix = kind == HELIX
@@ -131,7 +140,7 @@ class Orbit:
         z = self._repeat(values[..., 3], where, 3, np.cos(self.problem.beta0))
         return beta, dbeta, alpha, z
 
-    def _repeat(self, value: Array, where: "_Where", column: int, straight: Array) -> Array:
+    def _repeat(self, value: Array, where: "Where", column: int, straight: Array) -> Array:
         """A mean + periodic quantity from its value within a course; `straight`: its rate on a helix."""
         kind = self.course.kind[:, None]
         gain = self.gain[:, column - 2].reshape(-1, 2)
@@ -143,8 +152,8 @@ class Orbit:
 
 
 @dataclass(frozen=True, eq=False)
-class _Where:
-    """Times folded into courses, all (B, n)."""
+class Where:
+    """Times folded into courses, all (B, n). mirrored: on the way back; second: on the backward course."""
 
     t: Array
     part: NDArray[np.int64]
@@ -166,19 +175,10 @@ def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = 
     ends = panels.series[:, 2:].sum(axis=2)
     gain = np.stack([np.bincount(panels.part, weights=ends[:, k], minlength=parts) for k in range(3)], axis=1)
     # times and integrals of each panel count from the start of its course
-    before = _running(np.column_stack([ends, panels.duration]), first, count)
+    before = running(np.column_stack([ends, panels.duration]), first, count)
     panels.series[:, 2:, 0] += before[:, :3]
     since = before[:, 3]
     return Orbit(problem, way, panels, since, first, count, duration, gain)
-
-
-def _running(values: Array, first: Any, count: Any) -> Array:
-    """Sums of the values (P, k) before each panel within its part: added part by part, so that none sees another's."""
-    part = np.repeat(np.arange(count.size), count)
-    rank = np.arange(part.size) - first[part]
-    table = np.zeros((count.size, int(count.max(initial=0)) + 1, values.shape[1]))
-    table[part, rank + 1] = values
-    return np.cumsum(table, axis=1)[part, rank]
 
 
 def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:

@@ -134,7 +134,7 @@ def test_zeros_of_the_jacobi_field_are_the_negative_pivots(name: str) -> None:
     wide = many(problem, all_of_them.slope.size)
     span = PROBLEMS[name][3]
     beta = all_of_them.orbit.at(np.tile(np.linspace(0, span, 8001), (wide.size, 1)))[0]
-    zeros = jacobi_zeros(wide, all_of_them.orbit, all_of_them.lengthens)
+    zeros = jacobi_zeros(all_of_them.orbit)
     assert (zeros == morse_index(wide, wide.span / 8000, beta)).all()
     assert zeros.max() > zeros.min() or zeros.size == 1
 

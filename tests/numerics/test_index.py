@@ -1,0 +1,98 @@
+"""The Morse index of a rod by its turning points, against negative pivots, closed forms and difference quotients."""
+
+import numpy as np
+import pytest
+
+from solver import Case, equilibria, solve
+from solver.landscape import slope_rate
+from solver.methods.orbit import solve_orbit
+from solver.observables import observe
+from solver.reduced import Reduced, reduce
+from solver.stability import jacobi_end, jacobi_zeros, morse_index
+from tests.cases import TABLE_1, ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
+
+
+def index_of(case: Case, **how) -> float:
+    return float(observe(solve(case, **{"tol": 1e-7, **how}), ["index"])["index"])
+
+
+def random_problems(count: int, seed: int) -> Reduced:
+    rng = np.random.default_rng(seed)
+    lam, mu, phi = rng.uniform(-2, 2, (3, count))
+    span, beta0, dbeta0 = rng.uniform(0.5, 25, count), rng.uniform(-3, 3, count), rng.uniform(-1.5, 1.5, count)
+    dbeta0[: count // 20] = 0  # some start at a turning point
+    return Reduced(lam, mu, phi, span, beta0, dbeta0=dbeta0)
+
+
+def test_turning_points_count_the_negative_pivots_of_any_rod() -> None:
+    problem = random_problems(300, 0)
+    orbit = solve_orbit(problem, 1e-10)
+    beta = orbit.at(problem.span[:, None] * np.linspace(0, 1, 6001))[0]
+    zeros = jacobi_zeros(orbit)
+    np.testing.assert_array_equal(zeros, morse_index(problem, problem.span / 6000, beta))
+    assert zeros.max() > 8  # and not for want of any
+    assert (np.abs(zeros - orbit.turns) == 1).any()
+
+
+def test_the_jacobi_field_at_the_far_end_is_what_a_change_of_the_start_slope_makes_there() -> None:
+    problem = random_problems(100, 1)
+    orbit, nudge = solve_orbit(problem, 1e-13), 1e-5
+    ends = [
+        solve_orbit(problem.started(problem.dbeta0 + way * nudge), 1e-13).at(problem.span[:, None])[0][:, 0]
+        for way in (-1, 1)
+    ]
+    change = (ends[1] - ends[0]) / (2 * nudge)
+    told = jacobi_end(orbit) * (orbit.ahead + orbit.back) / np.pi  # its unit of time
+    swings = np.isfinite(told) & (np.abs(change) < 1e3)  # beyond, the nudge is too wide
+    assert swings.sum() > 60
+    np.testing.assert_allclose(told[swings], change[swings], rtol=1e-3, atol=1e-3)  # nudge^2 times the third change
+
+
+@pytest.mark.parametrize("L", (20.0, 500.0, 2e4, 2e6))
+@pytest.mark.parametrize("reading", TABLE_1)
+def test_the_index_is_the_number_of_bends_or_one_less_however_long_the_rod(reading: str, L: float) -> None:
+    sol = solve(table_1(*reading.split("/"), L=L), stations=2)
+    got = observe(sol, ["index", "turns"])
+    assert got["turns"] - 1 <= got["index"] <= got["turns"] or got["turns"] == got["index"] == 0
+
+
+@pytest.mark.parametrize("span", (5.0, 50.0, 1e6))
+def test_a_helix_at_a_centre_has_a_half_wave_for_each_unstable_direction(span: float) -> None:
+    lam, mu, phi = helix_moment(1.1, 0.9, -0.4), 0.9, -0.4
+    case = in_units_of_rho(lam, mu, phi, span, 1.1, 0.0)
+    rate = float(slope_rate(reduce(case), 1.1)[0])
+    assert rate > 0
+    # a start on the helix but for rounding swings about it, each half wave a bend
+    assert index_of(case) == pytest.approx(np.ceil(np.sqrt(rate) * span / np.pi) - 1, rel=1e-9)
+
+
+@pytest.mark.parametrize("span", (0.5, 5.0, 15.0))
+def test_a_helix_at_a_saddle_is_stable(span: float) -> None:
+    case = in_units_of_rho(helix_moment(0.4, -0.3, 0.1), -0.3, 0.1, span, 0.4, 0.0)
+    assert index_of(case) == 0
+
+
+def test_a_rod_that_goes_round_is_stable() -> None:
+    assert index_of(in_units_of_rho(0.3, 0.2, 0.1, 1e5, 0.5, 2.5)) == 0
+
+
+def test_an_equilibrium_read_by_itself_has_the_index_that_the_search_gave_it() -> None:
+    """Those that hug a saddle to 1e-30 among them, which no start slope can tell."""
+    found = equilibria(ends_in_units_of_rho(-0.3655, 0.7464, -0.7506, 150.0, np.pi / 6, np.pi / 6), stations=2)
+    assert len(found) > 200
+    for one in found:
+        assert observe(one.solution, ["index"])["index"] == one.index
+
+
+@pytest.mark.parametrize("method", ("dop853", "verlet"))
+def test_a_march_counts_by_its_stations_and_says_when_they_are_too_few(method: str) -> None:
+    case = table_1("force-first", "tension", "paper")
+    assert index_of(case, method=method, tol=1e-6, stations=401) == index_of(case) == 6
+    assert np.isnan(index_of(case, method=method, tol=1e-6, stations=21))
+
+
+def test_a_rod_that_is_not_solved_has_no_index() -> None:
+    case = in_units_of_rho(helix_moment(0.4, -0.3, 0.1), -0.3, 0.1, 400.0, 0.4, 0.0)
+    sol = solve(case)
+    assert not sol.solved
+    assert np.isnan(observe(sol, ["index"])["index"])
