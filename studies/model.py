@@ -1,5 +1,6 @@
 """What a study is: units, how Table 1 is read, a base case, axes, what to compute, and laws."""
 
+from collections.abc import Mapping
 from math import prod
 from typing import Any
 
@@ -200,10 +201,18 @@ class Study(BaseModel):
 
         Raises `InputError` for a value that the solver refuses.
         """
-        values: dict[str, Any] = self.base.given
-        coordinates = self.coordinates()
-        for i, (name, numbers) in enumerate(coordinates.items()):
-            values[name] = numbers.reshape([-1 if i == k else 1 for k in range(len(coordinates))])
+        numbers = self.coordinates()
+        rank = len(numbers)
+        return self.case_of(
+            {
+                name: row.reshape([-1 if i == k else 1 for k in range(rank)])
+                for i, (name, row) in enumerate(numbers.items())
+            }
+        )
+
+    def case_of(self, values: Mapping[str, Any]) -> Case:
+        """The base case with other values of some fields, numbers or arrays that broadcast. Raises `InputError`."""
+        values = {**self.base.given, **values}
         if self.reading:
             side = values.pop("side", "outside")
             return parse(self.reading).case(values, side)

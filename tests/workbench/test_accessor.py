@@ -1,0 +1,261 @@
+"""`ds.rod`: what was not stored is what would have been, whether it is computed or solved again."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import InputError, solve
+from solver.methods import METHODS
+from studies.loader import loads
+from studies.model import OUTPUTS
+from tests.workbench import small
+from workbench import runner, store
+
+ENDS = """
+title = "between two ends"
+stations = 21
+outputs = ["beta", "dbeta", "alpha", "z"]
+[units]
+length = "cm"
+force = "N"
+[base]
+E = 1.07e4
+nu = 0.25
+a = 0.25
+L = 5.0
+R = 0.75
+beta0 = 0.5
+FZ = -8.0
+[axes.betaL]
+values = [0.7, 0.8]
+"""
+ALL = f"outputs = {list(OUTPUTS)}"
+AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
+FRAMES = ("tangent", "normal", "material_frame", "push")
+
+
+def stored(tmp_path: Path, study, **how) -> xr.Dataset:
+    """A study's dataset, through its file."""
+    return xr.open_dataset(store.write(runner.run(study), tmp_path / "small.h5", force=True), **how)
+
+
+@pytest.fixture(scope="module")
+def full() -> tuple[xr.Dataset, object]:
+    """A grid of which everything is stored, and its solution."""
+    study = small.study(AXES, ALL)
+    return runner.run(study), solve(study.case(), stations=21)
+
+
+@pytest.mark.parametrize("name", [*OUTPUTS, *FRAMES])
+def test_every_array_is_the_solutions_own_from_what_is_stored(full, name: str) -> None:
+    ds, sol = full
+    kept = ds[["alpha", "beta", "dbeta", "z", "gamma", "outcome"]]
+    found = kept.rod.along(name)
+    # the same formulas on the same numbers, but the order of products
+    np.testing.assert_allclose(found, getattr(sol, name), rtol=1e-12, atol=1e-12 * np.abs(found).max())
+    assert found.dims[:3] == ("E", "R", "u")
+    assert found.attrs["units"]
+    assert found.attrs["long_name"]
+    assert "_solved" not in vars(kept.rod), "it was solved again"
+
+
+@pytest.mark.parametrize("name", [*OUTPUTS, *FRAMES])
+def test_every_array_is_the_solutions_own_where_nothing_along_the_rod_is_stored(full, name: str) -> None:
+    ds, sol = full
+    kept = ds.drop_vars([*OUTPUTS, "xyz"])
+    np.testing.assert_array_equal(getattr(kept.rod, name), getattr(sol, name))
+
+
+def test_what_suffices_is_not_solved_and_what_does_not_is_solved_once(full, monkeypatch) -> None:
+    from workbench import rebuild
+
+    ds, _ = full
+    calls = []
+    monkeypatch.setattr(rebuild, "solve_one", lambda *args: calls.append(args) or runner.solve_one(*args))
+    kept = ds[["alpha", "beta", "z", "outcome"]]
+    for name in ("position", "tangent", "normal", "FY", "F2", "F3", "M2"):
+        kept.rod.along(name)
+    assert calls == []
+    for name in ("gamma", "F1", "contact"):
+        kept.rod.along(name)
+    assert len(calls) == 1
+
+
+def test_a_selection_is_rebuilt_by_itself(full) -> None:
+    ds, sol = full
+    one = ds[["alpha", "z", "outcome"]].rod.sel(E=2e4, R=0.75)
+    assert one.rod.case.shape == ()
+    assert (one.rod.case.rod.E, one.rod.case.cylinder.R) == (2e4, 0.75)
+    np.testing.assert_allclose(one.rod.position, sol.position[1, 1], rtol=1e-14)
+    np.testing.assert_allclose(
+        one.rod.F1, sol.F1[1, 1], rtol=1e-6
+    )  # solved alone, to the tolerance 1e-8 times condition
+    half = ds[["alpha", "z", "outcome"]].rod.sel(R=slice(0.7, None))
+    assert half.rod.case.shape == (2, 2)
+    np.testing.assert_allclose(half.rod.position, sol.position[:, 1:], rtol=1e-14)
+    tail = one.isel(u=slice(10, None))
+    np.testing.assert_allclose(tail.rod.gamma, sol.gamma[1, 1, 10:], rtol=1e-6)
+    end = one.isel(u=-1)
+    np.testing.assert_allclose(end.rod.gamma, sol.gamma[1, 1, -1], rtol=1e-6)
+
+
+def test_the_case_of_a_dataset_is_the_case_that_was_solved(full) -> None:
+    ds, sol = full
+    for part in ("rod", "cylinder", "given"):
+        ours, theirs = getattr(ds.rod.case, part), getattr(sol.case, part)
+        for key, value in vars(theirs).items():
+            np.testing.assert_array_equal(getattr(ours, key), value)
+
+
+def test_a_reading_that_replaced_the_studys_own_is_kept() -> None:
+    study = small.study(AXES).under("compression")
+    ds = runner.run(study)
+    assert ds.rod.study.reading == "force-first/compression/paper"
+    np.testing.assert_array_equal(ds.rod.case.given.F3, study.case().given.F3)
+
+
+def test_a_neighbour_is_solved_as_the_study_was_on_its_axis_or_off_it(full) -> None:
+    ds, sol = full
+    there = ds.rod.at(E=2e4, R=1.0)
+    assert (there.tol, there.method) == (sol.tol, sol.method)
+    np.testing.assert_allclose(there.position, sol.position[1, 2], rtol=1e-6, atol=1e-6)  # alone, not among six
+    between = ds.rod.at(E=1.5e4)
+    assert between.position.shape == (3, 21, 3)
+    np.testing.assert_array_equal(between.case.rod.E, 1.5e4)
+    np.testing.assert_array_equal(between.case.cylinder.R, [0.5, 0.75, 1.0])
+    other = ds.rod.at(E=2e4, R=1.0, L=10.0)  # a field that no axis varies
+    np.testing.assert_array_equal(other.s[[0, -1]], [0.0, 10.0])
+
+
+def test_values_are_found_to_nine_digits_and_refused_with_the_axis(full) -> None:
+    ds, _ = full
+    assert ds.rod.sel(E=2e4 * (1 + 1e-10))["E"] == 2e4
+    assert ds.rod.sel(E=[2e4, 1e4])["E"].values.tolist() == [2e4, 1e4]
+    refused = {
+        "E = 30000 is not on the axis; its values are 10000, 20000; ds.rod.at": {"E": 3e4},
+        "E = 20001 is not on the axis": {"E": 20001},
+        "no axis 'L'; choose from E, R": {"L": 1.0},
+        "no axis 'u'; choose from E, R": {"u": 0.0},
+        "E must be a finite number, got nan": {"E": float("nan")},
+        "E must be a finite number, got 'stiff'": {"E": "stiff"},
+        "E has no values from 30000 to inf; its values are": {"E": slice(3e4, None)},
+        "a slice without a step": {"E": slice(1e4, 2e4, 2)},
+    }
+    for sentence, values in refused.items():
+        with pytest.raises(InputError, match=sentence):
+            ds.rod.sel(**values)
+    with pytest.raises(InputError, match="E is selected already: it is 10000"):
+        ds.rod.sel(E=1e4).rod.sel(E=2e4)
+    with pytest.raises(InputError, match="no field 'young'; choose from E, nu, R"):
+        ds.rod.at(young=1.0)
+    with pytest.raises(InputError, match="E must be a finite number, got None"):
+        ds.rod.at(E=None)
+
+
+def test_a_long_axis_is_not_listed_but_its_neighbours_are() -> None:
+    ds = runner.run(small.study("[axes.E]\nfrom = 1e4\nto = 2e4\ncount = 21\n", "outputs = []"))
+    with pytest.raises(
+        InputError, match=r"its 21 values go from 10000 to 20000, the nearest are 10500, 11000; ds.rod.at"
+    ):
+        ds.rod.sel(E=10800)
+
+
+def test_an_axis_that_has_an_outputs_name_is_not_taken_for_it() -> None:
+    ds = runner.run(small.study("[axes.beta]\nvalues = [0.4, 0.5]\n", 'outputs = ["beta", "dbeta"]'))
+    sol = solve(small.study("[axes.beta]\nvalues = [0.4, 0.5]\n").case(), stations=21)
+    np.testing.assert_array_equal(ds.rod.beta, sol.beta)
+    np.testing.assert_allclose(ds.rod.kappa, sol.kappa, rtol=1e-14)
+    np.testing.assert_allclose(ds.rod.at(beta=0.4).beta[0], 0.4, rtol=1e-15)  # rounding
+    chosen = ds.rod.sel(beta=0.5)
+    np.testing.assert_array_equal(chosen.rod.beta, sol.beta[1])
+
+
+def test_rods_between_two_ends_are_rebuilt_too() -> None:
+    ds = runner.run(loads(ENDS))
+    sol = solve(ds.rod.case, stations=21)
+    np.testing.assert_allclose(ds.rod.contact, sol.contact, rtol=1e-6)  # solved again, to 1e-8 times condition
+    np.testing.assert_allclose(ds.rod.at(betaL=0.75).beta[-1], 0.75, atol=1e-8)  # the tolerance
+
+
+def test_a_followed_equilibrium_is_followed_between_its_values_and_not_past_its_fold() -> None:
+    axis = '[axes.betaL]\nfollow = true\nto = 60\ncount = 5\nunit = "deg"\n'
+    ds = runner.run(small.study(axis, 'outputs = ["beta", "dbeta"]'))
+    values = ds["betaL"].values
+    middle = ds.rod.at(betaL=(values[1] + values[2]) / 2)
+    assert middle.solved
+    slopes = ds["dbeta0"].values
+    assert slopes[1] < middle.dbeta[0] < slopes[2]
+    np.testing.assert_allclose(
+        ds.drop_vars("dbeta").rod.dbeta[2], ds["dbeta"][2], rtol=1e-5
+    )  # the seed is the stored slope
+    with pytest.raises(InputError, match="lies beyond the fold at"):
+        ds.rod.at(betaL=values[-1] + 0.01)
+
+
+def test_arrays_stay_lazy_and_a_selection_reads_no_more_than_it_needs(tmp_path) -> None:
+    dask = pytest.importorskip("dask.array")
+    with stored(tmp_path, small.study(AXES, 'outputs = ["beta", "dbeta", "alpha", "z"]'), chunks={"E": 1}) as ds:
+        for name in ("position", "tangent", "F1", "contact", "h"):
+            lazy = getattr(ds.rod, name)
+            assert isinstance(lazy.data, dask.Array), name
+            assert lazy.data.numblocks[0] == 2, name
+        sol = solve(ds.rod.case, stations=21)
+        np.testing.assert_allclose(ds.rod.position, sol.position, rtol=1e-12, atol=1e-12)  # the order of products
+        one = ds.rod.sel(E=2e4).rod.contact
+        np.testing.assert_allclose(one, sol.contact[1], rtol=1e-9)
+        assert not any(variable._in_memory for name, variable in ds.variables.items() if variable.ndim > 1)
+
+
+def test_unsolved_cases_stay_nan_when_they_are_solved_again(monkeypatch) -> None:
+    method = METHODS["verlet"]
+
+    def failing(problem, t, tol, **knobs):
+        path = method.run(problem, t, tol, **knobs)
+        path.outcome[1] = "failed: on purpose"
+        return path
+
+    monkeypatch.setitem(METHODS, "verlet", type(method)(**{**vars(method), "run": failing}))
+    ds = runner.run(small.study("[axes.E]\nvalues = [1e4, 2e4]\n", 'outputs = ["beta"]'), method="verlet")
+    assert np.isnan(ds.rod.z[1]).all()
+    assert np.isfinite(ds.rod.z[0]).all()
+
+
+def test_what_would_take_too_long_is_refused(full, monkeypatch) -> None:
+    from workbench import rebuild
+
+    monkeypatch.setattr(rebuild, "MOST_SOLVED", 5)
+    kept = full[0][["alpha", "outcome"]]
+    with pytest.raises(
+        InputError, match=r"6 cases would have to be solved again, more than 5; select some first, as ds.rod.sel\(E="
+    ):
+        _ = kept.rod.F1
+    assert kept.rod.sel(E=1e4).rod.F1.shape == (3, 21)
+
+
+def test_a_dataset_that_is_no_studys_is_refused_when_asked_and_not_before() -> None:
+    ds = xr.Dataset({"x": ("u", [1.0])})
+    assert "position" in dir(ds.rod)
+    with pytest.raises(InputError, match="does not say which study it is of"):
+        _ = ds.rod.position
+    with pytest.raises(AttributeError, match=r"ds.rod has no 'shape'"):
+        _ = ds.rod.shape
+    with pytest.raises(InputError, match="no array along the rod 'shape'; choose from beta"):
+        ds.rod.along("shape")
+
+
+IMPORTS = {
+    "workbench first": "import workbench; light = not {'numpy', 'solver'} & set(sys.modules); import xarray",
+    "xarray first": "import xarray; import workbench; light = 'solver' not in sys.modules",
+}
+
+
+@pytest.mark.parametrize("order", IMPORTS)
+def test_importing_the_workbench_is_enough_and_loads_nothing_heavy(order: str) -> None:
+    code = f"import sys; {IMPORTS[order]}; print(xarray.Dataset.rod.__name__, light)"
+    root = Path(__file__).parents[2]
+    run = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True)
+    assert run.stdout.split() == ["RodAccessor", "True"]

@@ -1,0 +1,94 @@
+"""The study and the case that a stored dataset came from, and a case of it solved again or next to it."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver import Case, Ends, Solution, Start, solve
+from solver.errors import InputError, no_such
+from studies import Study
+from studies.axes import WORDS
+from studies.loader import loads
+
+from . import opening
+from .runner import solve_one
+from .selecting import SAME, real
+
+MOST_SOLVED = 10_000  # cases that are solved again without being asked twice: seconds
+
+
+def study_of(ds: xr.Dataset) -> Study:
+    """The study that a dataset was made by, under its reading; `InputError` where it says none."""
+    text, name = ds.attrs.get("study"), str(ds.attrs.get("study_name", "study"))
+    if not isinstance(text, str) or not text:
+        raise InputError("the dataset does not say which study it is of: it has no attribute study")
+    return loads(text, "the dataset's study", name).under(ds.attrs.get("reading") or None)
+
+
+def axes_of(ds: xr.Dataset, study: Study) -> list[str]:
+    """The study's axes that the dataset still has; those on which one value was selected have gone."""
+    return [name for name in study.axes if name in ds.dims]
+
+
+def case_of(ds: xr.Dataset, study: Study, values: Mapping[str, float] | None = None) -> Case:
+    """The case of a dataset's coordinates, of the shape of its axes, at other values of some fields.
+
+    An axis that is given a value has no dimension. Raises `InputError`.
+    """
+    values = dict(values or {})
+    axes = [name for name in axes_of(ds, study) if name not in values]
+    placed: dict[str, Any] = {}
+    for name in study.axes:
+        if name not in values and name not in ds.coords:
+            raise InputError(f"the dataset has lost its axis {name!r}")
+        if name not in values:
+            placed[name] = ds[name].values.reshape([-1 if name == other else 1 for other in axes if name in axes])
+    placed |= values
+    if study.follow is None:
+        return study.case_of(placed)
+    base = study.case()
+    assert isinstance(base.given, Start)
+    given = Ends(base.given.beta, placed["betaL"], *base.loads, base.given.alpha, base.given.gamma)
+    return Case(base.rod, base.cylinder, given)
+
+
+def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solution:
+    """The dataset's cases, at other values of some fields, solved with its tolerance, method and stations.
+
+    Raises `InputError` for a field that the study has not, or for more than `MOST_SOLVED` cases.
+    """
+    fields = ["betaL"] if study.follow else [name for name in study.fields if name not in WORDS]
+    for name in values:
+        if name not in fields:
+            raise no_such("field", name, fields)
+    case = case_of(ds, study, {name: real(name, value) for name, value in values.items()})
+    if case.size > MOST_SOLVED:
+        asked = f"{case.size} cases would have to be solved again, more than {MOST_SOLVED}"
+        raise InputError(f"{asked}; select some first, as ds.rod.sel({axes_of(ds, study)[0]}=...).rod")
+    tol, method = opening.number(ds, "tolerance"), str(ds.attrs.get("method", "auto"))
+    stations = _stations(ds, study, case)
+    if study.follow is None:
+        return solve_one(case, study.equilibrium, tol, method, stations)
+    return solve(case, tol=tol, method=method, stations=stations, seed=_slope(ds, case))
+
+
+def _stations(ds: xr.Dataset, study: Study, case: Case) -> Any:
+    """How many stations; or where they are, if the dataset's are not spread evenly from end to end."""
+    if "u" not in ds.coords:
+        return study.stations
+    u = np.atleast_1d(ds["u"].values)
+    if np.array_equal(u, np.linspace(0.0, 1.0, u.size)):
+        return u.size
+    return np.broadcast_to(np.asarray(case.rod.L), case.shape)[..., None] * u
+
+
+def _slope(ds: xr.Dataset, case: Case) -> Any:
+    """beta'(0) near that of the followed equilibrium, of the shape of the case. Raises `InputError` past the fold."""
+    assert isinstance(case.given, Ends)
+    wanted, fold = np.asarray(case.given.betaL), float(ds["fold"])
+    beyond = wanted > fold + SAME * abs(fold)  # never where there is no fold, as that is stored as NaN
+    if beyond.any():
+        raise InputError(f"betaL = {wanted.max():.10g} lies beyond the fold at {fold:.10g}, where the equilibrium ends")
+    return np.interp(wanted, np.atleast_1d(ds["betaL"].values), np.atleast_1d(ds["dbeta0"].values))
