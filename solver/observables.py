@@ -175,8 +175,8 @@ def _gain(read: Reading) -> tuple[Any, Any]:
 
 
 def overlapping(read: Reading) -> Any:
-    """1 where the rod would pass through itself, else 0."""
-    return overlaps(read.sol)
+    """1 where the rod would pass through itself, else 0; NaN where that cannot be told."""
+    return overlaps(read.sol, kappa_max(read))
 
 
 OBSERVABLES: dict[str, Callable[[Reading], Any]] = {
