@@ -1,15 +1,17 @@
 """The parts of a study that are numbers with a unit: units, base case, axes."""
 
 from dataclasses import fields
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from solver import Cylinder, Ends, Rod, Start
 from solver.errors import choices
-from solver.quantities import Quantity, quantity
+from solver.quantities import QUANTITIES, Quantity, quantity
+
+from .angles import angle
 
 STRICT = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
@@ -41,6 +43,19 @@ def quantity_of(field: str) -> Quantity:
     return quantity(_AT_START.get(field, field))
 
 
+def is_angle(field: str) -> bool:
+    """Whether a field of a case is an angle [rad]; False for a name that is none."""
+    return _AT_START.get(field, field) in QUANTITIES and quantity_of(field).dimension == "rad"
+
+
+def in_rad(value: Any) -> Any:
+    """A text as the angle it writes; anything else as it is. Raises `ValueError`."""
+    return angle(value) if isinstance(value, str) else value
+
+
+Angle = Annotated[float, BeforeValidator(in_rad)]
+
+
 class Units(BaseModel):
     """The units that every number of a study is in."""
 
@@ -67,7 +82,7 @@ def _unit(kind: str, value: str, known: tuple[str, ...]) -> str:
 
 
 class Base(BaseModel):
-    """The case that the axes vary: fields of Rod, Cylinder, and Start or Ends, each a number."""
+    """The case that the axes vary: fields of Rod, Cylinder, and Start or Ends, each a number; angles also as text."""
 
     model_config = STRICT
 
@@ -78,16 +93,16 @@ class Base(BaseModel):
     stiffness: Literal["solid", "paper"] | None = None
     R: float | None = None
     side: Literal["outside", "inside"] | None = None
-    beta: float | None = None
+    beta: Angle | None = None
     dbeta: float | None = None
     F1: float | None = None
     F2: float | None = None
     F3: float | None = None
     dgamma: float | None = None
-    alpha: float | None = None
-    gamma: float | None = None
-    beta0: float | None = None
-    betaL: float | None = None
+    alpha: Angle | None = None
+    gamma: Angle | None = None
+    beta0: Angle | None = None
+    betaL: Angle | None = None
     FZ: float | None = None
     MZ: float | None = None
     M3: float | None = None
@@ -110,7 +125,8 @@ class Which(BaseModel):
 class Axis(BaseModel):
     """The values of one axis: a list, or from, to and count; or, for betaL alone, followed up to a limit.
 
-    unit: only where it differs from the study's: "deg" for an angle. Values are used and stored in rad.
+    unit: only where it differs from the study's: "deg" for an angle. Values are used and stored in rad. (`Study` takes
+    angles also as text.)
     """
 
     model_config = STRICT

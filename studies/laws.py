@@ -14,9 +14,11 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from solver.errors import InputError, choices, no_such
+
+from .axes import in_rad, is_angle
 
 HOLDS, TREND, FAILS = "holds", "holds as a trend", "fails"
 VERDICTS = (HOLDS, TREND, FAILS)  # best first
@@ -35,7 +37,7 @@ class Law(BaseModel):
 
     claim: a short label, "(1)". also: further observables that the sentence admits, judged in its direction.
     at: on a grid, values of other axes; the line nearest to them decides, the others are counted. Angles in
-    rad.
+    rad, or as text.
     """
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
@@ -47,6 +49,11 @@ class Law(BaseModel):
     source: str = Field(min_length=1)
     also: list[str] = []
     at: dict[str, float] = {}
+
+    @field_validator("at", mode="before")
+    @classmethod
+    def _angles(cls, at: Any) -> Any:
+        return {k: in_rad(v) if is_angle(str(k)) else v for k, v in at.items()} if isinstance(at, dict) else at
 
     @property
     def observables(self) -> list[str]:

@@ -72,6 +72,14 @@ class Study(BaseModel):
     def _known_outputs(cls, value: list[str]) -> list[str]:
         return _known("output", value, OUTPUTS)
 
+    @field_validator("axes", mode="before")
+    @classmethod
+    def _angles_of_axes(cls, axes: Any) -> Any:
+        """Angles written as text, in rad; whatever else is wrong is told later."""
+        if not isinstance(axes, dict):
+            return axes
+        return {n: _read_axis(n, a) if isinstance(a, dict) and parts.is_angle(n) else a for n, a in axes.items()}
+
     @model_validator(mode="after")
     def _base_fits(self) -> "Study":
         fields = self.fields
@@ -85,6 +93,8 @@ class Study(BaseModel):
     def _axes_fit(self) -> "Study":
         numeric = [name for name in self.fields if name not in parts.WORDS]
         for name, axis in self.axes.items():
+            if name in self.base.given:
+                raise Misplaced(f"{name} stands in base and among the axes: leave one of them out", "axes", name)
             if name not in numeric and not (axis.follow and name == "betaL"):
                 raise Misplaced(f"no axis {name!r}; choose from {choices(numeric)}", "axes", name)
             if axis.follow and (name != "betaL" or len(self.axes) > 1 or self._kind is Ends):
@@ -224,6 +234,24 @@ class Study(BaseModel):
 def reading_of(study: Study) -> Reading | None:
     """The reading of a study, or None where it does not use Table 1."""
     return parse(study.reading) if study.reading else None
+
+
+def _read_axis(name: str, axis: dict[str, Any]) -> dict[str, Any]:
+    """An axis of angles, those that are text read as angles in rad."""
+    read = dict(axis)
+    for key in ("values", "from", "to"):
+        if key not in axis:
+            continue
+        said = axis[key] if isinstance(axis[key], list) else [axis[key]]
+        texts = [value for value in said if isinstance(value, str)]
+        if texts and "unit" in axis:
+            raise Misplaced(f"{texts[0]!r} says its own unit: leave out unit", name, "unit")
+        try:
+            numbers = [parts.in_rad(value) for value in said]
+        except ValueError as error:
+            raise Misplaced(str(error), name, key) from None
+        read[key] = numbers if isinstance(axis[key], list) else numbers[0]
+    return read
 
 
 def _known(kind: str, names: list[str], known: Any) -> list[str]:

@@ -21,8 +21,8 @@ from studies.axes import quantity_of
 from studies.laws import COUNTS, Law, judge
 
 from . import dataset, style
+from .asking import with_fields
 from .gallery import attributes, with_case
-from .solving import with_fields
 
 EACH = ("dbeta0", "energy", "turns", "index", "attached")
 STATIONS = 101

@@ -41,7 +41,12 @@ def sentence(ds: xr.Dataset) -> str:
     """One sentence on the cases that a real rod could not follow; empty where there are none, or none stored."""
     if "caution" not in ds:
         return ""
-    texts = np.atleast_1d(ds["caution"].values).astype(str).ravel()
+    return said(ds["caution"].values)
+
+
+def said(found: Any) -> str:
+    """One sentence on the answer of `of_cases`; empty where there is nothing to say."""
+    texts = np.atleast_1d(found).astype(str).ravel()
     counts = {key: int(np.count_nonzero(np.char.find(texts, key) >= 0)) for key in TOLD}
     if not any(counts.values()):
         return ""

@@ -29,6 +29,20 @@ def number(text: str) -> float:
         raise typer.BadParameter(f"{text!r} is not a number") from None
 
 
+def angle(text: str) -> float:
+    """An angle from the command line, in rad; the refusal names what was given and the forms."""
+    from studies.angles import angle as read
+
+    try:
+        return read(text)
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+
+
+def _angle(help: str, *names: str) -> Any:
+    return typer.Option(*names, help=help, parser=angle, metavar="ANGLE")
+
+
 def _number(help: str, *names: str) -> Any:
     return typer.Option(*names, help=help, parser=number, metavar="NUMBER")
 
@@ -145,37 +159,52 @@ def solve(
         Path | None,
         typer.Argument(metavar="[FILE]", help="A TOML study without axes; options change its fields."),
     ] = None,
-    E: Annotated[float | None, _number("Young's modulus [N/cm^2].", "--E")] = None,
+    table1: Annotated[bool, typer.Option("--table1", help="The rod of Table 1; options change its fields.")] = False,
+    reading: Reading = None,
+    length_unit: Annotated[str | None, typer.Option(help="Of every length given; cm where left out.")] = None,
+    force_unit: Annotated[str | None, typer.Option(help="Of every force given; N where left out.")] = None,
+    E: Annotated[float | None, _number("Young's modulus [force/length^2].", "--E")] = None,
     nu: Annotated[float | None, _number("Poisson ratio.")] = None,
-    a: Annotated[float | None, _number("Radius of the rod [cm].", "--a")] = None,
-    L: Annotated[float | None, _number("Length of the rod [cm].", "--L")] = None,
-    stiffness: Annotated[str | None, typer.Option(help="solid or paper.")] = None,
-    R: Annotated[float | None, _number("Radius of the cylinder [cm].", "--R")] = None,
-    side: Annotated[str | None, typer.Option(help="outside or inside.")] = None,
-    beta: Annotated[float | None, _number("Angle from the axis at the start [rad].")] = None,
-    dbeta: Annotated[float | None, _number("Its rate at the start [rad/cm].")] = None,
-    F1: Annotated[float | None, _number("Normal force [N].", "--F1")] = None,
-    F2: Annotated[float | None, _number("In-surface shear [N].", "--F2")] = None,
-    F3: Annotated[float | None, _number("Tangential force [N], tension positive.", "--F3")] = None,
-    dgamma: Annotated[float | None, _number("Rotation rate of the section [rad/cm].")] = None,
+    a: Annotated[float | None, _number("Radius of the rod [length].", "--a")] = None,
+    L: Annotated[float | None, _number("Length of the rod [length].", "--L")] = None,
+    stiffness: Annotated[str | None, typer.Option(help="solid or paper; solid where left out.")] = None,
+    R: Annotated[float | None, _number("Radius of the cylinder [length].", "--R")] = None,
+    side: Annotated[str | None, typer.Option(help="outside or inside; outside where left out.")] = None,
+    beta: Annotated[float | None, _angle("Start: angle from the axis.")] = None,
+    dbeta: Annotated[float | None, _number("Start: its rate [rad/length].")] = None,
+    F1: Annotated[float | None, _number("Start: normal force, which fixes the twist.", "--F1")] = None,
+    dgamma: Annotated[float | None, _number("Start: rotation rate of the section [rad/length].")] = None,
+    M3: Annotated[float | None, _number("Start or ends: twisting moment [force length].", "--M3")] = None,
+    F2: Annotated[float | None, _number("Start: in-surface shear; 0 where left out.", "--F2")] = None,
+    F3: Annotated[float | None, _number("Start: tangential force, tension positive; 0.", "--F3")] = None,
+    beta0: Annotated[float | None, _angle("Ends: angle from the axis at s = 0.", "--beta0")] = None,
+    betaL: Annotated[float | None, _angle("Ends: angle at s = L, whole turns counted.", "--betaL")] = None,
+    FZ: Annotated[float | None, _number("Ends: axial force, tension positive; 0.", "--FZ")] = None,
+    MZ: Annotated[float | None, _number("Ends: axial moment [force length]; 0.", "--MZ")] = None,
+    alpha: Annotated[float | None, _angle("Azimuth at s = 0; 0 where left out.")] = None,
+    gamma: Annotated[float | None, _angle("Rotation of the section at s = 0; 0 where left out.")] = None,
     tol: Tol = None,
     method: Method = None,
     level: Level = None,
     json: Json = False,
 ) -> None:
-    """One case, from a TOML file or from options.
+    """One case, from a TOML file, from options, or from Table 1.
 
-    What is left out comes from Table 1, read force-first/tension/paper; --dgamma drops its F1. Units are the
-    file's, else cm and N.
+    A rod given by options needs E, nu, a, L, R; then beta, dbeta and one of F1, dgamma, M3 at its start; or
+    beta0 and betaL at its ends. Nothing comes from Table 1 unless --table1 or --reading asks for it, or nothing is
+    given at all. Of the many shapes between two ends the one of lowest energy is solved; equilibria lists them.
+    Angles: a number in rad, or a form like 30deg, pi/6.
     """
     from .solving import solve_case
 
     options: dict[str, Any] = {
         "E": E, "nu": nu, "a": a, "L": L, "stiffness": stiffness, "R": R, "side": side, "beta": beta,
-        "dbeta": dbeta, "F1": F1, "F2": F2, "F3": F3, "dgamma": dgamma,
+        "dbeta": dbeta, "F1": F1, "dgamma": dgamma, "M3": M3, "F2": F2, "F3": F3, "beta0": beta0, "betaL": betaL,
+        "FZ": FZ, "MZ": MZ, "alpha": alpha, "gamma": gamma,
     }  # fmt: skip
     given = {name: value for name, value in options.items() if value is not None}
-    raise typer.Exit(solve_case(file, given, tol, method, json, level))
+    units = {kind: unit for kind, unit in (("length", length_unit), ("force", force_unit)) if unit is not None}
+    raise typer.Exit(solve_case(file, given, tol, method, json, level, table1, reading, units))
 
 
 @app.command()
@@ -208,8 +237,8 @@ def equilibria(
     stiffness: Annotated[str | None, typer.Option(help="solid or paper.")] = None,
     R: Annotated[float | None, _number("Radius of the cylinder [cm].", "--R")] = None,
     side: Annotated[str | None, typer.Option(help="outside or inside.")] = None,
-    beta0: Annotated[float | None, _number("Angle from the axis at the start [rad].", "--beta0")] = None,
-    betaL: Annotated[float | None, _number("Angle at the far end [rad], whole turns counted.", "--betaL")] = None,
+    beta0: Annotated[float | None, _angle("Angle from the axis at the start.", "--beta0")] = None,
+    betaL: Annotated[float | None, _angle("Angle at the far end, whole turns counted.", "--betaL")] = None,
     FZ: Annotated[float | None, _number("Axial force [N], tension positive.", "--FZ")] = None,
     MZ: Annotated[float | None, _number("Axial moment [N cm].", "--MZ")] = None,
     M3: Annotated[float | None, _number("Twisting moment [N cm].", "--M3")] = None,

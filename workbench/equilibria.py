@@ -14,7 +14,7 @@ from studies import Study, load
 from studies.axes import CYLINDER, ENDS, ROD, WORDS, quantity_of
 
 from . import console, drawing, store
-from .solving import with_fields
+from .asking import with_fields
 
 DEFAULT = "fig7_4_end_angle"
 MOST = 401  # values of an axis

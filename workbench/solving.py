@@ -1,24 +1,41 @@
 """The command solve: one case from a file or from options."""
 
-from dataclasses import fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from solver import Case, Cylinder, InputError, Rod, Solution
-from solver.case import from_fields
+from solver import Case, Ends, InputError, Solution
+from solver.errors import choices, no_such
 from solver.observables import observe
 from solver.quantities import quantity, unit_of
-from studies import load
-from studies.axes import quantity_of
-from studies.readings import DEFAULT
+from studies import Study, load
+from studies.axes import FORCES, LENGTHS, quantity_of
+from studies.readings import DEFAULT, parse
 
-from . import console
+from . import cautions, console
+from .asking import own_case, with_fields
 from .fidelity import Fidelity, fidelity
 from .runner import solve_one
 
+TABLE_UNITS = {"length": "cm", "force": "N"}
+LOWEST = "of all its equilibria the one of lowest energy; workbench equilibria lists them all"
 LOADS = ("FZ", "MZ", "M3")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is to be solved, in which units, and where each number comes from.
+
+    source: where the case comes from. assumed: name -> value of what nobody gave.
+    """
+
+    case: Case
+    units: dict[str, str]
+    source: str
+    assumed: dict[str, Any] = field(default_factory=dict)
+    study: Study | None = None
 
 
 def solve_case(
@@ -28,28 +45,33 @@ def solve_case(
     method: str | None,
     json: bool,
     level: str | None = None,
+    table1: bool = False,
+    reading: str | None = None,
+    units: dict[str, str] | None = None,
 ) -> int:
     """Solve and print; 0, or 1 where it is not solved. Raises `InputError`, also for a file with axes.
 
-    level: the name of a fidelity; a tolerance beside it replaces the fidelity's own.
+    level: the name of a fidelity; a tolerance beside it replaces the fidelity's own. table1: the rod of Table 1, read
+    as `reading` says, with the options as changes; so it is also where nothing at all is given. units: of length and
+    force, where the options say them.
     """
     chosen = fidelity(level or "standard")
-    units = {"length": "cm", "force": "N"}
-    stations, base, which = 201, DEFAULT.case(), None
-    if file is not None:
-        if file.suffix != ".toml":
-            raise InputError(f"solve reads a case from a .toml file, got {str(file)!r}")
-        study = load(file)
-        if study.axes:
-            raise InputError(f"{file.name} has the axes {', '.join(study.axes)}: workbench run solves it")
-        units, stations, base = study.unit_system, study.stations, study.case()
-        which = study.equilibrium
-        tol = study.tol if tol is None and level is None else tol
-        method = study.method if method is None else method
-    case = with_fields(base, options)
+    asked = _asked(file, options, table1, reading, units or {})
+    stations, which = 201, None
+    if asked.study is not None:
+        stations, which = asked.study.stations, asked.study.equilibrium
+        tol = asked.study.tol if tol is None and level is None else tol
+        method = asked.study.method if method is None else method
     tol = chosen.tol if tol is None else tol
-    sol = solve_one(case, which, tol, "auto" if method is None else method, chosen.stations or stations)
-    told = described(sol, units, chosen)
+    method = "auto" if method is None else method
+    sol = solve_one(asked.case, which, tol, method, chosen.stations or stations)
+    told = described(sol, asked.units, chosen)
+    told |= {
+        "source": asked.source,
+        "assumed": asked.assumed,
+        "which": LOWEST if isinstance(asked.case.given, Ends) and which is None else "",
+        "caution": cautions.said(cautions.of_cases(sol, {})),
+    }
     if json:
         console.print_json(told)
     else:
@@ -57,19 +79,38 @@ def solve_case(
     return 0 if sol.solved else 1
 
 
-def with_fields(case: Case, changes: dict[str, Any]) -> Case:
-    """The same case with some fields changed; F1 and dgamma drop each other. Raises `InputError`."""
-    parts: list[Any] = []
-    left = dict(changes)
-    for part in (case.rod, case.cylinder, case.given):
-        kind = type(part)
-        own = {field.name: getattr(part, field.name) for field in fields(kind)}
-        if kind not in (Rod, Cylinder):  # whatever is left must be one of its fields
-            own |= {name: None for name, other in (("F1", "dgamma"), ("dgamma", "F1")) if other in changes}
-            parts.append(from_fields(kind, {**{k: v for k, v in own.items() if v is not None}, **left}))
-            break
-        parts.append(from_fields(kind, {**own, **{name: left.pop(name) for name in own if name in left}}))
-    return Case(*parts)
+def _asked(
+    file: Path | None, options: dict[str, Any], table1: bool, reading: str | None, units: dict[str, str]
+) -> Asked:
+    """From a file, from Table 1, or from options alone."""
+    changed = f", but for {choices(options)}" if options else ""
+    if file is not None:
+        if table1:
+            raise InputError(f"--table1 and {file.name} exclude each other: each is a rod of its own")
+        if units:
+            raise InputError(f"the units are those of {file.name}: change them there")
+        study = _study(file).under(reading)
+        return Asked(with_fields(study.case(), options), study.unit_system, f"{file.name}{changed}", study=study)
+    if table1 or reading is not None or not (options or units):
+        if units:
+            raise InputError("Table 1 is in cm and N: leave out the units")
+        read = DEFAULT if reading is None else parse(reading)
+        return Asked(with_fields(read.case(), options), dict(TABLE_UNITS), f"Table 1, read {read.name}{changed}")
+    case, assumed = own_case(options)
+    left = {f"unit of {kind}": unit for kind, unit in TABLE_UNITS.items() if kind not in units}
+    for kind, known in (("length", LENGTHS), ("force", FORCES)):
+        if units.get(kind, known[0]) not in known:
+            raise no_such(f"unit of {kind}", units[kind], known)
+    return Asked(case, {**TABLE_UNITS, **units}, "the options", {**assumed, **left})
+
+
+def _study(file: Path) -> Study:
+    if file.suffix != ".toml":
+        raise InputError(f"solve reads a case from a .toml file, got {str(file)!r}")
+    study = load(file)
+    if study.axes:
+        raise InputError(f"{file.name} has the axes {', '.join(study.axes)}: workbench run solves it")
+    return study
 
 
 def described(sol: Solution, units: dict[str, str], level: Fidelity) -> dict[str, Any]:
@@ -97,6 +138,10 @@ def described(sol: Solution, units: dict[str, str], level: Fidelity) -> dict[str
 
 
 def _print(told: dict[str, Any]) -> None:
+    console.say(f"the rod of {told['source']}")
+    if told["assumed"]:
+        console.say(f"assumed: {', '.join(f'{name} = {value}' for name, value in told['assumed'].items())}")
+    console.say("")
     rows = []
     for name, value in told["case"].items():
         if isinstance(value, str):
@@ -116,6 +161,10 @@ def _print(told: dict[str, Any]) -> None:
         f"{told['outcome']} ({told['method']}, tolerance {told['tolerance']:g}: "
         f"error {told['error']:.1e}, condition {told['condition']:.3g})"
     )
+    if told["which"]:
+        console.say(told["which"])
+    if told["caution"]:
+        console.say(f"caution: {told['caution']}")
 
 
 def _unit(name: str, told: dict[str, Any]) -> str:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Ends, InputError, Start
+from studies.angles import angle
 from studies.loader import load, loads, names
 
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
@@ -28,6 +29,40 @@ def test_several_axes_make_a_grid_in_their_order() -> None:
     assert case.shape == (2, 3)
     assert np.shape(case.cylinder.R) == (2, 1)
     assert np.shape(case.rod.E) == (1, 3)
+
+
+def test_angles_may_be_written_as_degrees_or_as_parts_of_pi_wherever_there_is_one() -> None:
+    rest = ROD + "dbeta = 0.1\nF1 = 1.0\n"
+    given = loads(PLAIN + rest + "beta = 'pi/6'\nalpha = '-90deg'\ngamma = '2pi/3'").case().given
+    assert (given.beta, given.alpha, given.gamma) == (np.pi / 6, -np.pi / 2, 2 * np.pi / 3)
+    listed = loads(HEAD + "[axes.beta]\nvalues = ['15deg', 'pi/4', 1]").coordinates()["beta"]
+    np.testing.assert_array_equal(listed, [np.radians(15), np.pi / 4, 1.0])
+    spread = loads(PLAIN + ROD + "beta0 = '30 deg'\n[axes.betaL]\nfrom = '-pi'\nto = '180deg'\ncount = 3")
+    np.testing.assert_array_equal(spread.coordinates()["betaL"], [-np.pi, 0, np.pi])
+    followed = loads(HEAD + "[axes.betaL]\nfollow = true\nto = '60deg'\ncount = 3").follow
+    assert followed is not None
+    assert followed.limit == np.radians(60)
+    text = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.beta]\nvalues = ['30deg', '60deg']\n[[laws]]\nclaim = 'a'\n"
+    law = "observable = 'turns'\naxis = 'E'\ndirection = 'falls'\nsource = 's'\nat = { beta = '60deg' }"
+    assert loads(HEAD + text + law).laws[0].at == {"beta": np.radians(60)}
+
+
+@pytest.mark.parametrize(
+    "text, value",
+    [
+        ("0.5", 0.5), ("-30deg", -np.pi / 6), ("1.5e1 deg", np.pi / 12), ("90°", np.pi / 2), ("pi", np.pi),
+        ("-pi/2", -np.pi / 2), ("3*pi/4", 3 * np.pi / 4), ("0.5pi", np.pi / 2), (" 2 π / 3 ", 2 * np.pi / 3),
+        ("0.1rad", 0.1),
+    ],
+)  # fmt: skip
+def test_an_angle_is_read_as_it_is_written(text: str, value: float) -> None:
+    assert angle(text) == pytest.approx(value, rel=1e-15)  # rounding
+
+
+@pytest.mark.parametrize("text", ["", "deg", "pi/0", "30 degrees", "pi/6/2", "1+pi", "pipi", "--pi"])
+def test_what_is_no_angle_is_refused_with_the_forms(text: str) -> None:
+    with pytest.raises(ValueError, match="is no angle: give a number in rad, or a form like 30deg"):
+        angle(text)
 
 
 def test_angles_may_be_given_in_degrees_and_are_kept_in_radians() -> None:
@@ -194,6 +229,20 @@ REFUSED = {
     "following from somewhere": (
         HEAD + "[axes.betaL]\nfollow = true\nfrom = 1\nto = 2\ncount = 9",
         "line 8: a followed axis starts from the base rod's own value",
+    ),
+    "an angle that is none": (HEAD + "[base]\nbeta = '30 degree'", "line 7: '30 degree' is no angle: give a number"),
+    "an angle that is none on an axis": (
+        HEAD + "[axes.beta]\nvalues = [0.1, 'much']",
+        "line 7: 'much' is no angle: give a number",
+    ),
+    "an angle with two units": (
+        HEAD + "[axes.beta]\nvalues = ['30deg']\nunit = 'deg'",
+        "line 8: '30deg' says its own unit: leave out unit",
+    ),
+    "text that is not an angle's": (AXIS + "values = ['pi']", "values.1. must be a valid number, got 'pi'"),
+    "a field that stands still and varies": (
+        HEAD + "[base]\nE = 1e4\n[axes.E]\nvalues = [1e4, 2e4]",
+        "line 8: E stands in base and among the axes: leave one of them out",
     ),
     "no TOML": ("title = ", "study is not TOML: Invalid value"),
 }

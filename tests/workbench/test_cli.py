@@ -1,12 +1,15 @@
 """The command line, run as its users run it."""
 
 import json
+import math
 import os
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 import xarray as xr
@@ -34,6 +37,20 @@ def stored(tmp_path_factory) -> Path:
     return folder / "small.h5"
 
 
+@pytest.fixture
+def here(capsys) -> Callable[..., Any]:
+    """What a command that ends well prints, run in this process; with --json as data."""
+
+    def run(*args: object) -> Any:
+        with pytest.raises(SystemExit) as end:
+            cli.main([str(arg) for arg in args])
+        out, err = capsys.readouterr()
+        assert end.value.code == 0, err
+        return json.loads(out) if "--json" in args else out
+
+    return run
+
+
 def test_help_lists_the_commands_and_each_has_help_of_its_own() -> None:
     shown = workbench("--help")
     assert shown.returncode == 0
@@ -42,14 +59,14 @@ def test_help_lists_the_commands_and_each_has_help_of_its_own() -> None:
     assert workbench().stdout == shown.stdout
 
 
-def test_list_names_every_study_also_for_programs() -> None:
-    rows = json.loads(workbench("list", "--json").stdout)
+def test_list_names_every_study_also_for_programs(here) -> None:
+    rows = here("list", "--json")
     assert [row["study"] for row in rows] == names()
     modulus = next(row for row in rows if row["study"] == "fig7_1_modulus")
     axis = {"axis": "E", "from": 5e3, "to": 4e4, "count": 9, "unit": "N/cm^2", "follow": False}
     assert modulus["axes"] == [axis]  # data, not prose
     assert {"observable": "turns", "direction": "falls"}.items() <= modulus["laws"][0].items()
-    assert "E 5000..40000 (9)" in workbench("list").stdout
+    assert "E 5000..40000 (9)" in here("list")
 
 
 def test_run_stores_a_dataset_and_prints_its_laws(stored) -> None:
@@ -70,15 +87,16 @@ def test_run_takes_a_reading_a_tolerance_and_a_method(stored, tmp_path) -> None:
     assert (ds.attrs["method"], ds.attrs["tolerance"], ds.sizes["u"]) == ("verlet", 1e-6, 33)
 
 
-def test_what_no_real_rod_could_do_is_said_when_a_study_is_run_and_when_it_is_checked(tmp_path) -> None:
+def test_what_no_real_rod_could_do_is_said_when_a_study_is_run_and_when_it_is_checked(here, tmp_path) -> None:
     (tmp_path / "one.toml").write_text(small.HEAD)
-    ran = workbench("run", "one.toml", cwd=tmp_path)
-    assert "one.h5: 1 case, 0 unsolved" in ran.stdout
-    said = store.read(tmp_path / "one.h5").attrs["caution"]
+    stored = tmp_path / "one.h5"
+    ran = here("run", tmp_path / "one.toml", "--out", stored)
+    assert "one.h5: 1 case, 0 unsolved" in ran
+    said = store.read(stored).attrs["caution"]
     assert said.startswith("The rod ")
-    assert f"caution: {said}" in ran.stdout
-    assert f"caution: {said}" in workbench("check", "one.h5", cwd=tmp_path).stdout
-    assert json.loads(workbench("check", "one.h5", "--json", cwd=tmp_path).stdout)["caution"] == said
+    assert f"caution: {said}" in ran
+    assert f"caution: {said}" in here("check", stored)
+    assert here("check", stored, "--json")["caution"] == said
 
 
 def test_check_tells_a_law_that_holds_from_one_that_fails_by_its_status(stored, tmp_path) -> None:
@@ -91,23 +109,41 @@ def test_check_tells_a_law_that_holds_from_one_that_fails_by_its_status(stored, 
     assert "fails" in bad.stdout
 
 
-def test_solve_prints_one_case_and_takes_what_is_left_out_from_table_1() -> None:
-    shown = workbench("solve", "--F3", "-10", "--json")
-    told = json.loads(shown.stdout)
-    assert shown.returncode == 0
+def test_solve_of_nothing_is_the_rod_of_table_1_and_says_so(here) -> None:
+    told = here("solve", "--json")
     assert told["outcome"].startswith("solved")
-    assert told["case"]["F3"] == -10.0
+    assert told["source"] == "Table 1, read force-first/tension/paper"
     assert (told["case"]["E"], told["case"]["F1"], told["case"]["stiffness"]) == (1.07e4, 5.0, "paper")
-    assert told["observables"]["turns"] == 11  # the paper's stiffness, compression
     assert len(told["along"]["beta"]) == 201
-    table = workbench("solve", "--F3=-10").stdout
-    assert "turns         11" in table
+    assert "the rod of Table 1, read force-first/tension/paper" in here("solve")
 
 
-def test_solve_drops_table_1s_normal_force_for_a_twist_rate() -> None:
-    case = json.loads(workbench("solve", "--dgamma", "0.5", "--json").stdout)["case"]
-    assert case["dgamma"] == 0.5
-    assert "F1" not in case
+def test_solve_changes_table_1_only_where_that_is_asked_for(here) -> None:
+    told = here("solve", "--table1", "--F3", "-10", "--json")
+    assert told["case"]["F3"] == -10.0
+    assert told["source"] == "Table 1, read force-first/tension/paper, but for F3"
+    assert told["observables"]["turns"] == 11  # the paper's stiffness, compression
+    assert "turns         11" in here("solve", "--reading", "compression")
+    for change in ("--dgamma=0.5", "--M3=0"):
+        assert "F1" not in here("solve", "--table1", change, "--json")["case"]
+
+
+OWN = ("--E", 2.1e8, "--nu", 0.3, "--a", 0.06, "--L", 30, "--R", 0.11, "--length-unit", "m", "--force-unit", "kN")
+
+
+def test_solve_of_ones_own_rod_takes_nothing_from_table_1_and_tells_what_was_assumed(here) -> None:
+    told = here("solve", *OWN, "--beta", "2deg", "--dbeta", 0, "--M3", 0, "--F3", 50, "--json")
+    assert told["units"] == {"length": "m", "force": "kN"}
+    assert told["case"]["beta"] == pytest.approx(math.radians(2), rel=1e-15)
+    assert (told["case"]["stiffness"], told["case"]["gamma"], told["case"]["M3"]) == ("solid", 0.0, 0.0)
+    assert told["assumed"] == {"stiffness": "solid", "side": "outside", "F2": 0.0, "alpha": 0.0, "gamma": 0.0}
+
+
+def test_solve_takes_a_rod_by_its_ends_and_says_which_of_its_equilibria_it_is(here) -> None:
+    shown = here("solve", *OWN, "--side", "inside", "--beta0", "pi/90", "--betaL", "2deg", "--FZ", -50)
+    assert "the one of lowest energy; workbench equilibria lists them all" in shown
+    assert "assumed: stiffness = solid, MZ = 0.0, M3 = 0.0, alpha = 0.0, gamma = 0.0" in shown
+    assert "axial force" in shown
 
 
 def test_solve_reads_a_case_from_a_file_and_options_change_it(tmp_path) -> None:
@@ -127,23 +163,42 @@ def test_a_case_that_is_not_solved_gives_status_1() -> None:
 
 
 REFUSED = {
+    "half a rod": (
+        ["solve", "--E", "1e4", "--L", "20", "--beta", "0.5"],
+        "a rod given by its start also needs nu, a, R, dbeta and one of F1, dgamma, M3; --table1 takes",
+    ),
+    "half a rod by its ends": (
+        ["solve", "--E", "1e4", "--nu", "0.3", "--a", "1", "--R", "2", "--beta0", "0"],
+        "a rod given by its ends also needs L and betaL; --table1 takes the rod of Table 1",
+    ),
+    "one load without a rod": (["solve", "--F3", "3"], "also needs E, nu, a, L, R, beta, dbeta and one of"),
+    "a start and an end": (["solve", "--beta", "1", "--betaL", "1"], "beta is of a start, betaL is of the ends"),
+    "ends of Table 1": (["solve", "--table1", "--betaL", "1"], "given by its start, which have no betaL; choose from"),
+    "units of Table 1": (["solve", "--table1", "--length-unit", "m"], "Table 1 is in cm and N: leave out the units"),
+    "units of a file": (["solve", "one.toml", "--force-unit", "kN"], "the units are those of one.toml"),
+    "a file and Table 1": (["solve", "one.toml", "--table1"], "--table1 and one.toml exclude each other"),
+    "an unknown unit": (
+        ["solve", *map(str, OWN), "--beta=0", "--dbeta=0", "--M3=0", "--length-unit", "parsec"],
+        "no unit of length 'parsec'; choose from nm, um",
+    ),
+    "an angle that is none": (["solve", "--beta", "30grad"], "'30grad' is no angle: give a number in rad, or a form"),
     "no room inside": (
-        ["solve", "--R", "0.2", "--side", "inside"],
+        ["solve", "--table1", "--R", "0.2", "--side", "inside"],
         "larger than Rod.a = 0.25 for a rod inside, got 0.2",
     ),
-    "E below zero": (["solve", "--E", "-1"], "Rod.E must be positive and finite, got -1.0"),
-    "nu too large": (["solve", "--nu", "0.6"], "Rod.nu must be in (-1, 0.5], got 0.6"),
-    "no number": (["solve", "--E", "nan"], "Rod.E must be finite, got nan"),
-    "text for a number": (["solve", "--E", "abc"], "'abc' is not a number"),
+    "E below zero": (["solve", "--table1", "--E", "-1"], "Rod.E must be positive and finite, got -1.0"),
+    "nu too large": (["solve", "--table1", "--nu", "0.6"], "Rod.nu must be in (-1, 0.5], got 0.6"),
+    "no number": (["solve", "--table1", "--E", "nan"], "Rod.E must be finite, got nan"),
+    "text for a number": (["solve", "--table1", "--E", "abc"], "'abc' is not a number"),
     "F1 and dgamma": (
-        ["solve", "--F1", "5", "--dgamma", "1"],
+        ["solve", "--table1", "--F1", "5", "--dgamma", "1"],
         "exactly one of F1, dgamma and M3, got F1=5.0, dgamma=1",
     ),
-    "F1 without slope": (["solve", "--dbeta", "0"], "F1 cannot fix the twist where dbeta = 0"),
-    "no length": (["solve", "--L", "0"], "Rod.L must be positive and finite, got 0.0"),
-    "an unknown field": (["solve", "--young", "1"], "No such option: --young; choose from --E, --nu"),
+    "F1 without slope": (["solve", "--table1", "--dbeta", "0"], "F1 cannot fix the twist where dbeta = 0"),
+    "no length": (["solve", "--table1", "--L", "0"], "Rod.L must be positive and finite, got 0.0"),
+    "an unknown field": (["solve", "--young", "1"], "No such option: --young; choose from --table1, --reading"),
     "an unknown stiffness": (
-        ["solve", "--stiffness", "soft"],
+        ["solve", "--table1", "--stiffness", "soft"],
         "no stiffness 'soft'; choose from solid, paper",
     ),
     "an unknown method": (["solve", "--method", "rk5"], "no method 'rk5'; choose from auto"),
@@ -205,6 +260,7 @@ def crowded(stored) -> Path:
     axis = "[axes.{}]\nfrom = 1.0\nto = 2.0\ncount = 1000000\n"
     huge = small.TEXT[: small.TEXT.index("[axes.E]")] + axis.format("E") + axis.format("R")
     (folder / "huge.toml").write_text(huge)
+    (folder / "one.toml").write_text(small.HEAD)
     (folder / "typo.toml").write_text('title = "t"\nreadin = "shear"\n')
     return folder
 
