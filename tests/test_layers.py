@@ -14,12 +14,13 @@ SOLVER = {"numpy", "scipy", "heyoka"}  # heyoka is optional: one method's, impor
 STUDIES = SOLVER | {"solver", "tomllib", "pydantic", "tomli_w"}
 WORKBENCH = STUDIES | {
     "studies", "xarray", "h5netcdf", "h5py", "pyvista", "matplotlib", "typer", "rich", "jinja2",
+    "OCP",  # optional: Open Cascade, imported where a STEP file is written
 }  # fmt: skip
 FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 
 STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics
 HEAVY = {
-    "numpy", "scipy", "pandas", "xarray", "h5netcdf", "h5py", "pyvista", "vtk", "vtkmodules", "matplotlib",
+    "numpy", "scipy", "pandas", "xarray", "h5netcdf", "h5py", "pyvista", "vtk", "vtkmodules", "matplotlib", "OCP",
 }  # fmt: skip
 
 

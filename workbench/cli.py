@@ -154,6 +154,31 @@ def scene(
 
 
 @app.command()
+def export(
+    file: File,
+    out: Annotated[
+        Path,
+        typer.Option("--out", "-o", help="The file, of the kind it ends in: .step .stl .obj .glb .gltf .vtp .csv."),
+    ],
+    at: Annotated[
+        list[str] | None,
+        typer.Option(help="E=1.07e4 or beta=30deg: the stored case nearest to it on that axis."),
+    ] = None,
+    tolerance: Annotated[
+        float | None, _number("The most that the file may miss the rod, in the study's unit of length.")
+    ] = None,
+    centreline: Annotated[bool, typer.Option("--centreline", help="STEP with the curve alone, no solid.")] = False,
+    overlap: Annotated[bool, typer.Option("--overlap", help="STEP also of a rod that passes through itself.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
+    json: Json = False,
+) -> None:
+    """One stored rod for other programs: CAD, meshes, tables. Exit status 1 where the rod passes through itself."""
+    from .exporting import export_file
+
+    raise typer.Exit(export_file(file, at or [], out, tolerance, centreline, overlap, force, json))
+
+
+@app.command()
 def solve(
     file: Annotated[
         Path | None,

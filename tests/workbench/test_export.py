@@ -1,0 +1,379 @@
+"""What other programs read of an exported rod: each file by a reader of another make, against the solver."""
+
+import csv
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.interpolate import BSpline
+from scipy.spatial import cKDTree
+
+from solver import Case, Cylinder, Rod, Solution, Start, solve
+from solver.errors import InputError
+from studies.loader import loads
+from workbench import centreline, cli, export_cad, exporting, interference, runner, store
+from workbench.exporting import Wish, export
+
+# Table 1 but for E: at 5000 a bend is tighter than the rod is thick, at 10700 turns meet, at 20000 neither.
+STUDY = """
+title = "three moduli"
+reading = "force-first/tension/paper"
+stations = 201
+[units]
+length = "{length}"
+force = "N"
+[axes.E]
+values = [5e3, 1.07e4, 2e4]
+"""
+VOLUME = np.pi * 0.25**2 * 20
+SOUND = {"E": 2e4}
+
+
+def rod(E: float, s: np.ndarray) -> Solution:
+    """The same rod from the solver, at any s."""
+    start = Start(beta=np.pi / 6, dbeta=0.5, F1=5.0, F3=10.0, gamma=-0.1)
+    return solve(Case(Rod(E, 0.25, 0.25, 20.0, "paper"), Cylinder(0.75), start), tol=1e-12, stations=s)
+
+
+@pytest.fixture(scope="module")
+def ds() -> xr.Dataset:
+    return runner.run(loads(STUDY.format(length="cm"), default_name="moduli"))
+
+
+def line(ds: xr.Dataset, i: int = 2, every: int = 1) -> centreline.Centreline:
+    return centreline.read(ds.isel(u=slice(None, None, every)), {"E": i})
+
+
+@pytest.mark.parametrize("every", [1, 2, 4, 8])
+@pytest.mark.parametrize("case, E", [(0, 5e3), (1, 1.07e4), (2, 2e4)])
+def test_the_curve_between_stations_is_the_solvers_within_what_it_says_of_itself(ds, every, case, E) -> None:
+    found = line(ds, case, every)
+    s = np.linspace(0, 20, 3001)
+    missed = np.linalg.norm(found.frame(s)[0] - rod(E, s).position, axis=-1).max()
+    assert missed <= found.error
+    assert found.error < 100 * missed + 1e-12  # an estimate that says anything at all
+    if every == 1:
+        assert missed < 1e-8  # measured 3e-9 at the softest
+
+
+def test_the_slope_that_is_not_stored_follows_from_the_angles_and_the_loads(ds) -> None:
+    found = line(ds)
+    assert "dbeta" not in ds
+    # measured 2e-9: stations are 0.1 apart where beta swings with some 3 rad/cm
+    np.testing.assert_allclose(found.dbeta, rod(2e4, found.s).dbeta, atol=2e-8)
+
+
+def test_too_few_stations_are_refused_and_the_number_named_is_enough(ds) -> None:
+    coarse = line(ds, 0, 8)
+    with pytest.raises(InputError, match=r"26 stations fix the rod.*store about \d+") as told:
+        coarse.check(1e-6)
+    more = int(re.search(r"about (\d+)", str(told.value))[1])
+    assert 60 < more < 400  # 201 give 4e-8, 101 4e-6
+    study = loads(STUDY.format(length="cm").replace("201", str(more)), default_name="moduli")
+    centreline.read(runner.run(study), {"E": 0}).check(1e-6)
+
+
+def test_a_bend_tighter_than_the_rod_and_turns_that_meet_are_found_where_they_are(ds) -> None:
+    tight, meets = interference.findings(line(ds, 0), "cm")
+    assert tight.tight
+    radius, at = map(float, re.search(r"radius of (\S+) cm at s = (\S+) cm", tight.said).groups())
+    assert radius == pytest.approx(1 / rod(5e3, np.linspace(0, 20, 20001)).kappa.max(), rel=1e-3)  # four digits
+    assert radius == pytest.approx(1 / rod(5e3, np.array([at])).kappa[0], rel=1e-2)
+    assert not meets.tight
+    place = re.search(r"s = (\S+) and s = (\S+) cm its centreline is (\S+) cm apart", meets.said)
+    one, other, gap = map(float, place.groups())
+    ends = rod(5e3, np.array([one, other])).position
+    assert gap == pytest.approx(np.linalg.norm(ends[0] - ends[1]), abs=1e-3)  # s is told to four digits
+    assert gap < 0.5
+    assert interference.findings(line(ds), "cm") == []
+
+
+@pytest.mark.parametrize("angle, meet", [(1.48, False), (1.50, True), (1.55, True)])
+def test_turns_of_a_helix_meet_where_the_next_turn_is_less_than_the_rods_thickness_away(angle, meet) -> None:
+    found = helix(angle)
+    q = np.linspace(3.0, 12, 4001)
+    nearest = np.linalg.norm(found.frame(q)[0] - found.frame(np.zeros(1))[0], axis=-1).min()
+    assert (nearest < 2 * found.a) == meet
+    assert bool(interference.findings(found, "cm")) == meet
+
+
+def helix(b: float) -> centreline.Centreline:
+    s = np.linspace(0, 30, 301)
+    rho = 1.0
+    l, p = 0.0, -2 * np.cos(b) * np.sin(b) ** 2 / rho**2  # H(b) = 0
+    full = np.full_like(s, b)
+    turn = s * np.sin(b) / rho
+    return centreline.Centreline(s, turn, full, 0 * s, s * np.cos(b), 0.75, 0.25, rho, 1.0, l, 0.0, p, "outside")
+
+
+# CAD
+
+
+@pytest.fixture(scope="module")
+def kernel():
+    pytest.importorskip("OCP", reason="Open Cascade is not installed: pip install '.[cad]'", exc_type=ImportError)
+    return export_cad.kernel()
+
+
+@pytest.fixture(scope="module")
+def step(ds, kernel, tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("step") / "rod.step"
+    assert export(ds, Wish(path, SOUND)).warnings == []
+    return path
+
+
+def shapes(kernel, path: Path):
+    reader = kernel.STEPControl_Reader()
+    assert reader.ReadFile(str(path)) == kernel.IFSelect_ReturnStatus.IFSelect_RetDone
+    reader.TransferRoots()
+    return reader.OneShape()
+
+
+def parts(kernel, shape, kind: str, outside: str = "SHAPE") -> list:
+    kinds = kernel.TopAbs_ShapeEnum
+    found = kernel.TopExp_Explorer(shape, getattr(kinds, f"TopAbs_{kind}"), getattr(kinds, f"TopAbs_{outside}"))
+    out = []
+    while found.More():
+        out.append(found.Current())
+        found.Next()
+    return out
+
+
+def test_the_solid_in_a_step_file_is_valid_and_has_the_rods_volume_in_its_unit(kernel, step) -> None:
+    (solid,) = parts(kernel, shapes(kernel, step), "SOLID")
+    assert kernel.BRepCheck_Analyzer(solid).IsValid()
+    # read in mm, written in cm; measured 1e-10 off
+    assert export_cad.volume(kernel, solid) == pytest.approx(1e3 * VOLUME, rel=1e-8)
+
+
+def test_the_curve_in_a_step_file_is_the_solvers_at_every_arc_length(kernel, step) -> None:
+    (edge,) = parts(kernel, shapes(kernel, step), "EDGE", outside="FACE")
+    from OCP.BRep import BRep_Tool
+
+    curve = BRep_Tool.Curve_s(kernel.TopoDS.Edge(edge), 0.0, 0.0)
+    for s in np.linspace(0, 20, 301):
+        at = curve.Value(float(s))
+        assert np.linalg.norm(np.array([at.X(), at.Y(), at.Z()]) / 10 - rod(2e4, np.array([s])).position[0]) < 1e-6
+
+
+def test_the_text_of_a_step_file_says_the_same_to_a_reader_without_a_cad_kernel(step) -> None:
+    text = re.sub(r"\s+", "", step.read_text(encoding="ascii"))
+    assert "SI_UNIT(.CENTI.,.METRE.)" in text
+    assert text.count("MANIFOLD_SOLID_BREP(") == 1
+    points = {
+        k: np.array(v.split(","), float) for k, v in re.findall(r"#(\d+)=CARTESIAN_POINT\('',\(([^)]*)\)\)", text)
+    }
+    which = re.search(r"=GEOMETRIC_CURVE_SET\('',\(#(\d+)\)\)", text)[1]
+    basis = re.search(rf"#{which}=TRIMMED_CURVE\('',#(\d+),", text)[1]
+    degree, poles, count, knots = re.search(
+        rf"#{basis}=B_SPLINE_CURVE_WITH_KNOTS\('',(5),\(([^)]*)\),\.UNSPECIFIED\.,\.F\.,\.F\.,\(([^)]*)\),\(([^)]*)\)",
+        text,
+    ).groups()
+    t = np.repeat(np.array(knots.split(","), float), np.array(count.split(","), int))
+    curve = BSpline(t, np.array([points[k] for k in poles.replace("#", "").split(",")]), int(degree))
+    s = np.linspace(0, 20, 1001)
+    assert np.linalg.norm(curve(s) - rod(2e4, s).position, axis=-1).max() < 1e-6
+
+
+@pytest.mark.parametrize("length, size", [("nm", 1e-9), ("dm", 0.1), ("in", 0.0254)])
+def test_a_step_file_keeps_the_studys_unit(kernel, tmp_path, length, size) -> None:
+    ds = runner.run(loads(STUDY.format(length=length), default_name="moduli"))
+    export(ds, Wish(tmp_path / "rod.step", SOUND, centreline=True))
+    (edge,) = parts(kernel, shapes(kernel, tmp_path / "rod.step"), "EDGE")
+    properties = kernel.GProp_GProps()
+    kernel.BRepGProp.LinearProperties_s(edge, properties)
+    assert properties.Mass() == pytest.approx(20 * size / 1e-3, rel=1e-6)  # the reader's millimetres
+
+
+def test_a_step_file_is_no_nearer_than_it_says_and_needs_no_more_spans_than_that(ds, kernel, tmp_path) -> None:
+    fine = export(ds, Wish(tmp_path / "fine.step", SOUND, 1e-6, centreline=True)).told
+    rough = export(ds, Wish(tmp_path / "rough.step", SOUND, 1e-3, centreline=True)).told
+    assert rough["spans"] < fine["spans"]
+    assert rough["within"] <= 5e-4
+
+
+def test_no_solid_is_made_of_a_rod_that_cannot_be_one(ds, kernel, tmp_path) -> None:
+    with pytest.raises(InputError, match=r"bends with a radius of 0.22.* less than its own radius.*--centreline"):
+        export(ds, Wish(tmp_path / "rod.step", {"E": 5e3}, overlap=True))
+    with pytest.raises(InputError, match=r"passes through itself: at s = .*--overlap"):
+        export(ds, Wish(tmp_path / "rod.step", {"E": 1.07e4}))
+    assert list(tmp_path.iterdir()) == []
+    done = export(ds, Wish(tmp_path / "rod.step", {"E": 1.07e4}, overlap=True))
+    assert "passes through itself" in done.warnings[0]
+    assert done.told["volume"] == pytest.approx(VOLUME, rel=1e-8)
+
+
+def test_without_open_cascade_one_sentence_says_what_to_install(ds, tmp_path, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "OCP", None)
+    with pytest.raises(InputError, match=r"STEP files need Open Cascade.*rod-workbench\[cad\].*libgl1"):
+        export(ds, Wish(tmp_path / "rod.step", SOUND))
+    assert list(tmp_path.iterdir()) == []
+
+
+# meshes
+
+
+@pytest.mark.parametrize("kind, scale", [(".stl", 1.0), (".obj", 1.0), (".glb", 0.01), (".gltf", 0.01)])
+def test_a_mesh_is_closed_and_has_the_rods_volume(ds, tmp_path, kind, scale) -> None:
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed: pip install '.[test]'")
+    path = tmp_path / f"rod{kind}"
+    told = export(ds, Wish(path, SOUND, 5e-4)).told
+    mesh = trimesh.load(path, force="mesh", process=kind == ".stl")  # STL repeats its points
+    assert len(mesh.faces) == told["triangles"]
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    # positive: the faces look outward; the rings' chords are 1e-3 short at this tolerance, measured 4e-4
+    assert mesh.volume == pytest.approx(VOLUME * scale**3, rel=1e-3)
+
+
+def test_the_mesh_is_as_near_to_the_rod_as_asked(ds, tmp_path) -> None:
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed: pip install '.[test]'")
+    s = np.linspace(0, 20, 20001)
+    centre = rod(2e4, s).position
+    for tolerance in (5e-3, 5e-4):
+        path = tmp_path / f"{tolerance}.stl"
+        export(ds, Wish(path, SOUND, tolerance))
+        mesh = trimesh.load(path)
+        away = cKDTree(centre).query(np.concatenate([mesh.vertices, mesh.triangles.mean(axis=1)]))[0]
+        inner = away > 0.2  # not the two flat ends
+        off = np.abs(away[inner] - 0.25).max()
+        assert off <= tolerance
+        assert off > tolerance / 10  # no finer than it must be
+        assert len(mesh.faces) * tolerance < 40  # measured 31 at every tolerance: sides and rings each go as its root
+
+
+def test_gltf_has_the_scenes_two_colours_where_the_cylinder_pushes_and_where_not(ds, tmp_path) -> None:
+    import pyvista as pv
+
+    export(ds, Wish(tmp_path / "rod.glb", SOUND))
+    mesh = pv.read(tmp_path / "rod.glb").combine()
+    colours, count = np.unique(np.round(mesh.point_data["COLOR_0"], 4), axis=0, return_counts=True)
+    assert len(colours) == 2
+    blue = count[colours[:, 2].argmax()] / count.sum()
+    s = np.linspace(0, 20, 4001)
+    assert blue == pytest.approx((rod(2e4, s).push >= 0).mean(), abs=0.05)  # rings stand denser in bends
+    assert np.ptp(mesh.points[:, 1]) > 0.05  # the axis is up, in metres
+    away = np.hypot(mesh.points[:, 0], mesh.points[:, 2])
+    assert away.max() == pytest.approx(0.0125, rel=1e-3)  # rho + a
+
+
+def test_a_mesh_of_a_rod_that_meets_itself_is_written_and_said(ds, tmp_path) -> None:
+    done = export(ds, Wish(tmp_path / "rod.stl", {"E": 5e3}, 5e-3))
+    assert ["kappa a >= 1" in done.warnings[0], "passes through itself" in done.warnings[1]] == [True, True]
+    assert done.path.exists()
+
+
+# tables
+
+
+def test_a_csv_file_has_every_quantity_with_its_unit_as_the_solver_has_it(ds, tmp_path) -> None:
+    export(ds, Wish(tmp_path / "rod.csv", SOUND))
+    with (tmp_path / "rod.csv").open(encoding="utf-8", newline="") as file:
+        head, *rows = csv.reader(file)
+    table = dict(zip((name.split(" ")[0] for name in head), np.array(rows, float).T, strict=True))
+    units = dict(re.fullmatch(r"(\S+) \[(.*)\]", name).groups() for name in head)
+    assert (units["beta"], units["contact"], units["M1"], units["x"]) == ("rad", "N/cm", "N cm", "cm")
+    sol = rod(2e4, table["s"])
+    np.testing.assert_allclose(np.stack([table["x"], table["y"], table["z"]], -1), sol.position, atol=1e-9)
+    for name in ("beta", "dbeta", "alpha", "kappa", "F1", "F2", "F3", "FY", "contact", "M1", "M2", "h"):
+        # dbeta is found to 2e-9 and multiplied by forces of some tens of newtons
+        np.testing.assert_allclose(table[name], getattr(sol, name), atol=1e-6, err_msg=name)
+
+
+def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path) -> None:
+    import pyvista as pv
+
+    export(ds, Wish(tmp_path / "rod.vtp", SOUND))
+    shape = pv.read(tmp_path / "rod.vtp")
+    sol = rod(2e4, shape.point_data["s"])
+    np.testing.assert_allclose(shape.points, sol.position, atol=1e-9)
+    np.testing.assert_allclose(shape.point_data["tangent"], sol.tangent, atol=1e-9)
+    np.testing.assert_allclose(shape.point_data["contact"], sol.contact, atol=1e-6)
+    assert "contact: N/cm" in list(shape.field_data["units"])
+    assert shape.n_lines == 1
+
+
+def test_a_study_that_varies_the_angle_is_exported_with_the_one_along_the_rod(tmp_path) -> None:
+    axis = "[axes.beta]\nvalues = [15.0, 30.0]\nunit = 'deg'\n"
+    varied = runner.run(loads(STUDY.format(length="cm").partition("[axes.E]")[0] + axis, default_name="angles"))
+    export(varied, Wish(tmp_path / "rod.csv", exporting.asked(varied, ["beta=15deg"])))
+    with (tmp_path / "rod.csv").open() as file:
+        first = next(csv.DictReader(file))
+    assert float(first["beta [rad]"]) == pytest.approx(np.radians(15))
+
+
+# the command
+
+
+@pytest.fixture(scope="module")
+def folder(ds, tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("export")
+    store.write(ds, folder / "moduli.h5")
+    store.write(ds.assign(outcome=ds["outcome"].copy(data=["solved", "the march went astray", "solved"])),
+                folder / "gap.h5")  # fmt: skip
+    (folder / "there.csv").write_text("mine")
+    return folder
+
+
+REFUSED = {
+    "no kind": (["moduli.h5", "-o", "rod.iges"], "choose a name that ends in .step, .stp, .stl, .obj"),
+    "a file that is there": (["moduli.h5", "-o", "there.csv"], "there.csv exists; give --force to replace it"),
+    "an axis that is not there": (["moduli.h5", "--at", "R=1", "-o", "x.csv"], "no axis 'R'; choose from E"),
+    "a value that is none": (["moduli.h5", "--at", "E=x", "-o", "x.csv"], "its values are 5000, 10700, 20000"),
+    "a value off the axis": (["moduli.h5", "--at", "E=1", "-o", "x.csv"], "its values are 5000, 10700, 20000"),
+    "no pair": (["moduli.h5", "--at", "E", "-o", "x.csv"], "--at takes NAME=VALUE, got 'E'"),
+    "a case without a shape": (["gap.h5", "--at", "E=10700", "-o", "x.csv"], "no shape: the march went astray"),
+    "a tolerance of nothing": (["moduli.h5", "-o", "x.stl", "--tolerance", "0"], "--tolerance must be positive"),
+    "a tolerance out of reach": (["moduli.h5", "-o", "x.stl", "--tolerance", "1e-8"], "201 stations fix the rod"),
+    "triangles without end": (["moduli.h5", "-o", "x.stl", "--tolerance", "1e-6"], "give a larger --tolerance"),
+    "a curve where there is a mesh": (["moduli.h5", "-o", "x.stl", "--centreline"], "--centreline is for .step"),
+    "a folder that is a file": (["moduli.h5", "-o", "there.csv/x.csv"], "cannot write into the folder there.csv"),
+}
+
+
+@pytest.mark.parametrize("args, sentence", REFUSED.values(), ids=REFUSED)
+def test_one_sentence_status_2_and_nothing_written_for(args, sentence, folder, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(folder)
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    with pytest.raises(SystemExit) as end:
+        cli.main(["export", *args])
+    out, err = capsys.readouterr()
+    assert (end.value.code, out, len(err.splitlines())) == (2, "", 1), err
+    assert sentence in err
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_the_command_tells_what_it_chose_and_status_1_where_turns_meet(folder, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(folder)
+    for E, status in (("1.9e4", 0), ("1.07e4", 1)):
+        with pytest.raises(SystemExit) as end:
+            cli.main(["export", "moduli.h5", "--at", f"E={E}", "-o", str(tmp_path / f"{E}.glb")])
+        assert (end.value.code or 0) == status
+    out, err = capsys.readouterr()
+    assert "at E=20000" in out
+    assert "passes through itself" in err
+
+
+@pytest.mark.parametrize("at", ["write", "fsync", "replace"])
+def test_a_writer_that_fails_leaves_what_was_there(tmp_path, monkeypatch, at) -> None:
+    path = tmp_path / "rod.csv"
+    path.write_text("before")
+
+    def fails(*args: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    def work(aside: Path) -> None:
+        aside.write_text("half")
+        if at == "write":
+            fails()
+
+    if at != "write":
+        monkeypatch.setattr(exporting.os, at, fails)
+    with pytest.raises(InputError, match="No space left"):
+        exporting.put(path, work, force=True)
+    monkeypatch.undo()
+    assert [p.name for p in tmp_path.iterdir()] == ["rod.csv"]
+    assert path.read_text() == "before"
