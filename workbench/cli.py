@@ -63,6 +63,7 @@ Level = Annotated[
     ),
 ]
 Method = Annotated[str | None, typer.Option(help="auto, or the name of a method.")]
+Replace = Annotated[bool, typer.Option("--force", help="Replace a picture that is there.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
@@ -131,11 +132,12 @@ def check(file: File, json: Json = False) -> None:
 def plot(
     file: File,
     out: Annotated[Path | None, typer.Option(help="The picture; FILE.png where left out.")] = None,
+    force: Replace = False,
 ) -> None:
     """Developed curves, and observables against the axis with their laws."""
     from .drawing import plot_file
 
-    plot_file(file, out)
+    plot_file(file, out, force)
 
 
 @app.command()
@@ -143,14 +145,17 @@ def scene(
     file: File,
     at: Annotated[
         list[str] | None,
-        typer.Option(help="E=1.07e4 or beta=30deg: the stored case nearest to it on that axis."),
+        typer.Option(help="E=10905 or beta=30deg: a value of that axis, as exact as you write it."),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="The picture; FILE_scene.png where left out.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="The picture; FILE_scene.png or FILE_scene_E=10905.png where left out.")
+    ] = None,
+    force: Replace = False,
 ) -> None:
     """The rod on its cylinder in three dimensions, off-screen."""
     from .drawing import scene_file
 
-    raise typer.Exit(scene_file(file, at or [], out))
+    raise typer.Exit(scene_file(file, at or [], out, force))
 
 
 @app.command()
@@ -278,7 +283,7 @@ def equilibria(
     export: Annotated[
         Path | None, typer.Option(help="A folder: each equilibrium as a case that solve FILE reproduces.")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace a file that is not of equilibria.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace a picture, or another kind of file.")] = False,
     json: Json = False,
 ) -> None:
     """Every shape between two end angles under dead loads, lowest energy first, with its stability.

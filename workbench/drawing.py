@@ -1,33 +1,38 @@
 """The commands plot and scene: from a stored dataset to a picture."""
 
 import math
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 
 from solver.errors import InputError, choices, no_such
+from studies.angles import angle
 
 from . import console, dataset, store
 
 PLOTS = (".png", ".pdf", ".svg")
 SCENES = (".png", ".jpg")
+LOOSEST = 0.001  # of the value: what is written with one or two digits is not taken for less exact than that
 
 
-def plot_file(file: Path, out: Path | None) -> None:
+def plot_file(file: Path, out: Path | None, force: bool = False) -> None:
     """Draw a dataset's developed curves and observables. Raises `InputError`."""
     ds = store.read(file)
-    path = _picture(out or file.with_suffix(".png"), PLOTS)
+    path = free_picture(out or file.with_suffix(".png"), PLOTS, force)
     from . import plots
 
     plots.figure(ds, path)
     console.say(str(path))
 
 
-def scene_file(file: Path, at: list[str], out: Path | None) -> int:
+def scene_file(file: Path, at: list[str], out: Path | None, force: bool = False) -> int:
     """Draw a dataset's rod in three dimensions; 0, or 1 where this machine cannot. Raises `InputError`."""
     ds = store.read(file)
     where = chosen(ds, at)
-    path = _picture(out or file.with_name(f"{file.stem}_scene.png"), SCENES)
+    told = [f"{name}={_written(ds[name], value)}" for name, value in where.items()]
+    path = free_picture(out or file.with_name("_".join([file.stem, "scene", *told]) + ".png"), SCENES, force)
     from . import gl
 
     able, advice = gl.probe()
@@ -37,13 +42,12 @@ def scene_file(file: Path, at: list[str], out: Path | None) -> int:
     from . import scenes
 
     scenes.render(ds, path, where or None)
-    told = ", ".join(f"{name}={value:g}" for name, value in where.items())
-    console.say(f"{path}{f' at {told}' if told else ''}")
+    console.say(" at ".join([str(path), *([", ".join(told)] if told else [])]))
     return 0
 
 
 def chosen(ds: xr.Dataset, at: list[str]) -> dict[str, float]:
-    """The stored value nearest to each `E=1.07e4` or `beta=30deg`; `InputError` where there is none."""
+    """The stored value that each `E=10905` or `beta=30deg` means; `InputError` where there is none."""
     axes = dataset.axes_of(ds)
     found: dict[str, float] = {}
     for text in at:
@@ -52,27 +56,53 @@ def chosen(ds: xr.Dataset, at: list[str]) -> dict[str, float]:
             raise InputError(f"--at takes NAME=VALUE, got {text!r}")
         if name not in axes:
             raise no_such("axis", name, axes) if axes else InputError(f"--at {text}: the dataset has no axes")
-        found[name] = _nearest(ds[name], text, said)
+        if name in found:
+            raise InputError(f"--at {text}: {name} is given twice")
+        found[name] = _meant(ds[name], text, said)
     return found
 
 
-def _nearest(axis: xr.DataArray, text: str, said: str) -> float:
-    is_angle = axis.attrs.get("units") == "rad"
-    try:
-        value = math.radians(float(said[:-3])) if is_angle and said.endswith("deg") else float(said)
-    except ValueError:
-        raise InputError(f"--at {text}: {said!r} is not a number") from None
-    low, high = float(axis.min()), float(axis.max())
-    slack = 1e-9 * max(abs(low), abs(high))
-    if not low - slack <= value <= high + slack:
-        raise InputError(f"--at {text} is outside the axis, which goes from {low:.6g} to {high:.6g}")
-    return float(axis.sel({axis.name: value}, method="nearest"))
-
-
-def _picture(path: Path, kinds: tuple[str, ...]) -> Path:
+def free_picture(path: Path, kinds: tuple[str, ...], force: bool) -> Path:
+    """The path, of a kind that can be drawn and where nothing is yet (or `force`). Raises `InputError`."""
     if path.suffix.lower() not in kinds:
         raise InputError(f"cannot draw {path.name!r}: choose a name that ends in {choices(kinds)}")
     if path.is_dir():
         raise InputError(f"{path} is a folder; give the name of a file")
     store.check_parent(path)
+    if path.exists() and not force:
+        raise InputError(f"{path} exists; give --force to replace it")
     return path
+
+
+def _meant(axis: xr.DataArray, text: str, said: str) -> float:
+    """The one value of an axis that, rounded to as many digits as were given, is what was given."""
+    is_angle = axis.attrs.get("units") == "rad"
+    try:
+        value = angle(said) if is_angle else float(said)
+    except ValueError as error:
+        raise InputError(f"--at {text}: {error if is_angle else f'{said!r} is not a number'}") from None
+    away = np.abs(axis.values - value)
+    slack = max(1e-9 * np.abs(axis.values).max(), min(_half_digit(said), LOOSEST * abs(value)))
+    near = np.flatnonzero(away <= slack)
+    if near.size > 1:  # one of them may be it to the last digit
+        near = near[away[near] <= 1e-9 * np.abs(axis.values).max()]
+    if near.size != 1:
+        listed = ", ".join(_written(axis, float(v)) for v in axis.values)
+        raise InputError(f"--at {text}: the axis {axis.name} has no such value; its values are {listed}")
+    return float(axis.values[near[0]])
+
+
+def _half_digit(said: str) -> float:
+    """Half a unit in the last digit of a number as it is written, in rad where degrees are; 0 for pi/6."""
+    number, deg = (said.strip().removesuffix("deg"), True) if said.strip().endswith("deg") else (said.strip(), False)
+    try:
+        exponent = Decimal(number.strip()).as_tuple().exponent
+    except InvalidOperation:
+        return 0.0
+    half = 0.5 * 10.0**exponent if isinstance(exponent, int) else 0.0
+    return math.radians(half) if deg else half
+
+
+def _written(axis: xr.DataArray, value: float) -> str:
+    """A value of an axis as --at takes it."""
+    return f"{math.degrees(value):.6g}deg" if axis.attrs.get("units") == "rad" else f"{value:.6g}"

@@ -37,7 +37,7 @@ def run(
     case = with_fields(ends_of(study), options)
     if axis is not None and export is not None:
         raise InputError("--export writes the equilibria of one case, so it does not go with --axis")
-    picture = drawing._picture(plot, drawing.PLOTS) if plot else None
+    picture = drawing.free_picture(plot, drawing.PLOTS, force) if plot else None
     if out is not None and not force:
         store.check_free(out, "equilibria")
     if axis is not None:

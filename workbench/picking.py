@@ -8,13 +8,12 @@ import xarray as xr
 
 from solver.errors import InputError, no_such
 from studies import TABLE_1
-from studies.loader import loads
 
 from .dataset import axes_of
 
 
 def case(ds: xr.Dataset, at: Mapping[str, float] | None = None) -> dict[str, int]:
-    """The indices of the stored case nearest to `at`; axes left out are taken nearest to the study's base.
+    """The indices of the stored case nearest to `at`; axes left out are taken where the laws or Table 1 put them.
 
     Raises `InputError` for a name that is no axis, or a value outside one.
     """
@@ -51,12 +50,10 @@ def _nearest(axis: xr.DataArray, value: float) -> int:
 
 
 def _base(ds: xr.Dataset, name: str) -> int:
-    """The index nearest to where the laws, the study's base or Table 1 put an axis; else its middle."""
+    """The index nearest to where the laws or Table 1 put an axis; else its middle."""
     values = ds[name].values.astype(float)
     for row in json.loads(ds.attrs.get("laws", "[]")):
         if name in row.get("at", {}):
             return int(np.abs(values - row["at"][name]).argmin())
-    text = ds.attrs.get("study", "")
-    given = loads(text).base.given if text else {}
-    base = given.get(name, TABLE_1.get(name) if ds.attrs.get("reading") else None)
+    base = TABLE_1.get(name) if ds.attrs.get("reading") else None
     return values.size // 2 if base is None else int(np.abs(values - base).argmin())

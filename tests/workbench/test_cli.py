@@ -3,20 +3,24 @@
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 import xarray as xr
 
+from solver import InputError
 from studies import names
 from tests.workbench import small
-from workbench import cli, runner, store
+from workbench import cli, drawing, gl, runner, store
 
 ROOT = Path(__file__).parents[2]
 
@@ -213,8 +217,17 @@ REFUSED = {
     "an axis that is not there": (["scene", "small.h5", "--at", "Q=1"], "no axis 'Q'; choose from E, R"),
     "a value off the axis": (
         ["scene", "small.h5", "--at", "E=1"],
-        "outside the axis, which goes from 10000 to 20000",
+        "--at E=1: the axis E has no such value; its values are 10000, 20000",
     ),
+    "a value between two of the axis": (
+        ["scene", "small.h5", "--at", "E=1.07e4"],
+        "--at E=1.07e4: the axis E has no such value; its values are 10000, 20000",
+    ),
+    "the same axis twice": (["scene", "small.h5", "--at", "E=1e4", "--at", "E=2e4"], "E=2e4: E is given twice"),
+    "a picture that is there": (["plot", "small.h5", "--out", "there.png"], "there.png exists; give --force to"),
+    "a scene that is there": (["scene", "small.h5", "--out", "there.png"], "there.png exists; give --force to"),
+    "a picture of equilibria that is there": (["equilibria", "--plot", "there.png"], "there.png exists; give --force"),
+    "a picture in no folder": (["plot", "small.h5", "--out", "no/x.png"], "there is no folder no"),
     "a value that is none": (["scene", "small.h5", "--at", "E=x"], "'x' is not a number"),
     "a picture of no kind": (
         ["plot", "small.h5", "--out", "x.doc"],
@@ -252,6 +265,38 @@ REFUSED = {
 }
 
 
+def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_written() -> None:
+    values = {"E": [9962.0, 10700.4, 10905.0773], "beta": [0.0, math.radians(27.1875), math.pi / 6]}
+    ds = xr.Dataset(
+        {"outcome": (("E", "beta"), np.full((3, 3), "solved"))},
+        {"E": ("E", values["E"], {"units": "N/cm^2"}), "beta": ("beta", values["beta"], {"units": "rad"})},
+    )
+    for text, which in (("1.07e4", 1), ("10905", 2), ("10905.0773", 2), ("9960", None), ("1e4", None), ("10905.1", 2)):
+        if which is None:
+            with pytest.raises(InputError, match=re.escape("its values are 9962, 10700.4, 10905.1")):
+                drawing.chosen(ds, [f"E={text}"])
+        else:
+            assert drawing.chosen(ds, [f"E={text}"]) == {"E": values["E"][which]}
+    for text, which in (("0deg", 0), ("27.2deg", 1), ("pi/6", 2), ("30deg", 2), ("0.5236", 2), ("27deg", None)):
+        if which is None:
+            with pytest.raises(InputError, match=re.escape("its values are 0deg, 27.1875deg, 30deg")):
+                drawing.chosen(ds, [f"beta={text}"])
+        else:
+            assert drawing.chosen(ds, [f"beta={text}"]) == {"beta": values["beta"][which]}
+
+
+def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stored, tmp_path, monkeypatch) -> None:
+    drawn = []
+    monkeypatch.setattr(gl, "probe", lambda: (True, ""))
+    scenes = SimpleNamespace(render=lambda ds, path, at: drawn.append(path))
+    monkeypatch.setitem(sys.modules, "workbench.scenes", scenes)
+    for at in ([], ["E=1e4"], ["E=2e4", "R=0.75"]):
+        assert drawing.scene_file(stored, at, None) == 0
+    assert [path.name for path in drawn] == [
+        "small_scene.png", "small_scene_E=10000.png", "small_scene_E=20000_R=0.75.png",
+    ]  # fmt: skip
+
+
 @pytest.fixture(scope="module")
 def crowded(stored) -> Path:
     """A folder with a good file and some bad ones."""
@@ -261,6 +306,7 @@ def crowded(stored) -> Path:
     huge = small.TEXT[: small.TEXT.index("[axes.E]")] + axis.format("E") + axis.format("R")
     (folder / "huge.toml").write_text(huge)
     (folder / "one.toml").write_text(small.HEAD)
+    (folder / "there.png").write_bytes(b"mine")
     (folder / "typo.toml").write_text('title = "t"\nreadin = "shear"\n')
     return folder
 
