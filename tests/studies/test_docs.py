@@ -3,9 +3,11 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from solver.observables import OBSERVABLES
+from solver import solve
+from solver.observables import OBSERVABLES, observe
 from studies.axes import FORCES, LENGTHS
 from studies.loader import loads
 from studies.model import OUTPUTS
@@ -23,6 +25,17 @@ def test_there_are_examples() -> None:
 @pytest.mark.parametrize("example", WHOLE, ids=lambda text: text.splitlines()[0])
 def test_each_whole_example_is_a_study(example: str) -> None:
     loads(example).case()
+
+
+def test_the_pipe_in_the_borehole_buckles_as_lubinski_says_and_not_into_a_knot() -> None:
+    (text,) = [example for example in WHOLE if "borehole" in example]
+    sol = solve(loads(text).case(), stations=101)
+    helix = np.arcsin(np.sqrt(-sol.FZ * sol.case.rho**2 / (2 * sol.case.rod.bending_stiffness)))
+    # Lubinski's force is the helix's own over its cosine, which is within 1e-4 of 1
+    np.testing.assert_allclose(np.abs(sol.beta[:, 50]), helix, rtol=1e-4)
+    seen = observe(sol, ["kappa_max", "overlaps"])
+    assert (seen["kappa_max"] * sol.case.rod.a < 1e-3).all()
+    assert not seen["overlaps"].any()
 
 
 def test_the_example_of_following_is_a_study_with_a_head() -> None:
