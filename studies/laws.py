@@ -29,6 +29,7 @@ DIRECTIONS = {"rises": (1, False), "falls": (-1, False), "not-falling": (1, True
 COUNTS = frozenset({"turns", "loops", "overlaps", "index"})  # observables that are whole numbers
 
 TREND_TAU = 0.8
+FEW = 256  # values whose pairs are all looked at
 NOISE = 1e-9  # of the largest value; a smaller step is none, as the solver's own tolerance is 1e-8
 
 
@@ -106,12 +107,27 @@ def judge(values: ArrayLike, direction: str, count: bool | None = None) -> Verdi
 
 def _tau(row: NDArray[np.float64], sign: int, noise: float) -> float | None:
     """Kendall's tau-b of a row against its order, times the sign; differences within the noise are ties."""
-    i, j = np.triu_indices(row.size, 1)
-    steps = row[j] - row[i]
-    steps = steps[np.abs(steps) > noise]
-    if steps.size == 0:
+    rising, falling = _pairs(row, noise)
+    if rising + falling == 0:
         return None
-    return float(sign * np.sign(steps).sum() / np.sqrt(i.size * steps.size))
+    pairs = row.size * (row.size - 1) // 2
+    return float(sign * (rising - falling) / np.sqrt(float(pairs) * (rising + falling)))
+
+
+def _pairs(row: NDArray[np.float64], noise: float) -> tuple[int, int]:
+    """How many pairs of a row rise, and how many fall, by more than the noise; halves are sorted, so that a row may be
+    a million long.
+    """
+    if row.size <= FEW:
+        i, j = np.triu_indices(row.size, 1)
+        steps = row[j] - row[i]
+        return int(np.count_nonzero(steps > noise)), int(np.count_nonzero(steps < -noise))
+    left, right = row[: row.size // 2], row[row.size // 2 :]
+    ordered = np.sort(left)
+    rising = int(np.searchsorted(ordered, right - noise, side="left").sum())
+    falling = left.size * right.size - int(np.searchsorted(ordered, right + noise, side="right").sum())
+    (rl, fl), (rr, fr) = _pairs(left, noise), _pairs(right, noise)
+    return rising + rl + rr, falling + fl + fr
 
 
 def worst(verdicts: Sequence[str]) -> str:

@@ -129,6 +129,14 @@ def check(file: File, json: Json = False) -> None:
 
 
 @app.command()
+def summary(file: File, json: Json = False) -> None:
+    """What a stored study holds: axes, observables, outcomes, the worst error, laws, versions."""
+    from .summary import summarise
+
+    raise typer.Exit(summarise(file, json))
+
+
+@app.command()
 def plot(
     file: File,
     out: Annotated[Path | None, typer.Option(help="The picture; FILE.png where left out.")] = None,

@@ -205,6 +205,17 @@ def laws(ds: xr.Dataset, path: str | Path = "the dataset") -> list[Law]:
         raise InputError(f"{path}: the attribute laws is no list of laws in JSON") from None
 
 
+def versions(ds: xr.Dataset, path: str | Path = "the dataset") -> dict[str, str]:
+    """What the dataset was made with, package -> version; `InputError` where the attribute says nothing of the kind."""
+    try:
+        found = json.loads(ds.attrs["versions"])
+    except (KeyError, ValueError, TypeError, RecursionError):
+        found = None
+    if not isinstance(found, dict):
+        raise InputError(f"{path}: the attribute versions is no table in JSON")
+    return {str(name): str(number) for name, number in found.items()}
+
+
 def _shown(value: object) -> str:
     """A value from a file as a message may show it: on one line, and not endless."""
     text = repr(value)

@@ -131,3 +131,22 @@ def test_a_law_on_what_is_not_there_is_refused() -> None:
         decide(LAW, {"wraps": [1.0]}, {"E": [1.0]})
     with pytest.raises(InputError, match="no axis 'E'; choose from R"):
         decide(LAW, {"turns": [1]}, {"R": [1.0]})
+
+
+@pytest.mark.parametrize("size", [257, 1000, 2500])
+def test_the_trend_of_a_long_row_is_kendalls_tau(size: int) -> None:
+    random = np.random.default_rng(size)
+    measured = np.arange(size) + random.normal(0, size / 4, size)
+    counted = np.round(measured / 50)  # many ties
+    for row in (measured, counted):
+        ours = judge(row, "rises").tau
+        theirs = kendalltau(np.arange(size), row).statistic  # tau-b as well
+        assert ours == pytest.approx(theirs, rel=1e-12)  # rounding of one division
+
+
+def test_a_row_too_long_for_all_its_pairs_is_judged() -> None:
+    row = np.arange(2e5)
+    row[[10, 20]] = row[[20, 10]]
+    verdict = judge(row, "rises")
+    assert (verdict.verdict, len(verdict.exceptions)) == (TREND, 2)
+    assert verdict.tau == pytest.approx(1, abs=1e-8)  # 19 wrong pairs of 2e10
