@@ -3,18 +3,29 @@
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 import tomli_w
 from numpy.typing import NDArray
 
 from .model import Study
 
 
-def dumps(study: Study, values: Mapping[str, NDArray[Any]] | None = None) -> str:
-    """A TOML text that is read as the same study; values: (n,) in rad, in place of what axes say.
+def dumps(study: Study, axes: Mapping[str, Mapping[str, Any]] | None = None) -> str:
+    """A TOML text that is read as the same study; axes: tables in place of what the study says of them, as of `told`.
 
     Comments of the text that the study came from are not in it.
     """
     said = study.model_dump(by_alias=True, exclude_unset=True, exclude_none=True)
-    for name, row in (values or {}).items():
-        said["axes"][name] = {"values": [float(value) for value in row]}
-    return tomli_w.dumps(said)
+    return tomli_w.dumps({**said, "axes": {**said["axes"], **axes}} if axes else said)
+
+
+def told(values: NDArray[np.float64]) -> dict[str, Any]:
+    """The table of an axis that has these values, (n,), to the bit: from, to and count where that gives them."""
+    first, last, count = float(values[0]), float(values[-1]), values.size
+    if count > 2:
+        even = {"from": first, "to": last, "count": count}
+        if np.array_equal(np.linspace(first, last, count), values):
+            return even
+        if first * last > 0 and np.array_equal(np.geomspace(first, last, count), values):
+            return {**even, "spacing": "geometric"}
+    return {"values": [float(value) for value in values]}

@@ -137,6 +137,19 @@ def summary(file: File, json: Json = False) -> None:
 
 
 @app.command()
+def merge(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Stored datasets of one study, two or more.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The file to store.")],
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that is not this study's.")] = False,
+    json: Json = False,
+) -> None:
+    """Join studies that extend one another along one axis; exit status 1 where a law then fails."""
+    from .merge import merge_files
+
+    raise typer.Exit(merge_files(files, out, force, json))
+
+
+@app.command()
 def plot(
     file: File,
     out: Annotated[Path | None, typer.Option(help="The picture; FILE.png where left out.")] = None,

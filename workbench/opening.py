@@ -77,6 +77,15 @@ def refusing(path: str | Path) -> Iterator[None]:
         raise InputError(f"{path} cannot be read as HDF5: {why}") from None
 
 
+@contextmanager
+def reading(path: str | Path) -> Iterator[None]:
+    """As `refusing`, for numbers that are read after the file was opened: only what HDF5 itself raises."""
+    try:
+        yield
+    except (OSError, RuntimeError, UnicodeDecodeError):
+        raise InputError(f"{path} cannot be read to its end: it is damaged or cut short") from None
+
+
 def _check_file(path: Path) -> None:
     """A regular file that may be read; a pipe would keep a reader waiting for ever."""
     try:

@@ -25,16 +25,21 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
         check_free(path, str(ds.attrs["study_name"]))
     aside = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        ds.to_netcdf(aside, engine="h5netcdf", encoding=_encoding(ds), invalid_netcdf=False)
-        _flush(aside)
-        os.replace(aside, path)
-        _flush(path.parent)
+        ds.to_netcdf(aside, engine="h5netcdf", encoding=encoding(ds), invalid_netcdf=False)
+        replace(aside, path)
     except OSError as error:
         raise InputError(f"cannot write {path}: {error.strerror or error}") from None
     finally:
         with contextlib.suppress(OSError):
             aside.unlink(missing_ok=True)
     return path
+
+
+def replace(aside: Path, path: Path) -> None:
+    """Put a file that is whole in the place of another. Raises `OSError`."""
+    _flush(aside)
+    os.replace(aside, path)
+    _flush(path.parent)
 
 
 def read(path: str | Path) -> xr.Dataset:
@@ -91,7 +96,7 @@ def check_folder(folder: str | Path) -> Path:
     return folder
 
 
-def _encoding(ds: xr.Dataset) -> dict[str, dict[str, Any]]:
+def encoding(ds: xr.Dataset) -> dict[str, dict[str, Any]]:
     """gzip 1 and shuffle for arrays of numbers; scalars and text cannot be packed."""
     packed = {"zlib": True, "complevel": 1, "shuffle": True}
     return {str(name): packed for name, v in ds.variables.items() if v.ndim and v.dtype.kind in "iuf"}

@@ -2,8 +2,6 @@
 
 import os
 from collections import Counter
-from collections.abc import Iterator
-from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ from solver.observables import OBSERVABLES
 from studies.model import OUTPUTS
 
 from . import check, console, dataset, opening
+from .joining import blocks
 
 BLOCK = 100_000  # cases that are read at a time
 DISTINCT = 100  # outcomes told apart
@@ -36,7 +35,7 @@ def summary(path: Path) -> dict[str, Any]:
 
     Memory: one number a case, for one observable at a time.
     """
-    with opening.opened(path) as ds, opening.refusing(path):
+    with opening.opened(path) as ds, opening.reading(path):
         told: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
         told |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
         told |= {"tolerance": opening.number(ds, "tolerance"), "format": int(ds.attrs.get("format", dataset.FORMAT))}
@@ -55,19 +54,6 @@ def summary(path: Path) -> dict[str, Any]:
     return told
 
 
-def blocks(variable: xr.DataArray | xr.Variable, most: int = BLOCK) -> Iterator[tuple[slice, ...]]:
-    """Slices that together cover an array in its order, each of at most so many numbers."""
-    shape = variable.shape
-    inner = next(k for k in range(len(shape) + 1) if prod(shape[k + 1 :]) <= most)
-    if inner >= len(shape):
-        yield ()
-        return
-    step = max(1, most // prod(shape[inner + 1 :]))
-    for outer in np.ndindex(*shape[:inner]):
-        for start in range(0, shape[inner], step):
-            yield (*(slice(i, i + 1) for i in outer), slice(start, start + step))
-
-
 def _axis(axis: xr.DataArray) -> dict[str, Any]:
     values = axis.values
     ends = {"count": int(values.size), "from": float(values.min()), "to": float(values.max())}
@@ -77,7 +63,7 @@ def _axis(axis: xr.DataArray) -> dict[str, Any]:
 def _outcomes(variable: xr.DataArray) -> Counter[str]:
     """How often each outcome occurs; those beyond the first hundred kinds are counted together."""
     found: Counter[str] = Counter()
-    for where in blocks(variable):
+    for where in blocks(variable.shape, BLOCK):
         for text, count in Counter(variable[where].values.ravel().tolist()).items():
             kept = str(text) in found or len(found) < DISTINCT
             solved = "solved" if str(text).startswith("solved") else "failed"
@@ -89,7 +75,7 @@ def _numbers(variable: xr.DataArray) -> NDArray[np.float64]:
     """All the values of one number a case, (cases,)."""
     values = np.empty(variable.size)
     begin = 0
-    for where in blocks(variable):
+    for where in blocks(variable.shape, BLOCK):
         part = variable[where].values.ravel()
         values[begin : begin + part.size] = part
         begin += part.size

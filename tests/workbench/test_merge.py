@@ -1,0 +1,210 @@
+"""Studies that extend one another along an axis are one study, and what is not alike is named."""
+
+import json
+import os
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import InputError
+from studies.loader import loads
+from tests.workbench import small
+from workbench import dataset, joining, merge, runner, store
+
+RADII = "[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
+LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "E"\ndirection = "falls"\nsource = "s"\n'
+# The values of E of some files, and of their union.
+SPLITS = {
+    "one after the other": ([[1e4, 2e4], [3e4, 4e4]], [1e4, 2e4, 3e4, 4e4]),
+    "interleaved, in no order": ([[4e4, 1e4], [3e4, 2e4]], [1e4, 2e4, 3e4, 4e4]),
+    "one value each": ([[2e4], [1e4]], [1e4, 2e4]),
+    "three files that overlap": ([[1e4, 2e4], [2e4, 3e4], [3e4, 4e4]], [1e4, 2e4, 3e4, 4e4]),
+}
+# An axis for every way in which a field of the case is stored.
+AXES = {
+    "E": ([[1e4, 2e4], [3e4]], [1e4, 2e4, 3e4]),
+    "R": ([[0.5], [0.75]], [0.5, 0.75]),
+    "L": ([[10.0], [15.0, 20.0]], [10.0, 15.0, 20.0]),
+    "beta": ([[0.4, 0.5], [0.3]], [0.3, 0.4, 0.5]),
+    "a": ([[0.2], [0.25]], [0.2, 0.25]),
+}
+
+
+def axis(name: str, values: list[float]) -> str:
+    return f"[axes.{name}]\nvalues = {values}\n"
+
+
+HEAD = 'observables = ["turns"]\noutputs = ["beta", "position"]'
+
+
+def one_by_one(text: str) -> xr.Dataset:
+    """A study's dataset by a method that marches: a case's last bits do not depend on those it is solved with."""
+    return runner.run(small.study(text, HEAD), tol=1e-3, method="verlet")
+
+
+def stored(tmp_path, *datasets: xr.Dataset):
+    return [store.write(ds, tmp_path / f"{i}.h5", force=True) for i, ds in enumerate(datasets)]
+
+
+def assert_same(merged: xr.Dataset, whole: xr.Dataset) -> None:
+    """Bit for bit, with kinds, dimensions and labels; the attributes but for those that tell where it came from."""
+    apart = {"study", "created", "merged"}
+    attrs = {key: value for key, value in merged.attrs.items() if key not in apart}
+    assert attrs == {key: value for key, value in whole.attrs.items() if key not in apart}
+    xr.testing.assert_identical(merged.drop_attrs(deep=False), whole.drop_attrs(deep=False))
+    assert_same_kinds(merged, whole)
+
+
+def assert_same_kinds(merged: xr.Dataset, whole: xr.Dataset) -> None:
+    for name, variable in whole.variables.items():
+        assert merged[name].dims == variable.dims, name
+        assert merged[name].dtype.kind == variable.dtype.kind, name
+
+
+@pytest.mark.parametrize("split", SPLITS)
+def test_what_is_joined_is_what_one_run_of_all_values_stores(split: str, tmp_path) -> None:
+    parts, union = SPLITS[split]
+    files = stored(tmp_path, *(one_by_one(axis("E", values) + RADII + LAW) for values in parts))
+    done = merge.merge(files, tmp_path / "all.h5")
+    assert (done["axis"], done["values"], done["cases"]) == ("E", len(union), 3 * len(union))
+    with xr.open_dataset(tmp_path / "all.h5") as merged:
+        assert_same(merged.load(), one_by_one(axis("E", union) + RADII + LAW))
+
+
+@pytest.mark.parametrize("name", AXES)
+def test_an_axis_of_any_field_can_be_joined_first_or_last(name: str, tmp_path) -> None:
+    parts, union = AXES[name]
+    other = axis("F3", [5.0, 10.0])
+    before, after = ("", other) if name in "ER" else (other, "")
+    solved = [runner.run(small.study(before + axis(name, row) + after, HEAD)) for row in (*parts, union)]
+    merge.merge(stored(tmp_path, *solved[:-1]), tmp_path / "all.h5", force=True)
+    with xr.open_dataset(tmp_path / "all.h5") as merged:
+        # the tolerance of 1e-8 times condition: a case is not solved with the same neighbours in all of them
+        xr.testing.assert_allclose(merged.drop_vars("error"), solved[-1].drop_vars("error"), rtol=1e-6, atol=1e-6)
+        assert_same_kinds(merged, solved[-1])
+
+
+def test_the_text_of_the_study_has_all_values_and_makes_the_same_case(tmp_path) -> None:
+    degrees = "[axes.beta]\nvalues = [{}]\nunit = 'deg'\n"
+    files = stored(tmp_path, *(one_by_one(degrees.format(v)) for v in ("15, 30", "20")))
+    merge.merge(files, tmp_path / "all.h5")
+    ds = store.read(tmp_path / "all.h5")
+    again = loads(ds.attrs["study"])
+    np.testing.assert_array_equal(again.coordinates()["beta"], ds["beta"])
+    np.testing.assert_allclose(ds["beta"], np.deg2rad([15, 20, 30]), rtol=1e-15)  # rounding
+    np.testing.assert_array_equal(ds.rod.case.given.beta, ds["beta"])
+    assert [row["beta"] for row in json.loads(ds.attrs["merged"])] == [2, 1]
+
+
+def test_values_that_are_evenly_spaced_are_told_so(tmp_path) -> None:
+    halves = "[axes.E]\nfrom = {}\nto = {}\ncount = 4\n"
+    files = stored(tmp_path, *(one_by_one(halves.format(a, b)) for a, b in ((1e4, 1.75e4), (2e4, 2.75e4))))
+    merge.merge(files, tmp_path / "all.h5")
+    text = store.read(tmp_path / "all.h5").attrs["study"]
+    assert "from = 10000.0\nto = 27500.0\ncount = 8" in text
+
+
+def test_a_law_is_judged_again_on_all_values(tmp_path) -> None:
+    falling, rising = one_by_one(axis("E", [1e4, 2e4]) + LAW), one_by_one(axis("E", [3e4, 4e4]) + LAW)
+    assert merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")["laws"][0]["verdict"] == "holds"
+    rising["turns"][:] = 99
+    done = merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")
+    assert (done["laws"][0]["verdict"], done["status"]) == ("fails", 1)
+
+
+def test_unsolved_cases_of_one_file_make_whole_numbers_of_the_other_real(tmp_path) -> None:
+    good, bad = one_by_one(axis("E", [1e4])), one_by_one(axis("E", [2e4]))
+    bad["outcome"][:] = "failed: on purpose"
+    bad["turns"] = bad["turns"].astype(float) * np.nan
+    done = merge.merge(stored(tmp_path, good, bad), tmp_path / "all.h5")
+    assert (done["unsolved"], done["status"]) == (1, 1)
+    assert np.isnan(store.read(tmp_path / "all.h5")["turns"].values).tolist() == [False, True]
+
+
+E1, E2 = axis("E", [1e4, 2e4]), axis("E", [3e4])
+DIFFERENT = {
+    "the axes: E and E, R": (E1, E2 + RADII, {}),
+    "the reading: force-first/tension/paper and force-first/tension/solid": (E1, E2, {"reading": "solid"}),
+    "the tolerance: 0.001 and 0.01": (E1, E2, {"tol": 1e-2}),
+    "the method: verlet and orbit": (E1, E2, {"method": "orbit"}),
+    "base.L: 20.0 and 10.0": (E1, E2 + "[base]\nL = 10.0\n", {}),
+    "the side: outside and inside": (E1, E2 + "[base]\nside = 'inside'\n", {}),
+    "the stations: 21 and 11": (E1, E2, {"stations": 11}),
+    "what is stored: a has beta, which b has not": (E1, E2, {"head": HEAD.replace("beta", "h")}),
+    "laws: ": (E1 + LAW, E2 + LAW.replace("falls", "rises"), {}),
+    "the files differ along E and R; join along one": (E1 + axis("R", [0.5]), E2 + axis("R", [0.6]), {}),
+    "there is nothing to join: .* have the same values of E": (E1, E1, {}),
+    "there is nothing to join: .* have one case each, and no axis": ("", "", {}),
+    "E = 20000.0 and 20000.00000000002 differ in their last digits only": (E1, axis("E", [20000.00000000002]), {}),
+}
+
+
+def different(text: str, reading=None, tol=1e-3, method="verlet", stations=None, head="") -> xr.Dataset:
+    study = small.study(text, head or HEAD).under(reading)
+    return runner.run(study.model_copy(update={"stations": stations or study.stations}), tol, method)
+
+
+@pytest.mark.parametrize("sentence", DIFFERENT)
+def test_what_is_not_alike_is_named(sentence: str, tmp_path) -> None:
+    first, second, how = DIFFERENT[sentence]
+    files = stored(tmp_path, different(first), different(second, **how))
+    sentence = sentence.replace("a has beta, which b has not", f"{files[0]} has beta, which {files[1]} has not")
+    with pytest.raises(InputError, match=sentence) as refusal:
+        merge.merge(files, tmp_path / "all.h5")
+    assert "\n" not in str(refusal.value)
+    assert sorted(os.listdir(tmp_path)) == ["0.h5", "1.h5"]
+
+
+def test_the_same_case_with_other_numbers_is_refused_and_nothing_is_left_behind(tmp_path) -> None:
+    a, b = one_by_one(axis("E", [1e4, 2e4])), one_by_one(axis("E", [2e4, 3e4]))
+    b["position"][0, 20, 2] += 1e-12
+    files = stored(tmp_path, a, b)
+    with pytest.raises(
+        InputError, match=f"{files[0]} and {files[1]} both hold E = 20000, but with other values of position"
+    ):
+        merge.merge(files, tmp_path / "all.h5")
+    assert sorted(os.listdir(tmp_path)) == ["0.h5", "1.h5"]
+
+
+def test_one_file_a_followed_study_and_a_place_that_is_taken_are_refused(tmp_path) -> None:
+    files = stored(tmp_path, one_by_one(E1), one_by_one(E2))
+    with pytest.raises(InputError, match="two files or more, got 1"):
+        merge.merge(files[:1], tmp_path / "all.h5")
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(InputError, match="is no dataset of a study; give --force"):
+        merge.merge(files, tmp_path / "mine.txt")
+    with pytest.raises(InputError, match="there is no folder"):
+        merge.merge(files, tmp_path / "absent" / "all.h5")
+    follow = '[axes.betaL]\nfollow = true\nto = {}\ncount = 3\nunit = "deg"\n'
+    followed = [runner.run(small.study(follow.format(to))) for to in (50, 60)]
+    with pytest.raises(InputError, match="follows an equilibrium up to its fold"):
+        merge.merge(stored(tmp_path, *followed), tmp_path / "all.h5")
+
+
+def test_a_file_may_be_joined_into_itself(tmp_path) -> None:
+    files = stored(tmp_path, one_by_one(E1), one_by_one(E2))
+    merge.merge(files, files[0])
+    assert store.read(files[0])["E"].values.tolist() == [1e4, 2e4, 3e4]
+
+
+def test_small_blocks_write_the_same_bits_as_large_ones(tmp_path, monkeypatch) -> None:
+    parts = one_by_one(axis("E", [1e4, 3e4]) + RADII), one_by_one(axis("E", [2e4, 3e4, 4e4]) + RADII)
+    files = stored(tmp_path, *parts)
+    merge.merge(files, tmp_path / "large.h5")
+    for most in (7, 50):
+        monkeypatch.setattr(joining, "BLOCK", most)
+        merge.merge(files, tmp_path / "small.h5")
+        with xr.open_dataset(tmp_path / "large.h5") as large, xr.open_dataset(tmp_path / "small.h5") as little:
+            xr.testing.assert_identical(large.drop_attrs(deep=False), little.drop_attrs(deep=False))
+
+
+def test_versions_that_differ_are_both_kept(tmp_path) -> None:
+    a, b = one_by_one(E1), one_by_one(E2)
+    b.attrs["versions"] = json.dumps({**json.loads(b.attrs["versions"]), "numpy": "1.0"})
+    merge.merge(stored(tmp_path, a, b), tmp_path / "all.h5")
+    with h5py.File(tmp_path / "all.h5") as file:
+        told = json.loads(file.attrs["versions"])
+    assert told["numpy"] == f"{dataset.versions()['numpy']}, 1.0"
+    assert told["scipy"] == dataset.versions()["scipy"]
