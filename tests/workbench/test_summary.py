@@ -1,0 +1,93 @@
+"""`workbench summary`: what the file holds, told from its numbers, however it is cut into blocks."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from tests.workbench import small
+from workbench import cli, console, joining, runner, store, summary
+
+AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
+LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
+
+
+@pytest.fixture
+def file(tmp_path):
+    """A file of six cases, one of them unsolved and one with a large error."""
+    ds = runner.run(small.study(AXES + LAW, 'observables = ["wraps"]\noutputs = ["beta", "z"]'))
+    ds["outcome"] = ds["outcome"].astype(object)
+    ds["outcome"][0, 1] = "failed: on purpose"
+    for name in ("wraps", "kappa_max"):
+        ds[name][0, 1] = np.nan
+    ds["error"][1, 2] = 0.5
+    return store.write(ds, tmp_path / "small.h5"), ds
+
+
+def test_it_tells_axes_observables_outcomes_the_worst_case_and_laws(file) -> None:
+    path, ds = file
+    told = summary.summary(path)
+    assert told["axes"] == [
+        {"name": "E", "count": 2, "from": 1e4, "to": 2e4, "units": "N/cm^2"},
+        {"name": "R", "count": 3, "from": 0.5, "to": 1.0, "units": "cm"},
+    ]
+    assert (told["cases"], told["unsolved"]) == (6, 1)
+    assert told["outcomes"] == {"solved": 5, "failed: on purpose": 1}
+    assert (told["along"], told["stations"]) == (["beta", "z"], 21)
+    (row,) = [row for row in told["observables"] if row["name"] == "kappa_max"]
+    values = ds["kappa_max"].values
+    assert (row["min"], row["median"], row["max"]) == (np.nanmin(values), np.nanmedian(values), np.nanmax(values))
+    assert (row["units"], row["missing"]) == ("1/cm", 1)
+    assert told["worst"][0] == {"name": "error", "value": 0.5, "at": {"E": 2e4, "R": 1.0}}
+    assert told["laws"][0]["verdict"] == "fails"
+    assert "1 of 3 cases unsolved" in told["laws"][0]["said"]
+    assert (told["tolerance"], told["method"], told["bytes"]) == (1e-8, ds.attrs["method"], path.stat().st_size)
+
+
+@pytest.mark.parametrize("most", [1, 2, 4])
+def test_small_blocks_tell_the_same(file, most: int, monkeypatch) -> None:
+    path, _ = file
+    whole = summary.summary(path)
+    monkeypatch.setattr(summary, "BLOCK", most)
+    assert summary.summary(path) == whole
+
+
+@pytest.mark.parametrize("shape", [(), (7,), (3, 4), (1, 1, 9), (2, 3, 4)])
+@pytest.mark.parametrize("most", [1, 5, 12, 100])
+def test_blocks_cover_an_array_once_and_in_order(shape: tuple[int, ...], most: int) -> None:
+    array = np.arange(np.prod(shape, dtype=int)).reshape(shape)
+    parts = [array[where].ravel() for where in joining.blocks(shape, most)]
+    np.testing.assert_array_equal(np.concatenate(parts), array.ravel())
+    assert max(part.size for part in parts) <= most
+
+
+def test_many_kinds_of_failure_are_told_together(file, tmp_path, monkeypatch) -> None:
+    _, ds = file
+    ds["outcome"][:] = [["solved", "failed: 1", "failed: 2"], ["failed: 3", "failed: 1", "solved, barely"]]
+    monkeypatch.setattr(summary, "DISTINCT", 2)
+    told = summary.summary(store.write(ds, tmp_path / "many.h5"))
+    assert told["unsolved"] == 4
+    assert told["outcomes"] == {"failed: 1": 2, "failed (others)": 2, "solved": 1, "solved (others)": 1}
+
+
+def test_a_single_case_is_told_too(tmp_path) -> None:
+    told = summary.summary(store.write(runner.run(small.study()), tmp_path / "one.h5"))
+    assert (told["axes"], told["cases"], told["worst"][0]["at"]) == ([], 1, {})
+
+
+def test_the_command_prints_it_for_people_and_for_programs(file) -> None:
+    path, _ = file
+    run = CliRunner().invoke(cli.app, ["summary", str(path), "--json"])
+    assert run.exit_code == 0
+    assert json.loads(run.stdout) == json.loads(json.dumps(console._finite(summary.summary(path))))
+
+
+def test_what_people_are_shown_has_every_part(file, capsys) -> None:
+    path, _ = file
+    assert summary.summarise(path, json=False) == 0
+    shown = capsys.readouterr().out
+    worst = "largest error: 0.5 at E = 20000, R = 1"
+    counts = ("6 cases, 1 unsolved", "1 x failed: on purpose", worst, "kappa_max falls along R")
+    for part in (*counts, "kappa_max", "N/cm^2", "tolerance 1e-08", "format 1", "numpy"):
+        assert part in shown, part
