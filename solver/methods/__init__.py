@@ -10,6 +10,8 @@ from .lsoda import LSODA
 from .orbit import ORBIT
 from .rk4 import RK4
 from .shooting import SHOOTING
+from .swing import INSTALLED as COMPILED
+from .swing import SWING
 from .verlet import VERLET
 
 METHODS: dict[str, Method] = {
@@ -22,6 +24,7 @@ METHODS: dict[str, Method] = {
     "shooting": SHOOTING,
     "difference": DIFFERENCE,
     "collocation": COLLOCATION,
+    **({"swing": SWING} if COMPILED else {}),
     **({"heyoka": HEYOKA} if INSTALLED else {}),
 }
 
