@@ -83,7 +83,7 @@ def reach(w: Any, goal: float) -> float:
 
 @compiled
 def left_out(w: Any, h: float) -> float:
-    """What the series of beta leaves out at h: a geometric rest, its ratio from the last four terms and the four before."""
+    """What the series of beta leaves out at h: a geometric rest, its ratio that of the last eight terms."""
     power = h
     for _ in range(ORDER - 8):
         power *= h
@@ -184,8 +184,8 @@ def leg(
 ) -> int:
     """March one leg; fills since, width (MOST,), kept (MOST, 4, ORDER + 1), grown (MOST * NODES, 3) and told (13,).
 
-    load: lam, mu, phi. limit: how far the rod goes. grown: time and the growth of beta for a change of beta and of beta_t, at each node;
-    the transfer matrix at the far end goes to told. Returns TURNS, GOES_ROUND or LOST.
+    load: lam, mu, phi. limit: how far the rod goes. grown: time, and the growth of beta for a change of beta and of
+    beta_t, at each node; the transfer matrix at the far end goes to told. Returns TURNS, GOES_ROUND or LOST.
     """
     lam, mu, phi = load
     heights = abs(lam) + abs(mu) + abs(phi) + 1
@@ -217,8 +217,13 @@ def leg(
         since[k], width[k] = t, h
         keep(w, alpha, z, swirl, kept[k])
         n = NODES * k
-        e, f = value(w[ETA], ORDER, h / 2), value(w[ZETA], ORDER, h / 2)
-        grown[n, 0], grown[n, 1], grown[n, 2] = t + h / 2, e * a + f * c, e * b + f * d
+        last = t < limit < t + h  # the rod's own end counts too
+        x = limit - t if last else h / 2
+        e, f = value(w[ETA], ORDER, x), value(w[ZETA], ORDER, x)
+        if last:
+            eb = np.sqrt(e * e * pbb + 2 * e * f * pbv + f * f * pvv) + abs(e * lb + f * lv)
+            worst = max(worst, eb + left_out(w, x) + EPS * (max(1.0, abs(beta)) + heights * x * x) / 2)
+        grown[n, 0], grown[n, 1], grown[n, 2] = t + x, e * a + f * c, e * b + f * d
         e, ev = value_and_rate(w[ETA], ORDER, h)
         f, fv = value_and_rate(w[ZETA], ORDER, h)
         grown[n + 1, 0], grown[n + 1, 1], grown[n + 1, 2] = t + h, e * a + f * c, e * b + f * d
@@ -236,7 +241,7 @@ def leg(
         )
         lb, lv = e * lb + f * lv + EPS * heights * h * h / 4, ev * lb + fv * lv + EPS * heights * h / 2
         eb, ev = np.sqrt(pbb) + abs(lb), np.sqrt(pvv) + abs(lv)
-        if t < limit:
+        if t + h <= limit:
             worst = max(worst, eb)
         fastest = max(fastest, abs(value(w[V], ORDER - 1, h / 2)))
         beta, v = value_and_rate(w[B], ORDER, h)
@@ -282,7 +287,7 @@ def _most(grown: Any, n: int, m: Any, sign: float, begin: float, when: Any, weig
     span, period, rounds = when[0], when[1], when[2]
     for k in range(n):
         time = begin + sign * grown[k, 0]
-        if time > span:
+        if time > span * (1 + 4 * EPS):
             continue
         p, q = grown[k, 1], grown[k, 2]
         x, y = p * m[0, 0] + q * m[1, 0], p * m[0, 1] + q * m[1, 1]
@@ -374,6 +379,8 @@ def march(
             return i, used
         lam, mu, phi, span, beta0, v0 = problems[i]
         start = used
+        if not span > 0:
+            continue
         for part in range(2):
             limit = span if part == 0 else span - 2 * told[i, 0, TIME]
             mine = slice(used, used + MOST)
@@ -411,7 +418,6 @@ def read(
     t: Any,
     lost: Any,
     swings: Any,
-    way: Any,
     told: Any,
     first: Any,
     count: Any,
@@ -422,8 +428,8 @@ def read(
 ) -> None:
     """beta, beta_t, alpha, z at t (B, n), into out (4, B, n).
 
-    lost: (B,), NaN then. swings: (B,), or it goes round. way: (B,), sign of beta_t just after the start. told, first,
-    count: (B, 2, ..) of the legs; since, width, series: of their steps.
+    lost: (B,), NaN then. swings: (B,), or it goes round. told, first, count: (B, 2, ..) of the legs;
+    since, width, series: of their steps.
     """
     for i in range(t.shape[0]):
         if lost[i]:
@@ -431,8 +437,8 @@ def read(
             continue
         ahead, back = told[i, 0, TIME], told[i, 1, TIME]
         period = 2 * (ahead + back) if swings[i] else ahead
-        turn = 0.0 if swings[i] else way[i] * 2 * np.pi
         k = first[i, 0]
+        turn = 0.0 if swings[i] else np.sign(series[k, 0, 1]) * 2 * np.pi
         for j in range(t.shape[1]):
             local, rounds, part, mirrored = fold(t[i, j], period, ahead, back, swings[i])
             k = find(since, first[i, part], count[i, part], k, local)

@@ -70,7 +70,7 @@ def bend_number(read: Reading) -> Any:
     if orbit is None:
         return read.each(np.full(read.sol.case.size, np.nan))
     with np.errstate(divide="ignore", invalid="ignore"):
-        swings = (orbit.course.kind == LIBRATION) & np.reshape(_swings(read), -1)
+        swings = (orbit.kind == LIBRATION) & np.reshape(_swings(read), -1)
         count = np.where(swings, read.sol.problem.span / (orbit.ahead + orbit.back), 0.0)
     return read.each(count)
 
@@ -81,7 +81,7 @@ def loops(read: Reading) -> Any:
     if orbit is None:
         return np.floor(np.ptp(sol.beta, axis=-1) / (2 * np.pi)).astype(int)
     with np.errstate(divide="ignore", invalid="ignore"):
-        count = np.where(orbit.course.kind == ROTATION, np.floor(sol.problem.span / orbit.ahead), 0)
+        count = np.where(orbit.kind == ROTATION, np.floor(sol.problem.span / orbit.ahead), 0)
     return _whole(read, count)
 
 
@@ -91,7 +91,7 @@ def amplitude(read: Reading) -> Any:
     sol, orbit = read.sol, read.sol.trajectory.orbit
     if orbit is None:
         return swing
-    rotates = read.each(orbit.course.kind == ROTATION)
+    rotates = read.each(orbit.kind == ROTATION)
     way = np.abs(orbit.at(sol.problem.span[:, None])[0][:, 0] - sol.problem.beta0)
     return np.where(rotates, read.each(way), swing)[()]
 
@@ -149,7 +149,7 @@ def index(read: Reading) -> Any:
     """
     sol, problem, told = read.sol, read.sol.problem, read.sol.trajectory
     if told.orbit is not None:
-        found = jacobi_zeros(told.orbit)
+        found = jacobi_zeros(told.orbit.exact)
     else:
         found = index_at_stations(problem, sol.t, told.beta, told.dbeta)
         found = np.where((told.error <= 1e-3) & (told.condition <= 1e8), found, np.nan)

@@ -72,8 +72,9 @@ def _along(
     ahead, total = table[0::2, -1], table[:, -1]
     there, whole = duration[0::2], duration[0::2] + duration[1::2]
     period = np.where(folded, 2, 1) * whole
-    rounds = np.where(period > 0, np.floor(span / period), 0)[b, None]
-    later = np.where(folded, 2 * (ahead + total[1::2]), ahead)[b, None] * rounds
+    period = np.where(period > 0, period, np.inf)[b, None]
+    rounds = np.floor(span[b, None] / period)
+    a_round = np.where(folded, 2 * (ahead + total[1::2]), ahead)[b, None]
     begin, shift = np.where(second, 2 * there[b], 0)[:, None], np.where(second, 2 * ahead[b], 0)[:, None]
     end = np.where(second, 2 * whole[b], 2 * there[b])[:, None]
     flow2 = v0 * v0 + H0 * H0
@@ -86,7 +87,9 @@ def _along(
         (shift + 2 * total[part, None] - running, end - clock, -way_out, folded[b, None]),
     ):
         met = open_ & ((time <= span[b, None]) | (rounds > 0))
-        for extra in (0.0, later):
+        # the last of the rounds may end before this place
+        many = np.where(rounds > 0, rounds - (time + rounds * period > span[b, None]), 0)
+        for extra in (0.0, a_round * many):
             grown = np.abs((along + across * (a + extra)) * (sign * v) + across * (H / size)).max(axis=0)
             largest = np.maximum(largest, np.where(met, grown, 0).max(axis=1))
     return largest

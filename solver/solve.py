@@ -6,13 +6,12 @@ import numpy as np
 
 from .case import Case
 from .errors import InputError, choices, no_such
-from .methods import METHODS, Method
+from .methods import METHODS, MISSING, Method
 from .methods.base import Seed
-from .methods.heyoka import MISSING
 from .reduced import Array, Reduced, flat, reduce
 from .solution import Solution
 
-AUTO = {"start": "orbit", "ends": "shooting"}
+AUTO = {"start": "swing" if "swing" in METHODS else "orbit", "ends": "shooting"}  # as measured: docs/trade.md
 
 
 def solve(
@@ -32,8 +31,8 @@ def solve(
     tol = _tolerance(tol)
     problem = reduce(case)
     name = AUTO[problem.kind] if method == "auto" else method
-    if name == "heyoka" and name not in METHODS:
-        raise InputError(MISSING)
+    if name in MISSING and name not in METHODS:
+        raise InputError(MISSING[name])
     if name not in METHODS:
         raise no_such("method", name, ["auto", *METHODS])
     if problem.kind not in METHODS[name].kinds:

@@ -71,7 +71,7 @@ def jacobi_zeros(orbit: Any) -> Array:
     other orbits `jacobi_end` tells that of eta(L).
     """
     problem, turns = orbit.problem, orbit.turns
-    swings = orbit.course.kind == LIBRATION
+    swings = orbit.kind == LIBRATION
     shorter = np.full(problem.size, np.nan) if orbit.lengthens is None else 1 - orbit.lengthens
     if np.isnan(shorter[swings]).any():
         end = np.where(turns % 2 == 0, 1, -1) * jacobi_end(orbit)
@@ -81,7 +81,7 @@ def jacobi_zeros(orbit: Any) -> Array:
         waves = np.ceil(np.sqrt(np.maximum(rate, 0)) * problem.span / np.pi * (1 - 1e-12)) - 1
     at_rest = orbit.back == 0  # eta is beta_t itself
     index = np.maximum(turns - 1 + np.where(at_rest, 1, shorter), 0)
-    return np.where(orbit.course.kind == HELIX, np.maximum(waves, 0), np.where(swings, index, 0))
+    return np.where(orbit.kind == HELIX, np.maximum(waves, 0), np.where(swings, index, 0))
 
 
 def jacobi_end(orbit: Any) -> Array:
@@ -90,7 +90,7 @@ def jacobi_end(orbit: Any) -> Array:
     eta = (c + beta_t(0) a) beta_t + beta_t(0) H / (beta_t^2 + H^2), with c = -H(0) / (beta_t(0)^2 + H(0)^2) and the
     shear a(t) of `sensitivity`, which grows by the same amount each period.
     """
-    problem, panels, swings = orbit.problem, orbit.panels, orbit.course.kind == LIBRATION
+    problem, panels, swings = orbit.problem, orbit.panels, orbit.kind == LIBRATION
     eta = np.full(problem.size, np.nan)
     if not swings.any():
         return eta

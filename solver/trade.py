@@ -103,6 +103,7 @@ LADDERS: dict[str, Ladder] = {
     "lsoda": Ladder("lsoda", "rtol", (*tens(2, 12, 2), 1e-13)),
     "heyoka": Ladder("heyoka", "rtol", tens(1, 15, 2), cold=True),
     "orbit": Ladder("orbit", "tol", (*tens(1, 11, 2), 1e-12, 1e-13)),
+    "swing": Ladder("swing", "tol", (*tens(1, 11, 2), 1e-12, 1e-13)),
     "difference": Ladder("difference", "nodes", tuple(n + 1 for n in twos(9, 64)), {"extrapolate": False}),
     "difference extrapolated": Ladder("difference", "nodes", tuple(n + 1 for n in twos(9, 64))),
     "collocation": Ladder("collocation", "rtol", (*tens(1, 11, 2), 1e-12, 1e-13)),

@@ -13,7 +13,7 @@ import xarray as xr
 
 from solver import Ends, InputError
 from solver.errors import no_such
-from solver.methods.heyoka import MISSING
+from solver.methods import MISSING
 from solver.trade import STATIONS, Ladder, Row, cheapest, measure, offered
 
 from . import console, dataset, store, trade_plots
@@ -64,8 +64,8 @@ def ladders_of(names: Sequence[str]) -> dict[str, Ladder]:
     picked: dict[str, Ladder] = {}
     for name in names:
         found = {label: ladder for label, ladder in able.items() if name in (label, ladder.method)}
-        if not found and name == "heyoka":
-            raise InputError(MISSING)
+        if not found and name in MISSING:
+            raise InputError(MISSING[name])
         if not found:
             raise no_such("method", name, able)
         picked |= found

@@ -28,6 +28,7 @@ LOOKS: dict[str, tuple[str, str]] = {  # colour and marker; a march and the meth
     "lsoda": ("#cc79a7", "^"),
     "heyoka": ("#6a3d9a", "P"),
     "orbit": ("#00704f", "o"),
+    "swing": ("#000000", "X"),
     "difference": ("#56b4e9", "o"),
     "difference extrapolated": ("#0072b2", "o"),
     "collocation": ("#e69f00", "D"),

@@ -1,17 +1,15 @@
 """The methods, one file each."""
 
+from . import heyoka, swing
 from .base import Method, Trajectory
 from .collocation import COLLOCATION
 from .difference import DIFFERENCE
 from .dop853 import DOP853
 from .euler import EULER
-from .heyoka import HEYOKA, INSTALLED
 from .lsoda import LSODA
 from .orbit import ORBIT
 from .rk4 import RK4
 from .shooting import SHOOTING
-from .swing import INSTALLED as COMPILED
-from .swing import SWING
 from .verlet import VERLET
 
 METHODS: dict[str, Method] = {
@@ -24,8 +22,10 @@ METHODS: dict[str, Method] = {
     "shooting": SHOOTING,
     "difference": DIFFERENCE,
     "collocation": COLLOCATION,
-    **({"swing": SWING} if COMPILED else {}),
-    **({"heyoka": HEYOKA} if INSTALLED else {}),
+    **({"swing": swing.SWING} if swing.INSTALLED else {}),
+    **({"heyoka": heyoka.HEYOKA} if heyoka.INSTALLED else {}),
 }
 
-__all__ = ["METHODS", "Method", "Trajectory"]
+MISSING = {"heyoka": heyoka.MISSING, "swing": swing.MISSING}  # what to say where they are not installed
+
+__all__ = ["METHODS", "MISSING", "Method", "Trajectory"]

@@ -47,6 +47,11 @@ class Orbit:
     lengthens: Array | None = None
 
     @property
+    def kind(self) -> NDArray[np.int64]:
+        """HELIX, LIBRATION or ROTATION, (B,)."""
+        return self.course.kind
+
+    @property
     def ahead(self) -> Array:
         return self.duration[0::2]
 
@@ -62,9 +67,7 @@ class Orbit:
     @cached_property
     def turns(self) -> Array:
         """Turning points passed by the far end, (B,); 0 where beta does not swing."""
-        where = self.locate(self.problem.span[:, None])
-        passed = 2 * where.rounds + where.second + where.mirrored
-        return np.where(self.course.kind == LIBRATION, passed[:, 0], 0.0)
+        return self.locate(self.problem.span[:, None]).turns[:, 0]
 
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
@@ -92,21 +95,14 @@ class Orbit:
         s = np.sin(self.problem.beta0) * np.cos(self.problem.beta0)
         return self._repeat(value, where, 4, s)
 
+    @property
+    def exact(self) -> "Orbit":
+        """What the index asks for."""
+        return self
+
     def locate(self, t: Array) -> "Where":
-        """Fold t (B, n) into the courses: which part, how far along, whether on the way back, after how many rounds."""
-        kind = self.course.kind[:, None]
-        period, ahead = self.period[:, None], self.ahead[:, None]
-        with np.errstate(invalid="ignore"):
-            rest = np.where(np.isfinite(period), np.fmod(t, period), t)
-            rounds = np.where(np.isfinite(period), np.round((t - rest) / period), 0.0)
-        folded = kind == LIBRATION
-        second = folded & (rest > 2 * ahead)
-        local = np.where(second, rest - 2 * ahead, rest)
-        limit = np.where(second, self.back[:, None], ahead)
-        mirrored = folded & (local > limit)
-        local = np.where(mirrored, np.maximum(2 * limit - local, 0), local)
-        part = 2 * np.arange(t.shape[0])[:, None] + second
-        return Where(t, part, local, mirrored, second, rounds)
+        """Where t (B, n) are on the courses."""
+        return located(t, self.kind, self.ahead, self.back, self.period)
 
     def read(self, series: Array, where: "Where") -> Array:
         """Series of the panels (P, k, n + 1) at the located times, (B, n, k)."""
@@ -153,7 +149,10 @@ class Orbit:
 
 @dataclass(frozen=True, eq=False)
 class Where:
-    """Times folded into courses, all (B, n). mirrored: on the way back; second: on the backward course."""
+    """Times folded into courses, all (B, n): which part, how far along it, after how many rounds.
+
+    mirrored: on the way back; second: on the backward course; folded: (B, 1), whether there is a way back at all.
+    """
 
     t: Array
     part: NDArray[np.int64]
@@ -161,6 +160,28 @@ class Where:
     mirrored: NDArray[np.bool_]
     second: NDArray[np.bool_]
     rounds: Array
+    folded: NDArray[np.bool_]
+
+    @property
+    def turns(self) -> Array:
+        """Turning points passed, (B, n); 0 where beta does not swing."""
+        return np.where(self.folded, 2 * self.rounds + self.second + self.mirrored, 0.0)
+
+
+def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Where:
+    """Fold t (B, n) into courses of lengths ahead and back (B,) in time."""
+    ahead, back, period = ahead[:, None], back[:, None], period[:, None]
+    with np.errstate(invalid="ignore"):
+        rest = np.where(np.isfinite(period), np.fmod(t, period), t)
+        rounds = np.where(np.isfinite(period), np.round((t - rest) / period), 0.0)
+    folded = (kind == LIBRATION)[:, None]
+    second = folded & (rest > 2 * ahead)
+    local = np.where(second, rest - 2 * ahead, rest)
+    limit = np.where(second, back, ahead)
+    mirrored = folded & (local > limit)
+    local = np.where(mirrored, np.maximum(2 * limit - local, 0), local)
+    part = 2 * np.arange(t.shape[0])[:, None] + second
+    return Where(t, part, local, mirrored, second, rounds, folded)
 
 
 def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None) -> Orbit:

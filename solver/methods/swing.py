@@ -1,11 +1,12 @@
 """`swing`: half a swing by Taylor's method, compiled; the rest by symmetry. Optional (the extra `fast`: numba).
 
 What `orbit` does by quadrature and for every extreme, this does by marching, for orbits that do not rest next to a
-saddle: there a march loses the digits that say where the orbit goes, and `swing` says so instead. Its error is
-measured, not hoped: the covariance of what its steps leave out and round off is carried along with them.
+saddle: there a march loses the digits that say where the orbit goes, and `swing` hands the rod to `orbit`. Its error
+is measured, not hoped: the covariance of what its steps leave out and round off is carried along with them.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.util import find_spec
 from typing import Any
@@ -13,24 +14,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..course import LIBRATION, ROTATION
-from ..landscape import slope, slope_rate
+from ..course import HELIX, LIBRATION, ROTATION
+from ..landscape import slope_rate
 from ..reduced import Array, Reduced
-from .base import Method, Trajectory, verdicts
+from . import orbit
+from .base import SOLVED, Method, Trajectory, verdicts
+from .orbit import Orbit, Where, located, solve_orbit
 
 INSTALLED = find_spec("numba") is not None
 MISSING = "method 'swing' needs the package numba, which is not installed: pip install 'rod-workbench[fast]'"
 _STEPS = 28  # of an orbit, to begin with
 _BLOCK = 256  # orbits marched and read while their series are in the cache
-_LOST = "failed: it rests too near a saddle, or too long, for a march to keep its digits; method 'orbit' does not march"
 
 
 @dataclass(frozen=True, eq=False)
 class Swing:
-    """The orbits of B problems, ready to be read anywhere along the rod; those that were lost read as NaN.
+    """The orbits of B problems, ready to be read anywhere along the rod; those that a march loses are `rest`.
 
-    kind: (B,), LIBRATION or ROTATION; lost: (B,). told: (B, 2, FACTS), what is known of the legs forward and backward.
-    error, condition: (B,). evaluations: (B,), how many derivatives of the equation were taken.
+    kind: (B,), HELIX, LIBRATION or ROTATION. lost: (B,), which of them are in `rest`, in order. told: (B, 2, FACTS),
+    what is known of the legs forward and backward. error, condition: (B,). evaluations: (B,), how many derivatives of
+    the equation were taken.
     """
 
     problem: Reduced
@@ -41,6 +44,7 @@ class Swing:
     error: Array
     condition: Array
     evaluations: NDArray[np.int64]
+    rest: Orbit | None = None
 
     @property
     def ahead(self) -> Array:
@@ -54,19 +58,30 @@ class Swing:
 
     @cached_property
     def period(self) -> Array:
-        """Of beta_t, (B,)."""
-        return np.where(self.kind == LIBRATION, 2.0, 1.0) * (self.ahead + self.back)
+        """Of beta_t, (B,); inf where nothing moves."""
+        swings = np.where(self.kind == LIBRATION, 2.0, 1.0)
+        return np.where(self.kind == HELIX, np.inf, swings * (self.ahead + self.back))
+
+    def locate(self, t: Array) -> Where:
+        """Where t (B, n) are on the legs."""
+        return located(t, self.kind, self.ahead, self.back, self.period)
 
     @cached_property
-    def direction(self) -> Array:
-        """Sign of beta_t just after the start, (B,)."""
-        assert self.problem.dbeta0 is not None
-        v = self.problem.dbeta0
-        return np.sign(np.where(v == 0, -slope(self.problem, self.problem.beta0), v))
+    def turns(self) -> Array:
+        """Turning points passed by the far end, (B,); 0 where beta does not swing."""
+        return self.locate(self.problem.span[:, None]).turns[:, 0]
+
+    @cached_property
+    def exact(self) -> Orbit:
+        """The same by quadrature, which the index needs: its sign hangs on digits that a march may lose."""
+        return solve_orbit(self.problem, self.tol)
 
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
-        return _read(self, self._steps, t)
+        out = _read(self, self._steps, t)
+        if self.rest is not None:
+            out[:, self.lost] = self.rest.at(t[self.lost])
+        return out[0], out[1], out[2], out[3]
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
@@ -74,7 +89,16 @@ class Swing:
 
         out = np.empty(t.shape)
         swirl(np.ascontiguousarray(t), self.lost, self.kind == LIBRATION, self.told, *self._steps, out)
+        if self.rest is not None:
+            out[self.lost] = self.rest.swirl(t[self.lost])
         return out
+
+    def take(self, i: int) -> "Swing | Orbit":
+        """The orbit of problem i alone."""
+        if self.lost[i] and self.rest is not None:
+            return self.rest.take(int(np.count_nonzero(self.lost[:i])))
+        one = slice(i, i + 1)
+        return joined([self], self.problem.take(one), one)
 
     @cached_property
     def _steps(self) -> tuple[Array, ...]:
@@ -108,7 +132,8 @@ def _march(problem: Reduced, tol: float) -> tuple[Swing, tuple[Array, ...]]:
     first = np.cumsum(count.reshape(-1)).reshape(B, 2) - count
     kind, lost = np.where(status[:, 0] == TURNS, LIBRATION, ROTATION), status[:, 0] == LOST
     calls = count.sum(axis=1) * ORDER
-    return Swing(problem, tol, kind, lost, told, *judged.T, calls), (first, count, since, width, series)
+    error, condition = judged.T
+    return Swing(problem, tol, kind, lost, told, error, condition, calls), (first, count, since, width, series)
 
 
 def _read(swing: Swing, steps: tuple[Array, ...], t: Array) -> Array:
@@ -116,29 +141,55 @@ def _read(swing: Swing, steps: tuple[Array, ...], t: Array) -> Array:
     from ..kernels import read
 
     out = np.empty((4, *t.shape))
-    read(np.ascontiguousarray(t), swing.lost, swing.kind == LIBRATION, swing.direction, swing.told, *steps, out)
+    read(np.ascontiguousarray(t), swing.lost, swing.kind == LIBRATION, swing.told, *steps, out)
     return out
 
 
+def joined(parts: list[Swing], problem: Reduced, some: slice) -> Swing:
+    """Some of each of the parts, one after the other, as the orbits of `problem`."""
+    names = ("kind", "lost", "told", "error", "condition", "evaluations")
+    columns: dict[str, Any] = {name: np.concatenate([getattr(one, name)[some] for one in parts]) for name in names}
+    return Swing(problem, parts[0].tol, **columns)
+
+
 def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
-    """All problems, a block at a time; those that a march would lose are refused by their outcome."""
-    blocks = [slice(k, k + _BLOCK) for k in range(0, problem.size, _BLOCK)]
-    whole = np.empty((4, *t.shape))
-    done = []
-    for block in blocks:
+    """All problems, a block at a time; what a march would lose, or cannot do to the tolerance, `orbit` does."""
+    whole, done = np.empty((4, *t.shape)), []
+    for block in (slice(k, k + _BLOCK) for k in range(0, problem.size, _BLOCK)):
         swing, steps = _march(problem.take(block), tol)
         whole[:, block] = _read(swing, steps, t[block])
         done.append(swing)
-    names = ("kind", "lost", "told", "error", "condition", "evaluations")
-    all_of_them = Swing(problem, tol, *(np.concatenate([getattr(one, name) for one in done]) for name in names))
+    swing = joined(done, problem, slice(None))
+    outcome = verdicts(whole[0], swing.error, swing.condition, tol)
+    swing.lost[:] |= np.array([not text.startswith(SOLVED) for text in outcome])
+    found: Swing | None = swing
+    swirl: Callable[[Array], Array] = swing.swirl
+    if swing.lost.any():
+        lost = swing.lost
+        told = orbit.run(problem.take(lost), t[lost], tol)
+        whole[:, lost] = told.beta, told.dbeta, told.alpha, told.z
+        outcome[lost] = told.outcome
+        swing.error[lost], swing.condition[lost], swing.evaluations[lost] = told.error, told.condition, told.evaluations
+        if told.orbit is not None:
+            swing.kind[lost] = told.orbit.kind
+            swing.told[lost, 0, 0], swing.told[lost, 1, 0] = told.orbit.ahead, told.orbit.back
+        found = None if told.orbit is None else replace(swing, rest=told.orbit)
+        swirl = _make_swirl(swing, told) if found is None else found.swirl
     beta, dbeta, alpha, z = whole
-    error, condition = all_of_them.error, all_of_them.condition
-    outcome = verdicts(beta, error, condition, tol)
-    outcome[all_of_them.lost] = _LOST
-    calls = all_of_them.evaluations
     return Trajectory(
-        beta, dbeta, alpha, z, lambda: all_of_them.swirl(t), outcome, error, condition, calls, all_of_them
+        beta, dbeta, alpha, z, lambda: swirl(t), outcome, swing.error, swing.condition, swing.evaluations, found
     )
+
+
+def _make_swirl(swing: Swing, told: Trajectory) -> Callable[[Array], Array]:
+    """The swirl where some of the lost problems are beyond a float, so that no orbit of them is known."""
+
+    def swirl(t: Array) -> Array:
+        out = swing.swirl(t)
+        out[swing.lost] = told.swirl()
+        return out
+
+    return swirl
 
 
 SWING = Method(

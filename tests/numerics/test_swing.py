@@ -1,0 +1,132 @@
+"""`swing`, the compiled march over half a period, against `orbit`, which knows no march."""
+
+import numpy as np
+import pytest
+
+from solver import InputError, solve
+from solver.course import ROTATION
+from solver.methods import METHODS
+from solver.observables import OBSERVABLES, observe
+from solver.reduced import Reduced
+from tests.cases import EXACT
+from workbench.trade_cases import CASES
+
+compiled = pytest.mark.skipif("swing" not in METHODS, reason="the extra fast is not installed")
+NEAR_SADDLE = (0.0, 0.0, -1.0, 60.0, np.pi, 1e-9)  # a pendulum that all but stands on its head
+
+
+def random(n: int, seed: int, loads: float, spans: tuple[float, float]) -> Reduced:
+    """n start problems with loads of either sign and of sizes from 1e-2 or less up to 10^loads, log-uniform."""
+    rng = np.random.default_rng(seed)
+
+    def signed(low: float, high: float) -> np.ndarray:
+        return 10 ** rng.uniform(low, high, n) * rng.choice([-1.0, 1.0], n)
+
+    lam, mu, phi = (signed(min(-2, -loads), loads) for _ in range(3))
+    span, beta = 10 ** rng.uniform(*spans, n), rng.uniform(-np.pi, np.pi, n)
+    return Reduced(lam, mu, phi, span, beta, signed(-8, max(0.5, loads / 2)))
+
+
+def both(problem: Reduced, tol: float, n: int = 61):
+    t = problem.span[:, None] * np.linspace(0, 1, n)
+    return METHODS["swing"].run(problem, t, tol), METHODS["orbit"].run(problem, t, 1e-13)
+
+
+def solved(told) -> np.ndarray:
+    return np.array([text.startswith("solved") for text in told.outcome])
+
+
+@compiled
+@pytest.mark.parametrize("tol", [1e-5, 1e-8, 1e-11])
+@pytest.mark.parametrize("loads, spans", [(1, (0, 3)), (12, (-6, 9))])
+def test_it_keeps_its_promise_and_does_not_understate_its_error(loads: float, spans: tuple, tol: float) -> None:
+    problem = random(1500, 5, loads, spans)
+    fast, exact = both(problem, tol)
+    ok = solved(fast) & solved(exact)
+    assert solved(exact)[~solved(fast)].sum() <= 3  # at tol 1e-13 and at `tol` orbit itself may differ on a few
+    assert ok.mean() > 0.95
+    long = np.maximum(1, problem.span)[:, None]
+    off = np.maximum(np.abs(fast.beta - exact.beta), np.abs(fast.alpha - exact.alpha) / long)
+    off = np.maximum(off, np.abs(fast.z - exact.z) / long).max(axis=1)
+    assert (off <= 10 * fast.error + exact.error)[ok].all()
+    assert (off <= tol * np.maximum(1, exact.condition) + exact.error)[ok].all()
+    own = ok & ~fast.orbit.lost & (off > 3 * exact.error)  # elsewhere the difference says nothing
+    if tol > 1e-10:
+        assert own.sum() > 100
+        assert np.percentile(fast.error[own] / off[own], 95) < 1000
+
+
+@compiled
+def test_its_condition_number_by_transfer_matrices_is_that_of_the_shear() -> None:
+    fast, exact = both(random(1500, 6, 1, (0, 3)), 1e-11)
+    own = ~fast.orbit.lost
+    ratio = fast.condition[own] / exact.condition[own]
+    assert own.mean() > 0.95
+    assert ratio.min() > 0.5
+    assert ratio.max() < 1.3  # two nodes a step against twenty-two a panel
+
+
+@compiled
+def test_both_find_the_same_legs_and_turns() -> None:
+    fast, exact = both(random(1500, 7, 1, (0, 3)), 1e-12)
+    own = ~fast.orbit.lost
+    assert (fast.orbit.kind == exact.orbit.kind).all()
+    for name in ("ahead", "back"):
+        a, b = getattr(fast.orbit, name)[own], getattr(exact.orbit, name)[own]
+        # a start next to rest knows its own turning point no better than its slope, 1e-8 here, allows
+        np.testing.assert_allclose(a, b, rtol=1e-8, atol=1e-10)
+    assert (fast.orbit.turns == exact.orbit.turns)[own].mean() > 0.999
+
+
+@compiled
+def test_a_case_has_the_same_bits_alone_and_among_others() -> None:
+    problem = random(600, 8, 1, (0, 2))
+    t = problem.span[:, None] * np.linspace(0, 1, 41)
+    together = METHODS["swing"].run(problem, t, 1e-9)
+    for i in (0, 255, 256, 599):
+        one = slice(i, i + 1)
+        alone = METHODS["swing"].run(problem.take(one), t[one], 1e-9)
+        for name in ("beta", "dbeta", "alpha", "z", "error", "condition"):
+            assert (getattr(alone, name)[0] == getattr(together, name)[i]).all()
+
+
+@compiled
+def test_what_a_march_would_lose_goes_to_the_quadrature() -> None:
+    rows = np.array([NEAR_SADDLE, (0.1, 0.2, -0.5, 30.0, 0.4, 0.3), (0.0, 0.0, -1.0, 5.0, 0.0, 0.0)])
+    problem = Reduced(*rows.T)
+    fast, exact = both(problem, 1e-9)
+    assert list(fast.orbit.lost) == [True, False, True]  # next to a saddle, a swing, a helix
+    assert solved(fast).all()
+    slow = METHODS["orbit"].run(problem, problem.span[:, None] * np.linspace(0, 1, 61), 1e-9)
+    assert (fast.beta[[0, 2]] == slow.beta[[0, 2]]).all()
+    np.testing.assert_allclose(fast.beta[1], exact.beta[1], atol=1e-9)
+    t = problem.span[:, None] * np.array([[0.3, 0.77]])
+    for one, other in zip(fast.orbit.at(t), exact.orbit.at(t), strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-7)  # the first is next to its saddle: condition 1e7 and more
+    np.testing.assert_allclose(fast.orbit.take(1).at(t[1:2])[0], fast.orbit.at(t)[0][1:2], rtol=0, atol=0)
+    assert fast.orbit.take(0).kind[0] == ROTATION
+
+
+@compiled
+def test_numbers_beyond_a_float_are_refused_and_leave_their_neighbours_alone() -> None:
+    problem = Reduced(*np.array([(1e200, 0.0, 0.0, 5.0, 0.3, 0.1), (0.1, 0.2, -0.5, 30.0, 0.4, 0.3)]).T)
+    fast, exact = both(problem, 1e-9)
+    assert "beyond" in fast.outcome[0]
+    assert np.isnan(fast.beta[0]).all()
+    np.testing.assert_allclose(fast.beta[1], exact.beta[1], atol=1e-9)
+    np.testing.assert_allclose(fast.swirl()[1], exact.swirl()[1], atol=1e-9)
+
+
+@compiled
+@pytest.mark.parametrize("name", ["force-first/tension", "catenary", "long"])
+def test_observables_are_those_of_the_quadrature(name: str) -> None:
+    ours, theirs = (solve(CASES[name].case, tol=1e-12, method=method) for method in ("swing", "orbit"))
+    seen, known = observe(ours, OBSERVABLES), observe(theirs, OBSERVABLES)
+    for key in OBSERVABLES:
+        np.testing.assert_allclose(seen[key], known[key], rtol=1e-8, atol=1e-9, err_msg=key)
+
+
+def test_where_it_is_not_installed_it_is_refused_with_how_to_get_it(monkeypatch) -> None:
+    monkeypatch.delitem(METHODS, "swing", raising=False)
+    with pytest.raises(InputError, match=r"not installed: pip install 'rod-workbench\[fast\]'"):
+        solve(EXACT["catenary"].case, method="swing")
