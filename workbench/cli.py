@@ -188,7 +188,7 @@ def export(
     ],
     at: Annotated[
         list[str] | None,
-        typer.Option(help="E=1.07e4 or beta=30deg: the stored case nearest to it on that axis."),
+        typer.Option(help="E=10905 or beta=30deg: a value of that axis, as exact as you write it."),
     ] = None,
     tolerance: Annotated[
         float | None, _number("The most that the file may miss the rod, in the study's unit of length.")

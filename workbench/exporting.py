@@ -4,17 +4,17 @@ import contextlib
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import degrees, radians
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from solver.errors import InputError, choices, no_such
+from solver.errors import InputError, choices
 
-from . import centreline, console, dataset, interference, picking, store, style
+from . import centreline, console, interference, picking, store
 from .centreline import Centreline
+from .drawing import chosen
 
 CAD, SURFACES, GLTF, TABLES = (".step", ".stp"), (".stl", ".obj"), (".glb", ".gltf"), (".vtp", ".csv")
 KINDS = (*CAD, *SURFACES, *GLTF, *TABLES)
@@ -26,7 +26,7 @@ NEAR_CAD, NEAR_MESH = 1e-6, 1e-3
 class Wish:
     """What is asked of an export.
 
-    out: the file, its kind by its suffix. at: values of axes, the nearest stored case is meant. tolerance: the most
+    out: the file, its kind by its suffix. at: values of axes, as stored. tolerance: the most
     that the file may miss the rod [length], None for the kind's own. centreline: STEP without the solid. overlap: the
     solid also where turns pass through each other. force: replace a file that is there.
     """
@@ -55,7 +55,7 @@ def export_file(
     """Export a case of a stored dataset; 0, or 1 where the rod in it cannot be built. Raises `InputError`."""
     _kind(out)
     ds = store.read(file)
-    done = export(ds, Wish(out, asked(ds, at), tolerance, line, overlap, force))
+    done = export(ds, Wish(out, chosen(ds, at), tolerance, line, overlap, force))
     status = 1 if done.warnings else 0
     for warning in done.warnings:
         console.err.print(f"workbench: {warning}", markup=False)
@@ -98,24 +98,6 @@ def export(ds: xr.Dataset, wish: Wish) -> Exported:
     return Exported(wish.out, at, told, [finding.said for finding in found])
 
 
-def asked(ds: xr.Dataset, at: list[str]) -> dict[str, float]:
-    """`E=1.07e4` or `beta=30deg` as numbers, angles in rad; `InputError` where it is none or no axis of the dataset."""
-    axes = dataset.axes_of(ds)
-    found: dict[str, float] = {}
-    for text in at:
-        name, equals, said = text.partition("=")
-        if not equals:
-            raise InputError(f"--at takes NAME=VALUE, got {text!r}")
-        if name not in axes:
-            raise no_such("axis", name, axes) if axes else InputError(f"--at {text}: the dataset has no axes")
-        is_angle = style.is_angle(ds[name]) and said.endswith("deg")
-        try:
-            found[name] = radians(float(said[:-3])) if is_angle else float(said)
-        except ValueError:
-            raise InputError(f"--at {text}: {said!r} is not a number; {_values(ds[name])}") from None
-    return found
-
-
 def put(path: Path, work: Callable[[Path], None], force: bool) -> None:
     """Have `work` write beside `path` under a name of the same suffix, and move that there once it is whole.
 
@@ -125,13 +107,11 @@ def put(path: Path, work: Callable[[Path], None], force: bool) -> None:
         raise InputError(f"{path} is a folder; give the name of a file")
     if path.exists() and not force:
         raise InputError(f"{path} exists; give --force to replace it")
-    store.check_folder(path.parent)
+    store.check_parent(path)
     aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
         work(aside)
-        with aside.open("rb") as written:
-            os.fsync(written.fileno())
-        os.replace(aside, path)
+        store.replace(aside, path)
     except OSError as error:
         raise InputError(f"cannot write {path}: {error.strerror or error}") from None
     finally:
@@ -198,9 +178,3 @@ def _title(ds: xr.Dataset, at: Mapping[str, float]) -> str:
     """The study and where on its axes, in ASCII."""
     chosen = [f"{name}={value:.6g}" for name, value in at.items()]
     return " ".join([str(ds.attrs["study_name"]), *chosen])
-
-
-def _values(axis: xr.DataArray) -> str:
-    angle = style.is_angle(axis)
-    listed = ", ".join(f"{degrees(v):.6g}deg" if angle else f"{v:.6g}" for v in axis.values)
-    return f"its values are {listed}"
