@@ -24,7 +24,8 @@ START = tuple(f.name for f in fields(Start))
 ENDS = tuple(f.name for f in fields(Ends))
 WORDS = ("stiffness", "side")  # the fields that are not numbers
 
-MAX_COUNT = 100_000  # of the values of an axis, and of the cases of a grid
+MAX_COUNT = 10_000_000  # of the values of an axis: 80 MB
+MAX_CASES = 1_000_000_000  # of a grid: at a tenth of a millisecond each, more than a day
 
 # A field of Start is what the quantity of another name is at s = 0.
 _AT_START = {"beta": "beta0", "dbeta": "dbeta0"}

@@ -71,23 +71,25 @@ class Reading:
     def case(self, printed: Mapping[str, Any] | None = None, side: str = "outside") -> Case:
         """The case of printed values (numbers or arrays that broadcast); Table 1 where they are left out.
 
-        Every field of the case is an array of the full grid where any value is one, even if the reading drops
-        it. Raises `InputError` for a name that the table does not print, or a value that the solver refuses.
+        The case has the shape that all values broadcast to, those that the reading drops among them. Raises
+        `InputError` for a name that the table does not print, or a value that the solver refuses.
         """
         printed = dict(printed or {})
         for name in printed:
             if name not in TABLE_1:
                 raise InputError(f"Table 1 prints no {name!r}; choose from {choices(TABLE_1)}")
         p: dict[str, Any] = {**TABLE_1, **printed}
-        grid = np.broadcast_shapes(*(np.shape(value) for value in p.values()))
         sign = 1.0 if self.load == "tension" else -1.0
         given: dict[str, Any] = {"F3": sign * np.asarray(p["F3"])}
         if self.twist == "force-first":
             given["F1"] = p["F1"]
+            dropped = np.shape(p["dgamma"])
         else:
             given["dgamma"] = p["dgamma"]
             given["F2"] = p["F1"] if self.twist == "shear" else 0.0
-        given["alpha"] = np.broadcast_to(p["alpha"], grid)  # keeps the axis of a value that was dropped
+            dropped = () if self.twist == "shear" else np.shape(p["F1"])
+        # keeps the axis of a value that was dropped
+        given["alpha"] = np.broadcast_to(p["alpha"], np.broadcast_shapes(dropped, np.shape(p["alpha"])))
         return Case(
             Rod(p["E"], p["nu"], p["a"], p["L"], self.stiffness),
             Cylinder(p["R"], side),

@@ -14,6 +14,7 @@ SOLVER = {"numpy", "scipy", "heyoka", "numba"}  # the last two are optional: a m
 STUDIES = SOLVER | {"solver", "tomllib", "pydantic", "tomli_w"}
 WORKBENCH = STUDIES | {
     "studies", "xarray", "h5netcdf", "h5py", "pyvista", "matplotlib", "typer", "rich", "jinja2",
+    "distributed",  # optional: the engine of a cluster, imported where it runs
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
 }  # fmt: skip
 FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}

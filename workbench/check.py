@@ -1,16 +1,16 @@
 """Do the laws of a stored dataset hold? Reads datasets and never solves."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from studies.laws import FAILS, HOLDS, Law, decide
 
-from . import opening
+if TYPE_CHECKING:
+    import xarray as xr
 
 
-def verdicts(ds: xr.Dataset) -> list[dict[str, Any]]:
+def verdicts(ds: "xr.Dataset") -> list[dict[str, Any]]:
     """One row a law of the dataset, in the study's order; see `studies.laws.decide`."""
     rows = []
     for law in laws(ds):
@@ -20,12 +20,14 @@ def verdicts(ds: xr.Dataset) -> list[dict[str, Any]]:
     return rows
 
 
-def laws(ds: xr.Dataset) -> list[Law]:
+def laws(ds: "xr.Dataset") -> list[Law]:
     """The laws that the dataset's study states. Raises `InputError` where they are none."""
+    from . import opening
+
     return opening.laws(ds)
 
 
-def unsolved(ds: xr.Dataset) -> int:
+def unsolved(ds: "xr.Dataset") -> int:
     """How many cases were not solved."""
     outcomes = np.atleast_1d(ds["outcome"].values).ravel()
     return sum(not str(text).startswith("solved") for text in outcomes)
@@ -36,7 +38,7 @@ def counted(count: int, word: str) -> str:
     return f"{count} {word}{'s' * (count != 1)}"
 
 
-def all_well(ds: xr.Dataset) -> bool:
+def all_well(ds: "xr.Dataset") -> bool:
     """Whether every case was solved and every law holds, at least as a trend."""
     return unsolved(ds) == 0 and all(row["verdict"] != FAILS for row in verdicts(ds))
 

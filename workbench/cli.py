@@ -111,13 +111,27 @@ def run(
     method: Method = None,
     level: Level = None,
     stations: Annotated[int | None, typer.Option(help="Points stored along the rod, in place of the study's.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes on this machine; as many as are of use where left out.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="tcp://host:port of a Dask cluster that solves instead.")
+    ] = None,
+    chunk: Annotated[
+        int | None, typer.Option(min=1, metavar="CASES", help="Cases handed out at a time; a few seconds' work.")
+    ] = None,
+    restart: Annotated[
+        bool, typer.Option("--restart", help="Drop what an earlier run has kept, and solve a finished study again.")
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is not this study's.")] = False,
     json: Json = False,
 ) -> None:
-    """Solve every case of a study, store them, judge its laws."""
+    """Solve every case of a study, store them, judge its laws; go on where an earlier run stopped."""
     from .running import run_study
+    from .storing import Options
 
-    raise typer.Exit(run_study(study, out, reading, tol, method, force, json, level, stations))
+    options = Options(workers, scheduler, chunk, restart, json)
+    raise typer.Exit(run_study(study, out, reading, tol, method, force, level, stations, options))
 
 
 @app.command()
@@ -344,13 +358,14 @@ def doctor(json: Json = False) -> None:
 def main(args: list[str] | None = None) -> None:
     """Run the command line; every refusal is one sentence on stderr."""
     words = (sys.argv[1:] if args is None else args) or ["--help"]
-    status = 0
+    status, said = 0, "interrupted; what was stored is whole"
     try:
         status = app(words, prog_name="workbench", standalone_mode=False)
     except typer.TyperException as error:
         _refuse(_sentence(error), error.exit_code)
-    except (KeyboardInterrupt, typer.Abort):
+    except (KeyboardInterrupt, typer.Abort) as error:
         status = INTERRUPTED
+        said = str(error.__cause__ or error) or said
     except BrokenPipeError:  # the reader of our output went away, as head does
         sys.stderr.close()
         sys.exit(0)
@@ -361,7 +376,7 @@ def main(args: list[str] | None = None) -> None:
             raise
         _refuse(str(error), 2)
     if status == INTERRUPTED:
-        _refuse("interrupted; what was stored is whole", INTERRUPTED)
+        _refuse(said, INTERRUPTED)
     sys.exit(status or 0)
 
 

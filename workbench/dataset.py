@@ -2,7 +2,8 @@
 
 import json
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
@@ -11,62 +12,90 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver import Solution
-from solver.observables import observe
+from solver import Case
 from solver.quantities import quantity, unit_of
 from studies import Study
 from studies.axes import quantity_of
 
 from . import cautions
+from .chunks import LOADS, Columns
+from .plan import FORMAT as FORMAT
 
-FORMAT = 1  # of the file: a reader refuses one with a higher number
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
 INNER = {"position": ("xyz",)}  # dimensions after u, of what is not one number a station
 SCALARS = ("R", "a", "L", "rho", "E", "nu")
-LOADS = ("FZ", "MZ", "M3")
 
 
-def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], sol: Solution) -> xr.Dataset:
-    """The dataset of a study's solution; coordinates: the values of each axis, in the case's order.
+@dataclass(frozen=True)
+class Stored:
+    """One variable over the axes: which column it is, the name in the file, its dimensions and its quantity."""
 
-    Only the study's outputs and observables are computed. Cases that were not solved are NaN, and keep their
-    outcome. An output along the rod whose name is an axis's is stored as that name and `_along` (see
-    `along`).
+    column: str
+    name: str
+    dims: tuple[str, ...]
+    row: str
+
+
+def stored(study: Study, axes: Sequence[str]) -> list[Stored]:
+    """Every variable that is stored of each case, in order.
+
+    An output along the rod whose name is an axis's is stored as that name and `_along` (see `along`).
     """
+    rows = []
+    for name in study.outputs:
+        rows.append(Stored(name, f"{name}_along" if name in axes else name, (*axes, "u", *INNER.get(name, ())), name))
+    for name in (
+        *study.wanted,
+        "outcome",
+        "caution",
+        "error",
+        "condition",
+        *(load for load in LOADS if load not in axes),
+    ):
+        rows.append(Stored(name, name, tuple(axes), name))
+    return rows
+
+
+def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], columns: Columns) -> xr.Dataset:
+    """The dataset of a study as it was run, from its columns (`chunks.columns`) in the order of the grid.
+
+    coordinates: the values of each axis.
+    """
+    ds = frame(study, coordinates)
+    shape = tuple(values.size for values in coordinates.values())
+    for row in stored(study, tuple(coordinates)):
+        values = columns[row.column]
+        values = values.reshape((*shape, *values.shape[1:]))
+        ds[row.name] = xr.Variable(row.dims, values, labels(row.row, study.unit_system))
+    return ds.assign_attrs(caution=cautions.sentence(ds))
+
+
+def frame(study: Study, coordinates: Mapping[str, NDArray[np.float64]]) -> xr.Dataset:
+    """The dataset without what is stored of each case: coordinates, what varies with its own axis only, attributes."""
     axes = tuple(coordinates)
     units = study.unit_system
-    data: dict[str, Any] = {}
-
-    def put(name: str, dims: tuple[str, ...], values: Any, row: str = "") -> None:
-        data[name] = xr.Variable(dims, values, labels(row or name, units))
-
-    for name in study.outputs:
-        stored = f"{name}_along" if name in axes else name
-        put(stored, (*axes, "u", *INNER.get(name, ())), _where_solved(getattr(sol, name), sol), name)
-    observed = observe(sol, study.wanted)
-    for name, values in observed.items():
-        put(name, axes, _where_solved(values, sol))
-    put("outcome", axes, np.asarray(sol.outcome).astype(str))
-    put("caution", axes, cautions.of_cases(sol, observed))
-    put("error", axes, np.asarray(sol.error, dtype=float))
-    put("condition", axes, np.asarray(sol.condition, dtype=float))
+    case = study.case() if study.follow else study.case_of(_open(coordinates))
+    data = {}
     for name in SCALARS:
         if name not in axes:
-            owner = {"R": sol.case.cylinder, "rho": sol.case}.get(name, sol.case.rod)
-            put(name, *_own_dims(getattr(owner, name), axes))
-    for name in LOADS:
-        if name not in axes:
-            put(name, axes, np.asarray(getattr(sol, name), dtype=float))
-    u = np.linspace(0.0, 1.0, sol.s.shape[-1])
+            owner = {"R": case.cylinder, "rho": case}.get(name, case.rod)
+            data[name] = xr.Variable(*_own_dims(getattr(owner, name), axes), labels(name, units))
+    u = np.linspace(0.0, 1.0, study.stations)
     coords: dict[str, Any] = {
         name: xr.Variable((name,), values, _axis_labels(study, name)) for name, values in coordinates.items()
     }
     coords["u"] = xr.Variable(("u",), u, labels("u", units))
-    coords["s"] = xr.Variable(*_arc(sol, axes, u), labels("s", units))
+    dims, length = _own_dims(case.rod.L, axes)
+    coords["s"] = xr.Variable((*dims, "u"), length[..., None] * u, labels("s", units))
     if any(name in INNER for name in study.outputs):
         coords["xyz"] = xr.Variable(("xyz",), ["x", "y", "z"], {"long_name": "component; z is the axis"})
-    ds = xr.Dataset(data, coords, _attributes(study, sol))
-    return ds.assign_attrs(caution=cautions.sentence(ds))
+    ds = xr.Dataset(coords=coords, attrs=_attributes(study, case))
+    return ds.assign(data)  # the axes come first, in order
+
+
+def _open(coordinates: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
+    """Each axis along its own dimension: together they broadcast to the grid."""
+    return dict(zip(coordinates, np.ix_(*coordinates.values()), strict=True))
 
 
 def along(ds: xr.Dataset, name: str) -> xr.DataArray:
@@ -105,18 +134,6 @@ def _axis_labels(study: Study, name: str) -> dict[str, str]:
     return told
 
 
-def _where_solved(values: Any, sol: Solution) -> NDArray[Any]:
-    """The values, NaN where the case is not solved; whole numbers stay whole where all are."""
-    values = np.asarray(values)
-    if values.dtype.kind == "b":
-        values = values.astype(np.int64)
-    solved = np.asarray(sol.solved)
-    if solved.all():
-        return values
-    kept = solved.reshape(solved.shape + (1,) * (values.ndim - solved.ndim))
-    return np.where(kept, values.astype(float), np.nan)
-
-
 def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
     """The dimensions along which a field varies, and its values there."""
     array = np.asarray(value, dtype=float)
@@ -125,27 +142,19 @@ def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArr
     return kept, array.reshape([size for size in array.shape if size > 1])
 
 
-def _arc(sol: Solution, axes: tuple[str, ...], u: NDArray[np.float64]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
-    """s over u alone where every case has the same length, else over the whole grid."""
-    L = np.asarray(sol.case.rod.L, dtype=float)
-    if L.size == 1:
-        return ("u",), L.item() * u
-    return (*axes, "u"), np.broadcast_to(L, sol.case.shape)[..., None] * u
-
-
-def _attributes(study: Study, sol: Solution) -> dict[str, Any]:
+def _attributes(study: Study, case: Case) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "title": study.title,
         "study_name": study.name,
         "study": study.text,
         "reading": study.reading or "",
-        "side": sol.case.cylinder.side,
-        "stiffness": sol.case.rod.stiffness,
+        "side": case.cylinder.side,
+        "stiffness": case.rod.stiffness,
         "length_unit": study.units.length,
         "force_unit": study.units.force,
-        "tolerance": sol.tol,
-        "method": sol.method,
+        "tolerance": study.tol,
+        "method": study.method,
         "laws": json.dumps([law.model_dump() for law in study.laws], ensure_ascii=False),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(versions()),

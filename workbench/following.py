@@ -8,6 +8,7 @@ from solver.branch import follow
 from studies import Study
 
 from . import dataset
+from .chunks import columns
 
 AXIS = "betaL"
 
@@ -23,7 +24,8 @@ def run_followed(study: Study, tol: float, method: str) -> xr.Dataset:
     assert axis is not None
     branch = follow(study.case(), axis.limit, axis.size)
     sol = solve(branch.ends, tol=tol, method=method, stations=study.stations, seed=branch.dbeta0)
-    ds = dataset.make(study, {AXIS: branch.betaL}, sol)
+    as_run = study.model_copy(update={"tol": tol, "method": sol.method})
+    ds = dataset.make(as_run, {AXIS: branch.betaL}, columns(study, sol))
     units = study.unit_system
     ds["dbeta0"] = xr.Variable((AXIS,), branch.dbeta0, dataset.labels("dbeta0", units))
     for name, row, value in (("fold", "betaL", branch.fold), ("fold_dbeta0", "dbeta0", branch.fold_dbeta0)):

@@ -13,7 +13,7 @@ from studies.axes import WORDS
 from studies.loader import loads
 
 from . import opening
-from .runner import solve_one
+from .chunks import solve_one
 from .selecting import SAME, real
 
 MOST_SOLVED = 10_000  # cases that are solved again without being asked twice: seconds

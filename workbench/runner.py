@@ -1,4 +1,4 @@
-"""From a study to a dataset: the whole grid is one case, solved in one call."""
+"""From a study to a dataset in memory."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -6,12 +6,14 @@ from typing import Any
 
 import xarray as xr
 
-from solver import Case, Solution, equilibria, solve
-from solver.equilibria import nearest
+from solver import InputError
 from studies import Study
-from studies.axes import Which
 
 from . import check, dataset
+from .chunks import block_of, joined
+from .plan import bytes_a_case, plan
+
+MOST_IN_MEMORY = 2_000_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,27 +31,23 @@ class StudyResult:
 
 
 def run(study: Study, tol: float | None = None, method: str | None = None) -> xr.Dataset:
-    """Solve every case of a study and label the answer; tol and method, where given, replace the study's.
+    """Solve every case of a study, in memory, and label the answer; tol and method, where given, replace the study's.
 
     A case that fails keeps its outcome and leaves its neighbours alone. Raises `InputError` for what cannot
-    be asked.
+    be asked, and for a study that is better stored as it is solved (`storing.run_to_file`).
     """
-    tol = study.tol if tol is None else tol
-    method = study.method if method is None else method
     if study.follow is not None:
         from .following import run_followed
 
-        return run_followed(study, tol, method)
-    sol = solve_one(study.case(), study.equilibrium, tol, method, study.stations)
-    return dataset.make(study, study.coordinates(), sol)
-
-
-def solve_one(case: Case, which: Which | None, tol: float, method: str, stations: int) -> Solution:
-    """The solution of a case, or of a grid; where a study says which equilibrium, that one. Raises `InputError`."""
-    if which is None:
-        return solve(case, tol=tol, method=method, stations=stations)
-    found = nearest(equilibria(case, tol, stations), which.dbeta0, which.energy).solution
-    return found if method in ("auto", found.method) else solve(case, tol, method, stations, seed=found)
+        return run_followed(study, study.tol if tol is None else tol, study.method if method is None else method)
+    work = plan(study, tol, method)
+    if (needed := work.size * bytes_a_case(study)) > MOST_IN_MEMORY:
+        raise InputError(
+            f"{work.size} cases take {needed / 1e9:.3g} GB in memory, more than the limit of {MOST_IN_MEMORY / 1e9:g} "
+            "GB; workbench run stores them as they are solved"
+        )
+    parts = [block_of(work.study, part) for part in work.chunk(0, work.size).blocks(work.block)]
+    return dataset.make(work.study, work.coordinates, joined(parts))
 
 
 def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:

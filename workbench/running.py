@@ -1,16 +1,23 @@
 """The commands list, run and check."""
 
+from collections import Counter
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import xarray as xr
+import numpy as np
 
 from solver.quantities import unit_of
-from studies import load, names
+from studies import Study, load, names
 from studies.axes import Axis, quantity_of
+from studies.laws import FAILS
 
-from . import check, console, runner, store
+from . import cautions, check, console
 from .fidelity import fidelity
+from .storing import DEFAULT, Options, Ran, run_to_file
+from .there import look
+
+if TYPE_CHECKING:  # a finished study is answered without it
+    import xarray as xr
 
 
 def listed() -> list[dict[str, Any]]:
@@ -49,9 +56,9 @@ def run_study(
     tol: float | None,
     method: str | None,
     force: bool,
-    json: bool,
     level: str | None = None,
     stations: int | None = None,
+    options: Options = DEFAULT,
 ) -> int:
     """Run a study, store it and print its verdicts; 0, or 1 where a law fails or a case is unsolved.
 
@@ -63,50 +70,97 @@ def run_study(
     if stations is not None:
         study = study.at_stations(stations)
     path = out or Path(f"{study.name}.h5")
+    if study.follow is not None:
+        return _run_followed(study, path, tol, method, force, options.as_json)
+    asked = {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}
+    study = study.model_copy(update=asked)
+    _check_free(path, study.name, force)
+    ran = run_to_file(study, path, options, say=(lambda text: None) if options.as_json else console.say)
+    told = {"title": study.title, "study": study.name, "reading": study.reading or "", "file": str(path)}
+    return _print({**told, **ran.told}, options.as_json, ran)
+
+
+def _check_free(path: Path, name: str, force: bool) -> None:
+    """Raise `InputError` unless nothing is at `path` or what may give way; xarray is left alone where that is clear."""
+    there = look(path)
+    if force or (there is not None and there.name == name):
+        return
+    from . import store
+
+    store.check_free(path, name)
+
+
+def _run_followed(study: Study, path: Path, tol: float | None, method: str | None, force: bool, as_json: bool) -> int:
+    """A study along one branch is one line: it cannot be cut, and is solved in memory."""
+    from . import runner, store
+
     if not force:
         store.check_free(path, study.name)
     store.check_parent(path)
-    with console.progress(1) as step:
-        step(study.name)
-        ds = runner.run(study, tol, method)
+    ds = runner.run(study, tol, method)
     store.write(ds, path, force)
-    return _report(ds, path, json)
+    return _print(_told_of(ds, path), as_json)
 
 
 def check_file(path: Path, json: bool) -> int:
     """Print the verdicts of a stored dataset; 0, or 1 where a law fails or a case is unsolved."""
-    return _report(store.read(path), path, json)
+    from . import opening
+
+    with opening.opened(path) as ds, opening.refusing(path):
+        told = _told_of(ds, path)
+    return _print(told, json)
 
 
-def verdict_rows(ds: xr.Dataset) -> list[list[str]]:
-    """Table rows of a dataset's laws, each with its alternatives below it: claim, law, measured, verdict."""
+def _told_of(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
+    """What is said of a dataset, from its numbers."""
+    from . import check
+
+    texts = ["outcome", *(["caution"] if "caution" in ds else [])]
+    outcomes, *caution = ([str(text) for text in np.ravel(ds[name].values)] for name in texts)
+    return {
+        "title": ds.attrs["title"],
+        "study": ds.attrs["study_name"],
+        "reading": ds.attrs["reading"],
+        "file": str(path),
+        "outcomes": Counter(outcomes),
+        "cautions": Counter(*caution),
+        "laws": check.verdicts(ds),
+    }
+
+
+def verdict_rows(verdicts: list[dict[str, Any]]) -> list[list[str]]:
+    """Table rows of laws, each with its alternatives below it: claim, law, measured, verdict."""
     rows = []
-    for row in check.verdicts(ds):
+    for row in verdicts:
         rows.append([row["claim"], check.stated(row), check.measured(row), check.said(row)])
         for also in row["also"]:
             rows.append(["", f"  or {also['observable']}", check.measured(also), check.said(also)])
     return rows
 
 
-def _report(ds: xr.Dataset, path: Path, json: bool) -> int:
-    status = 0 if check.all_well(ds) else 1
-    outcomes = sorted({str(text) for text in ds["outcome"].values.ravel()})
-    if json:
-        told = {"study": ds.attrs["study_name"], "reading": ds.attrs["reading"], "file": str(path)}
-        counts = {"cases": ds["outcome"].size, "unsolved": check.unsolved(ds), "outcomes": outcomes}
-        counts["caution"] = ds.attrs.get("caution", "")
-        console.print_json({**told, **counts, "laws": check.verdicts(ds), "status": status})
+def _print(told: dict[str, Any], as_json: bool, ran: Ran | None = None) -> int:
+    """Print what is in a file and, after a run, what that did; 0, or 1 where a law fails or a case is unsolved."""
+    outcomes, cases = told["outcomes"], sum(told["outcomes"].values())
+    unsolved = sum(count for text, count in outcomes.items() if not text.startswith("solved"))
+    status = 1 if unsolved or any(row["verdict"] == FAILS for row in told["laws"]) else 0
+    caution = cautions.told(told["cautions"])
+    if as_json:
+        counts = {"cases": cases, "unsolved": unsolved, "outcomes": sorted(outcomes), "caution": caution}
+        run = {} if ran is None else {"solved_now": ran.solved, "seconds": ran.seconds}
+        named = {name: told[name] for name in ("study", "reading", "file")}
+        console.print_json({**named, **counts, **run, "laws": told["laws"], "status": status})
         return status
-    reading = f", {ds.attrs['reading']}" if ds.attrs["reading"] else ""
-    console.say(f"{ds.attrs['title']}{reading}")
-    if rows := verdict_rows(ds):
+    console.say(f"{told['title']}, {told['reading']}" if told["reading"] else told["title"])
+    if rows := verdict_rows(told["laws"]):
         console.print_table(["claim", "law", "measured", "verdict"], rows)
-    console.say(f"{path}: {check.counted(ds['outcome'].size, 'case')}, {check.unsolved(ds)} unsolved")
-    for text in outcomes:
+    console.say(f"{told['file']}: {check.counted(cases, 'case')}, {unsolved} unsolved")
+    for text, count in sorted(outcomes.items()):
         if text != "solved":
-            console.say(f"  {int((ds['outcome'].values == text).sum())} x {text}")
-    if ds.attrs.get("caution"):
-        console.say(f"caution: {ds.attrs['caution']}")
+            console.say(f"  {count} x {text}")
+    if caution:
+        console.say(f"caution: {caution}")
+    if ran is not None and ran.finished_before:
+        console.say("finished before; --restart solves it again")
     return status
 
 

@@ -16,8 +16,8 @@ from studies.readings import DEFAULT, parse
 
 from . import cautions, console
 from .asking import own_case, with_fields
+from .chunks import solve_one
 from .fidelity import Fidelity, fidelity
-from .runner import solve_one
 
 TABLE_UNITS = {"length": "cm", "force": "N"}
 LOWEST = "of all its equilibria the one of lowest energy; workbench equilibria lists them all"

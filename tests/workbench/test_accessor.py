@@ -13,7 +13,7 @@ from solver.methods import METHODS
 from studies.loader import loads
 from studies.model import OUTPUTS
 from tests.workbench import small
-from workbench import runner, store
+from workbench import chunks, runner, store
 
 ENDS = """
 title = "between two ends"
@@ -75,7 +75,7 @@ def test_what_suffices_is_not_solved_and_what_does_not_is_solved_once(full, monk
 
     ds, _ = full
     calls = []
-    monkeypatch.setattr(rebuild, "solve_one", lambda *args: calls.append(args) or runner.solve_one(*args))
+    monkeypatch.setattr(rebuild, "solve_one", lambda *args: calls.append(args) or chunks.solve_one(*args))
     kept = ds[["alpha", "beta", "z", "outcome"]]
     for name in ("position", "tangent", "normal", "FY", "F2", "F3", "M2"):
         kept.rod.along(name)

@@ -7,6 +7,7 @@ from solver import Case, Cylinder, Ends, Rod, Start, solve
 from studies.loader import loads
 from tests.workbench import small
 from workbench import cautions, dataset, runner
+from workbench.chunks import columns
 
 STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m
 
@@ -62,7 +63,7 @@ def test_an_unsolved_case_gives_no_caution() -> None:
     study = small.study("[axes.E]\nvalues = [1e4, 2e4]", head='method = "verlet"')
     failed = solve(study.case(), tol=1e-15, method="verlet", stations=21)
     assert not np.any(failed.solved)
-    ds = dataset.make(study, study.coordinates(), failed)
+    ds = dataset.make(study, study.coordinates(), columns(study, failed))
     assert set(ds["caution"].values.tolist()) == {""}
 
 

@@ -1,0 +1,221 @@
+"""A study stored as it is solved: in chunks, by as many workers as there are, going on where an earlier run stopped."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver.errors import InputError
+from studies import Study
+
+from . import engines, parts
+from .chunks import Damaged, decode, encode, is_solved, unsolved
+from .plan import Plan, bytes_a_case, plan, recipe
+from .progress import Meter, metered
+from .there import There, grown, is_finished, look
+
+KILLED = "failed: the process that solved it ended twice without an answer"
+SPARE = 2**20  # bytes for coordinates, attributes and the lists of an HDF5 file
+
+Tally = dict[str, Counter[str]]
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a study is run; none of these changes a bit of what is stored.
+
+    workers: processes on this machine, None for as many as are of use. scheduler: of a Dask cluster, instead.
+    chunk: cases a chunk, None for a few seconds' work. restart: drop what an earlier run has kept, and solve a finished
+    study again. as_json: progress for a program.
+    """
+
+    workers: int | None = None
+    scheduler: str | None = None
+    chunk: int | None = None
+    restart: bool = False
+    as_json: bool = False
+
+
+DEFAULT = Options()
+
+
+@dataclass(frozen=True)
+class Ran:
+    """What a run did. told: outcomes, cautions and verdicts of the file. solved: cases this run solved itself."""
+
+    told: dict[str, Any]
+    solved: int
+    seconds: float
+    finished_before: bool = False
+
+
+def run_to_file(
+    study: Study, output: Path, options: Options = DEFAULT, say: Callable[[str], None] = lambda text: None
+) -> Ran:
+    """Solve a study into a file; `study.tol` and `study.method` are those that it is run with.
+
+    say: takes a line of text about the size, before the work begins. Raises `InputError` where another run is at it,
+    where the disk has no room, or where what is there is of another run; `KeyboardInterrupt` says how to go on.
+    """
+    work = plan(study)
+    if (finished := _finished(work, output, options)) is not None:
+        return finished
+    from .store import check_parent  # xarray is not needed before
+
+    check_parent(output)
+    folder = parts.folder_of(output)
+    with _refusing_disk(output), parts.locked(folder):
+        try:
+            if (finished := _finished(work, output, options)) is not None:  # by the run that held it
+                return finished
+            there, work = _growing(work, output, options)
+            if options.restart:
+                parts.clear(folder, keep_lock=True)
+            parts.clear_asides(folder)
+            parts.check_recipe(folder, {**recipe(work), **_grows(there)})
+            return _run(work, output, folder, there, options, say)
+        finally:
+            if parts.is_empty(folder):
+                parts.clear(folder)  # nothing was kept that a later run could use
+
+
+def _finished(work: Plan, output: Path, options: Options) -> Ran | None:
+    there = None if options.restart else look(output)
+    if there is None:
+        return None
+    work = grown(there, work) or work
+    return Ran(there.told, 0, 0.0, True) if is_finished(there, work) else None
+
+
+def _growing(work: Plan, output: Path, options: Options) -> tuple[There | None, Plan]:
+    """The file there that the study extends, if any, and the plan of what is left."""
+    there = None if options.restart else look(output)
+    larger = grown(there, work) if there is not None else None
+    return (there, larger) if larger is not None and larger.new is not None else (None, work)
+
+
+def _grows(there: There | None) -> dict[str, Any]:
+    return {} if there is None else {"grows": there.recipe["axes"]}
+
+
+def _run(
+    work: Plan, output: Path, folder: Path, there: There | None, options: Options, say: Callable[[str], None]
+) -> Ran:
+    from .assembly import assemble
+
+    tally = _of_file(there)
+    kept = _verified(work, folder, tally)
+    say(_room(work, folder, kept))
+    with metered(work.size, work.size - work.todo + kept, options.as_json) as meter:
+        told = None
+        while told is None:
+            _solve(work, folder, options, meter, tally)
+            try:
+                told = assemble(work, folder, output, there, tally)
+            except Damaged:  # between the two, by another hand: what is left is solved again
+                tally = _of_file(there)
+                meter.done = work.size - work.todo + _verified(work, folder, tally)
+    parts.clear(folder)
+    return Ran(told, work.todo - kept, meter.seconds)
+
+
+def _of_file(there: There | None) -> Tally:
+    if there is None:
+        return {"outcome": Counter(), "caution": Counter()}
+    return {"outcome": Counter(there.told["outcomes"]), "caution": Counter(there.told["cautions"])}
+
+
+def _verified(work: Plan, folder: Path, tally: Tally) -> int:
+    """Count the cases of the shards that are there, each looked at; damaged ones are removed."""
+    kept = 0
+    for start, stop in parts.stretches(folder, work.todo):
+        try:
+            _count(parts.read_shard(folder, start, stop), tally)
+        except Damaged:
+            continue
+        kept += stop - start
+    return kept
+
+
+def _count(columns: dict[str, Any], tally: Tally) -> int:
+    """Add outcomes and cautions to the tally; how many cases were not solved."""
+    for name, counts in tally.items():
+        texts, times = np.unique(columns[name], return_counts=True)
+        counts.update(dict(zip(texts.tolist(), times.tolist(), strict=True)))
+    return int(np.count_nonzero(~is_solved(columns["outcome"])))
+
+
+def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tally) -> None:
+    """Solve what is missing, and keep it."""
+    missing = parts.missing(parts.stretches(folder, work.todo), work.todo)
+    if not missing:
+        return
+    try:
+        for chunk, results in _engine(work, missing, options):
+            if results is None:
+                results = encode(unsolved(work.study, chunk.cases, KILLED))
+            parts.store_shard(folder, chunk.start, chunk.stop, results)
+            meter.add(chunk.cases, _count(decode(results), tally))
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(_kept(meter, folder)) from None
+
+
+def _kept(meter: Meter, folder: Path) -> str:
+    kept = f"{meter.done} of {meter.total} cases are kept in {folder}; the same command goes on from there"
+    return f"interrupted; {kept if meter.done else 'nothing was finished yet'}"
+
+
+def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> engines.Results:
+    left = sum(stop - start for start, stop in missing)
+    if options.scheduler is not None:
+        from .cluster import cluster
+
+        return cluster(work, missing, options.scheduler, options.chunk)
+    workers = options.workers
+    if workers is None:
+        # a worker takes longer to start than a block to solve
+        workers = max(1, min(engines.cores(), left // (4 * work.block)))
+    chunks = work.chunks(missing, _chunk_size(work, workers, options.chunk))
+    if workers == 1:
+        return engines.serial(work.light, chunks, work.block)
+    return engines.pool(work.light, chunks, work.block, workers)
+
+
+def _chunk_size(work: Plan, workers: int, asked: int | None) -> int:
+    """In whole blocks."""
+    return work.chunk_size(workers) if asked is None else work.block * max(1, round(asked / work.block))
+
+
+def _room(work: Plan, folder: Path, kept: int) -> str:
+    """What the run takes, in words; raises `InputError` where the disk has less."""
+    case = bytes_a_case(work.study)
+    final, shards = work.size * case + SPARE, (work.todo - kept) * case
+    there = parts.free(folder)
+    if final + shards > there:
+        needed = f"{_bytes(final)} for the file and {_bytes(shards)} for its parts until it is whole"
+        raise InputError(f"the study needs up to {needed}, but {folder.parent} has {_bytes(there)} left")
+    new = f", {work.size - work.todo} of them there already" if work.todo < work.size else ""
+    going = f", {kept} kept from an earlier run" if kept else ""
+    return f"{work.size} cases{new}{going}: at most {_bytes(final)}, and {_bytes(shards)} more while it runs"
+
+
+def _bytes(count: int) -> str:
+    for unit, size in (("GB", 1e9), ("MB", 1e6)):
+        if count >= size:
+            return f"{count / size:.3g} {unit}"
+    return f"{count / 1e3:.3g} kB"
+
+
+@contextmanager
+def _refusing_disk(output: Path) -> Iterator[None]:
+    """What the disk refuses is told in one sentence; what is kept stays."""
+    try:
+        yield
+    except OSError as error:
+        why = error.strerror or str(error)
+        kept = "what is finished is kept, and the same command goes on from there"
+        raise InputError(f"cannot write {output}: {why}; {kept}") from None
