@@ -1,0 +1,40 @@
+"""What the benchmarks share: a named case, and two things timed in turn."""
+
+import resource
+import statistics
+import time
+from collections.abc import Callable
+from math import pi
+from typing import Any
+
+from solver import Case, Cylinder, Rod, Start
+
+
+def table1(L: float = 20.0, E: Any = 1.07e4) -> Case:
+    """Table 1 read force-first, in tension, with the paper's stiffness."""
+    rod = Rod(E=E, nu=0.25, a=0.25, L=L, stiffness="paper")
+    return Case(rod, Cylinder(R=0.75), Start(beta=pi / 6, dbeta=0.5, F1=5.0, F3=10.0))
+
+
+def paired(first: Callable[[], object], second: Callable[[], object], rounds: int) -> tuple[float, float, float]:
+    """Median seconds of both, run in turn, and the median of their ratios first/second."""
+    first(), second()
+    times = []
+    for _ in range(rounds):
+        times.append((_seconds(first), _seconds(second)))
+    return (
+        statistics.median(a for a, _ in times),
+        statistics.median(b for _, b in times),
+        statistics.median(a / b for a, b in times),
+    )
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
+
+
+def peak_gigabytes() -> float:
+    """The largest memory of this process so far."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
