@@ -52,13 +52,13 @@ _ROWS = (
     Quantity("F1", "F₁", _FORCE, "internal force along the inward normal"),
     Quantity("F2", "F₂", _FORCE, "internal force in the surface, across the rod"),
     Quantity("F3", "F₃", _FORCE, "internal force along the tangent, tension positive"),
-    Quantity("FY", "F_Y", _FORCE, "circumferential force"),
+    Quantity("FY", "FY", _FORCE, "circumferential force"),
     Quantity("contact", "f", (-1, 1), "push of the cylinder per length, positive outward"),
     Quantity("M1", "M₁", _MOMENT, "bending moment about the inward normal"),
     Quantity("M2", "M₂", _MOMENT, "bending moment about the binormal in the surface"),
     # constants of the rod
-    Quantity("FZ", "F_Z", _FORCE, "axial force"),
-    Quantity("MZ", "M_Z", _MOMENT, "axial moment"),
+    Quantity("FZ", "FZ", _FORCE, "axial force"),
+    Quantity("MZ", "MZ", _MOMENT, "axial moment"),
     Quantity("M3", "M₃", _MOMENT, "twisting moment"),
     Quantity("h", "h", (-2, 0), "first integral of the angle"),
     # observables

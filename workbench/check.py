@@ -57,7 +57,7 @@ def said(row: dict[str, Any]) -> str:
     """The verdict with what qualifies it: exceptions, lines of a grid, the reason it fails."""
     notes = [row["reason"]] if row["reason"] else []
     if row["at"]:
-        notes.append(" ".join(["at", *(f"{name} = {value:.4g}" for name, value in row["at"].items())]))
+        notes.append(f"at {', '.join(f'{name} = {value:.4g}' for name, value in row['at'].items())}")
     if row["lines"] > 1:
         notes.append(f"{row['lines_hold']} of {row['lines']} lines hold")
     if row["exceptions"]:

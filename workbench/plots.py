@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -14,16 +13,16 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullLocator
 
 from solver.errors import InputError, no_such
-from studies.laws import COUNTS, FAILS
+from studies.laws import COUNTS, FAILS, NOISE
 
 from . import check, dataset, picking, profile, style
+from .stretch import larger, stretch
 
 KINDS = (".png", ".pdf", ".svg")
 MOST_CURVES = 9
 WIDTH, LAW_HEIGHT = 9.6, 3.9  # inches
 STRIP = (1.5, 4.5)  # inches, the least and the most that a row of curves is high
 BESIDE, LEAST_BESIDE = 0.55, 2.6  # the share of the width that curves have beside a law, and inches they then need
-NOTE = 66  # letters a line of small print
 MOST_PLAIN = 4  # observables shown where there is no law
 NOT_OBSERVED = ("outcome", "error", "condition", "FZ", "MZ", "M3", "dbeta0")
 
@@ -60,12 +59,14 @@ def panel(ds: xr.Dataset, ax: Axes, law: int = 0) -> Axes:
             ax.plot(ends, step["values"], color=style.VERDICT_COLOURS[FAILS], linewidth=3, alpha=0.75, zorder=3,
                     label="a step the wrong way")  # fmt: skip
     words = f"{row['claim']}  {style.words(ds[row['observable']])} {style.DIRECTIONS[row['direction']]}"
-    ax.set_title(f"{words} {style.symbol(row['axis'])}:", loc="left", pad=20)
-    ax.text(0, 1.015, check.said(row), transform=ax.transAxes, va="bottom", weight="bold",
+    verdict = style.wrapped(check.said(row), ax, bold=True)
+    pad = 6 + 14 * (verdict.count("\n") + 1)  # points, room for the verdict
+    ax.set_title(style.wrapped(f"{words} {style.symbol(row['axis'])}:", ax), loc="left", pad=pad)
+    ax.text(0, 1.015, verdict, transform=ax.transAxes, va="bottom", weight="bold",
             color=style.VERDICT_COLOURS[row["verdict"]])  # fmt: skip
     if row["also"]:
         others = "; ".join(f"{style.short(ds[also['observable']])} {_brief(also)}" for also in row["also"])
-        text = fill(f"Also admitted by the sentence: {others}.", NOTE)
+        text = style.wrapped(f"Also admitted by the sentence: {others}.", ax, style.SMALL)
         lines = "\n" * (text.count("\n") + 2)
         ax.set_xlabel(ax.get_xlabel() + lines, linespacing=0.95)  # room that the layout sees
         note = ax.annotate(text, (0, 0), (-8, -38), xycoords="axes fraction", textcoords="offset points", va="top",
@@ -101,20 +102,28 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     ax.set_xlabel(_axis_label(ds, axis, others, long=False))
     ax.set_ylabel(style.label(ds[observable]))
     ax.margins(x=0.04, y=0.1)
+    ax.yaxis.set_major_formatter(style.plain)
+    drawn = lines.values[np.isfinite(lines.values)]
     if observable in COUNTS:
         ax.yaxis.set_major_locator(MaxNLocator(integer=True))
-        if values.size and np.nanmax(values) - np.nanmin(values) < 2:
-            middle = round(float(np.nanmean(values)))
-            ax.set_ylim(middle - 2, middle + 2)
+        if drawn.size and np.ptp(drawn) < 2:
+            count = round(float(drawn.mean()))
+            ax.set_ylim(count - 2, count + 2)
+    elif drawn.size and 0 < np.ptp(drawn) < NOISE * np.abs(drawn).max():  # rounding is no news
+        middle = float(drawn.mean())
+        ax.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
     return style.quiet(ax)
 
 
 def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
-    """The rods along an axis on the unrolled cylinder, side by side at one scale: rho alpha to the right, z up.
+    """The rods along an axis on the unrolled cylinder, side by side: rho alpha to the right, z up.
 
-    Each begins on its own line alpha = 0, at which its value is written. Raises `InputError`.
+    Each begins on its own line alpha = 0, at which its value is written. At one scale, unless they would be too thin
+    to see (`stretch`); then the vertical axis says so. Raises `InputError`.
     """
     cases, lines, curves, width = _side_by_side(ds, axis)
+    room = style.inches(ax)
+    factor = _factor(curves, width, room)
     for line, found, colour in zip(lines, curves, style.colours(len(cases)), strict=True):
         ax.axvline(line, color=style.FAINT, linewidth=0.8, zorder=0)
         if found is None:
@@ -125,11 +134,14 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
     values = [style.shown(float(ds[axis].values[where[axis]]), ds[axis]).partition(" ")[0] for where in cases]
     ax.set_xticks(lines, values)
     ax.tick_params(axis="x", length=0)
-    ax.set_aspect("equal", adjustable="box", anchor="NW")
+    if _crowded(lines, values, min(room[0] / width, room[1] * factor / _height(curves))):
+        ax.tick_params(axis="x", labelrotation=90)
+    ax.set_aspect(1 / factor, adjustable="box", anchor="NW")
     ax.set_xlim(0, width)
-    ax.set_xlabel(_axis_label(ds, axis, cases[0]))
-    ax.set_ylabel(f"z [{style.unit(str(ds.attrs['length_unit']))}]")
-    ax.set_title("Unrolled cylinder: ρα to the right, z up, all at one scale", loc="left")
+    ax.set_xlabel(_axis_label(ds, axis, cases[0]), loc="left")
+    ax.set_ylabel(f"z [{style.unit(str(ds.attrs['length_unit']))}]{larger(factor, 'ρα')}{larger(1 / factor)}")
+    scale = "all at one scale" if factor == 1 else "at two scales"
+    ax.set_title(f"Unrolled cylinder: ρα to the right, z up, {scale}", loc="left")
     ax.grid(axis="y", color=style.FAINT, linewidth=0.6)
     ax.set_axisbelow(True)
     return ax
@@ -151,9 +163,27 @@ def _side_by_side(ds: xr.Dataset, axis: str) -> tuple[list[dict[str, int]], list
 def _strip_height(ds: xr.Dataset, axis: str, share: float = 1.0) -> float:
     """Inches that the curves along an axis are high, with their labels, on that share of the page's width."""
     _, _, curves, width = _side_by_side(ds, axis)
+    room = WIDTH * share - 0.9, STRIP[1]
+    tall = 1.1 * _height(curves)
+    return float(np.clip(room[0] * tall / (width * _factor(curves, width, room)), *STRIP)) + 0.9
+
+
+def _height(curves: Sequence[Any]) -> float:
+    """How high the curves are together, never 0 [length]."""
     ups = [curve[1] for curve in curves if curve is not None] or [np.zeros(2)]
-    tall = 1.1 * (max(up.max() for up in ups) - min(up.min() for up in ups))
-    return float(np.clip((WIDTH * share - 0.9) * tall / width, *STRIP)) + 0.9
+    return float(max(up.max() for up in ups) - min(up.min() for up in ups)) or 1.0
+
+
+def _factor(curves: Sequence[Any], width: float, room: tuple[float, float]) -> float:
+    """How many times wider than high the curves are drawn in a room of inches, see `stretch`."""
+    widest = max((float(np.ptp(curve[0])) for curve in curves if curve is not None), default=width)
+    return stretch(width, _height(curves), room, widest)
+
+
+def _crowded(lines: Sequence[float], labels: Sequence[str], scale: float) -> bool:
+    """Whether labels at the lines would meet; scale: inches per length."""
+    gaps = np.diff(lines) * scale
+    return bool(gaps.size and gaps.min() < max(map(len, labels)) * style.SMALL * style.LETTER + 0.08)
 
 
 def _trends(ds: xr.Dataset, axes: Sequence[str]) -> Figure:
@@ -213,13 +243,21 @@ def _shown(axis: xr.DataArray, values: Any) -> Any:
 def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
     """A logarithmic axis where the values are spaced so, with ticks at some of them."""
     if along.size < 3 or along.min() <= 0:
-        return
+        return _linear(ax)
     steps = np.diff(np.log(along))
     if np.ptp(steps) < 1e-6 * steps.mean() and along[-1] / along[0] > 3:
         ax.set_xscale("log")
         some = along[:: max((along.size - 1) // 4, 1)]
         ax.xaxis.set_minor_locator(NullLocator())
         ax.set_xticks(some, [style.number(float(value)) for value in some])
+    else:
+        _linear(ax)
+
+
+def _linear(ax: Axes) -> None:
+    """Few enough ticks that their numbers do not meet."""
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=5))
+    ax.xaxis.set_major_formatter(style.plain)
 
 
 def _legend(ax: Axes) -> None:

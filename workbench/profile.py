@@ -9,6 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from . import dataset, style
+from .stretch import larger, stretch
 
 SIZE = (9.6, 8.0)  # inches
 
@@ -72,12 +73,13 @@ def contact(ds: xr.Dataset, ax: Axes) -> Axes:
 
 
 def curve(ds: xr.Dataset, ax: Axes) -> Axes:
-    """The curve on the unrolled cylinder as one sees it from outside: z to the right, rho alpha down."""
+    """The curve on the unrolled cylinder as one sees it from outside: z to the right, rho alpha down.
+
+    At one scale, unless the rod would be too thin to see (`stretch`); then an axis says so.
+    """
     found = unrolled(ds, {})
     unit = style.unit(str(ds.attrs["length_unit"]))
-    ax.set_title("unrolled cylinder, seen from outside, both to one scale", loc="left")
-    ax.set_xlabel(f"z [{unit}]")
-    ax.set_ylabel(f"ρα [{unit}]")
+    ax.set_title("unrolled cylinder, seen from outside", loc="left")
     if found is None:
         ax.text(0.5, 0.5, str(ds["outcome"].values), transform=ax.transAxes, ha="center", color=style.SOFT)
         return ax
@@ -88,7 +90,12 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.plot(up[0], across[0], "o", color=style.INK, markersize=5)
     ax.annotate("s = 0", (up[0], across[0]), (-6, 0), textcoords="offset points", ha="right", va="center",
                 size=style.SMALL)  # fmt: skip
-    ax.set_aspect("equal")
+    factor = stretch(float(np.ptp(up)), float(np.ptp(across)), (SIZE[0] - 1, SIZE[1] / 3 - 1))
+    ax.set_aspect(1 / factor)
+    ax.set_xlabel(f"z [{unit}]{larger(factor)}")
+    ax.set_ylabel(style.wrapped(f"ρα [{unit}]{larger(1 / factor)}", ax, upward=True))
+    if factor == 1:
+        ax.set_title("unrolled cylinder, seen from outside, both to one scale", loc="left")
     ax.margins(x=0.08, y=0.15)
     ax.invert_yaxis()
     return style.quiet(ax)

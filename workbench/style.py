@@ -1,6 +1,7 @@
 """How everything drawn looks: colours, sizes, and how numbers and units are written."""
 
 from math import degrees, floor, log10
+from textwrap import fill
 from typing import Any
 
 import xarray as xr
@@ -33,6 +34,7 @@ RAMP_ENDS = (0.0, 0.88)  # the last yellow is too light on white
 
 DPI = 200
 SMALL, NORMAL, LARGE = 8.0, 9.5, 12.0  # points
+LETTER, BOLD = 0.6 / 72, 1.12  # inches that a letter is wide per point of its size; how much wider a bold one is
 
 RC: Any = {
     "font.family": "DejaVu Sans",  # comes with Matplotlib
@@ -127,14 +129,35 @@ def colours(count: int) -> list[Any]:
 
 
 def entitle(fig: Figure, ds: xr.Dataset) -> None:
-    """The study's title and its reading, above a constrained layout."""
-    inch = 1 / fig.get_size_inches()[1]
+    """The study's title and its reading, above a constrained layout; the figure grows by the lines of a long title."""
+    title = fill(str(ds.attrs["title"]), int((fig.get_figwidth() - 0.3) / (LARGE * LETTER * BOLD)))
+    more = 0.2 * title.count("\n")  # inches
+    fig.set_figheight(fig.get_figheight() + more)
+    inch = 1 / fig.get_figheight()
     told = reading(ds)
     engine = fig.get_layout_engine()
     assert isinstance(engine, ConstrainedLayoutEngine)
-    engine.set(rect=(0, 0, 1, 1 - (0.62 if told else 0.4) * inch), w_pad=0.1, h_pad=0.08)
-    fig.text(0.012, 1 - 0.1 * inch, str(ds.attrs["title"]), va="top", weight="bold", size=LARGE)
-    fig.text(0.012, 1 - 0.36 * inch, told, va="top", color=SOFT)
+    engine.set(rect=(0, 0, 1, 1 - ((0.62 if told else 0.4) + more) * inch), w_pad=0.1, h_pad=0.08)
+    fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=LARGE)
+    fig.text(0.012, 1 - (0.36 + more) * inch, told, va="top", color=SOFT)
+
+
+def wrapped(text: str, ax: Axes, size: float = NORMAL, bold: bool = False, upward: bool = False) -> str:
+    """The text in lines that are no longer than the axes are wide (or high), for a font of that size in points."""
+    room = inches(ax)[int(upward)]
+    return fill(text, max(int(room / (size * LETTER * (BOLD if bold else 1))), 12))
+
+
+def inches(ax: Axes) -> tuple[float, float]:
+    """Width and height of axes before they are laid out: a little less than what they get."""
+    box, figure = ax.get_position(), ax.get_figure(root=True)
+    assert figure is not None
+    return box.width * figure.get_figwidth(), box.height * figure.get_figheight()
+
+
+def plain(value: float, _: object = None) -> str:
+    """A tick's number in full: no offset, no power of ten beside the axis."""
+    return f"{value:.10g}".replace("-", "−")
 
 
 def quiet(ax: Axes) -> Axes:

@@ -1,5 +1,6 @@
 """The figures of stored datasets: they show the data, the law and its verdict, and solve nothing."""
 
+import re
 import sys
 from itertools import pairwise
 
@@ -7,10 +8,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from solver.errors import InputError
 from studies import load, names
 from workbench import check, picking, plots, profile, runner, style
+from workbench.stretch import stretch
 
 from .pictures import pixels, share_of_ink
 from .small import grid, study
@@ -153,3 +156,80 @@ def test_drawing_leaves_no_state_behind(tmp_path) -> None:
 )  # fmt: skip
 def test_numbers_are_written_as_one_writes_them(value: float, text: str) -> None:
     assert style.number(value) == text
+
+
+LAW = """
+[[laws]]
+claim = "a claim of many words"
+observable = "contact_mean"
+axis = "E"
+direction = "not-falling"
+also = ["kappa_mean", "kappa_max", "wraps", "attached", "amplitude"]
+source = "s"
+"""
+ONE_VALUE, TWO, LARGE = ("values = [1e4]", "values = [1e4, 3.7e5]", "from = 123456.7\nto = 134567.8\ncount = 9")
+
+
+def of_user(kind: str) -> xr.Dataset:
+    """A study of a user's: few or many rods, thin ones, long words."""
+    values = {"one value": ONE_VALUE, "large numbers": LARGE}.get(kind, TWO)
+    laws = LAW if kind in ("wide verdict", "thin beside a law") else ""
+    if kind == "wide verdict":
+        values = "values = [1e4, 1.1e4, 1.2e4, 2e4, 5e4, 3.7e5]\n[axes.F3]\nvalues = [5.0, 20.0, 80.0]"
+    ds = runner.run(study(f"[axes.E]\n{values}\n{laws}"))
+    if kind == "wide verdict":
+        ds = ds.assign_attrs(title="A title that goes on for longer than a page of this width can hold, " * 2)
+    if kind.startswith("thin"):
+        ds["z"] = 1000 * ds["z"]
+    if kind == "flat":
+        ds["z"] = ds["z"] / 1000
+    return ds
+
+
+@pytest.mark.parametrize("kind", ["one value", "large numbers", "wide verdict", "thin beside a law", "flat"])
+def test_whatever_a_study_asks_for_no_word_is_cut_off_and_no_two_ticks_meet(kind: str, tmp_path) -> None:
+    fig = plots.figure(of_user(kind), tmp_path / "figure.png")
+    page, across, outside = fig.bbox, [], []
+    for ax in fig.axes:
+        for labels, k, limits in ((ax.get_xticklabels(), 0, ax.get_xlim()), (ax.get_yticklabels(), 1, ax.get_ylim())):
+            outside += [label for label in labels if not limits[0] <= label.get_position()[k] <= limits[1]]
+        across.append([label for label in ax.get_xticklabels() if label.get_text() and label not in outside])
+    for text in fig.findobj(Text):
+        if text.get_text() and text.get_visible() and text not in outside:  # those outside are not drawn
+            box = text.get_window_extent()
+            assert page.x0 <= box.x0 <= box.x1 <= page.x1, text.get_text()
+            assert page.y0 <= box.y0 <= box.y1 <= page.y1, text.get_text()
+    for labels in across:
+        edges = sorted((label.get_window_extent().x0, label.get_window_extent().x1) for label in labels)
+        assert all(left[1] < right[0] for left, right in pairwise(edges))
+
+
+@pytest.mark.parametrize("kind, said", [("thin", "ρα drawn"), ("flat", "z [cm], drawn"), ("one value", None)])
+def test_curves_too_thin_to_see_are_drawn_at_two_scales_and_the_axis_says_so(kind: str, said: str | None) -> None:
+    ds = of_user(kind)
+    fig = Figure(figsize=(9, 6))
+    ax = plots.developed(ds, fig.add_subplot(), "E")
+    if said is None:
+        assert ax.get_aspect() == 1
+        assert "times larger" not in ax.get_ylabel()
+    else:
+        assert said in ax.get_ylabel()
+        told = float(re.search(r"drawn ([\d.e+]+) times larger", ax.get_ylabel())[1])
+        assert ax.get_aspect() == pytest.approx(told if kind == "flat" else 1 / told)
+
+
+def test_one_scale_is_left_only_where_the_curves_would_be_a_hair() -> None:
+    room = (9.0, 4.5)
+    assert stretch(10.0, 40.0, room) == 1  # an inch wide
+    assert stretch(10.0, 149.0, room) == 1  # 0.302 inches
+    assert stretch(10.0, 151.0, room) == 30  # to 9 inches would be 30.2 times
+    assert stretch(10.0, 151.0, room, widest=10.0) == stretch(10.0, 151.0, room)
+    assert stretch(1000.0, 1.0, room) == pytest.approx(1 / 500)
+    assert stretch(0.0, 100.0, room) == stretch(1e-12, 100.0, room) == 1  # a straight rod is straight
+
+
+def test_what_differs_by_rounding_is_drawn_as_level() -> None:
+    ds = of_user("large numbers")
+    ds["wraps"] = ds["wraps"] * 0 + 3.5 + 1e-13 * np.arange(9)
+    low, high = plots.trend(ds, axes(), "wraps", "E").get_ylim()
+    assert (low, high) == pytest.approx((3.15, 3.85))
