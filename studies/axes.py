@@ -1,11 +1,13 @@
 """The parts of a study that are numbers with a unit: units, base case, axes."""
 
+from collections import Counter
 from dataclasses import fields
+from math import isfinite, log
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from solver import Cylinder, Ends, Rod, Start
 from solver.errors import choices
@@ -26,6 +28,8 @@ WORDS = ("stiffness", "side")  # the fields that are not numbers
 
 MAX_COUNT = 10_000_000  # of the values of an axis: 80 MB
 MAX_CASES = 1_000_000_000  # of a grid: at a tenth of a millisecond each, more than a day
+
+CLOSEST = 1e-15  # neighbours on an axis differ by more than this share, or they would be rounded to the same
 
 # A field of Start is what the quantity of another name is at s = 0.
 _AT_START = {"beta": "beta0", "dbeta": "dbeta0"}
@@ -54,6 +58,13 @@ def in_rad(value: Any) -> Any:
     return angle(value) if isinstance(value, str) else value
 
 
+def _on_one_line(text: str) -> str:
+    if not text or not text.isprintable():
+        raise ValueError(f"{text[:60]!r} must be one line of text that can be printed")
+    return text
+
+
+Line = Annotated[str, AfterValidator(_on_one_line)]  # what is shown on terminals and in pictures
 Angle = Annotated[float, BeforeValidator(in_rad)]
 
 
@@ -132,10 +143,10 @@ class Axis(BaseModel):
 
     model_config = STRICT
 
-    values: list[float] | None = None
+    values: list[float] | None = Field(None, fail_fast=True)
     from_: float | None = Field(None, alias="from")
     to: float | None = None
-    count: int | None = None
+    count: int | None = Field(None, le=10**15)  # a grid's limit comes later; this one keeps its arithmetic in floats
     spacing: Literal["linear", "geometric"] = "linear"
     unit: str | None = None
     follow: bool = False
@@ -150,7 +161,7 @@ class Axis(BaseModel):
             if not self.values:
                 raise Misplaced("the axis is empty: give at least one value", "values")
             if len(set(self.values)) < len(self.values):
-                twice = next(v for i, v in enumerate(self.values) if v in self.values[:i])
+                twice = Counter(self.values).most_common(1)[0][0]
                 raise Misplaced(f"{twice!r} stands twice among the values", "values")
             return self
         if self.follow and "from" in self._said():
@@ -180,6 +191,21 @@ class Axis(BaseModel):
                 f"geometric spacing needs both ends of one sign and not 0, got {self.from_:g} to {self.to:g}",
                 "spacing",
             )
+        self._check_steps()
+
+    def _check_steps(self) -> None:
+        """That the values are finite and differ, told from the ends alone: count may be anything."""
+        assert self.from_ is not None
+        assert self.to is not None
+        assert self.count is not None
+        first, last = abs(self.from_), abs(self.to)
+        if self.spacing == "geometric":
+            step = abs(log(last) - log(first)) / max(self.count - 1, 1)
+        else:
+            step = abs(self.to - self.from_) / max(self.count - 1, 1) / max(first, last, 5e-324)
+        if isfinite(step) and (self.count == 1 or step > CLOSEST):
+            return
+        raise Misplaced(f"no {self.count} values fit between {self.from_!r} and {self.to!r}", "count")
 
     @property
     def size(self) -> int:

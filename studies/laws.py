@@ -14,11 +14,11 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, field_validator
 
 from solver.errors import InputError, choices, no_such
 
-from .axes import in_rad, is_angle
+from .axes import Line, in_rad, is_angle
 
 HOLDS, TREND, FAILS = "holds", "holds as a trend", "fails"
 VERDICTS = (HOLDS, TREND, FAILS)  # best first
@@ -41,13 +41,13 @@ class Law(BaseModel):
     rad, or as text.
     """
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
-    claim: str
+    claim: Line
     observable: str
     axis: str
     direction: Literal["rises", "falls", "not-falling", "not-rising"]
-    source: str = Field(min_length=1)
+    source: Line
     also: list[str] = []
     at: dict[str, float] = {}
 

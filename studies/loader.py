@@ -1,6 +1,7 @@
 """From a TOML file to a study; what is wrong is told in one sentence: file, line, value and choices."""
 
 import re
+import reprlib
 import tomllib
 from difflib import get_close_matches
 from pathlib import Path
@@ -18,9 +19,18 @@ SHIPPED = Path(__file__).parent
 
 Where = tuple[str | int, ...]
 
+# Far more than any study has: what is beyond is refused before it takes time or memory.
+MOST_TEXT = 64_000_000  # characters, or bytes of a file
+MOST_KEYS = 1000  # of a table, and tables of a list
+MOST_PARTS = 20  # of a dotted key
+MOST_SAID = 800  # characters of a refusal
+
 _MODELS: dict[str, type[BaseModel]] = {"units": Units, "base": Base, "axes": Axis, "laws": Law, "equilibrium": Which}
-_HEADER = re.compile(r"^\s*(\[\[?)\s*([^\[\]]+?)\s*\]")
+_HEADER = re.compile(r"^\s*(\[\[?)([^\[\]]+)\]")
 _PART = re.compile(r"""[\w-]+|"[^"]*"|'[^']*'""")
+_DEEP_KEY = re.compile(rf"""(?<![\w"'-])(?:[\w"'-]++\s*+\.\s*+){{{MOST_PARTS}}}""")
+_REPR = reprlib.Repr()
+_REPR.maxlevel, _REPR.maxlist, _REPR.maxdict, _REPR.maxstring, _REPR.maxother = 2, 3, 3, 60, 60
 _KEY = re.compile(r"""^\s*((?:[\w-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[\w-]+|"[^"]*"|'[^']*'))*)\s*=""")
 
 
@@ -39,33 +49,87 @@ def load(study: str | Path) -> Study:
             raise InputError(f"no study {text!r}{near}; choose from {choices(names())}, or give a .toml file")
         path = SHIPPED / f"{text}.toml"
     try:
+        if path.exists() and not (path.is_file() or path.is_dir()):  # a pipe would keep us waiting for ever
+            raise InputError(f"{_plain(str(path))} is no regular file")
+        if path.is_file() and path.stat().st_size > MOST_TEXT:
+            raise InputError(f"{path} has {path.stat().st_size} bytes; a study has at most {MOST_TEXT}")
         source = path.read_text(encoding="utf-8")
     except UnicodeDecodeError:
         raise InputError(f"{path} is not a text file in UTF-8") from None
     except OSError as error:
-        raise InputError(f"cannot read the study {path}: {error.strerror}") from None
+        raise InputError(f"cannot read the study {_plain(str(path))}: {error.strerror}") from None
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{_plain(str(path))} is no name of a file: {error}") from None
     return loads(source, path.name, default_name=_as_name(path.stem))
 
 
 def loads(text: str, label: str = "study", default_name: str = "study") -> Study:
     """The study of a TOML text; `label` names it in what is refused. Raises `InputError`."""
     try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{label} is not TOML: {error}") from None
-    lines = _lines(text)
+        return _study(text, default_name)
+    except _Refused as error:
+        where = _line(_lines(text), error.where) if error.where else ""
+        raise InputError(_plain(f"{label}{where}{':' if error.of_a_key else ''} {error}")) from None
+
+
+class _Refused(Exception):
+    """Why a text is refused; where: the key that it is about."""
+
+    def __init__(self, message: str, where: Where = (), of_a_key: bool = True) -> None:
+        super().__init__(message)
+        self.where, self.of_a_key = where, of_a_key
+
+
+def _study(text: str, default_name: str) -> Study:
+    data = _tables(text)
     data.setdefault("name", default_name)
     try:
         study = Study.model_validate(data)
     except ValidationError as error:
         where, sentence = _sentence(error)
-        raise InputError(f"{label}{_line(lines, where)}: {sentence}") from None
+        raise _Refused(sentence, where) from None
     study._text = text
     try:
         study.case()
     except InputError as error:
-        raise InputError(f"{label}{_line(lines, _blamed(str(error), study))}: {error}") from None
+        raise _Refused(str(error), _blamed(str(error), study)) from None
     return study
+
+
+def _tables(text: str) -> dict[str, Any]:
+    """What the TOML says; texts are refused that would take longer to read than any study."""
+    if len(text) > MOST_TEXT:
+        raise _Refused(f"has {len(text)} characters; a study has at most {MOST_TEXT}", of_a_key=False)
+    if found := _DEEP_KEY.search(text):
+        raise _Refused(f"has a key of more than {MOST_PARTS} parts: {_shown(found.group())}", of_a_key=False)
+    try:
+        data = tomllib.loads(text)
+    except RecursionError:
+        raise _Refused("is nested too deeply to be a study", of_a_key=False) from None
+    except ValueError as error:  # TOML's own, and Python's of numbers with thousands of digits
+        raise _Refused(f"is not TOML: {error}", of_a_key=False) from None
+    tables: list[Any] = [data]
+    while tables:
+        table = tables.pop()
+        inner = table.values() if isinstance(table, dict) else table
+        if len(inner) > MOST_KEYS and (isinstance(table, dict) or any(isinstance(one, dict) for one in inner)):
+            raise _Refused(f"has a table of {len(inner)} entries; a study's have at most {MOST_KEYS}", of_a_key=False)
+        tables += [one for one in inner if isinstance(one, (dict, list))]
+    return data
+
+
+def _plain(text: str) -> str:
+    """A sentence on one line, whatever is quoted in it: what cannot be printed is written as its escape."""
+    line = "".join(one if one.isprintable() else " " if one in "\n\t" else repr(one)[1:-1] for one in text)
+    return line if len(line) <= MOST_SAID else f"{line[: MOST_SAID - 3]}..."
+
+
+def _shown(value: object) -> str:
+    """A value as a sentence quotes it."""
+    text = _REPR.repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def _as_name(stem: str) -> str:
@@ -74,7 +138,7 @@ def _as_name(stem: str) -> str:
 
 
 def _near(name: object, known: Any) -> str:
-    close = get_close_matches(str(name), [str(k) for k in known], 1)
+    close = get_close_matches(str(name)[:60], [str(k) for k in known], 1)
     return f", did you mean {close[0]!r}" if close else ""
 
 
@@ -97,17 +161,16 @@ def _sentence(error: ValidationError) -> tuple[Where, str]:
         model = _MODELS.get(str(where[0]), Study) if len(where) > 1 else Study
         keys = _keys(model)
         inside = f" in {_told(where[:-1])}" if len(where) > 1 else ""
-        return where, f"no key {where[-1]!r}{inside}{_near(where[-1], keys)}; choose from {choices(keys)}"
+        return where, f"no key {_shown(where[-1])}{inside}{_near(where[-1], keys)}; choose from {choices(keys)}"
     if kind == "missing":
         owner = _told(where[:-1]) if len(where) > 1 else "the study"
         return where[:-1], f"{owner} needs the key {where[-1]!r}"
     if kind == "string_pattern_mismatch":
-        return where, f"{_told(where)} must be letters, digits, - and _ only, got {value!r}"
+        return where, f"{_told(where)} must be letters, digits, - and _ only, got {_shown(value)}"
     said = first["msg"].replace("Input should", "must", 1)
     if kind in ("model_type", "dict_type"):
         said = "must be a table"
-    shown = repr(value) if len(repr(value)) <= 60 else repr(value)[:57] + "..."
-    return where, f"{_told(where)} {said}, got {shown}"
+    return where, f"{_told(where)} {said}, got {_shown(value)}"
 
 
 def _told(where: Where) -> str:
@@ -131,14 +194,14 @@ def _lines(text: str) -> dict[Where, int]:
     table: Where = ()
     counts: dict[str, int] = {}
     quoted = ""
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(text.split("\n"), 1):
         if quoted:
             quoted = "" if quoted in line else quoted
             continue
         if header := _HEADER.match(line):
             table = _parts(header.group(2))
             if header.group(1) == "[[":
-                name = header.group(2)
+                name = header.group(2).strip()
                 counts[name] = counts.get(name, -1) + 1
                 table = (*table, counts[name])
             for n in range(1, len(table) + 1):

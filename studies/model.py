@@ -42,7 +42,7 @@ class Study(BaseModel):
     model_config = parts.STRICT
 
     name: str = Field("study", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")
-    title: str = Field(min_length=1)
+    title: parts.Line
     units: Units
     reading: str | None = None
     base: Base = Base()
@@ -249,4 +249,6 @@ def _known(kind: str, names: list[str], known: Any) -> list[str]:
     for name in names:
         if name not in known:
             raise ValueError(f"no {kind} {name!r}; choose from {choices(known)}")
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise ValueError(f"the {kind} {twice[0]!r} stands twice")
     return names

@@ -20,7 +20,7 @@ COLOURS = {"holds": "green", "holds as a trend": "yellow", "fails": "red"}
 
 def say(text: str) -> None:
     """One line for people, on stdout."""
-    out.print(text, markup=False)
+    out.print(_plain(text), markup=False)
 
 
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str | None = None) -> None:
@@ -34,9 +34,14 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: st
 def _cell(value: Any) -> Any:
     from rich.text import Text
 
-    text = f"{value:.6g}" if isinstance(value, float) else str(value)
+    text = f"{value:.6g}" if isinstance(value, float) else _plain(str(value))
     word = next((word for word in sorted(COLOURS, key=len, reverse=True) if text.startswith(word)), None)
     return Text(text, style=COLOURS[word] if word else "")
+
+
+def _plain(text: str) -> str:
+    """The text without what would command the terminal: a file's title may come from anyone."""
+    return "".join(one if one.isprintable() or one in "\n\t" else repr(one)[1:-1] for one in text)
 
 
 def print_json(data: Any) -> None:

@@ -7,6 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.errors import InputError, choices, no_such
+from studies.axes import in_rad, is_angle
 
 SAME = 1e-9  # a value is an axis's when it agrees with it this far: what a person copies from a table
 LISTED = 12  # values of an axis that a refusal lists
@@ -29,9 +30,9 @@ def indices(ds: xr.Dataset, name: str, value: Any) -> Any:
 
 
 def real(name: str, value: Any) -> float:
-    """The value as a finite number, or `InputError`."""
+    """The value of a field as a finite number, an angle's also from text as `30deg`; or `InputError`."""
     try:
-        number = float(value)
+        number = float(in_rad(value) if is_angle(name) else value)
     except (TypeError, ValueError, OverflowError):
         number = np.nan
     if not np.isfinite(number):

@@ -1,0 +1,144 @@
+"""The study language by its properties: what is valid goes round, what is not is told in one sentence."""
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from solver import InputError
+from studies import Study
+from studies.loader import load, loads
+from studies.writer import dumps, told
+from tests.studies import strategies
+
+HEAD = "title = 't'\nreading = 'force-first/tension/paper'\nunits = { length = 'cm', force = 'N' }\n"
+FEW, MANY = 100, 5000
+
+
+def goes_through_toml_and_back(said: dict[str, Any]) -> None:
+    study = loads(tomli_w.dumps(said))
+    text = dumps(study)
+    again = loads(text, default_name="another")
+    assert again.model_dump() == study.model_dump()
+    assert again.model_fields_set == study.model_fields_set | {"name"}
+    assert dumps(again) == text
+    for name, values in study.coordinates().items():
+        np.testing.assert_array_equal(again.coordinates()[name], values)
+
+
+@settings(max_examples=FEW)
+@given(strategies.studies())
+def test_a_study_goes_through_toml_and_back(said: dict[str, Any]) -> None:
+    goes_through_toml_and_back(said)
+
+
+@pytest.mark.slow
+@settings(max_examples=MANY)
+@given(strategies.studies())
+def test_many_studies_go_through_toml_and_back(said: dict[str, Any]) -> None:
+    goes_through_toml_and_back(said)
+
+
+def a_study_or_a_sentence(read: Callable[[], Study]) -> None:
+    """What is read is a study with a case, or refused in one printable sentence of a length that can be read."""
+    said = ""
+    try:
+        study = read()
+        assert study.coordinates() is not None
+        dumps(study)
+    except InputError as refusal:
+        said = str(refusal)
+    assert said.isprintable()
+    assert len(said) < 1000
+
+
+def without_none(value: Any) -> Any:
+    """TOML has no null."""
+    if isinstance(value, dict):
+        return {key: without_none(one) for key, one in value.items() if one is not None}
+    return [without_none(one) for one in value if one is not None] if isinstance(value, list) else value
+
+
+@settings(max_examples=2 * FEW)
+@given(strategies.mutated())
+def test_a_study_that_says_something_wrong_is_refused_in_one_sentence(said: dict[str, Any]) -> None:
+    a_study_or_a_sentence(lambda: loads(tomli_w.dumps(without_none(said))))
+
+
+@pytest.mark.slow
+@settings(max_examples=MANY)
+@given(strategies.mutated())
+def test_many_studies_that_say_something_wrong_are_refused_in_one_sentence(said: dict[str, Any]) -> None:
+    a_study_or_a_sentence(lambda: loads(tomli_w.dumps(without_none(said))))
+
+
+HOSTILE = {
+    "a bomb of brackets": "values = " + "[" * 100_000,
+    "a bomb of tables": "a = " + "{a=" * 5000 + "1" + "}" * 5000,
+    "a key of ten thousand parts": ".".join("a" * 10_000) + " = 1",
+    "a header of ten thousand parts": "[" + ".".join("a" * 10_000) + "]",
+    "spaces after a bracket": HEAD + "[axes.E]\nvalues = [\n[" + " " * 20_000 + "\n]]",
+    "a number of ten thousand digits": "tol = " + "9" * 10_000,
+    "two thousand unknown keys": "\n".join(f"k{i} = 1" for i in range(2000)),
+    "two thousand laws": HEAD + "[[laws]]\n" * 2000,
+    "a hundred thousand words for numbers": HEAD + "[axes.E]\nvalues = [" + "'a'," * 100_000 + "]",
+    "a value twice at the end of many": HEAD + f"[axes.E]\nvalues = {[*range(1, 50_001), 1]}",
+    "a million million cases": HEAD + "[axes.E]\nfrom = 1\nto = 2\ncount = 1000000000000",
+    "a key twice": HEAD + 'title = "again"',
+    "a name that climbs": 'name = "../../x"\n' + HEAD,
+    "code for a title": HEAD.replace("'t'", "\"__import__('os').abort()\"") + "[axes.E]\nvalues = []",
+    "a NUL": "title = 'a\x00b'",
+    "a byte order mark": "\ufeff" + HEAD,
+    "a title that clears the terminal": 'title = "\\u001b[2J"\n' + HEAD.partition("\n")[2],
+    "values that overflow": HEAD + "[axes.dgamma]\nfrom = -1.7e308\nto = 1.7e308\ncount = 3",
+    "values that are rounded to one": HEAD + "[axes.E]\nfrom = 1.0\nto = 1.0000000000000002\ncount = 9",
+    "an output twice": 'outputs = ["beta", "beta"]\n' + HEAD,
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_hostile_study_is_refused_at_once_and_in_one_sentence(name: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        loads(HOSTILE[name])
+    assert str(refusal.value).isprintable()
+    assert len(str(refusal.value)) < 1000
+
+
+PIECES = st.one_of(st.binary(max_size=8), st.sampled_from([b"=", b"[", b"\n", b'"""', b"\xff", b"\x00"]))
+
+
+@settings(max_examples=FEW, suppress_health_check=[HealthCheck.function_scoped_fixture])  # one file, written anew
+@given(strategies.studies(), st.data())
+def test_any_bytes_in_a_file_are_a_study_or_refused(tmp_path, said: dict[str, Any], data: st.DataObject) -> None:
+    content = bytearray(tomli_w.dumps(said).encode())
+    for _ in range(data.draw(st.integers(1, 4))):
+        at = data.draw(st.integers(0, len(content)))
+        content[at : at + data.draw(st.integers(0, 8))] = data.draw(PIECES)
+    (tmp_path / "it.toml").write_bytes(content)
+    a_study_or_a_sentence(lambda: load(tmp_path / "it.toml"))
+
+
+def test_files_that_are_no_texts_are_refused_without_waiting(tmp_path) -> None:
+    os.mkfifo(tmp_path / "pipe.toml")
+    (tmp_path / "loop.toml").symlink_to(tmp_path / "loop.toml")
+    (tmp_path / "huge.toml").touch()
+    os.truncate(tmp_path / "huge.toml", 10**12)  # a hole: no disk is used
+    refused = {"pipe.toml": "no regular file", "loop.toml": "Too many levels", "huge.toml": "1000000000000 bytes"}
+    for name, sentence in refused.items():
+        with pytest.raises(InputError, match=sentence):
+            load(tmp_path / name)
+    with pytest.raises(InputError, match="is no name of a file"):
+        load("a\0b.toml")
+
+
+def test_an_axis_is_told_to_the_last_bit() -> None:
+    assert told(np.linspace(0.1, 0.7, 7)) == {"from": 0.1, "to": 0.7, "count": 7}
+    geometric = np.geomspace(5e3, 4e4, 9)
+    assert told(geometric) == {"from": 5e3, "to": 4e4, "count": 9, "spacing": "geometric"}
+    assert told(np.nextafter(geometric, 0))["values"] == np.nextafter(geometric, 0).tolist()
+    assert told(np.array([1.0, 2.0])) == {"values": [1.0, 2.0]}
