@@ -76,8 +76,7 @@ def layout(files: Sequence[xr.Dataset], union: Union, axes: Sequence[str]) -> tu
         if union.axis not in dims and all(_same_bits(parts[0].values, part.values) for part in parts):
             fixed[name] = first[name].variable
             continue
-        # s varies with L alone, and is stored over the whole grid then
-        dims |= set(axes) if name == "s" else {union.axis}
+        dims.add(union.axis)
         ordered = tuple(dim for dim in (*axes, *map(str, first.dims)) if dim in dims)
         ordered = tuple(dict.fromkeys(ordered))
         varying.append(Joined(name, ordered, tuple(sizes[dim] for dim in ordered), parts))
