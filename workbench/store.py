@@ -42,9 +42,12 @@ def replace(aside: Path, path: Path) -> None:
     _flush(path.parent)
 
 
-def read(path: str | Path) -> xr.Dataset:
-    """A study's dataset, all in memory; `InputError` where the file is missing, cut short, not ours, or too large."""
-    with opening.opened(path) as ds:
+def read(path: str | Path, study: bool = True) -> xr.Dataset:
+    """A study's dataset (or, where `study` is False, any that the workbench wrote), all in memory.
+
+    Raises `InputError` where the file is missing, cut short, not ours, or too large.
+    """
+    with opening.opened(path) if study else opening.raw(path) as ds:
         if ds.nbytes > _memory():
             held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {_memory() / 1e9:.3g} GB"
             raise InputError(f"{held}; open it with xarray.open_dataset and select from it")

@@ -93,7 +93,7 @@ def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
     study, case = load(command.DEFAULT), default()
     found = equilibria(case)
     path = store.write(gallery.dataset_of(study, case, found), tmp_path / "all.h5")
-    ds = store.read(path)
+    ds = store.read(path, study=False)
     assert ds["beta"].dims == ("equilibrium", "u")
     np.testing.assert_array_equal(ds["index"], [one.index for one in found])
     assert ds["energy"].attrs["units"] == "N cm"
@@ -156,7 +156,7 @@ def test_over_a_load_too_and_for_programs(capsys, tmp_path) -> None:
     assert status == 0
     assert told["axis"] == "FZ"
     assert told["branches"]
-    ds = store.read(tmp_path / "FZ.h5")
+    ds = store.read(tmp_path / "FZ.h5", study=False)
     assert ds["dbeta0"].dims == ("FZ", "member")
     assert "FZ" not in ds.data_vars
     assert (tmp_path / "FZ.png").exists()

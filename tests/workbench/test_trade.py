@@ -44,7 +44,7 @@ def ran(tmp_path_factory) -> tuple[Path, dict]:
 
 @pytest.fixture(scope="module")
 def ds(ran) -> xr.Dataset:
-    return store.read(ran[0] / "trade.h5")
+    return store.read(ran[0] / "trade.h5", study=False)
 
 
 def test_the_dataset_is_labelled(ds) -> None:
