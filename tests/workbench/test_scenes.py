@@ -33,7 +33,10 @@ draws = pytest.mark.skipif(not gl.probe()[0], reason=gl.probe()[1])
 def dataset(
     side: str = "outside", axes: str = "", stations: int = 201, L: float = 20.0, outputs: str = ""
 ) -> xr.Dataset:
-    text = outputs + HEAD % stations + BASE % (L, side, 10.0 if side == "outside" else -10.0) + axes
+    base = BASE % (L, side, 10.0 if side == "outside" else -10.0)
+    varied = {line.removeprefix("[axes.").removesuffix("]") for line in axes.splitlines()}
+    base = "\n".join(line for line in base.splitlines() if line.partition(" ")[0] not in varied)
+    text = f"{outputs}{HEAD % stations}{base}\n{axes}"
     return runner.run(loads(text, default_name="rod"))
 
 
