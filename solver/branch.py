@@ -45,7 +45,7 @@ def follow(case: Case, limit: float, count: int = 9, tol: float = 1e-12) -> Bran
     own = float(_far(problem, np.array([first]), tol)[0])
     limit += 2 * np.pi * np.round(own / (2 * np.pi))
     if limit <= own:
-        raise InputError(f"limit must lie above the rod's own beta(L) = {own:.6g} rad, got {limit:.6g}")
+        raise InputError(f"the rod itself already ends at beta(L) = {own:.6g} rad, beyond the limit of {limit:.6g} rad")
     way = float(np.sign(_rate(problem, first, tol)))
     slopes, ends = _walk(problem, first, way, limit, tol)
     falls = np.flatnonzero(np.diff(ends) <= 0)

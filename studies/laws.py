@@ -66,7 +66,8 @@ class Law(BaseModel):
 class Verdict:
     """holds, holds as a trend, or fails; tau in the law's direction, None where nothing varies.
 
-    exceptions: the steps (i, i + 1) that go the wrong way. reason: why it fails, where it is not the trend.
+    exceptions: the steps (i, i + 1) that go the wrong way. reason: why it fails, where it is not the trend; or that a
+    law which allows it holds because nothing changes.
     """
 
     verdict: str
@@ -98,11 +99,12 @@ def judge(values: ArrayLike, direction: str, count: bool | None = None) -> Verdi
     exceptions = [(int(i), int(i) + 1) for i in np.flatnonzero(wrong)]
     changed = may_stand or sign * (row[-1] - row[0]) > noise
     tau = _tau(row, sign, noise)
+    level = "" if np.ptp(row) > noise else "it does not change"
     if not exceptions and changed:
-        return Verdict(HOLDS, tau)
+        return Verdict(HOLDS, tau, reason=level)
     if tau is not None and tau >= TREND_TAU:
         return Verdict(TREND, tau, exceptions)
-    return Verdict(FAILS, tau, exceptions, "" if np.ptp(row) > noise else "it does not change")
+    return Verdict(FAILS, tau, exceptions, level)
 
 
 def _tau(row: NDArray[np.float64], sign: int, noise: float) -> float | None:

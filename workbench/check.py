@@ -10,6 +10,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+WORDS = {"not-falling": "does not fall", "not-rising": "does not rise"}
+
+
 def verdicts(ds: "xr.Dataset") -> list[dict[str, Any]]:
     """One row a law of the dataset, in the study's order; see `studies.laws.decide`."""
     rows = []
@@ -45,7 +48,7 @@ def all_well(ds: "xr.Dataset") -> bool:
 
 def stated(row: dict[str, Any]) -> str:
     """The law in words: ``turns falls along E``."""
-    return f"{row['observable']} {row['direction']} along {row['axis']}"
+    return f"{row['observable']} {WORDS.get(row['direction'], row['direction'])} along {row['axis']}"
 
 
 def measured(row: dict[str, Any]) -> str:

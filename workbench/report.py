@@ -3,7 +3,6 @@
 import base64
 import json
 import os
-import re
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -25,7 +24,7 @@ NAME = "report.html"
 TEMPLATE = "report.html.j2"
 SINGLE = (
     "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_mean", "contact_min",
-    "contact_max", "attached", "energy",
+    "contact_max", "attached", "overlaps", "energy", "index",
 )  # fmt: skip
 CLASSES = {"holds": "holds", "holds as a trend": "trend", "fails": "fails"}
 TYPES = {".png": "image/png", ".jpg": "image/jpeg", ".svg": "image/svg+xml"}
@@ -81,7 +80,7 @@ def html(
         created=max(str(result.ds.attrs["created"]) for result in results),
         packages=gl.PACKAGES,
         advice=advice,
-        refusals=refusals,
+        refusals=[style.typeset(refusal) for refusal in refusals],
     )
 
 
@@ -98,7 +97,7 @@ def _section(result: StudyResult, advice: str) -> dict[str, Any]:
         "laws": laws,
         "single": _single(ds) if not axes_of(ds) else [],
         "note": _sentence(str(ds.attrs.get("fold_note", ""))),
-        "caution": str(ds.attrs.get("caution", "")),
+        "caution": style.typeset(str(ds.attrs.get("caution", ""))),
         "unsolved": check.unsolved(ds),
         "cases": int(ds["outcome"].size),
         "scenes": [_picture(path, f"{ds.attrs['title']}: {_of(ds, name)}") for name, path in scenes],
@@ -132,20 +131,21 @@ def _verdict(row: Mapping[str, Any]) -> dict[str, str]:
     return {
         "verdict": row["verdict"],
         "class": CLASSES[row["verdict"]],
-        "measured": _minus(check.measured(dict(row))),
-        "detail": _minus(said.removeprefix(row["verdict"]).strip().removeprefix("(").removesuffix(")")),
+        "measured": style.minus(check.measured(dict(row))),
+        "detail": style.typeset(said.removeprefix(row["verdict"]).strip().removeprefix("(").removesuffix(")")),
     }
 
 
-def _claims(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
-    """Each claim with the worst verdict of its laws and where it is shown."""
+def _claims(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Each claim with the worst verdict of its laws, these laws, and where it is shown."""
     order = list(CLASSES)
-    found: dict[str, dict[str, str]] = {}
+    found: dict[str, dict[str, Any]] = {}
     for section in sections:
         for law in section["laws"]:
-            old = found.get(law["claim"])
-            if old is None or order.index(law["verdict"]) > order.index(old["verdict"]):
-                found[law["claim"]] = {**law, "id": section["id"], "title": section["title"]}
+            claim = found.setdefault(law["claim"], {**law, "id": section["id"], "title": section["title"], "laws": []})
+            claim["laws"].append(law)
+            if order.index(law["verdict"]) > order.index(claim["verdict"]):
+                claim |= {"verdict": law["verdict"], "class": law["class"]}
     return list(found.values())
 
 
@@ -161,15 +161,17 @@ def _readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
         for claim, verdict in zip(claims, verdicts, strict=True):
             laws = [row for row in found[str(reading)] if row["claim"] == claim]
             measured = [
-                f"{quantity(row['observable']).symbol} {_minus(check.measured(row))}" for row in laws if row["first"]
+                f"{quantity(row['observable']).symbol} {style.minus(check.measured(row))}"
+                for row in laws
+                if row["first"]
             ]
             cells.append(
                 {
                     "verdict": str(verdict),
                     "class": CLASSES[str(verdict)],
                     "measured": measured,
-                    "reason": next((row["reason"] for row in laws if not row["first"]), ""),
-                    "why": "; ".join(f"{row['observable']}: {check.said(row)}" for row in laws),
+                    "reason": _sentence(next((row["reason"] for row in laws if not row["first"]), "")),
+                    "why": style.typeset("; ".join(f"{row['observable']}: {check.said(row)}" for row in laws)),
                 }
             )
         good = sum(cell["class"] != "fails" for cell in cells)
@@ -183,7 +185,13 @@ def _single(ds: xr.Dataset) -> list[tuple[str, str]]:
     for name in SINGLE:
         if name in ds and np.isfinite(ds[name]):
             units = style.unit(str(ds[name].attrs["units"]))
-            rows.append((style.words(ds[name]), f"{_minus(style.number(float(ds[name])))} {units}".strip()))
+            value = f"{style.minus(style.number(float(ds[name])))} {units}".strip()
+            if name == "overlaps":
+                rows.append(("passes through itself", "yes" if float(ds[name]) else "no"))
+            elif name == "index":
+                rows.append(("Morse index, 0 where stable", value))
+            else:
+                rows.append((style.words(ds[name]), value))
     return rows
 
 
@@ -217,10 +225,7 @@ def _picture(path: Path, alt: str) -> dict[str, str]:
     return {"src": f"data:{TYPES[path.suffix.lower()]};base64,{data}", "alt": alt}
 
 
-def _minus(text: str) -> str:
-    """Hyphens before numbers as minus signs."""
-    return re.sub(r"(?<![\w.])-(?=[\d.])", "−", text)
-
-
 def _sentence(text: str) -> str:
-    return f"{text[0].upper()}{text[1:]}." if text else ""
+    """A remark as a sentence of its own; what begins with a letter of physics keeps it."""
+    typeset = style.typeset(text)
+    return f"{typeset[0].upper() if typeset[0].isascii() else typeset[0]}{typeset[1:]}." if typeset else ""

@@ -1,5 +1,6 @@
 """How everything drawn looks: colours, sizes, and how numbers and units are written."""
 
+import re
 from math import degrees, floor, log10
 from textwrap import fill
 from typing import Any
@@ -113,7 +114,19 @@ def short(array: xr.DataArray) -> str:
 
 def words(array: xr.DataArray) -> str:
     """The long name of a stored variable, without what stands in brackets."""
-    return str(array.attrs.get("long_name", array.name)).partition(" (")[0]
+    return typeset(str(array.attrs.get("long_name", array.name)).partition(" (")[0])
+
+
+def typeset(text: str) -> str:
+    """Plain words with the letters of physics: ``beta'(0) = -1 rad (5 deg)`` as ``β′(0) = −1 rad (5°)``."""
+    for plain, letters in ((r"\bbeta'", "β′"), (r"\bbeta\b", "β"), (r"\bkappa\b", "κ"), (r"(?<=\d) deg\b", "°")):
+        text = re.sub(plain, letters, text)
+    return minus(text)
+
+
+def minus(text: str) -> str:
+    """Hyphens before numbers as minus signs."""
+    return re.sub(r"(?<![\w.])-(?=[\d.])", "−", text)
 
 
 def reading(ds: xr.Dataset) -> str:

@@ -11,6 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from solver import frames
 from solver.errors import InputError
+from studies.model import MAX_STATIONS
 
 from . import dataset
 
@@ -42,7 +43,7 @@ class Curve:
     rho: float
     L: float
     side: str
-    overlaps: bool = False  # whether it would pass through itself
+    overlaps: bool = False  # whether it is known to pass through itself
 
     @property
     def shown(self) -> float:
@@ -84,7 +85,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Curve | None:
     stored = dataset.along(one, "contact").values if _has(one, "contact") else np.full(s.shape, np.nan)
     sign = -1.0 if ds.attrs["side"] == "inside" else 1.0
     push = sign * np.interp(rings, s, stored)
-    overlaps = "overlaps" in one and bool(one["overlaps"] == 1)
+    overlaps = "overlaps" in str(one["caution"].values) if "caution" in one else False
     side = str(ds.attrs["side"])
     return Curve(rings, azimuth(rings), np.arctan2(around, up), height(rings), push, R, a, rho, L, side, overlaps)
 
@@ -141,10 +142,19 @@ def _through(one: xr.Dataset, s: Array, alpha: Array, z: Array, rho: float) -> t
     speed = np.hypot(rho * azimuth(middle, 1), height(middle, 1))
     if np.abs(speed - 1).max() > COARSE:
         raise InputError(
-            f"{s.size} stations are too few to draw this rod of length {s[-1]:.4g}: it bends between them. "
-            "Store more with `stations` in the study"
+            f"{s.size} stations are too few to draw this rod of length {s[-1]:.4g}, which bends between them: store "
+            f"{_needed(one, s)} with workbench run --stations, or with the study's key stations"
         )
     return azimuth, height
+
+
+def _needed(one: xr.Dataset, s: Array) -> str:
+    """So many stations that the rod turns by a radian at most from one to the next, if its curvature is stored."""
+    if "kappa_max" not in one or not np.isfinite(one["kappa_max"]):
+        return f"several times {s.size}"
+    needed = int(np.ceil(float(s[-1] - s[0]) * float(one["kappa_max"]))) + 1
+    most = f" (a study stores at most {MAX_STATIONS})" if needed > MAX_STATIONS else ""
+    return f"{max(needed, 2 * s.size)}{most}"
 
 
 def _rings(s: Array, azimuth: Any, height: Any, rho: float, a: float) -> Array:

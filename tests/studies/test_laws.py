@@ -29,6 +29,8 @@ def test_a_count_that_never_changes_does_not_rise_and_does_not_fall_but_is_not_f
     assert judge(constant, "rises").verdict == FAILS
     assert judge(constant, "falls").verdict == FAILS
     assert judge(constant, "rises").reason == "it does not change"
+    assert judge(constant, "not-falling").reason == "it does not change"  # it holds, but says how
+    assert judge([1, 1, 2], "not-falling").reason == ""
     assert judge(constant, "not-falling").verdict == HOLDS
 
 

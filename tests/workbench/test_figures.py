@@ -93,5 +93,5 @@ def test_a_panel_that_cannot_be_run_under_a_reading_fails_there_and_says_why(rea
     rows = json.loads(readings.attrs["rows"])["shear/compression/solid"]
     (row, _) = [row for row in rows if row["claim"] == "(4)"]
     assert row["verdict"] == "fails"
-    assert "limit must lie above" in row["reason"]
+    assert "the rod itself already ends at beta(L) = " in row["reason"]
     assert readings["unsolved"].sel(reading="shear/compression/solid", panel="fig7_4_end_angle") == 9

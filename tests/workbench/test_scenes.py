@@ -1,5 +1,6 @@
 """The tube about the rod, and the pictures made of it."""
 
+import re
 import resource
 
 import numpy as np
@@ -11,6 +12,7 @@ from studies import load
 from studies.loader import loads
 from workbench import gl, picking, runner, sheet, style, tube
 
+from . import small
 from .pictures import pixels, share_of_hue, share_of_ink
 
 HEAD = 'title = "a rod"\nstations = %d\n[units]\nlength = "cm"\nforce = "N"\n'
@@ -107,6 +109,21 @@ def test_inside_the_push_is_toward_the_axis() -> None:
 def test_stations_that_miss_a_bend_are_refused() -> None:
     with pytest.raises(InputError, match="11 stations are too few to draw this rod of length 20"):
         tube.read(dataset(stations=11), {})
+
+
+def test_where_the_stations_are_too_few_as_many_as_are_said_to_be_needed_are_enough() -> None:
+    for L, stations in ((20.0, 11), (400.0, 201)):
+        with pytest.raises(InputError, match="workbench run --stations") as refusal:
+            curve(dataset(L=L, stations=stations))
+        said = re.search(r"store (\d+) with", str(refusal.value))
+        assert said is not None
+        assert curve(dataset(L=L, stations=int(said[1]))).L == L
+
+
+def test_whether_a_rod_meets_itself_is_known_whatever_the_study_asks_for() -> None:
+    for wanted in ('observables = ["overlaps"]\n', "", "observables = []\n"):
+        assert curve(runner.run(loads(wanted + small.HEAD))).overlaps  # the rod of Table 1
+        assert not curve(dataset(outputs=wanted)).overlaps
 
 
 def test_what_is_not_stored_is_named() -> None:
