@@ -290,6 +290,7 @@ def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stor
     monkeypatch.setattr(gl, "probe", lambda: (True, ""))
     scenes = SimpleNamespace(render=lambda ds, path, at: drawn.append(path))
     monkeypatch.setitem(sys.modules, "workbench.scenes", scenes)
+    monkeypatch.setattr("workbench.scenes", scenes, raising=False)
     for at in ([], ["E=1e4"], ["E=2e4", "R=0.75"]):
         assert drawing.scene_file(stored, at, None) == 0
     assert [path.name for path in drawn] == [
