@@ -179,6 +179,8 @@ def _pieces(
     c_low, c_high = found.beta[b, low % m], found.beta[b, (low + 1) % m]
     turn_low, turn_high = TAU * (low // m), TAU * ((low + 1) // m)
     width = c_high - c_low + np.where((low + 1) % m == 0, TAU, 0.0)
+    empty = width <= 0  # between a saddle and a centre that coincide
+    width = np.where(empty, 1.0, width)
     saddle_low = ~found.centre[b, low % m]
     g_low, g_high = level[b, low % m], level[b, (low + 1) % m]
     # the start's place in its interval, from either end (also one turn on, where a rotation closes)
@@ -212,7 +214,7 @@ def _pieces(
     u1 = np.where(last, np.where(form == CENTRE, np.pi / 2, 0.0), np.where(around, here, u_to))
     shift = (problem.beta0 - start)[b]
     base = np.where(on_low, c_low + turn_low, c_high + turn_high) + shift
-    moving = np.flatnonzero(u0 != u1)
+    moving = np.flatnonzero((u0 != u1) & ~empty)
     return Pieces(part, rank, form, base, scale, u0, u1, well).take(moving)
 
 

@@ -24,10 +24,44 @@ def potential(problem: Any, beta: Any) -> Any:
 
 
 def slope(problem: Any, beta: Any) -> Any:
-    """H(beta) = G'/2, eq. (35) corrected; written so that lam and mu cancel exactly about beta = 0."""
+    """H(beta) = G'/2, eq. (35) corrected; written so that lam and mu cancel exactly about beta = 0 and beta = pi."""
+    even, twist, rest = _terms(problem, beta)
+    return even + twist - rest
+
+
+def slope_and_rate(problem: Any, beta: Any) -> tuple[Any, Any]:
+    """H and H' together, which share the sine and the cosine."""
     s, c = np.sin(beta), np.cos(beta)
-    bent = 2 * np.sin(beta / 2) ** 2 * (1 + 2 * c)  # cos(beta) - cos(2 beta)
-    return (problem.lam - problem.mu) * c + problem.mu * bent - (problem.phi + 2 * c * s * s) * s
+    s2, size = s * s, np.abs(c)
+    twist = np.where(c < 0, -problem.mu, problem.mu)
+    value = (problem.lam - twist) * c + problem.mu * (s2 * (1 + 2 * size) / (1 + size)) - (problem.phi + 2 * c * s2) * s
+    rate = (4 * problem.mu * c - problem.lam) * s - problem.phi * c - 2 * s2 * (3 * c * c - s2)
+    return value, rate
+
+
+def slope_size(problem: Any, beta: Any) -> Any:
+    """The size of the terms that `slope` is the sum of: its rounding is that many eps."""
+    even, twist, rest = _terms(problem, beta)
+    return np.abs(even) + np.abs(twist) + np.abs(rest)
+
+
+def _terms(problem: Any, beta: Any) -> tuple[Any, Any, Any]:
+    s, c = np.sin(beta), np.cos(beta)
+    s2, size = s * s, np.abs(c)
+    even = (problem.lam - np.where(c < 0, -problem.mu, problem.mu)) * c
+    # the rest of lam cos(beta) - mu cos(2 beta): |cos(beta)| - cos(2 beta), without a difference
+    return even, problem.mu * (s2 * (1 + 2 * size) / (1 + size)), (problem.phi + 2 * c * s2) * s
+
+
+def slope_bends(problem: Any, beta: Any) -> tuple[Any, Any]:
+    """The second and the third derivative of H."""
+    s, c = np.sin(beta), np.cos(beta)
+    s2, c2 = 2 * s * c, (c - s) * (c + s)
+    s4, c4 = 2 * s2 * c2, (c2 - s2) * (c2 + s2)
+    # 2 cos sin^3 = sin(2b)/2 - sin(4b)/4
+    second = -problem.lam * c + 4 * problem.mu * c2 + problem.phi * s + 2 * s2 - 4 * s4
+    third = problem.lam * s - 8 * problem.mu * s2 + problem.phi * c + 4 * c2 - 16 * c4
+    return second, third
 
 
 def slope_rate(problem: Any, beta: Any) -> Any:
@@ -41,6 +75,7 @@ class Extrema:
     """The critical points of G in [-pi, pi) of B problems, rising; padded to (B, K) with NaN.
 
     beta: (B, K). centre: (B, K), whether each is a minimum of G; they alternate. count: (B,), even, at least 2.
+    A saddle and a centre may share an angle, where H only touches zero: with nothing but twist, at an end of the axis.
     """
 
     beta: Array
@@ -50,17 +85,19 @@ class Extrema:
 
 @cache
 def _grid() -> tuple[Array, Array]:
-    """Angles and H, H' there as linear functions of (lam - mu, mu, phi, 1): (M,), (4, 2 M).
+    """Angles and H, H' there as linear functions of (lam - mu, lam + mu, mu, phi, 1): (M,), (5, 2 M).
 
-    Even spacing leaves at most one pair of roots of H in a cell; small loads gather three roots about beta = 0,
-    which points in geometric progression tell apart.
+    Even spacing leaves at most one pair of roots of H in a cell; small loads gather three roots about beta = 0 and
+    beta = pi, which points in geometric progression tell apart.
     """
     near = 2.0 ** -np.arange(6, 42)
     even = np.linspace(-np.pi, np.pi, 193)[:-1] + 1e-3
-    angles = np.sort(np.concatenate([even, near, -near, [0.0]]))
+    angles = np.sort(np.concatenate([even, near, -near, [0.0], near - np.pi, np.pi - near]))
     s, c = np.sin(angles), np.cos(angles)
-    value = [c, 2 * np.sin(angles / 2) ** 2 * (1 + 2 * c), -s, -2 * c * s**3]
-    rate = [-s, -s + 2 * np.sin(2 * angles), -c, -2 * s * s * (3 * c * c - s * s)]
+    up, size = c > 0, np.abs(c)
+    bent = s * s * (1 + 2 * size) / (1 + size)
+    value = [c * up, c * ~up, bent, -s, -2 * c * s**3]
+    rate = [-s * up, -s * ~up, np.where(up, -s, s) + 2 * np.sin(2 * angles), -c, -2 * s * s * (3 * c * c - s * s)]
     return angles, np.hstack([value, rate])
 
 
@@ -68,7 +105,9 @@ def extrema(problem: Reduced) -> Extrema:
     """Every helix: the roots of H, found as sign changes on a grid and polished inside their brackets."""
     angles, basis = _grid()
     m = angles.size
-    loads = np.array([problem.lam - problem.mu, problem.mu, problem.phi, np.ones(problem.size)])
+    loads = np.array(
+        [problem.lam - problem.mu, problem.lam + problem.mu, problem.mu, problem.phi, np.ones(problem.size)]
+    )
     both = loads.T @ basis
     value, rate = both[:, :m], both[:, m:]
     right = np.append(angles[1:], angles[0] + TAU)
@@ -86,6 +125,9 @@ def extrema(problem: Reduced) -> Extrema:
     sign = np.where(up, 1.0, -1.0)
     roots = bracketed(lambda x: (sign * slope(loads_at, x), sign * slope_rate(loads_at, x)), lo, hi, guess)
     roots = np.where(roots >= np.pi, roots - TAU, roots)
+    row3, roots3, up3 = _touching(problem, angles, value, row2)
+    if row3.size:
+        row, roots, up = (np.concatenate(ab) for ab in ((row, row3), (roots, roots3), (up, up3)))
     order = np.lexsort((roots, row))
     row, roots, up = row[order], roots[order], up[order]
     count = np.bincount(row, minlength=problem.size)
@@ -132,6 +174,33 @@ def _pairs(
     row, lo, hi, tip, start = row[crosses], lo[crosses], hi[crosses], tip[crosses], value[row, cell][crosses]
     ends = np.concatenate([lo, tip]), np.concatenate([tip, hi])
     return np.concatenate([row, row]), *ends, np.concatenate([start < 0, start >= 0])
+
+
+def _touching(problem: Reduced, angles: Array, value: Array, known: Any) -> tuple[Any, Array, Any]:
+    """Rows, angles and whether it is a centre, of pairs of roots too near to 0 or -pi for the grid to tell apart.
+
+    Where lam = mu, H = x (3/2 mu x - phi - 2 x^2) for small x = beta: one root is 0, and with hardly any axial force
+    another is next to it; with none H only touches zero, a saddle and a centre in one. An orbit that passes them, and
+    knows G only about some far extremum, would lose every digit. Likewise about pi where lam = -mu; its angles are no
+    finer than a float's. known: rows of which the two roots about pi have been told apart.
+    """
+    zero = int(np.searchsorted(angles, 0.0))
+    found: list[tuple[Any, Array, Any]] = []
+    for at, sign, before, after in (
+        (0.0, 1, value[:, zero - 1], value[:, zero + 1]),
+        (-np.pi, -1, value[:, -1], value[:, 0]),
+    ):
+        row = np.flatnonzero((problem.lam == sign * problem.mu) & (before * after > 0))
+        row = row[~np.isin(row, known)] if at else row
+        mu, phi = sign * problem.mu[row], sign * problem.phi[row]
+        with np.errstate(over="ignore"):
+            other = at + sign * 2 * phi / (1.5 * mu + np.copysign(np.sqrt(np.maximum(2.25 * mu * mu - 8 * phi, 0)), mu))
+        other = np.where(other < -np.pi, other + TAU, other)
+        # H has one sign outside the two: where that is minus, the first of them in rising order is the centre
+        first = (before[row] < 0) ^ (other < at) ^ (other > at + 1)
+        found += [(row, np.full(row.size, at), first), (row, other, ~first)]
+    row, roots, up = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return row, roots, up
 
 
 @dataclass(frozen=True, eq=False)

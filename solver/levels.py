@@ -125,7 +125,7 @@ def ways(problem: Reduced, pin: Array, gap: Array, tol: float) -> tuple[Ways, Ar
     slope0 = sense * np.sqrt(np.where(joins, np.stack(v2[:n]), 1.0)).reshape(-1)
     both = many(problem, n * M, beta0=np.repeat(ends, M), betaL=None, dbeta0=slope0)  # type: ignore[arg-type]
     course_ = course(both, (np.tile(pin, n), np.tile(gap, n)))
-    panels = panelled(both, course_, basis(16) if tol > 1e-9 else basis(22), 0.7, 0.01 * tol)
+    panels = panelled(both, course_, basis(16) if tol > 1e-9 else basis(22), 0.7, 0.01 * tol, times_only=True)
     total = np.bincount(panels.part, weights=panels.duration, minlength=2 * n * M).reshape(n, M, 2)
     total, kind = (np.broadcast_to(v, (2, *v.shape[1:])) for v in (total, course_.kind.reshape(n, M)))
     ahead, back = total[..., 0], total[..., 1]

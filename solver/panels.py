@@ -1,5 +1,6 @@
 """Short stretches of a course on which beta and the developed curve are Chebyshev series in time."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -43,8 +44,13 @@ class Panels:
         return Panels(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
 
 
-def panelled(problem: Reduced, way: Course, points: Basis, length: float, goal: float) -> Panels:
-    """Panels of about `length` in u, halved until their series end below `goal` (of beta, and of repeated time)."""
+def panelled(
+    problem: Reduced, way: Course, points: Basis, length: float, goal: float, times_only: bool = False
+) -> Panels:
+    """Panels of about `length` in u, halved until their series end below `goal` (of beta, and of repeated time).
+
+    times_only: the durations are wanted and no shape; the series then hold beta at the far end alone, (P, 1, 1).
+    """
     assert problem.dbeta0 is not None
     pieces = way.pieces
     share = np.maximum(np.ceil(np.abs(pieces.u1 - pieces.u0) / length), 1).astype(np.int64)
@@ -65,7 +71,7 @@ def panelled(problem: Reduced, way: Course, points: Basis, length: float, goal: 
     done: list[tuple[Any, Array, Panels]] = []
     for round_ in range(_ROUNDS + 1):
         batch = pieces.take(piece)
-        panels = _in_blocks(batch, near, far, points)
+        panels = _in_blocks(batch, near, far, points, _times if times_only else _series)
         enough = (panels.slack <= max(goal, 20 * EPS)) & (
             panels.drift <= np.maximum(goal / repeats[batch.part // 2], 40 * EPS)
         )
@@ -101,12 +107,12 @@ def running(values: Array, first: Any, count: Any) -> Array:
     return np.cumsum(table, axis=1)[part, rank]
 
 
-def _in_blocks(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
-    """`_series` on few enough panels at a time for what it works on to stay in the cache."""
+def _in_blocks(pieces: Pieces, near: Array, far: Array, points: Basis, made: Callable[..., Panels]) -> Panels:
+    """`made` of few enough panels at a time for what it works on to stay in the cache."""
     if near.size <= _BLOCK:
-        return _series(pieces, near, far, points)
+        return made(pieces, near, far, points)
     blocks = [slice(k, k + _BLOCK) for k in range(0, near.size, _BLOCK)]
-    return joined([_series(pieces.take(block), near[block], far[block], points) for block in blocks])
+    return joined([made(pieces.take(block), near[block], far[block], points) for block in blocks])
 
 
 def joined(parts: list[Panels]) -> Panels:
@@ -156,6 +162,22 @@ def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
         noise,
         calls,
     )
+
+
+def _times(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
+    """The panels between `near` and `far` in u, (P,), with their durations and no more."""
+    middle, half = ((near + far) / 2)[:, None], ((far - near) / 2)[:, None]
+    u = middle + half * points.nodes
+    x = pieces.displacement(u)
+    pace, _ = pieces.pace(u, x)
+    clock = (np.abs(half) * pace) @ points.analyse @ points.integrate
+    duration = clock.sum(axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        drift = np.abs(clock[:, -3:]).max(axis=1) / duration
+    none = np.zeros(near.size)
+    beta = (pieces.base + x[:, -1])[:, None, None]
+    calls = np.full(near.size, points.nodes.size)
+    return Panels(pieces.part, pieces.rank, duration, beta, none, none, drift, none, calls)
 
 
 def _inverted(clock: Array, rate: Array, duration: Array, points: Basis) -> tuple[Array, NDArray[np.bool_]]:

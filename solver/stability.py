@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
+from scipy.linalg.lapack import dgtsv
 
 from .course import HELIX, LIBRATION
 from .landscape import slope, slope_rate
@@ -117,17 +118,15 @@ def jacobi_end(orbit: Any) -> Array:
 def response(problem: Reduced, h: Array, beta: Array) -> Array:
     """Largest |d beta(t)/d beta(L)| along each equilibrium, (B,): unbounded at a fold, 1 or so away from one.
 
-    By elimination without pivoting, which follows the Jacobi field; an indefinite matrix is no obstacle to it.
+    The solution of the tridiagonal system whose far end is moved by one.
     """
-    diagonal = np.ascontiguousarray(_diagonal(problem, h, beta).T)
-    ratio = np.empty_like(diagonal)  # eta_k = ratio_k eta_{k+1}
-    last = np.zeros(beta.shape[0])
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        for k in range(ratio.shape[0]):
-            last = 1 / (diagonal[k] - last)
-            ratio[k] = last
-        eta = np.cumprod(ratio[::-1], axis=0)
-    largest = np.maximum(1, np.abs(eta).max(axis=0, initial=1))
+    diagonal = _diagonal(problem, h, beta)
+    largest = np.ones(beta.shape[0])
+    beside, moved = np.full(diagonal.shape[1] - 1, -1.0), np.zeros(diagonal.shape[1])
+    moved[-1] = 1
+    for i in range(beta.shape[0]):
+        eta, info = dgtsv(beside, diagonal[i], beside, moved)[3:]
+        largest[i] = np.maximum(1, np.abs(eta).max()) if info == 0 else np.inf
     return np.where(np.isfinite(largest), largest, np.inf)
 
 

@@ -21,6 +21,7 @@ from . import console, dataset, extremes_map, store
 from .extreme_cases import SHARES, Extreme, Reference, extremes, references
 
 TOL = 1e-6
+_NO_ANSWER = ("finite", "evaluations", "gave up")  # words of an overflow, a spent budget, an integrator's own end
 SOLVED, REFUSED, INACCURATE, NONFINITE = VERDICTS = ("solved", "refused", "inaccurate", "non-finite")
 _SLACK = 10.0  # an answer this many times past tol * max(1, condition) is inaccurate
 NUMBERS = {
@@ -100,7 +101,7 @@ def _met(case: Case, method: str, known: Any, seed: Solution | None = None) -> M
     if sol.solved:
         verdict = NONFINITE if not finite else SOLVED if error <= allowed else INACCURATE
     else:
-        verdict = REFUSED if finite or "finite" not in sol.outcome else NONFINITE
+        verdict = REFUSED if finite or not any(word in sol.outcome for word in _NO_ANSWER) else NONFINITE
     numbers = float(sol.error), float(sol.condition), seconds, float(sol.evaluations)
     return Met(verdict, str(sol.outcome), error, *numbers)
 

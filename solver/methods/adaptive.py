@@ -24,6 +24,10 @@ class _TooLong(Exception):
     """The integration would take more calls than allowed."""
 
 
+_LOST = "failed: the computation left the finite numbers"
+_SPENT = f"failed: more than the {_MOST_CALLS} evaluations that one integration may take"
+
+
 def make_run(integrator: str) -> Run:
     """A method's run with that one of scipy's integrators (a name that `solve_ivp` knows)."""
 
@@ -32,12 +36,12 @@ def make_run(integrator: str) -> Run:
         n = t.shape[1]
         states = np.full((problem.size, 5, n), np.nan)
         error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
-        calls = np.zeros(problem.size, dtype=np.int64)
+        calls, why = np.zeros(problem.size, dtype=np.int64), np.full(problem.size, "", dtype=object)
         for i in range(problem.size):
             one = problem.take(slice(i, i + 1))
-            states[i], error[i], condition[i], calls[i] = _one(integrator, one, t[i], tol, rtol)
+            states[i], error[i], condition[i], calls[i], why[i] = _one(integrator, one, t[i], tol, rtol)
         beta, dbeta, alpha, z, swirl = np.moveaxis(states, 1, 0)
-        outcome = verdicts(beta, error, condition, tol)
+        outcome = np.where(why == "", verdicts(beta, error, condition, tol), why)
         return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, calls)
 
     return run
@@ -45,26 +49,28 @@ def make_run(integrator: str) -> Run:
 
 def _one(
     integrator: str, problem: Reduced, t: Array, tol: float, rtol: float | None
-) -> tuple[Array, float, float, int]:
+) -> tuple[Array, float, float, int, str]:
+    """States (5, n), error, condition, calls, and why there is no answer, or nothing."""
     wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
-    coarse, _, calls = _integrate(integrator, problem, t, 30 * wanted)
-    if np.isnan(coarse).any():  # a tighter run would take longer still
-        return coarse, math.inf, math.inf, calls
+    coarse, _, calls, why = _integrate(integrator, problem, t, 30 * wanted)
+    if why:  # a tighter run would take longer still
+        return coarse, math.inf, math.inf, calls, why
     weight = np.array([1, 0, 1, 1, 0]) / np.array([1, 1, max(1.0, t[-1]), max(1.0, t[-1]), 1])
     while True:
-        fine, (steps, at_steps), more = _integrate(integrator, problem, t, wanted)
+        fine, (steps, at_steps), more, why = _integrate(integrator, problem, t, wanted)
         calls += more
         error = float(np.max(np.abs(fine - coarse) * weight[:, None], initial=0.0))
-        if not math.isfinite(error):
-            return fine, math.inf, math.inf, calls
+        if why or not math.isfinite(error):
+            return fine, math.inf, math.inf, calls, why
         condition = float(growth(problem, steps[None], *at_steps[:2, None])[0])
         error += 1e-15 * (1 + calls**0.5) * condition
         if rtol is not None or error <= tol or wanted <= _TIGHTEST:
-            return fine, error, condition, calls
+            return fine, error, condition, calls, ""
         coarse, wanted = fine, max(_TIGHTEST, wanted / 30)
 
 
-def _integrate(integrator: str, problem: Reduced, t: Array, rtol: float) -> tuple[Array, tuple[Array, Array], int]:
+def _integrate(integrator: str, problem: Reduced, t: Array, rtol: float) -> tuple[Array, tuple[Array, Array], int, str]:
+    """States at t (5, n); times with states there, eight in each step; calls; and why there are none, or nothing."""
     lam, mu, phi = float(problem.lam[0]), float(problem.mu[0]), float(problem.phi[0])
 
     calls = 0
@@ -80,13 +86,15 @@ def _integrate(integrator: str, problem: Reduced, t: Array, rtol: float) -> tupl
 
     assert problem.dbeta0 is not None
     start = [problem.beta0[0], problem.dbeta0[0], 0.0, 0.0, 0.0]
+    nothing = np.full((5, t.size), np.nan)
     try:
         answer = solve_ivp(rates, (0.0, t[-1]), start, integrator, t_eval=t, rtol=rtol, atol=rtol, dense_output=True)
-    except (_TooLong, ValueError):  # math.sin refuses an infinite angle by a ValueError
-        return np.full((5, t.size), np.nan), (t, np.full((5, t.size), np.nan)), calls
+    except (_TooLong, ValueError) as stopped:  # math.sin refuses an infinite angle by a ValueError
+        return nothing, (t, nothing), calls, _SPENT if isinstance(stopped, _TooLong) else _LOST
     if answer.status != 0:
-        return np.full((5, t.size), np.nan), (t, np.full((5, t.size), np.nan)), answer.nfev
+        said = answer.message.rstrip(".").lower()
+        return nothing, (t, nothing), answer.nfev, f"failed: {integrator} of scipy gave up: {said}"
     # eight points in each step are enough for the condition number's digit or two
     knots = answer.sol.ts
     points = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(8) / 8).ravel(), knots[-1])
-    return answer.y, (points, answer.sol(points)), answer.nfev
+    return answer.y, (points, answer.sol(points)), answer.nfev, ""

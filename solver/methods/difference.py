@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import solve_banded
+from scipy.linalg.lapack import dgtsv
 
-from ..landscape import slope, slope_rate
+from ..landscape import slope, slope_and_rate, slope_rate
 from ..reduced import Array, Reduced
 from ..stability import response
 from .base import Knob, Method, Seed, Trajectory, verdicts
@@ -22,11 +22,12 @@ _NEWTON = 60
 @dataclass(frozen=True, eq=False)
 class _Mesh:
     """A difference solution of one problem on equal steps: columns beta, beta_t, alpha, z, swirl, (5, n); whether
-    Newton's rule met it."""
+    Newton's rule met it; and how much of a step's square its next step was, the same on every mesh."""
 
     columns: Array
     met: bool
     iterations: int
+    bend: float
 
 
 def run(
@@ -67,18 +68,23 @@ def _one(
 ) -> tuple[Array, float, float, int, bool]:
     span, most = float(problem.span[0]), _MOST if nodes is None else 0
     mesh, work = _first(problem, seed, nodes)
+    guess = _refined(mesh.columns[0])
     answers: list[Array] = []
     error = np.inf
     while True:
-        finer = _newton(problem, _refined(mesh.columns[0]))
+        finer = _newton(problem, guess, mesh.bend, 1e-3 * tol)
         work += finer.iterations * finer.columns.shape[1]
         if not (mesh.met and finer.met):
             return np.full((5, t.size), np.nan), np.inf, np.inf, work, False
         answers.append((4 * finer.columns[:, ::2] - mesh.columns) / 3 if extrapolate else mesh.columns)
         if len(answers) > 1:
-            error = _difference(answers[-2], answers[-1][:, ::2], span)
+            before, error = error, _difference(answers[-2], answers[-1][:, ::2], span)
+            if nodes is None and error < before / 3:  # they converge, and the finer is better than the two agree
+                error /= 4 if extrapolate else 2
             if error <= tol or 2 * finer.columns.shape[1] > most:
                 break
+        # what halving changed once more, less its four-fold: order 2
+        guess = _refined(finer.columns[0]) + _refined(_refined(finer.columns[0, ::2] - mesh.columns[0])) / 4
         mesh = finer
     shown = answers[-1] if nodes is None else answers[-2]
     h = np.array([span / (shown.shape[1] - 1)])
@@ -99,66 +105,77 @@ def _first(problem: Reduced, seed: Seed, nodes: int | None) -> tuple[_Mesh, int]
         size = 2 * size - 1
 
 
-def _newton(problem: Reduced, beta: Array) -> _Mesh:
-    """Solve beta'' = -H on equal steps from a first guess (n,), its ends moved to the right ones."""
+def _newton(problem: Reduced, beta: Array, bend: float = np.inf, goal: float = 1e-13) -> _Mesh:
+    """Solve beta'' = -H on equal steps from a first guess (n,), its ends moved to the right ones.
+
+    Done when the step after the last would be below `goal`: a step is `bend` times the square of the one before.
+    """
     assert problem.betaL is not None
     h = float(problem.span[0]) / (beta.size - 1)
+    one = _Numbers(*(float(v[0]) for v in (problem.lam, problem.mu, problem.phi)))
     beta = beta.copy()
     beta[0], beta[-1] = problem.beta0[0], problem.betaL[0]
     floor = 16 * 2.0**-52 * np.abs(beta).max() + 1e-300  # what rounding leaves of the residual, which is times h^2
-    off, met, iteration, last = _residual(problem, beta, h), False, 0, np.inf
+    (off, rate), met, iteration, last = _residual(one, beta, h), False, 0, np.inf
     while iteration < _NEWTON and not met:
         iteration += 1
-        step = _step(problem, beta, off, h)
+        step = _step(rate, off, h)
         if step is None:
             break
-        size = np.abs(off).max()
-        share = min(1.0, 1.0 / max(np.abs(step).max(), 1e-300))
+        size, length = np.abs(off).max(), np.abs(step).max()
+        share = min(1.0, 1.0 / max(length, 1e-300))
         for _ in range(14):
             tried = beta.copy()
             tried[1:-1] += share * step
-            left = _residual(problem, tried, h)
+            left, steep = _residual(one, tried, h)
             if np.abs(left).max() < max(size, floor):
                 break
             share /= 2
         else:
             met = size <= 4 * floor  # no step helps: rounding, or lost
             break
-        beta, off = tried, left
-        # the step after a full and small one would be its square; where rounding rules, steps stop shrinking
-        length = np.abs(step).max()
+        beta, off, rate = tried, left, steep
+        if last < 0.1:  # near enough for the rule's own pace to show; where rounding rules, steps stop shrinking
+            bend = length / last**2 if bend == np.inf else max(bend, length / last**2)
         stale = np.abs(off).max() <= floor and length > last / 2
-        met, last = share == 1.0 and bool(length <= 1e-8 or stale), length
-    return _Mesh(_columns(problem, beta, h), met, iteration)
+        met, last = share == 1.0 and bool(length <= 1e-8 or length * length * bend <= goal or stale), length
+    return _Mesh(_columns(problem, beta, h), met, iteration, bend)
 
 
-def _residual(problem: Reduced, beta: Array, h: float) -> Array:
-    """h^2 times what eq. (41) leaves at the inner nodes."""
-    return np.diff(beta, 2) + h * h * slope(problem, beta[1:-1])
+@dataclass(frozen=True)
+class _Numbers:
+    """The loads of one problem."""
+
+    lam: float
+    mu: float
+    phi: float
 
 
-def _step(problem: Reduced, beta: Array, off: Array, h: float) -> Array | None:
+def _residual(one: _Numbers, beta: Array, h: float) -> tuple[Array, Array]:
+    """h^2 times what eq. (41) leaves at the inner nodes, and H' there."""
+    pull, rate = slope_and_rate(one, beta[1:-1])
+    return beta[2:] - 2 * beta[1:-1] + beta[:-2] + h * h * pull, rate
+
+
+def _step(rate: Array, off: Array, h: float) -> Array | None:
     """Newton's step from the tridiagonal system (43); None where it is singular."""
-    bands = np.ones((3, beta.size - 2))
-    bands[1] = -2 + h * h * slope_rate(problem, beta[1:-1])
-    with np.errstate(all="ignore"):
-        try:
-            step = solve_banded((1, 1), bands, -off)
-        except (np.linalg.LinAlgError, ValueError):
-            return None
-    return step if np.isfinite(step).all() else None
+    beside = np.ones(off.size - 1)
+    step, info = dgtsv(beside, h * h * rate - 2, beside.copy(), -off, overwrite_d=1, overwrite_b=1)[3:]
+    return step if info == 0 and np.isfinite(step).all() else None
 
 
 def _columns(problem: Reduced, beta: Array, h: float) -> Array:
     """beta, beta_t, alpha, z, swirl at the nodes, each with an error that has only even powers of h, (5, n)."""
-    pull = slope(problem, beta)
-    rate = np.empty_like(beta)
-    rate[1:-1] = (beta[2:] - beta[:-2]) / (2 * h)
-    rate[0] = (beta[1] - beta[0]) / h + h / 2 * pull[0]
-    rate[-1] = (beta[-1] - beta[-2]) / h - h / 2 * pull[-1]
+    pull = slope(problem, beta[[0, -1]])
+    out = np.zeros((5, beta.size))
+    out[0] = beta
+    out[1, 1:-1] = (beta[2:] - beta[:-2]) / (2 * h)
+    out[1, 0] = (beta[1] - beta[0]) / h + h / 2 * pull[0]
+    out[1, -1] = (beta[-1] - beta[-2]) / h - h / 2 * pull[1]
     s, c = np.sin(beta), np.cos(beta)
-    sums = [np.concatenate([[0.0], np.cumsum((v[1:] + v[:-1]) * (h / 2))]) for v in (s, c, s * c)]
-    return np.stack([beta, rate, *sums])
+    for row, v in zip(out[2:], (s, c, s * c), strict=True):
+        np.cumsum((v[1:] + v[:-1]) * (h / 2), out=row[1:])
+    return out
 
 
 def _refined(beta: Array) -> Array:
@@ -179,18 +196,13 @@ def _difference(coarse: Array, fine: Array, span: float) -> float:
 
 def _read(problem: Reduced, columns: Array, t: Array) -> Array:
     """The columns at the stations, (5, k): polynomials of degree five through values and two derivatives at nodes."""
-    beta, rate = columns[:2]
-    h = problem.span[0] / (beta.size - 1)
-    pull = slope(problem, beta)
-    s, c = np.sin(beta), np.cos(beta)
-    first = np.stack([rate, -pull, s, c, s * c])
-    second = np.stack([-pull, -slope_rate(problem, beta) * rate, c * rate, -s * rate, (c - s) * (c + s) * rate])
-    k = np.clip(np.rint(t / h).astype(int), 0, beta.size - 1)
-    k = np.where(np.abs(t - k * h) <= 1e-12 * problem.span[0], k, np.minimum((t / h).astype(int), beta.size - 2))
+    h = problem.span[0] / (columns.shape[1] - 1)
+    k = np.clip(np.rint(t / h).astype(int), 0, columns.shape[1] - 1)
+    k = np.where(np.abs(t - k * h) <= 1e-12 * problem.span[0], k, np.minimum((t / h).astype(int), columns.shape[1] - 2))
     x = t / h - k
-    far = np.minimum(k + 1, beta.size - 1)
+    far = np.minimum(k + 1, columns.shape[1] - 1)
     y0, y1 = columns[:, k], columns[:, far]
-    d0, d1, e0, e1 = h * first[:, k], h * first[:, far], h * h * second[:, k], h * h * second[:, far]
+    (d0, e0), (d1, e1) = _slopes(problem, y0, h), _slopes(problem, y1, h)
     # Hermite's quintic, in powers of x about the near node
     jump, climb, curve = y1 - y0 - d0 - e0 / 2, d1 - d0 - e0, e1 - e0
     c3, c4, c5 = (
@@ -199,6 +211,16 @@ def _read(problem: Reduced, columns: Array, t: Array) -> Array:
         6 * jump - 3 * climb + curve / 2,
     )
     return y0 + x * (d0 + x * (e0 / 2 + x * (c3 + x * (c4 + x * c5))))
+
+
+def _slopes(problem: Reduced, columns: Array, h: float) -> tuple[Array, Array]:
+    """h times the first and h^2 times the second derivative of the columns at some nodes."""
+    beta, rate = columns[:2]
+    pull, steep = slope_and_rate(problem, beta)
+    s, c = np.sin(beta), np.cos(beta)
+    first = np.stack([rate, -pull, s, c, s * c])
+    second = np.stack([-pull, -steep * rate, c * rate, -s * rate, (c - s) * (c + s) * rate])
+    return h * first, h * h * second
 
 
 DIFFERENCE = Method(

@@ -16,14 +16,13 @@ from numpy.typing import NDArray
 
 from ..chebyshev import basis, polynomials
 from ..course import HELIX, LIBRATION, Course, course
-from ..landscape import slope_rate
+from ..landscape import slope_bends, slope_rate, slope_size
 from ..panels import EPS, Panels, panelled, running
 from ..reduced import Array, Reduced
 from ..sensitivity import condition
 from .base import Method, Trajectory, verdicts
 
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
-_FOLD = 100.0  # times the last digit of a load: the most it is taken to move the rod's start
 _LARGEST = 1e100  # dimensionless numbers beyond this would overflow when squared
 
 
@@ -252,18 +251,36 @@ def _error(orbit: Orbit, growth: Array) -> Array:
     fastest = np.minimum(fastest, np.abs(problem.dbeta0) + heights * problem.span)
     late: Array = np.bincount(b, weights=stay * (panels.drift + panels.noise)[met], minlength=problem.size)
     librates = orbit.course.kind == LIBRATION
-    late = late * np.where(librates, 2, 1) * np.maximum(1, problem.span / orbit.period) + EPS * problem.span
+    with np.errstate(divide="ignore", invalid="ignore"):  # a swing too short for a float
+        rounds = np.maximum(1, problem.span / orbit.period)
+    late = late * np.where(librates, 2, 1) * rounds + EPS * problem.span
     # however late, beta stays between its turning points; alpha and z are sums as long as a panel's time
     swing = np.bincount(b, weights=2 * np.abs(panels.series[met, 0, 1::2].sum(axis=1)), minlength=problem.size)
     shift = np.where(librates, np.minimum(fastest * late, swing), fastest * late)
     sums = EPS * longest / np.maximum(1, problem.span)
-    # the last digit of the loads moves the extrema of G, and the rod with them as far as its length lets it
-    swing_time = np.minimum(problem.span, orbit.ahead + orbit.back)
-    with np.errstate(divide="ignore", over="ignore"):
-        room = np.minimum(swing_time**2 / 2, 1 / np.abs(slope_rate(problem, problem.beta0)))
-    # at a fold that is without end; there `noise` and `_mismatch` know better
-    inputs = np.maximum(1, np.abs(problem.beta0)) + np.minimum(heights * room / 2, _FOLD)
+    blur = _blur(problem, np.minimum(problem.span, orbit.ahead + orbit.back))
+    inputs = np.maximum(1, np.abs(problem.beta0)) + blur / EPS
     return 2 * slack + shift + sums + growth * (_mismatch(orbit) + 2 * EPS * inputs)
+
+
+def _blur(problem: Reduced, time: Array) -> Array:
+    """Which change of the start's angle does as much as the rounding of H does in a swing of this time, (B,).
+
+    A constant addition d to H moves the rod by d t^2/2 if nothing holds it, and by no more than the change x of angle
+    that changes H as much: d/|H'|, or where H' is nothing, next to a fold, the root of |H''| x^2/2 = d or of
+    |third derivative| x^3/6 = d. Two of these may work against each other up to twice the smallest x.
+    """
+    beta = problem.beta0
+    second, third = slope_bends(problem, beta)
+    added = EPS * slope_size(problem, beta)
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        bounds = (
+            added * time * time / 2,
+            2 * added / np.abs(slope_rate(problem, beta)),
+            2 * np.sqrt(2 * added / np.abs(second)),
+            2 * np.cbrt(6 * added / np.abs(third)),
+        )
+        return np.asarray(np.fmin.reduce(bounds))
 
 
 def _mismatch(orbit: Orbit) -> Array:

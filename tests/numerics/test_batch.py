@@ -96,6 +96,20 @@ def test_a_case_that_fails_says_so_and_leaves_its_neighbours_alone(method: str, 
         np.testing.assert_allclose(sol.beta[i], one.beta, atol=1e-13 * float(one.condition))
 
 
+@pytest.mark.parametrize("method", ("dop853", "lsoda"))
+def test_an_adaptive_march_says_that_its_budget_is_spent(method: str, monkeypatch) -> None:
+    monkeypatch.setattr("solver.methods.adaptive._MOST_CALLS", 3000)
+    assert "evaluations" in solve(in_units_of_rho(0, 0, -1e4, 20.0, 0.3, 0.2), method=method).outcome
+
+
+def test_an_adaptive_march_says_that_the_numbers_ended_or_the_integrator_gave_up() -> None:
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")  # scipy speaks of what the outcome says
+        outcome = solve(in_units_of_rho(0, 0, 0, 20.0, 0.3, 1e200), method="dop853").outcome
+    assert "finite" in outcome or "gave up" in outcome
+    assert "evaluations" not in outcome
+
+
 def test_a_failed_case_has_no_numbers_that_look_like_an_answer() -> None:
     F3 = np.array([10.0, 1e200])
     case = Case(Rod(1e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start(0.5, 0.5, F3=F3, dgamma=0.5))

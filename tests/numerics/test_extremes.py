@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 from solver import Solution, solve
+from solver.methods import METHODS
+from solver.reduced import Reduced
 from tests.cases import in_units_of_rho
 from tests.extreme_cases import KINDS, draw
 from tests.taylor import march
@@ -26,6 +28,28 @@ ONCE_FATAL = {
     "one bit below pi": (1.8e-46, 0.0, -1.3075725558958222, 0.085, 3.1415926535897927, 0.0),
     "the smallest angle": (0.0, 0.0, -31681.26751537264, 11007093.45, -5e-324, 0.0),
     "the smallest load": (5365600742102866.0, -0.006271832964915074, 2.65e-308, 0.0067, -5e-324, 8.6e-08),
+}
+
+
+# lam = mu or lam = -mu with next to no axial force: H and H' vanish together at an end of the axis
+FOLDS = {
+    "at rest beside it": (-1.624957889013431e16, -1.624957889013431e16, 0.0, 1.047873735409384e-06, -3.56483e-09, 0.0),
+    "at rest in it": (0.08093040900290258, 0.08093040900290258, 1.7339489e-24, 643.14, -3.3099853e-13, 0.0),
+    "passing slowly": (213318.48152251344, 213318.48152251344, 0.0, 0.6788103234863304, 0.0, 0.00012751809749),
+    "passing a second root of H": (
+        438257676.9481662,
+        438257676.9481662,
+        1.411321621e-06,
+        0.0059093586,
+        0.0,
+        0.00049688,
+    ),
+    "between the two roots": (-20.926543405315606, -20.926543405315606, 9.481167631e-12, 5.0, -3.96777388e-15, 0.0),
+    "passing quickly": (15700.0, 15700.0, 0.0, 0.3, -3.87e-13, 0.00169),
+    "at the other end of the axis": (2187e9, -2187e9, 0.0, 7.08e-05, np.pi, 0.00144),
+    "there, once told too good": (-45653644739.585785, 45653644739.585785, 1.02e-30, 0.00101274527, np.pi, 4.92332e-05),
+    "there, backwards": (180e9, -180e9, -6.82e-22, 0.00019, -np.pi, 0.000989),
+    "there, from rest beside it": (-2187.0, 2187.0, 0.0, 2.0, np.pi - 1e-6, 0.0),
 }
 
 
@@ -54,6 +78,19 @@ def test_a_rod_at_rest_where_G_is_flat_stays() -> None:
     sol = quietly(in_units_of_rho(-3.0, -3.0, 0.0, 20.0, 0.0, 0.0))
     assert sol.solved
     np.testing.assert_array_equal(sol.beta, 0.0)
+
+
+def test_a_rod_next_to_a_fold_is_solved_and_its_error_is_honest() -> None:
+    lam, mu, phi, span, beta0, dbeta0 = np.array(list(FOLDS.values())).T
+    problem = Reduced(lam, mu, phi, span, beta0, dbeta0=dbeta0)
+    t = span[:, None] * np.linspace(0, 1, 5)
+    true = march(lam, mu, phi, beta0, dbeta0, t, most=1000)
+    told = METHODS["orbit"].run(problem, t, 1e-8)
+    off = np.abs(told.beta - true[0]).max(axis=1)
+    for k, name in enumerate(FOLDS):
+        assert told.outcome[k].startswith("solved"), (name, told.outcome[k])
+        assert off[k] <= 1e-8 * told.condition[k], (name, off[k], told.condition[k])
+        assert told.error[k] >= 0.1 * off[k] - 1e-15, (name, told.error[k], off[k])  # the last bits of the angle
 
 
 @pytest.mark.parametrize("side", ("outside", "inside"))
