@@ -16,6 +16,8 @@ from .methods.base import Trajectory
 from .reduced import Array
 from .solution import Solution
 
+ORBITS = ("orbit", "swing", "shooting")  # the methods that know the orbit
+
 _PARTS, _POINTS = 96, 6
 _ZOOMS, _ZOOM_POINTS = 6, 17
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from solver import Case
 from solver.quantities import quantity, unit_of
+from solver.sampling import ORBITS
 from studies import Study
 from studies.axes import quantity_of
 
@@ -23,6 +24,12 @@ from .plan import FORMAT as FORMAT
 
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
 INNER = {"position": ("xyz",)}  # dimensions after u, of what is not one number a station
+# How exact the observables are.
+RESOLVED = "the observables are read at points of their own that resolve the rod: the error of each case covers them"
+AT_STATIONS = (
+    "this method knows the rod at its stations only, and the observables are read there with straight lines between: "
+    "the error of each case does not cover that, more stations do"
+)
 SCALARS = ("R", "a", "L", "rho", "E", "nu")
 
 
@@ -155,6 +162,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "force_unit": study.units.force,
         "tolerance": study.tol,
         "method": study.method,
+        "observed": RESOLVED if study.method in ORBITS else AT_STATIONS,
         "laws": json.dumps([law.model_dump() for law in study.laws], ensure_ascii=False),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(versions()),

@@ -16,12 +16,10 @@ from solver.errors import InputError, no_such
 from studies.laws import COUNTS, FAILS, NOISE
 
 from . import check, dataset, picking, profile, style
-from .stretch import larger, stretch
+from .unrolled import axis_label, developed, strip_height
 
 KINDS = (".png", ".pdf", ".svg")
-MOST_CURVES = 9
 WIDTH, LAW_HEIGHT = 9.6, 3.9  # inches
-STRIP = (1.5, 4.5)  # inches, the least and the most that a row of curves is high
 BESIDE, LEAST_BESIDE = 0.55, 2.6  # the share of the width that curves have beside a law, and inches they then need
 MOST_PLAIN = 4  # observables shown where there is no law
 NOT_OBSERVED = ("outcome", "error", "condition", "FZ", "MZ", "M3", "dbeta0")
@@ -99,7 +97,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     _scale(ax, ds, axis, along)
     if "fold" in ds and axis == "betaL" and np.isfinite(ds["fold"]):
         ax.axvline(float(np.degrees(ds["fold"])), color=style.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
-    ax.set_xlabel(_axis_label(ds, axis, others, long=False))
+    ax.set_xlabel(axis_label(ds, axis, others, long=False))
     ax.set_ylabel(style.label(ds[observable]))
     ax.margins(x=0.04, y=0.1)
     ax.yaxis.set_major_formatter(style.plain)
@@ -115,88 +113,18 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     return style.quiet(ax)
 
 
-def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
-    """The rods along an axis on the unrolled cylinder, side by side: rho alpha to the right, z up.
-
-    Each begins on its own line alpha = 0, at which its value is written. At one scale, unless they would be too thin
-    to see (`stretch`); then the vertical axis says so. Raises `InputError`.
-    """
-    cases, lines, curves, width = _side_by_side(ds, axis)
-    room = style.inches(ax)
-    factor = _factor(curves, width, room)
-    for line, found, colour in zip(lines, curves, style.colours(len(cases)), strict=True):
-        ax.axvline(line, color=style.FAINT, linewidth=0.8, zorder=0)
-        if found is None:
-            ax.text(line, 0.5, "unsolved", transform=ax.get_xaxis_transform(), rotation=90, ha="center", va="center",
-                    color=style.SOFT, size=style.SMALL)  # fmt: skip
-        else:
-            ax.plot(line + found[0], found[1], color=colour, linewidth=1.7, solid_capstyle="round")
-    values = [style.shown(float(ds[axis].values[where[axis]]), ds[axis]).partition(" ")[0] for where in cases]
-    ax.set_xticks(lines, values)
-    ax.tick_params(axis="x", length=0)
-    if _crowded(lines, values, min(room[0] / width, room[1] * factor / _height(curves))):
-        ax.tick_params(axis="x", labelrotation=90)
-    ax.set_aspect(1 / factor, adjustable="box", anchor="NW")
-    ax.set_xlim(0, width)
-    ax.set_xlabel(_axis_label(ds, axis, cases[0]), loc="left")
-    ax.set_ylabel(f"z [{style.unit(str(ds.attrs['length_unit']))}]{larger(factor, 'ρα')}{larger(1 / factor)}")
-    scale = "all at one scale" if factor == 1 else "at two scales"
-    ax.set_title(f"Unrolled cylinder: ρα to the right, z up, {scale}", loc="left")
-    ax.grid(axis="y", color=style.FAINT, linewidth=0.6)
-    ax.set_axisbelow(True)
-    return ax
-
-
-def _side_by_side(ds: xr.Dataset, axis: str) -> tuple[list[dict[str, int]], list[float], list[Any], float]:
-    """The cases along an axis, where each one's line alpha = 0 stands, its curve or None, and the width of all."""
-    cases = picking.spread(picking.line(ds, axis), MOST_CURVES)
-    curves = [profile.unrolled(ds, where) for where in cases]
-    spans = [(min(c[0].min(), 0.0), max(c[0].max(), 0.0)) if c is not None else (0.0, 0.0) for c in curves]
-    gap = 0.35 * float(np.mean([high - low for low, high in spans])) or 1.0
-    edge, lines = gap / 2, []
-    for low, high in spans:
-        lines.append(edge - low)
-        edge += high - low + gap
-    return cases, lines, curves, edge - gap / 2
-
-
-def _strip_height(ds: xr.Dataset, axis: str, share: float = 1.0) -> float:
-    """Inches that the curves along an axis are high, with their labels, on that share of the page's width."""
-    _, _, curves, width = _side_by_side(ds, axis)
-    room = WIDTH * share - 0.9, STRIP[1]
-    tall = 1.1 * _height(curves)
-    return float(np.clip(room[0] * tall / (width * _factor(curves, width, room)), *STRIP)) + 0.9
-
-
-def _height(curves: Sequence[Any]) -> float:
-    """How high the curves are together, never 0 [length]."""
-    ups = [curve[1] for curve in curves if curve is not None] or [np.zeros(2)]
-    return float(max(up.max() for up in ups) - min(up.min() for up in ups)) or 1.0
-
-
-def _factor(curves: Sequence[Any], width: float, room: tuple[float, float]) -> float:
-    """How many times wider than high the curves are drawn in a room of inches, see `stretch`."""
-    widest = max((float(np.ptp(curve[0])) for curve in curves if curve is not None), default=width)
-    return stretch(width, _height(curves), room, widest)
-
-
-def _crowded(lines: Sequence[float], labels: Sequence[str], scale: float) -> bool:
-    """Whether labels at the lines would meet; scale: inches per length."""
-    gaps = np.diff(lines) * scale
-    return bool(gaps.size and gaps.min() < max(map(len, labels)) * style.SMALL * style.LETTER + 0.08)
-
-
 def _trends(ds: xr.Dataset, axes: Sequence[str]) -> Figure:
     """Each law beside the curves along an axis, or all laws in a row below where there are more of them."""
     count = len(check.laws(ds))
     plain = [] if count else [str(name) for name in ds.data_vars if _observed(ds, str(name))][:MOST_PLAIN]
     panels = count or len(plain)
     rows = len(axes) if profile.has_shape(ds) else 0
-    beside = panels <= rows and all(_strip_height(ds, axis, BESIDE) > LEAST_BESIDE for axis in axes)
+    beside = panels <= rows and all(strip_height(ds, axis, WIDTH * BESIDE) > LEAST_BESIDE for axis in axes)
     below = 0 if beside else LAW_HEIGHT * -(-panels // 2)
     fig = Figure(figsize=(WIDTH, 1), layout="constrained")
     FigureCanvasAgg(fig)
-    heights = [LAW_HEIGHT if beside else _strip_height(ds, axis) for axis in axes[:rows]] + ([below] if below else [])
+    heights = [LAW_HEIGHT if beside else strip_height(ds, axis, WIDTH) for axis in axes[:rows]]
+    heights += [below] if below else []
     fig.set_figheight(0.7 + sum(heights))
     grid = fig.add_gridspec(
         len(heights), 2 if beside else 1, height_ratios=heights, width_ratios=(1.3, 1) if beside else (1,)
@@ -222,12 +150,6 @@ def _pairs(cell: Any, count: int) -> list[Any]:
 
 def _observed(ds: xr.Dataset, name: str) -> bool:
     return ds[name].dims == ds["outcome"].dims and name not in NOT_OBSERVED
-
-
-def _axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = True) -> str:
-    """The axis with its unit, and where the others are held."""
-    held = [f"{style.symbol(k)} = {style.shown(float(ds[k][i]), ds[k])}" for k, i in where.items() if k != axis]
-    return style.axis_label(axis, ds[axis], long) + (f", at {', '.join(held)}" if held else "")
 
 
 def _brief(row: dict[str, Any]) -> str:

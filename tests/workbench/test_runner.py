@@ -8,6 +8,7 @@ import pytest
 from solver import InputError, solve
 from solver.methods import METHODS
 from solver.methods.base import Trajectory
+from studies.loader import loads
 from tests.workbench import small
 from workbench import check, dataset, runner
 
@@ -138,3 +139,14 @@ def test_verdicts_are_those_of_the_stored_numbers() -> None:
 def test_an_unknown_method_or_a_senseless_tolerance_is_refused(change: dict) -> None:
     with pytest.raises(InputError):
         runner.run(small.grid(), **change)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_it_is_told_whether_the_error_covers_the_observables(method: str) -> None:
+    kind = "" if "start" in METHODS[method].kinds else "[base]\nE = 1e4\nnu = 0.3\na = 0.2\nL = 5.0\nR = 1.0\n"
+    text = small.HEAD if not kind else small.HEAD.replace('reading = "force-first/tension/paper"\n', "") + kind
+    ends = "beta0 = 0.1\nbetaL = 0.2\n" if kind else ""
+    study = loads(f'method = "{method}"\ntol = 1e-3\n{text}{ends}')
+    sol = solve(study.case(), method=method, tol=1e-3)
+    resolved = runner.run(study).attrs["observed"] == dataset.RESOLVED
+    assert resolved == (sol.trajectory.orbit is not None)
