@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from . import cautions, check, dataset, parts, slabs, store
 from .chunks import Columns
-from .plan import Plan, bytes_a_case, recipe
+from .plan import Plan, bytes_a_case, bytes_of_file, recipe
 from .there import There, places
 
 WINDOW = 2**25  # bytes of results held while they are copied
@@ -33,7 +33,9 @@ def assemble(
     aside = folder / f".{output.name}"
     try:
         frame = dataset.frame(plan.study, plan.coordinates).assign_attrs(caution=cautions.told(tally["caution"]))
+        parts.reserve(aside, bytes_of_file(plan))
         frame.to_netcdf(aside, engine="h5netcdf", encoding=store.encoding(frame), invalid_netcdf=False)
+        parts.reserve(aside, bytes_of_file(plan))
         with h5netcdf.File(aside, "a") as file:
             _write_cases(file, plan, _rows(plan, folder, output, there), all(_solved(tally["outcome"])))
         told = _told(aside, tally)
@@ -58,7 +60,8 @@ def _told(path: Path, tally: Mapping[str, Counter[str]]) -> dict[str, Any]:
     """What `run` says of a file at once, without reading its cases."""
     with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
         verdicts = check.verdicts(ds)
-    return {"outcomes": dict(tally["outcome"]), "cautions": dict(tally["caution"]), "laws": verdicts}
+    outcomes, texts = (dict(sorted(tally[name].items())) for name in ("outcome", "caution"))
+    return {"outcomes": outcomes, "cautions": texts, "laws": verdicts}
 
 
 def _write_cases(file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], all_solved: bool) -> None:

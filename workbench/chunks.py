@@ -6,6 +6,7 @@ the same. A chunk is any number of whole blocks, and whoever solves it, the bits
 """
 
 import hashlib
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from io import BytesIO
@@ -27,6 +28,7 @@ Columns = dict[str, NDArray[Any]]  # name -> (cases, ...), as named in `Solution
 LOADS = ("FZ", "MZ", "M3")
 WIDTH = {"position": 3}  # numbers a station, where that is not one
 _DIGEST = 32
+_NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +115,11 @@ def can_be_drawn(study: Study) -> bool:
 def is_solved(outcomes: NDArray[Any]) -> NDArray[np.bool_]:
     """Whether an outcome says solved, perhaps with a remark after it."""
     return np.strings.startswith(outcomes.astype(str), "solved")
+
+
+def kind_of(outcome: str) -> str:
+    """An outcome without its numbers, which differ from case to case: what is counted."""
+    return _NUMBER.sub("...", outcome)
 
 
 def _inner(name: str) -> tuple[int, ...]:

@@ -131,7 +131,12 @@ def run(
     from .storing import Options
 
     options = Options(workers, scheduler, chunk, restart, json)
-    raise typer.Exit(run_study(study, out, reading, tol, method, force, level, stations, options))
+    try:
+        raise typer.Exit(run_study(study, out, reading, tol, method, force, level, stations, options))
+    except KeyboardInterrupt as error:
+        stopped = typer.TyperException(str(error) or "interrupted")  # says how to go on
+        stopped.exit_code = INTERRUPTED
+        raise stopped from None
 
 
 @app.command()
@@ -358,14 +363,13 @@ def doctor(json: Json = False) -> None:
 def main(args: list[str] | None = None) -> None:
     """Run the command line; every refusal is one sentence on stderr."""
     words = (sys.argv[1:] if args is None else args) or ["--help"]
-    status, said = 0, "interrupted; what was stored is whole"
+    status = 0
     try:
         status = app(words, prog_name="workbench", standalone_mode=False)
     except typer.TyperException as error:
         _refuse(_sentence(error), error.exit_code)
-    except (KeyboardInterrupt, typer.Abort) as error:
+    except (KeyboardInterrupt, typer.Abort):
         status = INTERRUPTED
-        said = str(error.__cause__ or error) or said
     except BrokenPipeError:  # the reader of our output went away, as head does
         sys.stderr.close()
         sys.exit(0)
@@ -376,7 +380,7 @@ def main(args: list[str] | None = None) -> None:
             raise
         _refuse(str(error), 2)
     if status == INTERRUPTED:
-        _refuse(said, INTERRUPTED)
+        _refuse("interrupted; what was stored is whole", INTERRUPTED)
     sys.exit(status or 0)
 
 

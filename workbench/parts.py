@@ -99,6 +99,17 @@ def check_recipe(folder: Path, recipe: dict[str, Any]) -> None:
         raise InputError(f"{folder} holds part of another run: {'; '.join(told)}; --restart drops it")
 
 
+def is_left_over(folder: Path, recipe: dict[str, Any]) -> bool:
+    """Whether the folder is of a run of that recipe, which was killed when it had ended and was tidying up."""
+    try:
+        was = json.loads((folder / _MANIFEST).read_text(encoding="utf-8"))["recipe"]
+        return not differences({key: was[key] for key in was if key != "grows"}, json.loads(json.dumps(recipe)))
+    except FileNotFoundError:
+        return is_empty(folder)
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
 def put(path: Path, content: bytes) -> None:
     """A file written aside, put on the disk and renamed: whole or not there. Raises `OSError`."""
     aside = path.with_name(f".{path.name}")
@@ -165,7 +176,7 @@ def missing(there: list[tuple[int, int]], cases: int) -> list[tuple[int, int]]:
 
 def clear(folder: Path, keep_lock: bool = False) -> None:
     """Remove what a run has kept; what is not a run's own stays, and the folder with it."""
-    for path in [folder / _MANIFEST, *(_name(folder, *ends) for ends in _shards(folder))]:
+    for path in [*(_name(folder, *ends) for ends in _shards(folder)), folder / _MANIFEST]:
         path.unlink(missing_ok=True)
     clear_asides(folder)
     if not keep_lock:
@@ -189,6 +200,16 @@ def _shards(folder: Path) -> list[tuple[int, int]]:
 
 def _name(folder: Path, start: int, stop: int) -> Path:
     return folder / f"{start:012d}-{stop:012d}.shard"
+
+
+def reserve(path: Path, size: int) -> None:
+    """Have the disk keep so much room for a file, so that HDF5 never meets a full one, which it does not survive.
+
+    Raises `OSError` where there is none. Without `posix_fallocate` nothing is kept.
+    """
+    if hasattr(os, "posix_fallocate"):
+        with path.open("ab") as file:
+            os.posix_fallocate(file.fileno(), 0, size)
 
 
 def free(folder: Path) -> int:

@@ -32,7 +32,8 @@ BLOCK_VALUES = 2**18  # stations of all cases of a block, at most: some MB an ar
 TOGETHER = ("orbit", "swing")  # the methods that solve a block in one go
 MOST_BLOCKS, MOST_BYTES = 8, 32 * 2**20  # of a chunk: what a death costs, and what a process holds of it
 NEEDS = {"heyoka": ("heyoka",), "swing": ("numba",)}  # packages whose version decides a method's last bits
-TEXT_BYTES = 90  # of outcome and caution in the file: their places, and short texts
+TEXT_BYTES = 200  # of outcome and caution in the file: their places, and texts with a remark
+SPARE = 4 * 2**20  # bytes for coordinates, attributes, half-filled packets and the lists of an HDF5 file
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +118,11 @@ def bytes_a_case(study: Study) -> int:
     """What a case takes in memory and, at most, in the file."""
     along = sum(WIDTH.get(name, 1) for name in study.outputs) * study.stations
     return 8 * (along + len(study.wanted) + 2 + len(LOADS)) + TEXT_BYTES
+
+
+def bytes_of_file(plan: Plan) -> int:
+    """What the finished file takes at most."""
+    return int(1.02 * plan.size * bytes_a_case(plan.study)) + SPARE
 
 
 def recipe(plan: Plan) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from studies.axes import Axis, quantity_of
 from studies.laws import FAILS
 
 from . import cautions, check, console
+from .chunks import kind_of
 from .fidelity import fidelity
 from .storing import DEFAULT, Options, Ran, run_to_file
 from .there import look
@@ -122,7 +123,7 @@ def _told_of(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
         "study": ds.attrs["study_name"],
         "reading": ds.attrs["reading"],
         "file": str(path),
-        "outcomes": Counter(outcomes),
+        "outcomes": Counter(map(kind_of, outcomes)),
         "cautions": Counter(*caution),
         "laws": check.verdicts(ds),
     }

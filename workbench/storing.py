@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,13 +13,12 @@ from solver.errors import InputError
 from studies import Study
 
 from . import engines, parts
-from .chunks import Damaged, decode, encode, is_solved, unsolved
-from .plan import Plan, bytes_a_case, plan, recipe
+from .chunks import Damaged, decode, encode, is_solved, kind_of, unsolved
+from .plan import Plan, bytes_a_case, bytes_of_file, plan, recipe
 from .progress import Meter, metered
 from .there import There, grown, is_finished, look
 
 KILLED = "failed: the process that solved it ended twice without an answer"
-SPARE = 2**20  # bytes for coordinates, attributes and the lists of an HDF5 file
 
 Tally = dict[str, Counter[str]]
 
@@ -63,6 +62,7 @@ def run_to_file(
     """
     work = plan(study)
     if (finished := _finished(work, output, options)) is not None:
+        _tidy(work, output)
         return finished
     from .store import check_parent  # xarray is not needed before
 
@@ -89,6 +89,16 @@ def _finished(work: Plan, output: Path, options: Options) -> Ran | None:
         return None
     work = grown(there, work) or work
     return Ran(there.told, 0, 0.0, True) if is_finished(there, work) else None
+
+
+def _tidy(work: Plan, output: Path) -> None:
+    """Remove what a run left that was killed after its file was whole."""
+    folder = parts.folder_of(output)
+    if not folder.is_dir():
+        return
+    with suppress(InputError, OSError), parts.locked(folder):
+        if parts.is_left_over(folder, recipe(work)):
+            parts.clear(folder)
 
 
 def _growing(work: Plan, output: Path, options: Options) -> tuple[There | None, Plan]:
@@ -145,7 +155,8 @@ def _count(columns: dict[str, Any], tally: Tally) -> int:
     """Add outcomes and cautions to the tally; how many cases were not solved."""
     for name, counts in tally.items():
         texts, times = np.unique(columns[name], return_counts=True)
-        counts.update(dict(zip(texts.tolist(), times.tolist(), strict=True)))
+        for text, count in zip(texts.tolist(), times.tolist(), strict=True):
+            counts[kind_of(text)] += count
     return int(np.count_nonzero(~is_solved(columns["outcome"])))
 
 
@@ -193,7 +204,7 @@ def _chunk_size(work: Plan, workers: int, asked: int | None) -> int:
 def _room(work: Plan, folder: Path, kept: int) -> str:
     """What the run takes, in words; raises `InputError` where the disk has less."""
     case = bytes_a_case(work.study)
-    final, shards = work.size * case + SPARE, (work.todo - kept) * case
+    final, shards = bytes_of_file(work), (work.todo - kept) * case
     there = parts.free(folder)
     if final + shards > there:
         needed = f"{_bytes(final)} for the file and {_bytes(shards)} for its parts until it is whole"
@@ -216,6 +227,6 @@ def _refusing_disk(output: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        why = error.strerror or str(error)
+        why = error.strerror or str(error).partition(",")[0]
         kept = "what is finished is kept, and the same command goes on from there"
         raise InputError(f"cannot write {output}: {why}; {kept}") from None

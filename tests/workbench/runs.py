@@ -1,0 +1,78 @@
+"""Runs of the command line that are killed, held up or starved, and what their files hold."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+ROOT = Path(__file__).parents[2]
+HEAD = """
+title = "many"
+reading = "force-first/tension/paper"
+observables = ["turns", "kappa_max"]
+outputs = ["beta"]
+stations = 11
+method = "{method}"
+
+[units]
+length = "cm"
+force = "N"
+"""
+
+# What a process of a run executes before the command: lines of a test's own, then the command.
+MAIN = """
+{before}
+import sys
+from workbench import cli
+if __name__ == "__main__":
+    cli.main(sys.argv[1:])
+"""
+
+
+def study(
+    folder: Path, axes: dict[str, list[float]], method: str = "orbit", name: str = "many", more: str = ""
+) -> Path:
+    """A study over these values of these axes, written there."""
+    rows = "".join(f"[axes.{axis}]\nvalues = {list(map(float, values))}\n" for axis, values in axes.items())
+    path = folder / "many.toml"
+    path.write_text(HEAD.format(method=method) + rows)
+    return path
+
+
+def grid(E: int, F1: int) -> dict[str, list[float]]:
+    """So many moduli and normal forces."""
+    return {"E": np.linspace(5e3, 4e4, E).tolist(), "F1": np.linspace(1, 9, F1).tolist()}
+
+
+def start(folder: Path, *args: object, before: str = "", **more: bool) -> subprocess.Popen[str]:
+    """`workbench run ...` in a process of its own, in that folder."""
+    main = folder / "main.py"
+    if before or not main.exists():
+        main.write_text(MAIN.format(before=before))
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, str(main), "run", *map(str, args)]
+    return subprocess.Popen(command, cwd=folder, env=env, stdout=-1, stderr=-1, text=True, **more)
+
+
+def run(folder: Path, *args: object, before: str = "") -> subprocess.CompletedProcess[str]:
+    """The same, to its end."""
+    with start(folder, *args, before=before) as process:
+        out, err = process.communicate(timeout=300)
+    return subprocess.CompletedProcess(process.args, process.returncode, out, err)
+
+
+def contents(path: Path) -> dict[str, bytes]:
+    """Every bit that a file holds, but for the moment it was made."""
+    with xr.open_dataset(path) as ds:
+        found = {str(name): _bits(v) for name, v in ds.variables.items()}
+        attrs = {key: value for key, value in ds.attrs.items() if key != "created"}
+    return {**found, "attributes": repr(sorted(attrs.items())).encode()}
+
+
+def _bits(variable: xr.Variable) -> bytes:
+    values = variable.values
+    kept = repr((variable.dims, values.shape, values.dtype.str, variable.attrs))
+    return kept.encode() + (repr(values.tolist()).encode() if values.dtype.kind in "OUT" else values.tobytes())

@@ -1,0 +1,372 @@
+"""A study in chunks: the same bits however it is cut, whoever solves it, and however it grew."""
+
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+
+from solver import InputError, solve
+from studies import load
+from studies.model import OUTPUTS
+from tests.workbench import runs
+from workbench import assembly, chunks, dataset, parts, plan, runner, slabs, storing
+from workbench.storing import Options, run_to_file
+
+GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
+
+
+@pytest.fixture(autouse=True, scope="module")
+def small_blocks() -> Iterator[None]:
+    """Fewer cases a block than by default: many blocks in no time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plan, "BLOCK", 64)
+        yield
+
+
+@pytest.fixture(scope="module")
+def whole(small_blocks, tmp_path_factory) -> Path:
+    """The study in one chunk, in one process."""
+    folder = tmp_path_factory.mktemp("whole")
+    run_to_file(load(runs.study(folder, GRID)), folder / "many.h5", Options(workers=1, chunk=10_000))
+    return folder / "many.h5"
+
+
+def kept(path: Path, monkeypatch) -> Path:
+    """A run that is stopped when all is solved and nothing assembled: the folder of its shards."""
+
+    def stopped(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(assembly, "assemble", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            run_to_file(load(path), path.with_suffix(".h5"), Options(workers=1, chunk=64))
+    return parts.folder_of(path.with_suffix(".h5"))
+
+
+def counted(monkeypatch) -> list[int]:
+    """How many cases each block has that is solved from now on."""
+    found: list[int] = []
+    block_of = chunks.block_of
+
+    def counting(study: Any, part: chunks.Chunk) -> chunks.Columns:
+        found.append(part.cases)
+        return block_of(study, part)
+
+    monkeypatch.setattr(chunks, "block_of", counting)
+    return found
+
+
+@pytest.mark.parametrize("options", [Options(workers=1, chunk=1), Options(workers=2, chunk=100)], ids=["cut", "pool"])
+def test_every_bit_is_the_same_whatever_the_chunks_and_the_workers(whole, tmp_path, options) -> None:
+    run_to_file(load(runs.study(tmp_path, GRID)), tmp_path / "many.h5", options)
+    assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
+    assert [path.name for path in tmp_path.iterdir() if path.suffix != ".toml"] == ["many.h5"]
+
+
+def test_a_study_in_memory_has_the_bits_of_the_stored_one(whole) -> None:
+    ds = runner.run(load(whole.with_suffix(".toml")))
+    with xr.open_dataset(whole) as stored:
+        assert list(stored.dims) == list(ds.dims) == ["E", "F1", "u"]
+        xr.testing.assert_identical(stored.drop_attrs().load(), ds.drop_attrs())
+        for name, value in ds.attrs.items():
+            assert name == "created" or stored.attrs[name] == value, name
+
+
+@given(st.lists(st.integers(1, 5), max_size=4), st.data())
+def test_any_stretch_of_a_grid_is_written_and_read_as_it_was(shape: list[int], data) -> None:
+    size = int(np.prod(shape))
+    start = data.draw(st.integers(0, size - 1))
+    stop = data.draw(st.integers(start + 1, size))
+    rows = np.arange(2.0 * size).reshape(size, 2)
+    written = np.full((*shape, 2), -1.0)
+    slabs.write(written, tuple(shape), start, rows[start:stop])
+    expected = np.full((size, 2), -1.0)
+    expected[start:stop] = rows[start:stop]
+    np.testing.assert_array_equal(written.reshape(size, 2), expected)
+    np.testing.assert_array_equal(slabs.read(rows.reshape(*shape, 2), tuple(shape), start, stop), rows[start:stop])
+
+
+def test_what_is_packed_together_lies_together() -> None:
+    assert slabs.packing((7, 100, 3)) == (7, 100, 3)
+    assert slabs.packing((1000, 1000)) == (65, 1000)
+    assert slabs.packing((4, 50, 10**6)) == (1, 1, 2**16)
+
+
+# what is asked for, and nothing else
+
+
+class Watched:
+    """A solution that notes which of its fields are read."""
+
+    def __init__(self, sol: Any, read: set[str]) -> None:
+        self._sol, self._read = sol, read
+
+    def __getattr__(self, name: str) -> Any:
+        self._read.add(name)
+        return getattr(self._sol, name)
+
+
+@pytest.mark.parametrize("outputs, computed", [(["dbeta"], {"dbeta"}), ([], set()), (["h", "F2"], {"h", "F2"})])
+def test_nothing_is_computed_along_the_rod_but_the_outputs(outputs, computed, monkeypatch) -> None:
+    study = load("fig7_1_modulus").model_copy(update={"outputs": outputs, "observables": [], "laws": []})
+    read: set[str] = set()
+    monkeypatch.setattr(chunks, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
+    ds = runner.run(study)
+    assert read & set(OUTPUTS) == computed
+    assert set(ds.data_vars) & set(OUTPUTS) == computed
+
+
+# going on, and starting over
+
+
+def test_a_finished_study_is_answered_at_once(whole, monkeypatch) -> None:
+    monkeypatch.setattr(storing, "_solve", lambda *_: pytest.fail("solved again"))
+    before = whole.read_bytes()
+    ran = run_to_file(load(whole.with_suffix(".toml")), whole)
+    assert (ran.finished_before, ran.solved, sum(ran.told["outcomes"].values())) == (True, 0, 150)
+    assert whole.read_bytes() == before
+
+
+def test_a_finished_study_is_answered_without_xarray(whole) -> None:
+    told = runs.run(whole.parent, whole.with_suffix(".toml"), before="import atexit, sys\n"
+                    "from workbench import plan; plan.BLOCK = 64\n"
+                    "atexit.register(lambda: print('xarray' in sys.modules))")  # fmt: skip
+    assert told.returncode == 0, told.stderr
+    assert "finished before; --restart solves it again" in told.stdout
+    assert told.stdout.splitlines()[-1] == "False"
+
+
+def test_restart_solves_a_finished_study_again(tmp_path, monkeypatch) -> None:
+    path = runs.study(tmp_path, runs.grid(2, 2))
+    run_to_file(load(path), tmp_path / "many.h5")
+    solved = counted(monkeypatch)
+    assert not run_to_file(load(path), tmp_path / "many.h5", Options(restart=True)).finished_before
+    assert solved == [4]
+
+
+def test_what_is_solved_is_not_solved_again(whole, tmp_path, monkeypatch) -> None:
+    path = runs.study(tmp_path, GRID)
+    folder = kept(path, monkeypatch)
+    (folder / "000000000064-000000000128.shard").unlink()
+    solved = counted(monkeypatch)
+    assert run_to_file(load(path), tmp_path / "many.h5", Options(workers=1, chunk=1)).solved == 64
+    assert solved == [64]
+    assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
+    assert not folder.exists()
+
+
+DAMAGE = {
+    "cut short": lambda content: content[: len(content) // 2],
+    "empty": lambda content: b"",
+    "a byte flipped in the middle": lambda content: _flipped(content, len(content) // 2),
+    "a byte flipped in the digest": lambda content: _flipped(content, 3),
+    "the last bit flipped": lambda content: _flipped(content, len(content) - 1),
+    "another shard's": lambda content: chunks.encode({"outcome": np.array(["solved"])}),
+}
+
+
+def _flipped(content: bytes, at: int) -> bytes:
+    return content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :]
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
+def test_a_damaged_shard_is_found_and_solved_again(damage, whole, tmp_path, monkeypatch) -> None:
+    path = runs.study(tmp_path, GRID)
+    shard = kept(path, monkeypatch) / "000000000000-000000000064.shard"
+    shard.write_bytes(damage(shard.read_bytes()))
+    solved = counted(monkeypatch)
+    run_to_file(load(path), tmp_path / "many.h5", Options(workers=1))
+    assert solved == [64]
+    assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
+
+
+def test_a_shard_damaged_after_it_was_looked_at_is_solved_again(whole, tmp_path, monkeypatch) -> None:
+    path = runs.study(tmp_path, GRID)
+    shard = kept(path, monkeypatch) / "000000000064-000000000128.shard"
+    solve_missing, times = storing._solve, []
+
+    def damaging(*args: Any) -> None:
+        solve_missing(*args)
+        if not times:
+            shard.write_bytes(_flipped(shard.read_bytes(), 1000))
+        times.append(1)
+
+    monkeypatch.setattr(storing, "_solve", damaging)
+    ran = run_to_file(load(path), tmp_path / "many.h5", Options(workers=1))
+    assert len(times) == 2
+    assert sum(ran.told["outcomes"].values()) == 150
+    assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
+
+
+CHANGES = {
+    "tol": ({"tol": 1e-9}, r"tol was 1e-08, now 1e-09"),
+    "stations": ({"stations": 12}, "stations was 11, now 12"),
+    "outputs": ({"outputs": ["z"]}, "outputs was beta, now z"),
+    "method": ({"method": "verlet"}, "method was orbit, now verlet; block was 64, now 32"),
+    "reading": ({"reading": "shear/tension/paper"}, "reading was force-first/tension/paper, now shear/tension/paper"),
+}
+
+
+@pytest.mark.parametrize("change, sentence", CHANGES.values(), ids=CHANGES)
+def test_shards_of_another_run_are_refused_with_the_difference(change, sentence, tmp_path, monkeypatch) -> None:
+    path = runs.study(tmp_path, runs.grid(2, 3))
+    folder = kept(path, monkeypatch)
+    before = {file.name: file.read_bytes() for file in folder.glob("*.shard")}
+    other = load(path).model_copy(update=change)
+    with pytest.raises(InputError, match=f"holds part of another run: {sentence}.*; --restart drops it"):
+        run_to_file(other, tmp_path / "many.h5")
+    assert {file.name: file.read_bytes() for file in folder.glob("*.shard")} == before
+    run_to_file(other, tmp_path / "many.h5", Options(restart=True))
+    assert not folder.exists()
+
+
+def test_shards_of_other_code_or_a_newer_format_are_refused(tmp_path, monkeypatch) -> None:
+    path = runs.study(tmp_path, runs.grid(2, 3))
+    manifest = kept(path, monkeypatch) / "manifest.json"
+    text = manifest.read_text()
+    for old, new, sentence in (
+        (f'"numpy": "{np.__version__}"', '"numpy": "1.0"', f"numpy was 1.0, now {np.__version__}"),
+        (plan.code_version(), "0.0.1+abc", r"code was 0\.0\.1\+abc, now"),
+        ('"format": 1', '"format": 2', "is of format 2, but this version reads up to format 1"),
+        ('"format": 1', '"form": 1', "is damaged; --restart drops"),
+        (text, "{", "is damaged; --restart drops"),
+    ):
+        assert old in text
+        manifest.write_text(text.replace(old, new))
+        with pytest.raises(InputError, match=sentence):
+            run_to_file(load(path), tmp_path / "many.h5")
+    manifest.unlink()
+    with pytest.raises(InputError, match="holds results of an unknown run; --restart drops them"):
+        run_to_file(load(path), tmp_path / "many.h5")
+
+
+def test_a_file_of_a_newer_version_is_not_replaced(tmp_path) -> None:
+    path = runs.study(tmp_path, runs.grid(2, 3))
+    run_to_file(load(path), tmp_path / "many.h5")
+    with h5py.File(tmp_path / "many.h5", "a") as file:
+        file.attrs["format"] = dataset.FORMAT + 1
+    before = (tmp_path / "many.h5").read_bytes()
+    with pytest.raises(InputError, match="is of format 2, but this version reads up to format 1"):
+        run_to_file(load(path), tmp_path / "many.h5")
+    assert (tmp_path / "many.h5").read_bytes() == before
+
+
+def test_a_study_that_does_not_fit_the_disk_is_refused_with_both_numbers(tmp_path, monkeypatch) -> None:
+    path = runs.study(tmp_path, runs.grid(100, 1000))
+    monkeypatch.setattr(parts, "free", lambda folder: 10_000_000)
+    needed = r"needs up to 39\.3 MB for the file and 34\.4 MB for its parts until it is whole, but .* has 10 MB left"
+    with pytest.raises(InputError, match=needed):
+        run_to_file(load(path), tmp_path / "many.h5")
+    assert [file.name for file in tmp_path.iterdir()] == ["many.toml"]
+
+
+def test_more_than_memory_holds_is_refused_in_memory() -> None:
+    study = load("fig7_1_modulus").model_copy(update={"stations": 100_001, "outputs": list(OUTPUTS)})
+    axes = {"E": study.axes["E"].model_copy(update={"count": 1000})}
+    with pytest.raises(InputError, match=r"1000 cases take 13\.6 GB in memory, more than the limit of 2 GB"):
+        runner.run(study.model_copy(update={"axes": axes}))
+
+
+def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path) -> None:
+    path = runs.study(tmp_path, {"E": [1e4, 2e4], "beta": [0.5]}, method="verlet")
+    path.write_text(path.read_text().replace("stations", "tol = 1e-15\nstations"))
+    run_to_file(load(path), tmp_path / "many.h5")
+    with xr.open_dataset(whole) as good, xr.open_dataset(tmp_path / "many.h5") as bad:
+        assert good["turns"].dtype == np.int64
+        assert bad["turns"].dtype == np.float64
+        assert np.isnan(bad["turns"]).all()
+
+
+def test_outcomes_are_counted_without_their_numbers() -> None:
+    assert chunks.kind_of("solved; condition 1.0e+02 costs digits: error 1.7e-08") == (
+        "solved; condition ... costs digits: error ..."
+    )
+    assert chunks.kind_of("solved") == "solved"
+
+
+# growing
+
+FORCES = np.linspace(1, 9, 60)
+
+
+@pytest.fixture
+def half(tmp_path) -> Path:
+    """A finished study over two moduli and 60 forces."""
+    path = runs.study(tmp_path, {"E": [1e4, 3e4], "F1": FORCES.tolist()})
+    run_to_file(load(path), tmp_path / "many.h5")
+    return path
+
+
+GROWN = {
+    "at the end of the last axis": {"E": [1e4, 3e4], "F1": [*FORCES, 9.5, 10.0]},
+    "before the first axis": {"E": [5e3, 1e4, 3e4], "F1": FORCES},
+    "between, on both axes": {"E": [1e4, 2e4, 3e4], "F1": np.sort([*FORCES, 1.01, 5.005])},
+    "in another order": {"E": [3e4, 4e4, 1e4], "F1": FORCES[::-1]},
+    "its last digit off": {"E": [1e4 * (1 + 2e-16), 3e4, 4e4], "F1": FORCES},
+}
+
+
+@pytest.mark.parametrize("axes", GROWN.values(), ids=GROWN)
+def test_values_added_to_an_axis_are_solved_alone_and_the_others_copied(half, axes, monkeypatch) -> None:
+    output = half.with_suffix(".h5")
+    with xr.open_dataset(output) as ds:
+        old = ds.load()
+    runs.study(half.parent, axes)
+    solved = counted(monkeypatch)
+    ran = run_to_file(load(half), output, Options(workers=1))
+    size = len(axes["E"]) * len(axes["F1"])
+    assert ran.solved == sum(solved) == size - 120
+    with xr.open_dataset(output) as ds:
+        new = ds.load()
+    assert new.sizes["E"] * new.sizes["F1"] == size
+    assert sum(json.loads(new.attrs["told"])["outcomes"].values()) == size
+    np.testing.assert_allclose(new["E"], axes["E"], rtol=1e-15)
+    again = new.sel(E=old["E"], F1=old["F1"])  # by the very values: none has moved
+    for name in old.data_vars:
+        np.testing.assert_array_equal(again[name].values, old[name].values, err_msg=str(name))
+    fresh = runner.run(load(half))
+    for name in ("beta", "kappa_max", "turns", "FZ", "error"):
+        # other neighbours, other rounding, and no more
+        np.testing.assert_allclose(new[name], fresh[name], rtol=1e-6, atol=1e-9, err_msg=name)
+    assert run_to_file(load(half), output).finished_before
+
+
+def test_a_grown_study_that_was_stopped_goes_on(half, monkeypatch) -> None:
+    runs.study(half.parent, {"E": [1e4, 2e4, 3e4, 4e4], "F1": FORCES.tolist()})
+    folder = kept(half, monkeypatch)
+    assert len(list(folder.glob("*.shard"))) == 2
+    assert run_to_file(load(half), half.with_suffix(".h5")).solved == 0
+    with xr.open_dataset(half.with_suffix(".h5")) as ds:
+        assert ds["E"].values.tolist() == [1e4, 2e4, 3e4, 4e4]
+        assert (ds["outcome"] == "solved").all()
+
+
+def test_a_study_does_not_grow_with_other_code(half, monkeypatch) -> None:
+    runs.study(half.parent, {"E": [1e4, 2e4, 3e4], "F1": FORCES.tolist()})
+    monkeypatch.setattr(plan, "code_version", lambda: "0.2.0+new")
+    with pytest.raises(InputError, match=r"holds part of this study, but code was .*, now 0\.2\.0\+new; --restart"):
+        run_to_file(load(half), half.with_suffix(".h5"))
+
+
+def test_a_study_of_fewer_values_is_another_one(half, monkeypatch) -> None:
+    runs.study(half.parent, {"E": [1e4], "F1": FORCES.tolist()})
+    solved = counted(monkeypatch)
+    run_to_file(load(half), half.with_suffix(".h5"))
+    assert sum(solved) == 60
+
+
+def test_importing_a_worker_loads_no_xarray() -> None:
+    import subprocess
+
+    code = "import sys, workbench.engines; print('xarray' in sys.modules)"
+    told = subprocess.run([sys.executable, "-c", code], cwd=runs.ROOT, capture_output=True, text=True, check=True)
+    assert told.stdout == "False\n"
