@@ -16,12 +16,14 @@ WORKBENCH = STUDIES | {
     "studies", "xarray", "h5netcdf", "h5py", "pyvista", "matplotlib", "typer", "rich", "jinja2",
     "distributed",  # optional: the engine of a cluster, imported where it runs
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
+    "aiohttp", "trame_client", "trame_vtk",  # optional: the live page
 }  # fmt: skip
 FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 
 STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics
 HEAVY = {
     "numpy", "scipy", "pandas", "xarray", "h5netcdf", "h5py", "pyvista", "vtk", "vtkmodules", "matplotlib", "OCP",
+    "aiohttp",
 }  # fmt: skip
 
 

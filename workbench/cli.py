@@ -353,6 +353,20 @@ def extremes(
 
 
 @app.command()
+def explore(
+    host: Annotated[str, typer.Option(help="The address to listen at; left out, this machine alone.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="The port; 0 takes a free one.", min=0, max=65535)] = 8765,
+    name: Annotated[
+        list[str] | None, typer.Option(help="A further name by which browsers may call this machine.")
+    ] = None,
+) -> None:
+    """The live page: sliders for a rod, its shape, forces and equilibria, in the browser."""
+    from .exploring import explore as work
+
+    raise typer.Exit(work(host, port, name or []))
+
+
+@app.command()
 def doctor(json: Json = False) -> None:
     """What works on this machine: OpenGL, HDF5, fonts, versions."""
     from .doctor import examine

@@ -46,14 +46,14 @@ def _plain(text: str) -> str:
 
 def print_json(data: Any) -> None:
     """The data as JSON; what is not a finite number is null."""
-    print(json.dumps(_finite(data), indent=2, ensure_ascii=False))
+    print(json.dumps(finite(data), indent=2, ensure_ascii=False))
 
 
-def _finite(data: Any) -> Any:
+def finite(data: Any) -> Any:
     if isinstance(data, dict):
-        return {str(key): _finite(value) for key, value in data.items()}
+        return {str(key): finite(value) for key, value in data.items()}
     if isinstance(data, list | tuple):
-        return [_finite(value) for value in data]
+        return [finite(value) for value in data]
     if isinstance(data, float) and not math.isfinite(data):
         return None
     return data

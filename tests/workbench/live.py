@@ -1,0 +1,55 @@
+"""The live page's server in a thread of the test's own."""
+
+import asyncio
+import json
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from http.client import HTTPConnection, HTTPResponse
+from struct import unpack
+from typing import Any
+
+import numpy as np
+
+
+@contextmanager
+def served() -> Iterator[int]:
+    """The port at which the page is served on 127.0.0.1, until the end of the block."""
+    from aiohttp import web
+
+    from workbench import explore_server, exploring
+
+    listener = exploring.bound("127.0.0.1", 0)
+    port = listener.getsockname()[1]
+    loop = asyncio.new_event_loop()
+    runner = web.AppRunner(explore_server.application(exploring.called("127.0.0.1", port, [])), access_log=None)
+    loop.run_until_complete(runner.setup())
+    loop.run_until_complete(web.SockSite(runner, listener).start())
+    thread = threading.Thread(target=loop.run_forever, daemon=True)
+    thread.start()
+    try:
+        yield port
+    finally:
+        asyncio.run_coroutine_threadsafe(runner.cleanup(), loop).result(10)
+        loop.call_soon_threadsafe(loop.stop)
+        thread.join(10)
+        loop.close()
+
+
+def asked(port: int, method: str, path: str, body: Any = None, headers: dict[str, str] | None = None) -> HTTPResponse:
+    """The answer to one request, read whole (`.data`)."""
+    connection = HTTPConnection("127.0.0.1", port, timeout=30)
+    data = body if isinstance(body, (bytes, type(None))) else json.dumps(body).encode()
+    given = {"Content-Type": "application/json"} if data is not None else {}
+    connection.request(method, path, data, {**given, **(headers or {})})
+    answer = connection.getresponse()
+    answer.data = answer.read()  # type: ignore[attr-defined]
+    connection.close()
+    return answer
+
+
+def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Head and arrays of an answer of /shape."""
+    (length,) = unpack("<I", data[:4])
+    head = json.loads(data[4 : 4 + length])
+    return head, {name: np.frombuffer(data, kind, count, 4 + length + at) for name, kind, count, at in head["arrays"]}

@@ -1,0 +1,187 @@
+"""The live page's server: what it answers, and whom it does not."""
+
+import copy
+import io
+import json
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+pytest.importorskip("workbench.explore_server", reason="the extra explore is not installed", exc_type=ImportError)
+
+from solver.errors import InputError
+from tests.workbench.live import asked, served, unpacked
+from workbench import cli, explore_server, exploring
+from workbench.explore_presets import PRESETS
+
+TABLE_1, DNA, PIPE, CABLE = (preset.state for preset in PRESETS)
+
+
+@pytest.fixture(scope="module")
+def port():
+    with served() as port:
+        yield port
+
+
+def with_field(state: dict, **changes: object) -> dict:
+    made = copy.deepcopy(state)
+    made["base"] |= changes
+    return made
+
+
+def test_every_file_of_the_page_is_served_from_here_and_names_no_other_address(port) -> None:
+    for path in explore_server.FILES:
+        answer = asked(port, "GET", path)
+        assert answer.status == 200
+        assert answer.headers["Content-Security-Policy"].startswith("default-src 'self'")
+        if explore_server.FILES[path].parent == explore_server.PAGE:
+            assert b"http://" not in answer.data
+            assert b"https://" not in answer.data
+
+
+@pytest.mark.parametrize(
+    "path", ["/../pyproject.toml", "/page.js/../explore_server.py", "/%2e%2e/x", "/etc/passwd", "/page/", "//x"]
+)
+def test_no_other_path_is_served(port, path) -> None:
+    assert asked(port, "GET", path).status == 404
+
+
+@pytest.mark.parametrize(
+    "headers, status",
+    [
+        ({"Host": "evil.example"}, 403),  # a name that was made to point here
+        ({"Host": "127.0.0.1:1"}, 403),
+        ({"Origin": "http://evil.example"}, 403),
+        ({"Origin": "null"}, 403),
+        ({"Origin": "http://127.0.0.1:1"}, 403),
+        ({"Content-Type": "text/plain"}, 415),  # what another site's form can send without asking
+        ({}, 200),
+    ],
+)
+def test_only_the_page_itself_may_ask(port, headers, status) -> None:
+    assert asked(port, "POST", "/study", {"state": TABLE_1}, headers).status == status
+
+
+def test_the_pages_own_origin_and_localhost_may_ask(port) -> None:
+    for name in ("127.0.0.1", "localhost", "[::1]"):
+        own = {"Host": f"{name}:{port}", "Origin": f"http://{name}:{port}"}
+        assert asked(port, "POST", "/study", {"state": TABLE_1}, own).status == 200
+
+
+def test_a_shape_comes_with_mesh_curves_and_polygons_only_once(port) -> None:
+    head, arrays = unpacked(asked(port, "POST", "/shape", {"state": TABLE_1}).data)
+    assert head["outcome"] == "solved"
+    assert arrays["rod.points"].size == arrays["rod.normals"].size == arrays["rod.colours"].size
+    assert arrays["rod.polygons"].reshape(-1, 4)[:, 1:].max() == arrays["rod.points"].size // 3 - 1
+    assert arrays["s"][-1] == 20.0
+    has = {"rod_has": head["rod_key"], "wall_has": head["wall_key"]}
+    _, fewer = unpacked(asked(port, "POST", "/shape", {"state": TABLE_1, **has}).data)
+    assert set(arrays) - set(fewer) == {"rod.polygons", "wall.polygons"}
+
+
+def test_what_cannot_be_is_answered_with_a_sentence_and_the_field(port) -> None:
+    answer = asked(port, "POST", "/shape", {"state": with_field(TABLE_1, E=-1)})
+    assert answer.status == 422
+    assert json.loads(answer.data) == {"sentence": "Rod.E must be positive and finite, got -1.0", "field": "E"}
+
+
+@pytest.mark.parametrize("body", [b"{", b"[]", b"3", b"\xff\xfe", b"[" * 50_000, b'{"state": {"base": {"E": 1e999}}}'])
+@pytest.mark.parametrize("path", ["/shape", "/download"])
+def test_nonsense_is_refused_and_the_server_goes_on(port, path, body) -> None:
+    assert asked(port, "POST", path, body).status in (400, 422)
+    assert asked(port, "GET", "/presets").status == 200
+
+
+def test_a_request_without_end_is_refused(port) -> None:
+    assert asked(port, "POST", "/shape", b" " * (explore_server.LARGEST + 1)).status == 413
+
+
+def test_two_who_ask_at_once_get_each_their_own(port) -> None:
+    states = [with_field(state, E=state["base"]["E"] * k) for k in (1.0, 1.1, 1.2) for state in (TABLE_1, DNA, PIPE)]
+    alone = [unpacked(asked(port, "POST", "/shape", {"state": state}).data)[1]["beta"] for state in states]
+    with ThreadPoolExecutor(8) as pool:
+        together = list(
+            pool.map(lambda state: unpacked(asked(port, "POST", "/shape", {"state": state}).data)[1]["beta"], states)
+        )
+    for one, other in zip(alone, together, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_a_ticket_stands_for_a_shape_and_a_lost_one_is_solved_anew(port) -> None:
+    head, _ = unpacked(asked(port, "POST", "/shape", {"state": CABLE}).data)
+    wanted = json.loads(asked(port, "POST", "/numbers", {"state": CABLE, "ticket": head["ticket"]}).data)
+    assert {row["name"]: row["text"] for row in wanted["rows"]}["overlaps"] == "0"
+    for lost in ("none", 3, None, {"a": 1}):
+        assert json.loads(asked(port, "POST", "/numbers", {"state": CABLE, "ticket": lost}).data) == wanted
+
+
+def test_only_so_many_shapes_are_remembered() -> None:
+    shapes = explore_server.Shapes()
+    one = object()
+    tickets = [shapes.keep(one) for _ in range(explore_server.REMEMBERED + 5)]
+    assert [shapes.find(ticket) is one for ticket in tickets] == [False] * 5 + [True] * explore_server.REMEMBERED
+
+
+def test_the_equilibria_and_the_two_ends_are_told(port) -> None:
+    state = json.loads(asked(port, "POST", "/ends", {"state": TABLE_1}).data)
+    head, _ = unpacked(asked(port, "POST", "/shape", {"state": state}).data)
+    assert head["which"]["dbeta0"] == pytest.approx(0.5, abs=1e-8)
+    rows = json.loads(asked(port, "POST", "/equilibria", {"state": state}).data)["rows"]
+    assert len(rows) > 5
+    assert rows == sorted(rows, key=lambda row: row["energy"])
+
+
+def test_downloads_are_files_that_are_read(port) -> None:
+    answer = asked(port, "POST", "/download", {"state": CABLE, "kind": "csv"})
+    table = np.genfromtxt(io.BytesIO(answer.data), delimiter=",", names=True)
+    assert table["beta_rad"][0] == pytest.approx(np.radians(89))
+    assert asked(port, "POST", "/download", {"state": CABLE, "kind": "glb"}).data[:4] == b"glTF"
+    refused = asked(port, "POST", "/download", {"state": TABLE_1, "kind": "step"})
+    assert refused.status == 422  # or that Open Cascade is missing
+    for kind in ("/etc/passwd", "../x.csv", None, {"a": 1}):
+        assert asked(port, "POST", "/download", {"state": CABLE, "kind": kind}).status == 422
+
+
+def test_a_step_file_is_downloaded(port) -> None:
+    pytest.importorskip("OCP", reason="Open Cascade is not installed: pip install '.[cad]'", exc_type=ImportError)
+    assert asked(port, "POST", "/download", {"state": CABLE, "kind": "step"}).data.startswith(b"ISO-10303-21")
+
+
+# the command
+
+
+def test_it_listens_to_this_machine_alone_unless_told() -> None:
+    listener = exploring.bound("127.0.0.1", 0)
+    assert listener.getsockname()[0] == "127.0.0.1"
+    port = listener.getsockname()[1]
+    with pytest.raises(InputError, match=f"cannot listen at 127.0.0.1:{port}: Address already in use"):
+        exploring.bound("127.0.0.1", port)
+    listener.close()
+    assert exploring.called("127.0.0.1", 80, []) >= {"127.0.0.1", "127.0.0.1:80", "localhost"}
+    assert exploring.called("lab", 81, ["x.example", "y.example:9"]) == {"lab:81", "x.example:81", "y.example:9"}
+
+
+@pytest.mark.parametrize(
+    "args, sentence",
+    [
+        (["--host", "0.0.0.0"], "say with --name by which name"),
+        (["--host", "no.such.host.invalid"], "cannot listen at no.such.host.invalid"),
+        (["--port", "70000"], "less than or equal to 65535"),
+    ],
+)
+def test_what_cannot_be_served_is_refused(args, sentence, capsys) -> None:
+    with pytest.raises(SystemExit) as end:
+        cli.main(["explore", *args])
+    assert end.value.code == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_without_the_extra_one_sentence_says_what_to_install(monkeypatch, capsys) -> None:
+    monkeypatch.delitem(sys.modules, "workbench.explore_server", raising=False)
+    monkeypatch.setitem(sys.modules, "trame_vtk", None)
+    monkeypatch.delattr("workbench.explore_server", raising=False)
+    with pytest.raises(SystemExit, match="2"):
+        cli.main(["explore"])
+    assert "rod-workbench[explore]" in capsys.readouterr().err

@@ -1,0 +1,84 @@
+"""The rods that the live page begins with: each with its source, in its own units. A table."""
+
+from dataclasses import dataclass, field
+from math import pi, radians
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A rod to begin with.
+
+    state: a study as plain data, see `explore_model.study_of`. spans: how far the sliders go to either side of zero, of
+    quantities that may have either sign. source: where the values come from, and which are assumed.
+    """
+
+    name: str
+    title: str
+    source: str
+    state: dict[str, Any]
+    spans: dict[str, float] = field(default_factory=dict)
+
+
+PRESETS = (
+    Preset(
+        "table1",
+        "Table 1 of the paper",
+        "Table 1 of the paper, with the length from the text below its eq. (47); cm and N. The table contradicts "
+        "itself, so it is read: see the menu.",
+        {
+            "units": {"length": "cm", "force": "N"},
+            "reading": "force-first/tension/paper",
+            "base": {
+                "E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 20.0, "R": 0.75, "side": "outside", "beta": pi / 6,
+                "dbeta": 0.5, "dgamma": 0.5, "F1": 5.0, "F3": 10.0,
+            },
+        },
+        {"dbeta": 2.0, "dgamma": 2.0, "F1": 20.0, "F3": 40.0},
+    ),
+    Preset(
+        "dna",
+        "DNA on a histone",
+        "Superhelix of the nucleosome: 1.65 turns of radius 4.18 nm (Luger et al., Nature 389, 1997); DNA of radius 1 "
+        "nm and persistence length 50 nm at 298 K, which makes E. Assumed: nu, so that twisting has 83 nm; a tension "
+        "of 5 pN; no charges: what holds real DNA on is not in the equations. nm and pN.",
+        {
+            "units": {"length": "nm", "force": "pN"},
+            "base": {
+                "E": 262.0, "nu": -0.4, "a": 1.0, "L": 43.8, "stiffness": "solid", "R": 3.18, "side": "outside",
+                "beta": radians(84.6), "dbeta": 0.0, "dgamma": -0.0085, "F2": 0.0, "F3": 5.0,
+            },
+        },
+        {"dbeta": 0.3, "dgamma": 0.1, "F2": 10.0, "F3": 40.0},
+    ),
+    Preset(
+        "pipe",
+        "Drill pipe in a borehole",
+        "A 5 in pipe of 19.50 lb/ft (outer 127.0 mm, inner 108.6 mm, API Spec 5DP) in a hole of 8 1/2 in. E is steel's "
+        "206 GPa less what is hollow, so that the bending stiffness is the pipe's. Assumed: 200 kN of compression, no "
+        "weight, a start at half the angle of Lubinski's helix. m and kN.",
+        {
+            "units": {"length": "m", "force": "kN"},
+            "base": {
+                "E": 9.58e7, "nu": 0.3, "a": 0.0635, "L": 100.0, "stiffness": "solid", "R": 0.10795, "side": "inside",
+                "beta": radians(0.36), "dbeta": 0.0, "dgamma": 0.0, "F2": 0.0, "F3": -200.0,
+            },
+        },
+        {"beta": radians(2.0), "dbeta": 0.01, "dgamma": 0.01, "F2": 5.0, "F3": 1000.0},
+    ),
+    Preset(
+        "cable",
+        "Cable on a drum",
+        "A 20 mm wire rope on a drum of 18 times its thickness, as ISO 4308-1 asks of class M5; five turns under 10 "
+        "kN, held at both ends in the direction of the lay. Assumed: E = 5 GPa, as the wires of a rope slide on each "
+        "other; the loads are those of its helix. mm and N.",
+        {
+            "units": {"length": "mm", "force": "N"},
+            "base": {
+                "E": 5e3, "nu": 0.3, "a": 10.0, "L": 5970.0, "stiffness": "solid", "R": 180.0, "side": "outside",
+                "beta0": radians(89.0), "betaL": radians(89.0), "FZ": 174.52, "MZ": 2106363.0, "M3": 3607.0,
+            },
+        },
+        {"FZ": 2000.0, "MZ": 5e6, "M3": 5e5},
+    ),
+)  # fmt: skip

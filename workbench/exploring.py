@@ -1,0 +1,71 @@
+"""The command explore: the live page, served on this machine."""
+
+import asyncio
+import socket
+
+from solver.errors import InputError
+
+from . import console
+
+MISSING = "the live page needs aiohttp, trame-client and trame-vtk ({why}): pip install 'rod-workbench[explore]'"
+EVERYWHERE = ("0.0.0.0", "::", "")
+
+
+def explore(host: str, port: int, names: list[str]) -> int:
+    """Serve the page until interrupted; always 0. Raises `InputError` where a part is missing or the port is taken.
+
+    names: further names by which the browser may call this machine, as `lab.example` or `lab.example:8080`.
+    """
+    try:
+        from . import explore_server
+    except ImportError as error:
+        raise InputError(MISSING.format(why=error)) from None
+    if host in EVERYWHERE and not names:
+        raise InputError(f"--host {host!r} listens on every address: say with --name by which name it is to be called")
+    listener = bound(host, port)
+    port = listener.getsockname()[1]
+    app = explore_server.application(called(host, port, names))
+    console.say(f"the live page is at http://{_bracketed(host)}:{port}/ (Ctrl-C ends it)")
+    if host not in ("127.0.0.1", "::1", "localhost"):
+        console.err.print(f"workbench: everyone who reaches {host} can use it; there is no password", markup=False)
+
+    async def serve() -> None:
+        from aiohttp import web
+
+        runner = web.AppRunner(app, access_log=None)
+        await runner.setup()
+        try:
+            await web.SockSite(runner, listener).start()
+            await asyncio.Event().wait()
+        finally:
+            await runner.cleanup()
+
+    asyncio.run(serve())
+    return 0
+
+
+def bound(host: str, port: int) -> socket.socket:
+    """A socket that listens there; `InputError` where it cannot."""
+    try:
+        family, kind, proto, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        listener = socket.socket(family, kind, proto)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(address)
+        listener.listen(64)
+    except (OSError, OverflowError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"cannot listen at {host}:{port}: {why}; choose another --port, 0 takes a free one") from None
+    return listener
+
+
+def called(host: str, port: int, names: list[str]) -> set[str]:
+    """What a browser may send as Host: the address, `names`, and this machine's own where it listens there."""
+    own = ["127.0.0.1", "localhost", "[::1]"] if host in ("127.0.0.1", "localhost", "::1", *EVERYWHERE) else []
+    found = {f"{name}:{port}" for name in [_bracketed(host), *own] if name}
+    for name in names:
+        found |= {name} if name.rpartition(":")[2].isdigit() else {f"{name}:{port}"}
+    return found | {name.removesuffix(":80") for name in found if name.endswith(":80")}
+
+
+def _bracketed(host: str) -> str:
+    return f"[{host}]" if ":" in host else host

@@ -1,0 +1,319 @@
+"use strict";
+// The page: what is typed becomes a state, the server answers with arrays, the arrays are drawn. No mechanics here.
+
+const DEGREE = Math.PI / 180;
+const TYPES = { f4: Float32Array, u1: Uint8Array, u4: Uint32Array };
+const RATIO = [-0.95, 0.5]; // of nu
+const WIDER = 5; // how far a slider goes to either side of what a preset has, as a factor
+const PATIENCE = { numbers: 150, equilibria: 500 }; // ms of rest before what takes longer is asked
+
+const SceneHandle = { inject: ["view"], emits: ["ready"], template: "<span></span>",
+  mounted() { this.$nextTick(() => this.$emit("ready", this.view)); } };
+
+class Refused extends Error {
+  constructor(told) { super(told.sentence); this.told = told; }
+}
+
+async function post(path, body) {
+  let answer;
+  try {
+    answer = await fetch(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+  } catch {
+    throw new Refused({ sentence: "The server does not answer; start workbench explore again", field: "" });
+  }
+  if (!answer.ok) {
+    const isTold = (answer.headers.get("Content-Type") || "").includes("json");
+    throw new Refused(isTold ? await answer.json() : { sentence: await answer.text(), field: "" });
+  }
+  return answer;
+}
+
+function unpacked(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  const arrays = {};
+  for (const [name, type, count, at] of head.arrays) arrays[name] = new TYPES[type](buffer, 4 + length + at, count);
+  return { head, arrays };
+}
+
+const toHash = (data) => btoa(String.fromCharCode(...new TextEncoder().encode(JSON.stringify(data)))).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+const fromHash = (text) => JSON.parse(new TextDecoder().decode(Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0))));
+
+const copied = (data) => JSON.parse(JSON.stringify(data));
+let view = null, actors = {}, keys = {}, waiting = {}, busy = false, again = null; // none of it is to be watched by Vue
+
+const app = Vue.createApp({
+  components: { SceneHandle },
+  data: () => ({
+    presets: [], readings: [], preset: "", centre: {}, state: { base: {}, units: {} }, fields: [], head: {}, rows: [], warnings: [],
+    list: [], searching: false, wrong: { sentence: "", field: "" }, curves: null, took: {}, said: "", studyText: "",
+    nothing: { points: [0, 0, 0], polys: [1, 0] },
+    mouse: [{ button: 1, action: "Rotate" }, { button: 2, action: "Pan" }, { button: 3, action: "Zoom", scrollEnabled: true },
+      { button: 1, action: "Pan", shift: true }],
+  }),
+  computed: {
+    units() { return this.state.units || {}; },
+    source() { return (this.presets.find((one) => one.name === this.preset) || {}).source; },
+    here() {
+      const at = this.state.equilibrium;
+      if (!at || !this.list.length) return -1;
+      const far = (key) => { const all = this.list.map((one) => one[key]), wide = Math.max(...all) - Math.min(...all) || 1; return (one) => Math.abs(one[key] - at[key]) / wide; };
+      const slope = far("dbeta0"), energy = far("energy"), away = this.list.map((one) => slope(one) + energy(one));
+      return away.indexOf(Math.min(...away));
+    },
+    diagrams() {
+      const c = this.curves, { length, force } = this.units;
+      return [
+        { title: "Unrolled cylinder, seen from outside", x: c.across, y: c.up, xlabel: `ρα [${length}]`, ylabel: `z [${length}]`, equal: this.head.squeeze === 1, dot: true, height: 230 },
+        { title: "Angle from the axis to the tangent", x: c.s, y: c.beta, xlabel: `s [${length}]`, ylabel: "β [°]" },
+        { title: "Potential G and the level h", x: c.angle, y: c.potential, xlabel: "β [°]", ylabel: `G [1/${length}²]`, level: { y: c.level[0], ranges: visited(c.beta) } },
+        { title: "Push of the cylinder per length (shaded: a pull)", x: c.s, y: c.push, xlabel: `s [${length}]`, ylabel: `push [${force}/${length}]`, zero: true, bands: below(c.s, c.push) },
+      ];
+    },
+  },
+  async mounted() {
+    const told = await (await fetch("/presets")).json();
+    this.presets = told.presets;
+    this.readings = told.readings;
+    window.addEventListener("hashchange", () => this.follow());
+    if (!this.follow()) this.begin(this.presets[0].name);
+  },
+  methods: {
+    begin(name) {
+      const one = this.presets.find((p) => p.name === name);
+      this.enter(name, copied(one.state));
+    },
+    enter(name, state) {
+      this.preset = name;
+      this.centre = copied({ ...state.base });
+      this.state = state;
+      this.list = [];
+      keys.turn = true; // the camera is set anew
+      this.ask({ fresh: true });
+    },
+    follow() {
+      if (location.hash.length < 2 || location.hash === keys.hash) return location.hash.length > 1;
+      try {
+        const { preset, state } = fromHash(location.hash.slice(1));
+        if (typeof state.base !== "object" || typeof state.units !== "object") throw new Error();
+        this.enter(this.presets.some((p) => p.name === preset) ? preset : this.presets[0].name, state);
+        return true;
+      } catch {
+        this.wrong = { sentence: "This link says nothing that can be read", field: "" };
+        return false;
+      }
+    },
+    // one number of the state: as stored, as shown, as a slider
+    span(f) { return (this.presets.find((p) => p.name === this.preset)?.spans || {})[f.name]; },
+    range(f) {
+      const c = this.centre[f.name];
+      if (f.kind === "ratio") return RATIO;
+      if (f.kind === "positive") return [c / WIDER, c * WIDER];
+      const far = this.span(f) || (f.kind === "angle" ? (f.name === "betaL" ? 2 : 1) * Math.PI : 4 * Math.abs(c || 0) || 1);
+      return [-far, far];
+    },
+    position(f) {
+      const [low, high] = this.range(f), v = this.state.base[f.name];
+      return 1000 * (f.kind === "positive" ? Math.log(v / low) / Math.log(high / low) : (v - low) / (high - low));
+    },
+    slid(f, event) {
+      const [low, high] = this.range(f), u = event.target.value / 1000;
+      this.set(f, Number((f.kind === "positive" ? low * (high / low) ** u : low + u * (high - low)).toPrecision(6)));
+    },
+    shown(f) {
+      const v = this.state.base[f.name];
+      return v === null || v === undefined ? "" : Number((f.kind === "angle" ? v / DEGREE : v).toPrecision(7));
+    },
+    typed(f, event) {
+      const said = event.target.value, v = Number(said);
+      this.set(f, said === "" ? null : f.kind === "angle" ? v * DEGREE : v);
+    },
+    set(f, value) { this.state.base[f.name] = value; this.ask(); },
+    dropped(f) { return ((this.head.meaning || {})[f.name] || "").includes("dropped"); },
+    digits: (v) => written(Number(v.toPrecision(5))),
+    ms: (v) => (v === undefined ? "" : `${v.toFixed(1)} ms`),
+    looks: (part) => part === "rod" ? { specular: 0.3, specularPower: 25, interpolation: 2, ambient: 0.12, diffuse: 0.9 } : { ambient: 0.5, diffuse: 0.55 },
+    // asking: one request at a time, and of those that wait only the last
+    async ask(how = {}) {
+      const at = performance.now();
+      if (busy) { again = { ...how, fresh: how.fresh || (again || {}).fresh }; return; }
+      busy = true;
+      try {
+        const near = how.fresh || this.head.problem !== "ends" ? undefined : this.head.ticket;
+        if (!how.fresh && !how.chosen && this.state.equilibrium && !near) delete this.state.equilibrium;
+        const answer = await post("/shape", { state: this.state, near: how.chosen ? undefined : near, rod_has: keys.rod, wall_has: keys.wall });
+        const { head, arrays } = unpacked(await answer.arrayBuffer());
+        const back = performance.now();
+        this.take(head, arrays);
+        const drawn = this.draw(head, arrays);
+        this.took = { solve: 1e3 * head.seconds.solve, mesh: 1e3 * head.seconds.mesh, back: back - at, draw: drawn - back };
+        document.dispatchEvent(new CustomEvent("drawn", { detail: { ...this.took, all: drawn - (how.since || at) } }));
+        this.later(how);
+      } catch (error) {
+        if (!(error instanceof Refused)) throw error;
+        this.wrong = error.told;
+      } finally {
+        busy = false;
+        if (again) { const next = again; again = null; this.ask({ ...next, since: at }); }
+      }
+    },
+    take(head, arrays) {
+      this.wrong = { sentence: "", field: "" };
+      this.head = Object.freeze(head);
+      this.fields = head.fields;
+      if (head.which) this.state.equilibrium = head.which;
+      this.curves = Vue.markRaw(arrays);
+      keys.hash = "#" + toHash({ preset: this.preset, state: this.state });
+      history.replaceState(null, "", keys.hash);
+    },
+    later(how) {
+      clearTimeout(waiting.numbers);
+      waiting.numbers = setTimeout(() => this.more("/numbers", (told) => { this.rows = told.rows; this.warnings = told.warnings; }), PATIENCE.numbers);
+      if (this.head.problem !== "ends") { this.list = []; return; }
+      if (how.chosen) return;
+      clearTimeout(waiting.list);
+      this.searching = true;
+      waiting.list = setTimeout(() => this.more("/equilibria", (told) => this.found(told.rows)), PATIENCE.equilibria);
+    },
+    found(rows) {
+      this.list = rows;
+      this.searching = false;
+      if (this.head.method === "difference" && this.here >= 0) this.choose(this.here); // followed roughly: now exactly
+    },
+    async more(path, then) {
+      const ticket = this.head.ticket;
+      try {
+        const told = await (await post(path, { state: this.state, ticket })).json();
+        if (ticket === this.head.ticket) then(told);
+      } catch (error) {
+        if (!(error instanceof Refused)) throw error;
+        this.searching = false;
+        if (ticket === this.head.ticket) this.wrong = error.told;
+      }
+    },
+    async byEnds() {
+      try {
+        const state = await (await post("/ends", { state: this.state })).json();
+        this.enter(this.preset, state);
+      } catch (error) { this.refuse(error); }
+    },
+    choose(i) {
+      const { dbeta0, energy } = this.list[i];
+      this.state.equilibrium = { dbeta0, energy };
+      this.ask({ chosen: true });
+    },
+    step(by) { this.choose((Math.max(this.here, 0) + by + this.list.length) % this.list.length); },
+    refuse(error) {
+      if (!(error instanceof Refused)) throw error;
+      this.wrong = error.told;
+    },
+    // the scene
+    ready(handle) {
+      view = handle;
+      for (const actor of view.renderer.getActors()) {
+        const id = (actor.get("representationId") || {}).representationId;
+        if (id) actors[id] = actor;
+      }
+      if (keys.scene) this.draw(...keys.scene);
+    },
+    draw(head, arrays) {
+      if (!view) { keys.scene = [head, arrays]; return performance.now(); }
+      for (const part of ["wall", "rod"]) {
+        const data = actors[part].getMapper().getInputData(0), points = data.getPointData();
+        data.getPoints().setData(arrays[`${part}.points`], 3);
+        for (const [name, role] of [["normals", "setNormals"], ["colours", "setScalars"]]) {
+          const array = points.getArrayByName(name);
+          array.setData(arrays[`${part}.${name}`], 3);
+          points[role](array); // only once it has three components is it taken
+        }
+        if (arrays[`${part}.polygons`]) data.getPolys().setData(arrays[`${part}.polygons`]);
+        keys[part] = head[`${part}_key`];
+        points.modified();
+        data.modified();
+      }
+      const inside = head.side === "inside";
+      actors.wall.getProperty().set({ opacity: inside ? 0.16 : 1 });
+      if (keys.turn) { keys.turn = false; this.face(); }
+      view.renderer.resetCameraClippingRange();
+      view.renderWindow.render();
+      return performance.now();
+    },
+    face() {
+      if (!view) return;
+      const alpha = (this.curves ? this.curves.across[this.curves.across.length >> 1] : 0), [x0, x1, y0, y1, z0, z1] = view.renderer.computeVisiblePropBounds();
+      const middle = [(x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2], lift = 0.3; // rad from which one looks down
+      const camera = view.renderer.getActiveCamera(), turn = Number.isFinite(alpha) ? alpha / Math.max(x1, 1e-12) : 0;
+      camera.setParallelProjection(true);
+      camera.set({ focalPoint: middle, viewUp: [0, 0, 1], position: [middle[0] + Math.cos(turn), middle[1] + Math.sin(turn), middle[2] + Math.tan(lift)] });
+      view.renderer.resetCamera();
+      const [wide, high] = view.openglRenderWindow.getSize(), across = Math.hypot(x1 - x0, y1 - y0) / Math.SQRT2;
+      const tall = (z1 - z0) * Math.cos(lift) + across * Math.sin(lift);
+      camera.setParallelScale(0.53 * Math.max(tall, (across * high) / wide));
+      view.style.setCenterOfRotation(middle);
+      view.renderWindow.render();
+    },
+    // taking it along
+    save(data, type, name) {
+      const url = URL.createObjectURL(data instanceof Blob ? data : new Blob([data], { type }));
+      Object.assign(document.createElement("a"), { href: url, download: name }).click();
+      setTimeout(() => URL.revokeObjectURL(url), 1000);
+    },
+    async picture() {
+      const made = view.openglRenderWindow.captureNextImage("image/png");
+      view.renderWindow.render();
+      const bytes = Uint8Array.from(atob((await made).split(",")[1]), (c) => c.charCodeAt(0));
+      this.save(bytes, "image/png", `${this.preset}.png`);
+      this.said = "The picture is in your downloads.";
+    },
+    async download(kind) {
+      this.said = "";
+      try {
+        const answer = await post("/download", { kind, state: this.state, ticket: this.head.ticket });
+        this.save(await answer.blob(), "", `${this.preset}.${kind}`);
+        this.said = `${kind.toUpperCase()} is in your downloads.`;
+      } catch (error) {
+        if (!(error instanceof Refused)) throw error;
+        this.said = error.told.sentence;
+      }
+    },
+    async copyStudy() {
+      try {
+        this.studyText = (await (await post("/study", { state: this.state })).json()).text;
+        this.$refs.study.showModal();
+        await this.copy(this.studyText, "The study is copied.");
+      } catch (error) { this.refuse(error); }
+    },
+    copyLink() { return this.copy(location.href, "The link is copied."); },
+    async copy(text, then) {
+      try {
+        await navigator.clipboard.writeText(text);
+        this.said = then;
+      } catch { this.said = "The browser does not let the page copy; take it from the address bar or the text."; }
+    },
+  },
+});
+
+// the stretches of beta that the rod visits, brought into one turn [degrees]
+function visited(beta) {
+  let low = Infinity, high = -Infinity;
+  for (const b of beta) { low = Math.min(low, b); high = Math.max(high, b); }
+  if (high - low >= 360) return [[-180, 180]];
+  const shift = 360 * Math.floor((low + 180) / 360);
+  low -= shift; high -= shift;
+  return high <= 180 ? [[low, high]] : [[low, 180], [-180, high - 360]];
+}
+
+// the stretches of s on which values are below zero
+function below(s, values) {
+  const found = [];
+  let from = null;
+  for (let i = 0; i < s.length; i++) {
+    if (values[i] < 0 && from === null) from = s[i];
+    if (values[i] >= 0 && from !== null) { found.push([from, s[i]]); from = null; }
+  }
+  return from === null ? found : [...found, [from, s[s.length - 1]]];
+}
+
+app.use(vue_vtk);
+app.component("RodDiagram", RodDiagram);
+window.page = app.mount("#page");
