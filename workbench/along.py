@@ -16,7 +16,7 @@ from solver.landscape import potential
 from studies import Study
 from studies.model import OUTPUTS
 
-from . import dataset
+from . import dataset, opening
 from .rebuild import axes_of
 
 _VECTOR, _FRAME = ("xyz",), ("director", "xyz")
@@ -74,7 +74,7 @@ class Stored:
         return xr.DataArray(values, {k: v for k, v in coords.items() if k != "u"}, dims).isel(u=0)
 
     def _labels(self, name: str) -> dict[str, str]:
-        units = {"length": self.ds.attrs["length_unit"], "force": self.ds.attrs["force_unit"]}
+        units = self.study.unit_system
         if name in OUTPUTS:
             return dataset.labels(name, units)
         told = dataset.labels("contact" if name == "push" else "u", units)
@@ -100,7 +100,7 @@ class Stored:
     @cached_property
     def A(self) -> xr.DataArray:
         """Bending stiffness [force length^2]."""
-        unit = Rod(1.0, 0.0, 1.0, 1.0, str(self.ds.attrs["stiffness"]))
+        unit = Rod(1.0, 0.0, 1.0, 1.0, opening.text(self.ds, "stiffness"))
         return unit.bending_stiffness * self.constant("E") * self.constant("a") ** 4
 
     @property
@@ -138,7 +138,7 @@ def _FY(at: Stored, beta: Any) -> Any:
 
 
 def _push(at: Stored, contact: Any) -> Any:
-    return -contact if at.ds.attrs.get("side") == "inside" else contact
+    return -contact if opening.text(at.ds, "side") == "inside" else contact
 
 
 def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:

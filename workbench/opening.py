@@ -153,8 +153,13 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
             raise InputError(f"{path}: the attribute {name} is {kind}")
     if not 0 < number(ds, "tolerance", path) < 1:
         raise InputError(f"{path}: the attribute tolerance is not between 0 and 1")
-    laws(ds, path)
+    for name in ("title", "study_name", "reading", "method"):
+        if not ds.attrs[name].isprintable():
+            raise InputError(f"{path}: the attribute {name} is no line of text, but {_shown(ds.attrs[name])}")
     axes = [str(dim) for dim in ds["outcome"].dims]
+    for law in laws(ds, path):
+        if not {law.axis, *law.at} <= {*axes}:
+            raise InputError(f"{path}: a law is about {_shown([law.axis, *law.at])}, but the axes are {_shown(axes)}")
     if ds["outcome"].dtype.kind not in "OUST":
         raise InputError(f"{path}: outcome holds no text, but {ds['outcome'].dtype}")
     for axis in axes:
@@ -196,6 +201,14 @@ def _check_variable(name: str, variable: xr.Variable, axes: list[str], path: str
         raise InputError(f"{path}: {_shown(name)} has the dimensions {_shown(dims)}, which do not fit the axes")
     if name not in ("outcome", "caution", "xyz") and variable.dtype.kind not in "iuf":
         raise InputError(f"{path}: {_shown(name)} holds no numbers, but {variable.dtype}")
+
+
+def text(ds: xr.Dataset, name: str) -> str:
+    """An attribute that is text, of a dataset that came by another door; `InputError` otherwise."""
+    value = ds.attrs.get(name)
+    if not isinstance(value, str):
+        raise InputError(f"the dataset's attribute {name} is {'missing' if value is None else 'no text'}")
+    return value
 
 
 def number(ds: xr.Dataset, name: str, path: str | Path = "the dataset") -> float:

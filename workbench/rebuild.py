@@ -21,10 +21,10 @@ MOST_SOLVED = 10_000  # cases that are solved again without being asked twice: s
 
 def study_of(ds: xr.Dataset) -> Study:
     """The study that a dataset was made by, under its reading; `InputError` where it says none."""
-    text, name = ds.attrs.get("study"), str(ds.attrs.get("study_name", "study"))
-    if not isinstance(text, str) or not text:
+    if not ds.attrs.get("study"):
         raise InputError("the dataset does not say which study it is of: it has no attribute study")
-    return loads(text, "the dataset's study", name).under(ds.attrs.get("reading") or None)
+    study = loads(opening.text(ds, "study"), "the dataset's study", opening.text(ds, "study_name"))
+    return study.under(opening.text(ds, "reading") or None)
 
 
 def axes_of(ds: xr.Dataset, study: Study) -> list[str]:
@@ -67,7 +67,7 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
     if case.size > MOST_SOLVED:
         asked = f"{case.size} cases would have to be solved again, more than {MOST_SOLVED}"
         raise InputError(f"{asked}; select some first, as ds.rod.sel({axes_of(ds, study)[0]}=...).rod")
-    tol, method = opening.number(ds, "tolerance"), str(ds.attrs.get("method", "auto"))
+    tol, method = opening.number(ds, "tolerance"), opening.text(ds, "method")
     stations = _stations(ds, study, case)
     if study.follow is None:
         return solve_one(case, study.equilibrium, tol, method, stations)

@@ -1,0 +1,297 @@
+"""Files from anyone: whatever is in them, a command ends with one sentence, and nothing in them is followed or run."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import InputError
+from tests.workbench import small
+from workbench import dataset, runner, store
+
+ROOT = Path(__file__).parents[2]
+AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
+LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
+HEAD = 'observables = ["turns"]\noutputs = ["beta", "alpha", "z", "contact"]'
+
+
+def stored(path: Path, values: str = "[1e4, 2e4]") -> Path:
+    return store.write(runner.run(small.study(AXES.format(values) + LAW, HEAD)), path)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory) -> bytes:
+    """The bytes of a good file."""
+    return stored(tmp_path_factory.mktemp("whole") / "small.h5").read_bytes()
+
+
+# All of them open files by the same door.
+SOME, ALL = ("check",), ("check", "merge", "summary", "plot", "scene")
+
+
+def told(commands: tuple[str, ...], folder: Path, tmp_path: Path) -> list[dict[str, Any]]:
+    """What the commands say of every file in the folder."""
+    good, out = stored(tmp_path / "good.h5", "[3e4]"), tmp_path / "out"
+    out.mkdir()
+    words = [sys.executable, "-m", "tests.workbench.hostile", str(folder), str(good), str(out), *commands]
+    run = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    return [json.loads(line) for line in run.stdout.splitlines()]
+
+
+def ends_in_a_sentence(row: dict[str, Any]) -> bool:
+    """Refused in one printable sentence, or done without complaint."""
+    if row["status"] in (0, 1):
+        return "Traceback" not in row["said"]
+    one = row["said"].count("\n") == 1 and row["said"].strip().isprintable()
+    return row["status"] == 2 and one and row["said"].startswith("workbench: ")
+
+
+# Each takes an open file and makes it hostile; every command refuses each of them.
+
+
+def without_variable(name: str) -> Callable[[h5py.File], None]:
+    def change(file: h5py.File) -> None:
+        del file[name]
+
+    return change
+
+
+def with_attribute(name: str, value: Any) -> Callable[[h5py.File], None]:
+    def change(file: h5py.File) -> None:
+        del file.attrs[name]
+        if value is not None:
+            file.attrs[name] = value
+
+    return change
+
+
+def replaced(name: str, values: Any, **how: Any) -> Callable[[h5py.File], None]:
+    """A variable replaced by plain data, without its dimensions' names."""
+
+    def change(file: h5py.File) -> None:
+        del file[name]
+        file.create_dataset(name, data=values, **how)
+
+    return change
+
+
+def linked(link: Any) -> Callable[[h5py.File], None]:
+    def change(file: h5py.File) -> None:
+        del file["beta"]
+        file["beta"] = link
+
+    return change
+
+
+def nan_on_an_axis(file: h5py.File) -> None:
+    file["E"][1] = np.nan
+
+
+def value_twice(file: h5py.File) -> None:
+    file["E"][...] = 1e4
+
+
+def no_values(file: h5py.File) -> None:
+    file.create_dataset("more", shape=(0, 3), dtype=float)
+
+
+def claims_a_terabyte(file: h5py.File) -> None:
+    del file["beta"]
+    file.create_dataset("beta", shape=(2, 3, 21_000_000_000), chunks=(1, 1, 1_000_000), dtype=float, compression="gzip")
+
+
+def objects(file: h5py.File) -> None:
+    file.create_dataset("objects", data=[file.ref], dtype=h5py.ref_dtype)
+
+
+def compound(file: h5py.File) -> None:
+    file.create_dataset("compound", data=np.zeros(3, dtype=[("a", float), ("b", int)]))
+
+
+def a_group(file: h5py.File) -> None:
+    file.create_group("group")["x"] = 1
+
+
+def virtual(file: h5py.File) -> None:
+    layout = h5py.VirtualLayout(shape=(2,), dtype=float)
+    layout[:] = h5py.VirtualSource("/etc/passwd", "x", shape=(2,))
+    file.create_virtual_dataset("virtual", layout)
+
+
+def external(file: h5py.File) -> None:
+    file.create_dataset("external", shape=(16,), dtype="i1", external=[("/etc/passwd", 0, 16)])
+
+
+def unknown_filter(file: h5py.File) -> None:
+    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    plist.set_chunk((4,))
+    plist.set_filter(32001, h5py.h5z.FLAG_OPTIONAL, ())  # blosc's number: a plug-in that HDF5 would look for
+    h5py.h5d.create(file.id, b"packed", h5py.h5t.IEEE_F64LE, h5py.h5s.create_simple((4,)), plist)
+
+
+BOMB = "[" * 1_000_000
+HOSTILE: dict[str, Callable[[h5py.File], None]] = {
+    "a link to another file": linked(h5py.ExternalLink("/etc/passwd", "/beta")),
+    "a soft link": linked(h5py.SoftLink("/alpha")),
+    "a soft link to itself": linked(h5py.SoftLink("/beta")),
+    "an array in another file": external,
+    "a view of another file": virtual,
+    "a filter to be loaded": unknown_filter,
+    "references": objects,
+    "records": compound,
+    "a folder": a_group,
+    "a size that is not there": claims_a_terabyte,
+    "no values": no_values,
+    "NaN on an axis": nan_on_an_axis,
+    "a value twice on an axis": value_twice,
+    "no outcome": without_variable("outcome"),
+    "no error": without_variable("error"),
+    "no values of an axis": without_variable("R"),
+    "outcomes that are numbers": replaced("outcome", np.zeros((2, 3))),
+    "outcomes of other cases": replaced("outcome", [b"solved"] * 5),
+    "text for an angle": replaced("beta", np.full((2, 3, 21), b"x")),
+    "an angle of other cases": replaced("beta", np.zeros((7, 7))),
+    "an axis of words": replaced("E", [b"soft", b"stiff"]),
+    "an axis in two dimensions": replaced("E", np.zeros((2, 2))),
+    "errors in two dimensions more": replaced("error", np.zeros((2, 3, 4, 5))),
+    "no laws": with_attribute("laws", None),
+    "no title": with_attribute("title", None),
+    "no study": with_attribute("study", None),
+    "no reading": with_attribute("reading", None),
+    "no tolerance": with_attribute("tolerance", None),
+    "a tolerance in words": with_attribute("tolerance", "small"),
+    "a tolerance of NaN": with_attribute("tolerance", np.nan),
+    "laws that are no JSON": with_attribute("laws", "{"),
+    "laws that are code": with_attribute("laws", "__import__('os').abort()"),
+    "laws nested without end": with_attribute("laws", BOMB),
+    "laws that are a number": with_attribute("laws", "3"),
+    "laws of another kind": with_attribute("laws", '[{"claim": 3}]'),
+    "a law on no axis": with_attribute(
+        "laws", '[{"claim": "c", "observable": "turns", "axis": "x", "direction": "falls", "source": "s"}]'
+    ),
+    "a title that is a number": with_attribute("title", 3.0),
+    "a title that clears the terminal": with_attribute("title", "\x1b[2J"),
+    "a title of two lines": with_attribute("title", "a\nb"),
+    "a unit that is a list": with_attribute("length_unit", ["cm", "N"]),
+    "a newer format": with_attribute("format", 99),
+    "a format in words": with_attribute("format", "new"),
+    "no text at all": with_attribute("study", h5py.Empty("f")),
+}
+
+
+def hostile_files_are_refused(commands: tuple[str, ...], whole: bytes, tmp_path: Path) -> None:
+    folder = tmp_path / "hostile"
+    folder.mkdir()
+    for name, change in HOSTILE.items():
+        (folder / name).write_bytes(whole)
+        with h5py.File(folder / name, "a") as file:
+            change(file)
+    (folder / "a text").write_text("title = 't'\n")
+    (folder / "nothing").touch()
+    (folder / "a real folder").mkdir()
+    os.mkfifo(folder / "a pipe")
+    (folder / "a link in a circle").symlink_to(folder / "a link in a circle")
+    (folder / "a link to a device").symlink_to("/dev/zero")
+    rows = told(commands, folder, tmp_path)
+    assert len(rows) == len(commands) * (len(HOSTILE) + 6)
+    assert [row for row in rows if row["status"] != 2 or not ends_in_a_sentence(row)] == []
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_hostile_files_are_refused(whole: bytes, tmp_path: Path) -> None:
+    hostile_files_are_refused(SOME, whole, tmp_path)
+
+
+@pytest.mark.slow
+def test_hostile_files_are_refused_by_every_command(whole: bytes, tmp_path: Path) -> None:
+    hostile_files_are_refused(ALL, whole, tmp_path)
+
+
+def damaged_files_end_in_a_sentence(
+    commands: tuple[str, ...], cuts: int, flips: int, whole: bytes, tmp_path: Path
+) -> None:
+    """Files cut short at many lengths, and files with some bytes changed, a few or a stretch of them."""
+    folder, random = tmp_path / "damaged", Random(1)
+    folder.mkdir()
+    for i in range(cuts):
+        (folder / f"cut {i:04}").write_bytes(whole[: len(whole) * i // cuts])
+    for i in range(flips):
+        content, at = bytearray(whole), random.randrange(len(whole))
+        for k in range(random.choice([1, 1, 8, 512])):
+            content[(at + k) % len(whole)] = random.randrange(256)
+        (folder / f"flip {i:04}").write_bytes(content)
+    rows = told(commands, folder, tmp_path)
+    assert [row for row in rows if not ends_in_a_sentence(row)] == []
+    assert all(row["status"] == 2 for row in rows if row["file"].startswith("cut"))
+
+
+def test_damaged_files_end_in_a_sentence(whole: bytes, tmp_path: Path) -> None:
+    damaged_files_end_in_a_sentence(SOME, 8, 16, whole, tmp_path)
+
+
+@pytest.mark.slow
+def test_many_damaged_files_end_in_a_sentence_for_every_command(whole: bytes, tmp_path: Path) -> None:
+    damaged_files_end_in_a_sentence(ALL, 100, 400, whole, tmp_path)
+
+
+@pytest.mark.slow
+def test_a_file_without_any_one_of_its_variables_is_drawn_or_refused(whole: bytes, tmp_path: Path) -> None:
+    folder = tmp_path / "lacking"
+    folder.mkdir()
+    (tmp_path / "whole.h5").write_bytes(whole)
+    with h5py.File(tmp_path / "whole.h5") as file:
+        names = list(file)
+    for name in names:
+        (folder / name).write_bytes(whole)
+        with h5py.File(folder / name, "a") as file:
+            del file[name]
+    assert [row for row in told(ALL, folder, tmp_path) if not ends_in_a_sentence(row)] == []
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
+def test_a_file_that_may_not_be_read_is_refused_as_such(whole: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "secret.h5"
+    path.write_bytes(whole)
+    path.chmod(0)
+    with pytest.raises(InputError, match="permission denied"):
+        store.read(path)
+
+
+def test_a_file_of_a_newer_format_is_refused_with_both_numbers(whole: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "new.h5"
+    path.write_bytes(whole)
+    with h5py.File(path, "a") as file:
+        assert file.attrs["format"] == dataset.FORMAT
+        file.attrs["format"] = 7
+    with pytest.raises(InputError, match=f"is of format 7, but this version reads up to format {dataset.FORMAT}"):
+        store.read(path)
+
+
+ATTRIBUTES = ("study", "reading", "tolerance", "method", "stiffness", "length_unit", "side")
+
+
+@pytest.mark.parametrize("name", ATTRIBUTES)
+@pytest.mark.parametrize("value", [None, 3.5, "", "nonsense \x1b", BOMB])
+def test_the_accessor_copes_with_a_hostile_attribute(whole: bytes, name: str, value: Any) -> None:
+    with xr.open_dataset(BytesIO(whole), engine="h5netcdf") as ds:
+        ds.attrs.pop(name)
+        if value is not None:
+            ds.attrs[name] = value
+        said = ""
+        for ask in (lambda: ds.rod.case, lambda: ds.rod.F1, lambda: ds.rod.sel(E=1e4), lambda: ds.rod.at(E=1.5e4)):
+            try:
+                ask()
+            except InputError as refusal:
+                said += str(refusal)
+        assert said.isprintable()
