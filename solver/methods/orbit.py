@@ -118,7 +118,8 @@ class Orbit:
             for j in range(1, int(count.max(initial=0))):
                 panel += (j < count) & (x >= since[np.minimum(first + j, since.size - 1)])
             panel = np.minimum(panel, since.size - 1)
-            x = np.clip(2 * (x - since[panel]) / duration[panel] - 1, -1, 1)
+            with np.errstate(over="ignore"):  # a panel as short as a float can be
+                x = np.clip(2 * (x - since[panel]) / duration[panel] - 1, -1, 1)
             out[k : k + _BLOCK] = np.einsum(
                 "pcn,np->pc", series[panel], polynomials(x, series.shape[2]), optimize=False
             )

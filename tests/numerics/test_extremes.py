@@ -53,6 +53,9 @@ FOLDS = {
 }
 
 
+BOTH = pytest.mark.parametrize("method", [name for name in ("orbit", "swing") if name in METHODS])
+
+
 def quietly(case: Any, **more: Any) -> Solution:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -93,12 +96,13 @@ def test_a_rod_next_to_a_fold_is_solved_and_its_error_is_honest() -> None:
         assert told.error[k] >= 0.1 * off[k] - 1e-15, (name, told.error[k], off[k])  # the last bits of the angle
 
 
+@BOTH
 @pytest.mark.parametrize("side", ("outside", "inside"))
 @pytest.mark.parametrize("kind", KINDS)
-def test_orbit_solves_nearly_every_random_case_that_can_be(kind: str, side: str) -> None:
+def test_nearly_every_random_case_that_can_be_is_solved(kind: str, side: str, method: str) -> None:
     with np.errstate(all="ignore"):
         case = draw(250, 1, kind, side)
-    sol = quietly(case, stations=17)
+    sol = quietly(case, stations=17, method=method)
     with np.errstate(all="ignore"):
         assert not (sol.solved & ~finite(sol)).any()
     easy = sol.condition < 1e10
@@ -115,7 +119,8 @@ WORK = 100.0  # radians at the most that a checked rod swings through: what Tayl
 
 
 @pytest.mark.slow
-def test_a_hundred_thousand_random_cases_end_well() -> None:
+@BOTH
+def test_a_hundred_thousand_random_cases_end_well(method: str) -> None:
     """No exception, no warning, nothing non-finite called solved; 99.9 % of those with condition < 1e10 solved."""
     easy = solved = 0
     for kind in KINDS:
@@ -123,7 +128,7 @@ def test_a_hundred_thousand_random_cases_end_well() -> None:
             for seed in range(100, 100 + BATCHES):
                 with np.errstate(all="ignore"):
                     case = draw(BATCH, seed, kind, side)
-                sol = quietly(case, stations=17)
+                sol = quietly(case, stations=17, method=method)
                 with np.errstate(all="ignore"):
                     assert not (sol.solved & ~finite(sol)).any(), (kind, side, seed)
                 assert all(text.startswith("failed: ") for text in sol.outcome[~sol.solved])
@@ -134,11 +139,12 @@ def test_a_hundred_thousand_random_cases_end_well() -> None:
 
 
 @pytest.mark.slow
-def test_no_random_case_called_solved_is_wrong_and_its_error_is_honest() -> None:
+@BOTH
+def test_no_random_case_called_solved_is_wrong_and_its_error_is_honest(method: str) -> None:
     """Against Taylor series to 25 digits. A tenth of the true error at least, but for the last bit of the angle."""
     ratio, wrong = [], 0
     for kind in KINDS:
-        off, sol, index = checked(kind, CHECKED, 7)
+        off, sol, index = checked(kind, CHECKED, 7, method)
         allowed = sol.tol * np.maximum(1, sol.condition[index])
         wrong += int((off > allowed).sum())
         ratio.append(sol.error[index] / np.maximum(off, 1e-15))
@@ -153,17 +159,18 @@ def test_no_random_case_called_solved_is_wrong_and_its_error_is_honest() -> None
     assert over <= 0.05
 
 
-def test_a_sample_of_random_cases_is_right_to_its_promise() -> None:
+@BOTH
+def test_a_sample_of_random_cases_is_right_to_its_promise(method: str) -> None:
     for kind in KINDS:
-        off, sol, index = checked(kind, 8, 3)
+        off, sol, index = checked(kind, 8, 3, method)
         assert (off <= sol.tol * np.maximum(1, sol.condition[index])).all(), kind
         assert (off <= 10 * np.maximum(sol.error[index], 1e-15)).all(), kind
 
 
-def checked(kind: str, count: int, seed: int) -> tuple[Any, Solution, Any]:
+def checked(kind: str, count: int, seed: int, method: str) -> tuple[Any, Solution, Any]:
     """True errors of so many solved cases of moderate length, their solution, and which of it they are."""
     with np.errstate(all="ignore"):
-        sol = quietly(draw(6 * count, seed, kind), stations=5)
+        sol = quietly(draw(6 * count, seed, kind), stations=5, method=method)
         p = sol.problem
         swung = p.span * (np.abs(p.dbeta0) + np.sqrt(np.abs(p.lam) + np.abs(p.mu) + np.abs(p.phi) + 1))
         index = np.flatnonzero(sol.solved & (swung < WORK))[:count]
