@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import h5netcdf
+import h5py
 import numpy as np
 import xarray as xr
 
@@ -18,7 +19,8 @@ from studies.laws import FAILS
 from studies.loader import loads
 from studies.writer import dumps, told
 
-from . import cautions, check, console, dataset, joining, opening, rebuild, store
+from . import cautions, check, console, dataset, joining, opening, rebuild, store, summary
+from .plan import axis_line
 from .selecting import SAME
 
 # Attributes in which files that are joined may not differ, and what they are called.
@@ -69,7 +71,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
             frame.assign_attrs(attrs).to_netcdf(aside, engine="h5netcdf", encoding=store.encoding(frame))
             with h5netcdf.File(aside, "a") as file:
                 joining.stream(file, varying, union, names)
-            result = _judged(aside)
+            result = _judged(aside, _recipe(opened, union))
             store.replace(aside, out)
         except OSError as error:
             raise InputError(f"cannot write {out}: {error.strerror or error}") from None
@@ -157,12 +159,32 @@ def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
     return {name: ", ".join(dict.fromkeys(row[name] for row in versions if name in row)) for name in packages}
 
 
-def _judged(path: Path) -> dict[str, Any]:
-    """Judge the laws of a file that was just written, and say in it what no real rod could do."""
+def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Judge the laws of a file that was just written, and say in it what a run says of its file (`there.look`)."""
     with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
-        unsolved, verdicts, caution = check.unsolved(ds), check.verdicts(ds), cautions.sentence(ds)
-        cases = ds["outcome"].size
-    with h5netcdf.File(path, "a") as file:
+        outcomes, verdicts = summary.counted(ds["outcome"]), check.verdicts(ds)
+        texts = summary.counted(ds["caution"]) if "caution" in ds else {}
+    unsolved = sum(count for text, count in outcomes.items() if not text.startswith("solved"))
+    caution = cautions.told(texts)
+    with h5py.File(path, "a") as file:
         file.attrs["caution"] = caution
+        if recipe is not None:
+            file.attrs["recipe"] = json.dumps(recipe)
+            file.attrs["told"] = json.dumps({"outcomes": outcomes, "cautions": texts, "laws": verdicts})
     failing = unsolved > 0 or any(row["verdict"] == FAILS for row in verdicts)
-    return {"cases": cases, "unsolved": unsolved, "laws": verdicts, "caution": caution, "status": int(failing)}
+    counts = {"cases": sum(outcomes.values()), "unsolved": unsolved}
+    return {**counts, "laws": verdicts, "caution": caution, "status": int(failing)}
+
+
+def _recipe(files: Sequence[xr.Dataset], union: joining.Union) -> dict[str, Any] | None:
+    """What a run of all values would call its recipe, so that a later one goes on from here; None where it may not.
+
+    It may where every file was stored by a run, and nothing but the values differ: the code and the libraries neither.
+    """
+    try:
+        recipes = [json.loads(ds.attrs["recipe"]) for ds in files]
+        for recipe in recipes:
+            recipe["axes"][union.axis] = axis_line(union.values)
+    except (KeyError, TypeError, ValueError, RecursionError):
+        return None
+    return dict(recipes[0]) if all(recipe == recipes[0] for recipe in recipes) else None

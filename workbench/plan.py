@@ -134,7 +134,7 @@ def recipe(plan: Plan) -> dict[str, Any]:
         "base": study.base.given,
         "equilibrium": study.equilibrium.model_dump() if study.equilibrium else {},
         "order": list(plan.coordinates),
-        "axes": {name: _axis(values) for name, values in plan.coordinates.items()},
+        "axes": {name: axis_line(values) for name, values in plan.coordinates.items()},
         "stations": study.stations,
         "outputs": sorted(study.outputs),
         "observables": sorted(study.wanted),
@@ -185,7 +185,7 @@ def _digest(content: bytes) -> str:
     return hashlib.blake2b(content, digest_size=6).hexdigest()
 
 
-def _axis(values: NDArray[np.float64]) -> str:
+def axis_line(values: NDArray[np.float64]) -> str:
     """An axis in one line: equal lines, equal values."""
     return f"{values.size} values {values[0]:g}..{values[-1]:g} ({_digest(values.tobytes())})"
 

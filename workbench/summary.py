@@ -45,7 +45,7 @@ def summary(path: Path) -> dict[str, Any]:
         told["stations"] = ds.sizes.get("u", 0)
         told["along"] = [name for name in OUTPUTS if name in ds.data_vars or f"{name}_along" in ds]
         told["cases"] = ds["outcome"].size
-        outcomes = _outcomes(ds["outcome"])
+        outcomes = counted(ds["outcome"])
         told["unsolved"] = sum(count for text, count in outcomes.items() if not text.startswith("solved"))
         told["outcomes"] = dict(outcomes.most_common())
         told["observables"] = [_spread(ds[name]) for name in OBSERVABLES if name in ds.data_vars]
@@ -60,8 +60,8 @@ def _axis(axis: xr.DataArray) -> dict[str, Any]:
     return {"name": str(axis.name), **ends, "units": str(axis.attrs.get("units", ""))}
 
 
-def _outcomes(variable: xr.DataArray) -> Counter[str]:
-    """How often each outcome occurs; those beyond the first hundred kinds are counted together."""
+def counted(variable: xr.DataArray) -> Counter[str]:
+    """How often each text occurs; those beyond the first hundred kinds are counted together."""
     found: Counter[str] = Counter()
     for where in blocks(variable.shape, BLOCK):
         for text, count in Counter(variable[where].values.ravel().tolist()).items():

@@ -242,7 +242,7 @@ def test_damaged_files_end_in_a_sentence(whole: bytes, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_many_damaged_files_end_in_a_sentence_for_every_command(whole: bytes, tmp_path: Path) -> None:
-    damaged_files_end_in_a_sentence(ALL, 100, 400, whole, tmp_path)
+    damaged_files_end_in_a_sentence(ALL, 50, 200, whole, tmp_path)
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ import xarray as xr
 from solver import InputError
 from studies.loader import loads
 from tests.workbench import small
-from workbench import dataset, joining, merge, runner, store
+from workbench import dataset, joining, merge, runner, store, storing
 
 RADII = "[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "E"\ndirection = "falls"\nsource = "s"\n'
@@ -208,3 +208,16 @@ def test_versions_that_differ_are_both_kept(tmp_path) -> None:
         told = json.loads(file.attrs["versions"])
     assert told["numpy"] == f"{dataset.versions()['numpy']}, 1.0"
     assert told["scipy"] == dataset.versions()["scipy"]
+
+
+def test_a_run_goes_on_from_what_was_joined(tmp_path) -> None:
+    files = [tmp_path / "a.h5", tmp_path / "b.h5"]
+    for path, values in zip(files, ([1e4, 2e4], [3e4]), strict=True):
+        storing.run_to_file(small.study(axis("E", values) + RADII, HEAD), path)
+    joined = tmp_path / "small.h5"
+    merge.merge(files, joined)
+    again = storing.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), joined)
+    assert again.finished_before
+    assert again.told["outcomes"] == {"solved": 9}
+    grown = storing.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4, 4e4]) + RADII, HEAD), joined)
+    assert grown.solved == 3
