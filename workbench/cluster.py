@@ -4,8 +4,10 @@ Results come back to this process, which alone writes; so the workers need the p
 """
 
 import itertools
+from collections import deque
 from collections.abc import Iterable
 from typing import Any
+from urllib.parse import urlsplit
 
 from solver.errors import InputError
 from studies import Study
@@ -22,14 +24,15 @@ AHEAD = 2  # chunks handed out for each thread of a worker: one to work on, one 
 def cluster(work: Plan, missing: Iterable[tuple[int, int]], address: str, asked: int | None) -> Results:
     """On the cluster of that address (tcp://host:port).
 
-    Dask itself solves a chunk again whose worker died, as often as its scheduler allows; a chunk that kills more is
-    solved block by block, and a block that does is given up. Raises `InputError` where there is no such cluster, no
-    worker, or one with other code.
+    Dask itself solves a chunk again whose worker died, as often as its scheduler allows. Beyond that it blames all that
+    the worker had, so the blocks of what it blames are solved in the end, one at a time; a block that kills workers
+    even then is given up. Raises `InputError` where there is no such cluster, no worker, or one with other code.
     """
     try:
         from distributed import Client
     except ImportError:
         raise InputError(MISSING) from None
+    _check_address(address)
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
@@ -42,6 +45,16 @@ def cluster(work: Plan, missing: Iterable[tuple[int, int]], address: str, asked:
         yield from _handed_out(client, work, work.chunks(missing, size))
     finally:
         client.close(timeout=2)
+
+
+def _check_address(address: str) -> None:
+    try:
+        parts = urlsplit(address)
+        if parts.scheme in ("tcp", "tls") and parts.hostname and parts.port:
+            return
+    except ValueError:  # a port that is no number
+        pass
+    raise InputError(f"--scheduler must be tcp://host:port or tls://host:port, got {address!r}")
 
 
 def _check_workers(client: Any, study: Study) -> None:
@@ -63,9 +76,10 @@ def _solved(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
 
 def _handed_out(client: Any, work: Plan, chunks: Iterable[Chunk]) -> Results:
     """Chunks in, results out; a few are under way for each thread, so that no side holds many."""
-    from distributed import KilledWorker, as_completed
+    from distributed import CancelledError, KilledWorker, as_completed
+    from distributed.comm.core import CommClosedError
 
-    waiting, code = iter(chunks), code_version()
+    waiting, suspects, code = iter(chunks), deque[Chunk](), code_version()
     under_way: dict[str, Chunk] = {}
     done = as_completed(loop=client.loop)
 
@@ -78,25 +92,25 @@ def _handed_out(client: Any, work: Plan, chunks: Iterable[Chunk]) -> Results:
         room = AHEAD * max(1, sum(client.nthreads().values())) - len(under_way)
         for chunk in itertools.islice(waiting, max(0, room)):
             hand_out(chunk)
+        if suspects and not under_way:
+            hand_out(suspects.popleft())
 
     fill()
     while under_way:
         future = next(done)
         chunk = under_way.pop(future.key)
-        error = future.exception() if future.status == "error" else None
-        if isinstance(error, KilledWorker):
+        try:
+            results = future.result()  # solved again where the worker that held them died before they were fetched
+        except KilledWorker:
             if chunk.deaths + 1 < DEATHS:
-                for block in chunk.blocks(work.block, chunk.deaths + 1):
-                    hand_out(block)
+                suspects.extend(chunk.blocks(work.block, chunk.deaths + 1))
+                fill()
                 continue
-            fill()
-            yield chunk, None
-        elif error is not None:
-            raise error
-        elif future.status != "finished":
-            raise InputError("the Dask scheduler went away; what is finished is kept, and the same command goes on")
-        else:
-            results = future.result()
-            future.release()
-            fill()
-            yield chunk, results
+            results = None
+        except (CancelledError, CommClosedError):
+            raise InputError(
+                "the Dask scheduler went away; what is finished is kept, and the same command goes on from there"
+            ) from None
+        future.release()
+        fill()
+        yield chunk, results

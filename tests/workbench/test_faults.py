@@ -123,8 +123,7 @@ TELLING = (
 import os, time
 from pathlib import Path
 from workbench import chunks
-block_of = chunks.block_of
-def telling(study, part):
+def telling(study, part, block_of=chunks.block_of):
     if part.start == 32 and not Path("worker").exists():
         Path("worker.part").write_text(str(os.getpid()))
         os.replace("worker.part", "worker")
@@ -182,8 +181,7 @@ DEADLY = (
     + """
 import os, signal
 from workbench import chunks
-block_of = chunks.block_of
-def deadly(study, part):
+def deadly(study, part, block_of=chunks.block_of):
     with open("deaths", "a") as file:
         if (part.values["F1"] == 9.0).any() and (part.values["E"] == 5e3).any():
             file.write("x")

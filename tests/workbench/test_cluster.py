@@ -1,0 +1,144 @@
+"""The same study on a Dask cluster that is started as the docs say."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from solver import InputError
+from studies import load
+from tests.workbench import runs
+from tests.workbench.test_faults import DEADLY, GRID, SMALL, TELLING, whole  # noqa: F401  (a fixture)
+from workbench import cluster, storing
+from workbench.storing import Options, run_to_file
+
+distributed = pytest.importorskip("distributed")
+
+
+@pytest.mark.parametrize("address", ["nowhere", "tcp://", "tcp://host", "tcp://host:x", "http://host:80", ""])
+def test_what_is_no_address_is_refused(address, tmp_path) -> None:
+    with pytest.raises(InputError, match="--scheduler must be tcp://host:port or tls://host:port, got "):
+        run_to_file(load(runs.study(tmp_path, GRID)), tmp_path / "many.h5", Options(scheduler=address))
+    assert [path.name for path in tmp_path.iterdir()] == ["many.toml"]
+
+
+def test_a_scheduler_that_is_not_there_is_told_in_one_sentence(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(cluster, "PATIENCE", 0.3)
+    with pytest.raises(InputError, match=r"^no Dask scheduler answers at tcp://127\.0\.0\.1:9: [^\n]*$"):
+        run_to_file(load(runs.study(tmp_path, GRID)), tmp_path / "many.h5", Options(scheduler="tcp://127.0.0.1:9"))
+
+
+class Cluster:
+    """A scheduler and one `dask worker` of two processes, on loopback; both end with the test."""
+
+    def __init__(self, folder: Path, before: str = SMALL) -> None:
+        self.file = folder / "scheduler.json"
+        (folder / "before.py").write_text(before)
+        self._env = {**os.environ, "PYTHONPATH": str(runs.ROOT), "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
+        self._folder = folder
+        at = ("--host", "127.0.0.1", "--scheduler-file", self.file, "--no-dashboard")
+        self._started = [self._start("scheduler", *at, "--port", "0")]
+        here = ("--host", "127.0.0.1", "--scheduler-file", self.file, "--no-dashboard")
+        self._started += [self._start("worker", *here, "--nworkers", 2, "--nthreads", 1, "--preload", "before.py")]
+        until = time.monotonic() + 60
+        while not self.file.exists():
+            assert time.monotonic() < until
+            time.sleep(0.05)
+        with distributed.Client(scheduler_file=str(self.file), set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=60)
+            self.address = client.scheduler.address
+
+    def _start(self, *words: object) -> subprocess.Popen[bytes]:
+        log = (self._folder / f"{words[0]}.log").open("wb")
+        command = [sys.executable, "-m", "dask", *map(str, words)]
+        return subprocess.Popen(command, cwd=self._folder, env=self._env, stdout=log, stderr=log)
+
+    def stop(self) -> None:
+        for process in reversed(self._started):
+            process.terminate()
+        for process in self._started:
+            try:
+                process.wait(20)
+            except subprocess.TimeoutExpired:
+                process.kill()
+
+
+@pytest.fixture
+def clusters(tmp_path) -> Iterator[list[Cluster]]:
+    """Those that a test started."""
+    started: list[Cluster] = []
+    yield started
+    for one in started:
+        one.stop()
+
+
+def folder(tmp_path: Path) -> Path:
+    """One for the cluster, which leaves what it likes."""
+    made = tmp_path / "cluster"
+    made.mkdir()
+    return made
+
+
+@pytest.mark.slow
+def test_every_bit_is_that_of_this_machine_alone(whole, tmp_path, clusters) -> None:  # noqa: F811
+    clusters.append(Cluster(folder(tmp_path)))
+    runs.study(tmp_path, GRID)
+    done = runs.run(tmp_path, "many.toml", "--scheduler", clusters[0].address, "--chunk", 32, before=SMALL)
+    assert done.returncode == 0, done.stderr
+    assert runs.contents(tmp_path / "many.h5") == whole
+
+
+@pytest.mark.slow
+def test_a_worker_of_the_cluster_that_is_killed_costs_a_chunk(whole, tmp_path, clusters) -> None:  # noqa: F811
+    clusters.append(Cluster(folder(tmp_path), TELLING))
+    runs.study(tmp_path, GRID)
+    args = ("many.toml", "--scheduler", clusters[0].address, "--chunk", 48)
+    with runs.start(tmp_path, *args, before=SMALL) as process:
+        told = tmp_path / "cluster" / "worker"
+        until = time.monotonic() + 60
+        while not told.exists():
+            assert time.monotonic() < until
+            time.sleep(0.05)
+        os.kill(int(told.read_text()), signal.SIGKILL)
+        out, err = process.communicate(timeout=120)
+    assert process.returncode == 0, err
+    assert "150 cases, 0 unsolved" in out
+    assert runs.contents(tmp_path / "many.h5") == whole
+
+
+@pytest.mark.slow
+def test_a_chunk_that_kills_the_clusters_workers_is_recorded_as_failed(tmp_path, clusters) -> None:
+    clusters.append(Cluster(folder(tmp_path), DEADLY))
+    runs.study(tmp_path, GRID)
+    args = ("many.toml", "--scheduler", clusters[0].address, "--chunk", 48)
+    done = runs.run(tmp_path, *args, before=SMALL)
+    assert done.returncode == 1, done.stderr
+    with xr.open_dataset(tmp_path / "many.h5") as ds:
+        failed = (ds["outcome"] == storing.KILLED).values.ravel()
+        assert failed.nonzero()[0].tolist() == list(range(48, 64))
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_goes_away_leaves_what_is_finished(whole, tmp_path, clusters) -> None:  # noqa: F811
+    clusters.append(Cluster(folder(tmp_path), TELLING))
+    runs.study(tmp_path, GRID)
+    args = ("many.toml", "--scheduler", clusters[0].address, "--chunk", 16)
+    with runs.start(tmp_path, *args, before=SMALL) as process:
+        told = tmp_path / "cluster" / "worker"
+        until = time.monotonic() + 60
+        while not told.exists() or len(list(tmp_path.glob("many.h5.parts/*.shard"))) < 4:
+            assert time.monotonic() < until
+            time.sleep(0.05)
+        clusters.pop().stop()
+        _, err = process.communicate(timeout=120)
+    assert process.returncode == 2
+    assert "the Dask scheduler went away; what is finished is kept, and the same command goes on from there" in err
+    done = runs.run(tmp_path, "many.toml", before=SMALL)
+    assert " kept from an earlier run" in done.stdout
+    assert runs.contents(tmp_path / "many.h5") == whole
