@@ -139,6 +139,7 @@ def _trends(ds: xr.Dataset, axes: Sequence[str]) -> Figure:
         else:
             trend(ds, ax, plain[i], axes[0])
             ax.set_title(style.words(ds[plain[i]]), loc="left")
+            _legend(ax)
     return fig
 
 

@@ -88,7 +88,7 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.plot(up, across, color=style.LIFTED, linewidth=2.4, solid_capstyle="round")
     ax.plot(np.where(pulled, np.nan, up), across, color=style.PUSHED, linewidth=2.4, solid_capstyle="butt")
     ax.plot(up[0], across[0], "o", color=style.INK, markersize=5)
-    ax.annotate("s = 0", (up[0], across[0]), (-6, 0), textcoords="offset points", ha="right", va="center",
+    ax.annotate("s = 0", (up[0], across[0]), (0, 6), textcoords="offset points", ha="center", va="bottom",
                 size=style.SMALL)  # fmt: skip
     factor = stretch(float(np.ptp(up)), float(np.ptp(across)), (SIZE[0] - 1, SIZE[1] / 3 - 1))
     ax.set_aspect(1 / factor)

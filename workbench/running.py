@@ -45,7 +45,7 @@ def list_studies(json: bool) -> None:
     told = []
     for row in rows:
         axes = ", ".join(_told(axis) for axis in row["axes"])
-        laws = ", ".join(f"{v['claim']} {v['observable']} {v['direction']} along {v['axis']}" for v in row["laws"])
+        laws = ", ".join(f"{law['claim']} {check.stated(law)}" for law in row["laws"])
         told.append([row["study"], row["title"], axes or "-", laws or "-"])
     console.print_table(["study", "title", "axes", "laws"], told)
 

@@ -211,7 +211,8 @@ def _room(work: Plan, folder: Path, kept: int) -> str:
         raise InputError(f"the study needs up to {needed}, but {folder.parent} has {_bytes(there)} left")
     new = f", {work.size - work.todo} of them there already" if work.todo < work.size else ""
     going = f", {kept} kept from an earlier run" if kept else ""
-    return f"{work.size} cases{new}{going}: at most {_bytes(final)}, and {_bytes(shards)} more while it runs"
+    room = f"a file of at most {_bytes(final)}, and {_bytes(shards)} more while it runs"
+    return f"{work.size} case{'s' * (work.size != 1)}{new}{going}: {room}"
 
 
 def _bytes(count: int) -> str:

@@ -70,7 +70,9 @@ def test_list_names_every_study_also_for_programs(here) -> None:
     axis = {"axis": "E", "from": 5e3, "to": 4e4, "count": 9, "unit": "N/cm^2", "follow": False}
     assert modulus["axes"] == [axis]  # data, not prose
     assert {"observable": "turns", "direction": "falls"}.items() <= modulus["laws"][0].items()
-    assert "E 5000..40000 (9)" in here("list")
+    told = here("list")
+    assert "E 5000..40000 (9)" in told
+    assert "(4) turns does not fall along betaL" in told
 
 
 def test_run_stores_a_dataset_and_prints_its_laws(stored) -> None:
@@ -357,7 +359,7 @@ def test_an_interrupted_run_says_so_and_leaves_no_half_file(crowded, tmp_path) -
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
     with subprocess.Popen(command, cwd=tmp_path, env=env, stdout=-1, stderr=-1, text=True) as process:
         assert process.stdout is not None
-        assert process.stdout.readline().startswith("2000 cases: at most")
+        assert process.stdout.readline().startswith("2000 cases: a file of at most")
         assert process.stdout.readline() == "solving\n"
         time.sleep(0.1)
         process.send_signal(signal.SIGINT)
