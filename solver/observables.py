@@ -117,7 +117,7 @@ def height(read: Reading) -> Any:
 
 
 def contact_mean(read: Reading) -> Any:
-    """Mean of |f| [force/length]."""
+    """Mean of |f| [force/length]: pull counts like push."""
     return _mean(read, read.sampled.integral_of_size(lambda at: at.contact))
 
 

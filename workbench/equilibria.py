@@ -11,6 +11,7 @@ from solver import equilibria as every_equilibrium
 from solver.equilibria import Equilibrium
 from solver.errors import choices
 from studies import Study, load
+from studies.angles import angle
 from studies.axes import CYLINDER, ENDS, ROD, WORDS, quantity_of
 
 from . import console, drawing, store
@@ -52,6 +53,8 @@ def run(
         console.print_table(["", *heads], [[i, *(r[c] for c in COLUMNS)] for i, r in enumerate(rows, 1)])
         stable = sum(r["index"] == 0 for r in rows)
         console.say(f"{len(rows)} equilibria, {stable} stable with the end angles held and the loads dead")
+        changed = f", but for {choices(options)}" if options else ""
+        console.say(f"of {study.title if file else 'the rod of Table 1, held at its own far end'}{changed}")
     if picture or out:
         from . import gallery
 
@@ -136,7 +139,7 @@ def parse_axis(text: str) -> tuple[str, np.ndarray]:
 
 
 def _number(text: str, is_angle: bool) -> float:
-    return float(np.deg2rad(float(text[:-3]))) if is_angle and text.endswith("deg") else float(text)
+    return angle(text) if is_angle else float(text)
 
 
 def _over(study: Study, case: Case, axis: str, picture: Path | None, out: Path | None, json: bool, force: bool) -> int:

@@ -163,9 +163,10 @@ def test_over_a_load_too_and_for_programs(capsys, tmp_path) -> None:
 
 
 def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
-    name, values = command.parse_axis("betaL=60deg:-30deg:4")
-    assert name == "betaL"
-    np.testing.assert_allclose(values, np.deg2rad([-30, 0, 30, 60]))
+    for text in ("betaL=60deg:-30deg:4", "betaL=-pi/6:pi/3:4"):
+        name, values = command.parse_axis(text)
+        assert name == "betaL"
+        np.testing.assert_allclose(values, np.deg2rad([-30, 0, 30, 60]), atol=1e-15)  # rounding
 
 
 @pytest.mark.parametrize(
@@ -215,3 +216,10 @@ def test_ends_given_as_ends_are_taken_as_they_are(tmp_path) -> None:
     again = command.ends_of(load(next(iter(sorted(tmp_path.glob("*.toml"))))))
     assert isinstance(again.given, Ends)
     assert command.told(again) == command.told(case)
+
+
+def test_whose_equilibria_they_are_is_said(capsys) -> None:
+    for options, said in ((["--L", "5"], "the rod of Table 1, held at its own far end, but for L"), ([], "far end\n")):
+        with pytest.raises(SystemExit, match="0"):
+            cli.main(["equilibria", *options])
+        assert said in capsys.readouterr().out
