@@ -85,6 +85,13 @@ class Centreline:
         """Curvature at s, (k,) [1/length]."""
         return statics.curvature(self.rho, self._angle(s), self._angle(s, 1))
 
+    def contact(self, s: Array) -> Array:
+        """The cylinder's push per length at s, (k,) [force/length], positive outward; eq. (34), corrected."""
+        beta, dbeta = self._angle(s), self._angle(s, 1)
+        around = statics.circumferential_force(self.A, self.l, self.m, self.rho, beta)
+        H = statics.slope(self.l, self.m, self.p, self.rho, beta)
+        return statics.contact(self.A, self.m, self.rho, around, H, beta, dbeta)
+
     @cached_property
     def error(self) -> float:
         """By how much the curve may miss the rod between stations [length].

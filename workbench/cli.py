@@ -187,6 +187,17 @@ def scene(
         list[str] | None,
         typer.Option(help="E=10905 or beta=30deg: a value of that axis, as exact as you write it."),
     ] = None,
+    kind: Annotated[
+        str | None, typer.Option(help="plain, contact, curvature, twist, ghosts, grid or equilibria.")
+    ] = None,
+    axis: Annotated[list[str] | None, typer.Option(help="For ghosts, the axis shown; for grid, one or two.")] = None,
+    along: Annotated[
+        str | None, typer.Option(help="An axis whose cases together fix the camera and the colours, as in animate.")
+    ] = None,
+    low: Annotated[float | None, _number("Draw the rod from here [length].", "--from")] = None,
+    high: Annotated[float | None, _number("Draw the rod up to here [length].", "--to")] = None,
+    pixel_error: Annotated[float, _number("How far the drawn surface may be off [pixels].")] = 0.5,
+    dpi: Annotated[int, typer.Option(help="Pixels an inch; 200 gives 1600 x 1200 for one case.")] = 200,
     out: Annotated[
         Path | None, typer.Option(help="The picture; FILE_scene.png or FILE_scene_E=10905.png where left out.")
     ] = None,
@@ -195,7 +206,7 @@ def scene(
     """The rod on its cylinder in three dimensions, off-screen."""
     from .drawing import scene_file
 
-    raise typer.Exit(scene_file(file, at or [], out, force))
+    raise typer.Exit(scene_file(file, at or [], out, force, kind, axis, along, (low, high), pixel_error, dpi))
 
 
 @app.command()

@@ -10,7 +10,7 @@ import xarray as xr
 from solver.errors import InputError, choices, no_such
 from studies.angles import angle
 
-from . import console, dataset, store
+from . import console, dataset, kinds, store
 
 PLOTS = (".png", ".pdf", ".svg")
 SCENES = (".png", ".jpg")
@@ -27,12 +27,21 @@ def plot_file(file: Path, out: Path | None, force: bool = False) -> None:
     console.say(str(path))
 
 
-def scene_file(file: Path, at: list[str], out: Path | None, force: bool = False) -> int:
-    """Draw a dataset's rod in three dimensions; 0, or 1 where this machine cannot. Raises `InputError`."""
-    ds = store.read(file)
+def scene_file(
+    file: Path, at: list[str], out: Path | None, force: bool = False, kind: str | None = None,
+    axes: list[str] | None = None, along: str | None = None, span: tuple[float | None, float | None] = (None, None),
+    pixel_error: float = 0.5, dpi: int = 200,
+) -> int:  # fmt: skip
+    """Draw a scene of a dataset; 0, or 1 where this machine cannot or the stations are too few for the pixel error.
+
+    kind: a name of `kinds.KINDS`; where left out equilibria for a dataset of them, else contact. Raises `InputError`.
+    """
+    ds = _read(file)
+    kind = kinds.kind_of(kind or ("equilibria" if dataset.axes_of(ds) == ["equilibrium"] else "contact")).name
     where = chosen(ds, at)
     told = [f"{name}={_written(ds[name], value)}" for name, value in where.items()]
-    path = free_picture(out or file.with_name("_".join([file.stem, "scene", *told]) + ".png"), SCENES, force)
+    named = [] if kind in ("contact", "equilibria") else [kind, *(axes or [])]
+    path = free_picture(out or file.with_name("_".join([file.stem, "scene", *named, *told]) + ".png"), SCENES, force)
     from . import gl
 
     able, advice = gl.probe()
@@ -41,9 +50,33 @@ def scene_file(file: Path, at: list[str], out: Path | None, force: bool = False)
         return 1
     from . import scenes
 
-    scenes.render(ds, path, where or None)
+    look = scenes.Look(pixel_error, dpi, stretch_of(ds, span))
+    taken = scenes.render(ds, path, where or None, kind, axes or [], along, look)
     console.say(" at ".join([str(path), *([", ".join(told)] if told else [])]))
+    if taken.off > pixel_error * (1 + 1e-9):
+        kept = f"{taken.off:.1f} pixels, not {pixel_error:g}: the dataset holds too few stations for that"
+        console.err.print(f"workbench: drawn to within {kept}", markup=False)
+        return 1
     return 0
+
+
+def _read(file: Path) -> xr.Dataset:
+    """A study's dataset, or one of equilibria. Raises `InputError`."""
+    try:
+        return store.read(file)
+    except InputError:
+        ds = store.read(file, study=False)
+        if ds.attrs.get("study_name") != "equilibria" or "equilibrium" not in ds.dims or "outcome" not in ds:
+            raise
+        return ds
+
+
+def stretch_of(ds: xr.Dataset, span: tuple[float | None, float | None]) -> tuple[float, float] | None:
+    """The stretch that --from and --to ask for, or None where neither is given."""
+    if span == (None, None):
+        return None
+    low, high = span
+    return (low or 0.0, float(ds["s"].max()) if high is None else high)
 
 
 def chosen(ds: xr.Dataset, at: list[str]) -> dict[str, float]:

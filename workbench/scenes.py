@@ -1,11 +1,12 @@
 """The rod on its cylinder in three dimensions: off-screen pictures of a stored dataset, never solving.
 
 The tube has the rod's true radius and touches the surface; where the cylinder would have to pull to hold it
-there, it has a second colour. All views are parallel projections, so one scale bar is right everywhere.
+there, it has a colour of its own. All views are parallel projections, so one scale bar is right everywhere.
 Needs OpenGL: ask `gl.probe` first, as without it VTK ends the process.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,53 +16,60 @@ from solver.errors import InputError
 
 from . import picking, sheet, style, tube
 from .dataset import axes_of
-from .sheet import Cell, Sheet
-from .stage import Shot, ends_of, photograph, view_of
-from .tube import Curve
+from .kinds import Kind, kind_of
+from .sheet import Bar, Cell, Sheet
+from .stage import Shot, View, ends_of, photograph, view_of
+from .tube import Body, Paint
 
-KINDS = (".png", ".jpg")
+ENDINGS = (".png", ".jpg")
 LYING = 1.3  # how much taller than wide a scene is laid on its side
-MOST_CELLS = 9
-PAGE, ROW = (1600, 1200), (2000, 1100)  # pixels of a sheet with one case, and at most of one with a row
+MOST_CELLS, MOST_GHOSTS, MOST_STRIPS, MOST_ROWS = 9, 5, 8, 5
+PAGE, ROW, GRID = (1600, 1200), (2000, 1100), (2000, 2000)  # pixels at `style.DPI` of one case, a row and a grid
+DPIS = (50, 600)
+COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
+THINNEST = 4.0  # pixels that a cylinder is wide; below, nothing of its rod is seen
+GHOST = 0.3  # of its thickness is a rod drawn among others, so that none hides another
 
 
-def render(ds: xr.Dataset, path: str | Path, at: Mapping[str, float] | None = None) -> Path:
-    """Draw one case large, seen from its front and from its side.
+@dataclass(frozen=True)
+class Look:
+    """How a scene is taken. pixel_error: how far the drawn surface may be from the true one; dpi: of the picture;
+    span: the arc lengths between which the rod is drawn, where not all of it."""
 
-    at: values of axes; the nearest stored case is drawn, at the study's base where an axis is left out. Raises
-    `InputError` for an axis or value that is not there, and for a case without a shape.
-    """
-    path = _checked(path)
-    where = picking.case(ds, at)
-    curve = tube.read(ds, where)
-    chosen = ", ".join(_told(ds, name, i) for name, i in where.items())
-    if curve is None:
-        outcome = str(ds["outcome"].isel(where).values)
-        raise InputError(f"nothing to draw{f' at {chosen}' if chosen else ''}: {outcome}")
-    lying = np.ptp(ends_of([curve])) > LYING * 2 * curve.reach
-    front = Shot(curve, Cell("facing the rod"))
-    side = Shot(curve, Cell("turned by 90° about the axis"), -np.pi / 2)
-    _save(ds, path, [[front], [side]] if lying else [[front, side]], chosen, PAGE, lying)
-    return path
+    pixel_error: float = 0.5
+    dpi: int = style.DPI
+    span: tuple[float, float] | None = None
 
 
-def render_row(
-    ds: xr.Dataset, path: str | Path, axis: str, at: Mapping[str, float] | None = None, most: int = MOST_CELLS
-) -> Path:
-    """Draw the cases along an axis side by side, at one scale and with one camera.
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """A scene. off: by how many pixels its surface may be off; above what was asked where the stations are too few."""
 
-    at: values of the other axes, the study's base where left out. most: how many cells at most, evenly chosen.
-    A case without a shape leaves an empty cell that says why. Raises `InputError`.
-    """
-    path = _checked(path)
-    cases = picking.spread(picking.line(ds, axis, at), most)
-    shots = []
-    for where in cases:
-        curve, why = _try(ds, where)
-        shots.append(Shot(curve, Cell(style.shown(float(ds[axis].values[where[axis]]), ds[axis]), why)))
-    others = [_told(ds, name, i) for name, i in cases[0].items() if name != axis]
-    _save(ds, path, [shots], ", ".join([style.axis_label(axis, ds[axis]), *others]), ROW, False)
-    return path
+    sheet: Sheet
+    off: float
+
+
+def render(
+    ds: xr.Dataset,
+    path: str | Path,
+    at: Mapping[str, float] | None = None,
+    kind: str = "contact",
+    axes: Sequence[str] = (),
+    along: str | None = None,
+    look: Look = Look(),
+) -> Taken:
+    """Draw a scene and save it; what `take` takes."""
+    path = Path(path)
+    style.picture_kind(path, ENDINGS)
+    taken = take(ds, at, kind, axes, along, look)
+    sheet.figure(taken.sheet).savefig(path, dpi=look.dpi)
+    return taken
+
+
+def render_row(ds: xr.Dataset, path: str | Path, axis: str, at: Mapping[str, float] | None = None) -> Path:
+    """Draw the cases along an axis side by side, at one scale and with one camera. Raises `InputError`."""
+    render(ds, path, at, "grid", [axis])
+    return Path(path)
 
 
 def draw(ds: xr.Dataset, path: str | Path) -> dict[str, Path]:
@@ -72,65 +80,263 @@ def draw(ds: xr.Dataset, path: str | Path) -> dict[str, Path]:
     path = Path(path)
     axes = axes_of(ds)
     if not axes:
-        return {"scene": render(ds, path)}
+        render(ds, path)
+        return {"scene": path}
     files = {axis: path.with_stem(f"{path.stem}_{axis}") if len(axes) > 1 else path for axis in axes}
     return {f"scene {axis}": render_row(ds, file, axis) for axis, file in files.items()}
 
 
-def _try(ds: xr.Dataset, where: dict[str, int]) -> tuple[Curve | None, str]:
-    """The curve, or why there is none."""
-    try:
-        curve = tube.read(ds, where)
-    except InputError as error:
-        return None, str(error)
-    return curve, "" if curve else str(ds["outcome"].isel(where).values)
+def take(
+    ds: xr.Dataset,
+    at: Mapping[str, float] | None = None,
+    kind: str = "contact",
+    axes: Sequence[str] = (),
+    along: str | None = None,
+    look: Look = Look(),
+) -> Taken:
+    """The scene of a dataset.
+
+    at: values of axes, which are stored; the study's own where left out. kind: a name of `kinds.KINDS`. axes: for
+    ghosts, grid and equilibria the axis or two that they show, the dataset's first where left out. along: an axis whose
+    cases fix the camera and the colour scale of a scene of one of them. A case without a shape leaves a cell that says
+    why.
+    Raises `InputError` for what is not there, for one case without a shape, and where the stations are far too few.
+    """
+    chosen = kind_of(kind)
+    _check(look)
+    if chosen.cells == "one":
+        if axes:
+            raise InputError(f"a scene of kind {kind} shows one case, so it takes no axis; choose ghosts or grid")
+        return _one(ds, chosen, picking.case(ds, at), along, look)
+    if along:
+        raise InputError(f"a scene of kind {kind} shows a whole axis already: it takes no --along")
+    names = list(axes) or axes_of(ds)[:1]
+    if kind == "equilibria" and axes_of(ds) != ["equilibrium"]:
+        raise InputError("a scene of kind equilibria takes a dataset that `workbench equilibria --out FILE` stored")
+    if not names:
+        raise InputError(f"a scene of kind {kind} shows the cases of an axis, and the study has none")
+    if len(names) > (1 if chosen.cells == "together" else 2):
+        raise InputError(f"a scene of kind {kind} shows too few axes for {', '.join(names)}")
+    if chosen.cells == "together":
+        return _together(ds, chosen, names[0], at, look)
+    return _each(ds, chosen, names, at, look)
 
 
-def _save(
-    ds: xr.Dataset, path: Path, shots: Sequence[Sequence[Shot]], chosen: str, page: tuple[int, int], lying: bool
-) -> None:
-    """Photograph the shots and write the sheet; page: its width and height in pixels, at most."""
-    curves = [shot.curve for row in shots for shot in row if shot.curve]
-    ends = ends_of(curves)
+def _one(ds: xr.Dataset, kind: Kind, where: dict[str, int], along: str | None, look: Look) -> Taken:
+    """One case large, from its front and from its side; a long one in strips, side by side."""
+    told = _described(ds, where)
+    body, why = _try(ds, where, kind, look)
+    if body is None:
+        raise InputError(f"nothing to draw{f' at {told}' if told else ''}: {why}")
+    context = [body]
+    if along:
+        at = {name: float(ds[name].values[i]) for name, i in where.items() if name != along}
+        context = [found for case in picking.line(ds, along, at) if (found := _try(ds, case, kind, look)[0])]
+    pieces = [body] if look.span or along else tube.fitting(body, MOST_STRIPS)
+    if len(pieces) > 1:
+        unit = str(ds.attrs["length_unit"])
+        cells = [Cell(f"s = {style.number(p.span[0])} to\n{style.number(p.span[1])} {unit}") for p in pieces]
+        rows = [[Shot([piece], cell) for piece, cell in zip(pieces, cells, strict=True)]]
+        return _taken(ds, kind, rows, pieces, told, ROW, look, False, _covered(pieces, unit))
+    lying = np.ptp(ends_of(context)) > LYING * 2 * body.reach
+    front = Shot([body], Cell("facing the rod"))
+    side = Shot([body], Cell("turned by 90° about the axis"), -np.pi / 2)
+    return _taken(ds, kind, [[front], [side]] if lying else [[front, side]], context, told, PAGE, look, lying, [])
+
+
+def _each(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, look: Look) -> Taken:
+    """The cases of an axis in a row, or of two axes in a table."""
+    first = picking.line(ds, names[0], at)
+    most = MOST_CELLS if kind.name != "equilibria" else 2 * MOST_CELLS
+    cases = [picking.spread(first, most)]
+    if len(names) == 2:
+        down = picking.spread(picking.line(ds, names[1], at), MOST_ROWS)
+        cases = [[{**case, names[1]: row[names[1]]} for case in cases[0]] for row in down]
+    elif len(cases[0]) > MOST_CELLS:
+        half = -(-len(cases[0]) // 2)
+        cases = [cases[0][:half], cases[0][half:]]
+    rows, bodies = [], []
+    for row in cases:
+        shots = []
+        for where in row:
+            body, why = _try(ds, where, kind, look)
+            body = tube.fitting(body, 1)[0] if body and not look.span else body
+            shots.append(Shot([body] if body else [], Cell(_under(ds, kind, names, where), why)))
+            bodies += [body] if body else []
+        rows.append(shots)
+    rows[-1] += [Shot([], Cell("")) for _ in range(len(rows[0]) - len(rows[-1]))]
+    told = ", ".join([*(style.axis_label(n, ds[n], len(names) == 1) for n in names if n != "equilibrium"),
+                      *_facts(ds, {k: i for k, i in cases[0][0].items() if k not in names})])  # fmt: skip
+    notes = [] if len(first) <= len(cases[0]) * len(cases) else [f"{len(cases[0])} of {len(first)} values"]
+    part = [body for body in bodies if not body.whole]
+    notes += _covered(part[:1], str(ds.attrs["length_unit"]))
+    page = ROW if len(rows) == 1 else GRID
+    return _taken(ds, kind, rows, bodies, told, page, look, False, notes)
+
+
+def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | None, look: Look) -> Taken:
+    """The cases of an axis on one cylinder, thin, each in the colour of its value."""
+    line = picking.line(ds, axis, at)
+    cases = picking.spread(line, MOST_GHOSTS)
+    values = ds[axis].values.astype(float)[[where[axis] for where in cases]]
+    values = np.degrees(values) if style.is_angle(ds[axis]) else values
+    low, high = float(values.min()), float(values.max())
+    bodies = []
+    for where, value in zip(cases, values, strict=True):
+        body, _ = _try(ds, where, kind, look)
+        if body:
+            share = (float(value) - low) / ((high - low) or 1.0)
+            colour = style.hex_of(style.RAMP, share * style.RAMP_ENDS[1])
+            body = body if look.span else tube.fitting(body, 1)[0]
+            bodies.append(replace(body, line=replace(body.line, a=GHOST * body.a), paint=Paint(colour)))
+    if not bodies:
+        raise InputError(f"nothing to draw along {axis}: no case of it has a shape")
+    lying = np.ptp(ends_of(bodies)) > LYING * 2 * bodies[0].reach
+    shots = [Shot(bodies, Cell("facing the rods")), Shot(bodies, Cell("turned by 90° about the axis"), -np.pi / 2)]
+    told = ", ".join(_facts(ds, {k: i for k, i in cases[0].items() if k != axis}))
+    notes = [f"{len(cases)} of {len(line)} values"] if len(cases) < len(line) else []
+    notes += [f"drawn at {GHOST:g} of the thickness"]
+    notes += _covered([body for body in bodies if not body.whole][:1], str(ds.attrs["length_unit"]))
+    rows = [[shot] for shot in shots] if lying else [shots]
+    bar = Bar(style.ramp_part(), low, high, style.axis_label(axis, ds[axis])) if high > low else None
+    return _taken(ds, kind, rows, bodies, told, PAGE, look, lying, notes, bar)
+
+
+def _taken(
+    ds: xr.Dataset,
+    kind: Kind,
+    rows: Sequence[Sequence[Shot]],
+    context: Sequence[Body],
+    told: str,
+    page: tuple[int, int],
+    look: Look,
+    lying: bool,
+    notes: list[str],
+    bar: Bar | None = None,
+) -> Taken:
+    """Paint, photograph and write around it; context: the rods that fix the camera and the scale of colours."""
+    finer = look.dpi / style.DPI
+    if kind.cells != "together":
+        paint, bar = _paint(ds, kind, context)
+        rows = [[replace(shot, bodies=[replace(b, paint=paint) for b in shot.bodies]) for shot in row] for row in rows]
+    ends = ends_of(context)
     room = page[0] - 2 * sheet.MARGIN, page[1] - sheet.HEAD - sheet.FOOT
-    view = view_of(curves, ends, (room[0] // len(shots[0]), room[1] // len(shots) - sheet.LABEL), lying)
-    pixels = photograph(shots, ends, view)
+    cell = room[0] // len(rows[0]), room[1] // len(rows) - sheet.LABEL
+    view = _at(view_of(context, ends, cell, lying), finer)
+    if context and 2 * context[0].reach * view.per_unit < THINNEST:
+        raise InputError(
+            f"a cylinder {2 * context[0].reach:.3g} wide and {np.ptp(ends):.4g} long is "
+            f"{2 * context[0].reach * view.per_unit:.2g} pixels wide in the picture: give a shorter stretch with "
+            "--from and --to, or neither, and stretches of it are drawn side by side"
+        )
+    pixels, off = photograph(rows, ends, view, look.pixel_error, round(sheet.LABEL * finer))
+    if off > COARSEST:
+        raise InputError(_too_few(rows, off, look))
+    if off > look.pixel_error * (1 + 1e-9):
+        notes = [*notes, f"drawn to within {off:.1f} pixels: more stations would be needed"]
+    if kind.cells != "together" and any(body.overlaps for row in rows for shot in row for body in shot.bodies):
+        notes = [*notes, "a real rod could not pass through itself"]
     inside = "inside the cylinder, cut open" if ds.attrs["side"] == "inside" else ""
-    subtitle = " · ".join(fact for fact in (chosen, style.reading(ds), inside) if fact)
-    unit = str(ds.attrs["length_unit"])
-    cells = [[shot.cell for shot in row] for row in shots]
-    least = page if page == PAGE else (1300, 0)
+    subtitle = " · ".join(fact for fact in (told, style.reading(ds), inside) if fact)
     drawn = Sheet(
-        str(ds.attrs["title"]), subtitle, pixels, cells, view.per_unit, unit, view.page.T, _legend(curves),
-        _notes(curves, unit), least,
+        str(ds.attrs["title"]), subtitle, pixels, [[shot.cell for shot in row] for row in rows], view.per_unit,
+        str(ds.attrs["length_unit"]), view.page.T, _legend(kind, context), notes,
+        page if page == PAGE else (1300, 0), bar, look.dpi,
     )  # fmt: skip
-    sheet.figure(drawn).savefig(path, dpi=style.DPI)
+    return Taken(drawn, off)
 
 
-def _legend(curves: Sequence[Curve]) -> list[tuple[str, str]]:
-    if not curves:
+def _at(view: View, finer: float) -> View:
+    return replace(
+        view, per_unit=view.per_unit * finer, size=(round(view.size[0] * finer), round(view.size[1] * finer))
+    )
+
+
+def _paint(ds: xr.Dataset, kind: Kind, bodies: Sequence[Body]) -> tuple[Paint, Bar | None]:
+    """The colours of a kind, one scale for all the rods, and their bar."""
+    if kind.tint == "stripe":
+        return Paint(style.UNPAINTED, stripe=style.PUSHED), None
+    if kind.tint == "one colour" or not bodies:
+        return Paint(style.PUSHED), None
+    extremes = np.array([body.extremes() for body in bodies])
+    low, high = float(extremes[:, 0].min()), float(extremes[:, 1].max())
+    if kind.tint == "contact":
+        if high <= 0:
+            return Paint(style.LIFTED), None
+        unit = style.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}")
+        return (Paint(ramp=style.PUSH_RAMP, high=high, below=style.LIFTED),
+                Bar(style.PUSH_RAMP, 0.0, high, f"push of the cylinder [{unit}]"))  # fmt: skip
+    if high - low < 1e-9 * high or high == 0:
+        return Paint(style.PUSHED), None
+    bar = Bar(style.RAMP, low, high, f"curvature κ [1/{ds.attrs['length_unit']}]")
+    return Paint(ramp=style.RAMP, low=low, high=high), bar
+
+
+def _legend(kind: Kind, bodies: Sequence[Body]) -> list[tuple[str, str]]:
+    if kind.tint == "stripe":
+        return [(style.PUSHED, "a stripe along the material: it turns as the rod is twisted and bent")]
+    if kind.tint == "contact" and any(body.extremes()[0] < 0 for body in bodies):
+        return [(style.LIFTED, "the cylinder would have to\npull: the rod would lift off")]
+    return []
+
+
+def _try(ds: xr.Dataset, where: dict[str, int], kind: Kind, look: Look) -> tuple[Body | None, str]:
+    """The rod, or why there is none. Raises `InputError` for a stretch that is not on the rod."""
+    outcome = str(ds["outcome"].isel(where).values)
+    if not outcome.startswith("solved"):
+        return None, outcome
+    body = tube.read(ds, where, kind, look.span)
+    if look.span and not 0 <= look.span[0] < look.span[1] <= body.line.L * (1 + 1e-9):
+        raise InputError(
+            f"no stretch from {look.span[0]:g} to {look.span[1]:g} on a rod of length {body.line.L:g}: give --from "
+            "and --to with 0 <= from < to <= L"
+        )
+    return body, ""
+
+
+def _check(look: Look) -> None:
+    if not 0.01 <= look.pixel_error <= 10:
+        raise InputError(f"--pixel-error must be between 0.01 and 10 pixels, got {look.pixel_error:g}")
+    if not DPIS[0] <= look.dpi <= DPIS[1]:
+        raise InputError(f"--dpi must be between {DPIS[0]} and {DPIS[1]}, got {look.dpi}")
+
+
+def _too_few(rows: Sequence[Sequence[Shot]], off: float, look: Look) -> str:
+    bodies = [body for row in rows for shot in row for body in shot.bodies]
+    worst = max(bodies, key=lambda body: body.line.error)
+    n = worst.line.s.size
+    return (
+        f"{n} stations are too few to draw this rod of length {worst.line.L:.4g} to within {look.pixel_error:g} pixels "
+        f"(it could be off by {off:.0f}): store several times {n}, with workbench run --stations or with the study's "
+        "key stations"
+    )
+
+
+def _covered(pieces: Sequence[Body], unit: str) -> list[str]:
+    """What part of the rod is drawn, where not all of it."""
+    if not pieces or (len(pieces) > 1 and pieces[1].span[0] <= pieces[0].span[1] * (1 + 1e-9)):
         return []
-    if not all(np.isfinite(curve.push).all() for curve in curves):
-        return [(style.PUSHED, "the rod (where it would lift off is not stored)")]
-    return [(style.PUSHED, "the cylinder pushes"), (style.LIFTED, "it would have to pull: the rod would lift off")]
+    low, high = pieces[0].span
+    L = style.number(pieces[0].line.L)
+    if len(pieces) > 1:
+        return [f"{len(pieces)} stretches of {style.number(high - low)} {unit} each,", f"evenly spread over {L} {unit}"]
+    return [f"only s = {style.number(low)} to {style.number(high)} {unit} of {L} {unit}"]
 
 
-def _notes(curves: Sequence[Curve], unit: str) -> list[str]:
-    notes = []
-    part = [curve for curve in curves if not curve.whole]
-    if part:
-        shown, L = style.number(part[0].shown), style.number(part[0].L)
-        notes.append(f"only the first {shown} {unit} of {L} {unit} are drawn")
-    if any(curve.overlaps for curve in curves):
-        notes.append("where turns cross, the equations let\nthe rod pass through itself")
-    return notes
+def _under(ds: xr.Dataset, kind: Kind, names: list[str], where: dict[str, int]) -> str:
+    if kind.name == "equilibria":
+        one = ds.isel(where)
+        stable = "stable" if int(one["index"]) == 0 else f"index {int(one['index'])}"
+        return f"{where['equilibrium'] + 1}: {stable}\nenergy {style.number(float(one['energy']))}".replace("-", "−")
+    if len(names) == 1:
+        return style.shown(float(ds[names[0]].values[where[names[0]]]), ds[names[0]])
+    return "\n".join(_facts(ds, {name: where[name] for name in names}))
 
 
-def _told(ds: xr.Dataset, name: str, index: int) -> str:
-    return f"{style.symbol(name)} = {style.shown(float(ds[name].values[index]), ds[name])}"
+def _described(ds: xr.Dataset, where: Mapping[str, int]) -> str:
+    return ", ".join(_facts(ds, where))
 
 
-def _checked(path: str | Path) -> Path:
-    path = Path(path)
-    style.picture_kind(path, KINDS)
-    return path
+def _facts(ds: xr.Dataset, where: Mapping[str, int]) -> list[str]:
+    return [f"{style.symbol(n)} = {style.shown(float(ds[n].values[i]), ds[n])}" for n, i in where.items()
+            if n != "equilibrium"]  # fmt: skip

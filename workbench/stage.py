@@ -8,13 +8,15 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from . import sheet, style, tube
+from . import style, tube
+from .centreline import Array
 from .sheet import Cell
-from .tube import Array, Curve
+from .tube import Body
 
 FINER = 2  # each pixel is the mean of 2 x 2
+BLUR = 2  # pixels between rings, below which a colour is not looked at
+MOST_PIXELS = 24_000_000  # taken at once: the ambient shading holds some 50 bytes of each
 ABOVE = 0.3  # rad from which the camera looks down
-AT_ONCE = 3  # columns of cells
 LEAST_CELL = 190  # pixels of width, for the label
 # Three lights fixed to the camera: azimuth and elevation in degrees, intensity
 LIGHTS = ((40, 40, 0.75), (-50, 15, 0.4), (0, -50, 0.3))
@@ -42,14 +44,14 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """What stands in a cell: a rod, or why there is none; turned about the axis by an angle."""
+    """What stands in a cell: rods on one cylinder, or none; turned about the axis by an angle."""
 
-    curve: Curve | None
+    bodies: Sequence[Body]
     cell: Cell
     turned: float = 0.0
 
 
-def ends_of(curves: Sequence[Curve]) -> tuple[float, float]:
+def ends_of(curves: Sequence[Body]) -> tuple[float, float]:
     """Where the cylinder begins and ends, a little beyond the rods; without rods somewhere."""
     if not curves:
         return 0.0, 5.0
@@ -57,7 +59,7 @@ def ends_of(curves: Sequence[Curve]) -> tuple[float, float]:
     return min(curve.z.min() for curve in curves) - beyond, max(curve.z.max() for curve in curves) + beyond
 
 
-def view_of(curves: Sequence[Curve], ends: tuple[float, float], room: tuple[int, int], lying: bool) -> View:
+def view_of(curves: Sequence[Body], ends: tuple[float, float], room: tuple[int, int], lying: bool) -> View:
     """The camera that faces the rods' mean azimuth, as near as the room of a cell (in pixels) allows.
 
     It looks from a little above, so that the end of the cylinder is seen; the axis goes up the page, or lying to
@@ -85,27 +87,35 @@ def view_of(curves: Sequence[Curve], ends: tuple[float, float], room: tuple[int,
     return View(toward, up, (low + high) / 2 @ page, per_unit, size)
 
 
-def photograph(shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view: View) -> NDArray[np.uint8]:
-    """All cells in one picture, (height, width, 3), each with room for its label below.
+def photograph(
+    shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view: View, pixel_error: float, label: int
+) -> tuple[NDArray[np.uint8], float]:
+    """All cells in one picture, (height, width, 3), each with room for its label below, `label` pixels high.
 
-    Taken a few columns at a time, as what the ambient shading holds of a picture is ten times its size.
+    Returns with it by how many pixels the drawn surface may be off; `pixel_error` where the stations allow it. Taken a
+    few columns at a time, as what the ambient shading holds of a picture is ten times its size.
     """
-    columns = len(shots[0])
-    parts = [[row[j : j + AT_ONCE] for row in shots] for j in range(0, columns, AT_ONCE)]
-    reach = max((shot.curve.reach for row in shots for shot in row if shot.curve), default=1.0)
-    return np.concatenate([_taken(part, ends, view, reach) for part in parts], axis=1)
+    columns, high = len(shots[0]), len(shots) * (view.size[1] + label)
+    at_once = max(MOST_PIXELS // (FINER**2 * high * view.size[0]), 1)
+    parts = [[row[j : j + at_once] for row in shots] for j in range(0, columns, at_once)]
+    reach = max((body.reach for row in shots for shot in row for body in shot.bodies), default=1.0)
+    taken = [_taken(part, ends, view, reach, pixel_error, label) for part in parts]
+    return np.concatenate([pixels for pixels, _ in taken], axis=1), max(off for _, off in taken)
 
 
-def _taken(shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view: View, reach: float) -> NDArray[np.uint8]:
+def _taken(
+    shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view: View, reach: float, pixel_error: float, label: int
+) -> tuple[NDArray[np.uint8], float]:
     """Some cells in one picture: one scene with one camera.
 
     The projection is parallel, so rods that stand apart on the page look as if each were seen alone.
     """
-    pitch = np.array([view.size[0], view.size[1] + sheet.LABEL])
+    pitch = np.array([view.size[0], view.size[1] + label])
     width, height = (int(n) for n in pitch * (len(shots[0]), len(shots)))
-    if not any(shot.curve for row in shots for shot in row):
-        return np.full((height, width, 3), 255, dtype=np.uint8)
+    if not any(shot.bodies for row in shots for shot in row):
+        return np.full((height, width, 3), 255, dtype=np.uint8), 0.0
     plotter: Any = pv.Plotter(off_screen=True, window_size=[FINER * width, FINER * height], lighting="none")
+    off = 0.0
     try:
         plotter.ren_win.SetMultiSamples(0)  # each pixel is a mean anyway
         plotter.set_background("white")
@@ -113,10 +123,10 @@ def _taken(shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view: Vie
             plotter.add_light(light)
         for i, row in enumerate(shots):
             for j, shot in enumerate(row):
-                if shot.curve:
+                if shot.bodies:
                     steps = np.array([j - (len(row) - 1) / 2, (len(shots) - 1) / 2 - i]) * pitch
-                    steps[1] += sheet.LABEL / 2
-                    _place(plotter, shot, ends, steps / view.per_unit @ view.page)
+                    steps[1] += label / 2
+                    off = max(off, _place(plotter, shot, ends, steps / view.per_unit @ view.page, view, pixel_error))
         # Near, as the ambient shading holds distances from the camera in half precision: far away it would band.
         away = 1.1 * (reach + (ends[1] - ends[0]) / 2)
         plotter.camera_position = [view.focus + away * view.toward, view.focus, view.up]
@@ -130,49 +140,61 @@ def _taken(shots: Sequence[Sequence[Shot]], ends: tuple[float, float], view: Vie
     sums = np.zeros((height, width, 3), dtype=np.uint16)
     for i, j in np.ndindex(FINER, FINER):
         sums += fine[i::FINER, j::FINER]
-    return (sums // FINER**2).astype(np.uint8)
+    return (sums // FINER**2).astype(np.uint8), off
 
 
-def _place(plotter: Any, shot: Shot, ends: tuple[float, float], where: Array) -> None:
-    """The rod and the cylinder, turned about the axis and then moved."""
-    curve = shot.curve
-    assert curve is not None
+def _place(plotter: Any, shot: Shot, ends: tuple[float, float], where: Array, view: View, pixel_error: float) -> float:
+    """The rods and their cylinder, turned about the axis and then moved; by how many pixels the rods may be off."""
     looks = {"ambient": 0.2, "diffuse": 0.85, "smooth_shading": False, "show_scalar_bar": False, "render": False}
 
     def add(mesh: pv.PolyData, **how: Any) -> None:
         turned = mesh.rotate_z(np.degrees(shot.turned), transform_all_input_vectors=True)
         plotter.add_mesh(turned.translate(where), interpolation="Phong", **{**looks, **how})
 
-    for mesh, colour in rod(curve):
-        add(mesh, color=colour, specular=0.35, specular_power=25)
+    off = 0.0
+    for body in shot.bodies:
+        drawn = body.detail(pixel_error / view.per_unit, BLUR / view.per_unit)
+        off = max(off, drawn.off * view.per_unit)
+        for mesh, how in painted(body, tube.mesh(body, drawn)):
+            add(mesh, specular=0.35, specular_power=25, **how)
     low, high = ends
+    first = shot.bodies[0]
     wall = pv.Cylinder(
-        center=(0, 0, (low + high) / 2), direction=(0, 0, 1), radius=curve.R, height=high - low, resolution=180,
+        center=(0, 0, (low + high) / 2), direction=(0, 0, 1), radius=first.R, height=high - low, resolution=180,
         capping=False,
     ).compute_normals(cell_normals=False)  # fmt: skip
-    if curve.side == "inside":  # cut open: the near half of the wall is hardly there
+    if first.side == "inside":  # cut open: the near half of the wall is hardly there
         add(wall, color=style.SURFACE, culling="front")
         add(wall, color=style.SOFT, culling="back", opacity=0.12)
     else:
         add(wall, color=style.SURFACE)
     for z in ends:
-        end = pv.Disc(center=(0, 0, z), inner=0, outer=curve.R, normal=(0, 0, 1), c_res=180)
-        if curve.side == "outside":
+        end = pv.Disc(center=(0, 0, z), inner=0, outer=first.R, normal=(0, 0, 1), c_res=180)
+        if first.side == "outside":
             add(end, color=style.SURFACE)
         add(end.extract_feature_edges(), color=style.SOFT, line_width=FINER * 1.2, lighting=False)
+    return off
 
 
-def rod(curve: Curve) -> list[tuple[pv.PolyData, str]]:
-    """The tube in two parts, each with its colour: where the cylinder pushes, and where it would have to pull."""
-    sides = 28 if curve.s.size < 3000 else 16
-    points, normals, triangles, held = tube.mesh(curve, sides)
-    parts = []
-    for colour, chosen in ((style.PUSHED, held), (style.LIFTED, ~held)):
-        if chosen.any():
-            part = pv.PolyData(points, faces=np.insert(triangles[chosen], 0, 3, axis=1).ravel())
-            part.point_data.active_normals = normals
-            parts.append((part, colour))
-    return parts
+def painted(body: Body, mesh: tube.Mesh) -> list[tuple[pv.PolyData, dict[str, Any]]]:
+    """The tube as VTK has it, in one part or with its stripe in two, each with how it is coloured."""
+    paint = body.paint
+
+    def part(chosen: Any) -> pv.PolyData:
+        found = pv.PolyData(mesh.points, faces=np.insert(mesh.triangles[chosen], 0, 3, axis=1).ravel())
+        found.point_data.active_normals = mesh.normals
+        return found
+
+    if paint.stripe:
+        return [(part(~mesh.striped), {"color": paint.colour}), (part(mesh.striped), {"color": paint.stripe})]
+    if mesh.values is None:
+        return [(part(slice(None)), {"color": paint.colour})]
+    whole = part(slice(None))
+    whole.point_data["value"] = mesh.values
+    table = pv.LookupTable(paint.ramp, scalar_range=(paint.low, paint.high), n_values=256)
+    if paint.below:
+        table.below_range_color = paint.below
+    return [(whole, {"scalars": "value", "cmap": table, "interpolate_before_map": True})]
 
 
 def _lights() -> list[pv.Light]:

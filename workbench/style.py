@@ -5,9 +5,11 @@ from math import degrees, floor, log10
 from textwrap import fill
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import Colormap, ListedColormap, to_hex
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
@@ -18,6 +20,7 @@ from studies.laws import FAILS, HOLDS, TREND
 # Okabe and Ito: told apart under every common colour blindness, and in grey
 PUSHED = "#0072b2"  # where the cylinder pushes
 LIFTED = "#e69f00"  # where it would have to pull
+UNPAINTED = "#d9c9a3"  # the rod beside its stripe
 SURFACE = "#e3e6ea"  # the cylinder
 INK, SOFT, FAINT = "#1c2430", "#5b6675", "#d5dae1"
 VERDICT_COLOURS = {HOLDS: "#00704f", TREND: "#8a5a00", FAILS: "#b3261e"}
@@ -31,6 +34,7 @@ DIRECTIONS = {
 }
 
 RAMP = colormaps["viridis"]
+PUSH_RAMP = ListedColormap(RAMP(np.linspace(0, 0.6, 256)), "push")  # ends before it comes near the colour of lift-off
 RAMP_ENDS = (0.0, 0.88)  # the last yellow is too light on white
 
 DPI = 200
@@ -139,6 +143,16 @@ def colours(count: int) -> list[Any]:
     """So many colours along the ramp."""
     low, high = RAMP_ENDS
     return [RAMP(low + (high - low) * i / max(count - 1, 1)) for i in range(count)]
+
+
+def hex_of(ramp: Colormap, share: float) -> str:
+    """A colour of a ramp as ``#rrggbb``."""
+    return to_hex(ramp(share))
+
+
+def ramp_part() -> Colormap:
+    """The ramp as far as it is used on white."""
+    return ListedColormap(RAMP(np.linspace(*RAMP_ENDS, 256)), "ramp")
 
 
 def entitle(fig: Figure, ds: xr.Dataset) -> None:

@@ -1,111 +1,181 @@
-"""The rod of one stored case as a smooth curve on its cylinder, and the tube about it. NumPy and SciPy only."""
+"""The rod of one stored case as it is drawn: its curve, how it is painted, and the tube about it. No OpenGL."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
+from scipy.interpolate import CubicSpline
 
-from solver import frames
 from solver.errors import InputError
-from studies.model import MAX_STATIONS
 
-from . import dataset
+from . import centreline, dataset, style
+from .centreline import Array, Centreline
+from .detail import Detail, detail
+from .kinds import Kind
 
-Array = NDArray[np.float64]
-
-TURN = 0.08  # rad between rings at most, so that the tube looks smooth
-STEP = 0.5  # radii of the rod between rings at most, so that the colours change where the push does
-MOST_RINGS = 30_000  # some 50 MB of mesh; a longer rod is shown in part
 TALLEST = 30.0  # diameters of the cylinder; beyond, the rod would be a hair
-COARSE = 0.1  # of its length may a stretch between stations be off; beyond, the stations missed a bend
+STRIPE = 3  # one side in so many is painted
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
-    """A rod's centreline on the cylinder, at rings close enough to look smooth.
+class Paint:
+    """The colour of a tube: one for all, or by a value along it between `low` and `high`, and below `low` another."""
 
-    s, alpha, beta, z, push: (n,); push is the cylinder's push per length, positive where it pushes and
-    negative where it would have to pull, NaN where that was not stored. shown: the length drawn, from the
-    start, at most L.
+    colour: str = style.PUSHED
+    ramp: Any = None
+    low: float = 0.0
+    high: float = 1.0
+    below: str = ""
+    stripe: str = ""  # the colour of a stripe that turns with the material
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A rod to be drawn between two arc lengths, `span`.
+
+    tint: the name of what is shown in colour. gamma: the section's rotation at the stations, where a stripe shows it.
     """
 
-    s: Array
-    alpha: Array
-    beta: Array
-    z: Array
-    push: Array
-    R: float
-    a: float
-    rho: float
-    L: float
-    side: str
-    overlaps: bool = False  # whether it is known to pass through itself
+    line: Centreline
+    span: tuple[float, float]
+    tint: str
+    gamma: Array | None = None
+    overlaps: bool = False
+    paint: Paint = field(default_factory=Paint)
 
     @property
-    def shown(self) -> float:
-        return float(self.s[-1])
+    def a(self) -> float:
+        return self.line.a
+
+    @property
+    def R(self) -> float:
+        return self.line.R
+
+    @property
+    def side(self) -> str:
+        return self.line.side
 
     @property
     def whole(self) -> bool:
         """Whether all of the rod is drawn."""
-        return self.shown >= self.L * (1 - 1e-9)
-
-    @property
-    def lifts(self) -> bool:
-        """Whether the cylinder would have to pull somewhere."""
-        return bool((self.push < 0).any())
+        return self.span[1] - self.span[0] >= self.line.L * (1 - 1e-9)
 
     @property
     def reach(self) -> float:
         """The largest distance from the axis of the rod and the cylinder."""
-        return max(self.R, self.rho + self.a)
+        return max(self.line.R, self.line.rho + self.line.a)
+
+    @cached_property
+    def _sampled(self) -> tuple[Array, Array]:
+        inside = self.line.s[(self.line.s > self.span[0]) & (self.line.s < self.span[1])]
+        alpha, _, z = self.line.at(np.concatenate([[self.span[0]], inside, [self.span[1]]]))
+        return alpha, z - z[0]
+
+    @property
+    def alpha(self) -> Array:
+        """Azimuth where the rod is drawn, at the stations, (k,) [rad]."""
+        return self._sampled[0]
+
+    @property
+    def z(self) -> Array:
+        """Height there, from where the drawing begins, (k,) [length]."""
+        return self._sampled[1]
+
+    def value(self, s: Array) -> Array:
+        """What the colour shows at s: push or curvature."""
+        if self.tint == "contact":
+            return (-1.0 if self.side == "inside" else 1.0) * self.line.contact(s)
+        return self.line.kappa(s)
+
+    def extremes(self) -> tuple[float, float]:
+        """Least and largest value where the rod is drawn."""
+        s = np.linspace(*self.span, max(4 * self.alpha.size, 400))
+        values = self.value(s)
+        return float(values.min()), float(values.max())
+
+    def turned(self) -> Any:
+        """The angle of the stripe about the tangent as a function of s, from the outward normal."""
+        return None if self.gamma is None else CubicSpline(self.line.s, -self.gamma)
+
+    def detail(self, tolerance: float, blur: float) -> Detail:
+        """Rings and sides for a tolerance [length]; colours on stretches longer than `blur` are true."""
+        scale = (self.paint.high - self.paint.low) or 1.0
+        parts = 2 * STRIPE if self.paint.stripe else 1
+        tint = (lambda s: self.value(s) / scale) if self.paint.ramp is not None else None
+        return detail(self.line, self.span, tolerance, self.turned(), tint, blur, parts)
 
 
-def read(ds: xr.Dataset, where: Mapping[str, int]) -> Curve | None:
-    """The curve of one case, by its indices along the axes; None where the case is not solved.
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A closed tube. points, normals: (m, 3); triangles: (k, 3) as indices of points; values: (m,) or None, what the
+    colour shows; striped: (k,) of bool, the triangles in the stripe."""
 
-    Raises `InputError` where the dataset does not hold what is drawn, or its stations are too coarse for it.
+    points: Array
+    normals: Array
+    triangles: NDArray[np.int64]
+    values: Array | None
+    striped: NDArray[np.bool_]
+
+
+def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None) -> Body:
+    """The rod of one case, by its indices along the axes; only what the kind reads is touched.
+
+    span: the arc lengths between which it is drawn; where left out the whole rod. Raises `InputError` where the case
+    has no shape, or the dataset lacks what the kind needs.
     """
-    for name in ("alpha", "z", "R", "a", "rho", "L"):
+    there = {name for name in kind.reads for name in (name, f"{name}_along") if name in ds}
+    for name in sorted(kind.reads - set(centreline.NEEDED)):
         if name not in ds and f"{name}_along" not in ds:
-            raise InputError(f"the dataset stores no {name}, which a scene needs: add it to the study's outputs")
-    one = ds.isel(dict(where))
-    alpha, z = (np.asarray(dataset.along(one, name).values, dtype=float) for name in ("alpha", "z"))
-    s = np.asarray(one["s"].values, dtype=float)
-    if not str(one["outcome"].values).startswith("solved") or not np.isfinite([alpha, z]).all():
-        return None
-    R, a, rho, L = (float(one[name].values) for name in ("R", "a", "rho", "L"))
-    azimuth, height = _through(one, s, alpha, z, rho)
-    rings = _rings(s, azimuth, height, rho, a)
-    around, up = rho * azimuth(rings, 1), height(rings, 1)
-    stored = dataset.along(one, "contact").values if _has(one, "contact") else np.full(s.shape, np.nan)
-    sign = -1.0 if ds.attrs["side"] == "inside" else 1.0
-    push = sign * np.interp(rings, s, stored)
-    overlaps = "overlaps" in str(one["caution"].values) if "caution" in one else False
-    side = str(ds.attrs["side"])
-    return Curve(rings, azimuth(rings), np.arctan2(around, up), height(rings), push, R, a, rho, L, side, overlaps)
+            raise InputError(
+                f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs"
+            )
+    also = {name for name in ("outcome", "caution", "dbeta", "dbeta_along") if name in ds}
+    one = ds[sorted(there | also)]
+    line = centreline.read(one, where)
+    this = one.isel(dict(where))
+    gamma = np.asarray(dataset.along(this, "gamma"), dtype=float) if kind.tint == "stripe" else None
+    overlaps = "overlaps" in str(this["caution"].values) if "caution" in this else False
+    return Body(line, span or (float(line.s[0]), float(line.s[-1])), kind.tint, gamma, overlaps)
 
 
-def mesh(curve: Curve, sides: int = 24) -> tuple[Array, Array, NDArray[np.int64], NDArray[np.bool_]]:
-    """The tube of radius a about the curve, closed at both ends.
+def fitting(body: Body, pieces: int) -> list[Body]:
+    """The rod in as many pieces as it takes, at most `pieces`, each short enough to be seen well.
 
-    Returns points (m, 3), their normals (m, 3), triangles (k, 3) as indices of points, and for each triangle
-    whether the cylinder pushes there (k,).
+    A piece is no taller than `TALLEST` diameters of the cylinder. Where so many do not cover the rod they are spread
+    evenly over it, the first at its start and the last at its end.
     """
-    centre = frames.position(curve.rho, curve.alpha, curve.z)
-    out, across = frames.outward(curve.alpha), frames.binormal(curve.alpha, curve.beta)
-    angle = np.linspace(0.0, 2 * np.pi, sides, endpoint=False)[:, None]
+    low, high = body.span
+    tall = TALLEST * 2 * body.reach
+    count = 1
+    while count <= pieces:
+        cuts = np.linspace(low, high, count + 1)
+        found = [replace(body, span=(float(a), float(b))) for a, b in pairwise(cuts)]
+        if max(np.ptp(piece.z) for piece in found) <= tall:
+            return found
+        count += 1
+    starts = np.linspace(low, high - tall, pieces)
+    return [replace(body, span=(float(start), float(start + tall))) for start in starts]
+
+
+def mesh(body: Body, drawn: Detail) -> Mesh:
+    """The tube of radius a about the curve, closed at both ends, its corners on the true surface."""
+    s, sides = drawn.s, drawn.sides
+    place, along, out, across = body.line.frame(s)
+    place = place - [0, 0, body.line.at(s[:1])[2][0]]
+    turned = body.turned()
+    angle = np.linspace(0.0, 2 * np.pi, sides, endpoint=False) + (turned(s)[:, None] if turned else 0.0)
+    angle = np.broadcast_to(angle, (s.size, sides))[..., None]
     normals = np.cos(angle) * out[:, None] + np.sin(angle) * across[:, None]
-    points = centre[:, None] + curve.a * normals
-    along = frames.tangent(curve.alpha, curve.beta)
+    points = place[:, None] + body.a * normals
     # the flat ends have points of their own, so that their edges stay sharp
-    ends = [np.concatenate([points[i], centre[i][None]]) for i in (0, -1)]
+    ends = [np.concatenate([points[i], place[i][None]]) for i in (0, -1)]
     flat = [np.broadcast_to(way * along[i], (sides + 1, 3)) for i, way in ((0, -1.0), (-1, 1.0))]
-    n = curve.s.size
+    n = s.size
     index = np.arange(n * sides).reshape(n, sides)
     beside = np.roll(index, -1, axis=1)
     one = np.stack([index[:-1], beside[1:], beside[:-1]], axis=-1)
@@ -113,57 +183,15 @@ def mesh(curve: Curve, sides: int = 24) -> tuple[Array, Array, NDArray[np.int64]
     rim = np.arange(sides)
     fan = np.stack([rim, np.roll(rim, -1), np.full(sides, sides)], axis=-1)
     triangles = [np.stack([one, two], axis=2).reshape(-1, 3), n * sides + fan, n * sides + sides + 1 + fan[:, ::-1]]
-    held = np.repeat(~(curve.push[:-1] + curve.push[1:] < 0), 2 * sides)  # not stored counts as held
-    return (
+    values = None
+    if body.paint.ramp is not None:
+        at = body.value(s)
+        values = np.concatenate([np.repeat(at, sides), np.repeat(at[[0, -1]], sides + 1)])
+    painted = np.tile(np.repeat((rim + sides // (2 * STRIPE)) % sides < sides // STRIPE, 2), n - 1)
+    return Mesh(
         np.concatenate([points.reshape(-1, 3), *ends]),
         np.concatenate([normals.reshape(-1, 3), *flat]),
         np.concatenate(triangles),
-        np.concatenate([held, np.repeat(held[[0, -1]], sides)]),
+        values,
+        np.concatenate([painted, np.zeros(2 * sides, dtype=bool)]),
     )
-
-
-def _has(ds: xr.Dataset, name: str) -> bool:
-    return f"{name}_along" in ds or name in ds.data_vars
-
-
-def _through(one: xr.Dataset, s: Array, alpha: Array, z: Array, rho: float) -> tuple[Any, Any]:
-    """alpha(s) and z(s) between the stations, with the tangents known where beta is stored.
-
-    Raises `InputError` where the stations are too coarse: the rod is not stretched, so a curve between two
-    stations that is not as long as the arc has missed a bend.
-    """
-    if _has(one, "beta"):
-        beta = np.asarray(dataset.along(one, "beta").values, dtype=float)
-        slopes = np.sin(beta) / rho, np.cos(beta)
-    else:
-        slopes = np.gradient(alpha, s, edge_order=2), np.gradient(z, s, edge_order=2)
-    azimuth, height = CubicHermiteSpline(s, alpha, slopes[0]), CubicHermiteSpline(s, z, slopes[1])
-    middle = (s[1:] + s[:-1]) / 2
-    speed = np.hypot(rho * azimuth(middle, 1), height(middle, 1))
-    if np.abs(speed - 1).max() > COARSE:
-        raise InputError(
-            f"{s.size} stations are too few to draw this rod of length {s[-1]:.4g}, which bends between them: store "
-            f"{_needed(one, s)} with workbench run --stations, or with the study's key stations"
-        )
-    return azimuth, height
-
-
-def _needed(one: xr.Dataset, s: Array) -> str:
-    """So many stations that the rod turns by a radian at most from one to the next, if its curvature is stored."""
-    if "kappa_max" not in one or not np.isfinite(one["kappa_max"]):
-        return f"several times {s.size}"
-    needed = int(np.ceil(float(s[-1] - s[0]) * float(one["kappa_max"]))) + 1
-    most = f" (a study stores at most {MAX_STATIONS})" if needed > MAX_STATIONS else ""
-    return f"{max(needed, 2 * s.size)}{most}"
-
-
-def _rings(s: Array, azimuth: Any, height: Any, rho: float, a: float) -> Array:
-    """Where the rings go: as near as the tightest bend and the radius ask, no more than can be held."""
-    curvature = np.hypot(np.gradient(np.unwrap(np.arctan2(rho * azimuth(s, 1), height(s, 1))), s), azimuth(s, 1))
-    step = min(TURN / max(float(curvature.max()), 1e-300), STEP * a)
-    length = float(s[-1] - s[0])
-    tall = np.abs(height(s) - height(s[0])) > TALLEST * 2 * (rho + a)
-    if tall.any():
-        length = float(s[int(tall.argmax())] - s[0])
-    length = min(length, step * MOST_RINGS)
-    return np.linspace(s[0], s[0] + length, max(int(np.ceil(length / step)), 2) + 1)

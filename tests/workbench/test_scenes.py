@@ -1,18 +1,21 @@
 """The tube about the rod, and the pictures made of it."""
 
-import re
 import resource
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_rgb
 
+from solver import frames
 from solver.errors import InputError
 from studies import load
 from studies.loader import loads
 from workbench import gl, picking, runner, sheet, style, tube
+from workbench.centreline import Centreline
+from workbench.kinds import KINDS, kind_of
 
-from . import small
 from .pictures import pixels, share_of_hue, share_of_ink
 
 HEAD = 'title = "a rod"\nstations = %d\n[units]\nlength = "cm"\nforce = "N"\n'
@@ -47,17 +50,17 @@ def fig6() -> xr.Dataset:
     return runner.run(load("fig6"))
 
 
-def curve(ds: xr.Dataset, **where: int) -> tube.Curve:
-    found = tube.read(ds, where)
-    assert found is not None
-    return found
+def body(ds: xr.Dataset, kind: str = "contact", **where: int) -> tube.Body:
+    return tube.read(ds, where, kind_of(kind))
+
+
+def fine(rod: tube.Body) -> tube.Mesh:
+    return tube.mesh(rod, rod.detail(1e-3, 0.0))
 
 
 @pytest.mark.parametrize("side", ["outside", "inside"])
 def test_the_tube_touches_the_surface_and_has_the_rods_radius(side: str) -> None:
-    rod = curve(dataset(side))
-    points, *_ = tube.mesh(rod)
-    away = np.hypot(points[:, 0], points[:, 1])
+    away = np.hypot(*fine(body(dataset(side))).points.T[:2])
     rho = 0.75 + (0.25 if side == "outside" else -0.25)
     # the ring's own points at the innermost and outermost angle: exact to rounding
     assert away.min() == pytest.approx(rho - 0.25, abs=1e-12)
@@ -65,83 +68,138 @@ def test_the_tube_touches_the_surface_and_has_the_rods_radius(side: str) -> None
 
 
 def test_the_tube_is_closed_and_its_faces_look_outward(fig6) -> None:
-    points, normals, triangles, _ = tube.mesh(curve(fig6), sides=48)
+    rod = body(fig6)
+    detail = rod.detail(1e-3, 0.0)
+    mesh = tube.mesh(rod, detail)
+    points, normals, triangles = mesh.points, mesh.normals, mesh.triangles
     corners = points[triangles]
     face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     # inside a bend tighter than the rod is thick the tube folds; elsewhere faces and normals agree
     assert (np.einsum("ij,ij->i", face, normals[triangles[:, 0]]) > 0).mean() > 0.99
     volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
-    assert volume == pytest.approx(np.pi * 0.25**2 * 20, rel=5e-3)  # 48 sides: sin(x)/x is off by 3e-3
+    lost = 1 - np.sinc(2 / detail.sides)  # a polygon's area against its circle's
+    assert volume == pytest.approx(np.pi * 0.25**2 * 20 * (1 - lost), rel=2e-3)
     edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     _, count = np.unique(edges, axis=0, return_counts=True)
-    assert (count == 1).sum() == 4 * 48  # only the rims of the two flat ends, which have points of their own
-
-
-def test_between_coarse_stations_the_curve_follows_the_fine_ones(fig6) -> None:
-    coarse = curve(fig6.isel(u=slice(None, None, 10)))
-    # measured 8e-4 with the stored tangents at a quarter of a centimetre, 4e-3 without
-    np.testing.assert_allclose(np.interp(fig6["s"], coarse.s, coarse.alpha), fig6["alpha"], atol=1.5e-3)
-    np.testing.assert_allclose(np.interp(fig6["s"], coarse.s, coarse.z), fig6["z"], atol=1.5e-3)
-    steps = np.linalg.norm(np.diff(tube.frames.position(coarse.rho, coarse.alpha, coarse.z), axis=0), axis=1)
-    assert steps.sum() == pytest.approx(20.0, rel=1e-3)  # the rod is not stretched; chords are a little short
+    # only the rims of the two flat ends, which have points of their own
+    assert (count == 1).sum() == 4 * detail.sides
 
 
 def test_a_study_that_varies_the_angle_is_drawn_with_its_stored_tangents() -> None:
     ds = runner.run(load("fig7_3_start_angle"))
-    first, last = curve(ds, beta=0), curve(ds, beta=8)
-    assert np.rad2deg([first.beta[0], last.beta[0]]) == pytest.approx([15, 60])
+    first, last = (body(ds, beta=i).line.at(np.zeros(1))[1] for i in (0, 8))
+    assert np.rad2deg(np.concatenate([first, last])) == pytest.approx([15, 60])
 
 
-def test_the_second_colour_covers_what_is_not_attached(fig6) -> None:
-    rod = curve(fig6)
-    *_, held = tube.mesh(rod)
-    assert rod.lifts
-    # rings are a hundredth of the rod apart or less
-    assert held.mean() == pytest.approx(float(fig6["attached"]), abs=0.01)
+def test_the_colour_of_lift_off_covers_what_is_not_attached(fig6) -> None:
+    values = body(fig6).value(np.linspace(0, 20, 20001))
+    assert (values >= 0).mean() == pytest.approx(float(fig6["attached"]), abs=1e-3)
 
 
-def test_inside_the_push_is_toward_the_axis() -> None:
-    ds = dataset("inside")
-    rod = curve(ds)
-    assert (rod.push >= 0).mean() == pytest.approx(float((ds["contact"] <= 0).mean()), abs=0.02)
+@pytest.mark.parametrize("side", ["outside", "inside"])
+def test_push_and_curvature_are_those_of_the_solution(side: str) -> None:
+    ds = dataset(side, outputs='outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n')
+    sign = 1 if side == "outside" else -1
+    s = ds["s"].values
+    np.testing.assert_allclose(body(ds).value(s), sign * ds["contact"], rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(body(ds, "curvature").value(s), ds["kappa"], rtol=1e-12)
 
 
-def test_stations_that_miss_a_bend_are_refused() -> None:
-    with pytest.raises(InputError, match="11 stations are too few to draw this rod of length 20"):
-        tube.read(dataset(stations=11), {})
-
-
-def test_where_the_stations_are_too_few_as_many_as_are_said_to_be_needed_are_enough() -> None:
-    for L, stations in ((20.0, 11), (400.0, 201)):
-        with pytest.raises(InputError, match="workbench run --stations") as refusal:
-            curve(dataset(L=L, stations=stations))
-        said = re.search(r"store (\d+) with", str(refusal.value))
-        assert said is not None
-        assert curve(dataset(L=L, stations=int(said[1]))).L == L
-
-
-def test_whether_a_rod_meets_itself_is_known_whatever_the_study_asks_for() -> None:
-    for wanted in ('observables = ["overlaps"]\n', "", "observables = []\n"):
-        assert curve(runner.run(loads(wanted + small.HEAD))).overlaps  # the rod of Table 1
-        assert not curve(dataset(outputs=wanted)).overlaps
+def test_the_stripe_turns_with_the_material() -> None:
+    ds = dataset(outputs='outputs = ["beta", "alpha", "z", "gamma"]\n')
+    rod = body(ds, "twist")
+    rod = replace(rod, paint=tube.Paint("white", stripe="blue"))
+    detail = rod.detail(1e-3, 0.0)
+    mesh = tube.mesh(rod, detail)
+    middle = mesh.normals[: detail.s.size * detail.sides].reshape(-1, detail.sides, 3)[:, 0]
+    alpha, beta, _ = rod.line.at(detail.s)
+    gamma = np.interp(detail.s, ds["s"], ds["gamma"])
+    d1 = frames.material(alpha, beta, gamma)[:, 0]
+    # the stripe's middle is opposite the section's first axis; gamma is interpolated linearly here
+    np.testing.assert_allclose(middle, -d1, atol=5e-3)
+    assert mesh.striped[: -2 * detail.sides].mean() == pytest.approx(1 / 3, abs=1e-12)
 
 
 def test_what_is_not_stored_is_named() -> None:
     with pytest.raises(InputError, match="stores no z"):
-        tube.read(dataset().drop_vars("z"), {})
+        body(dataset().drop_vars("z"))
+    with pytest.raises(InputError, match=r"stores no gamma, which the kind twist needs"):
+        body(dataset(), "twist")
+    with pytest.raises(InputError, match="no kind of scene 'contct', did you mean 'contact'"):
+        kind_of("contct")
 
 
-def test_a_very_long_rod_is_drawn_in_part_and_in_bounded_memory() -> None:
-    rod = curve(dataset(stations=20_001, L=2000.0))
-    assert not rod.whole
-    assert rod.s.size <= tube.MOST_RINGS + 1
-    assert np.ptp(rod.z) <= 1.05 * tube.TALLEST * 2 * (rod.rho + rod.a)
-    assert len(tube.mesh(rod)[0]) * 24 < 100e6
+def test_a_long_rod_is_drawn_in_stretches_that_can_be_seen() -> None:
+    rod = body(dataset(stations=20_001, L=2000.0))
+    pieces = tube.fitting(rod, 8)
+    tall = tube.TALLEST * 2 * rod.reach
+    assert len(pieces) == 8
+    assert all(np.ptp(piece.z) <= tall * (1 + 1e-9) for piece in pieces)
+    assert (pieces[0].span[0], pieces[-1].span[1]) == (0.0, pytest.approx(2000.0))
+    assert tube.fitting(body(dataset()), 8)[0].whole
 
 
-def test_an_unsolved_case_has_no_curve(fig6) -> None:
-    ds = fig6.assign(outcome=((), "the march went astray"))
-    assert tube.read(ds, {}) is None
+class Counted:
+    """A dataset that remembers which variables were opened."""
+
+    def __init__(self, ds: xr.Dataset, opened: set[str]) -> None:
+        self.ds, self.opened = ds, opened
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.ds
+
+    def __getitem__(self, names: list[str]) -> xr.Dataset:
+        self.opened |= set(names)
+        return self.ds[names]
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "equilibria"])
+def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind: str, fig6, monkeypatch) -> None:
+    counted: list[str] = []
+    line = Centreline
+    for name in ("contact", "kappa"):
+        real = getattr(line, name)
+        monkeypatch.setattr(line, name, lambda self, s, n=name, real=real: (counted.append(n), real(self, s))[1])
+    opened: set[str] = set()
+    rod = tube.read(Counted(fig6, opened), {}, KINDS[kind])
+    low_high = rod.extremes() if KINDS[kind].tint in ("contact", "kappa") else (0.0, 1.0)
+    ramp = style.RAMP if KINDS[kind].tint in ("contact", "kappa") else None
+    rod = replace(rod, paint=tube.Paint(ramp=ramp, low=low_high[0], high=low_high[1]))
+    tube.mesh(rod, rod.detail(0.01, 0.0))
+    assert opened <= KINDS[kind].reads | {"outcome", "caution", "dbeta"}
+    assert set(counted) == ({KINDS[kind].tint} & {"contact", "kappa"})
+
+
+def _lab(rgb) -> np.ndarray:
+    """CIE L*a*b* of sRGB colours, (..., 3)."""
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    xyz = linear @ np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]).T
+    f = np.cbrt(xyz / [0.9505, 1.0, 1.089])
+    return np.stack([116 * f[..., 1] - 16, 500 * (f[..., 0] - f[..., 1]), 200 * (f[..., 1] - f[..., 2])], axis=-1)
+
+
+# Machado, Oliveira and Fernandes 2009, severity 1, applied to linear RGB
+BLIND = {
+    "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+}
+
+
+@pytest.mark.parametrize("eyes", ["all", *BLIND])
+def test_lift_off_is_told_from_every_push_whatever_the_eyes(eyes: str) -> None:
+    def seen(rgb):
+        if eyes == "all":
+            return _lab(rgb)
+        linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+        mixed = np.clip(linear @ np.array(BLIND[eyes]).T, 0, 1)
+        return _lab(np.where(mixed <= 0.0031308, 12.92 * mixed, 1.055 * mixed ** (1 / 2.4) - 0.055))
+
+    ramp = style.PUSH_RAMP(np.linspace(0, 1, 64))[:, :3]
+    lifted = np.array(to_rgb(style.LIFTED))
+    # some 2.3 is a just noticeable difference between neighbouring patches; ten times that is another colour
+    assert np.linalg.norm(seen(ramp) - seen(lifted), axis=1).min() > 23
+    assert (np.diff(seen(ramp)[:, 0]) > 0).all()  # more push is lighter
 
 
 def test_a_row_runs_along_its_axis_with_the_others_at_table_1() -> None:
@@ -181,10 +239,12 @@ def test_a_scale_bar_is_a_round_length_that_fits() -> None:
 def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> None:
     from workbench import scenes
 
-    picture = pixels(scenes.render(fig6, tmp_path / "fig6.png"))
+    taken = scenes.render(fig6, tmp_path / "fig6.png")
+    assert taken.off <= 0.5 * (1 + 1e-9)
+    picture = pixels(tmp_path / "fig6.png")
     assert picture.shape == (1200, 1600, 3)
     assert share_of_ink(picture) > 0.25
-    assert share_of_hue(picture, style.PUSHED) > 0.02
+    assert share_of_hue(picture, style.hex_of(style.PUSH_RAMP, 0.9)) > 0.01
     assert share_of_hue(picture, style.LIFTED) > 0.05
     edge = np.concatenate([picture[:8].ravel(), picture[-8:].ravel(), picture[:, :8].ravel(), picture[:, -8:].ravel()])
     assert (edge > 0.98).all()  # nothing is cut off
@@ -196,10 +256,10 @@ def test_a_row_has_one_scale_and_one_camera() -> None:
     from workbench.sheet import Cell
 
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n")
-    rods = [curve(ds, E=0), curve(ds, E=1), curve(ds, E=0), curve(ds, E=1)]
+    rods = [body(ds, E=i) for i in (0, 1, 0, 1)]
     ends = stage.ends_of(rods)
     view = stage.view_of(rods, ends, (160, 300), lying=False)
-    picture = stage.photograph([[stage.Shot(rod, Cell("")) for rod in rods]], ends, view).astype(int)
+    picture = stage.photograph([[stage.Shot([rod], Cell("")) for rod in rods]], ends, view, 0.5, 76)[0].astype(int)
     first, second, third, fourth = np.split(picture, 4, axis=1)
     # the same rod in another cell, even of another part of the picture: the ambient shading is random in places
     assert (np.abs(first - third).max(axis=-1) > 24).mean() < 0.002
@@ -212,10 +272,10 @@ def test_the_cylinder_is_as_wide_as_the_scale_bar_says() -> None:
     from workbench import stage
     from workbench.sheet import Cell
 
-    rod = curve(dataset())
+    rod = body(dataset())
     ends = stage.ends_of([rod])
     view = stage.view_of([rod], ends, (300, 600), lying=False)
-    picture = stage.photograph([[stage.Shot(rod, Cell(""))]], ends, view)
+    picture, _ = stage.photograph([[stage.Shot([rod], Cell(""))]], ends, view, 0.5, 76)
     top = picture[:40].min(axis=-1) < 250  # only the cylinder reaches up there
     assert top.sum(axis=1).max() == pytest.approx(2 * 0.75 * view.per_unit, abs=2)  # a pixel on either side
 
@@ -228,7 +288,7 @@ def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
     ds["outcome"] = ("E", ["solved", "no solution", "solved"])
     ds["alpha"][1] = np.nan
     picture = pixels(scenes.render_row(ds, tmp_path / "row.png", "E"))
-    assert share_of_hue(picture, style.PUSHED) + share_of_hue(picture, style.LIFTED) > 0.01
+    assert share_of_hue(picture, style.LIFTED) > 0.01
     with pytest.raises(InputError, match="nothing to draw at E = 20000 N/cm²: no solution"):
         scenes.render(ds, tmp_path / "one.png", {"E": 2e4})
     ds["outcome"] = ("E", ["no solution"] * 3)
@@ -239,8 +299,8 @@ def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
 def test_inside_the_rod_is_seen_through_the_near_wall(tmp_path) -> None:
     from workbench import scenes
 
-    picture = pixels(scenes.render(dataset("inside"), tmp_path / "inside.png"))
-    assert share_of_hue(picture, style.PUSHED, 0.12) > 0.02
+    scenes.render(dataset("inside"), tmp_path / "inside.png", kind="plain")
+    assert share_of_hue(pixels(tmp_path / "inside.png"), style.PUSHED, 0.12) > 0.02
 
 
 @draws
@@ -256,4 +316,6 @@ def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
     from workbench import scenes
 
     scenes.render(dataset(stations=20_001, L=2000.0), tmp_path / "long.png")
+    with pytest.raises(InputError, match="pixels wide in the picture: give a shorter stretch"):
+        scenes.take(dataset(stations=20_001, L=2000.0), look=scenes.Look(span=(0.0, 2000.0)))
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 1.5e6  # kilobytes
