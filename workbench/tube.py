@@ -131,9 +131,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
     there = {name for name in kind.reads for name in (name, f"{name}_along") if name in ds}
     for name in sorted(kind.reads - set(centreline.NEEDED)):
         if name not in ds and f"{name}_along" not in ds:
-            raise InputError(
-                f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs"
-            )
+            raise InputError(f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs")
     also = {name for name in ("outcome", "caution", "dbeta", "dbeta_along") if name in ds}
     one = ds[sorted(there | also)]
     line = centreline.read(one, where)
