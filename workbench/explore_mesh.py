@@ -11,7 +11,8 @@ from solver import Solution, frames
 
 from . import style
 
-SIDES = 20
+SIDES = (20, 10)  # of the tube, and of one of more than `MANY` rings
+MANY = 801
 AROUND = 72  # sides of the cylinder
 TALLEST = 9.0  # diameters; a taller scene is drawn compressed along the axis, or the rod would be a hair
 
@@ -45,21 +46,27 @@ def rod(sol: Solution) -> Drawn:
     centre = frames.position(rho, sol.alpha, squeeze * sol.z)
     out, across = frames.outward(sol.alpha), frames.binormal(sol.alpha, beta)
     along = frames.tangent(sol.alpha, beta)[[0, -1]] * np.array([[-1.0], [1.0]])
-    angle = np.linspace(0.0, 2 * np.pi, SIDES, endpoint=False)[:, None]
+    n = sol.s.size
+    sides = sides_of(n)
+    angle = np.linspace(0.0, 2 * np.pi, sides, endpoint=False)[:, None]
     normals = np.cos(angle) * out[:, None] + np.sin(angle) * across[:, None]
     points = centre[:, None] + a * normals
     lids = points[[0, -1]].reshape(-1, 3)  # once more, for the flat ends' own normals
     shades = np.array([_bytes(style.PUSHED), _bytes(style.LIFTED)])
-    colours = shades[np.repeat((sol.push < 0).astype(int), SIDES)]
-    n = sol.s.size
+    colours = shades[np.repeat((sol.push < 0).astype(int), sides)]
     return Drawn(
         np.concatenate([points.reshape(-1, 3), lids]).astype(np.float32),
-        np.concatenate([normals.reshape(-1, 3), np.repeat(along, SIDES, axis=0)]).astype(np.float32),
-        np.concatenate([colours, colours[:SIDES], colours[-SIDES:]]),
+        np.concatenate([normals.reshape(-1, 3), np.repeat(along, sides, axis=0)]).astype(np.float32),
+        np.concatenate([colours, colours[:sides], colours[-sides:]]),
         _tube_polygons(n),
         f"tube {n}",
         squeeze,
     )
+
+
+def sides_of(rings: int) -> int:
+    """How many sides a tube of so many rings has."""
+    return SIDES[int(rings > MANY)]
 
 
 def cylinder(sol: Solution, squeeze: float) -> Drawn:
@@ -84,11 +91,12 @@ def _bytes(colour: str) -> NDArray[np.uint8]:
 
 @lru_cache(maxsize=8)
 def _tube_polygons(n: int) -> Indices:
-    index = np.arange(n * SIDES).reshape(n, SIDES)
+    sides = sides_of(n)
+    index = np.arange(n * sides).reshape(n, sides)
     beside = np.roll(index, -1, axis=1)
     walls = np.stack([index[:-1], beside[1:], beside[:-1], index[:-1], index[1:], beside[1:]], axis=-1).reshape(-1, 3)
-    fan = np.stack([np.zeros(SIDES - 2, dtype=int), np.arange(1, SIDES - 1), np.arange(2, SIDES)], axis=-1)
-    return _listed(np.concatenate([walls, n * SIDES + fan, (n + 1) * SIDES + fan[:, ::-1]]))
+    fan = np.stack([np.zeros(sides - 2, dtype=int), np.arange(1, sides - 1), np.arange(2, sides)], axis=-1)
+    return _listed(np.concatenate([walls, n * sides + fan, (n + 1) * sides + fan[:, ::-1]]))
 
 
 @lru_cache(maxsize=2)

@@ -31,7 +31,7 @@ from .equilibria import told as case_fields
 
 KEYS = ("title", "units", "reading", "base", "equilibrium")
 TOL, NEAR = 1e-8, 1e-6  # of a shape, and of one that follows another as a slider moves
-STATIONS, BETWEEN, MOST = 201, 401, 8001  # given by its start, by its ends, and of a rod of many bends
+STATIONS, BETWEEN, MOST = 201, 401, 4001  # given by its start, by its ends, and of a rod of many bends
 CHORD = 0.4  # rad that the rod may turn from one station to the next before more are taken
 HIDDEN = ("alpha", "gamma")  # fields that turn the whole rod and change nothing that is shown
 POSITIVE = ("E", "a", "L", "R")

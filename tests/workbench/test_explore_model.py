@@ -193,7 +193,8 @@ def test_a_tall_scene_is_compressed_along_the_axis_and_says_by_how_much() -> Non
 def test_the_colours_are_where_the_cylinder_pushes_and_where_it_pulls() -> None:
     found = shape()
     drawn = explore_mesh.rod(found.sol)
-    rings = drawn.colours[: found.sol.s.size * explore_mesh.SIDES].reshape(-1, explore_mesh.SIDES, 3)
+    n, sides = found.sol.s.size, explore_mesh.sides_of(found.sol.s.size)
+    rings = drawn.colours[: n * sides].reshape(n, sides, 3)
     assert len(np.unique(drawn.colours, axis=0)) == 2
     np.testing.assert_array_equal(rings[:, 0, 0] > 100, found.sol.push < 0)  # orange has much red
 

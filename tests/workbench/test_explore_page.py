@@ -214,6 +214,7 @@ def test_a_link_brings_back_the_rod(page, driver) -> None:
     before = page.drawn()
     page.slide("L", 650)
     page.until(lambda: page.drawn() != before, "another shape")
+    page.click("copy-link")
     points, link = page.points(), page("return location.href")
     driver.switch_to.new_window("tab")
     other = Page(driver)

@@ -5,7 +5,8 @@ const DEGREE = Math.PI / 180;
 const TYPES = { f4: Float32Array, u1: Uint8Array, u4: Uint32Array };
 const RATIO = [-0.95, 0.5]; // of nu
 const WIDER = 5; // how far a slider goes to either side of what a preset has, as a factor
-const PATIENCE = { numbers: 150, equilibria: 500 }; // ms of rest before what takes longer is asked
+const SMOOTH = 15, COARSEST = 3; // ms that drawing may take while a slider moves; how much coarser it may get
+const PATIENCE = { whole: 200, link: 100, numbers: 150, equilibria: 500 }; // ms of rest before what takes longer is asked
 
 const SceneHandle = { inject: ["view"], emits: ["ready"], template: "<span></span>",
   mounted() { this.$nextTick(() => this.$emit("ready", this.view)); } };
@@ -163,10 +164,14 @@ const app = Vue.createApp({
       this.fields = head.fields;
       if (head.which) this.state.equilibrium = head.which;
       this.curves = Vue.markRaw(arrays);
+    },
+    link() {
       keys.hash = "#" + toHash({ preset: this.preset, state: this.state });
       history.replaceState(null, "", keys.hash);
     },
     later(how) {
+      clearTimeout(waiting.link);
+      waiting.link = setTimeout(() => this.link(), PATIENCE.link);
       clearTimeout(waiting.numbers);
       waiting.numbers = setTimeout(() => this.more("/numbers", (told) => { this.rows = told.rows; this.warnings = told.warnings; }), PATIENCE.numbers);
       if (this.head.problem !== "ends") { this.list = []; return; }
@@ -231,12 +236,26 @@ const app = Vue.createApp({
         points.modified();
         data.modified();
       }
-      const inside = head.side === "inside";
-      actors.wall.getProperty().set({ opacity: inside ? 0.16 : 1 });
-      if (keys.turn) { keys.turn = false; this.face(); }
+      actors.wall.getProperty().setFrontfaceCulling(head.side === "inside"); // cut open: the near half is not there
       view.renderer.resetCameraClippingRange();
+      if (keys.turn) { keys.turn = false; this.face(); this.weigh(); } else this.sketch();
       view.renderWindow.render();
       return performance.now();
+    },
+    // where drawing is slow (no graphics card), fewer pixels while a slider moves, all of them at rest
+    weigh() {
+      const gl = view.openglRenderWindow.get3DContext(), from = performance.now();
+      view.renderWindow.render();
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits for them
+      keys.coarse = Math.min(Math.max(Math.sqrt((performance.now() - from) / SMOOTH), 1), COARSEST);
+    },
+    sketch() {
+      if (keys.coarse < 1.2) return;
+      const box = view.container.getBoundingClientRect(), scale = (window.devicePixelRatio || 1) / keys.coarse;
+      const size = [box.width, box.height].map((v) => Math.max(Math.floor(v * scale), 10)), now = view.openglRenderWindow.getSize();
+      if (size[0] !== now[0] || size[1] !== now[1]) view.openglRenderWindow.setSize(...size);
+      clearTimeout(waiting.whole);
+      waiting.whole = setTimeout(() => view.resize(), PATIENCE.whole);
     },
     face() {
       if (!view) return;
@@ -283,7 +302,7 @@ const app = Vue.createApp({
         await this.copy(this.studyText, "The study is copied.");
       } catch (error) { this.refuse(error); }
     },
-    copyLink() { return this.copy(location.href, "The link is copied."); },
+    copyLink() { this.link(); return this.copy(location.href, "The link is copied."); },
     async copy(text, then) {
       try {
         await navigator.clipboard.writeText(text);
