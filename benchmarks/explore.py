@@ -18,9 +18,11 @@ import time
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 
-FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run",
-         "--disable-background-networking", "--disable-component-update", "--disable-sync", "--window-size=1500,1100")  # fmt: skip
+FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-quic",
+         "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+         "--window-size=1500,1100")  # fmt: skip
 SLIDERS = {"table1": "E", "dna": "F3", "pipe": "F3", "cable": "R"}
+PARTS = ("solve", "mesh", "transfer", "draw", "pixels", "all")
 WARM = 10  # moves that are not counted
 
 MOVE = """
@@ -63,7 +65,7 @@ def main(moves: int) -> None:
             time.sleep(4)
             found = json.loads(driver.execute_async_script(MOVE, f"s-{slider}", moves + WARM))[WARM:]
             rows = [{**one, "transfer": one["back"] - one["solve"] - one["mesh"]} for one in found]
-            middle = [statistics.median(row[key] for row in rows) for key in ("solve", "mesh", "transfer", "draw", "pixels", "all")]
+            middle = [statistics.median(row[key] for row in rows) for key in PARTS]
             worst = statistics.quantiles([row["all"] for row in rows], n=20)[-1]
             print(f"| {preset}, {slider} | " + " | ".join(f"{value:.1f}" for value in (*middle, worst)) + " |")
     finally:
