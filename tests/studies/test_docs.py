@@ -29,7 +29,7 @@ def test_each_whole_example_is_a_study(example: str) -> None:
 
 def test_the_pipe_in_the_borehole_buckles_as_lubinski_says_and_not_into_a_knot() -> None:
     (text,) = [example for example in WHOLE if "borehole" in example]
-    sol = solve(loads(text).case(), stations=101)
+    sol = solve(loads(text.replace("count = 4", "count = 2")).case(), stations=101)
     helix = np.arcsin(np.sqrt(-sol.FZ * sol.case.rho**2 / (2 * sol.case.rod.bending_stiffness)))
     # Lubinski's force is the helix's own over its cosine, which is within 1e-4 of 1
     np.testing.assert_allclose(np.abs(sol.beta[:, 50]), helix, rtol=1e-4)
