@@ -143,7 +143,7 @@ def _number(text: str, is_angle: bool) -> float:
 
 
 def _over(study: Study, case: Case, axis: str, picture: Path | None, out: Path | None, json: bool, force: bool) -> int:
-    from . import bifurcation
+    from . import bifurcation, branch_plots
 
     name, values = parse_axis(axis)
     with console.progress(values.size) as step:
@@ -151,7 +151,7 @@ def _over(study: Study, case: Case, axis: str, picture: Path | None, out: Path |
     if out:
         store.write(ds, out, force)
     if picture:
-        bifurcation.figure(ds, picture)
+        branch_plots.figure(ds, picture)
     rows = bifurcation.branches(ds)
     if json:
         console.print_json({"axis": name, "units": study.unit_system, "branches": rows, "folds": bifurcation.folds(ds)})
