@@ -125,7 +125,7 @@ def test_what_is_not_stored_is_named() -> None:
         body(dataset().drop_vars("z"))
     with pytest.raises(InputError, match=r"stores no gamma, which the kind twist needs"):
         body(dataset(), "twist")
-    with pytest.raises(InputError, match="no kind of scene 'contct'.*contact"):
+    with pytest.raises(InputError, match=r"no kind of scene 'contct'.*contact"):
         kind_of("contct")
 
 
