@@ -27,9 +27,10 @@ WARM = 10  # moves that are not counted
 
 MOVE = """
 const [slider, moves, done] = [document.getElementById(arguments[0]), arguments[1], arguments[2]], found = [];
+const centre = Number(slider.value);
 let i = 0;
 function move() {
-  slider.value = 450 + ((37 * i) % 101);
+  slider.value = centre - 50 + ((37 * i) % 101);
   slider.dispatchEvent(new Event("input", { bubbles: true }));
 }
 document.addEventListener("drawn", function seen(event) {

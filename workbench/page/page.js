@@ -5,7 +5,7 @@ const DEGREE = Math.PI / 180;
 const TYPES = { f4: Float32Array, u1: Uint8Array, u4: Uint32Array };
 const RATIO = [-0.95, 0.5]; // of nu
 const WIDER = 5; // how far a slider goes to either side of what a preset has, as a factor
-const SMOOTH = 15, COARSEST = 3; // ms that drawing may take while a slider moves; how much coarser it may get
+const SMOOTH = 8, COARSEST = 3; // ms that drawing may take while a slider moves; how much coarser it may get
 const PATIENCE = { whole: 200, link: 100, numbers: 150, equilibria: 500 }; // ms of rest before what takes longer is asked
 
 const SceneHandle = { inject: ["view"], emits: ["ready"], template: "<span></span>",
