@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from solver.errors import InputError
 
-from .plan import FORMAT, Coordinates, Plan, differences, recipe
+from .plan import FORMAT, Coordinates, Plan, axis_line, differences, recipe
 
 VERSIONS = ("code", "numpy", "scipy", "numba", "heyoka", "block")  # of a recipe: what is not the study
 _ROUNDING = 8 * 2.0**-52  # values of an axis closer than this share are the same
@@ -40,6 +40,8 @@ def look(path: Path) -> There | None:
                 raise InputError(f"{path} is of format {found}, but this version reads up to format {FORMAT}")
             made = json.loads(file.attrs["recipe"])
             axes = {name: np.asarray(file[name][...], dtype=float) for name in made["order"]}
+            if any(made["axes"][name] != axis_line(values) for name, values in axes.items()):
+                return None  # joined or cut by another hand since
             return There(str(file.attrs["study_name"]), made, axes, json.loads(file.attrs["told"]))
     except InputError:
         raise

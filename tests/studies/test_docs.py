@@ -9,7 +9,7 @@ import pytest
 from solver import solve
 from solver.observables import OBSERVABLES, observe
 from studies.axes import FORCES, LENGTHS
-from studies.loader import loads
+from studies.loader import load, loads
 from studies.model import OUTPUTS
 
 TEXT = (Path(__file__).parents[2] / "docs" / "studies.md").read_text(encoding="utf-8")
@@ -53,3 +53,8 @@ def test_every_unit_is_listed() -> None:
     lengths, forces = TEXT.split("Units of length: ")[1].split(". Of force: ")
     assert tuple(lengths.split(", ")) == LENGTHS
     assert tuple(forces.split(".\n")[0].split(", ")) == FORCES
+
+
+def test_the_million_rods_of_the_docs_are_a_study_that_stores_no_curves() -> None:
+    study = load(Path(__file__).parents[2] / "docs" / "million.toml")
+    assert (study.size, study.stations, study.outputs) == (1_000_000, 101, [])

@@ -357,6 +357,12 @@ def test_a_study_does_not_grow_with_other_code(half, monkeypatch) -> None:
         run_to_file(load(half), half.with_suffix(".h5"))
 
 
+def test_a_file_whose_axes_were_changed_by_another_hand_is_not_taken_for_finished(half) -> None:
+    with h5py.File(half.with_suffix(".h5"), "a") as file:
+        file["E"][0] = 9e3
+    assert run_to_file(load(half), half.with_suffix(".h5")).solved == 120
+
+
 def test_a_study_of_fewer_values_is_another_one(half, monkeypatch) -> None:
     runs.study(half.parent, {"E": [1e4], "F1": FORCES.tolist()})
     solved = counted(monkeypatch)

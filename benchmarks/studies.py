@@ -1,0 +1,197 @@
+"""What storing, workers, a cluster and going on cost, as ratios measured in one run; and the memory of large studies.
+
+Run from the checkout: `.venv/bin/python -m benchmarks.studies` (some minutes; `--only NAME ...`). The rows of the
+cluster need the extra `cluster`, that of xyzpy the packages xyzpy and joblib. Prints a table and, with `--json FILE`,
+writes it. Nothing here is asserted: machines differ.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from benchmarks.timing import paired
+from solver import solve
+from solver.observables import observe
+from studies import Study
+from studies.loader import loads
+from workbench.storing import Options, run_to_file
+
+STUDY = """
+title = "Benchmark"
+reading = "force-first/tension/paper"
+observables = ["turns", "wraps", "height", "kappa_max"]
+outputs = {outputs}
+stations = {stations}
+method = "{method}"
+
+[units]
+length = "cm"
+force = "N"
+
+[axes.E]
+from = 5e3
+to = 4e4
+count = {E}
+spacing = "geometric"
+
+[axes.F1]
+from = 1.0
+to = 9.0
+count = {F1}
+"""
+
+
+def study(E: int, F1: int, stations: int = 101, outputs: tuple[str, ...] = (), method: str = "auto") -> Study:
+    """E times F1 cases."""
+    text = STUDY.format(E=E, F1=F1, stations=stations, outputs=json.dumps(list(outputs)), method=method)
+    return loads(text, default_name="benchmark")
+
+
+def stored(work: Study, folder: Path, **options: object) -> Callable[[], None]:
+    """A run of the study, to its end, each time anew."""
+
+    def run() -> None:
+        run_to_file(work, folder / "benchmark.h5", Options(restart=True, **options))  # type: ignore[arg-type]
+
+    return run
+
+
+def bare(work: Study) -> Callable[[], None]:
+    """The solver and its observables on the same arrays: one call each, nothing stored."""
+    case = work.case()
+
+    def run() -> None:
+        observe(solve(case, work.tol, work.method, work.stations), work.wanted)
+
+    return run
+
+
+def overhead(folder: Path, rounds: int) -> dict[str, float]:
+    """100,000 cases at 101 stations, observables only: run and stored by one worker, against the bare solver."""
+    work = study(250, 400)
+    mine, theirs, ratio = paired(stored(work, folder, workers=1), bare(work), rounds)
+    return {"stored [s]": mine, "bare [s]": theirs, "stored / bare": ratio}
+
+
+def workers(folder: Path, rounds: int) -> dict[str, float]:
+    """The same cases by two workers of this machine, against one."""
+    work = study(250, 400)
+    two, one, ratio = paired(stored(work, folder, workers=2), stored(work, folder, workers=1), rounds)
+    return {"two [s]": two, "one [s]": one, "one / two": 1 / ratio}
+
+
+def cluster(folder: Path, rounds: int) -> dict[str, float]:
+    """The same cases by two workers of a Dask cluster on loopback, against two of this machine."""
+    at = folder / "scheduler.json"
+    address = ("--host", "127.0.0.1", "--scheduler-file", str(at), "--no-dashboard")
+    commands = (("scheduler", *address, "--port", "0"), ("worker", *address, "--nworkers", "2", "--nthreads", "1"))
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
+    started = [subprocess.Popen([sys.executable, "-m", "dask", *words], **quiet) for words in commands]
+    try:
+        while not at.exists():
+            time.sleep(0.1)
+        scheduler = json.loads(at.read_text())["address"]
+        work = study(250, 400)
+        dask = stored(work, folder, scheduler=scheduler)
+        theirs, mine, ratio = paired(dask, stored(work, folder, workers=2), rounds)
+    finally:
+        for process in reversed(started):
+            process.terminate()
+            process.wait()
+    return {"Dask [s]": theirs, "pool [s]": mine, "Dask / pool": ratio}
+
+
+def going_on(folder: Path, rounds: int) -> dict[str, float]:
+    """`workbench run` of a study of a million cases: the run itself, its memory, and once more when it is finished."""
+    return _large(folder, study(1000, 1000), rounds)
+
+
+def with_curves(folder: Path, rounds: int) -> dict[str, float]:
+    """100,000 cases at 401 stations, with four arrays along the rod."""
+    return _large(folder, study(250, 400, 401, ("beta", "alpha", "z", "contact")), 1)
+
+
+def _large(folder: Path, work: Study, rounds: int) -> dict[str, float]:
+    (folder / "benchmark.toml").write_text(work.text)
+    command = [sys.executable, "-m", "workbench.cli", "run", "benchmark.toml", "--workers", "2", "--json"]
+    seconds, peak = _watched(command, folder)
+    size = (folder / "benchmark.h5").stat().st_size
+    again = min(_watched(command, folder)[0] for _ in range(rounds))
+    return {
+        "cases": work.size,
+        "run [s]": seconds,
+        "cases a second": work.size / seconds,
+        "peak of the run and of each worker [GB]": peak,
+        "file [GB]": size / 1e9,
+        "once finished [s]": again,
+    }
+
+
+def _watched(command: list[str], folder: Path) -> tuple[float, float]:
+    """Seconds of a command, and the largest memory of it or of a process that it waited for [GB]."""
+    env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    began = time.perf_counter()
+    process = subprocess.Popen(command, cwd=folder, env=env, stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode > 1:
+        raise RuntimeError(f"{command} ended with status {process.returncode}")
+    return time.perf_counter() - began, used.ru_maxrss * 1024 / 1e9
+
+
+def against_xyzpy(folder: Path, rounds: int) -> dict[str, float]:
+    """10,000 cases at 101 stations and one array: run and stored, against xyzpy, which calls the solver for each."""
+    import xyzpy
+
+    work = study(100, 100, outputs=("beta",))
+
+    def one(E: float, F1: float) -> tuple[object, ...]:
+        sol = solve(work.case_of({"E": E, "F1": F1}), work.tol, work.method, work.stations)
+        return (sol.beta, *observe(sol, work.wanted).values())
+
+    runner = xyzpy.Runner(one, ("beta", *work.wanted), var_dims={"beta": "u"})
+    axes = {name: values.tolist() for name, values in work.coordinates().items()}
+
+    def theirs() -> None:
+        ds = runner.run_combos(axes, parallel=True, num_workers=2, verbosity=0)
+        ds.to_netcdf(folder / "xyzpy.h5", engine="h5netcdf")
+
+    slow, fast, ratio = paired(theirs, stored(work, folder, workers=2), rounds)
+    return {"xyzpy [s]": slow, "stored [s]": fast, "xyzpy / stored": ratio}
+
+
+PARTS = {
+    "overhead": overhead,
+    "workers": workers,
+    "cluster": cluster,
+    "xyzpy": against_xyzpy,
+    "million": going_on,
+    "curves": with_curves,
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS))
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--json", type=Path)
+    asked = parser.parse_args()
+    found = {}
+    for name in asked.only:
+        with tempfile.TemporaryDirectory() as folder:
+            found[name] = PARTS[name](Path(folder), asked.rounds)
+        print((PARTS[name].__doc__ or name).splitlines()[0])
+        for what, value in found[name].items():
+            print(f"  {what:<42} {value:.4g}", flush=True)
+    if asked.json:
+        asked.json.write_text(json.dumps(found, indent=2))
+
+
+if __name__ == "__main__":
+    main()
