@@ -8,7 +8,7 @@ is refused with `InputError`, in one sentence.
 import json
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -164,11 +164,22 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
         raise InputError(f"{path}: outcome holds no text, but {ds['outcome'].dtype}")
     for axis in axes:
         _check_axis(ds, axis, path)
+    _check_texts(ds.attrs, path)
     for key, variable in ds.variables.items():
+        _check_texts(variable.attrs, path)
         _check_variable(str(key), variable, axes, path)
     for name in ("error", "condition"):
         if name not in ds or list(ds[name].dims) != axes:
             raise InputError(f"{path} has no {name} for each of its cases")
+
+
+def _check_texts(attrs: Mapping[Any, Any], path: str | Path) -> None:
+    """That texts are of letters: bytes that are none cannot be written again, nor printed."""
+    for text in (str(part) for pair in attrs.items() for part in pair if isinstance(part, str)):
+        try:
+            text.encode()
+        except UnicodeEncodeError:
+            raise InputError(f"{path}: {_shown(text)} is no text in UTF-8") from None
 
 
 def _check_format(found: Any, path: str | Path) -> None:
