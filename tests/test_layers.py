@@ -15,6 +15,7 @@ STUDIES = SOLVER | {"solver", "tomllib", "pydantic", "tomli_w"}
 WORKBENCH = STUDIES | {
     "studies", "xarray", "h5netcdf", "h5py", "pyvista", "matplotlib", "typer", "rich", "jinja2",
     "distributed",  # optional: the engine of a cluster, imported where it runs
+    "imageio",  # optional: films
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
     "aiohttp", "trame_client", "trame_vtk",  # optional: the live page
 }  # fmt: skip

@@ -210,6 +210,30 @@ def scene(
 
 
 @app.command()
+def animate(
+    file: File,
+    axis: Annotated[
+        str | None, typer.Option(help="The axis along which it runs; may be left out if it is one.")
+    ] = None,
+    at: Annotated[list[str] | None, typer.Option(help="R=0.75: a value of another axis.")] = None,
+    kind: Annotated[str, typer.Option(help="plain, contact, curvature or twist.")] = "contact",
+    show: Annotated[str | None, typer.Option(help="The observable whose curve grows; a law's where left out.")] = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option("--out", "-o", help="The film, .mp4 or .gif; more than one may be given. FILE_E.mp4."),
+    ] = None,
+    fps: Annotated[float, _number("Frames a second, one a stored case.")] = 3.0,
+    pixel_error: Annotated[float, _number("How far the drawn surface may be off [pixels].")] = 0.5,
+    dpi: Annotated[int, typer.Option(help="Pixels an inch; 120 gives 1488 x 720.")] = 120,
+    force: Replace = False,
+) -> None:
+    """The cases along an axis as a film, an observable's curve growing beside the rod."""
+    from .animate import animate_file
+
+    raise typer.Exit(animate_file(file, axis, at or [], kind, show, out or [], fps, pixel_error, dpi, force))
+
+
+@app.command()
 def export(
     file: File,
     out: Annotated[

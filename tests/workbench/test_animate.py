@@ -1,0 +1,142 @@
+"""Films along an axis: what each frame shows, and what is refused before anything is drawn."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.colors import to_rgb
+from PIL import Image
+
+from solver.errors import InputError
+from workbench import animate, console, gl, runner, store, style
+
+from . import small
+from .pictures import pixels
+
+draws = pytest.mark.skipif(not gl.probe()[0], reason=gl.probe()[1])
+DPI = 50  # pages of 400 x 300
+AXIS = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n"
+
+
+@pytest.fixture(scope="module")
+def ds() -> xr.Dataset:
+    return runner.run(small.study(AXIS, 'observables = ["wraps", "height"]'))
+
+
+def wish(**more) -> animate.Wish:
+    return animate.Wish("E", {}, **{"kind": "plain", "show": "height", "pixel_error": 1.0, "dpi": DPI, **more})
+
+
+@pytest.fixture(scope="module")
+def made(ds) -> list[np.ndarray]:
+    return list(animate.frames(ds, wish()))
+
+
+@draws
+def test_a_still_is_the_scene_of_its_case_along_the_axis(ds, made, tmp_path) -> None:
+    from workbench import scenes
+
+    scenes.render(ds, tmp_path / "one.png", {"E": 2e4}, "plain", (), "E", scenes.Look(1.0, DPI))
+    scene = (255 * pixels(tmp_path / "one.png")).round().astype(np.uint8)
+    still = made[1][: scene.shape[0], : scene.shape[1]]
+    # all but the random dots of the ambient shading
+    assert (np.abs(still.astype(int) - scene).max(axis=-1) > 24).mean() < 0.002
+    other = made[0][: scene.shape[0], : scene.shape[1]].astype(int)
+    assert (np.abs(other - scene).max(axis=-1) > 24).mean() > 0.01  # and not that of another case
+
+
+@draws
+def test_the_cylinder_stands_still_and_the_curve_grows_to_the_right(made) -> None:
+    assert len({frame.shape for frame in made}) == 1
+    cylinder = [frame[:, :400].min(axis=-1) for frame in made]
+    assert (np.abs(cylinder[0].astype(int) - cylinder[2]) < 24).mean() > 0.7
+    blue = (255 * np.array(to_rgb(style.PUSHED))).round()
+    dots = [np.argwhere(np.abs(frame[:, 400:] - blue).max(axis=-1) < 30)[:, 1].mean() for frame in made]
+    assert dots[0] < dots[1] < dots[2]
+
+
+@draws
+def test_a_case_without_a_shape_is_a_frame_that_says_so(ds, made) -> None:
+    lost = ds.assign(outcome=("E", ["solved", "no solution", "solved"]), height=("E", [1.0, np.nan, 2.0]))
+    frames = list(animate.frames(lost, wish()))
+    assert {frame.shape for frame in frames} == {made[0].shape}
+    assert (frames[1][60:240, :400] == 255).all()
+
+
+def test_both_kinds_of_film_are_read_by_others_with_a_frame_a_case(tmp_path) -> None:
+    iio = pytest.importorskip("imageio.v2")
+    pytest.importorskip("imageio_ffmpeg")
+    shades = [np.full((120, 160, 3), shade, dtype=np.uint8) for shade in (40, 120, 200)]
+    paths = [tmp_path / "film.mp4", tmp_path / "film.gif"]
+    animate.write(paths, iter(shades), fps=2.0)
+    with iio.get_reader(paths[0]) as film:
+        seen = [frame.mean() for frame in film]
+    np.testing.assert_allclose(seen, [40, 120, 200, 200, 200], atol=4)  # colours are rounded in MP4; one second held
+    with Image.open(paths[1]) as film:
+        assert (film.size, film.info["duration"], film.info["loop"]) == ((160, 120), 500, 0)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["film.gif", "film.mp4"]
+
+
+def test_a_film_that_cannot_be_drawn_leaves_nothing(tmp_path) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+
+    def broken():
+        yield np.zeros((120, 160, 3), dtype=np.uint8)
+        raise InputError("the second frame fails")
+
+    with pytest.raises(InputError, match="the second frame"):
+        animate.write([tmp_path / "film.mp4", tmp_path / "film.gif"], broken(), fps=2.0)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_frame_has_even_sides() -> None:
+    assert animate._even(np.zeros((3, 5, 3), dtype=np.uint8)).shape == (4, 6, 3)
+    assert animate._even(np.zeros((4, 6, 3), dtype=np.uint8)).shape == (4, 6, 3)
+
+
+def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
+    grid = runner.run(small.grid())
+    assert animate.observable(grid, "R", None) == "kappa_max"  # of its law
+    assert animate.observable(grid, "E", None) in ("turns", "wraps", "kappa_max")
+    assert animate.observable(ds, "E", "height") == "height"
+
+
+@pytest.mark.parametrize(
+    "asked, sentence",
+    [
+        ({"axis": None}, "has several axes: choose one with --axis from E, R"),
+        ({"axis": "L"}, "no axis 'L'"),
+        ({"at": ["E=1e4"]}, "--at E: the film runs along E"),
+        ({"kind": "ghosts"}, "a frame shows one case, so --kind is one of plain, contact"),
+        ({"show": "outcome"}, "no observable 'outcome'"),
+        ({"out": [Path("film.avi")]}, r"cannot draw 'film.avi': choose a name that ends in \.mp4"),
+        ({"fps": 0.0}, "--fps must be between 0.1 and 60, got 0"),
+    ],
+)
+def test_what_cannot_be_a_film_is_refused_in_a_sentence(asked, sentence, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    store.write(runner.run(small.grid()), "grid.h5")
+    given = {"axis": "E", "at": [], "kind": "contact", "show": None, "out": [], "fps": 3.0, **asked}
+    with pytest.raises(InputError, match=sentence):
+        animate.animate_file(Path("grid.h5"), **given, pixel_error=0.5, dpi=DPI, force=False)
+    assert [path.name for path in tmp_path.iterdir()] == ["grid.h5"]
+
+
+def test_what_is_missing_is_said_before_anything_is_drawn(ds, tmp_path, monkeypatch) -> None:
+    store.write(ds, tmp_path / "one.h5")
+
+    def film(name: str) -> int:
+        return animate.animate_file(
+            tmp_path / "one.h5", None, [], "contact", None, [tmp_path / name], 3.0, 0.5, DPI, False
+        )
+
+    monkeypatch.setattr(animate, "find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"imageio-ffmpeg, which is not installed.*\.gif does not"):
+        film("film.mp4")
+    said = []
+    monkeypatch.setattr(gl, "probe", lambda: (False, "no OpenGL here"))
+    monkeypatch.setattr(console.err, "print", lambda text, **_: said.append(text))
+    assert film("film.gif") == 1
+    assert said == ["workbench: no OpenGL here"]
+    assert [path.name for path in tmp_path.iterdir()] == ["one.h5"]
