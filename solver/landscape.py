@@ -29,16 +29,6 @@ def slope(problem: Any, beta: Any) -> Any:
     return even + twist - rest
 
 
-def slope_and_rate(problem: Any, beta: Any) -> tuple[Any, Any]:
-    """H and H' together, which share the sine and the cosine."""
-    s, c = np.sin(beta), np.cos(beta)
-    s2, size = s * s, np.abs(c)
-    twist = np.where(c < 0, -problem.mu, problem.mu)
-    value = (problem.lam - twist) * c + problem.mu * (s2 * (1 + 2 * size) / (1 + size)) - (problem.phi + 2 * c * s2) * s
-    rate = (4 * problem.mu * c - problem.lam) * s - problem.phi * c - 2 * s2 * (3 * c * c - s2)
-    return value, rate
-
-
 def slope_size(problem: Any, beta: Any) -> Any:
     """The size of the terms that `slope` is the sum of: its rounding is that many eps."""
     even, twist, rest = _terms(problem, beta)

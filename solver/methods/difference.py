@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg.lapack import dgtsv
 
-from ..landscape import slope, slope_and_rate, slope_rate
+from ..landscape import slope, slope_rate
 from ..reduced import Array, Reduced
 from ..stability import response
 from .base import Knob, Method, Seed, Trajectory, verdicts
@@ -130,7 +130,7 @@ def _newton(problem: Reduced, beta: Array, bend: float = np.inf, goal: float = 1
     """
     assert problem.betaL is not None
     h = float(problem.span[0]) / (beta.size - 1)
-    one = _Numbers(*(float(v[0]) for v in (problem.lam, problem.mu, problem.phi)))
+    one = _numbers(problem)
     beta = beta.copy()
     beta[0], beta[-1] = problem.beta0[0], problem.betaL[0]
     floor = 16 * 2.0**-52 * np.abs(beta).max() + 1e-300  # what rounding leaves of the residual, which is times h^2
@@ -173,9 +173,21 @@ class _Numbers:
     phi: float
 
 
+def _numbers(problem: Reduced) -> _Numbers:
+    return _Numbers(float(problem.lam[0]), float(problem.mu[0]), float(problem.phi[0]))
+
+
+def _pull(one: _Numbers, s: Array, c: Array) -> tuple[Array, Array]:
+    """H and H' by the sine and cosine of beta, in few operations: next to the axis h^2 hides their rounding."""
+    s2, twice = s * s, (2 * one.mu) * c
+    pull = (one.lam - twice) * c + one.mu - (one.phi + 2 * c * s2) * s
+    rate = (2 * twice - one.lam) * s - one.phi * c - s2 * (6 - 8 * s2)
+    return pull, rate
+
+
 def _residual(one: _Numbers, beta: Array, h: float) -> tuple[Array, Array]:
     """h^2 times what eq. (41) leaves at the inner nodes, and H' there."""
-    pull, rate = slope_and_rate(one, beta[1:-1])
+    pull, rate = _pull(one, np.sin(beta[1:-1]), np.cos(beta[1:-1]))
     return beta[2:] - 2 * beta[1:-1] + beta[:-2] + h * h * pull, rate
 
 
@@ -224,7 +236,8 @@ def _read(problem: Reduced, columns: Array, t: Array) -> Array:
     x = t / h - k
     far = np.minimum(k + 1, columns.shape[1] - 1)
     y0, y1 = columns[:, k], columns[:, far]
-    (d0, e0), (d1, e1) = _slopes(problem, y0, h), _slopes(problem, y1, h)
+    first, second = _slopes(problem, np.concatenate([y0, y1], axis=1), h)
+    (d0, d1), (e0, e1) = np.split(first, 2, axis=1), np.split(second, 2, axis=1)
     # Hermite's quintic, in powers of x about the near node
     jump, climb, curve = y1 - y0 - d0 - e0 / 2, d1 - d0 - e0, e1 - e0
     c3, c4, c5 = (
@@ -238,8 +251,8 @@ def _read(problem: Reduced, columns: Array, t: Array) -> Array:
 def _slopes(problem: Reduced, columns: Array, h: float) -> tuple[Array, Array]:
     """h times the first and h^2 times the second derivative of the columns at some nodes."""
     beta, rate = columns[:2]
-    pull, steep = slope_and_rate(problem, beta)
     s, c = np.sin(beta), np.cos(beta)
+    pull, steep = _pull(_numbers(problem), s, c)
     first = np.stack([rate, -pull, s, c, s * c])
     second = np.stack([-pull, -steep * rate, c * rate, -s * rate, (c - s) * (c + s) * rate])
     return h * first, h * h * second
