@@ -117,6 +117,9 @@ def _answering(work: Callable[[dict[str, Any], Shapes], web.Response], shapes: S
             return await asyncio.to_thread(work, asked, shapes)
         except (json.JSONDecodeError, UnicodeDecodeError, RecursionError):
             return web.json_response({"sentence": "this is no JSON", "field": ""}, status=400)
+        except ArithmeticError:  # a radius of 5e-324, say: what is finite at the door need not stay so
+            told = {"sentence": "numbers as large or as small as these cannot be computed with", "field": ""}
+            return web.json_response(told, status=422)
         except InputError as error:
             told = {"sentence": str(error), "field": explore_model.blamed(str(error))}
             return web.json_response(told, status=422)

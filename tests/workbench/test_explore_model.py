@@ -123,6 +123,21 @@ def test_held_by_both_its_ends_a_rod_keeps_its_shape_and_is_one_of_the_list() ->
         explore_model.every(first.study)
 
 
+def test_more_equilibria_than_can_be_looked_through_are_refused_and_the_one_that_is_known_is_shown() -> None:
+    pipe = shape("pipe")
+    study = explore_model.study_of(explore_model.by_ends(pipe.study))
+    np.testing.assert_allclose(
+        explore_model.shape(study).sol.beta[::2], pipe.sol.beta, atol=1e-6
+    )  # what is asked of it
+    unnamed = explore_model.study_of(explore_model.by_ends(pipe.study) | {"equilibrium": None})
+    for ask in (explore_model.shape, explore_model.every):
+        with pytest.raises(InputError, match="may swing some 721 times, and the page looks through at most 100"):
+            ask(unnamed)
+    soft = explore_model.study_of(state("cable", E=0.5))
+    with pytest.raises(InputError, match="may swing some"):  # four minutes without the limit
+        explore_model.shape(soft)
+
+
 def test_a_slider_follows_the_equilibrium_it_began_with() -> None:
     base = {"E": 5e3, "nu": 0.25, "a": 0.25, "L": 12.0, "R": 0.75, "side": "outside", "beta0": 0.5, "betaL": 0.8,
             "FZ": -5.0, "MZ": 1.0, "M3": 2.0}  # fmt: skip

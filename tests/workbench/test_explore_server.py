@@ -87,6 +87,13 @@ def test_what_cannot_be_is_answered_with_a_sentence_and_the_field(port) -> None:
     assert json.loads(answer.data) == {"sentence": "Rod.E must be positive and finite, got -1.0", "field": "E"}
 
 
+@pytest.mark.parametrize("changes", [{"a": 5e-324}, {"a": 1e308}, {"E": 1e308}, {"L": 1e300}])
+def test_what_no_number_can_hold_is_answered_and_the_server_goes_on(port, changes) -> None:
+    answer = asked(port, "POST", "/shape", {"state": with_field(TABLE_1, **changes)})
+    assert answer.status in (200, 422)
+    assert answer.status == 200 or json.loads(answer.data)["sentence"]
+
+
 @pytest.mark.parametrize("body", [b"{", b"[]", b"3", b"\xff\xfe", b"[" * 50_000, b'{"state": {"base": {"E": 1e999}}}'])
 @pytest.mark.parametrize("path", ["/shape", "/download"])
 def test_nonsense_is_refused_and_the_server_goes_on(port, path, body) -> None:

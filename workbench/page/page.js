@@ -193,7 +193,7 @@ const app = Vue.createApp({
       } catch (error) {
         if (!(error instanceof Refused)) throw error;
         this.searching = false;
-        if (ticket === this.head.ticket) this.wrong = error.told;
+        if (ticket === this.head.ticket) this.said = error.told.sentence;
       }
     },
     async byEnds() {
