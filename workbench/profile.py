@@ -12,6 +12,7 @@ from . import dataset, style
 from .stretch import larger, stretch
 
 SIZE = (9.6, 8.0)  # inches
+SHORT = 0.9  # of the arc: a shorter chord has turned by a right angle or more in between
 
 
 def has_shape(ds: xr.Dataset) -> bool:
@@ -25,6 +26,15 @@ def unrolled(ds: xr.Dataset, where: dict[str, int]) -> tuple[Any, Any] | None:
     alpha, z = dataset.along(one, "alpha").values, dataset.along(one, "z").values
     across = float(one["rho"]) * (alpha - alpha[0])
     return (across, z) if np.isfinite([across, z]).all() else None
+
+
+def too_coarse(ds: xr.Dataset, where: dict[str, int]) -> bool:
+    """Whether the stations of one case miss a bend: some chord is much shorter than the arc between its ends."""
+    one, found = ds.isel(where), unrolled(ds, where)
+    if found is None:
+        return False
+    chords = np.hypot(np.diff(found[0]), np.diff(found[1]))
+    return bool((chords < SHORT * np.diff(one["s"].values)).any())
 
 
 def pushes(ds: xr.Dataset) -> Any:
@@ -46,22 +56,33 @@ def figure(ds: xr.Dataset) -> Figure:
     return fig
 
 
+def _drawn(ds: xr.Dataset) -> dict[str, Any]:
+    """How a line along the rod is drawn: as dots where the stations are too few for a line."""
+    coarse = has_shape(ds) and too_coarse(ds, {})
+    return {"linestyle": "none", "marker": ".", "markersize": 3} if coarse else {"linewidth": 1.8}
+
+
+def _told(ds: xr.Dataset, title: str) -> str:
+    coarse = has_shape(ds) and too_coarse(ds, {})
+    return f"{title}: dots, as it bends between its {ds.sizes['u']} stations" if coarse else title
+
+
 def angle(ds: xr.Dataset, ax: Axes) -> Axes:
     """beta against s, in degrees."""
-    ax.plot(ds["s"], np.degrees(dataset.along(ds, "beta")), color=style.PUSHED, linewidth=1.8)
+    ax.plot(ds["s"], np.degrees(dataset.along(ds, "beta")), color=style.PUSHED, **_drawn(ds))
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
     ax.set_ylabel("β [°]")
-    ax.set_title("angle from the axis to the tangent", loc="left")
+    ax.set_title(_told(ds, "angle from the axis to the tangent"), loc="left")
     return _along(ds, ax)
 
 
 def contact(ds: xr.Dataset, ax: Axes) -> Axes:
     """The push of the cylinder against s, shaded where it would have to pull."""
     f = dataset.along(ds, "contact")
-    ax.plot(ds["s"], f, color=style.PUSHED, linewidth=1.8)
+    ax.plot(ds["s"], f, color=style.PUSHED, **_drawn(ds))
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
     pulled = pushes(ds) < 0
-    if pulled.any():
+    if pulled.any() and "marker" not in _drawn(ds):
         ax.fill_between(ds["s"], 0, 1, where=pulled, transform=ax.get_xaxis_transform(), color=style.LIFTED, alpha=0.28,
                         linewidth=0, label="the cylinder would have to pull: the rod would lift off")  # fmt: skip
         ax.fill_between(ds["s"], 0, f, where=~pulled, color=style.PUSHED, alpha=0.25, linewidth=0,
@@ -84,9 +105,11 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
         ax.text(0.5, 0.5, str(ds["outcome"].values), transform=ax.transAxes, ha="center", color=style.SOFT)
         return ax
     across, up = found
+    ax.set_title(_told(ds, "unrolled cylinder, seen from outside"), loc="left")
     pulled = pushes(ds) < 0 if _has(ds, "contact") else np.zeros(across.size, dtype=bool)
-    ax.plot(up, across, color=style.LIFTED, linewidth=2.4, solid_capstyle="round")
-    ax.plot(np.where(pulled, np.nan, up), across, color=style.PUSHED, linewidth=2.4, solid_capstyle="butt")
+    thick = {"linewidth": 2.4, **_drawn(ds)} if "marker" in _drawn(ds) else {"linewidth": 2.4}
+    ax.plot(up, across, color=style.LIFTED, solid_capstyle="round", **thick)
+    ax.plot(np.where(pulled, np.nan, up), across, color=style.PUSHED, solid_capstyle="butt", **thick)
     ax.plot(up[0], across[0], "o", color=style.INK, markersize=5)
     ax.annotate("s = 0", (up[0], across[0]), (0, 6), textcoords="offset points", ha="center", va="bottom",
                 size=style.SMALL)  # fmt: skip
@@ -94,7 +117,7 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_aspect(1 / factor)
     ax.set_xlabel(f"z [{unit}]{larger(factor)}")
     ax.set_ylabel(style.wrapped(f"ρα [{unit}]{larger(1 / factor)}", ax, upward=True))
-    if factor == 1:
+    if factor == 1 and "marker" not in thick:
         ax.set_title("unrolled cylinder, seen from outside, both to one scale", loc="left")
     ax.margins(x=0.08, y=0.15)
     ax.invert_yaxis()

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from solver.errors import InputError
+from studies.model import MAX_STATIONS
 
 from . import picking, sheet, style, tube
 from .dataset import axes_of
@@ -305,10 +306,12 @@ def _too_few(rows: Sequence[Sequence[Shot]], off: float, look: Look) -> str:
     bodies = [body for row in rows for shot in row for body in shot.bodies]
     worst = max(bodies, key=lambda body: body.line.error)
     n = worst.line.s.size
+    needed = int(np.ceil(n * (off / look.pixel_error) ** 0.25))  # a cubic's error falls as the fourth power
+    most = f" (a study stores at most {MAX_STATIONS})" if needed > MAX_STATIONS else ""
     return (
         f"{n} stations are too few to draw this rod of length {worst.line.L:.4g} to within {look.pixel_error:g} pixels "
-        f"(it could be off by {off:.0f}): store several times {n}, with workbench run --stations or with the study's "
-        "key stations"
+        f"(it could be off by {off:.0f}): store at least {needed}{most}, with workbench run --stations or with the "
+        "study's key stations"
     )
 
 

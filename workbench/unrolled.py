@@ -23,13 +23,17 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
     cases, lines, curves, width = _side_by_side(ds, axis)
     room = style.inches(ax)
     factor = _factor(curves, width, room)
-    for line, found, colour in zip(lines, curves, style.colours(len(cases)), strict=True):
+    coarse = False
+    for where, line, found, colour in zip(cases, lines, curves, style.colours(len(cases)), strict=True):
         ax.axvline(line, color=style.FAINT, linewidth=0.8, zorder=0)
         if found is None:
             ax.text(line, 0.5, "unsolved", transform=ax.get_xaxis_transform(), rotation=90, ha="center", va="center",
                     color=style.SOFT, size=style.SMALL)  # fmt: skip
         else:
-            ax.plot(line + found[0], found[1], color=colour, linewidth=1.7, solid_capstyle="round")
+            how: dict[str, Any] = {"linewidth": 1.7, "solid_capstyle": "round"}
+            if profile.too_coarse(ds, where):  # a line would show bends that are not there
+                coarse, how = True, {"linestyle": "none", "marker": ".", "markersize": 3}
+            ax.plot(line + found[0], found[1], color=colour, **how)
     values = [style.shown(float(ds[axis].values[where[axis]]), ds[axis]).partition(" ")[0] for where in cases]
     ax.set_xticks(lines, values)
     ax.tick_params(axis="x", length=0)
@@ -40,7 +44,8 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
     ax.set_xlabel(axis_label(ds, axis, cases[0]), loc="left")
     ax.set_ylabel(f"z [{style.unit(str(ds.attrs['length_unit']))}]{larger(factor, 'ρα')}{larger(1 / factor)}")
     scale = "all at one scale" if factor == 1 else "at two scales"
-    ax.set_title(f"Unrolled cylinder: ρα to the right, z up, {scale}", loc="left")
+    dots = f"; dots: it bends between {ds.sizes['u']} stations" if coarse else ""
+    ax.set_title(style.wrapped(f"Unrolled cylinder: ρα to the right, z up, {scale}{dots}", ax), loc="left")
     ax.grid(axis="y", color=style.FAINT, linewidth=0.6)
     ax.set_axisbelow(True)
     return ax

@@ -233,3 +233,13 @@ def test_what_differs_by_rounding_is_drawn_as_level() -> None:
     ds["wraps"] = ds["wraps"] * 0 + 3.5 + 1e-13 * np.arange(9)
     low, high = plots.trend(ds, axes(), "wraps", "E").get_ylim()
     assert (low, high) == pytest.approx((3.15, 3.85))
+
+
+def test_a_rod_that_bends_between_its_stations_is_dotted_and_said_to_be_and_else_a_line() -> None:
+    for stations, dotted in ((21, True), (401, False)):
+        one = runner.run(study("").at_stations(stations))
+        two = runner.run(study("[axes.E]\nvalues = [1e4, 2e4]").at_stations(stations))
+        for ax in (profile.angle(one, axes()), profile.curve(one, axes()), plots.developed(two, axes(), "E")):
+            title = ax.get_title(loc="left").replace("\n", " ")
+            assert ("dots" in title) == (f"{stations} stations" in title) == dotted
+            assert any(line.get_marker() == "." for line in ax.lines) == dotted
