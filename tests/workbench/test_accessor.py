@@ -169,6 +169,7 @@ def test_an_axis_that_has_an_outputs_name_is_not_taken_for_it() -> None:
     sol = solve(small.study("[axes.beta]\nvalues = [0.4, 0.5]\n").case(), stations=21)
     np.testing.assert_array_equal(ds.rod.beta, sol.beta)
     np.testing.assert_allclose(ds.rod.kappa, sol.kappa, rtol=1e-14)
+    assert "_solved" not in vars(ds.rod), "it was solved again"
     np.testing.assert_allclose(ds.rod.at(beta=0.4).beta[0], 0.4, rtol=1e-15)  # rounding
     chosen = ds.rod.sel(beta=0.5)
     np.testing.assert_array_equal(chosen.rod.beta, sol.beta[1])
@@ -196,6 +197,7 @@ def test_a_followed_equilibrium_is_followed_between_its_values_and_not_past_its_
         ds.rod.at(betaL=values[-1] + 0.01)
 
 
+@pytest.mark.filterwarnings("ignore:The specified chunks separate")  # on purpose: a block for each E
 def test_arrays_stay_lazy_and_a_selection_reads_no_more_than_it_needs(tmp_path) -> None:
     dask = pytest.importorskip("dask.array")
     with stored(tmp_path, small.study(AXES, 'outputs = ["beta", "dbeta", "alpha", "z"]'), chunks={"E": 1}) as ds:
