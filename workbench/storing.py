@@ -60,6 +60,8 @@ def run_to_file(
     say: takes a line of text about the size, before the work begins. Raises `InputError` where another run is at it,
     where the disk has no room, or where what is there is of another run; `KeyboardInterrupt` says how to go on.
     """
+    if options.workers is not None and options.scheduler is not None:
+        raise InputError("--workers is for this machine, --scheduler for a cluster: give one of them")
     work = plan(study)
     if (finished := _finished(work, output, options)) is not None:
         _tidy(work, output)
