@@ -171,13 +171,14 @@ def merge(
 @app.command()
 def plot(
     file: File,
-    out: Annotated[Path | None, typer.Option(help="The picture; FILE.png where left out.")] = None,
+    out: Annotated[Path | None, typer.Option(help="The picture, .png, .pdf or .svg; FILE.png where left out.")] = None,
+    dpi: Annotated[int, typer.Option(min=50, max=1200, help="Pixels an inch of a .png; the others have none.")] = 200,
     force: Replace = False,
 ) -> None:
     """Developed curves, and observables against the axis with their laws."""
     from .drawing import plot_file
 
-    plot_file(file, out, force)
+    plot_file(file, out, force, dpi)
 
 
 @app.command()

@@ -17,13 +17,13 @@ SCENES = (".png", ".jpg")
 LOOSEST = 0.001  # of the value: what is written with one or two digits is not taken for less exact than that
 
 
-def plot_file(file: Path, out: Path | None, force: bool = False) -> None:
-    """Draw a dataset's developed curves and observables. Raises `InputError`."""
+def plot_file(file: Path, out: Path | None, force: bool = False, dpi: int = 200) -> None:
+    """Draw a dataset's developed curves and observables; dpi: of a PNG. Raises `InputError`."""
     ds = store.read(file)
     path = free_picture(out or file.with_suffix(".png"), PLOTS, force)
     from . import plots
 
-    plots.figure(ds, path)
+    plots.figure(ds, path, dpi)
     console.say(str(path))
 
 

@@ -25,8 +25,8 @@ MOST_PLAIN = 4  # observables shown where there is no law
 NOT_OBSERVED = ("outcome", "error", "condition", "FZ", "MZ", "M3", "dbeta0")
 
 
-def figure(ds: xr.Dataset, path: str | Path) -> Figure:
-    """Draw all of a study and save it as PNG, PDF or SVG by the name's ending.
+def figure(ds: xr.Dataset, path: str | Path, dpi: int = style.DPI) -> Figure:
+    """Draw all of a study and save it as PNG (of that many dots an inch), PDF or SVG by the name's ending.
 
     A study with axes: for each axis the developed curves, beside them each law in its panel (where there is no law,
     the first observables). One case alone: its angle, its contact and its developed curve. Raises `InputError`.
@@ -37,7 +37,7 @@ def figure(ds: xr.Dataset, path: str | Path) -> Figure:
     with rc_context(style.RC):
         fig = _trends(ds, axes) if axes else profile.figure(ds)
         style.entitle(fig, ds)
-        fig.savefig(path)
+        fig.savefig(path, dpi=dpi)
     return fig
 
 
@@ -150,7 +150,8 @@ def _pairs(cell: Any, count: int) -> list[Any]:
 
 
 def _observed(ds: xr.Dataset, name: str) -> bool:
-    return ds[name].dims == ds["outcome"].dims and name not in NOT_OBSERVED
+    numbers = ds[name].dtype.kind in "iuf"  # `caution` is text
+    return numbers and ds[name].dims == ds["outcome"].dims and name not in NOT_OBSERVED
 
 
 def _brief(row: dict[str, Any]) -> str:

@@ -248,9 +248,8 @@ def _taken(
 
 
 def _at(view: View, finer: float) -> View:
-    return replace(
-        view, per_unit=view.per_unit * finer, size=(round(view.size[0] * finer), round(view.size[1] * finer))
-    )
+    # cut, not rounded: the page must not grow by a pixel
+    return replace(view, per_unit=view.per_unit * finer, size=(int(view.size[0] * finer), int(view.size[1] * finer)))
 
 
 def _paint(ds: xr.Dataset, kind: Kind, bodies: Sequence[Body]) -> tuple[Paint, Bar | None]:

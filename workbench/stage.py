@@ -114,7 +114,9 @@ def _taken(
     width, height = (int(n) for n in pitch * (len(shots[0]), len(shots)))
     if not any(shot.bodies for row in shots for shot in row):
         return np.full((height, width, 3), 255, dtype=np.uint8), 0.0
-    plotter: Any = pv.Plotter(off_screen=True, window_size=[FINER * width, FINER * height], lighting="none")
+    # one cell alone may be too large, as in prints; its pixels are small enough then
+    finer = FINER if FINER**2 * width * height <= MOST_PIXELS else 1
+    plotter: Any = pv.Plotter(off_screen=True, window_size=[finer * width, finer * height], lighting="none")
     off = 0.0
     try:
         plotter.ren_win.SetMultiSamples(0)  # each pixel is a mean anyway
@@ -138,9 +140,9 @@ def _taken(
     finally:
         plotter.close()
     sums = np.zeros((height, width, 3), dtype=np.uint16)
-    for i, j in np.ndindex(FINER, FINER):
-        sums += fine[i::FINER, j::FINER]
-    return (sums // FINER**2).astype(np.uint8), off
+    for i, j in np.ndindex(finer, finer):
+        sums += fine[i::finer, j::finer]
+    return (sums // finer**2).astype(np.uint8), off
 
 
 def _place(plotter: Any, shot: Shot, ends: tuple[float, float], where: Array, view: View, pixel_error: float) -> float:

@@ -1,0 +1,95 @@
+"""Pictures for print: diagrams as vectors with their letters, scenes and diagrams at a number of dots an inch."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from PIL import Image
+
+from studies import load
+from studies.loader import loads
+from workbench import drawing, gallery, gl, plots, runner, store
+from workbench import equilibria as command
+
+from . import small
+
+draws = pytest.mark.skipif(not gl.probe()[0], reason=gl.probe()[1])
+
+
+@pytest.fixture(scope="module")
+def ds() -> xr.Dataset:
+    axes = "[axes.E]\nvalues = [1e4, 2e4]\n"
+    return runner.run(loads(small.HEAD.replace("[units]", 'observables = ["wraps"]\n[units]') + axes))
+
+
+def equilibria(path: Path) -> None:
+    study = load("fig6")
+    case = command.ends_of(study)
+    from solver import equilibria as every
+
+    gallery.figure(gallery.dataset_of(study, case, every(case)[:2]), path)
+
+
+@pytest.mark.parametrize("name", ["plot", "equilibria"])
+def test_a_diagram_for_print_is_vectors_with_its_letters_inside(ds, tmp_path, name: str) -> None:
+    for kind in ("pdf", "svg"):
+        path = tmp_path / f"one.{kind}"
+        plots.figure(ds, path) if name == "plot" else equilibria(path)
+        said = path.read_bytes()
+        assert b"/Subtype /Image" not in said
+        assert b"<image" not in said
+        if kind == "pdf":
+            assert b"/FontFile2" in said  # TrueType, embedded
+            assert b"/Type3" not in said  # which printers and editors refuse
+        else:
+            assert b"<text" not in said  # outlines: no font is needed where it is opened
+            assert said.count(b"<path") > 20
+
+
+def test_the_dots_an_inch_of_a_plot_change_its_pixels_and_not_its_inches(ds, tmp_path) -> None:
+    file = store.write(ds, tmp_path / "one.h5")
+    sizes = {}
+    for dpi in (100, 300):
+        drawing.plot_file(file, tmp_path / f"{dpi}.png", dpi=dpi)
+        with Image.open(tmp_path / f"{dpi}.png") as picture:
+            assert picture.info["dpi"] == pytest.approx((dpi, dpi), abs=0.1)  # stored in dots a metre
+            sizes[dpi] = np.array(picture.size) / dpi
+    np.testing.assert_allclose(sizes[100], sizes[300], atol=0.01)  # a pixel of the coarser
+
+
+@draws
+def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
+    from workbench import scenes
+
+    pages = []
+    for dpi in (50, 75, 110):
+        path = tmp_path / f"{dpi}.png"
+        scenes.render(ds, path, kind="plain", look=scenes.Look(1.0, dpi))
+        with Image.open(path) as picture:
+            assert picture.size == (8 * dpi, 6 * dpi)
+            assert picture.info["dpi"] == pytest.approx((dpi, dpi), abs=0.1)
+            pages.append(np.asarray(picture.convert("L").resize((200, 150), Image.Resampling.BOX), dtype=float))
+    # the same picture, but for edges that fall elsewhere between pixels
+    assert (np.abs(pages[0] - pages[2]) > 40).mean() < 0.03
+
+
+@draws
+def test_a_picture_too_large_to_be_taken_twice_as_fine_is_the_same_picture(ds, tmp_path, monkeypatch) -> None:
+    from workbench import scenes, stage
+
+    taken = []
+    for most in (stage.MOST_PIXELS, 1):
+        monkeypatch.setattr(stage, "MOST_PIXELS", most)
+        taken.append(scenes.take(ds, kind="plain", look=scenes.Look(1.0, 60)).sheet.pixels.astype(float))
+    assert taken[0].shape == taken[1].shape
+    assert not np.array_equal(taken[0], taken[1])
+    assert (np.abs(taken[0] - taken[1]).max(axis=-1) > 60).mean() < 0.06  # edges are rough where nothing is averaged
+
+
+def test_the_pages_of_a_pdf_are_as_wide_as_the_pictures(ds, tmp_path) -> None:
+    plots.figure(ds, tmp_path / "one.pdf")
+    box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ([0-9.]+) ?\]", (tmp_path / "one.pdf").read_bytes())
+    assert box is not None
+    assert float(box[1]) == pytest.approx(72 * plots.WIDTH, abs=0.5)  # points
