@@ -1,7 +1,9 @@
 """The command explore: the live page, served on this machine."""
 
 import asyncio
+import contextlib
 import socket
+import sys
 
 from solver.errors import InputError
 
@@ -26,6 +28,7 @@ def explore(host: str, port: int, names: list[str]) -> int:
     port = listener.getsockname()[1]
     app = explore_server.application(called(host, port, names))
     console.say(f"the live page is at http://{_bracketed(host)}:{port}/ (Ctrl-C ends it)")
+    sys.stdout.flush()
     if host not in ("127.0.0.1", "::1", "localhost"):
         console.err.print(f"workbench: everyone who reaches {host} can use it; there is no password", markup=False)
 
@@ -40,7 +43,8 @@ def explore(host: str, port: int, names: list[str]) -> int:
         finally:
             await runner.cleanup()
 
-    asyncio.run(serve())
+    with contextlib.suppress(KeyboardInterrupt):  # how it is ended
+        asyncio.run(serve())
     return 0
 
 

@@ -3,8 +3,13 @@
 import copy
 import io
 import json
+import os
+import re
+import signal
+import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +21,7 @@ from tests.workbench.live import asked, served, unpacked
 from workbench import cli, explore_server, exploring
 from workbench.explore_presets import PRESETS
 
+ROOT = Path(__file__).parents[2]
 TABLE_1, DNA, PIPE, CABLE = (preset.state for preset in PRESETS)
 
 
@@ -168,6 +174,20 @@ def test_it_listens_to_this_machine_alone_unless_told() -> None:
     listener.close()
     assert exploring.called("127.0.0.1", 80, []) >= {"127.0.0.1", "127.0.0.1:80", "localhost"}
     assert exploring.called("lab", 81, ["x.example", "y.example:9"]) == {"lab:81", "x.example:81", "y.example:9"}
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals are sent otherwise there")
+def test_the_command_says_where_the_page_is_and_ends_quietly_when_interrupted() -> None:
+    code = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from workbench import cli; cli.main()"
+    )
+    command = [sys.executable, "-c", code, "explore", "--port", "0"]
+    with subprocess.Popen(command, cwd=ROOT, stdout=-1, stderr=-1, text=True) as process:
+        port = int(re.search(r"http://127\.0\.0\.1:(\d+)/", process.stdout.readline())[1])
+        assert asked(port, "GET", "/presets").status == 200  # it listens already; who asks too early waits
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    assert (process.returncode, said) == (0, "")
 
 
 @pytest.mark.parametrize(
