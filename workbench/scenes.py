@@ -309,7 +309,7 @@ def _too_few(rows: Sequence[Sequence[Shot]], off: float, look: Look) -> str:
     most = f" (a study stores at most {MAX_STATIONS})" if needed > MAX_STATIONS else ""
     return (
         f"{n} stations are too few to draw this rod of length {worst.line.L:.4g} to within {look.pixel_error:g} pixels "
-        f"(it could be off by {off:.0f}): store at least {needed}{most}, with workbench run --stations or with the "
+        f"(it could be off by {off:.0f}): store about {needed}{most}, with workbench run --stations or with the "
         "study's key stations"
     )
 
