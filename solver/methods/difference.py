@@ -78,7 +78,7 @@ def _one(
     answers: list[Array] = []
     error = apart = np.inf
     while True:
-        finer = _newton(problem, guess, mesh.bend, 1e-3 * tol)
+        finer = _newton(problem, guess, mesh.bend, 1e-3 * tol if nodes is None else 1e-13)
         work += finer.iterations * finer.columns.shape[1]
         if not (mesh.met and finer.met):
             if halved:
@@ -188,7 +188,8 @@ def _pull(one: _Numbers, s: Array, c: Array) -> tuple[Array, Array]:
 def _residual(one: _Numbers, beta: Array, h: float) -> tuple[Array, Array]:
     """h^2 times what eq. (41) leaves at the inner nodes, and H' there."""
     pull, rate = _pull(one, np.sin(beta[1:-1]), np.cos(beta[1:-1]))
-    return beta[2:] - 2 * beta[1:-1] + beta[:-2] + h * h * pull, rate
+    rise = beta[1:] - beta[:-1]  # between neighbours, and so exact
+    return rise[1:] - rise[:-1] + h * h * pull, rate
 
 
 def _step(rate: Array, off: Array, h: float) -> Array | None:
