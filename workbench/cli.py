@@ -235,6 +235,17 @@ def animate(
 
 
 @app.command()
+def gallery(
+    out: Annotated[Path, typer.Option(help="The folder for the pictures.")] = Path("gallery"),
+    force: Replace = False,
+) -> None:
+    """One picture of every kind of scene, as in docs/scenes.md."""
+    from .showcase import draw_all
+
+    raise typer.Exit(draw_all(out, force))
+
+
+@app.command()
 def export(
     file: File,
     out: Annotated[

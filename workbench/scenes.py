@@ -242,7 +242,7 @@ def _taken(
     drawn = Sheet(
         str(ds.attrs["title"]), subtitle, pixels, [[shot.cell for shot in row] for row in rows], view.per_unit,
         str(ds.attrs["length_unit"]), view.page.T, _legend(kind, context), notes,
-        page if page == PAGE else (1300, 0), bar, look.dpi,
+        page if page == PAGE else (PAGE[0], 0), bar, look.dpi,
     )  # fmt: skip
     return Taken(drawn, off)
 

@@ -1,0 +1,148 @@
+"""How finely a rod must be drawn: rings and sides from a pixel error, against a uniform mesh that is as good.
+
+    python benchmarks/detail.py docs/figures/detail.png
+
+Prints a table (stations, rings, sides, triangles, milliseconds, error in pixels) and draws one of its rods. The error
+is measured on the triangles: points on them, and how far each is from the true surface, which is evaluated anew.
+"""
+
+import sys
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from studies.loader import loads
+from workbench import runner, tube
+from workbench.centreline import Array, Centreline
+from workbench.detail import detail
+from workbench.kinds import KINDS
+
+WIDE = 1450  # pixels of the picture that the rod's length fills
+ERRORS = (2.0, 0.5)
+HEAD = 'title = "{}"\nreading = "force-first/tension/paper"\nstations = {}\nobservables = ["turns"]\n'
+UNITS = 'outputs = ["beta", "alpha", "z"]\n[units]\nlength = "cm"\nforce = "N"\n[base]\n'
+# name -> stations and the fields of Table 1 that are changed
+RODS = {
+    "Table 1": (201, ""),
+    "stiff": (201, "E = 4e4\n"),
+    "ten times as long": (2001, "L = 200.0\n"),
+    "a hundred times": (20001, "L = 2000.0\n"),
+    "two thousand times": (100001, "L = 40000.0\n"),
+}
+INSIDE = np.array([[0.5, 0], [0, 0.5], [0.5, 0.5]])  # the middles of the sides of its triangles
+
+
+def off(line: Centreline, s: Array, sides: int) -> float:
+    """The largest distance of the drawn surface from the true one [length], on points in every triangle."""
+    angle = 2 * np.pi * np.arange(sides) / sides
+    place, _, out, across = line.frame(s)
+    ring = place[:, None] + line.a * (np.cos(angle)[:, None] * out[:, None] + np.sin(angle)[:, None] * across[:, None])
+    beside = np.roll(ring, -1, axis=1)
+    cells = ring[:-1], ring[1:], beside[1:], beside[:-1]
+    worst = 0.0
+    for along, around in INSIDE:  # the diagonal runs from the first corner to the third
+        if along >= around:
+            points = (1 - along) * cells[0] + (along - around) * cells[1] + around * cells[2]
+        else:
+            points = (1 - around) * cells[0] + (around - along) * cells[3] + along * cells[2]
+        worst = max(worst, float(_away(line, s, points).max()))
+    return worst
+
+
+def _away(line: Centreline, s: Array, points: Array) -> Array:
+    """Distance of the points (n - 1, sides, 3) of each stretch from the true surface near it."""
+    h = np.diff(s)[:, None]
+    best, reach = np.full(points.shape[:2], np.nan), 1.5
+    at = np.broadcast_to(s[:-1, None] + 0.5 * h, points.shape[:2])
+    for _ in range(3):  # ever nearer to the nearest section
+        trial = np.clip(at[..., None] + reach * h[..., None] * np.linspace(-0.5, 0.5, 9), s[0], s[-1])
+        place, along, _, _ = (v.reshape(*trial.shape, 3) for v in line.frame(trial.ravel()))
+        gap = points[..., None, :] - place
+        axial = np.einsum("...i,...i->...", gap, along)
+        radial = np.sqrt(np.maximum(np.einsum("...i,...i->...", gap, gap) - axial**2, 0))
+        distance = np.hypot(radial - line.a, axial)
+        best = distance.min(axis=-1)
+        at = np.take_along_axis(trial, distance.argmin(axis=-1)[..., None], axis=-1)[..., 0]
+        reach /= 4
+    return best
+
+
+def uniform(line: Centreline, allowed: float) -> tuple[int, int]:
+    """The fewest evenly spaced rings, with sides that lose half of it, whose surface is off by no more [length]."""
+    sides = max(int(np.ceil(np.pi / np.arccos(max(1 - allowed / 2 / line.a, 0)))), 6)
+    few, many = 2, 4
+    while off(line, np.linspace(line.s[0], line.s[-1], many), sides) > allowed and many < 200_000:
+        few, many = many, 2 * many
+    while many - few > max(few // 25, 1):
+        middle = (few + many) // 2
+        if off(line, np.linspace(line.s[0], line.s[-1], middle), sides) > allowed:
+            few = middle
+        else:
+            many = middle
+    return many, sides
+
+
+def measure(name: str, pixel_error: float) -> list[object]:
+    stations, text = RODS[name]
+    ds = runner.run(loads(HEAD.format(name, stations) + UNITS + text, default_name="rod"))
+    body = tube.read(ds, {}, KINDS["plain"])
+    line = body.line
+    per_unit = WIDE / max(float(np.ptp(body.z)), 2 * body.reach)
+    allowed = pixel_error / per_unit
+    line.frame(line.s)  # the curve itself is not what is timed
+    start = perf_counter()
+    found = detail(line, body.span, allowed)
+    seconds = perf_counter() - start
+    start = perf_counter()
+    mesh = tube.mesh(body, found)
+    meshing = perf_counter() - start
+    made = off(line, found.s, found.sides)
+    even = "-"
+    if stations <= 2001 and float(line.a) * per_unit > 0.5:
+        rings, sides = uniform(line, max(made, allowed * 0.5))
+        even = f"{2 * rings * sides}"
+    return [name, int(ds["turns"]), stations, pixel_error, found.s.size, found.sides, len(mesh.triangles),
+            f"{1e3 * seconds:.0f} + {1e3 * meshing:.0f}", f"{made * per_unit:.2f}", even]  # fmt: skip
+
+
+def main() -> None:
+    heads = ["rod", "bends", "stations", "pixels allowed", "rings", "sides", "triangles", "ms", "pixels off", "uniform"]
+    print("| " + " | ".join(heads) + " |\n|" + "---|" * len(heads))
+    for name in RODS:
+        for pixel_error in ERRORS:
+            print("| " + " | ".join(str(v) for v in measure(name, pixel_error)) + " |", flush=True)
+    if len(sys.argv) > 1:
+        draw(Path(sys.argv[1]))
+
+
+def draw(path: Path) -> None:
+    """Where the rings stand on the rod of Table 1, against its curvature."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    from workbench import style
+
+    ds = runner.run(loads(HEAD.format("Table 1", 201) + UNITS, default_name="rod"))
+    body = tube.read(ds, {}, KINDS["plain"])
+    per_unit = WIDE / float(np.ptp(body.z))
+    with rc_context(style.RC):
+        fig = Figure(figsize=(8, 3.4), layout="constrained")
+        FigureCanvasAgg(fig)
+        ax = fig.add_subplot()
+        s = np.linspace(0, body.line.L, 2000)
+        ax.plot(s, body.line.kappa(s), color=style.SOFT, label="curvature [1/cm]")
+        colours = style.colours(len(ERRORS) + 1)
+        for colour, pixel_error in zip(colours, ERRORS, strict=False):
+            rings = detail(body.line, body.span, pixel_error / per_unit).s
+            ax.plot((rings[1:] + rings[:-1]) / 2, 1 / np.diff(rings), drawstyle="steps-mid", color=colour,
+                    label=f"rings per cm, {pixel_error:g} pixels allowed")  # fmt: skip
+        ax.set(xlabel="arc length s [cm]", yscale="log")
+        ax.legend(ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+        style.quiet(ax)
+        fig.savefig(path, dpi=130)
+
+
+if __name__ == "__main__":
+    main()

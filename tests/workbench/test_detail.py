@@ -1,0 +1,80 @@
+"""The drawn surface stays within the pixels allowed, with no more triangles than that takes."""
+
+import numpy as np
+import pytest
+
+from benchmarks.detail import off
+from solver.errors import InputError
+from studies.loader import loads
+from workbench import runner, tube
+from workbench.detail import detail, slack
+from workbench.kinds import KINDS
+
+TEXT = """title = "a rod"
+reading = "force-first/tension/paper"
+stations = {stations}
+outputs = ["beta", "alpha", "z", "gamma"]
+[units]
+length = "cm"
+force = "N"
+[base]
+L = {L}
+"""
+
+
+def body(stations: int = 201, L: float = 20.0, kind: str = "plain") -> tube.Body:
+    ds = runner.run(loads(TEXT.format(stations=stations, L=L), default_name="rod"))
+    return tube.read(ds, {}, KINDS[kind])
+
+
+@pytest.mark.parametrize("tolerance", [0.05, 0.01])
+def test_the_drawn_surface_is_within_the_tolerance_and_not_needlessly_fine(tolerance: float) -> None:
+    rod = body()
+    found = detail(rod.line, rod.span, tolerance)
+    made = off(rod.line, found.s, found.sides)
+    assert made <= tolerance
+    assert made > 0.4 * tolerance  # measured 0.7: sides and rings have 0.35 each, the rest is for their sum
+
+
+def test_rings_stand_where_the_rod_bends() -> None:
+    rod = body()
+    s = detail(rod.line, rod.span, 0.01).s
+    middle, apart = (s[1:] + s[:-1]) / 2, np.diff(s)
+    kappa = rod.line.kappa(middle)
+    assert np.median(apart[kappa > 2.5]) < 0.7 * np.median(apart[kappa < 0.6])
+
+
+def test_four_times_the_tolerance_takes_half_the_rings_and_half_the_sides() -> None:
+    rod = body()
+    coarse, fine = (detail(rod.line, rod.span, tolerance) for tolerance in (0.008, 0.002))
+    assert fine.s.size / coarse.s.size == pytest.approx(2, rel=0.1)  # the error goes with the square of the distance
+    assert fine.sides / coarse.sides == pytest.approx(2, rel=0.1)
+
+
+def test_bends_smaller_than_a_pixel_cost_nothing() -> None:
+    rod = body(2001, 200.0)
+    found = detail(rod.line, rod.span, 10.0)  # the rod swings by 2, and it gets ahead of its mean by some 1
+    assert found.s.size < 20  # fewer than one for three of its 57 bends
+    assert found.off <= 10.0
+
+
+def test_between_stations_that_are_too_few_the_surface_is_said_to_be_off() -> None:
+    rod = body(stations=11)
+    found = detail(rod.line, rod.span, 0.01)
+    true = body(stations=2001).line
+    place = [line.frame(np.linspace(0, 20, 4001))[0] for line in (rod.line, true)]
+    missed = np.linalg.norm(place[0] - place[1], axis=1).max()
+    assert found.off > 0.01
+    assert slack(rod.line) > missed / 2 or rod.line.error > missed / 2  # the warning is of the miss's own size
+
+
+def test_a_stripe_is_followed_as_it_turns() -> None:
+    rod = body(kind="twist")
+    plain, turned = (detail(rod.line, rod.span, 0.002, how) for how in (None, lambda s: 30 * s))
+    assert turned.s.size > 3 * plain.s.size
+
+
+def test_what_would_fill_the_memory_is_refused_with_what_to_do() -> None:
+    rod = body()
+    with pytest.raises(InputError, match=r"triangles.*--pixel-error.*--from and --to"):
+        detail(rod.line, rod.span, 1e-10)

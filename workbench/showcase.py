@@ -1,0 +1,70 @@
+"""The command gallery: one picture of every kind of scene, small enough for a page of documentation."""
+
+from pathlib import Path
+
+from solver import equilibria
+from studies import load
+from studies.loader import loads
+
+from . import console, kinds, runner, store
+from .drawing import free_picture
+
+DPI = 100  # 800 x 600 for one case: what half of the usual size is
+INSIDE = """
+title = "A soft rod inside a tube, pushed"
+outputs = ["beta", "alpha", "z"]
+[units]
+length = "cm"
+force = "N"
+[base]
+E = 1.07e4
+nu = 0.25
+a = 0.25
+L = 20.0
+R = 0.75
+side = "inside"
+beta = 0.5
+dbeta = 0.1
+dgamma = 0.5
+F3 = -10.0
+"""
+LONG = """
+title = "The rod of Table 1, forty times as long"
+reading = "force-first/tension/paper"
+outputs = ["beta", "alpha", "z"]
+stations = 8001
+[units]
+length = "cm"
+force = "N"
+[base]
+L = 800.0
+"""
+
+
+def draw_all(out: Path, force: bool) -> int:
+    """Solve what is shown and draw it into a folder; 0, or 1 where this machine cannot. Raises `InputError`."""
+    from . import gl
+
+    store.check_folder(out)
+    names = [*kinds.KINDS, "inside", "long"]
+    paths = {name: free_picture(out / f"{name}.png", (".png",), force) for name in names}
+    able, advice = gl.probe()
+    if not able:
+        console.err.print(f"workbench: {advice}", markup=False)
+        return 1
+    from . import gallery, scenes
+    from .equilibria import ends_of
+
+    one, row, table = (runner.run(load(name)) for name in ("fig6", "fig7_1_modulus", "fig7_5_forces"))
+    inside, long = (runner.run(loads(text, default_name="rod")) for text in (INSIDE, LONG))
+    study = load("fig7_4_end_angle")
+    case = ends_of(study)
+    shapes = gallery.dataset_of(study, case, equilibria(case))
+    look = scenes.Look(dpi=DPI)
+    for name, path in paths.items():
+        ds = {"ghosts": row, "grid": table, "equilibria": shapes, "inside": inside, "long": long}.get(name, one)
+        axes = ["F1", "F3"] if name == "grid" else []
+        kind = "contact" if name in ("inside", "long") else name
+        scenes.render(ds, path, None, kind, axes, look=look)
+        console.say(str(path))
+    return 0
