@@ -58,7 +58,7 @@ def rod(sol: Solution) -> Drawn:
         np.concatenate([points.reshape(-1, 3), lids]).astype(np.float32),
         np.concatenate([normals.reshape(-1, 3), np.repeat(along, sides, axis=0)]).astype(np.float32),
         np.concatenate([colours, colours[:sides], colours[-sides:]]),
-        _tube_polygons(n),
+        tube_polygons(n),
         f"tube {n}",
         squeeze,
     )
@@ -70,18 +70,22 @@ def sides_of(rings: int) -> int:
 
 
 def cylinder(sol: Solution, squeeze: float) -> Drawn:
-    """The wall of the cylinder, a little longer than the rod, and its lids where the rod lies outside."""
+    """The cylinder of a solution, a little longer than the rod."""
     R = float(sol.case.cylinder.R)
     beyond = float(sol.case.rod.a) + 0.35 * R
-    z = squeeze * np.array([sol.z.min(), sol.z.max()]) + np.array([-beyond, beyond])
+    low, high = squeeze * float(sol.z.min()) - beyond, squeeze * float(sol.z.max()) + beyond
+    return wall(R, sol.case.cylinder.side, low, high, squeeze)
+
+
+def wall(R: float, side: str, low: float, high: float, squeeze: float = 1.0) -> Drawn:
+    """The cylinder's wall between two heights, and its lids where the rod lies outside."""
     angle = np.linspace(0.0, 2 * np.pi, AROUND, endpoint=False)
     ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(AROUND)], axis=-1)
-    ends = [R * ring + [0, 0, height] for height in z]
+    ends = [R * ring + [0, 0, height] for height in (low, high)]
     flat = np.repeat([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], AROUND, axis=0)
     points = np.concatenate([*ends, *ends]).astype(np.float32)
     normals = np.concatenate([ring, ring, flat]).astype(np.float32)
     colours = np.broadcast_to(_bytes(style.SURFACE), points.shape).astype(np.uint8)
-    side = sol.case.cylinder.side
     return Drawn(points, normals, colours, _cylinder_polygons(side == "outside"), f"cylinder {side}", squeeze)
 
 
@@ -90,7 +94,7 @@ def _bytes(colour: str) -> NDArray[np.uint8]:
 
 
 @lru_cache(maxsize=8)
-def _tube_polygons(n: int) -> Indices:
+def tube_polygons(n: int) -> Indices:
     sides = sides_of(n)
     index = np.arange(n * sides).reshape(n, sides)
     beside = np.roll(index, -1, axis=1)

@@ -18,14 +18,12 @@ from threading import Lock
 from typing import Any
 
 import numpy as np
-import trame_client
-import trame_vtk
 from aiohttp import web
 
 from solver.errors import InputError
 from studies.readings import READINGS
 
-from . import explore_mesh, explore_model, exporting
+from . import browser, explore_mesh, explore_model, exporting
 from .console import finite
 from .explore_presets import PRESETS
 
@@ -35,8 +33,7 @@ FILES = {
     "/page.js": PAGE / "page.js",
     "/diagram.js": PAGE / "diagram.js",
     "/page.css": PAGE / "page.css",
-    "/vue.js": Path(trame_client.__file__).parent / "module/vue3-www/vue.global.js",
-    "/vtk.js": Path(trame_vtk.__file__).parent / "modules/common/serve/trame-vtk.js",
+    **{f"/{name}": path for name, path in browser.scripts().items()},
 }
 # Vue compiles its templates in the page, hence unsafe-eval; nothing comes from, or goes to, another address.
 POLICY = (

@@ -2,6 +2,7 @@
 
 import json
 import os
+import platform
 import time
 import warnings
 from collections.abc import Sequence
@@ -132,6 +133,7 @@ def _attributes() -> dict[str, Any]:
         "study_name": "extremes",
         "laws": "[]",
         "tolerance": TOL,
+        "machine": f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}",
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(dataset.versions()),
     }

@@ -1,22 +1,41 @@
 """The report: one file with everything in it, on machines with and without OpenGL."""
 
 import base64
+import gzip
+import json
 import re
+import shutil
 import sys
+import time
+from collections.abc import Iterator
 from dataclasses import replace
 from html.parser import HTMLParser
+from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 import xarray as xr
+from matplotlib import image
 
 from solver.errors import InputError
 from studies import READINGS, load, names
-from workbench import check, gl, readings_run, report, runner
+from tests.workbench.pictures import share_of_hue
+from workbench import browser, check, gl, readings_run, report, report_measured, report_view, runner, store, style
 from workbench.errata import ERRATA
 from workbench.runner import StudyResult
 
 ADVICE = "OpenGL does not work here, so no scenes are drawn; install libegl1 libgl1-mesa-dri"
+BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-quic",
+         "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+         "--window-size=1366,1400")  # fmt: skip
+PATIENCE = 60  # s that anything is waited for, on a machine with much else to do
+needs_explore = pytest.mark.skipif(
+    not (find_spec("trame_client") and find_spec("trame_vtk")), reason="pip install '.[explore]'"
+)
 DOT = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
 )
@@ -32,6 +51,7 @@ class Page(HTMLParser):
         self.ids: list[str] = []
         self.rows: dict[str, int] = {}
         self.text = ""
+        self.packed: dict[str, str] = {}
         self.open: list[str] = []
         self.section = ""
         self.feed(text)
@@ -42,7 +62,9 @@ class Page(HTMLParser):
         self.links += [found[name] for name in ("href", "src", "srcset", "action") if name in found]
         if tag == "img":
             self.pictures.append(found)
-        if "id" in found:
+        if tag == "script" and "id" in found:
+            self.packed[found["id"]] = ""
+        elif "id" in found:
             self.ids.append(found["id"])
             self.section = found["id"]
         if tag == "tr":
@@ -56,6 +78,9 @@ class Page(HTMLParser):
     def handle_data(self, data) -> None:
         if self.open and self.open[-1] not in {"style", "script"}:
             self.text += data
+        elif self.open and self.open[-1] == "script" and self.packed:
+            last = list(self.packed)[-1]
+            self.packed[last] += "" if "figure" in data else data
 
 
 @pytest.fixture(scope="module")
@@ -77,8 +102,13 @@ def results(tmp_path_factory) -> list[StudyResult]:
 
 
 @pytest.fixture(scope="module")
-def text(results, readings) -> str:
-    return report.html(results, readings)
+def measured(tmp_path_factory) -> list[report_measured.Measured]:
+    return report_measured.both(tmp_path_factory.mktemp("nothing"))
+
+
+@pytest.fixture(scope="module")
+def text(results, readings, measured) -> str:
+    return report.html(results, readings, measured=measured)
 
 
 def without_scenes(results: list[StudyResult]) -> list[StudyResult]:
@@ -89,18 +119,22 @@ def test_nothing_outside_the_file_is_needed(text) -> None:
     page = Page(text)
     assert all(link.startswith(("#", "data:image/")) for link in page.links)
     assert {link[1:] for link in page.links if link.startswith("#")} <= set(page.ids)
-    assert not re.search(r"https?:|@import|url\(|<script|<link", text)
+    own = re.sub(r'<script type="text/plain".*?</script>', "", text, flags=re.DOTALL)
+    assert not re.search(r"https?:|@import|url\(|<link|src=\"(?!data:)", own)
+    assert "default-src 'none'" in own  # nor may what is unpacked ask for anything
+    assert len(text) < 8e6
 
 
 def test_every_section_is_there(text) -> None:
-    assert Page(text).ids == [*names(), "laws", "readings", "errata", "sources"]
+    assert Page(text).ids == [*names(), "laws", "readings", "trade", "extremes", "errata", "sources"]
 
 
 def test_every_picture_is_inside_and_described(text, results) -> None:
     pictures = Page(text).pictures
-    assert len(pictures) == sum(len(result.pictures) for result in results)
+    assert len(pictures) == sum(len(result.pictures) for result in results) + 2  # the trade and the extremes
     for picture in pictures:
-        assert base64.b64decode(picture["src"].partition(",")[2]) == DOT
+        data = BytesIO(base64.b64decode(picture["src"].partition(",")[2]))
+        assert image.imread(data, format="webp").ndim == 3
         assert len(picture["alt"]) > 10
 
 
@@ -188,12 +222,14 @@ def test_a_study_that_a_reading_does_not_admit_is_named_with_its_reason(results,
 def test_what_a_study_says_is_text_and_not_markup(results) -> None:
     ds = results[0].ds.assign_attrs(title="<script>alert(1)</script>")
     text = report.html([replace(results[0], ds=ds)])
-    assert "<script>" not in text
+    assert "<script>alert" not in text
 
 
-def test_the_report_replaces_the_old_one_whole(results, tmp_path) -> None:
+def test_the_report_replaces_the_old_one_whole(results, measured, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(report_measured, "both", lambda folder: measured if folder == tmp_path else [])
     assert report.write(results[:1], tmp_path) == tmp_path / "report.html"
     assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
+    assert 'id="extremes"' in (tmp_path / "report.html").read_text(encoding="utf-8")
     with pytest.raises(InputError, match="cannot write"):
         report.write(results[:1], tmp_path / "nowhere")
     with pytest.raises(InputError, match="at least one study"):
@@ -218,3 +254,131 @@ def test_on_a_machine_without_opengl_everything_else_is_done(readings, monkeypat
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
     assert not list(tmp_path.glob("*scene*"))
     assert "libegl1 libgl1-mesa-dri" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_drawing_is_packed_without_loss(tmp_path) -> None:
+    dots = np.random.default_rng(5).integers(0, 256, (20, 30, 3), dtype=np.uint8)
+    image.imsave(tmp_path / "dots.png", dots)
+    packed = report._picture(tmp_path / "dots.png", "dots", report.DRAWING)["src"].partition(",")[2]
+    np.testing.assert_array_equal(image.imread(BytesIO(base64.b64decode(packed)), format="webp")[..., :3], dots)
+
+
+@needs_explore
+def test_the_scene_that_turns_is_the_stored_rod(text, results) -> None:
+    packed = {name: gzip.decompress(base64.b64decode(data)).decode() for name, data in Page(text).packed.items()}
+    for name, path in browser.scripts().items():
+        assert packed[name] == path.read_text(encoding="utf-8")
+    (ds,) = [result.ds for result in results if result.study.name == "fig6"]
+    parts = {part["name"]: part for part in json.loads(packed["scene"])["parts"]}
+    assert set(parts) == {"wall", "pushed", "lifted"}
+    rod = np.concatenate([np.reshape(parts[name]["points"], (-1, 3)) for name in ("pushed", "lifted")])
+    a, rho = float(ds["a"]), float(ds["rho"])
+    reach = rho + a
+    for name, part in parts.items():
+        polygons = np.reshape(part["polygons"], (-1, 4))
+        assert (polygons[:, 0] == 3).all()
+        assert polygons[:, 1:].max() == len(part["points"]) // 3 - 1, name
+        np.testing.assert_allclose(
+            np.linalg.norm(np.reshape(part["normals"], (-1, 3)), axis=1), 1, atol=2e-3
+        )  # rounded
+    far = np.hypot(rod[:, 0], rod[:, 1]) * reach
+    # the tube touches the cylinder and is as thick as the rod; points are rounded to 1e-4 of the reach
+    assert far.min() == pytest.approx(rho - a, abs=2e-4 * reach)
+    assert far.max() == pytest.approx(rho + a, abs=2e-4 * reach)
+
+
+def test_without_the_extra_the_still_picture_stays_and_the_report_says_so(results, readings, monkeypatch) -> None:
+    monkeypatch.setattr(browser, "FILES", {"vtk.js": ("no_such_package", "vtk.js")})
+    page = Page(report.html(results, readings))
+    assert "still picture only: vtk.js is not here: pip install 'rod-workbench[explore]'" in page.text
+    assert page.packed == {}
+    assert len(page.pictures) == sum(len(result.pictures) for result in results)
+
+
+def test_a_rod_without_a_shape_does_not_turn(results) -> None:
+    (one,) = [result for result in results if result.study.name == "fig6"]
+    ds = one.ds.assign(outcome=one.ds["outcome"].copy(data=np.array("failed: for the test")))
+    if find_spec("trame_vtk"):
+        with pytest.raises(InputError, match="failed: for the test"):
+            report_view.view(ds)
+
+
+def test_paper_gets_the_still_picture_and_whole_tables(text) -> None:
+    paper = text.partition("@media print {")[2].partition("</style>")[0]
+    assert re.search(r"\.turns\.live \.stage[^}]*display: none", paper)
+    assert re.search(r"\.turns\.live \.still \{ display: block", paper)
+    assert "overflow: visible" in paper
+    # wider than a page of paper only on a screen
+    assert all(rule.startswith("@media screen") for rule in re.findall(r"@media[^{]*\{[^\n]*min-width", text))
+
+
+def test_a_run_beside_the_report_is_drawn_and_a_broken_one_gives_way(tmp_path, measured) -> None:
+    for one in measured:
+        assert "a run that comes with the workbench" in one.source
+        assert re.search(r"Measured 20\d\d-\d\d-\d\d [\d:]+ UTC on \S+", one.source)
+    ds = store.read(report_measured.SHIPPED / "trade.h5", study=False)
+    store.write(ds.isel(case=[0, 1]).assign_attrs(machine="a test"), tmp_path / "trade.h5")
+    (tmp_path / "extremes.h5").write_bytes(b"no dataset")
+    trade, extremes = report_measured.both(tmp_path)
+    assert "on 2 rods" in trade.shows
+    assert "on a test, with" in trade.source
+    assert trade.source.endswith("trade.h5 beside this report")
+    assert "extremes.h5 beside this report cannot be drawn" in extremes.source
+    assert extremes.picture == measured[1].picture
+
+
+@pytest.fixture(scope="module")
+def shown(text, tmp_path_factory) -> Iterator[Any]:
+    """The report in a browser, once its view is there."""
+    webdriver = pytest.importorskip("selenium.webdriver", reason="pip install '.[test]'")
+    if not (BROWSER and DRIVER):
+        pytest.skip("there is no Chromium here: apt-get install chromium chromium-driver")
+    path = tmp_path_factory.mktemp("shown") / "report.html"
+    path.write_text(text, encoding="utf-8")
+    options = webdriver.ChromeOptions()
+    options.binary_location = BROWSER
+    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('chromium')}"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    try:
+        driver.get(path.as_uri())
+        driver.execute_script("document.querySelector('figure.turns').scrollIntoView()")
+        end = time.monotonic() + PATIENCE
+        while not driver.execute_script("return !!document.querySelector('figure.turns').view"):
+            assert time.monotonic() < end, driver.get_log("browser")
+            time.sleep(0.05)
+        yield driver
+    finally:
+        driver.quit()
+
+
+@needs_explore
+def test_in_a_browser_the_rod_is_drawn_turns_and_nobody_is_asked(shown) -> None:
+    def seen() -> np.ndarray:
+        png = shown.find_element("css selector", ".turns .stage").screenshot_as_png
+        return np.asarray(image.imread(BytesIO(png)))[..., :3]
+
+    front = seen()
+    assert share_of_hue(front, style.LIFTED) > 0.02
+    assert share_of_hue(front, style.PUSHED) > 0.005
+    shown.find_element("name", "side").click()
+    side = seen()
+    assert (np.abs(side - front).max(axis=-1) > 0.1).mean() > 0.02
+    shown.find_element("name", "nearer").click()
+    assert share_of_hue(seen(), style.LIFTED) > 1.1 * share_of_hue(side, style.LIFTED)
+    assert not shown.find_element("css selector", ".turns .still").is_displayed()
+    shown.find_element("name", "still").click()
+    assert shown.find_element("css selector", ".turns .still").is_displayed()
+    assert [entry["message"] for entry in shown.get_log("browser") if entry["level"] == "SEVERE"] == []
+    messages = [json.loads(entry["message"])["message"] for entry in shown.get_log("performance")]
+    asked = {m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"}
+    assert [url for url in asked if not url.startswith(("file:", "data:", "blob:", "chrome://"))] == []
+
+
+@needs_explore
+def test_on_a_phone_the_page_is_no_wider_than_the_screen(shown) -> None:
+    shown.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+    )
+    assert shown.execute_script("return document.documentElement.scrollWidth") == 390

@@ -1,0 +1,40 @@
+"""Cut stored runs of `workbench trade` and `workbench extremes` down to what the report draws, for shipping.
+
+    workbench trade --out RUN
+    workbench extremes --out RUN
+    python benchmarks/make_measured.py RUN
+
+Replaces workbench/measured/trade.h5 and extremes.h5. Numbers keep three digits: a diagram shows no more.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from workbench import store
+from workbench.report_measured import SHIPPED
+
+KEPT = {
+    "trade": ("seconds", "error", "outcome", "kind"),
+    "extremes": ("verdict", "error", "condition", "span", "group"),
+}
+
+
+def cut(ds: xr.Dataset, name: str) -> xr.Dataset:
+    """What is drawn of a stored run; of an outcome what stands before its reason."""
+    small = ds[list(KEPT[name])]
+    for key, array in small.data_vars.items():
+        if array.dtype.kind == "f":
+            small[key] = array.copy(data=np.vectorize(lambda value: float(f"{value:.3g}"))(array.values))
+    if "outcome" in small:
+        small["outcome"] = small["outcome"].copy(
+            data=np.char.partition(small["outcome"].values.astype(str), ":")[..., 0]
+        )
+    return small
+
+
+if __name__ == "__main__":
+    for name in KEPT:
+        print(store.write(cut(store.read(Path(sys.argv[1]) / f"{name}.h5", study=False), name), SHIPPED / f"{name}.h5"))
