@@ -79,8 +79,9 @@ class Rod:
 
     @property
     def bending_stiffness(self) -> Any:
-        """A [force length^2]; eq. (20), with the factor that `stiffness` names."""
-        return STIFFNESS[self.stiffness] * self.E * self.a**4
+        """A [force length^2]; eq. (20), with the factor that `stiffness` names; 0 or inf where no float holds it."""
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            return STIFFNESS[self.stiffness] * self.E * np.power(self.a, 4.0)
 
     @property
     def torsional_stiffness(self) -> Any:
@@ -215,10 +216,15 @@ class Case:
     @cached_property
     def loads(self) -> tuple[Any, Any, Any]:
         """FZ [force], MZ, M3 [force length], constants of the rod; eqs. (25), (30), and (33) or (24) row 6 for M3."""
-        given, rod, rho = self.given, self.rod, self.rho
+        given, rod = self.given, self.rod
         if isinstance(given, Ends):
             return given.FZ, given.MZ, given.M3
         A, s, c = rod.bending_stiffness, np.sin(given.beta), np.cos(given.beta)
+        with np.errstate(all="ignore"):  # numbers beyond a float are told by the outcome of their case
+            return self._start_loads(A, s, c)
+
+    def _start_loads(self, A: Any, s: Any, c: Any) -> tuple[Any, Any, Any]:
+        given, rod, rho = self.given, self.rod, self.rho
         if given.M3 is not None:
             m = given.M3 / A
         elif given.dgamma is not None:

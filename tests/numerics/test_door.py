@@ -1,6 +1,7 @@
 """What is refused at the door: one sentence that holds the value and, where there are any, the choices."""
 
 import re
+import warnings
 from typing import Any
 
 import numpy as np
@@ -202,3 +203,13 @@ def test_a_unit_system_names_both_units() -> None:
     with refused("force"):
         unit_of("E", {"length": "cm"})
     assert all(unit_of(name, {"length": "cm", "force": "N"}) is not None for name in QUANTITIES)
+
+
+@pytest.mark.parametrize("a", [5e-324, 1e-90, 1e100, 1e308])
+def test_a_rod_whose_stiffness_no_float_holds_is_told_by_its_outcome(a: float) -> None:
+    for given in (Start(0.5, 0.1, F1=1.0, F3=1.0), Start(0.5, 0.1, dgamma=0.1), Start(0.5, 0.1, M3=0.1)):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            sol = solve(Case(Rod(E=1e4, nu=0.25, a=a, L=20.0), Cylinder(R=0.75), given))
+        assert sol.solved or str(sol.outcome).startswith("failed: ")
+        assert sol.solved <= np.isfinite(sol.beta).all()
