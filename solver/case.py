@@ -216,24 +216,20 @@ class Case:
     @cached_property
     def loads(self) -> tuple[Any, Any, Any]:
         """FZ [force], MZ, M3 [force length], constants of the rod; eqs. (25), (30), and (33) or (24) row 6 for M3."""
-        given, rod = self.given, self.rod
+        given, rod, rho = self.given, self.rod, self.rho
         if isinstance(given, Ends):
             return given.FZ, given.MZ, given.M3
         A, s, c = rod.bending_stiffness, np.sin(given.beta), np.cos(given.beta)
         with np.errstate(all="ignore"):  # numbers beyond a float are told by the outcome of their case
-            return self._start_loads(A, s, c)
-
-    def _start_loads(self, A: Any, s: Any, c: Any) -> tuple[Any, Any, Any]:
-        given, rod, rho = self.given, self.rod, self.rho
-        if given.M3 is not None:
-            m = given.M3 / A
-        elif given.dgamma is not None:
-            m = (given.dgamma + s * c / rho) / (1 + rod.nu)
-        else:
-            m = given.F1 / (A * given.dbeta) + 3 * s * c / rho
-        FY = -given.F2 * c + given.F3 * s
-        FZ = given.F2 * s + given.F3 * c
-        return FZ, rho * FY + A * (m * c + s**3 / rho), A * m if given.M3 is None else given.M3
+            if given.M3 is not None:
+                m = given.M3 / A
+            elif given.dgamma is not None:
+                m = (given.dgamma + s * c / rho) / (1 + rod.nu)
+            else:
+                m = given.F1 / (A * given.dbeta) + 3 * s * c / rho
+            FY = -given.F2 * c + given.F3 * s
+            FZ = given.F2 * s + given.F3 * c
+            return FZ, rho * FY + A * (m * c + s**3 / rho), A * m if given.M3 is None else given.M3
 
 
 def from_fields(kind: type, values: dict[str, Any]) -> Any:

@@ -51,7 +51,7 @@ def panel(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.tick_params(length=0, top=True, labeltop=True, bottom=False, labelbottom=False, colors=style.INK)
     ax.spines[:].set_visible(False)
     handles = [Patch(facecolor=colour, label=WORDS[name]) for name, colour in COLOURS.items()]
-    ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.005), ncols=4)
+    ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.005), ncols=4 if len(methods) > 7 else 2)
     return ax
 
 

@@ -1,6 +1,7 @@
 """Work-precision diagrams of a stored trade: error against seconds or evaluations, a panel a case."""
 
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -56,7 +57,8 @@ def figure(ds: xr.Dataset, cost: str, path: Path) -> Path:
         for i, ax in enumerate(axes.flat[: len(cases)]):
             ax.tick_params(labelbottom=i + columns >= len(cases))
         fig.supxlabel(COSTS[cost], size=style.NORMAL, color=style.INK)
-        fig.supylabel("error achieved: of angle [rad], or of position over max(ρ, L)", size=style.NORMAL)
+        told = "error achieved: of angle [rad], or of position over max(ρ, L)"
+        fig.supylabel(told if lines > 2 else fill(told, 34), size=style.NORMAL)
         fig.text(
             0.012, 1 - 0.1 * inch, f"{ds.attrs['title']}: {COSTS[cost]}", va="top", weight="bold", size=style.LARGE
         )
