@@ -424,16 +424,19 @@ def read(
     since: Any,
     width: Any,
     series: Any,
-    out: Any,
+    angle: Any,
+    speed: Any,
+    azimuth: Any,
+    height: Any,
 ) -> None:
-    """beta, beta_t, alpha, z at t (B, n), into out (4, B, n).
+    """beta, beta_t, alpha, z at t (B, n), into angle, speed, azimuth, height, (B, n) each.
 
     lost: (B,), NaN then. swings: (B,), or it goes round. told, first, count: (B, 2, ..) of the legs;
     since, width, series: of their steps.
     """
     for i in range(t.shape[0]):
         if lost[i]:
-            out[:, i] = np.nan
+            angle[i] = speed[i] = azimuth[i] = height[i] = np.nan
             continue
         ahead, back = told[i, 0, TIME], told[i, 1, TIME]
         period = 2 * (ahead + back) if swings[i] else ahead
@@ -450,9 +453,9 @@ def read(
                 beta = beta * x + series[k, 0, ORDER - n]
                 alpha = alpha * x + series[k, 1, ORDER - n]
                 z = z * x + series[k, 2, ORDER - n]
-            out[0, i, j], out[1, i, j] = beta + turn * rounds, -v if mirrored else v
-            out[2, i, j] = unfold(alpha, told[i, 0, ALPHA], told[i, 1, ALPHA], swings[i], part, mirrored, rounds)
-            out[3, i, j] = unfold(z, told[i, 0, Z], told[i, 1, Z], swings[i], part, mirrored, rounds)
+            angle[i, j], speed[i, j] = beta + turn * rounds, -v if mirrored else v
+            azimuth[i, j] = unfold(alpha, told[i, 0, ALPHA], told[i, 1, ALPHA], swings[i], part, mirrored, rounds)
+            height[i, j] = unfold(z, told[i, 0, Z], told[i, 1, Z], swings[i], part, mirrored, rounds)
 
 
 @compiled

@@ -24,7 +24,10 @@ from .orbit import Orbit, Where, located, solve_orbit
 INSTALLED = find_spec("numba") is not None
 MISSING = "method 'swing' needs the package numba, which is not installed: pip install 'rod-workbench[fast]'"
 _STEPS = 28  # of an orbit, to begin with
-_BLOCK = 256  # orbits marched and read while their series are in the cache
+_BLOCK = 128  # orbits marched and read while their series are in the cache
+
+
+_Store = tuple[Array, Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +81,8 @@ class Swing:
 
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
-        out = _read(self, self._steps, t)
+        out = np.empty((4, *t.shape))
+        _read(self, self._steps, t, out)
         if self.rest is not None:
             out[:, self.lost] = self.rest.at(t[self.lost])
         return out[0], out[1], out[2], out[3]
@@ -106,8 +110,11 @@ class Swing:
         return _march(self.problem, self.tol)[1]
 
 
-def _march(problem: Reduced, tol: float) -> tuple[Swing, tuple[Array, ...]]:
-    """The orbits, and their steps: first and count (B, 2) of each leg, since, width (P,) and series (P, 4, n)."""
+def _march(problem: Reduced, tol: float, store: _Store | None = None) -> tuple[Swing, tuple[Array, ...]]:
+    """The orbits, and their steps: first and count (B, 2) of each leg, since, width (P,) and series (P, 4, n).
+
+    store: room for steps that an earlier call made and that nobody reads any more.
+    """
     from ..kernels import FACTS, LOST, ORDER, TURNS, march
 
     assert problem.dbeta0 is not None
@@ -121,11 +128,10 @@ def _march(problem: Reduced, tol: float) -> tuple[Swing, tuple[Array, ...]]:
     weights = np.maximum(np.maximum(1, np.abs(v0)), natural)
     count, status = np.zeros((B, 2), dtype=np.int64), np.zeros((B, 2), dtype=np.int64)
     told, judged = np.zeros((B, 2, FACTS)), np.full((B, 2), np.inf)
-    stored: list[tuple[Array, Array, Array]] = []
+    stored: list[_Store] = []
     done = 0
     while done < B:
-        room = _STEPS * (B - done) + 120
-        since, width, series = np.empty(room), np.empty(room), np.empty((room, 4, ORDER + 1))
+        since, width, series = store if store is not None and not stored else room_for(B - done)
         done, used = march(numbers, goals, weights, done, since, width, series, count, status, told, judged)
         stored.append((since[:used], width[:used], series[:used]))
     since, width, series = (np.concatenate(v) if len(stored) > 1 else v[0] for v in zip(*stored, strict=True))
@@ -136,13 +142,19 @@ def _march(problem: Reduced, tol: float) -> tuple[Swing, tuple[Array, ...]]:
     return Swing(problem, tol, kind, lost, told, error, condition, calls), (first, count, since, width, series)
 
 
-def _read(swing: Swing, steps: tuple[Array, ...], t: Array) -> Array:
-    """beta, beta_t, alpha, z at t (B, n), (4, B, n)."""
+def room_for(orbits: int) -> _Store:
+    """Room for the steps of so many orbits, as far as one knows before."""
+    from ..kernels import MOST, ORDER
+
+    room = _STEPS * orbits + 2 * MOST
+    return np.empty(room), np.empty(room), np.empty((room, 4, ORDER + 1))
+
+
+def _read(swing: Swing, steps: tuple[Array, ...], t: Array, out: Array) -> None:
+    """beta, beta_t, alpha, z at t (B, n) into out (4, B, n), each of the four in one piece of memory."""
     from ..kernels import read
 
-    out = np.empty((4, *t.shape))
-    read(np.ascontiguousarray(t), swing.lost, swing.kind == LIBRATION, swing.told, *steps, out)
-    return out
+    read(np.ascontiguousarray(t), swing.lost, swing.kind == LIBRATION, swing.told, *steps, *out)
 
 
 def joined(parts: list[Swing], problem: Reduced, some: slice) -> Swing:
@@ -154,10 +166,10 @@ def joined(parts: list[Swing], problem: Reduced, some: slice) -> Swing:
 
 def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     """All problems, a block at a time; what a march would lose, or cannot do to the tolerance, `orbit` does."""
-    whole, done = np.empty((4, *t.shape)), []
+    whole, done, store = np.empty((4, *t.shape)), [], room_for(min(_BLOCK, problem.size))
     for block in (slice(k, k + _BLOCK) for k in range(0, problem.size, _BLOCK)):
-        swing, steps = _march(problem.take(block), tol)
-        whole[:, block] = _read(swing, steps, t[block])
+        swing, steps = _march(problem.take(block), tol, store)
+        _read(swing, steps, t[block], whole[:, block])
         done.append(swing)
     swing = joined(done, problem, slice(None))
     outcome = verdicts(whole[0], swing.error, swing.condition, tol)
