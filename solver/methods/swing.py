@@ -24,6 +24,7 @@ from .orbit import Orbit, Where, located, solve_orbit
 INSTALLED = find_spec("numba") is not None
 MISSING = "method 'swing' needs the package numba, which is not installed: pip install 'rod-workbench[fast]'"
 _STEPS = 28  # of an orbit, to begin with
+_DIGITS = 100  # times the tolerance: an error beyond it is handed over, also where the condition number excuses it
 _BLOCK = 128  # orbits marched and read while their series are in the cache
 
 
@@ -173,7 +174,8 @@ def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
         done.append(swing)
     swing = joined(done, problem, slice(None))
     outcome = verdicts(whole[0], swing.error, swing.condition, tol)
-    swing.lost[:] |= np.array([not text.startswith(SOLVED) for text in outcome])
+    # promised or not, digits that only a march loses are worth a quadrature
+    swing.lost[:] |= np.array([not text.startswith(SOLVED) for text in outcome]) | (swing.error > _DIGITS * tol)
     found: Swing | None = swing
     swirl: Callable[[Array], Array] = swing.swirl
     if swing.lost.any():

@@ -108,6 +108,16 @@ def test_what_a_march_would_lose_goes_to_the_quadrature() -> None:
 
 
 @compiled
+def test_digits_that_only_a_march_would_lose_are_not_lost() -> None:
+    """Strong tension, the start 1e-3 off: the condition number excuses 0.4 rad, the quadrature has 14 digits."""
+    problem = Reduced(*np.array([(0.0, 0.0, 1e4, 20.0, 1e-3, 0.0)]).T)
+    fast, exact = both(problem, 1e-6)
+    assert exact.condition[0] > 1e5
+    assert fast.error[0] <= 1e-4
+    np.testing.assert_allclose(fast.beta, exact.beta, atol=1e-9)
+
+
+@compiled
 def test_numbers_beyond_a_float_are_refused_and_leave_their_neighbours_alone() -> None:
     problem = Reduced(*np.array([(1e200, 0.0, 0.0, 5.0, 0.3, 0.1), (0.1, 0.2, -0.5, 30.0, 0.4, 0.3)]).T)
     fast, exact = both(problem, 1e-9)

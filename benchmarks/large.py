@@ -1,6 +1,6 @@
 """What storing, workers, a cluster and going on cost, as ratios measured in one run; and the memory of large studies.
 
-Run from the checkout: `.venv/bin/python -m benchmarks.studies` (some minutes; `--only NAME ...`). The rows of the
+Run from the checkout: `.venv/bin/python -m benchmarks.large` (some minutes; `--only NAME ...`). The rows of the
 cluster need the extra `cluster`, that of xyzpy the packages xyzpy and joblib. Prints a table and, with `--json FILE`,
 writes it. Nothing here is asserted: machines differ.
 """
