@@ -19,7 +19,14 @@ ORDER = 20
 ROWS = 9
 B, V, S, C, S2, C2, RATE, ETA, ZETA = range(ROWS)  # rows of a table of series; eta(0) = 1, zeta_t(0) = 1
 
-compiled = njit(cache=True, error_model="numpy", fastmath={"contract"}, nogil=True)
+
+def compiled(function: Any) -> Any:
+    """The function as machine code, kept on disk; where no folder can be written, made anew in each process."""
+    how: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
+    try:
+        return njit(cache=True, **how)(function)
+    except RuntimeError:  # numba found no place for its cache
+        return njit(**how)(function)
 
 
 @compiled

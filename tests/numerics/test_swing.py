@@ -136,6 +136,16 @@ def test_observables_are_those_of_the_quadrature(name: str) -> None:
         np.testing.assert_allclose(seen[key], known[key], rtol=1e-8, atol=1e-9, err_msg=key)
 
 
+@compiled
+def test_where_no_folder_can_be_written_it_compiles_without_a_cache(monkeypatch) -> None:
+    caching = pytest.importorskip("numba.core.caching")
+    from solver import kernels
+
+    monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
+    twice = kernels.compiled(lambda x: 2 * x)
+    assert twice(21.0) == 42.0
+
+
 def test_where_it_is_not_installed_it_is_refused_with_how_to_get_it(monkeypatch) -> None:
     monkeypatch.delitem(METHODS, "swing", raising=False)
     with pytest.raises(InputError, match=r"not installed: pip install 'rod-workbench\[fast\]'"):
