@@ -15,7 +15,7 @@ import numpy as np
 from studies.loader import loads
 from workbench import runner, tube
 from workbench.centreline import Array, Centreline
-from workbench.detail import detail
+from workbench.detail import Detail, detail
 from workbench.kinds import KINDS
 
 WIDE = 1450  # pixels of the picture that the rod's length fills
@@ -30,33 +30,30 @@ RODS = {
     "a hundred times": (20001, "L = 2000.0\n"),
     "two thousand times": (100001, "L = 40000.0\n"),
 }
-INSIDE = np.array([[0.5, 0], [0, 0.5], [0.5, 0.5]])  # the middles of the sides of its triangles
 
 
-def off(line: Centreline, s: Array, sides: int) -> float:
-    """The largest distance of the drawn surface from the true one [length], on points in every triangle."""
-    angle = 2 * np.pi * np.arange(sides) / sides
-    place, _, out, across = line.frame(s)
-    ring = place[:, None] + line.a * (np.cos(angle)[:, None] * out[:, None] + np.sin(angle)[:, None] * across[:, None])
-    beside = np.roll(ring, -1, axis=1)
-    cells = ring[:-1], ring[1:], beside[1:], beside[:-1]
+def off(body: tube.Body, drawn: Detail) -> float:
+    """The largest distance of the drawn triangles from the true surface [length], at the middles of their sides."""
+    n, line = drawn.s.size, body.line
+    made = tube.mesh(body, drawn)
+    walls = made.triangles[: 2 * (n - 1) * drawn.sides].reshape(n - 1, -1, 3)
+    lift = np.array([0, 0, line.at(drawn.s[:1])[2][0]])
     worst = 0.0
-    for along, around in INSIDE:  # the diagonal runs from the first corner to the third
-        if along >= around:
-            points = (1 - along) * cells[0] + (along - around) * cells[1] + around * cells[2]
-        else:
-            points = (1 - around) * cells[0] + (around - along) * cells[3] + along * cells[2]
-        worst = max(worst, float(_away(line, s, points).max()))
+    for part in np.array_split(np.arange(n - 1), -(-n * drawn.sides // 50_000)):  # of the memory that this takes
+        corners = made.points[walls[part]] + lift
+        middles = (corners + np.roll(corners, -1, axis=2)) / 2
+        found = _away(line, drawn.s[part[0] : part[-1] + 2], middles.reshape(part.size, -1, 3))
+        worst = max(worst, float(found.max()))
     return worst
 
 
 def _away(line: Centreline, s: Array, points: Array) -> Array:
-    """Distance of the points (n - 1, sides, 3) of each stretch from the true surface near it."""
+    """Distance of the points (n - 1, k, 3) of each stretch from the true surface near it, (n - 1, k)."""
     h = np.diff(s)[:, None]
     best, reach = np.full(points.shape[:2], np.nan), 1.5
     at = np.broadcast_to(s[:-1, None] + 0.5 * h, points.shape[:2])
     for _ in range(3):  # ever nearer to the nearest section
-        trial = np.clip(at[..., None] + reach * h[..., None] * np.linspace(-0.5, 0.5, 9), s[0], s[-1])
+        trial = np.clip(at[..., None] + reach * h[..., None] * np.linspace(-0.5, 0.5, 9), line.s[0], line.s[-1])
         place, along, _, _ = (v.reshape(*trial.shape, 3) for v in line.frame(trial.ravel()))
         gap = points[..., None, :] - place
         axial = np.einsum("...i,...i->...", gap, along)
@@ -68,15 +65,20 @@ def _away(line: Centreline, s: Array, points: Array) -> Array:
     return best
 
 
-def uniform(line: Centreline, allowed: float) -> tuple[int, int]:
+def uniform(body: tube.Body, allowed: float) -> tuple[int, int]:
     """The fewest evenly spaced rings, with sides that lose half of it, whose surface is off by no more [length]."""
+    line = body.line
     sides = max(int(np.ceil(np.pi / np.arccos(max(1 - allowed / 2 / line.a, 0)))), 6)
+
+    def misses(rings: int) -> bool:
+        return off(body, Detail(np.linspace(line.s[0], line.s[-1], rings), sides, 0.0)) > allowed
+
     few, many = 2, 4
-    while off(line, np.linspace(line.s[0], line.s[-1], many), sides) > allowed and many < 200_000:
+    while misses(many) and many < 200_000:
         few, many = many, 2 * many
     while many - few > max(few // 25, 1):
         middle = (few + many) // 2
-        if off(line, np.linspace(line.s[0], line.s[-1], middle), sides) > allowed:
+        if misses(middle):
             few = middle
         else:
             many = middle
@@ -97,10 +99,10 @@ def measure(name: str, pixel_error: float) -> list[object]:
     start = perf_counter()
     mesh = tube.mesh(body, found)
     meshing = perf_counter() - start
-    made = off(line, found.s, found.sides)
+    made = off(body, found)
     even = "-"
     if stations <= 2001 and float(line.a) * per_unit > 0.5:
-        rings, sides = uniform(line, max(made, allowed * 0.5))
+        rings, sides = uniform(body, max(made, allowed * 0.5))
         even = f"{2 * rings * sides}"
     return [name, int(ds["turns"]), stations, pixel_error, found.s.size, found.sides, len(mesh.triangles),
             f"{1e3 * seconds:.0f} + {1e3 * meshing:.0f}", f"{made * per_unit:.2f}", even]  # fmt: skip

@@ -105,7 +105,7 @@ class Body:
     def detail(self, tolerance: float, blur: float) -> Detail:
         """Rings and sides for a tolerance [length]; colours on stretches longer than `blur` are true."""
         scale = (self.paint.high - self.paint.low) or 1.0
-        parts = 2 * STRIPE if self.paint.stripe else 1
+        parts = 2 * STRIPE if self.paint.stripe else 2
         tint = (lambda s: self.value(s) / scale) if self.paint.ramp is not None else None
         return detail(self.line, self.span, tolerance, self.turned(), tint, blur, parts)
 
@@ -176,8 +176,13 @@ def mesh(body: Body, drawn: Detail) -> Mesh:
     n = s.size
     index = np.arange(n * sides).reshape(n, sides)
     beside = np.roll(index, -1, axis=1)
-    one = np.stack([index[:-1], beside[1:], beside[:-1]], axis=-1)
-    two = np.stack([index[:-1], index[1:], beside[1:]], axis=-1)
+    a, b, c, d = index[:-1], beside[:-1], beside[1:], index[1:]
+    # of its two diagonals a square takes the one along which the tube turns less: the other would cut off more of it
+    first = angle[:-1, 0]
+    ahead = np.einsum("ij,ij->i", normals[1:, 0], np.cos(first) * across[:-1] - np.sin(first) * out[:-1]) > 0
+    ahead = np.broadcast_to(ahead[:, None], (n - 1, sides))
+    one = np.stack([a, np.where(ahead, d, c), b], axis=-1)
+    two = np.stack([np.where(ahead, d, a), np.where(ahead, c, d), np.where(ahead, b, c)], axis=-1)
     rim = np.arange(sides)
     fan = np.stack([rim, np.roll(rim, -1), np.full(sides, sides)], axis=-1)
     triangles = [np.stack([one, two], axis=2).reshape(-1, 3), n * sides + fan, n * sides + sides + 1 + fan[:, ::-1]]

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.interpolate import BSpline
+from scipy.interpolate import BPoly, BSpline
 from scipy.spatial import cKDTree
 
 from solver import Case, Cylinder, Rod, Solution, Start, solve
@@ -99,6 +99,15 @@ def test_turns_of_a_helix_meet_where_the_next_turn_is_less_than_the_rods_thickne
     nearest = np.linalg.norm(found.frame(q)[0] - found.frame(np.zeros(1))[0], axis=-1).min()
     assert (nearest < 2 * found.a) == meet
     assert bool(interference.findings(found, "cm")) == meet
+
+
+@pytest.mark.parametrize("shape", [(30, 3), (30, 4, 2)])
+def test_all_pieces_of_a_curve_at_once_are_what_scipy_makes_one_by_one(shape: tuple[int, ...]) -> None:
+    rng = np.random.default_rng(1)
+    s, known = np.sort(rng.uniform(0, 5, 30)), rng.normal(size=shape)
+    made, one_by_one = centreline.through(s, known), BPoly.from_derivatives(s, known)
+    # sums of six or eight products, each rounded
+    np.testing.assert_allclose(made.c, one_by_one.c, rtol=0, atol=1e-14 * np.abs(one_by_one.c).max())
 
 
 def helix(b: float) -> centreline.Centreline:
