@@ -14,6 +14,8 @@ from . import style
 SIDES = (20, 10)  # of the tube, and of one of more than `MANY` rings
 MANY = 801
 AROUND = 72  # sides of the cylinder
+HIGH = 500  # pixels of the scene on the page, about
+ROUGH = 1.5  # pixels that the light tube's centreline may be off
 TALLEST = 9.0  # diameters; a taller scene is drawn compressed along the axis, or the rod would be a hair
 
 Floats = NDArray[np.float32]
@@ -24,7 +26,8 @@ Indices = NDArray[np.uint32]
 class Drawn:
     """Points and normals (m, 3), colours (m, 3) of bytes, and polygons as vtk.js has them (3, i, j, k, 3, ...).
 
-    key: meshes of the same key have the same polygons. squeeze: by what the axis is compressed, at most 1.
+    key: meshes of the same key have the same polygons. squeeze: by what the axis is compressed, at most 1. light: fewer
+    polygons between the same points, for as long as a slider moves.
     """
 
     points: Floats
@@ -33,6 +36,7 @@ class Drawn:
     polygons: Indices
     key: str
     squeeze: float
+    light: Indices | None = None
 
 
 def rod(sol: Solution) -> Drawn:
@@ -58,10 +62,24 @@ def rod(sol: Solution) -> Drawn:
         np.concatenate([points.reshape(-1, 3), lids]).astype(np.float32),
         np.concatenate([normals.reshape(-1, 3), np.repeat(along, sides, axis=0)]).astype(np.float32),
         np.concatenate([colours, colours[:sides], colours[-sides:]]),
-        tube_polygons(n),
-        f"tube {n}",
+        tube_polygons(n, 1, 1),
+        f"tube {n} {(stride := _stride(centre, a, reach))}",
         squeeze,
+        tube_polygons(n, stride, 2),
     )
+
+
+def _stride(centre: NDArray[np.float64], a: float, reach: float) -> int:
+    """Every how many rings a tube may have one, so that it is off by `ROUGH` pixels at most; (n, 3) and lengths.
+
+    The arc over k even steps rises above its chord by k^2 |second difference| / 8, on the outer side of the bend by
+    1 + kappa a times that.
+    """
+    bend = float(np.sqrt((np.diff(centre, 2, axis=0) ** 2).sum(axis=-1)).max())
+    step = float(np.sqrt((np.diff(centre, axis=0) ** 2).sum(axis=-1)).max())
+    off = ROUGH * max(2 * reach, float(np.ptp(centre[:, 2]))) / HIGH
+    rise = bend * (1 + a * bend / max(step, 1e-300) ** 2)
+    return int(np.clip(np.sqrt(8 * off / max(rise, 1e-300)), 1, 16))
 
 
 def sides_of(rings: int) -> int:
@@ -93,13 +111,15 @@ def _bytes(colour: str) -> NDArray[np.uint8]:
     return np.round(255 * np.array(to_rgb(colour))).astype(np.uint8)
 
 
-@lru_cache(maxsize=8)
-def tube_polygons(n: int) -> Indices:
+@lru_cache(maxsize=32)
+def tube_polygons(n: int, stride: int, skip: int) -> Indices:
+    """The polygons of a tube of n rings, between every stride-th ring and every skip-th side."""
     sides = sides_of(n)
-    index = np.arange(n * sides).reshape(n, sides)
+    index = np.arange(n * sides).reshape(n, sides)[np.append(np.arange(0, n - 1, stride), n - 1), ::skip]
     beside = np.roll(index, -1, axis=1)
     walls = np.stack([index[:-1], beside[1:], beside[:-1], index[:-1], index[1:], beside[1:]], axis=-1).reshape(-1, 3)
-    fan = np.stack([np.zeros(sides - 2, dtype=int), np.arange(1, sides - 1), np.arange(2, sides)], axis=-1)
+    corner = np.arange(0, sides, skip)
+    fan = np.stack([np.zeros(corner.size - 2, dtype=int), corner[1:-1], corner[2:]], axis=-1)
     return _listed(np.concatenate([walls, n * sides + fan, (n + 1) * sides + fan[:, ::-1]]))
 
 

@@ -4,22 +4,20 @@ Nothing is kept between calls but what the caller hands back; a state that canno
 """
 
 import re
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import tomli_w
 
-from solver import Case, Ends, Solution, equilibria, solve
+from solver import Ends, Solution, equilibria, solve
 from solver.case import TWISTS
-from solver.equilibria import Equilibrium, nearest
+from solver.equilibria import Equilibrium
 from solver.errors import InputError, choices
 from solver.landscape import potential
 from solver.observables import OBSERVABLES, observe
 from solver.quantities import quantity, unit_of
-from solver.reduced import reduce
 from studies import Study
-from studies.axes import WORDS, Which, quantity_of
+from studies.axes import WORDS, quantity_of
 from studies.loader import loads
 from studies.readings import parse
 from studies.writer import dumps
@@ -29,32 +27,12 @@ from .chunks import columns
 from .equilibria import ends_of
 from .equilibria import row as equilibrium_row
 from .equilibria import told as case_fields
+from .explore_shape import STATIONS, TOL, Shape, refuse_many
 
 KEYS = ("title", "units", "reading", "base", "equilibrium")
-TOL, NEAR = 1e-8, 1e-6  # of a shape, and of one that follows another as a slider moves
-STATIONS, BETWEEN, MOST = 201, 401, 4001  # given by its start, by its ends, and of a rod of many bends
-MOST_SWINGS = 100  # of a rod between two ends; a search takes some seconds
-SAME = 1e-3  # that rho beta'(0) may differ from the one that was named
-CHORD = 0.4  # rad that the rod may turn from one station to the next before more are taken
 HIDDEN = ("alpha", "gamma")  # fields that turn the whole rod and change nothing that is shown
 POSITIVE = ("E", "a", "L", "R")
 LEVELS = 361  # points of the potential
-
-
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """A solved rod: study, solution, and how much of the rod is in it (a rod of very many bends is shown in part)."""
-
-    study: Study
-    sol: Solution
-
-    @property
-    def shown(self) -> float:
-        return float(self.sol.s[-1])
-
-    @property
-    def whole(self) -> bool:
-        return self.shown >= float(self.sol.case.rod.L) * (1 - 1e-9)
 
 
 def study_of(state: Any) -> Study:
@@ -95,71 +73,6 @@ def blamed(message: str) -> str:
         r"(\w+) must be a number", message
     )
     return found[1] if found else ""
-
-
-def shape(study: Study, near: Solution | None = None) -> Shape:
-    """The rod of a state; between two ends the one that the study names, or else the one of lowest energy.
-
-    near: a shape between ends that this one follows, where it can. Raises `InputError` where there is no shape.
-    """
-    case = study.case()
-    if isinstance(case.given, Ends):
-        sol = _between(case, study.equilibrium, near)
-    else:
-        sol = solve(case, TOL, stations=STATIONS)
-    _check(sol)
-    turn = float((sol.kappa.max() if sol.kappa.size else 0.0) * sol.s[-1] / (sol.s.size - 1))
-    if turn <= CHORD or isinstance(case.given, Ends):
-        return Shape(study, sol)
-    n = int(np.ceil(STATIONS * turn / CHORD))
-    length = float(case.rod.L) * min(1.0, MOST / n)
-    sol = solve(case, TOL, stations=np.linspace(0.0, length, min(n, MOST)))
-    _check(sol)
-    return Shape(study, sol)
-
-
-def _between(case: Case, which: Which | None, near: Solution | None) -> Solution:
-    if near is not None and near.problem.kind == "ends":
-        sol = solve(case, NEAR, "difference", BETWEEN, seed=near)
-        if sol.solved:
-            return sol
-    if _swings(case) > MOST_SWINGS:
-        return _named(case, which)
-    found = equilibria(case, TOL, BETWEEN)
-    if not found:
-        raise InputError("no equilibrium joins these end angles under these loads")
-    return (nearest(found, which.dbeta0, which.energy) if which else found[0]).solution
-
-
-def _named(case: Case, which: Which | None) -> Solution:
-    """Of more equilibria than can be looked through the one of a beta'(0); `InputError` where that is not known."""
-    if which is not None:
-        sol = solve(case, NEAR, "difference", BETWEEN, seed=which.dbeta0)
-        if sol.solved and abs(float(sol.dbeta[0]) - which.dbeta0) * case.rho < SAME:
-            return sol
-    _refuse_many(case)
-    raise AssertionError("a rod of few swings is looked through")
-
-
-def _refuse_many(case: Case) -> None:
-    """Raise `InputError` where all equilibria of a rod would take the page too long to find."""
-    if (swings := _swings(case)) > MOST_SWINGS:
-        raise InputError(
-            f"between these ends and under these loads the rod may swing some {swings:.0f} times, and the page looks "
-            f"through at most {MOST_SWINGS}: workbench equilibria takes its time"
-        )
-
-
-def _swings(case: Case) -> float:
-    """A bound on how often beta can swing: L over the shortest half period that the loads and the cylinder allow."""
-    p = reduce(case)
-    quickest = np.sqrt(np.abs(p.lam) + 2 * np.abs(p.mu) + np.abs(p.phi) + 1)
-    return float(p.span[0] * quickest[0] / np.pi)
-
-
-def _check(sol: Solution) -> None:
-    if not sol.solved:
-        raise InputError(f"this rod is not solved: {sol.outcome}")
 
 
 def curves(one: Shape) -> dict[str, Any]:
@@ -227,7 +140,7 @@ def every(study: Study) -> list[dict[str, Any]]:
     case = study.case()
     if not isinstance(case.given, Ends):
         raise InputError("a rod given by its start has one shape only; give it by its two ends")
-    _refuse_many(case)
+    refuse_many(case)
     found: list[Equilibrium] = equilibria(case, TOL, STATIONS)
     return [equilibrium_row(one) for one in found]
 

@@ -9,15 +9,16 @@ from typing import Any
 class Preset:
     """A rod to begin with.
 
-    state: a study as plain data, see `explore_model.study_of`. spans: how far the sliders go to either side of zero, of
-    quantities that may have either sign. source: where the values come from, and which are assumed.
+    state: a study as plain data, see `explore_model.study_of`. spans: how far the sliders go to either side of zero, or
+    from where to where, of quantities that may have either sign. source: where the values come from, and which are
+    assumed.
     """
 
     name: str
     title: str
     source: str
     state: dict[str, Any]
-    spans: dict[str, float] = field(default_factory=dict)
+    spans: dict[str, float | tuple[float, float]] = field(default_factory=dict)
 
 
 PRESETS = (
@@ -61,10 +62,10 @@ PRESETS = (
             "units": {"length": "m", "force": "kN"},
             "base": {
                 "E": 9.58e7, "nu": 0.3, "a": 0.0635, "L": 100.0, "stiffness": "solid", "R": 0.10795, "side": "inside",
-                "beta": radians(0.36), "dbeta": 0.0, "dgamma": 0.0, "F2": 0.0, "F3": -200.0,
+                "beta0": 0.0, "betaL": 0.0, "FZ": -200.0, "MZ": 0.0, "M3": 0.0,
             },
         },
-        {"beta": radians(2.0), "dbeta": 0.01, "dgamma": 0.01, "F2": 5.0, "F3": 1000.0},
+        {"beta0": radians(2.0), "betaL": radians(2.0), "FZ": (-400.0, -10.0), "MZ": 5.0, "M3": 5.0},
     ),
     Preset(
         "cable",

@@ -5,6 +5,7 @@ is a state (plain data), what is downloaded is made in a folder of its own.
 """
 
 import asyncio
+import gc
 import json
 import secrets
 import tempfile
@@ -23,7 +24,7 @@ from aiohttp import web
 from solver.errors import InputError
 from studies.readings import READINGS
 
-from . import browser, explore_mesh, explore_model, exporting
+from . import browser, explore_mesh, explore_model, explore_shape, exporting
 from .console import finite
 from .explore_presets import PRESETS
 
@@ -52,10 +53,10 @@ class Shapes:
     """The last shapes, by the ticket that the page was given with each; a lost one costs only time."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[str, explore_model.Shape] = OrderedDict()
+        self._kept: OrderedDict[str, explore_shape.Shape] = OrderedDict()
         self._lock = Lock()
 
-    def keep(self, one: explore_model.Shape) -> str:
+    def keep(self, one: explore_shape.Shape) -> str:
         ticket = secrets.token_hex(8)
         with self._lock:
             self._kept[ticket] = one
@@ -63,7 +64,7 @@ class Shapes:
                 self._kept.popitem(last=False)
         return ticket
 
-    def find(self, ticket: Any) -> explore_model.Shape | None:
+    def find(self, ticket: Any) -> explore_shape.Shape | None:
         with self._lock:
             return self._kept.get(ticket) if isinstance(ticket, str) else None
 
@@ -95,6 +96,12 @@ def application(names: set[str]) -> web.Application:
     return app
 
 
+def warm() -> None:
+    """Solve the first preset, so that what is compiled at the first solve is there when the page asks."""
+    explore_shape.shape(explore_model.study_of(PRESETS[0].state))
+    gc.freeze()  # what is loaded stays: the collector need not walk over it while a slider moves
+
+
 async def _file(request: web.Request) -> web.StreamResponse:
     return web.FileResponse(FILES[request.path])
 
@@ -124,32 +131,35 @@ def _answering(work: Callable[[dict[str, Any], Shapes], web.Response], shapes: S
     return handler
 
 
-def _again(asked: dict[str, Any], shapes: Shapes) -> explore_model.Shape:
+def _again(asked: dict[str, Any], shapes: Shapes) -> explore_shape.Shape:
     """The shape of a ticket; solved anew where it is forgotten."""
-    return shapes.find(asked.get("ticket")) or explore_model.shape(explore_model.study_of(asked.get("state")))
+    return shapes.find(asked.get("ticket")) or explore_shape.shape(explore_model.study_of(asked.get("state")))
 
 
 def _shape(asked: dict[str, Any], shapes: Shapes) -> web.Response:
     """The rod's mesh and curves, with the seconds that solving and meshing took; polygons only where they are new."""
     start = time.perf_counter()
     near = shapes.find(asked.get("near"))
-    one = explore_model.shape(explore_model.study_of(asked.get("state")), near.sol if near else None)
+    one = explore_shape.shape(explore_model.study_of(asked.get("state")), near.sol if near else None)
     solved = time.perf_counter()
-    rod = explore_mesh.rod(one.sol)
-    wall = explore_mesh.cylinder(one.sol, rod.squeeze)
-    meshed = time.perf_counter()
+    with np.errstate(over="raise"):  # what single precision cannot hold is told, not drawn
+        rod = explore_mesh.rod(one.sol)
+        wall = explore_mesh.cylinder(one.sol, rod.squeeze)
+        meshed = time.perf_counter()
+        lines = {name: np.asarray(values, dtype=np.float32) for name, values in explore_model.curves(one).items()}
     arrays: dict[str, Any] = {}
     for name, drawn in (("rod", rod), ("wall", wall)):
         arrays |= {f"{name}.points": drawn.points, f"{name}.normals": drawn.normals, f"{name}.colours": drawn.colours}
         if asked.get(f"{name}_has") != drawn.key:
             arrays[f"{name}.polygons"] = drawn.polygons
-    arrays |= {name: np.asarray(values, dtype=np.float32) for name, values in explore_model.curves(one).items()}
+            if drawn.light is not None:
+                arrays[f"{name}.light"] = drawn.light
     head = {
         **explore_model.told(one), "squeeze": rod.squeeze, "rod_key": rod.key, "wall_key": wall.key,
         "ticket": shapes.keep(one), "fields": explore_model.fields(one.study), "side": one.sol.case.cylinder.side,
         "problem": one.sol.problem.kind, "seconds": {"solve": solved - start, "mesh": meshed - solved},
     }  # fmt: skip
-    return web.Response(body=packed(head, arrays), content_type="application/octet-stream")
+    return web.Response(body=packed(head, arrays | lines), content_type="application/octet-stream")
 
 
 def packed(head: dict[str, Any], arrays: dict[str, Any]) -> bytes:

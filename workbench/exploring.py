@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import socket
 import sys
+import threading
 
 from solver.errors import InputError
 
@@ -31,6 +32,8 @@ def explore(host: str, port: int, names: list[str]) -> int:
     sys.stdout.flush()
     if host not in ("127.0.0.1", "::1", "localhost"):
         console.err.print(f"workbench: everyone who reaches {host} can use it; there is no password", markup=False)
+
+    threading.Thread(target=explore_server.warm, daemon=True).start()
 
     async def serve() -> None:
         from aiohttp import web

@@ -11,7 +11,7 @@ from solver import Case, Cylinder, Rod, Start, solve
 from solver.errors import InputError
 from solver.observables import OBSERVABLES
 from studies.loader import loads
-from workbench import chunks, explore_mesh, explore_model
+from workbench import chunks, explore_mesh, explore_model, explore_shape
 from workbench.explore_presets import PRESETS
 
 BY_NAME = {preset.name: preset for preset in PRESETS}
@@ -23,8 +23,8 @@ def state(name: str = "table1", **changes: object) -> dict:
     return made
 
 
-def shape(name: str = "table1", **changes: object) -> explore_model.Shape:
-    return explore_model.shape(explore_model.study_of(state(name, **changes)))
+def shape(name: str = "table1", **changes: object) -> explore_shape.Shape:
+    return explore_shape.shape(explore_model.study_of(state(name, **changes)))
 
 
 @pytest.mark.parametrize("name", BY_NAME)
@@ -60,7 +60,7 @@ def test_the_state_is_a_study_and_its_text_gives_the_same_rod() -> None:
     study = explore_model.study_of(state(E=2e4, F3=12.0))
     again = loads(explore_model.text(study))
     sol = chunks.solve_one(again.case(), again.equilibrium, 1e-8, "auto", 201)
-    np.testing.assert_array_equal(sol.beta, explore_model.shape(study).sol.beta)
+    np.testing.assert_array_equal(sol.beta, explore_shape.shape(study).sol.beta)
 
 
 @pytest.mark.parametrize(
@@ -93,17 +93,17 @@ def test_a_state_of_another_kind_is_refused(odd) -> None:
 def test_a_reading_drops_what_it_drops_and_says_so() -> None:
     found = shape()
     assert explore_model.told(found)["meaning"]["dgamma"] == "printed, but dropped by the reading"
-    twist = explore_model.shape(explore_model.study_of(state() | {"reading": "twist-first/tension/paper"}))
+    twist = explore_shape.shape(explore_model.study_of(state() | {"reading": "twist-first/tension/paper"}))
     assert not np.allclose(found.sol.beta, twist.sol.beta)
 
 
 def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_part() -> None:
     many = shape(L=200.0)
-    assert (np.abs(np.diff(many.sol.beta)) < explore_model.CHORD * 1.01).all()
+    assert (np.abs(np.diff(many.sol.beta)) < explore_shape.CHORD * 1.01).all()
     assert many.whole
     part = shape(L=2e4)
     assert not part.whole
-    assert part.sol.s.size == explore_model.MOST
+    assert part.sol.s.size == explore_shape.MOST
     assert "Only the first" in explore_model.told(part)["notes"][0]
     with pytest.raises(InputError, match="only a part of this rod is shown"):
         explore_model.stored(part)
@@ -113,7 +113,7 @@ def test_held_by_both_its_ends_a_rod_keeps_its_shape_and_is_one_of_the_list() ->
     first = shape()
     ends = explore_model.by_ends(first.study)
     study = explore_model.study_of(ends)
-    held = explore_model.shape(study)
+    held = explore_shape.shape(study)
     # measured 5e-12: the far angle is told to the last bit, and the condition is 10
     np.testing.assert_allclose(held.sol.beta[::2], first.sol.beta, atol=1e-9)
     assert held.sol.dbeta[0] == pytest.approx(0.5, abs=1e-8)
@@ -123,19 +123,36 @@ def test_held_by_both_its_ends_a_rod_keeps_its_shape_and_is_one_of_the_list() ->
         explore_model.every(first.study)
 
 
-def test_more_equilibria_than_can_be_looked_through_are_refused_and_the_one_that_is_known_is_shown() -> None:
+def test_of_more_equilibria_than_can_be_looked_through_the_lowest_is_shown_and_a_list_refused() -> None:
     pipe = shape("pipe")
-    study = explore_model.study_of(explore_model.by_ends(pipe.study))
-    np.testing.assert_allclose(
-        explore_model.shape(study).sol.beta[::2], pipe.sol.beta, atol=1e-6
-    )  # what is asked of it
-    unnamed = explore_model.study_of(explore_model.by_ends(pipe.study) | {"equilibrium": None})
-    for ask in (explore_model.shape, explore_model.every):
-        with pytest.raises(InputError, match="may swing some 721 times, and the page looks through at most 100"):
-            ask(unnamed)
+    middle = np.degrees(abs(pipe.sol.beta[pipe.sol.s.size // 2]))
+    A, rho = pipe.sol.case.rod.bending_stiffness, float(pipe.sol.case.rho)
+    # Lubinski's helix, F = 2 A sin(beta)^2 / rho^2, to the first order in beta, which is 0.013 rad
+    assert middle == pytest.approx(np.degrees(np.sqrt(200.0 * rho**2 / (2 * A))), rel=1e-3)
+    named = state("pipe") | {"equilibrium": explore_model.told(pipe)["which"]}
+    np.testing.assert_array_equal(explore_shape.shape(explore_model.study_of(named)).sol.beta, pipe.sol.beta)
+    with pytest.raises(InputError, match="may swing some 716 times, and the page looks through at most 100"):
+        explore_model.every(pipe.study)
+    named["equilibrium"] = {"dbeta0": 0.2, "energy": 0.0}
+    with pytest.raises(InputError, match="the equilibrium that is named is not the lowest"):
+        explore_shape.shape(explore_model.study_of(named))
     soft = explore_model.study_of(state("cable", E=0.5))
-    with pytest.raises(InputError, match="may swing some"):  # four minutes without the limit
-        explore_model.shape(soft)
+    with pytest.raises(InputError, match="may swing some 3223 times"):  # four minutes without the limit
+        explore_shape.shape(soft)
+
+
+def test_a_shape_is_followed_in_steps_where_one_is_too_far() -> None:
+    base = {"E": 9.58e7, "nu": 0.3, "a": 0.0635, "L": 100.0, "R": 0.10795, "side": "inside", "beta0": 0.0, "betaL": 0.0,
+            "FZ": -200.0, "M3": 0.0}  # fmt: skip
+    made = {"units": {"length": "m", "force": "kN"}, "base": base}
+    began = explore_shape.shape(explore_model.study_of(made))
+    pushed = explore_model.study_of(made | {"base": base | {"FZ": -1000.0}})
+    far = solve(pushed.case(), explore_shape.NEAR, "difference", explore_shape.BETWEEN, seed=began.sol)
+    assert not far.solved  # or this test shows nothing
+    there = explore_shape.shape(pushed, began.sol).sol
+    assert there.method == "difference"
+    ratio = np.sin(there.beta[200]) / np.sin(began.sol.beta[200])
+    assert ratio == pytest.approx(np.sqrt(5), rel=2e-3)  # Lubinski's again; ends and second order
 
 
 def test_a_slider_follows_the_equilibrium_it_began_with() -> None:
@@ -144,10 +161,10 @@ def test_a_slider_follows_the_equilibrium_it_began_with() -> None:
     made = {"units": {"length": "cm", "force": "N"}, "base": base}
     rows = explore_model.every(explore_model.study_of(made))
     third = {name: rows[2][name] for name in ("dbeta0", "energy")}
-    began = explore_model.shape(explore_model.study_of(made | {"equilibrium": third}))
+    began = explore_shape.shape(explore_model.study_of(made | {"equilibrium": third}))
     moved = explore_model.study_of(made | {"base": base | {"R": 0.76}})
-    followed = explore_model.shape(moved, began.sol)
-    lowest = explore_model.shape(moved)
+    followed = explore_shape.shape(moved, began.sol)
+    lowest = explore_shape.shape(moved)
     assert np.abs(followed.sol.beta - began.sol.beta).max() < 0.2
     assert np.abs(lowest.sol.beta - began.sol.beta).max() > 0.5
 
@@ -195,6 +212,24 @@ def test_the_mesh_is_a_closed_tube_that_touches_the_cylinder(name) -> None:
         volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
         # twenty sides have 1.6 % less than the circle; chords at 0.35 rad cost another 1 %
         assert volume == pytest.approx(np.pi * case.rod.a**2 * case.rod.L, rel=0.03)
+
+
+@pytest.mark.parametrize("name", BY_NAME)
+def test_the_light_tube_is_closed_too_and_off_by_no_more_than_it_says(name) -> None:
+    found = shape(name)
+    drawn = explore_mesh.rod(found.sol)
+    n, sides = found.sol.s.size, explore_mesh.sides_of(found.sol.s.size)
+    triangles = drawn.light.reshape(-1, 4)[:, 1:]
+    assert len(triangles) < 0.51 * drawn.polygons.size / 4  # every other side
+    _, at = np.unique(drawn.points, axis=0, return_inverse=True)
+    edges = np.sort(at.reshape(-1)[triangles[:, [0, 1, 1, 2, 2, 0]]].reshape(-1, 2), axis=1)
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
+    rings = np.unique(triangles[triangles < n * sides] // sides)
+    centre = drawn.points[: n * sides].reshape(n, sides, 3).mean(axis=1)
+    straight = np.stack([np.interp(np.arange(n), rings, centre[rings, i]) for i in range(3)], axis=-1)
+    size = max(np.ptp(centre[:, 2]), 2 * np.hypot(centre[:, 0], centre[:, 1]).max())
+    off = np.sqrt(((straight - centre) ** 2).sum(axis=-1)).max()
+    assert off < 1.1 * explore_mesh.ROUGH * size / explore_mesh.HIGH  # a quadratic and single precision
 
 
 def test_a_tall_scene_is_compressed_along_the_axis_and_says_by_how_much() -> None:

@@ -5,7 +5,7 @@ const DEGREE = Math.PI / 180;
 const TYPES = { f4: Float32Array, u1: Uint8Array, u4: Uint32Array };
 const RATIO = [-0.95, 0.5]; // of nu
 const WIDER = 5; // how far a slider goes to either side of what a preset has, as a factor
-const SMOOTH = 8, COARSEST = 3; // ms that drawing may take while a slider moves; how much coarser it may get
+const SMOOTH = 8, COARSEST = 3, SLOW = 1.2; // ms that drawing may take while a slider moves; how much coarser it may get, and from where
 const PATIENCE = { whole: 200, link: 100, numbers: 150, equilibria: 500 }; // ms of rest before what takes longer is asked
 
 const SceneHandle = { inject: ["view"], emits: ["ready"], template: "<span></span>",
@@ -41,7 +41,7 @@ const toHash = (data) => btoa(String.fromCharCode(...new TextEncoder().encode(JS
 const fromHash = (text) => JSON.parse(new TextDecoder().decode(Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0))));
 
 const copied = (data) => JSON.parse(JSON.stringify(data));
-let view = null, actors = {}, keys = {}, waiting = {}, busy = false, again = null; // none of it is to be watched by Vue
+let view = null, actors = {}, keys = {}, polygons = {}, waiting = {}, busy = false, again = null; // none of it is to be watched by Vue
 
 const app = Vue.createApp({
   components: { SceneHandle },
@@ -110,6 +110,7 @@ const app = Vue.createApp({
       const c = this.centre[f.name];
       if (f.kind === "ratio") return RATIO;
       if (f.kind === "positive") return [c / WIDER, c * WIDER];
+      if (Array.isArray(this.span(f))) return this.span(f);
       const far = this.span(f) || (f.kind === "angle" ? (f.name === "betaL" ? 2 : 1) * Math.PI : 4 * Math.abs(c || 0) || 1);
       return [-far, far];
     },
@@ -231,7 +232,9 @@ const app = Vue.createApp({
           array.setData(arrays[`${part}.${name}`], 3);
           points[role](array); // only once it has three components is it taken
         }
-        if (arrays[`${part}.polygons`]) data.getPolys().setData(arrays[`${part}.polygons`]);
+        if (arrays[`${part}.polygons`]) polygons[part] = { all: arrays[`${part}.polygons`], light: arrays[`${part}.light`] };
+        const some = keys.turn || keys.coarse < SLOW ? polygons[part].all : polygons[part].light || polygons[part].all;
+        if (data.getPolys().getData() !== some) data.getPolys().setData(some);
         keys[part] = head[`${part}_key`];
         points.modified();
         data.modified();
@@ -242,7 +245,7 @@ const app = Vue.createApp({
       view.renderWindow.render();
       return performance.now();
     },
-    // where drawing is slow (no graphics card), fewer pixels while a slider moves, all of them at rest
+    // where drawing is slow (no graphics card), fewer pixels and triangles while a slider moves, all of them at rest
     weigh() {
       const gl = view.openglRenderWindow.get3DContext(), from = performance.now();
       view.renderWindow.render();
@@ -250,12 +253,18 @@ const app = Vue.createApp({
       keys.coarse = Math.min(Math.max(Math.sqrt((performance.now() - from) / SMOOTH), 1), COARSEST);
     },
     sketch() {
-      if (keys.coarse < 1.2) return;
+      if (keys.coarse < SLOW) return;
       const box = view.container.getBoundingClientRect(), scale = (window.devicePixelRatio || 1) / keys.coarse;
       const size = [box.width, box.height].map((v) => Math.max(Math.floor(v * scale), 10)), now = view.openglRenderWindow.getSize();
       if (size[0] !== now[0] || size[1] !== now[1]) view.openglRenderWindow.setSize(...size);
       clearTimeout(waiting.whole);
-      waiting.whole = setTimeout(() => view.resize(), PATIENCE.whole);
+      waiting.whole = setTimeout(() => this.whole(), PATIENCE.whole);
+    },
+    whole() {
+      const data = actors.rod.getMapper().getInputData(0);
+      data.getPolys().setData(polygons.rod.all);
+      data.modified();
+      view.resize();
     },
     face() {
       if (!view) return;
