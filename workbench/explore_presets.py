@@ -40,14 +40,16 @@ PRESETS = (
     Preset(
         "dna",
         "DNA on a histone",
-        "Superhelix of the nucleosome: 1.65 turns of radius 4.18 nm (Luger et al., Nature 389, 1997); DNA of radius 1 "
-        "nm and persistence length 50 nm at 298 K, which makes E. Assumed: nu, so that twisting has 83 nm; a tension "
-        "of 5 pN; no charges: what holds real DNA on is not in the equations. nm and pN.",
+        "The left-handed superhelix of the nucleosome: 1.65 turns, radius 4.18 nm, pitch 2.39 nm (Luger et al., "
+        "Nature 389, 1997). DNA of persistence length 50 nm at 298 K, which makes E, and twist stiffness 411 pN "
+        "nm², which makes nu; measured are 386 to 448 (table 1 of PNAS 114, 7049, 2017). Assumed: the rod's radius, "
+        "1 nm; a tension of 5 pN; the torque that keeps this pitch; no charges: what holds real DNA on is not in "
+        "the equations. nm and pN.",
         {
             "units": {"length": "nm", "force": "pN"},
             "base": {
-                "E": 262.0, "nu": -0.4, "a": 1.0, "L": 43.8, "stiffness": "solid", "R": 3.18, "side": "outside",
-                "beta": radians(84.6), "dbeta": 0.0, "dgamma": -0.0085, "F2": 0.0, "F3": 5.0,
+                "E": 262.0, "nu": -0.5, "a": 1.0, "L": 43.5, "stiffness": "solid", "R": 3.18, "side": "outside",
+                "beta": radians(-84.8), "dbeta": 0.0, "dgamma": 0.0108, "F2": 0.0, "F3": 5.0,
             },
         },
         {"dbeta": 0.3, "dgamma": 0.1, "F2": 10.0, "F3": 40.0},
@@ -55,13 +57,14 @@ PRESETS = (
     Preset(
         "pipe",
         "Drill pipe in a borehole",
-        "A 5 in pipe of 19.50 lb/ft (outer 127.0 mm, inner 108.6 mm, API Spec 5DP) in a hole of 8 1/2 in. E is steel's "
-        "206 GPa less what is hollow, so that the bending stiffness is the pipe's. Assumed: 200 kN of compression, no "
-        "weight, a start at half the angle of Lubinski's helix. m and kN.",
+        "A 5 in pipe of 19.50 lb/ft: 127.0 mm outside, wall 9.19 mm (API Spec 5D, 5DP), so 108.6 mm inside, in a "
+        "hole of 8 1/2 in (215.9 mm). Steel of 206 GPa less what is hollow, so that the bending stiffness is the "
+        "pipe's. Assumed: 200 kN of compression all along, no weight, no friction, no tool joints, no torque, and "
+        "both ends held parallel to the hole. m and kN.",
         {
             "units": {"length": "m", "force": "kN"},
             "base": {
-                "E": 9.58e7, "nu": 0.3, "a": 0.0635, "L": 100.0, "stiffness": "solid", "R": 0.10795, "side": "inside",
+                "E": 9.585e7, "nu": 0.3, "a": 0.0635, "L": 100.0, "stiffness": "solid", "R": 0.10795, "side": "inside",
                 "beta0": 0.0, "betaL": 0.0, "FZ": -200.0, "MZ": 0.0, "M3": 0.0,
             },
         },
@@ -70,9 +73,10 @@ PRESETS = (
     Preset(
         "cable",
         "Cable on a drum",
-        "A 20 mm wire rope on a drum of 18 times its thickness, as ISO 4308-1 asks of class M5; five turns under 10 "
-        "kN, held at both ends in the direction of the lay. Assumed: E = 5 GPa, as the wires of a rope slide on each "
-        "other; the loads are those of its helix. mm and N.",
+        "Five turns of a 20 mm wire rope under 10 kN, held at both ends in the direction of the lay. The drum is 18 "
+        "times as thick as the rope, which is what crane rules (ASME) ask of sheaves at least where a rope hoists "
+        "loads. Assumed is all else: E = 5 GPa, far below steel's, as the wires slide on each other; the loads are "
+        "those of its helix. mm and N.",
         {
             "units": {"length": "mm", "force": "N"},
             "base": {

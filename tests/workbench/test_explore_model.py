@@ -43,11 +43,15 @@ def test_the_pipe_has_the_bending_stiffness_of_its_hollow_section() -> None:
     assert rod.bending_stiffness == pytest.approx(hollow, rel=2e-3)
 
 
-def test_the_dna_has_its_persistence_length_and_the_nucleosomes_turns() -> None:
-    found = shape("dna")
-    assert found.sol.case.rod.bending_stiffness == pytest.approx(1.380649e-2 * 298 * 50, rel=2e-3)  # kT times 50 nm
-    assert found.sol.case.rho == pytest.approx(4.18)
-    assert found.sol.alpha[-1] / (2 * np.pi) == pytest.approx(1.65, abs=0.02)
+def test_the_dna_has_its_stiffnesses_and_the_nucleosomes_left_handed_superhelix() -> None:
+    found = shape("dna").sol
+    kT = 1.380649e-2 * 298  # pN nm
+    assert found.case.rod.bending_stiffness == pytest.approx(50 * kT, rel=2e-3)
+    assert 386 < found.case.rod.torsional_stiffness < 448
+    assert found.case.rho == pytest.approx(4.18)
+    turns = found.alpha[-1] / (2 * np.pi)
+    assert turns == pytest.approx(-1.65, abs=0.005)  # round the other way as it rises
+    assert found.z[-1] / -turns == pytest.approx(2.39, abs=0.005)  # the digits of the source
 
 
 def test_a_tight_cable_presses_with_its_tension_over_the_radius() -> None:
