@@ -62,7 +62,7 @@ def rod(sol: Solution) -> Drawn:
         np.concatenate([points.reshape(-1, 3), lids]).astype(np.float32),
         np.concatenate([normals.reshape(-1, 3), np.repeat(along, sides, axis=0)]).astype(np.float32),
         np.concatenate([colours, colours[:sides], colours[-sides:]]),
-        tube_polygons(n, 1, 1),
+        tube_polygons(n),
         f"tube {n} {(stride := _stride(centre, a, reach))}",
         squeeze,
         tube_polygons(n, stride, 2),
@@ -112,7 +112,7 @@ def _bytes(colour: str) -> NDArray[np.uint8]:
 
 
 @lru_cache(maxsize=32)
-def tube_polygons(n: int, stride: int, skip: int) -> Indices:
+def tube_polygons(n: int, stride: int = 1, skip: int = 1) -> Indices:
     """The polygons of a tube of n rings, between every stride-th ring and every skip-th side."""
     sides = sides_of(n)
     index = np.arange(n * sides).reshape(n, sides)[np.append(np.arange(0, n - 1, stride), n - 1), ::skip]
