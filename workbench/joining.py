@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from solver.errors import InputError
 
-from . import opening
+from . import door
 
 BLOCK = 2**21  # numbers that are held of each file: 16 MB
 
@@ -139,7 +139,7 @@ def _gathered(joined: Joined, union: Union, where: Where, names: Sequence[str]) 
         mine = np.flatnonzero(places[wanted] >= 0)
         if not mine.size:
             continue
-        with opening.reading(names[i]):
+        with door.reading(names[i]):
             rows = _rows(joined, part, union.axis, where, places[wanted][mine])
         held = owner[mine] >= 0
         for k in np.flatnonzero(held):

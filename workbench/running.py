@@ -11,7 +11,7 @@ from studies import Study, load, names
 from studies.axes import Axis, quantity_of
 from studies.laws import FAILS
 
-from . import cautions, check, console
+from . import cautions, check, console, memory
 from .chunks import kind_of
 from .fidelity import fidelity
 from .storing import DEFAULT, Options, Ran, run_to_file
@@ -76,6 +76,7 @@ def run_study(
     asked = {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}
     study = study.model_copy(update=asked)
     _check_free(path, study.name, force)
+    memory.keep()
     ran = run_to_file(study, path, options, say=(lambda text: None) if options.as_json else console.say)
     told = {"title": study.title, "study": study.name, "reading": study.reading or "", "file": str(path)}
     return _print({**told, **ran.told}, options.as_json, ran)
@@ -105,9 +106,9 @@ def _run_followed(study: Study, path: Path, tol: float | None, method: str | Non
 
 def check_file(path: Path, json: bool) -> int:
     """Print the verdicts of a stored dataset; 0, or 1 where a law fails or a case is unsolved."""
-    from . import opening
+    from . import door, opening
 
-    with opening.opened(path) as ds, opening.refusing(path):
+    with opening.opened(path) as ds, door.refusing(path):
         told = _told_of(ds, path)
     return _print(told, json)
 

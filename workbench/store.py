@@ -9,7 +9,7 @@ import xarray as xr
 
 from solver.errors import InputError
 
-from . import opening
+from . import door, opening
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
@@ -51,7 +51,7 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
         if ds.nbytes > _memory():
             held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {_memory() / 1e9:.3g} GB"
             raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
-        with opening.refusing(path):
+        with door.refusing(path):
             return ds.load()
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from solver.observables import OBSERVABLES
 from studies.model import OUTPUTS
 
-from . import check, console, dataset, opening
+from . import check, console, dataset, door, opening
 from .joining import blocks
 
 BLOCK = 100_000  # cases that are read at a time
@@ -35,7 +35,7 @@ def summary(path: Path) -> dict[str, Any]:
 
     Memory: one number a case, for one observable at a time.
     """
-    with opening.opened(path) as ds, opening.reading(path):
+    with opening.opened(path) as ds, door.reading(path):
         told: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
         told |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
         told |= {"tolerance": opening.number(ds, "tolerance"), "format": int(ds.attrs.get("format", dataset.FORMAT))}

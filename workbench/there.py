@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from solver.errors import InputError
 
+from . import door
 from .plan import FORMAT, Coordinates, Plan, axis_line, differences, recipe
 
 VERSIONS = ("code", "numpy", "scipy", "numba", "heyoka", "block")  # of a recipe: what is not the study
@@ -35,18 +36,22 @@ def look(path: Path) -> There | None:
     Raises `InputError` for a file of a newer version.
     """
     try:
-        with h5py.File(path, "r") as file:
-            if (found := np.asarray(file.attrs["format"]).item()) > FORMAT:
-                raise InputError(f"{path} is of format {found}, but this version reads up to format {FORMAT}")
-            made = json.loads(file.attrs["recipe"])
-            axes = {name: np.asarray(file[name][...], dtype=float) for name in made["order"]}
-            if any(made["axes"][name] != axis_line(values) for name, values in axes.items()):
-                return None  # joined or cut by another hand since
-            return There(str(file.attrs["study_name"]), made, axes, json.loads(file.attrs["told"]))
+        with door.looked_at(path) as file:
+            found = np.asarray(file.attrs["format"]).item()
+            there = _read(file) if found <= FORMAT else None
     except InputError:
-        raise
-    except (OSError, KeyError, ValueError, TypeError):
         return None
+    if found > FORMAT:
+        raise InputError(f"{path} is of format {found}, but this version reads up to format {FORMAT}")
+    return there
+
+
+def _read(file: h5py.File) -> There | None:
+    made, told = (json.loads(file.attrs[name]) for name in ("recipe", "told"))
+    axes = {name: np.asarray(file[name][...], dtype=float) for name in made["order"]}
+    if any(made["axes"][name] != axis_line(values) for name, values in axes.items()):
+        return None  # joined or cut by another hand since
+    return There(str(file.attrs["study_name"]), made, axes, told)
 
 
 def is_finished(there: There, plan: Plan) -> bool:

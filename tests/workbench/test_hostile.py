@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Collection
@@ -16,8 +17,10 @@ import pytest
 import xarray as xr
 
 from solver import InputError
-from tests.workbench import small
-from workbench import dataset, runner, store
+from studies import load
+from tests.workbench import runs, small
+from workbench import dataset, runner, store, there
+from workbench.storing import run_to_file
 
 ROOT = Path(__file__).parents[2]
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
@@ -290,6 +293,26 @@ def test_a_file_without_any_one_of_its_variables_is_drawn_or_refused(whole: byte
         with h5py.File(folder / name, "a") as file:
             del file[name]
     assert [row for row in told(ALL, folder, tmp_path) if not ends_in_a_sentence(row)] == []
+
+
+def test_an_output_that_is_there_is_looked_at_with_the_same_care(tmp_path: Path) -> None:
+    path, other = tmp_path / "many.h5", tmp_path / "other.h5"
+    study = load(str(runs.study(tmp_path, runs.grid(2, 2))))
+    run_to_file(study, path)
+    assert there.look(path) is not None
+    shutil.copy(path, other)
+    with h5py.File(path, "a") as file:
+        del file["E"]
+        file["E"] = h5py.ExternalLink("other.h5", "/E")  # the very same values
+    assert there.look(path) is None
+
+
+def test_a_run_into_a_pipe_is_refused_and_waits_for_nobody(tmp_path: Path) -> None:
+    runs.study(tmp_path, runs.grid(2, 2))
+    os.mkfifo(tmp_path / "many.h5")
+    done = runs.run(tmp_path, "many.toml", limit=60)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "workbench: many.h5 exists and is no dataset of a study; give --force to replace it\n"
 
 
 AS_NOBODY = """
