@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 from solver.errors import InputError
 from studies import Study
 
+from . import memory
 from .chunks import Chunk, solved
 from .engines import DEATHS, Results
 from .plan import Plan, check_worker, code_version
@@ -71,6 +72,7 @@ def _check_workers(client: Any, study: Study) -> None:
 def _solved(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
     """In a worker, which may have come later than the others."""
     check_worker(study, code)
+    memory.keep()
     return solved(study, chunk, block)
 
 

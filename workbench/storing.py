@@ -12,7 +12,7 @@ import numpy as np
 from solver.errors import InputError
 from studies import Study
 
-from . import engines, parts
+from . import crew, engines, parts
 from .chunks import Damaged, decode, encode, is_solved, kind_of, unsolved
 from .plan import Plan, bytes_a_case, bytes_of_file, plan, recipe
 from .progress import Meter, metered
@@ -66,6 +66,8 @@ def run_to_file(
     if (finished := _finished(work, output, options)) is not None:
         _tidy(work, output)
         return finished
+    if options.scheduler is None and _workers(work, work.todo, options) > 1:
+        crew.get_ready()  # while this process reads xarray
     from .store import check_parent  # xarray is not needed before
 
     check_parent(output)
@@ -188,14 +190,18 @@ def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> eng
         from .cluster import cluster
 
         return cluster(work, missing, options.scheduler, options.chunk)
-    workers = options.workers
-    if workers is None:
-        # a worker takes longer to start than a block to solve
-        workers = max(1, min(engines.cores(), left // (4 * work.block)))
+    workers = _workers(work, left, options)
     chunks = work.chunks(missing, _chunk_size(work, workers, options.chunk))
     if workers == 1:
         return engines.serial(work.light, chunks, work.block)
     return engines.pool(work.light, chunks, work.block, workers)
+
+
+def _workers(work: Plan, left: int, options: Options) -> int:
+    """Processes for so many cases: a worker takes longer to start than a block to solve."""
+    if options.workers is not None:
+        return options.workers
+    return max(1, min(engines.cores(), left // (4 * work.block)))
 
 
 def _chunk_size(work: Plan, workers: int, asked: int | None) -> int:

@@ -1,0 +1,93 @@
+"""The processes of a pool: what they are copies of, and what they do with memory."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from studies import load
+from tests.workbench import runs
+from workbench import chunks, crew, plan
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc, and copies are made on Linux only")
+
+
+def told(code: str, **env: str) -> list[str]:
+    """The words that a process of its own prints."""
+    command = [sys.executable, "-c", code]
+    here = {**os.environ, **env}
+    return subprocess.run(command, cwd=runs.ROOT, env=here, capture_output=True, text=True, check=True).stdout.split()
+
+
+def parent(pid: int | None) -> int:
+    """The process that started that one."""
+    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
+
+
+@linux
+def test_what_workers_are_copies_of_has_one_thread_so_that_copying_is_safe() -> None:
+    code = "import os, workbench.ready; print(len(os.listdir('/proc/self/task')))"
+    assert told(code, **dict.fromkeys(crew.ONE_THREAD, "1")) == ["1"]
+
+
+@linux
+def test_what_workers_are_copies_of_has_read_all_that_a_block_needs(tmp_path) -> None:
+    path = runs.study(tmp_path, runs.grid(2, 2), method="auto")
+    code = f"""
+import sys, workbench.ready
+from pathlib import Path
+from studies import load
+from workbench import chunks, plan
+before = set(sys.modules)
+work = plan.plan(load({str(path)!r}))
+chunks.solved(work.light, work.chunk(0, 4), work.block)
+print("read", *sorted(set(sys.modules) - before))
+"""
+    assert told(code) == ["read"]
+
+
+@linux
+def test_workers_are_copies_of_one_process_and_solve_what_this_one_would(tmp_path) -> None:
+    work = plan.plan(load(str(runs.study(tmp_path, runs.grid(2, 3)))))
+    workers = [crew.Worker(work.light) for _ in range(2)]
+    try:
+        for worker in workers:
+            worker.check()
+        parents = {parent(worker.process.pid) for worker in workers}
+        assert len(parents) == 1
+        assert os.getpid() not in parents
+        for worker, (a, b) in zip(workers, [(0, 2), (2, 6)], strict=True):
+            worker.give(work.chunk(a, b), 2)
+            chunk, results = worker.take()
+            assert (chunk.start, chunk.stop) == (a, b)
+            assert results == chunks.solved(work.light, work.chunk(a, b), 2)
+    finally:
+        for worker in workers:
+            worker.stop()
+
+
+@linux
+def test_a_process_that_keeps_memory_does_not_fetch_it_anew_for_every_array() -> None:
+    code = """
+import resource
+import numpy as np
+from workbench import memory
+if {keep}:
+    memory.keep()
+def faults():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+np.ones(2**20)
+before = faults()
+for _ in range(50):
+    np.ones(2**20)
+print(faults() - before)
+"""
+    # as Dask starts its workers: nothing is kept. 50 arrays of 8 MB in pages of 4 kB, or in larger ones
+    as_dask = {"MALLOC_TRIM_THRESHOLD_": "65536"}
+    (kept,) = told(code.format(keep=True), **as_dask)
+    (fetched,) = told(code.format(keep=False), **as_dask)
+    if int(fetched) < 200:
+        pytest.skip("this C library keeps memory by itself")
+    assert int(kept) < int(fetched) / 10  # one of the fifty would be a fiftieth

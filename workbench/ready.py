@@ -1,0 +1,13 @@
+"""What workers have read and compiled before they exist: importing this solves one rod, so that the rest is in memory.
+
+The process that workers are copies of (`crew`) imports it, once.
+"""
+
+import math
+
+from solver import Case, Cylinder, Rod, Start, solve
+from solver.observables import observe
+
+from . import chunks, cli  # noqa: F401  (cli: what a worker is told to import again as the main module)
+
+observe(solve(Case(Rod(2e4, 0.3, 0.25, 20.0), Cylinder(1.0), Start(math.pi / 3, 2.0, M3=0.5)), stations=101), ["turns"])
