@@ -15,20 +15,20 @@ import xarray as xr
 from solver.errors import InputError
 from studies.model import MAX_STATIONS
 
-from . import picking, sheet, style, tube
+from . import captions, lines, picking, sheet, style, tube
 from .dataset import axes_of
 from .kinds import Kind, kind_of
 from .sheet import Bar, Cell, Sheet
-from .stage import Shot, View, ends_of, photograph, view_of
+from .stage import Shot, View, ends_of, photograph, side_view, view_of
 from .tube import Body, Paint
 
 ENDINGS = (".png", ".jpg")
 LYING = 1.3  # how much taller than wide a scene is laid on its side
-MOST_CELLS, MOST_GHOSTS, MOST_STRIPS, MOST_ROWS = 9, 5, 8, 5
+MOST_CELLS, MOST_GHOSTS, MOST_ROWS = 9, 5, 5
 PAGE, ROW, GRID = (1600, 1200), (2000, 1100), (2000, 2000)  # pixels at `style.DPI` of one case, a row and a grid
 DPIS = (50, 600)
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
-THINNEST = 4.0  # pixels that a cylinder is wide; below, nothing of its rod is seen
+GUTTER = 130  # pixels before the lines of a long rod
 GHOST = 0.3  # of its thickness is a rod drawn among others, so that none hides another
 
 
@@ -40,6 +40,14 @@ class Look:
     pixel_error: float = 0.5
     dpi: int = style.DPI
     span: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Room:
+    """Pixels at `style.DPI` below each view and before the first."""
+
+    label: int = sheet.LABEL
+    gutter: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,8 +132,8 @@ def take(
 
 
 def _one(ds: xr.Dataset, kind: Kind, where: dict[str, int], along: str | None, look: Look) -> Taken:
-    """One case large, from its front and from its side; a long one in strips, side by side."""
-    told = _described(ds, where)
+    """One case large, from its front and from its side; a long one in lines."""
+    told = captions.described(ds, where)
     body, why = _try(ds, where, kind, look)
     if body is None:
         raise InputError(f"nothing to draw{f' at {told}' if told else ''}: {why}")
@@ -133,16 +141,29 @@ def _one(ds: xr.Dataset, kind: Kind, where: dict[str, int], along: str | None, l
     if along:
         at = {name: float(ds[name].values[i]) for name, i in where.items() if name != along}
         context = [found for case in picking.line(ds, along, at) if (found := _try(ds, case, kind, look)[0])]
-    pieces = [body] if look.span or along else tube.fitting(body, MOST_STRIPS)
-    if len(pieces) > 1:
-        unit = str(ds.attrs["length_unit"])
-        cells = [Cell(f"s = {style.number(p.span[0])} to\n{style.number(p.span[1])} {unit}") for p in pieces]
-        rows = [[Shot([piece], cell) for piece, cell in zip(pieces, cells, strict=True)]]
-        return _taken(ds, kind, rows, pieces, told, ROW, look, False, _covered(pieces, unit))
+    notes = [] if body.whole else captions.covered([body], str(ds.attrs["length_unit"]))
+    if lines.is_long(context):
+        return _in_lines(ds, kind, body, context, told, look, notes)
     lying = np.ptp(ends_of(context)) > LYING * 2 * body.reach
     front = Shot([body], Cell("facing the rod"))
     side = Shot([body], Cell("turned by 90° about the axis"), -np.pi / 2)
-    return _taken(ds, kind, [[front], [side]] if lying else [[front, side]], context, told, PAGE, look, lying, [])
+    return _taken(ds, kind, [[front], [side]] if lying else [[front, side]], context, told, PAGE, look, lying, notes)
+
+
+def _in_lines(
+    ds: xr.Dataset, kind: Kind, body: Body, context: Sequence[Body], told: str, look: Look, notes: list[str]
+) -> Taken:
+    """A rod that would be a hair in one view, all of it."""
+    finer = look.dpi / style.DPI
+    room = PAGE[0] - 2 * sheet.MARGIN - GUTTER, PAGE[1] - sheet.HEAD - sheet.FOOT
+    room = int(room[0] * finer), int(room[1] * finer)
+    found = lines.lines_for(context, room)
+    size = int((found.ends[1] - found.ends[0]) * found.per_unit), room[1] // found.count
+    view = side_view(context, found.ends, found.per_unit, size)
+    pieces, unit = found.cut(body), str(ds.attrs["length_unit"])
+    rows = [[Shot([piece], cell, clear=True)] for piece, cell in zip(pieces, found.cells(pieces, unit), strict=True)]
+    notes = [*found.told(pieces, unit), *notes]
+    return _finished(ds, kind, rows, context, told, PAGE, look, found.ends, view, notes, None, Room(0, GUTTER))
 
 
 def _each(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, look: Look) -> Taken:
@@ -161,16 +182,16 @@ def _each(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] 
         shots = []
         for where in row:
             body, why = _try(ds, where, kind, look)
-            body = tube.fitting(body, 1)[0] if body and not look.span else body
-            shots.append(Shot([body] if body else [], Cell(_under(ds, kind, names, where), why)))
+            body = tube.beginning(body) if body and not look.span else body
+            shots.append(Shot([body] if body else [], Cell(captions.under(ds, kind, names, where), why)))
             bodies += [body] if body else []
         rows.append(shots)
     rows[-1] += [Shot([], Cell("")) for _ in range(len(rows[0]) - len(rows[-1]))]
     told = ", ".join([*(style.axis_label(n, ds[n], len(names) == 1) for n in names if n != "equilibrium"),
-                      *_facts(ds, {k: i for k, i in cases[0][0].items() if k not in names})])  # fmt: skip
+                      *captions.facts(ds, {k: i for k, i in cases[0][0].items() if k not in names})])  # fmt: skip
     notes = [] if len(first) <= len(cases[0]) * len(cases) else [f"{len(cases[0])} of {len(first)} values"]
     part = [body for body in bodies if not body.whole]
-    notes += _covered(part[:1], str(ds.attrs["length_unit"]))
+    notes += captions.covered(part[:1], str(ds.attrs["length_unit"]))
     page = ROW if len(rows) == 1 else GRID
     return _taken(ds, kind, rows, bodies, told, page, look, False, notes)
 
@@ -188,16 +209,16 @@ def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | N
         if body:
             share = (float(value) - low) / ((high - low) or 1.0)
             colour = style.hex_of(style.RAMP, share * style.RAMP_ENDS[1])
-            body = body if look.span else tube.fitting(body, 1)[0]
+            body = body if look.span else tube.beginning(body)
             bodies.append(replace(body, line=replace(body.line, a=GHOST * body.a), paint=Paint(colour)))
     if not bodies:
         raise InputError(f"nothing to draw along {axis}: no case of it has a shape")
     lying = np.ptp(ends_of(bodies)) > LYING * 2 * bodies[0].reach
     shots = [Shot(bodies, Cell("facing the rods")), Shot(bodies, Cell("turned by 90° about the axis"), -np.pi / 2)]
-    told = ", ".join(_facts(ds, {k: i for k, i in cases[0].items() if k != axis}))
+    told = ", ".join(captions.facts(ds, {k: i for k, i in cases[0].items() if k != axis}))
     notes = [f"{len(cases)} of {len(line)} values"] if len(cases) < len(line) else []
     notes += [f"drawn at {GHOST:g} of the thickness"]
-    notes += _covered([body for body in bodies if not body.whole][:1], str(ds.attrs["length_unit"]))
+    notes += captions.covered([body for body in bodies if not body.whole][:1], str(ds.attrs["length_unit"]))
     rows = [[shot] for shot in shots] if lying else [shots]
     bar = Bar(style.ramp_part(), low, high, style.axis_label(axis, ds[axis])) if high > low else None
     return _taken(ds, kind, rows, bodies, told, PAGE, look, lying, notes, bar)
@@ -215,22 +236,41 @@ def _taken(
     notes: list[str],
     bar: Bar | None = None,
 ) -> Taken:
-    """Paint, photograph and write around it; context: the rods that fix the camera and the scale of colours."""
+    """Rods before a camera that sees them all, in cells of one size; context: the rods that fix it."""
     finer = look.dpi / style.DPI
-    if kind.cells != "together":
-        paint, bar = _paint(ds, kind, context)
-        rows = [[replace(shot, bodies=[replace(b, paint=paint) for b in shot.bodies]) for shot in row] for row in rows]
     ends = ends_of(context)
     room = page[0] - 2 * sheet.MARGIN, page[1] - sheet.HEAD - sheet.FOOT
     cell = room[0] // len(rows[0]), room[1] // len(rows) - sheet.LABEL
     view = _at(view_of(context, ends, cell, lying), finer)
-    if context and 2 * context[0].reach * view.per_unit < THINNEST:
+    if context and 2 * context[0].reach * view.per_unit < lines.THINNEST:
         raise InputError(
             f"a cylinder {2 * context[0].reach:.3g} wide and {np.ptp(ends):.4g} long is "
             f"{2 * context[0].reach * view.per_unit:.2g} pixels wide in the picture: give a shorter stretch with "
-            "--from and --to, or neither, and stretches of it are drawn side by side"
+            "--from and --to, or draw one case, which is set in lines"
         )
-    pixels, off = photograph(rows, ends, view, look.pixel_error, round(sheet.LABEL * finer))
+    return _finished(ds, kind, rows, context, told, page, look, ends, view, notes, bar, Room())
+
+
+def _finished(
+    ds: xr.Dataset,
+    kind: Kind,
+    rows: Sequence[Sequence[Shot]],
+    context: Sequence[Body],
+    told: str,
+    page: tuple[int, int],
+    look: Look,
+    ends: tuple[float, float],
+    view: View,
+    notes: list[str],
+    bar: Bar | None,
+    beside: Room,
+) -> Taken:
+    """Paint, photograph and write around it; context: the rods that fix the scale of colours."""
+    finer = look.dpi / style.DPI
+    if kind.cells != "together":
+        paint, bar = _paint(ds, kind, context)
+        rows = [[replace(shot, bodies=[replace(b, paint=paint) for b in shot.bodies]) for shot in row] for row in rows]
+    pixels, off = photograph(rows, ends, view, look.pixel_error, round(beside.label * finer))
     if off > COARSEST:
         raise InputError(_too_few(rows, off, look))
     if off > look.pixel_error * (1 + 1e-9):
@@ -241,8 +281,8 @@ def _taken(
     subtitle = " · ".join(fact for fact in (told, style.reading(ds), inside) if fact)
     drawn = Sheet(
         str(ds.attrs["title"]), subtitle, pixels, [[shot.cell for shot in row] for row in rows], view.per_unit,
-        str(ds.attrs["length_unit"]), view.page.T, _legend(kind, context), notes,
-        page if page == PAGE else (PAGE[0], 0), bar, look.dpi,
+        str(ds.attrs["length_unit"]), view.page.T, captions.legend(kind, context), notes,
+        page if page == PAGE else (PAGE[0], 0), bar, look.dpi, beside.label, beside.gutter,
     )  # fmt: skip
     return Taken(drawn, off)
 
@@ -270,14 +310,6 @@ def _paint(ds: xr.Dataset, kind: Kind, bodies: Sequence[Body]) -> tuple[Paint, B
         return Paint(style.PUSHED), None
     bar = Bar(style.RAMP, low, high, f"curvature κ [1/{ds.attrs['length_unit']}]")
     return Paint(ramp=style.RAMP, low=low, high=high), bar
-
-
-def _legend(kind: Kind, bodies: Sequence[Body]) -> list[tuple[str, str]]:
-    if kind.tint == "stripe":
-        return [(style.PUSHED, "a stripe along the material: it turns as the rod is twisted and bent")]
-    if kind.tint == "contact" and any(body.extremes()[0] < 0 for body in bodies):
-        return [(style.LIFTED, "the cylinder would have to\npull: the rod would lift off")]
-    return []
 
 
 def _try(ds: xr.Dataset, where: dict[str, int], kind: Kind, look: Look) -> tuple[Body | None, str]:
@@ -312,33 +344,3 @@ def _too_few(rows: Sequence[Sequence[Shot]], off: float, look: Look) -> str:
         f"(it could be off by {off:.0f}): store about {needed}{most}, with workbench run --stations or with the "
         "study's key stations"
     )
-
-
-def _covered(pieces: Sequence[Body], unit: str) -> list[str]:
-    """What part of the rod is drawn, where not all of it."""
-    if not pieces or (len(pieces) > 1 and pieces[1].span[0] <= pieces[0].span[1] * (1 + 1e-9)):
-        return []
-    low, high = pieces[0].span
-    L = style.number(pieces[0].line.L)
-    if len(pieces) > 1:
-        return [f"{len(pieces)} stretches of {style.number(high - low)} {unit} each,", f"evenly spread over {L} {unit}"]
-    return [f"only s = {style.number(low)} to {style.number(high)} {unit} of {L} {unit}"]
-
-
-def _under(ds: xr.Dataset, kind: Kind, names: list[str], where: dict[str, int]) -> str:
-    if kind.name == "equilibria":
-        one = ds.isel(where)
-        stable = "stable" if int(one["index"]) == 0 else f"index {int(one['index'])}"
-        return f"{where['equilibrium'] + 1}: {stable}\nenergy {style.number(float(one['energy']))}".replace("-", "−")
-    if len(names) == 1:
-        return style.shown(float(ds[names[0]].values[where[names[0]]]), ds[names[0]])
-    return "\n".join(_facts(ds, {name: where[name] for name in names}))
-
-
-def _described(ds: xr.Dataset, where: Mapping[str, int]) -> str:
-    return ", ".join(_facts(ds, where))
-
-
-def _facts(ds: xr.Dataset, where: Mapping[str, int]) -> list[str]:
-    return [f"{style.symbol(n)} = {style.shown(float(ds[n].values[i]), ds[n])}" for n, i in where.items()
-            if n != "equilibrium"]  # fmt: skip

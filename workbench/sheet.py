@@ -27,10 +27,11 @@ SMALL: dict[str, Any] = {"size": style.SMALL}
 
 @dataclass(frozen=True)
 class Cell:
-    """What is written under a view, and why it is empty where it is."""
+    """What is written under a view, why it is empty where it is, and what is written before it."""
 
     label: str
     why_empty: str = ""
+    before: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +51,8 @@ class Sheet:
     pixels: (height, width, 3), all views in one picture, each with room for its label below. cells: the views,
     row by row. per_unit: pixels per length. axes: where x, y, z point on the page, (3, 2). legend: colours and
     what they mean. least: width and height of the sheet at `style.DPI`. dpi: of the picture; with it grow all pixels
-    but those of `pixels`, which are as they are.
+    but those of `pixels`, which are as they are. label, gutter: the room below each view and before the first, in
+    pixels at `style.DPI`.
     """
 
     title: str
@@ -65,6 +67,8 @@ class Sheet:
     least: tuple[int, int] = (1300, 0)
     bar: Bar | None = None
     dpi: int = style.DPI
+    label: int = LABEL
+    gutter: int = 0
 
 
 def figure(sheet: Sheet) -> Figure:
@@ -77,7 +81,7 @@ def figure(sheet: Sheet) -> Figure:
         FigureCanvasAgg(fig)
         _text(fig, MARGIN, height - 30, sheet.title, size=style.LARGE, va="top", weight="bold")
         _text(fig, MARGIN, height - 72, sheet.subtitle, color=style.SOFT, va="top")
-        left = (width - wide) // 2
+        left = (width - wide + sheet.gutter) // 2
         bottom = FOOT + (height - HEAD - FOOT - high) // 2
         fig.figimage(sheet.pixels, round(left * finer), round(bottom * finer), origin="upper")
         _cells(fig, sheet, left, bottom, finer)
@@ -96,10 +100,13 @@ def _cells(fig: Figure, sheet: Sheet, left: float, bottom: float, finer: float) 
         for j, cell in enumerate(row):
             x, y = left + (j + 0.5) * wide, bottom + i * high
             size = style.NORMAL if wide > ROOMY else style.SMALL
-            _text(fig, x, y + LABEL - 10, cell.label, ha="center", va="top", size=size)
+            middle = y + (high + sheet.label) / 2
+            _text(fig, x, y + sheet.label - 10, cell.label, ha="center", va="top", size=size)
+            if cell.before:
+                _text(fig, x - wide / 2 - 8, middle, cell.before, ha="right", va="center", **SMALL)
             if cell.why_empty:
                 told = fill(cell.why_empty, max(int(wide / 13), 10))
-                _text(fig, x, y + (high + LABEL) / 2, told, color=style.SOFT, ha="center", va="center", **SMALL)
+                _text(fig, x, middle, told, color=style.SOFT, ha="center", va="center", **SMALL)
 
 
 def _triad(fig: Figure, x: float, y: float, axes: NDArray[np.float64]) -> float:
@@ -110,7 +117,7 @@ def _triad(fig: Figure, x: float, y: float, axes: NDArray[np.float64]) -> float:
         tip = origin + TRIAD * way
         if np.hypot(*way) > 0.08:
             fig.add_artist(_line(fig, origin, tip, color=style.INK, linewidth=1.4))
-        side = way / max(np.hypot(*way), 0.3)
+        side = way / max(np.hypot(*way), 0.3) if np.hypot(*way) > 0.08 else -axes.sum(axis=0) / 1.5
         _text(fig, tip[0] + 13 * side[0], tip[1] + 13 * side[1], name, ha="center", va="center", **SMALL)
     return float(x + TRIAD + 12)
 

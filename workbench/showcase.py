@@ -39,6 +39,7 @@ force = "N"
 [base]
 L = 800.0
 """
+LONGEST = LONG.replace("forty", "two thousand").replace("8001", "100001").replace("800.0", "40000.0")
 
 
 def draw_all(out: Path, force: bool) -> int:
@@ -46,7 +47,7 @@ def draw_all(out: Path, force: bool) -> int:
     from . import gl
 
     store.check_folder(out)
-    names = [*kinds.KINDS, "inside", "long"]
+    names = [*kinds.KINDS, "inside", "long", "longest"]
     paths = {name: free_picture(out / f"{name}.png", (".png",), force) for name in names}
     able, advice = gl.probe()
     if not able:
@@ -56,15 +57,15 @@ def draw_all(out: Path, force: bool) -> int:
     from .equilibria import ends_of
 
     one, row, table = (runner.run(load(name)) for name in ("fig6", "fig7_1_modulus", "fig7_5_forces"))
-    inside, long = (runner.run(loads(text, default_name="rod")) for text in (INSIDE, LONG))
+    own = {"inside": INSIDE, "long": LONG, "longest": LONGEST}
+    solved = {name: runner.run(loads(text, default_name="rod")) for name, text in own.items()}
     study = load("fig7_4_end_angle")
     case = ends_of(study)
     shapes = gallery.dataset_of(study, case, equilibria(case))
-    look = scenes.Look(dpi=DPI)
+    solved |= {"ghosts": row, "grid": table, "equilibria": shapes}
     for name, path in paths.items():
-        ds = {"ghosts": row, "grid": table, "equilibria": shapes, "inside": inside, "long": long}.get(name, one)
         axes = ["F1", "F3"] if name == "grid" else []
-        kind = "contact" if name in ("inside", "long") else name
-        scenes.render(ds, path, None, kind, axes, look=look)
+        look = scenes.Look(dpi=150 if name == "longest" else DPI)
+        scenes.render(solved.get(name, one), path, None, "contact" if name in own else name, axes, look=look)
         console.say(str(path))
     return 0

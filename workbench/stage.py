@@ -16,6 +16,7 @@ from .tube import Body
 FINER = 2  # each pixel is the mean of 2 x 2
 BLUR = 2  # pixels between rings, below which a colour is not looked at
 MOST_PIXELS = 24_000_000  # taken at once: the ambient shading holds some 50 bytes of each
+GLASS = 0.45  # opacity of each of its walls; what is behind both is still darker than they are
 ABOVE = 0.3  # rad from which the camera looks down
 LEAST_CELL = 190  # pixels of width, for the label
 # Three lights fixed to the camera: azimuth and elevation in degrees, intensity
@@ -44,11 +45,13 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """What stands in a cell: rods on one cylinder, or none; turned about the axis by an angle."""
+    """What stands in a cell: rods on one cylinder, or none; turned about the axis by an angle. clear: the cylinder is
+    of glass, so that a rod that goes round it is seen all the way."""
 
     bodies: Sequence[Body]
     cell: Cell
     turned: float = 0.0
+    clear: bool = False
 
 
 def ends_of(curves: Sequence[Body]) -> tuple[float, float]:
@@ -65,9 +68,7 @@ def view_of(curves: Sequence[Body], ends: tuple[float, float], room: tuple[int, 
     It looks from a little above, so that the end of the cylinder is seen; the axis goes up the page, or lying to
     its right.
     """
-    mean = np.mean([np.exp(1j * curve.alpha).mean() for curve in curves] or [1.0])
-    azimuth = np.angle(mean) if abs(mean) > 0.05 else 0.0  # a rod that goes all around has no front
-    out, axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0]), np.array([0.0, 0.0, 1.0])
+    out, axis = _front(curves), np.array([0.0, 0.0, 1.0])
     toward = np.cos(ABOVE) * out + np.sin(ABOVE) * axis
     if lying:
         toward = toward + np.tan(ABOVE) * np.cross(out, axis)
@@ -85,6 +86,20 @@ def view_of(curves: Sequence[Body], ends: tuple[float, float], room: tuple[int, 
     per_unit = min(room[0] / width, room[1] / height)
     size = (max(int(width * per_unit), min(LEAST_CELL, room[0])), int(height * per_unit))
     return View(toward, up, (low + high) / 2 @ page, per_unit, size)
+
+
+def side_view(curves: Sequence[Body], ends: tuple[float, float], per_unit: float, size: tuple[int, int]) -> View:
+    """The camera that sees the axis in its true length, going to the right; it looks along x or along y."""
+    front, axis = _front(curves), np.array([0.0, 0.0, 1.0])
+    out = np.sign(front) * (np.abs(front) == np.abs(front).max())
+    return View(out, np.cross(out, axis), sum(ends) / 2 * axis, per_unit, size)
+
+
+def _front(curves: Sequence[Body]) -> Array:
+    """From the axis to where the rods are."""
+    mean = np.mean([np.exp(1j * curve.alpha).mean() for curve in curves] or [1.0])
+    azimuth = np.angle(mean) if abs(mean) > 0.05 else 0.0  # a rod that goes all around has no front
+    return np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
 
 
 def photograph(
@@ -130,7 +145,7 @@ def _taken(
                     steps[1] += label / 2
                     off = max(off, _place(plotter, shot, ends, steps / view.per_unit @ view.page, view, pixel_error))
         # Near, as the ambient shading holds distances from the camera in half precision: far away it would band.
-        away = 1.1 * (reach + (ends[1] - ends[0]) / 2)
+        away = 1.1 * (reach + (np.ptp(ends) / 2 if abs(view.toward[2]) > 1e-9 else 0.0))
         plotter.camera_position = [view.focus + away * view.toward, view.focus, view.up]
         plotter.enable_parallel_projection()
         plotter.camera.parallel_scale = height / view.per_unit / 2
@@ -169,7 +184,7 @@ def _place(plotter: Any, shot: Shot, ends: tuple[float, float], where: Array, vi
         add(wall, color=style.SURFACE, culling="front")
         add(wall, color=style.SOFT, culling="back", opacity=0.12)
     else:
-        add(wall, color=style.SURFACE)
+        add(wall, color=style.SURFACE, opacity=GLASS if shot.clear else 1.0)
     for z in ends:
         end = pv.Disc(center=(0, 0, z), inner=0, outer=first.R, normal=(0, 0, 1), c_res=180)
         if first.side == "outside":

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -141,23 +140,10 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
     return Body(line, span or (float(line.s[0]), float(line.s[-1])), kind.tint, gamma, overlaps)
 
 
-def fitting(body: Body, pieces: int) -> list[Body]:
-    """The rod in as many pieces as it takes, at most `pieces`, each short enough to be seen well.
-
-    A piece is no taller than `TALLEST` diameters of the cylinder. Where so many do not cover the rod they are spread
-    evenly over it, the first at its start and the last at its end.
-    """
-    low, high = body.span
+def beginning(body: Body) -> Body:
+    """The rod, or as much of its beginning as can be seen well: no taller than `TALLEST` diameters of the cylinder."""
     tall = TALLEST * 2 * body.reach
-    count = 1
-    while count <= pieces:
-        cuts = np.linspace(low, high, count + 1)
-        found = [replace(body, span=(float(a), float(b))) for a, b in pairwise(cuts)]
-        if max(np.ptp(piece.z) for piece in found) <= tall:
-            return found
-        count += 1
-    starts = np.linspace(low, high - tall, pieces)
-    return [replace(body, span=(float(start), float(start + tall))) for start in starts]
+    return body if np.ptp(body.z) <= tall else replace(body, span=(body.span[0], body.span[0] + tall))
 
 
 def mesh(body: Body, drawn: Detail) -> Mesh:

@@ -12,7 +12,7 @@ from solver import frames
 from solver.errors import InputError
 from studies import load
 from studies.loader import loads
-from workbench import gl, picking, runner, sheet, style, tube
+from workbench import gl, lines, picking, runner, sheet, style, tube
 from workbench.centreline import Centreline
 from workbench.kinds import KINDS, kind_of
 
@@ -129,14 +129,30 @@ def test_what_is_not_stored_is_named() -> None:
         kind_of("contct")
 
 
-def test_a_long_rod_is_drawn_in_stretches_that_can_be_seen() -> None:
+def test_a_long_rod_is_set_in_lines_that_show_all_of_it() -> None:
     rod = body(dataset(stations=20_001, L=2000.0))
-    pieces = tube.fitting(rod, 8)
-    tall = tube.TALLEST * 2 * rod.reach
-    assert len(pieces) == 8
-    assert all(np.ptp(piece.z) <= tall * (1 + 1e-9) for piece in pieces)
+    room = (1400, 960)
+    found = lines.lines_for([rod], room)
+    pieces = found.cut(rod)
+    assert lines.is_long([rod])
+    assert not lines.is_long([body(dataset())])
+    assert [piece.span[0] for piece in pieces] == pytest.approx([0.0, *(piece.span[1] for piece in pieces[:-1])])
+    assert pieces[-1].span[1] == pytest.approx(2000.0)
+    assert all(found.ends[0] < piece.z.min() and piece.z.max() < found.ends[1] for piece in pieces)
+    assert (found.ends[1] - found.ends[0]) * found.per_unit <= room[0] * (1 + 1e-9)
+    assert found.count * 2 * rod.reach * found.per_unit <= room[1]  # no line reaches into the next
+    assert 2 * rod.reach * found.per_unit > 4 * lines.THINNEST  # in one row it would be a hair of two pixels
+    assert found.cells(pieces, "cm")[0].before == "s = 0 cm"
+
+
+def test_of_a_rod_too_long_for_the_page_stretches_are_set_and_the_rest_is_told() -> None:
+    rod = body(dataset(stations=20_001, L=2000.0))
+    found = lines.lines_for([rod], (60, 40))
+    pieces = found.cut(rod)
+    assert 2 * rod.reach * found.per_unit > 0.9 * lines.THINNEST  # swings at the ends of a line may take a little
     assert (pieces[0].span[0], pieces[-1].span[1]) == (0.0, pytest.approx(2000.0))
-    assert tube.fitting(body(dataset()), 8)[0].whole
+    assert sum(piece.span[1] - piece.span[0] for piece in pieces) < 2000.0
+    assert found.told(pieces, "cm")[0].startswith(f"only {found.count} stretches")
 
 
 class Counted:
@@ -316,6 +332,7 @@ def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
     from workbench import scenes
 
     scenes.render(dataset(stations=20_001, L=2000.0), tmp_path / "long.png")
+    long = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n", stations=2001, L=2000.0)
     with pytest.raises(InputError, match="pixels wide in the picture: give a shorter stretch"):
-        scenes.take(dataset(stations=20_001, L=2000.0), look=scenes.Look(span=(0.0, 2000.0)))
+        scenes.take(long, kind="ghosts", look=scenes.Look(span=(0.0, 2000.0)))
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 1.5e6  # kilobytes
