@@ -104,14 +104,18 @@ class Centreline:
         up = np.diff(self.z) - (h * np.cos(beta)) @ WEIGHT
         return float(np.hypot(across, up).max())
 
+    def stations_for(self, tolerance: float) -> int:
+        """About how many stations would bring `error` down to the tolerance [length]."""
+        n = self.s.size - 1
+        return int(np.ceil(1.1 * n * max(self.error / tolerance, 1.0) ** (1 / ORDER))) + 1
+
     def check(self, tolerance: float) -> None:
         """Raise `InputError`, with the number of stations that would do, where `error` is above the tolerance."""
         if self.error > tolerance:
-            n = self.s.size - 1
-            more = int(np.ceil(1.1 * n * (self.error / tolerance) ** (1 / ORDER))) + 1
+            more = self.stations_for(tolerance)
             raise InputError(
-                f"{n + 1} stations fix the rod between them to {self.error:.1e} only, and {tolerance:.1e} is asked "
-                f"for: store about {more} (stations = {more} in the study), or give a larger --tolerance"
+                f"{self.s.size} stations fix the rod between them to {self.error:.1e} only, and {tolerance:.1e} is "
+                f"asked for: store about {more} (stations = {more} in the study), or give a larger --tolerance"
             )
 
 

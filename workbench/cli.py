@@ -183,7 +183,13 @@ def plot(
 
 @app.command()
 def scene(
-    file: File,
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE|STUDY",
+            help="A stored dataset; or a study's name or TOML file, solved at the stations that the picture needs.",
+        ),
+    ],
     at: Annotated[
         list[str] | None,
         typer.Option(help="E=10905 or beta=30deg: a value of that axis, as exact as you write it."),

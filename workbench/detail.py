@@ -49,9 +49,7 @@ def detail(
     sides_of: the sides are a multiple of that; of 2, a corner of each ring touches the cylinder.
     Raises `InputError` where it would take more than `MOST_TRIANGLES`.
     """
-    known, loose = line.error, slack(line)
-    smooth = known <= max(tolerance / 4, min(loose, tolerance))
-    missed = known if smooth else loose
+    missed, smooth = left_open(line, tolerance)
     left = max(tolerance - missed, tolerance / 2)
     sides = int(np.ceil(np.pi / np.arccos(max(1 - SHARE * left / line.a, 0.0))))
     sides = -(-max(sides, LEAST_SIDES) // sides_of) * sides_of
@@ -64,6 +62,21 @@ def detail(
     if 2 * chosen.size * sides > MOST_TRIANGLES:
         _refuse(line, 2 * chosen.size * sides)
     return Detail(s[chosen], sides, missed + left)
+
+
+def left_open(line: Centreline, tolerance: float) -> tuple[float, bool]:
+    """How far the rod may be from the curve that is drawn [length], and whether this is the smooth one through the
+    stations; else straight lines between them are as good."""
+    known, loose = line.error, slack(line)
+    smooth = known <= max(tolerance / 4, min(loose, tolerance))
+    return (known, True) if smooth else (loose, False)
+
+
+def stations_for(line: Centreline, tolerance: float) -> int:
+    """How many stations it takes to draw a rod to a tolerance [length]: those there are, or about how many more."""
+    if left_open(line, tolerance)[0] <= tolerance / 2:
+        return line.s.size
+    return max(line.stations_for(tolerance / 6), line.s.size + 1)
 
 
 def slack(line: Centreline) -> float:

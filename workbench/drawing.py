@@ -3,6 +3,7 @@
 import math
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -10,7 +11,7 @@ import xarray as xr
 from solver.errors import InputError, choices, no_such
 from studies.angles import angle
 
-from . import console, dataset, kinds, store
+from . import console, dataset, kinds, needed, store
 
 PLOTS = (".png", ".pdf", ".svg")
 SCENES = (".png", ".jpg")
@@ -32,15 +33,23 @@ def scene_file(
     axes: list[str] | None = None, along: str | None = None, span: tuple[float | None, float | None] = (None, None),
     pixel_error: float = 0.5, dpi: int = 200,
 ) -> int:  # fmt: skip
-    """Draw a scene of a dataset; 0, or 1 where this machine cannot or the stations are too few for the pixel error.
+    """Draw a scene of a dataset or a study; 0, or 1 where this machine cannot or the stations are too few for the pixel
+    error.
 
-    kind: a name of `kinds.KINDS`; where left out equilibria for a dataset of them, else contact. Raises `InputError`.
+    file: of a dataset, or the name or TOML file of a study, which is then solved at the stations that the picture
+    needs. kind: a name of `kinds.KINDS`; where left out equilibria for a dataset of them, else contact. Raises
+    `InputError`.
     """
-    ds = _read(file)
-    kind = kinds.kind_of(kind or ("equilibria" if dataset.axes_of(ds) == ["equilibrium"] else "contact")).name
+    study = None
+    if needed.is_study(file):
+        study, ds = needed.rough(file)
+        file = Path(f"{study.name}.h5")
+    else:
+        ds = _read(file)
+    found = kinds.kind_of(kind or ("equilibria" if dataset.axes_of(ds) == ["equilibrium"] else "contact"))
     where = chosen(ds, at)
     told = [f"{name}={_written(ds[name], value)}" for name, value in where.items()]
-    named = [] if kind in ("contact", "equilibria") else [kind, *(axes or [])]
+    named = [] if found.name in ("contact", "equilibria") else [found.name, *(axes or [])]
     path = free_picture(out or file.with_name("_".join([file.stem, "scene", *named, *told]) + ".png"), SCENES, force)
     from . import gl
 
@@ -50,12 +59,22 @@ def scene_file(
         return 1
     from . import scenes
 
-    look = scenes.Look(pixel_error, dpi, stretch_of(ds, span))
-    taken = scenes.render(ds, path, where or None, kind, axes or [], along, look)
-    console.say(" at ".join([str(path), *([", ".join(told)] if told else [])]))
+    stretch = stretch_of(ds, span)
+
+    def draw(ds: xr.Dataset, exactly: bool) -> Any:
+        look = scenes.Look(pixel_error, dpi, stretch, exactly)
+        return scenes.render(ds, path, where or None, found.name, axes or [], along, look)
+
+    said = [str(path), *([", ".join(told)] if told else [])]
+    if study is None:
+        taken, stations = draw(ds, False), ds.sizes["u"]
+    else:
+        shown = axes or ([] if found.cells == "one" else dataset.axes_of(ds)[:1])
+        taken, stations = needed.at_need(needed.only(study, ds, found, where, [*shown, along or ""]), draw)
+    console.say(" at ".join(said) + (f", solved at {stations} stations" if study else ""))
     if taken.off > pixel_error * (1 + 1e-9):
-        kept = f"{taken.off:.1f} pixels, not {pixel_error:g}: the dataset holds too few stations for that"
-        console.err.print(f"workbench: drawn to within {kept}", markup=False)
+        kept = f"{taken.off:.1f} pixels, not {pixel_error:g}: {stations} stations are too few for that"
+        console.err.print(f"workbench: drawn to within {kept}, about {taken.stations} would do", markup=False)
         return 1
     return 0
 

@@ -17,6 +17,7 @@ from studies.model import MAX_STATIONS
 
 from . import captions, lines, picking, sheet, style, tube
 from .dataset import axes_of
+from .detail import stations_for
 from .kinds import Kind, kind_of
 from .sheet import Bar, Cell, Sheet
 from .stage import Shot, View, ends_of, photograph, side_view, view_of
@@ -35,11 +36,13 @@ GHOST = 0.3  # of its thickness is a rod drawn among others, so that none hides 
 @dataclass(frozen=True)
 class Look:
     """How a scene is taken. pixel_error: how far the drawn surface may be from the true one; dpi: of the picture;
-    span: the arc lengths between which the rod is drawn, where not all of it."""
+    span: the arc lengths between which the rod is drawn, where not all of it; exactly: raise `TooFew` rather than draw
+    less well than asked."""
 
     pixel_error: float = 0.5
     dpi: int = style.DPI
     span: tuple[float, float] | None = None
+    exactly: bool = False
 
 
 @dataclass(frozen=True)
@@ -52,10 +55,20 @@ class Room:
 
 @dataclass(frozen=True, eq=False)
 class Taken:
-    """A scene. off: by how many pixels its surface may be off; above what was asked where the stations are too few."""
+    """A scene. off: by how many pixels its surface may be off; above what was asked where the stations are too few.
+    stations: about how many it takes."""
 
     sheet: Sheet
     off: float
+    stations: int
+
+
+class TooFew(InputError):
+    """The stations are too few for the pixel error; `stations`: about how many it takes."""
+
+    def __init__(self, said: str, stations: int) -> None:
+        super().__init__(said)
+        self.stations = stations
 
 
 def render(
@@ -270,11 +283,17 @@ def _finished(
     if kind.cells != "together":
         paint, bar = _paint(ds, kind, context)
         rows = [[replace(shot, bodies=[replace(b, paint=paint) for b in shot.bodies]) for shot in row] for row in rows]
+    n, stations = _stations(rows, look.pixel_error / view.per_unit)
+    if look.exactly and stations > n:
+        raise TooFew(f"{n} stations are too few, about {stations} are needed", stations)
     pixels, off = photograph(rows, ends, view, look.pixel_error, round(beside.label * finer))
     if off > COARSEST:
-        raise InputError(_too_few(rows, off, look))
+        raise TooFew(_too_few(n, stations, off, look), stations)
     if off > look.pixel_error * (1 + 1e-9):
-        notes = [*notes, f"drawn to within {off:.1f} pixels: more stations would be needed"]
+        notes = [
+            *notes,
+            f"drawn to within {off:.1f} pixels: for {look.pixel_error:g} it takes some {stations} stations",
+        ]
     if kind.cells != "together" and any(body.overlaps for row in rows for shot in row for body in shot.bodies):
         notes = [*notes, "a real rod could not pass through itself"]
     inside = "inside the cylinder, cut open" if ds.attrs["side"] == "inside" else ""
@@ -284,7 +303,7 @@ def _finished(
         str(ds.attrs["length_unit"]), view.page.T, captions.legend(kind, context), notes,
         page if page == PAGE else (PAGE[0], 0), bar, look.dpi, beside.label, beside.gutter,
     )  # fmt: skip
-    return Taken(drawn, off)
+    return Taken(drawn, off, stations)
 
 
 def _at(view: View, finer: float) -> View:
@@ -333,14 +352,17 @@ def _check(look: Look) -> None:
         raise InputError(f"--dpi must be between {DPIS[0]} and {DPIS[1]}, got {look.dpi}")
 
 
-def _too_few(rows: Sequence[Sequence[Shot]], off: float, look: Look) -> str:
-    bodies = [body for row in rows for shot in row for body in shot.bodies]
-    worst = max(bodies, key=lambda body: body.line.error)
-    n = worst.line.s.size
-    needed = int(np.ceil(n * (off / look.pixel_error) ** 0.25))  # a cubic's error falls as the fourth power
+def _stations(rows: Sequence[Sequence[Shot]], tolerance: float) -> tuple[int, int]:
+    """How many stations the rods have, and about how many it takes to draw them all to a tolerance [length]."""
+    found = {id(body.line): body.line for row in rows for shot in row for body in shot.bodies}.values()
+    each = [(line.s.size, stations_for(line, tolerance)) for line in found] or [(0, 0)]
+    return max(n for n, _ in each), max(needed for _, needed in each)
+
+
+def _too_few(n: int, needed: int, off: float, look: Look) -> str:
     most = f" (a study stores at most {MAX_STATIONS})" if needed > MAX_STATIONS else ""
     return (
-        f"{n} stations are too few to draw this rod of length {worst.line.L:.4g} to within {look.pixel_error:g} pixels "
-        f"(it could be off by {off:.0f}): store about {needed}{most}, with workbench run --stations or with the "
-        "study's key stations"
+        f"{n} stations are too few to draw this rod to within {look.pixel_error:g} pixels (it could be off by "
+        f"{off:.0f}): store about {needed}{most}, with workbench run --stations or with the study's key stations; or "
+        "draw the study itself, with workbench scene STUDY"
     )

@@ -9,7 +9,7 @@ from benchmarks.detail import off
 from solver.errors import InputError
 from studies.loader import loads
 from workbench import runner, tube
-from workbench.detail import detail, slack
+from workbench.detail import detail, slack, stations_for
 from workbench.kinds import KINDS
 
 TEXT = """title = "a rod"
@@ -91,3 +91,15 @@ def test_what_would_fill_the_memory_is_refused_with_what_to_do() -> None:
     rod = body()
     with pytest.raises(InputError, match=r"triangles.*--pixel-error.*--from and --to"):
         detail(rod.line, rod.span, 1e-10)
+
+
+@pytest.mark.parametrize(
+    ("stations", "L", "tolerance"), [(11, 20.0, 0.001), (101, 200.0, 0.005), (2001, 2000.0, 0.001)]
+)
+def test_the_stations_that_are_said_to_be_enough_are(stations: int, L: float, tolerance: float) -> None:
+    few = body(stations, L).line
+    wanted = stations_for(few, tolerance)
+    assert wanted > stations
+    line = body(wanted, L).line
+    assert stations_for(line, tolerance) == wanted
+    assert detail(line, (0.0, 20.0), tolerance).off <= tolerance * (1 + 1e-9)

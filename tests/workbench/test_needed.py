@@ -1,0 +1,96 @@
+"""A scene of a study: solved at the stations that the picture needs, and nothing else."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from solver.errors import InputError
+from workbench import drawing, gl, kinds, needed, runner, store
+
+from . import small
+from .pictures import pixels
+
+draws = pytest.mark.skipif(not gl.probe()[0], reason=gl.probe()[1])
+AXES = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n[axes.F1]\nvalues = [4.0, 5.0]\n"
+
+
+@pytest.fixture
+def file(tmp_path) -> Path:
+    path = tmp_path / "mine.toml"
+    path.write_text(small.study(AXES, 'observables = ["wraps", "height"]').text)
+    return path
+
+
+@pytest.fixture
+def solved(monkeypatch) -> list:
+    """The studies that are solved."""
+    found: list = []
+    run = runner.run
+    monkeypatch.setattr(runner, "run", lambda study, *more: (found.append(study), run(study, *more))[1])
+    return found
+
+
+def test_only_the_cases_that_are_shown_and_what_their_kind_reads_are_solved(file) -> None:
+    study, ds = needed.rough(file)
+    one = needed.only(study, ds, kinds.KINDS["curvature"], {"E": 2e4}, [])
+    assert (one.size, one.axes["E"].values) == (1, [2e4])
+    assert set(one.outputs) == {"beta", "dbeta", "alpha", "z"}
+    assert one.wanted == []
+    assert set(needed.only(study, ds, kinds.KINDS["twist"], {}, []).outputs) == {"beta", "dbeta", "alpha", "z", "gamma"}
+    row = needed.only(study, ds, kinds.KINDS["ghosts"], {"F1": 4.0}, ["E"])
+    assert {name: axis.values for name, axis in row.axes.items()} == {"E": [1e4, 2e4, 3e4], "F1": [4.0]}
+
+
+def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
+    pytest.importorskip("vtkmodules")
+    from workbench.scenes import TooFew
+
+    study, _ = needed.rough(file)
+    solved.clear()
+
+    def draw(ds, exactly):
+        n = ds.sizes["u"]
+        if exactly and n < 100:
+            raise TooFew("too few", 3 * n)
+        return SimpleNamespace(off=0.5)
+
+    _, stations = needed.at_need(study, draw)
+    assert [s.stations for s in solved] == [needed.FIRST, 3 * needed.FIRST, 9 * needed.FIRST]
+    assert stations == 9 * needed.FIRST
+
+
+@draws
+def test_a_study_is_drawn_as_its_file_is_and_finer_takes_more_stations(file, solved, tmp_path, capsys) -> None:
+    def draw(what: Path, name: str, error: float) -> np.ndarray:
+        out = tmp_path / name
+        assert drawing.scene_file(what, ["E=2e4", "F1=4"], out, kind="plain", pixel_error=error, dpi=60) == 0
+        return (255 * pixels(out)).round().astype(int)
+
+    stored = tmp_path / "stored.h5"
+    store.write(runner.run(needed.load(file)), stored)
+    solved.clear()
+    one, other = draw(file, "one.png", 1.0), draw(stored, "other.png", 1.0)
+    assert len(solved) <= 3  # the ends of all, and the one that is shown once or twice
+    # all but the random dots of the ambient shading, and edges that differ by the pixel allowed
+    assert (np.abs(one - other).max(axis=-1) > 24).mean() < 0.01
+    draw(file, "fine.png", 0.02)
+    told = [int(line.split(" ")[-2]) for line in capsys.readouterr().out.splitlines() if "solved at" in line]
+    assert told[0] < told[1]
+
+
+def test_a_file_goes_before_a_study_of_its_name(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert needed.is_study(Path("fig6"))
+    Path("fig6").write_text("")
+    assert not needed.is_study(Path("fig6"))
+    assert not needed.is_study(Path("mine.h5"))
+
+
+def test_a_study_of_too_many_cases_is_refused_before_it_is_solved(tmp_path, solved) -> None:
+    path = tmp_path / "many.toml"
+    path.write_text(small.study("[axes.E]\nfrom = 1e4\nto = 2e4\ncount = 10001\n", "").text)
+    with pytest.raises(InputError, match=r"10001 cases.*workbench run"):
+        needed.rough(path)
+    assert not solved
