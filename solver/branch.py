@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from .case import Case, Ends, Start
 from .errors import InputError
@@ -53,7 +53,7 @@ def follow(case: Case, limit: float, count: int = 9, tol: float = 1e-12) -> Bran
     fold: tuple[float, float] | None = None
     if falls.size and (not over.size or falls[0] < over[0]):
         k = int(falls[0])
-        at = brentq(lambda v: _rate(problem, v, tol), slopes[max(k - 1, 0)], slopes[k + 1], xtol=1e-13)
+        at = scipy.optimize.brentq(lambda v: _rate(problem, v, tol), slopes[max(k - 1, 0)], slopes[k + 1], xtol=1e-13)
         fold = float(_far(problem, np.array([at]), tol)[0]), float(at)
     elif not over.size:
         raise InputError(f"beta(L) stays below the limit {limit:.6g} rad and shows no fold; choose a lower limit")
@@ -103,5 +103,7 @@ def _rate(problem: Reduced, slope: float, tol: float, nudge: float = 1e-4) -> fl
 def _reach(problem: Reduced, target: float, low: float, high: float, tol: float) -> float:
     """beta_t(0) that ends at `target`, between two that end below and above it."""
     return float(
-        brentq(lambda v: float(_far(problem, np.array([v]), tol)[0]) - target, low, high, xtol=1e-14, rtol=1e-14)
+        scipy.optimize.brentq(
+            lambda v: float(_far(problem, np.array([v]), tol)[0]) - target, low, high, xtol=1e-14, rtol=1e-14
+        )
     )

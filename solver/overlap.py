@@ -15,8 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
-from scipy.spatial import cKDTree
+import scipy
 
 from .reduced import Array, flat
 from .solution import Solution
@@ -157,10 +156,10 @@ def _at_stations(sol: Solution, i: int, a: float) -> float:
         kept = np.append(True, np.diff(t) > 0)
         count = int(min((t[-1] - t[0]) / (_DENSE * a), _MOST)) + 2
         even = np.linspace(t[0], t[-1], count)
-        t, points = even, CubicHermiteSpline(t[kept], points[kept], tangent[kept])(even)
+        t, points = even, scipy.interpolate.CubicHermiteSpline(t[kept], points[kept], tangent[kept])(even)
     if t.size > _MOST:
         return np.nan
-    pairs = cKDTree(points).query_pairs(2 * a, output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(points).query_pairs(2 * a, output_type="ndarray")
     met = bool((np.abs(t[pairs[:, 0]] - t[pairs[:, 1]]) > np.pi * a).any())
     whole = t[0] == 0 and t[-1] >= sol.problem.span[i] * (1 - 1e-12)
     return 1.0 if met else 0.0 if dense and whole else np.nan

@@ -12,8 +12,7 @@ that hangs on digits that no mesh keeps.
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
-from scipy.linalg.lapack import dgtsv
+import scipy
 
 from .course import HELIX, LIBRATION
 from .landscape import slope, slope_rate
@@ -54,7 +53,7 @@ def index_at_stations(problem: Reduced, t: Array, beta: Array, rate: Array) -> A
         for some in (slice(None), np.unique([*range(0, t.shape[1], 2), t.shape[1] - 1])):
             n = int(steps[i])
             even = np.linspace(0, problem.span[i], n + 1)
-            shape = CubicHermiteSpline(t[i, some], beta[i, some], rate[i, some])(even)
+            shape = scipy.interpolate.CubicHermiteSpline(t[i, some], beta[i, some], rate[i, some])(even)
             one = problem.take(slice(i, i + 1))
             counts.append(int(morse_index(one, problem.span[i : i + 1] / n, shape[None])[0]))
         index[i] = counts[0] if counts[0] == counts[1] else np.nan
@@ -125,7 +124,7 @@ def response(problem: Reduced, h: Array, beta: Array) -> Array:
     beside, moved = np.full(diagonal.shape[1] - 1, -1.0), np.zeros(diagonal.shape[1])
     moved[-1] = 1
     for i in range(beta.shape[0]):
-        eta, info = dgtsv(beside, diagonal[i], beside, moved)[3:]
+        eta, info = scipy.linalg.lapack.dgtsv(beside, diagonal[i], beside, moved)[3:]
         largest[i] = np.maximum(1, np.abs(eta).max()) if info == 0 else np.inf
     return np.where(np.isfinite(largest), largest, np.inf)
 

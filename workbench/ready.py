@@ -5,6 +5,12 @@ The process that workers are copies of (`crew`) imports it, once.
 
 import math
 
+import scipy.integrate  # SciPy reads its parts when they are asked for
+import scipy.interpolate
+import scipy.linalg
+import scipy.optimize
+import scipy.spatial  # noqa: F401
+
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.observables import observe
 

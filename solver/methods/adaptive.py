@@ -9,7 +9,7 @@ import math
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
+import scipy
 
 from ..growth import growth
 from ..reduced import Array, Reduced
@@ -88,7 +88,9 @@ def _integrate(integrator: str, problem: Reduced, t: Array, rtol: float) -> tupl
     start = [problem.beta0[0], problem.dbeta0[0], 0.0, 0.0, 0.0]
     nothing = np.full((5, t.size), np.nan)
     try:
-        answer = solve_ivp(rates, (0.0, t[-1]), start, integrator, t_eval=t, rtol=rtol, atol=rtol, dense_output=True)
+        answer = scipy.integrate.solve_ivp(
+            rates, (0.0, t[-1]), start, integrator, t_eval=t, rtol=rtol, atol=rtol, dense_output=True
+        )
     except (_TooLong, ValueError) as stopped:  # math.sin refuses an infinite angle by a ValueError
         return nothing, (t, nothing), calls, _SPENT if isinstance(stopped, _TooLong) else _LOST
     if answer.status != 0:

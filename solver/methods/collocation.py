@@ -10,7 +10,7 @@ import math
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_bvp
+import scipy
 
 from ..landscape import slope, slope_rate
 from ..reduced import Array, Reduced
@@ -105,7 +105,9 @@ def _collocated(problem: Reduced, x: Array, y: Array, rtol: float) -> tuple[Any,
         return np.array([[1.0, 0.0], [0.0, 0.0]]), np.array([[0.0, 0.0], [1.0, 0.0]])
 
     with np.errstate(all="ignore"):
-        answer = solve_bvp(rates, ends, x, y, tol=rtol, max_nodes=_MOST, fun_jac=change, bc_jac=ends_change)
+        answer = scipy.integrate.solve_bvp(
+            rates, ends, x, y, tol=rtol, max_nodes=_MOST, fun_jac=change, bc_jac=ends_change
+        )
     return answer, points
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg.lapack import dgtsv
+import scipy
 
 from ..landscape import slope, slope_rate
 from ..reduced import Array, Reduced
@@ -195,7 +195,8 @@ def _residual(one: _Numbers, beta: Array, h: float) -> tuple[Array, Array]:
 def _step(rate: Array, off: Array, h: float) -> Array | None:
     """Newton's step from the tridiagonal system (43); None where it is singular."""
     beside = np.ones(off.size - 1)
-    step, info = dgtsv(beside, h * h * rate - 2, beside.copy(), -off, overwrite_d=1, overwrite_b=1)[3:]
+    solve = scipy.linalg.lapack.dgtsv
+    step, info = solve(beside, h * h * rate - 2, beside.copy(), -off, overwrite_d=1, overwrite_b=1)[3:]
     return step if info == 0 and np.isfinite(step).all() else None
 
 
