@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
 from .landscape import TAU, extrema, potential, slope
 from .levels import DOWN, UP, Ladder, Ways, ladders, many, ways
@@ -141,10 +140,12 @@ def _closed_in(problem: Reduced, found: list[Bracket]) -> tuple[Array, Array, Ar
         i = which.astype(int)
         return seen_at(y, i)[0].length(*path[i].T) - problem.span[0]
 
+    from scipy.optimize import elementwise  # SciPy does not fetch this part by itself, and it need not come sooner
+
     between = np.array([b.low for b in found]), np.array([b.high for b in found])
     which = np.arange(pin.size, dtype=float)
     tolerances = {"xatol": 1e-14, "xrtol": 1e-15}
-    y = scipy.optimize.elementwise.find_root(off, between, args=(which,), tolerances=tolerances, maxiter=60).x
+    y = elementwise.find_root(off, between, args=(which,), tolerances=tolerances, maxiter=60).x
     _, v2 = seen_at(y, np.arange(pin.size))
     return pin, sign * np.exp(y), path[:, 0] * np.sqrt(np.where(v2 > 0, v2, np.nan))
 

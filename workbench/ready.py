@@ -8,7 +8,7 @@ import math
 import scipy.integrate  # SciPy reads its parts when they are asked for
 import scipy.interpolate
 import scipy.linalg
-import scipy.optimize
+import scipy.optimize.elementwise
 import scipy.spatial  # noqa: F401
 
 from solver import Case, Cylinder, Rod, Start, solve
