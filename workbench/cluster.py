@@ -4,6 +4,7 @@ Results come back to this process, which alone writes; so the workers need the p
 """
 
 import itertools
+import traceback
 from collections import deque
 from collections.abc import Iterable
 from typing import Any
@@ -73,7 +74,14 @@ def _solved(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
     """In a worker, which may have come later than the others."""
     check_worker(study, code)
     memory.keep()
-    return solved(study, chunk, block)
+    try:
+        return solved(study, chunk, block)
+    except InputError:
+        raise
+    except Exception:
+        wrong = traceback.format_exc()
+    # Not inside the handler: Dask sends what an exception was raised from too, and waits for ever where it cannot.
+    raise RuntimeError(f"in a worker of the cluster:\n{wrong}")
 
 
 def _handed_out(client: Any, work: Plan, chunks: Iterable[Chunk]) -> Results:

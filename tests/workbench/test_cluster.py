@@ -1,6 +1,7 @@
 """The same study on a Dask cluster that is started as the docs say."""
 
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from solver import InputError
 from studies import load
 from tests.workbench import runs
 from tests.workbench.test_faults import DEADLY, GRID, SMALL, TELLING, whole  # noqa: F401  (a fixture)
-from workbench import cluster, storing
+from workbench import cluster, plan, storing
 from workbench.storing import Options, run_to_file
 
 distributed = pytest.importorskip("distributed")
@@ -88,6 +89,22 @@ def folder(tmp_path: Path) -> Path:
     made = tmp_path / "cluster"
     made.mkdir()
     return made
+
+
+def test_what_goes_wrong_in_a_worker_can_be_sent(monkeypatch, tmp_path) -> None:
+    work = plan.plan(load(runs.study(tmp_path, runs.grid(2, 2))))
+
+    class Unsendable(Exception):
+        def __init__(self) -> None:
+            super().__init__(lambda: None)
+
+    def broken(*args: object) -> bytes:
+        raise Unsendable
+
+    monkeypatch.setattr(cluster, "solved", broken)
+    with pytest.raises(RuntimeError, match="Unsendable") as caught:
+        cluster._solved(work.light, work.chunk(0, 4), work.block, plan.code_version())
+    assert "Unsendable" in str(pickle.loads(pickle.dumps(caught.value)))
 
 
 @pytest.mark.slow
