@@ -36,9 +36,11 @@ FILES = {
     "/page.css": PAGE / "page.css",
     **{f"/{name}": path for name, path in browser.scripts().items()},
 }
-# Vue compiles its templates in the page, hence unsafe-eval; nothing comes from, or goes to, another address.
+# Vue compiles its templates in the page, hence unsafe-eval. Nothing comes from, or goes to, another address, and no
+# other page frames this one.
 POLICY = (
-    "default-src 'self'; script-src 'self' 'unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:"
+    "default-src 'none'; script-src 'self' 'unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 HEADERS = {"Content-Security-Policy": POLICY, "X-Content-Type-Options": "nosniff", "Cache-Control": "no-store",
            "Referrer-Policy": "no-referrer", "X-Frame-Options": "DENY"}  # fmt: skip
@@ -116,11 +118,12 @@ def _answering(work: Callable[[dict[str, Any], Shapes], web.Response], shapes: S
     async def handler(request: web.Request) -> web.StreamResponse:
         try:
             asked = await request.json()
+        except (ValueError, RecursionError):  # a number of 5000 digits is a ValueError too
+            return web.json_response({"sentence": "this is no JSON", "field": ""}, status=400)
+        try:
             if not isinstance(asked, dict):
                 raise InputError("ask with a table")
             return await asyncio.to_thread(work, asked, shapes)
-        except (json.JSONDecodeError, UnicodeDecodeError, RecursionError):
-            return web.json_response({"sentence": "this is no JSON", "field": ""}, status=400)
         except ArithmeticError:  # a radius of 5e-324, say: what is finite at the door need not stay so
             told = {"sentence": "numbers as large or as small as these cannot be computed with", "field": ""}
             return web.json_response(told, status=422)
@@ -202,6 +205,9 @@ def _download(asked: dict[str, Any], shapes: Shapes) -> web.Response:
     ds = explore_model.stored(_again(asked, shapes))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"rod.{kind}"
-        exporting.export(ds, exporting.Wish(path, {}, overlap=bool(asked.get("overlap"))))
+        try:
+            exporting.export(ds, exporting.Wish(path, {}))
+        except InputError as error:
+            raise InputError(str(error).partition("; --")[0]) from None  # the page has no such options
         data = path.read_bytes()
     return web.Response(body=data, content_type=DOWNLOADS[kind])

@@ -41,7 +41,9 @@ def test_every_file_of_the_page_is_served_from_here_and_names_no_other_address(p
     for path in explore_server.FILES:
         answer = asked(port, "GET", path)
         assert answer.status == 200
-        assert answer.headers["Content-Security-Policy"].startswith("default-src 'self'")
+        policy = answer.headers["Content-Security-Policy"]
+        assert policy.startswith("default-src 'none'; script-src 'self' 'unsafe-eval'; style-src 'self';")
+        assert "unsafe-inline" not in policy
         if explore_server.FILES[path].parent == explore_server.PAGE:
             assert b"http://" not in answer.data
             assert b"https://" not in answer.data
@@ -105,7 +107,19 @@ def test_what_no_number_can_hold_is_answered_and_the_server_goes_on(port, change
         assert all(np.isfinite(arrays[name]).all() for name in ("rod.points", "wall.points", "push", "potential"))
 
 
-@pytest.mark.parametrize("body", [b"{", b"[]", b"3", b"\xff\xfe", b"[" * 50_000, b'{"state": {"base": {"E": 1e999}}}'])
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"{",
+        b"[]",
+        b"3",
+        b"\xff\xfe",
+        b"[" * 50_000,
+        b'{"state": {"base": {"E": 1e999}}}',
+        b"9" * 5000,
+        b'{"state": NaN}',
+    ],
+)
 @pytest.mark.parametrize("path", ["/shape", "/download"])
 def test_nonsense_is_refused_and_the_server_goes_on(port, path, body) -> None:
     assert asked(port, "POST", path, body).status in (400, 422)
@@ -158,6 +172,7 @@ def test_downloads_are_files_that_are_read(port) -> None:
     assert asked(port, "POST", "/download", {"state": CABLE, "kind": "glb"}).data[:4] == b"glTF"
     refused = asked(port, "POST", "/download", {"state": TABLE_1, "kind": "step"})
     assert refused.status == 422  # or that Open Cascade is missing
+    assert b"--" not in refused.data  # the command's options are none of the page's
     for kind in ("/etc/passwd", "../x.csv", None, {"a": 1}):
         assert asked(port, "POST", "/download", {"state": CABLE, "kind": kind}).status == 422
 

@@ -362,6 +362,17 @@ def test_in_a_browser_the_rod_is_drawn_turns_and_nobody_is_asked(shown) -> None:
     front = seen()
     assert share_of_hue(front, style.LIFTED) > 0.02
     assert share_of_hue(front, style.PUSHED) > 0.005
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    hand = ActionChains(shown, duration=20)  # ms a move; vtk.js takes moves 200 ms apart for different ones
+    hand = hand.move_to_element(shown.find_element("css selector", ".turns .stage")).click_and_hold()
+    for _ in range(10):
+        hand = hand.move_by_offset(15, 6)
+    hand.pause(0.3).release().perform()
+    dragged = seen()
+    assert (np.abs(dragged - front).max(axis=-1) > 0.1).mean() > 0.02
+    shown.find_element("name", "front").click()
+    np.testing.assert_allclose(seen(), front, atol=0.02)  # a shade in 255 or two
     shown.find_element("name", "side").click()
     side = seen()
     assert (np.abs(side - front).max(axis=-1) > 0.1).mean() > 0.02

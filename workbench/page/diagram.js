@@ -11,11 +11,12 @@ function niceTicks(low, high, count) {
   return ticks;
 }
 
-function extent(lists) {
+function extent(lists, least = 0) {
   let low = Infinity, high = -Infinity;
   for (const list of lists) for (const v of list) if (Number.isFinite(v)) { low = Math.min(low, v); high = Math.max(high, v); }
   if (!(low <= high)) return [0, 1];
   const size = Math.max(Math.abs(low), Math.abs(high), 1e-300);
+  if (high - low < least) return [(low + high - least) / 2, (low + high + least) / 2]; // less than that says nothing
   if (high - low < 1e-6 * size) return [low - 0.05 * size, high + 0.05 * size]; // a constant is drawn as one
   return [low, high];
 }
@@ -25,11 +26,11 @@ const written = (v) => (Math.abs(v) < 1e-12 ? "0" : String(Number(v.toPrecision(
 const RodDiagram = {
   props: { title: String, x: Object, y: Object, xlabel: String, ylabel: String, height: { type: Number, default: 170 },
     equal: Boolean, zero: Boolean, bands: { type: Array, default: () => [] }, level: { type: Object, default: null },
-    dot: Boolean, fit: { type: Array, default: null } },
+    least: { type: Number, default: 0 }, dot: Boolean, fit: { type: Array, default: null } },
   computed: {
     frame() {
       const w = WIDE - LEFT - RIGHT, h = this.height - TOP - FOOT;
-      let [x0, x1] = extent([this.x]), [y0, y1] = this.fit || extent([this.y, this.zero ? [0] : [], this.level ? [this.level.y] : []]);
+      let [x0, x1] = extent([this.x], this.least), [y0, y1] = this.fit || extent([this.y, this.zero ? [0] : [], this.level ? [this.level.y] : []], this.least);
       const pad = 0.06 * (y1 - y0);
       y0 -= pad; y1 += pad;
       if (this.equal) {

@@ -47,11 +47,19 @@ const app = Vue.createApp({
   components: { SceneHandle },
   data: () => ({
     presets: [], readings: [], preset: "", centre: {}, state: { base: {}, units: {} }, fields: [], head: {}, rows: [], warnings: [],
-    list: [], searching: false, wrong: { sentence: "", field: "" }, curves: null, took: {}, said: "", studyText: "",
+    list: [], unlisted: "", searching: false, wrong: { sentence: "", field: "" }, curves: null, took: {}, said: "", studyText: "",
     nothing: { points: [0, 0, 0], polys: [1, 0] },
     mouse: [{ button: 1, action: "Rotate" }, { button: 2, action: "Pan" }, { button: 3, action: "Zoom", scrollEnabled: true },
       { button: 1, action: "Pan", shift: true }],
   }),
+  watch: {
+    here() { // into sight within the list, without moving the page
+      this.$nextTick(() => {
+        const box = this.$refs.list, row = box?.querySelector("tr.here");
+        if (row) box.scrollTop = row.offsetTop - (box.clientHeight - row.offsetHeight) / 2;
+      });
+    },
+  },
   computed: {
     units() { return this.state.units || {}; },
     source() { return (this.presets.find((one) => one.name === this.preset) || {}).source; },
@@ -65,8 +73,8 @@ const app = Vue.createApp({
     diagrams() {
       const c = this.curves, { length, force } = this.units;
       return [
-        { title: "Unrolled cylinder, seen from outside", x: c.across, y: c.up, xlabel: `ρα [${length}]`, ylabel: `z [${length}]`, equal: this.head.squeeze === 1, dot: true, height: 230 },
-        { title: "Angle from the axis to the tangent", x: c.s, y: c.beta, xlabel: `s [${length}]`, ylabel: "β [°]" },
+        { title: "Unrolled cylinder, seen from outside", x: c.across, y: c.up, xlabel: `ρα [${length}]`, ylabel: `z [${length}]`, equal: this.head.squeeze === 1, least: 1e-6 * this.state.base.L, dot: true, height: 230 },
+        { title: "Angle from the axis to the tangent", x: c.s, y: c.beta, xlabel: `s [${length}]`, ylabel: "β [°]", least: 0.2 },
         { title: "Potential G and the level h", x: c.angle, y: c.potential, xlabel: "β [°]", ylabel: `G [1/${length}²]`, level: { y: c.level[0], ranges: visited(c.beta) } },
         { title: "Push of the cylinder per length (shaded: a pull)", x: c.s, y: c.push, xlabel: `s [${length}]`, ylabel: `push [${force}/${length}]`, zero: true, bands: below(c.s, c.push) },
       ];
@@ -89,6 +97,7 @@ const app = Vue.createApp({
       this.centre = copied({ ...state.base });
       this.state = state;
       this.list = [];
+      this.unlisted = this.said = "";
       keys.turn = true; // the camera is set anew
       this.ask({ fresh: true });
     },
@@ -179,22 +188,22 @@ const app = Vue.createApp({
       if (how.chosen) return;
       clearTimeout(waiting.list);
       this.searching = true;
-      waiting.list = setTimeout(() => this.more("/equilibria", (told) => this.found(told.rows)), PATIENCE.equilibria);
+      waiting.list = setTimeout(() => this.more("/equilibria", (told) => this.found(told.rows), (why) => this.found([], why)), PATIENCE.equilibria);
     },
-    found(rows) {
+    found(rows, why = "") {
       this.list = rows;
+      this.unlisted = why;
       this.searching = false;
       if (this.head.method === "difference" && this.here >= 0) this.choose(this.here); // followed roughly: now exactly
     },
-    async more(path, then) {
+    async more(path, then, refused = (why) => { this.said = why; }) {
       const ticket = this.head.ticket;
       try {
         const told = await (await post(path, { state: this.state, ticket })).json();
         if (ticket === this.head.ticket) then(told);
       } catch (error) {
         if (!(error instanceof Refused)) throw error;
-        this.searching = false;
-        if (ticket === this.head.ticket) this.said = error.told.sentence;
+        if (ticket === this.head.ticket) refused(error.told.sentence);
       }
     },
     async byEnds() {
