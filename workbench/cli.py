@@ -421,7 +421,7 @@ def explore(
 
 @app.command()
 def doctor(json: Json = False) -> None:
-    """What works on this machine: OpenGL, HDF5, fonts, versions."""
+    """What works on this machine, found by trying it: OpenGL, HDF5, fonts, optional parts; versions."""
     from .doctor import examine
 
     raise typer.Exit(examine(json))

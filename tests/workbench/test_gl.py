@@ -69,3 +69,41 @@ def test_what_the_user_chose_is_the_only_one_tried(monkeypatch) -> None:
     monkeypatch.setenv(gl.WINDOW, "vtkMine")
     child(monkeypatch, f"import os; print('drawn' if os.environ['{gl.WINDOW}'] != 'vtkMine' else 'empty')")
     assert not gl.probe()[0]
+
+
+class File:
+    """A file of an installed package."""
+
+    def __init__(self, path: str) -> None:
+        self.parts = tuple(path.split("/"))
+        self.path = f"/here/{path}"
+
+    def locate(self) -> str:
+        return self.path
+
+
+def test_the_libraries_of_the_wheel_are_loaded_each_after_what_it_needs(monkeypatch) -> None:
+    libs = [f"some.libs/lib{name}-f6a8.so.1" for name in ("OSMesa", "zstd", "LLVM-17", "other", "glapi")]
+    monkeypatch.setattr(gl, "files", lambda name: [File(path) for path in (*libs, "some/OSMesa.py")])
+    names = [path.rpartition("/lib")[2].partition("-")[0] for path in gl.in_wheel()]
+    assert names == ["zstd", "glapi", "LLVM", "OSMesa"]
+
+
+def test_without_any_library_the_wheels_are_tried_and_kept_where_they_draw(monkeypatch) -> None:
+    loaded: list[list[str]] = []
+    monkeypatch.setattr(gl, "in_wheel", lambda: ["/here/libOSMesa.so"])
+    monkeypatch.setattr(gl, "_load", loaded.append)
+    child(monkeypatch, "import sys; print('drawn' if sys.argv[1:] == ['/here/libOSMesa.so'] else 'empty')")
+    assert gl.probe() == (True, "")
+    assert os.environ[gl.WINDOW] == gl.OSMESA
+    assert loaded == [["/here/libOSMesa.so"]]
+
+
+def test_where_no_wheel_is_installed_it_is_named_among_what_to_install(monkeypatch) -> None:
+    def none(name):
+        raise gl.PackageNotFoundError(name)
+
+    monkeypatch.setattr(gl, "files", none)
+    child(monkeypatch, "print('empty')")
+    assert gl.in_wheel() == []
+    assert gl.PIP in gl.probe()[1]

@@ -1,0 +1,56 @@
+"""On a machine without OpenGL everything but the rendered pictures is done, and what is missing is said once."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from workbench import cli, gl
+
+from . import small
+
+SAID = "libegl1 libgl1-mesa-dri"
+
+
+@pytest.fixture
+def bare(tmp_path, monkeypatch) -> Path:
+    """A folder on such a machine, with a study stored in it; drawing would end the process there, and fails here."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(gl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
+    monkeypatch.setattr(gl, "in_wheel", list)
+    for name in ("workbench.scenes", "workbench.stage"):
+        monkeypatch.setitem(sys.modules, name, None)
+    gl.probe.cache_clear()
+    Path("mine.toml").write_text(small.study("[axes.E]\nvalues = [2e4, 4e4]\n").text)
+    assert status("run", "mine.toml", "--out", "mine.h5", "--stations", "201") == 0
+    yield tmp_path
+    gl.probe.cache_clear()
+
+
+def status(*args: str) -> int:
+    with pytest.raises(SystemExit) as ended:
+        cli.main(list(args))
+    return int(ended.value.code or 0)
+
+
+def test_all_but_the_scenes_is_done(bare, capsys) -> None:
+    kinds = ("stl", "glb", "vtp", "csv")
+    exports = (f"export mine.h5 --at E=4e4 -o rod.{kind}" for kind in kinds)
+    for words in ("check mine.h5", "summary mine.h5", "plot mine.h5", "plot mine.h5 --out mine.svg", *exports):
+        assert status(*words.split()) == 0, words
+        assert SAID not in capsys.readouterr().err  # nothing was missing
+    assert all((bare / name).stat().st_size > 500 for name in ("mine.png", "mine.svg", *(f"rod.{k}" for k in kinds)))
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["scene mine.h5 --at E=4e4", "scene mine.toml --kind ghosts", "animate mine.h5 -o mine.gif", "gallery --out shown"],
+)
+def test_what_cannot_be_drawn_is_said_once_with_what_to_install(words: str, bare, capsys) -> None:
+    before = {path for path in bare.iterdir() if path.is_file()}
+    capsys.readouterr()
+    assert status(*words.split()) == 1
+    told = capsys.readouterr()
+    assert (told.out + told.err).count(SAID) == 1
+    assert (told.out + told.err).count(gl.PIP) == 1
+    assert {path for path in bare.rglob("*") if path.is_file()} == before
