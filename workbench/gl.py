@@ -91,9 +91,9 @@ def _load(libraries: list[str]) -> None:
     """VTK does not find a library in a wheel, but uses what is loaded; that it did not find it is not repeated."""
     for library in libraries:
         ctypes.CDLL(library, mode=ctypes.RTLD_GLOBAL)
-    from vtkmodules.vtkCommonCore import vtkLogger
+    import pyvista as pv
 
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+    pv.vtk_verbosity("error")
 
 
 def _windows() -> list[str]:
