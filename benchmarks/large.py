@@ -6,13 +6,14 @@ writes it. Nothing here is asserted: machines differ.
 """
 
 import argparse
+import contextlib
 import json
 import os
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from benchmarks.timing import paired
@@ -134,15 +135,25 @@ def _large(folder: Path, work: Study, rounds: int) -> dict[str, float]:
 
 
 def _watched(command: list[str], folder: Path) -> tuple[float, float]:
-    """Seconds of a command, and the largest memory of it or of a process that it waited for [GB]."""
+    """Seconds of a command, and the largest memory that any process of it had at once [GB] (Linux)."""
     env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
-    began = time.perf_counter()
-    process = subprocess.Popen(command, cwd=folder, env=env, stdout=subprocess.DEVNULL)
-    _, status, used = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
+    began, peak = time.perf_counter(), 0
+    process = subprocess.Popen(command, cwd=folder, env=env, stdout=subprocess.DEVNULL, start_new_session=True)
+    while process.poll() is None:
+        peak = max([peak, *_peaks(process.pid)])
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(0.2)
     if process.returncode > 1:
         raise RuntimeError(f"{command} ended with status {process.returncode}")
-    return time.perf_counter() - began, used.ru_maxrss * 1024 / 1e9
+    return time.perf_counter() - began, peak * 1024 / 1e9
+
+
+def _peaks(session: int) -> Iterator[int]:
+    """The most memory so far of each process of a session [kB]."""
+    for status in Path("/proc").glob("[0-9]*/status"):
+        with contextlib.suppress(OSError, StopIteration):
+            if os.getsid(int(status.parent.name)) == session:
+                yield int(next(line for line in status.read_text().splitlines() if line.startswith("VmHWM")).split()[1])
 
 
 def against_xyzpy(folder: Path, rounds: int) -> dict[str, float]:

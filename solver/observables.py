@@ -71,7 +71,7 @@ def bend_number(read: Reading) -> Any:
         return read.each(np.full(read.sol.case.size, np.nan))
     with np.errstate(divide="ignore", invalid="ignore"):
         swings = (orbit.kind == LIBRATION) & np.reshape(_swings(read), -1)
-        count = np.where(swings, read.sol.problem.span / (orbit.ahead + orbit.back), 0.0)
+        count = np.where(swings, orbit.problem.span / (orbit.ahead + orbit.back), 0.0)
     return read.each(count)
 
 
@@ -81,18 +81,18 @@ def loops(read: Reading) -> Any:
     if orbit is None:
         return np.floor(np.ptp(sol.beta, axis=-1) / (2 * np.pi)).astype(int)
     with np.errstate(divide="ignore", invalid="ignore"):
-        count = np.where(orbit.kind == ROTATION, np.floor(sol.problem.span / orbit.ahead), 0)
+        count = np.where(orbit.kind == ROTATION, np.floor(orbit.problem.span / orbit.ahead), 0)
     return _whole(read, count)
 
 
 def amplitude(read: Reading) -> Any:
     """Largest less smallest beta along the rod [rad]."""
     swing = read.sampled.largest(lambda at: at.beta) + read.sampled.largest(lambda at: -at.beta)
-    sol, orbit = read.sol, read.sol.trajectory.orbit
+    orbit = read.sol.trajectory.orbit
     if orbit is None:
         return swing
     rotates = read.each(orbit.kind == ROTATION)
-    way = np.abs(orbit.at(sol.problem.span[:, None])[0][:, 0] - sol.problem.beta0)
+    way = np.abs(orbit.at(orbit.problem.span[:, None])[0][:, 0] - orbit.problem.beta0)
     return np.where(rotates, read.each(way), swing)[()]
 
 
@@ -170,7 +170,7 @@ def _gain(read: Reading) -> tuple[Any, Any]:
     sol, orbit = read.sol, read.sol.trajectory.orbit
     if orbit is None:
         return read.each(sol.trajectory.alpha[:, -1]), read.each(sol.trajectory.z[:, -1])
-    _, _, alpha, z = orbit.at(sol.problem.span[:, None])
+    _, _, alpha, z = orbit.at(orbit.problem.span[:, None])
     return read.each(alpha[:, 0]), read.each(z[:, 0])
 
 
@@ -199,10 +199,17 @@ OBSERVABLES: dict[str, Callable[[Reading], Any]] = {
 
 
 def observe(sol: Solution, names: Iterable[str]) -> dict[str, Any]:
-    """The named observables of a solution, each (*cases); raises `InputError` for an unknown name."""
+    """The named observables of a solution, each (*cases); NaN where a case has no shape.
+
+    Raises `InputError` for an unknown name.
+    """
     names = list(names)
     for name in names:
         if name not in OBSERVABLES:
             raise no_such("observable", name, OBSERVABLES)
     read = Reading(sol)
-    return {name: OBSERVABLES[name](read) for name in names}
+    shapeless = ~np.isfinite(sol.beta).all(axis=-1)
+    found = {name: OBSERVABLES[name](read) for name in names}
+    if not shapeless.any():  # whole numbers stay whole
+        return found
+    return {name: np.where(shapeless, np.nan, values)[()] for name, values in found.items()}

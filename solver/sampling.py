@@ -87,9 +87,10 @@ class Sampled:
 
 def sampled(sol: Solution) -> Sampled:
     """The points at which to read a solution."""
-    orbit, span = sol.trajectory.orbit, sol.problem.span[:, None]
+    orbit = sol.trajectory.orbit
     if orbit is None:
-        return Sampled(sol, np.diff(sol.t, axis=1), span, None)
+        return Sampled(sol, np.diff(sol.t, axis=1), sol.problem.span[:, None], None)
+    span = orbit.problem.span[:, None]
     period = orbit.period[:, None]
     with np.errstate(invalid="ignore", divide="ignore"):
         rounds = np.where(period < span, np.floor(span / period), 0)
@@ -102,11 +103,14 @@ def sampled(sol: Solution) -> Sampled:
 
 
 def make_reader(sol: Solution) -> Callable[[Array], Solution]:
-    """A function that reads the same orbits at other t (B, n)."""
+    """A function that reads the same orbits at other t (B, n); NaN where a case has no shape."""
     orbit, was = sol.trajectory.orbit, sol.trajectory
+    shapeless = ~np.isfinite(was.beta).all(axis=1)
 
     def read(t: Array) -> Solution:
         beta, dbeta, alpha, z = orbit.at(t)
+        for values in (beta, dbeta, alpha, z):
+            values[shapeless] = np.nan
         told = was.outcome, was.error, was.condition, was.evaluations
         return replace(sol, trajectory=Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), *told, orbit), t=t)
 

@@ -24,6 +24,8 @@ from .base import Method, Trajectory, verdicts
 
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
 _LARGEST = 1e100  # dimensionless numbers beyond this would overflow when squared
+TOO_LARGE = "failed: the loads are beyond 1e100 in units of A and rho"
+_PLAIN = (0.0, 0.0, 0.0, 1.0, 0.5, 0.0)  # lam, mu, phi, span, beta(0), beta_t(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,23 +206,39 @@ def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = 
 
 def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     """All problems at once; those whose numbers a float cannot hold are refused by their outcome."""
+    some, fit = fitting(problem)
+    return blanked(_run(some, np.where(fit[:, None], t, 0), tol), fit)
+
+
+def fitting(problem: Reduced) -> tuple[Reduced, NDArray[np.bool_]]:
+    """The problems whose numbers a float can hold when squared, and which they are, (B,).
+
+    In place of any other a plain rod stands, so that its neighbours have their orbits in one batch with it.
+    """
     assert problem.dbeta0 is not None
     numbers = np.stack([problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, problem.dbeta0])
     fit = (np.abs(numbers) < _LARGEST).all(axis=0) & (problem.span > 0)
     if fit.all():
-        return _run(problem, t, tol)
-    n = t.shape[1]
-    whole = np.full((5, problem.size, n), np.nan)
-    error, condition_, calls = (np.full(problem.size, v) for v in (np.inf, np.inf, 0.0))
-    outcome = np.full(problem.size, "failed: the loads are beyond 1e100 in units of A and rho", dtype=object)
-    orbit = None
-    if fit.any():
-        part = _run(problem.take(fit), t[fit], tol)
-        whole[:, fit] = part.beta, part.dbeta, part.alpha, part.z, part.swirl()
-        error[fit], condition_[fit], calls[fit] = part.error, part.condition, part.evaluations
-        outcome[fit] = part.outcome
-    beta, dbeta, alpha, z, swirl = whole
-    return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition_, calls.astype(np.int64), orbit)
+        return problem, fit
+    lam, mu, phi, span, beta0, dbeta0 = np.where(fit, numbers, np.array(_PLAIN)[:, None])
+    return Reduced(lam, mu, phi, span, beta0, dbeta0), fit
+
+
+def blanked(told: Trajectory, fit: NDArray[np.bool_]) -> Trajectory:
+    """The answer without what was told of the rods that stood in place of others."""
+    if fit.all():
+        return told
+    shown = fit[:, None]
+    beta, dbeta, alpha, z = (np.where(shown, v, np.nan) for v in (told.beta, told.dbeta, told.alpha, told.z))
+    return replace(
+        told,
+        **{"beta": beta, "dbeta": dbeta, "alpha": alpha, "z": z},
+        swirl=lambda: np.where(shown, told.swirl(), np.nan),
+        outcome=np.where(fit, told.outcome, TOO_LARGE),
+        error=np.where(fit, told.error, np.inf),
+        condition=np.where(fit, told.condition, np.inf),
+        evaluations=np.where(fit, told.evaluations, 0),
+    )
 
 
 def _run(problem: Reduced, t: Array, tol: float) -> Trajectory:

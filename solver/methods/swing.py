@@ -5,7 +5,6 @@ saddle: there a march loses the digits that say where the orbit goes, and `swing
 is measured, not hoped: the covariance of what its steps leave out and round off is carried along with them.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.util import find_spec
@@ -167,6 +166,8 @@ def joined(parts: list[Swing], problem: Reduced, some: slice) -> Swing:
 
 def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     """All problems, a block at a time; what a march would lose, or cannot do to the tolerance, `orbit` does."""
+    problem, fit = orbit.fitting(problem)
+    t = np.where(fit[:, None], t, 0)
     whole, done, store = np.empty((4, *t.shape)), [], room_for(min(_BLOCK, problem.size))
     for block in (slice(k, k + _BLOCK) for k in range(0, problem.size, _BLOCK)):
         swing, steps = _march(problem.take(block), tol, store)
@@ -176,34 +177,21 @@ def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     outcome = verdicts(whole[0], swing.error, swing.condition, tol)
     # promised or not, digits that only a march loses are worth a quadrature
     swing.lost[:] |= np.array([not text.startswith(SOLVED) for text in outcome]) | (swing.error > _DIGITS * tol)
-    found: Swing | None = swing
-    swirl: Callable[[Array], Array] = swing.swirl
     if swing.lost.any():
         lost = swing.lost
         told = orbit.run(problem.take(lost), t[lost], tol)
         whole[:, lost] = told.beta, told.dbeta, told.alpha, told.z
         outcome[lost] = told.outcome
         swing.error[lost], swing.condition[lost], swing.evaluations[lost] = told.error, told.condition, told.evaluations
-        if told.orbit is not None:
-            swing.kind[lost] = told.orbit.kind
-            swing.told[lost, 0, 0], swing.told[lost, 1, 0] = told.orbit.ahead, told.orbit.back
-        found = None if told.orbit is None else replace(swing, rest=told.orbit)
-        swirl = _make_swirl(swing, told) if found is None else found.swirl
+        swing.kind[lost] = told.orbit.kind
+        swing.told[lost, 0, 0], swing.told[lost, 1, 0] = told.orbit.ahead, told.orbit.back
+        swing = replace(swing, rest=told.orbit)
+    found = swing
     beta, dbeta, alpha, z = whole
-    return Trajectory(
-        beta, dbeta, alpha, z, lambda: swirl(t), outcome, swing.error, swing.condition, swing.evaluations, found
+    told = Trajectory(
+        beta, dbeta, alpha, z, lambda: found.swirl(t), outcome, found.error, found.condition, found.evaluations, found
     )
-
-
-def _make_swirl(swing: Swing, told: Trajectory) -> Callable[[Array], Array]:
-    """The swirl where some of the lost problems are beyond a float, so that no orbit of them is known."""
-
-    def swirl(t: Array) -> Array:
-        out = swing.swirl(t)
-        out[swing.lost] = told.swirl()
-        return out
-
-    return swirl
+    return orbit.blanked(told, fit)
 
 
 SWING = Method(

@@ -96,6 +96,22 @@ def test_a_case_that_fails_says_so_and_leaves_its_neighbours_alone(method: str, 
         np.testing.assert_allclose(sol.beta[i], one.beta, atol=1e-13 * float(one.condition))
 
 
+@pytest.mark.parametrize("method", [m for m in ("orbit", "swing") if m in STARTS])
+@pytest.mark.parametrize("bad", [1e200, 1e308])
+def test_what_is_read_of_a_rod_does_not_hang_on_a_neighbour_beyond_all_numbers(method: str, bad: float) -> None:
+    slopes = np.array([0.5, bad, 0.6])
+    make = lambda v: Case(Rod(1e4, 0.25, 0.25, 400.0), Cylinder(0.75), Start(0.5, v, F3=10.0, M3=2.0))  # noqa: E731
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        together = observe(solve(make(slopes), method=method, stations=5), OBSERVABLES)
+        both = observe(solve(make(slopes[[0, 2]]), method=method, stations=5), OBSERVABLES)
+        none = observe(solve(make(bad), method=method, stations=5), OBSERVABLES)
+    for name, values in together.items():
+        # a block's products round differently among other neighbours
+        np.testing.assert_allclose(values[[0, 2]], both[name], rtol=1e-9, err_msg=name)
+        assert np.isnan([values[1], none[name]]).all(), name
+
+
 @pytest.mark.parametrize("method", ("dop853", "lsoda"))
 def test_an_adaptive_march_says_that_its_budget_is_spent(method: str, monkeypatch) -> None:
     monkeypatch.setattr("solver.methods.adaptive._MOST_CALLS", 3000)
