@@ -32,6 +32,7 @@ from .explore_shape import STATIONS, TOL, Shape, refuse_many
 KEYS = ("title", "units", "reading", "base", "equilibrium")
 HIDDEN = ("alpha", "gamma")  # fields that turn the whole rod and change nothing that is shown
 POSITIVE = ("E", "a", "L", "R")
+COUNTS = ("turns", "bend_number")
 LEVELS = 361  # points of the potential
 
 
@@ -117,6 +118,8 @@ def _which(sol: Solution) -> dict[str, float]:
 def numbers(one: Shape) -> dict[str, Any]:
     """Every observable as a row, and what a real rod could not do, in words."""
     found = observe(one.sol, list(OBSERVABLES))
+    if one.sol.method == "difference":  # followed to 1e-6 only: where beta is level its bends are the error's
+        found |= dict.fromkeys(COUNTS, np.nan)
     keys = str(cautions.of_cases(one.sol, found))
     warnings = [f"The rod {cautions.TOLD[key][0]}." for key in keys.split(", ") if key]
     units = one.study.unit_system

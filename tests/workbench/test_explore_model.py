@@ -155,6 +155,9 @@ def test_a_shape_is_followed_in_steps_where_one_is_too_far() -> None:
     assert not far.solved  # or this test shows nothing
     there = explore_shape.shape(pushed, began.sol).sol
     assert there.method == "difference"
+    rows = {row["name"]: row for row in explore_model.numbers(explore_shape.Shape(pushed, there))["rows"]}
+    assert rows["turns"]["text"] == "not known"  # its level stretch has bends of 1e-8
+    assert rows["amplitude"]["text"] == "1.629"
     ratio = np.sin(there.beta[200]) / np.sin(began.sol.beta[200])
     assert ratio == pytest.approx(np.sqrt(5), rel=2e-3)  # Lubinski's again; ends and second order
 

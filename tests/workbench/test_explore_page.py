@@ -140,6 +140,19 @@ def test_a_slider_moves_the_shape(page) -> None:
     assert float(page("return document.getElementById('n-E').value")) == pytest.approx(E)
 
 
+def test_what_outgrows_the_view_is_seen_from_farther(page) -> None:
+    page("page.begin('cable')")
+    page.until(lambda: page("return page.units.length") == "mm" and page.drawn(), "the cable")
+    scale, before = page("return view.renderer.getActiveCamera().getParallelScale()"), page.drawn()
+    page.slide("R", 505)  # hardly
+    page.until(lambda: page.drawn() != before, "a drum of 183 mm")
+    assert page("return view.renderer.getActiveCamera().getParallelScale()") == scale
+    before = page.drawn()
+    page.slide("R", 900)
+    page.until(lambda: page.drawn() != before, "a drum of 650 mm")
+    assert page("return view.renderer.getActiveCamera().getParallelScale()") > 2.5 * scale
+
+
 def test_of_many_moves_the_last_is_drawn(page) -> None:
     for share in (100, 900, 300, 800, 620):
         page.slide("R", share)
@@ -165,6 +178,20 @@ def test_bad_input_is_explained_in_place_and_the_last_good_shape_stays(page, nam
     np.testing.assert_array_equal(page.points(), points)
     page.type(name, "0.9")
     page.until(lambda: page.drawn() != before and not page("return document.getElementById('problem')"), "a good shape")
+
+
+def test_where_drawing_is_slow_a_lighter_tube_is_drawn_until_the_slider_rests(page) -> None:
+    drawn = "return actors.rod.getMapper().getInputData(0).getPolys().getData().length"
+    whole = page(drawn)
+    page("keys.coarse = 2; PATIENCE.whole = 1e6")  # as if it were, and no end to the moving
+    before = page.drawn()
+    page.slide("E", 600)
+    page.until(lambda: page.drawn() != before, "another shape")
+    assert page(drawn) < 0.51 * whole
+    size = page("return view.openglRenderWindow.getSize()[0]")
+    page("clearTimeout(waiting.whole); page.whole()")
+    assert page(drawn) == whole
+    assert page("return view.openglRenderWindow.getSize()[0]") > 1.9 * size
 
 
 def test_two_tabs_do_not_disturb_each_other(page, driver, port) -> None:

@@ -6,6 +6,7 @@ const TYPES = { f4: Float32Array, u1: Uint8Array, u4: Uint32Array };
 const RATIO = [-0.95, 0.5]; // of nu
 const WIDER = 5; // how far a slider goes to either side of what a preset has, as a factor
 const SMOOTH = 8, COARSEST = 3, SLOW = 1.2; // ms that drawing may take while a slider moves; how much coarser it may get, and from where
+const GROWN = 1.3, SHRUNK = 2; // times as large, or small, as when it was faced
 const PATIENCE = { whole: 200, link: 100, numbers: 150, equilibria: 500 }; // ms of rest before what takes longer is asked
 
 const SceneHandle = { inject: ["view"], emits: ["ready"], template: "<span></span>",
@@ -249,6 +250,7 @@ const app = Vue.createApp({
         data.modified();
       }
       actors.wall.getProperty().setFrontfaceCulling(head.side === "inside"); // cut open: the near half is not there
+      this.follows();
       view.renderer.resetCameraClippingRange();
       if (keys.turn) { keys.turn = false; this.face(); this.weigh(); } else this.sketch();
       view.renderWindow.render();
@@ -275,10 +277,25 @@ const app = Vue.createApp({
       data.modified();
       view.resize();
     },
+    // what has outgrown the view, or shrunk in it, is seen from as much farther or nearer, from the same side
+    follows() {
+      const { middle, size } = this.extent(), camera = view.renderer.getActiveCamera();
+      if (!keys.size || (size < GROWN * keys.size && size > keys.size / SHRUNK)) return;
+      const side = camera.getDirectionOfProjection();
+      camera.setParallelScale((camera.getParallelScale() * size) / keys.size);
+      camera.set({ focalPoint: middle, position: middle.map((v, i) => v - 2 * size * side[i]) });
+      view.style.setCenterOfRotation(middle);
+      keys.size = size;
+    },
+    extent() {
+      const [x0, x1, y0, y1, z0, z1] = view.renderer.computeVisiblePropBounds();
+      return { middle: [(x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2], size: Math.hypot(x1 - x0, y1 - y0, z1 - z0) };
+    },
     face() {
       if (!view) return;
+      keys.size = this.extent().size;
       const alpha = (this.curves ? this.curves.across[this.curves.across.length >> 1] : 0), [x0, x1, y0, y1, z0, z1] = view.renderer.computeVisiblePropBounds();
-      const middle = [(x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2], lift = 0.3; // rad from which one looks down
+      const { middle } = this.extent(), lift = 0.3; // rad from which one looks down
       const camera = view.renderer.getActiveCamera(), turn = Number.isFinite(alpha) ? alpha / Math.max(x1, 1e-12) : 0;
       camera.setParallelProjection(true);
       camera.set({ focalPoint: middle, viewUp: [0, 0, 1], position: [middle[0] + Math.cos(turn), middle[1] + Math.sin(turn), middle[2] + Math.tan(lift)] });
