@@ -3,17 +3,24 @@
     python benchmarks/detail.py docs/figures/detail.png
 
 Prints a table (stations, rings, sides, triangles, milliseconds, error in pixels) and draws one of its rods. The error
-is measured on the triangles: points on them, and how far each is from the true surface, which is evaluated anew.
+is measured on the triangles: points on them, and how far each is from the true surface, which is evaluated anew. A
+second table is of whole scenes, from the stored file to the picture, each in a process of its own.
 """
 
+import json
+import resource
+import subprocess
 import sys
+import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+import xarray as xr
 
 from studies.loader import loads
-from workbench import runner, tube
+from workbench import gl, runner, store, tube
 from workbench.centreline import Array, Centreline
 from workbench.detail import Detail, detail
 from workbench.kinds import KINDS
@@ -85,9 +92,13 @@ def uniform(body: tube.Body, allowed: float) -> tuple[int, int]:
     return many, sides
 
 
-def measure(name: str, pixel_error: float) -> list[object]:
+def solved(name: str) -> xr.Dataset:
     stations, text = RODS[name]
-    ds = runner.run(loads(HEAD.format(name, stations) + UNITS + text, default_name="rod"))
+    return runner.run(loads(HEAD.format(name, stations) + UNITS + text, default_name="rod"))
+
+
+def measure(name: str, pixel_error: float) -> list[object]:
+    ds, stations = solved(name), RODS[name][0]
     body = tube.read(ds, {}, KINDS["plain"])
     line = body.line
     per_unit = WIDE / max(float(np.ptp(body.z)), 2 * body.reach)
@@ -108,12 +119,57 @@ def measure(name: str, pixel_error: float) -> list[object]:
             f"{1e3 * seconds:.0f} + {1e3 * meshing:.0f}", f"{made * per_unit:.2f}", even]  # fmt: skip
 
 
-def main() -> None:
-    heads = ["rod", "bends", "stations", "pixels allowed", "rings", "sides", "triangles", "ms", "pixels off", "uniform"]
+def whole(name: str, file: Path, pixel_error: float) -> list[object]:
+    """A scene of kind plain of all of a rod, drawn by another process."""
+    command = [sys.executable, __file__, "--scene", str(file), str(pixel_error)]
+    told = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()[-1])
+    seconds = " + ".join(f"{told[key]:.1f}" for key in ("reading", "drawing"))
+    return [name, pixel_error, told["views"], told["triangles"], seconds, f"{told['memory']:.0f}"]
+
+
+def scene(file: Path, pixel_error: float) -> None:
+    """What `whole` asks of a process of its own: draws, and prints what it took as JSON."""
+    gl.probe()
+    from workbench import scenes, stage
+
+    triangles: list[int] = []
+    made = tube.mesh
+
+    def counted(body: tube.Body, drawn: Detail) -> tube.Mesh:
+        found = made(body, drawn)
+        triangles.append(len(found.triangles))
+        return found
+
+    stage.tube.mesh = counted  # type: ignore[attr-defined]
+    start = perf_counter()
+    ds = store.read(file)
+    tube.read(ds, {}, KINDS["plain"])
+    reading = perf_counter() - start
+    scenes.render(ds, file.with_suffix(".png"), kind="plain", look=scenes.Look(pixel_error))
+    seconds = perf_counter() - start - 2 * reading  # the scene reads once more
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+    told = {"views": len(triangles), "triangles": sum(triangles), "memory": memory}
+    print(json.dumps({**told, "reading": reading, "drawing": seconds}))
+
+
+def rows(heads: list[str], found: Iterable[list[object]]) -> None:
     print("| " + " | ".join(heads) + " |\n|" + "---|" * len(heads))
-    for name in RODS:
-        for pixel_error in ERRORS:
-            print("| " + " | ".join(str(v) for v in measure(name, pixel_error)) + " |", flush=True)
+    for row in found:
+        print("| " + " | ".join(str(v) for v in row) + " |", flush=True)
+    print()
+
+
+def main() -> None:
+    if sys.argv[1:2] == ["--scene"]:
+        return scene(Path(sys.argv[2]), float(sys.argv[3]))
+    heads = ["rod", "bends", "stations", "pixels allowed", "rings", "sides", "triangles", "ms", "pixels off", "uniform"]
+    rows(heads, (measure(name, pixel_error) for name in RODS for pixel_error in ERRORS))
+    with tempfile.TemporaryDirectory() as folder:
+        files = {name: Path(folder) / f"{i}.h5" for i, name in enumerate(RODS) if name != "stiff"}
+        for name, file in files.items():
+            store.write(solved(name), file)
+        heads = ["rod", "pixels allowed", "views or lines", "triangles", "s", "MB"]
+        rows(heads, (whole(name, file, pixel_error) for name, file in files.items() for pixel_error in ERRORS))
     if len(sys.argv) > 1:
         draw(Path(sys.argv[1]))
 
@@ -126,8 +182,7 @@ def draw(path: Path) -> None:
 
     from workbench import style
 
-    ds = runner.run(loads(HEAD.format("Table 1", 201) + UNITS, default_name="rod"))
-    body = tube.read(ds, {}, KINDS["plain"])
+    body = tube.read(solved("Table 1"), {}, KINDS["plain"])
     per_unit = WIDE / float(np.ptp(body.z))
     with rc_context(style.RC):
         fig = Figure(figsize=(8, 3.4), layout="constrained")

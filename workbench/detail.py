@@ -18,7 +18,8 @@ from .centreline import Array, Centreline
 LEAST_SIDES = 6
 PROBES = 8  # points a ring, on which the true surface is compared with the drawn one
 SETTLED = 2  # rounds of moving the rings, after which the errors of most stretches are within a tenth of each other
-ROUNDS = 6  # with those in which rings are added; what is then off still, bends below a pixel, is halved
+ROUNDS = 10  # with those in which rings are taken away or added; what is off still, bends below a pixel, is halved
+MORE = 1.2  # times as many rings are added at most; where that does not do, it is a few stretches that are off
 TINTS = 48  # a colour may be off by one part in so many of its scale
 MOST_TRIANGLES = 4_000_000  # some 400 MB while it is drawn
 SHARE = 0.48  # of the tolerance for the sides, as much for the rings: on a diagonal both are off, elsewhere one
@@ -155,14 +156,15 @@ def _moved(s: Array, place: Array, values: Array | None, tolerance: float, blur:
     for step in range(ROUNDS):
         off = _off(s, place, values, rings, tolerance, blur)
         worst = float(off.max()) / tolerance
-        if step >= SETTLED:
-            if worst <= 1:
-                break
-            more *= min(np.sqrt(worst), 1.05)
+        if step >= SETTLED and worst > 1:
+            more = min(more * min(np.sqrt(worst), 1.05), MORE)
         # off goes with the square of the distance; a stretch that is far better than needed is made four times as long
         density = np.clip(np.sqrt(off / tolerance), 0.25, 4.0) / np.diff(rings)
         count = np.concatenate([[0.0], np.cumsum(np.interp(middles, (rings[1:] + rings[:-1]) / 2, density))])
-        wanted = np.linspace(0, count[-1], max(int(np.ceil(count[-1] * more)), 1) + 1)
+        stretches = max(int(np.ceil(count[-1] * more)), 1)
+        if step >= SETTLED and worst <= 1 and stretches > 0.9 * (rings.size - 1):
+            break
+        wanted = np.linspace(0, count[-1], stretches + 1)
         rings = np.unique(np.interp(wanted, count, np.arange(s.size)).round().astype(int))
     while True:
         off = _off(s, place, values, rings, tolerance, blur)
