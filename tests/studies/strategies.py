@@ -1,5 +1,6 @@
 """Studies as hypothesis draws them: every kind of axis, base, reading, unit, output and law."""
 
+from copy import deepcopy
 from typing import Any
 
 from hypothesis import strategies as st
@@ -146,6 +147,11 @@ WRONG = (
 KEYS = ("", "a b", "../x", "\n", "\x1b]0;x\x07", "E", "from", "values", "__class__", "é", "x" * 5000, "laws", "title")
 
 
+def wrong() -> st.SearchStrategy[Any]:
+    """One of them, of its own: what is drawn is changed further."""
+    return st.sampled_from(WRONG).map(deepcopy)
+
+
 @st.composite
 def mutated(draw: Any) -> dict[str, Any]:
     """A study of which one to three values, keys or tables are something else, or gone."""
@@ -159,11 +165,11 @@ def mutated(draw: Any) -> dict[str, Any]:
         key = draw(st.sampled_from(sorted(table))) if table else "title"
         what = draw(st.sampled_from(["value", "value", "gone", "key", "moved"]))
         if what == "value":
-            table[key] = draw(st.sampled_from(WRONG))
+            table[key] = draw(wrong())
         elif what == "gone":
             table.pop(key, None)
         elif what == "key":
-            table[draw(st.sampled_from(KEYS))] = draw(st.sampled_from(WRONG))
+            table[draw(st.sampled_from(KEYS))] = draw(wrong())
         else:
             table[draw(st.sampled_from(KEYS))] = table.pop(key, 1)
     return said
