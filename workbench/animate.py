@@ -170,7 +170,8 @@ def _writer(path: Path, fps: float) -> Any:
     """What takes the frames of one film."""
     if path.suffix.lower() == ".gif":
         return _imageio().get_writer(path, mode="I", duration=1000 / fps, loop=0)
-    return _imageio().get_writer(path, fps=fps, codec="libx264", quality=8, macro_block_size=2)
+    return _imageio().get_writer(path, fps=fps, codec="libx264", quality=8, macro_block_size=2,
+                                  ffmpeg_log_level="error")  # fmt: skip
 
 
 class _Diagram:
