@@ -5,7 +5,7 @@ const DEGREE = Math.PI / 180;
 const TYPES = { f4: Float32Array, u1: Uint8Array, u4: Uint32Array };
 const RATIO = [-0.95, 0.5]; // of nu
 const WIDER = 5; // how far a slider goes to either side of what a preset has, as a factor
-const SMOOTH = 8, COARSEST = 3, SLOW = 1.2; // ms that drawing may take while a slider moves; how much coarser it may get, and from where
+const SMOOTH = 6, COARSEST = 3, SLOW = 1.2; // ms that drawing may take while a slider moves; how much coarser it may get, and from where
 const GROWN = 1.3, SHRUNK = 2; // times as large, or small, as when it was faced
 const PATIENCE = { whole: 200, link: 100, numbers: 150, equilibria: 500 }; // ms of rest before what takes longer is asked
 
