@@ -8,6 +8,8 @@ from . import style
 from .kinds import Kind
 from .tube import Body
 
+ASKED = 6  # digits of a value by which its case can be asked for again
+
 
 def legend(kind: Kind, bodies: Sequence[Body]) -> list[tuple[str, str]]:
     """Colours that the bar does not explain, and what they mean."""
@@ -39,11 +41,11 @@ def under(ds: xr.Dataset, kind: Kind, names: list[str], where: dict[str, int]) -
 
 
 def described(ds: xr.Dataset, where: Mapping[str, int]) -> str:
-    """The values of a case along all axes, in one line."""
-    return ", ".join(facts(ds, where))
+    """The values of a case along all axes, in one line, as exact as --at takes them."""
+    return ", ".join(facts(ds, where, ASKED))
 
 
-def facts(ds: xr.Dataset, where: Mapping[str, int]) -> list[str]:
+def facts(ds: xr.Dataset, where: Mapping[str, int], digits: int = 4) -> list[str]:
     """The value of a case along each of these axes, with its unit."""
-    return [f"{style.symbol(n)} = {style.shown(float(ds[n].values[i]), ds[n])}" for n, i in where.items()
+    return [f"{style.symbol(n)} = {style.shown(float(ds[n].values[i]), ds[n], digits)}" for n, i in where.items()
             if n != "equilibrium"]  # fmt: skip

@@ -88,11 +88,11 @@ def is_angle(array: xr.DataArray) -> bool:
     return array.attrs.get("units") == "rad"
 
 
-def shown(value: float, array: xr.DataArray) -> str:
+def shown(value: float, array: xr.DataArray, digits: int = 4) -> str:
     """A value of an axis with its unit, angles in degrees: ``10910 N/cm²``, ``15°``."""
     if is_angle(array):
-        return f"{number(degrees(value))}°".replace("-", "−")
-    return f"{number(value)} {unit(str(array.attrs.get('units', '1')))}".strip().replace("-", "−")
+        return f"{number(degrees(value), digits)}°".replace("-", "−")
+    return f"{number(value, digits)} {unit(str(array.attrs.get('units', '1')))}".strip().replace("-", "−")
 
 
 def symbol(axis: str) -> str:

@@ -107,3 +107,8 @@ def test_where_no_wheel_is_installed_it_is_named_among_what_to_install(monkeypat
     child(monkeypatch, "print('empty')")
     assert gl.in_wheel() == []
     assert gl.PIP in gl.probe()[1]
+
+
+@pytest.mark.skipif(not gl.in_wheel(), reason=f"the wheel with OSMesa is not here: {gl.PIP}")
+def test_the_wheel_draws() -> None:
+    assert gl._try({**os.environ, gl.WINDOW: gl.OSMESA}, gl.in_wheel()) == (True, "a trial picture came out empty")

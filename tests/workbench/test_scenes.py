@@ -12,7 +12,7 @@ from solver import frames
 from solver.errors import InputError
 from studies import load
 from studies.loader import loads
-from workbench import gl, lines, picking, runner, sheet, style, tube
+from workbench import captions, drawing, gl, lines, picking, runner, sheet, style, tube
 from workbench.centreline import Centreline
 from workbench.kinds import KINDS, kind_of
 
@@ -234,6 +234,13 @@ def test_an_axis_or_value_that_is_not_there_is_answered_with_what_is() -> None:
     with pytest.raises(InputError, match="its values are 10000, 20000"):
         picking.case(ds, {"E": 3e4})
     assert picking.case(ds, {"E": 1.9e4}) == {"E": 1}
+
+
+def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
+    ds = runner.run(load("fig7_1_modulus").at_stations(2))
+    for i in range(ds.sizes["E"]):
+        said = captions.described(ds, {"E": i}).partition(" = ")[2].partition(" ")[0]
+        assert drawing.chosen(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
 
 
 def test_at_most_so_many_are_chosen_and_both_ends_among_them() -> None:
