@@ -208,7 +208,7 @@ def observe(sol: Solution, names: Iterable[str]) -> dict[str, Any]:
         if name not in OBSERVABLES:
             raise no_such("observable", name, OBSERVABLES)
     read = Reading(sol)
-    shapeless = ~np.isfinite(sol.beta).all(axis=-1)
+    shapeless = np.asarray(read.each(~np.isfinite(sol.trajectory.beta).all(axis=1)))
     found = {name: OBSERVABLES[name](read) for name in names}
     if not shapeless.any():  # whole numbers stay whole
         return found
