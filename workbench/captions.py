@@ -34,7 +34,7 @@ def under(ds: xr.Dataset, kind: Kind, names: list[str], where: dict[str, int]) -
     if kind.name == "equilibria":
         one = ds.isel(where)
         stable = "stable" if int(one["index"]) == 0 else f"index {int(one['index'])}"
-        return f"{where['equilibrium'] + 1}: {stable}\nenergy {style.number(float(one['energy']))}".replace("-", "−")
+        return f"{where['equilibrium'] + 1}: {stable}\n{style.shown(float(one['energy']), one['energy'])}"
     if len(names) == 1:
         return style.shown(float(ds[names[0]].values[where[names[0]]]), ds[names[0]])
     return "\n".join(facts(ds, {name: where[name] for name in names}))

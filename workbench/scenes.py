@@ -205,6 +205,7 @@ def _each(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] 
     notes = [] if len(first) <= len(cases[0]) * len(cases) else [f"{len(cases[0])} of {len(first)} values"]
     part = [body for body in bodies if not body.whole]
     notes += captions.covered(part[:1], str(ds.attrs["length_unit"]))
+    notes += ["below each shape its energy"] if kind.name == "equilibria" else []
     page = ROW if len(rows) == 1 else GRID
     return _taken(ds, kind, rows, bodies, told, page, look, False, notes)
 
