@@ -45,7 +45,7 @@ class Lines:
         if not self.each:
             return [f"{self.count} lines, one after the other"]
         low, high = (style.number(v) for v in (self.each, pieces[-1].span[1] - pieces[0].span[0]))
-        return [f"only {self.count} stretches of {low} {unit},", f"spread evenly over {high} {unit}"]
+        return [f"only {self.count} stretches of {low} {unit}", f"each, spread over {high} {unit}"]
 
 
 def is_long(bodies: Sequence[Body]) -> bool:

@@ -293,10 +293,10 @@ def _finished(
     if off > look.pixel_error * (1 + 1e-9):
         notes = [
             *notes,
-            f"drawn to within {off:.1f} pixels: for {look.pixel_error:g} it takes some {stations} stations",
+            f"drawn to within {off:.1f} pixels",
         ]
     if kind.cells != "together" and any(body.overlaps for row in rows for shot in row for body in shot.bodies):
-        notes = [*notes, "a real rod could not pass through itself"]
+        notes = [*notes, "the rod passes through itself"]
     inside = "inside the cylinder, cut open" if ds.attrs["side"] == "inside" else ""
     subtitle = " · ".join(fact for fact in (told, style.reading(ds), inside) if fact)
     drawn = Sheet(

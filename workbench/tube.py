@@ -72,8 +72,10 @@ class Body:
     @cached_property
     def _sampled(self) -> tuple[Array, Array]:
         inside = self.line.s[(self.line.s > self.span[0]) & (self.line.s < self.span[1])]
-        alpha, _, z = self.line.at(np.concatenate([[self.span[0]], inside, [self.span[1]]]))
-        return alpha, z - z[0]
+        s = np.concatenate([[self.span[0]], inside, [self.span[1]]])
+        alpha, _, z = self.line.at(s)
+        # between stations that are far too few the curve goes anywhere; the rod does not, as it is not stretched
+        return alpha, np.clip(z - z[0], s[0] - s, s - s[0])
 
     @property
     def alpha(self) -> Array:

@@ -12,7 +12,7 @@ from solver import frames
 from solver.errors import InputError
 from studies import load
 from studies.loader import loads
-from workbench import captions, drawing, gl, lines, picking, runner, sheet, style, tube
+from workbench import captions, detail, drawing, gl, lines, picking, runner, sheet, style, tube
 from workbench.centreline import Centreline
 from workbench.kinds import KINDS, kind_of
 
@@ -143,6 +143,13 @@ def test_a_long_rod_is_set_in_lines_that_show_all_of_it() -> None:
     assert found.count * 2 * rod.reach * found.per_unit <= room[1]  # no line reaches into the next
     assert 2 * rod.reach * found.per_unit > 4 * lines.THINNEST  # in one row it would be a hair of two pixels
     assert found.cells(pieces, "cm")[0].before == "s = 0 cm"
+
+
+def test_with_far_too_few_stations_a_long_rod_is_no_taller_than_it_is_long_and_more_are_asked_for() -> None:
+    rod = body(dataset(stations=21, L=2000.0))
+    found = lines.lines_for([rod], (1400, 960))
+    assert np.ptp(found.ends) <= 2 * (2000.0 / found.count + rod.a + 0.3 * rod.R) * (1 + 1e-9)
+    assert detail.stations_for(rod.line, 0.5 / found.per_unit) > 21
 
 
 def test_of_a_rod_too_long_for_the_page_stretches_are_set_and_the_rest_is_told() -> None:
