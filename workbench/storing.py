@@ -14,10 +14,11 @@ from studies import Study
 
 from . import crew, engines, parts
 from .chunks import Damaged, decode, encode, is_solved, kind_of, unsolved
-from .plan import Plan, bytes_a_case, bytes_of_file, plan, recipe
+from .plan import TOGETHER, Plan, bytes_a_case, bytes_of_file, plan, recipe
 from .progress import Meter, metered
 from .there import There, grown, is_finished, look
 
+WORTH, WORTH_TOGETHER = 4, 10  # blocks for which a worker is worth its start
 KILLED = "failed: the process that solved it ended twice without an answer"
 
 Tally = dict[str, Counter[str]]
@@ -198,10 +199,11 @@ def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> eng
 
 
 def _workers(work: Plan, left: int, options: Options) -> int:
-    """Processes for so many cases: a worker takes longer to start than a block to solve."""
+    """Processes for so many cases; the first worker takes a second to start, or some blocks' time."""
     if options.workers is not None:
         return options.workers
-    return max(1, min(engines.cores(), left // (4 * work.block)))
+    blocks = WORTH_TOGETHER if work.study.method in TOGETHER else WORTH
+    return max(1, min(engines.cores(), left // (blocks * work.block)))
 
 
 def _chunk_size(work: Plan, workers: int, asked: int | None) -> int:
