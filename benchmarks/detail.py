@@ -130,7 +130,7 @@ def whole(name: str, file: Path, pixel_error: float) -> list[object]:
 def scene(file: Path, pixel_error: float) -> None:
     """What `whole` asks of a process of its own: draws, and prints what it took as JSON."""
     gl.probe()
-    from workbench import scenes, stage
+    from workbench import scenes, stage, taking
 
     triangles: list[int] = []
     made = tube.mesh
@@ -145,7 +145,7 @@ def scene(file: Path, pixel_error: float) -> None:
     ds = store.read(file)
     tube.read(ds, {}, KINDS["plain"])
     reading = perf_counter() - start
-    scenes.render(ds, file.with_suffix(".png"), kind="plain", look=scenes.Look(pixel_error))
+    scenes.render(ds, file.with_suffix(".png"), kind="plain", look=taking.Look(pixel_error))
     seconds = perf_counter() - start - 2 * reading  # the scene reads once more
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
     told = {"views": len(triangles), "triangles": sum(triangles), "memory": memory}

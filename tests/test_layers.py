@@ -91,7 +91,7 @@ def test_methods_see_dimensionless_numbers_and_never_a_case() -> None:
 
 def test_drawing_reads_datasets_and_never_solves() -> None:
     solving = {"solver.solve", "solver.equilibria", "solver.methods"}
-    for file in files_of("workbench/plots.py", "workbench/scenes.py", "workbench/style.py"):
+    for file in files_of("workbench/plots.py", "workbench/scenes.py", "workbench/taking.py", "workbench/style.py"):
         assert not reaches(imports_of(file), solving), f"{file.name} solves"
 
 

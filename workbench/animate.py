@@ -109,9 +109,9 @@ def frames(ds: xr.Dataset, wish: Wish, step: Any = None) -> Iterator[NDArray[np.
     On the left what `scene --along` draws of the case, on the right the observable up to it. A case without a shape
     leaves the left side empty but for its outcome.
     """
-    from . import scenes, sheet
+    from . import scenes, sheet, taking
 
-    look = scenes.Look(wish.pixel_error, wish.dpi)
+    look = taking.Look(wish.pixel_error, wish.dpi)
     diagram = _Diagram(ds, wish)
     for k, where in enumerate(cases_of(ds, wish)):
         value = float(ds[wish.axis].values[where[wish.axis]])
@@ -122,7 +122,7 @@ def frames(ds: xr.Dataset, wish: Wish, step: Any = None) -> Iterator[NDArray[np.
             taken = scenes.take(ds, {**wish.at, wish.axis: value}, wish.kind, (), wish.axis, look)
             left = _pixels(sheet.figure(taken.sheet))
         else:
-            left = _empty(ds, outcome, wish.dpi, scenes.PAGE)
+            left = _empty(ds, outcome, wish.dpi, taking.PAGE)
         yield _even(np.concatenate([left, diagram.upto(k, left.shape[0])], axis=1))
 
 

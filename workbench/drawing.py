@@ -57,12 +57,12 @@ def scene_file(
     if not able:
         console.err.print(f"workbench: {advice}", markup=False)
         return 1
-    from . import scenes
+    from . import scenes, taking
 
     stretch = stretch_of(ds, span)
 
     def draw(ds: xr.Dataset, exactly: bool) -> Any:
-        look = scenes.Look(pixel_error, dpi, stretch, exactly)
+        look = taking.Look(pixel_error, dpi, stretch, exactly)
         return scenes.render(ds, path, where or None, found.name, axes or [], along, look)
 
     said = [str(path), *([", ".join(told)] if told else [])]

@@ -20,7 +20,7 @@ from . import picking, runner
 from .kinds import Kind
 
 if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
-    from .scenes import Taken
+    from .taking import Taken
 
 FIRST = 21  # stations that are tried
 ROUNDS = 12  # each finds some six times as many stations where the first missed the bends
@@ -67,9 +67,9 @@ def only(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: 
 def at_need(study: Study, draw: Callable[[xr.Dataset, bool], "Taken"]) -> tuple["Taken", int]:
     """What `draw` makes of the study's dataset at the stations that it asks for, and how many these are.
 
-    draw: takes the dataset, and whether it shall raise `scenes.TooFew` rather than draw less well than asked.
+    draw: takes the dataset, and whether it shall raise `taking.TooFew` rather than draw less well than asked.
     """
-    from .scenes import TooFew
+    from .taking import TooFew
 
     stations = FIRST
     for _ in range(ROUNDS):

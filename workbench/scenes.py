@@ -6,69 +6,29 @@ Needs OpenGL: ask `gl.probe` first, as without it VTK ends the process.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from solver.errors import InputError
-from studies.model import MAX_STATIONS
 
 from . import captions, lines, picking, sheet, style, tube
 from .dataset import axes_of
-from .detail import stations_for
 from .kinds import Kind, kind_of
-from .sheet import Bar, Cell, Sheet
-from .stage import Shot, View, ends_of, photograph, side_view, view_of
+from .sheet import Bar, Cell
+from .stage import Shot, ends_of, side_view
+from .taking import AS_USUAL, PAGE, Look, Room, Scene, Taken, finished, in_one_view
 from .tube import Body, Paint
 
 ENDINGS = (".png", ".jpg")
 LYING = 1.3  # how much taller than wide a scene is laid on its side
 MOST_CELLS, MOST_GHOSTS, MOST_ROWS = 9, 5, 5
-PAGE, ROW, GRID = (1600, 1200), (2000, 1100), (2000, 2000)  # pixels at `style.DPI` of one case, a row and a grid
+ROW, GRID = (2000, 1100), (2000, 2000)  # pixels at `style.DPI` of a row and of a grid
 DPIS = (50, 600)
-COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
 GUTTER = 130  # pixels before the lines of a long rod
 GHOST = 0.3  # of its thickness is a rod drawn among others, so that none hides another
-
-
-@dataclass(frozen=True)
-class Look:
-    """How a scene is taken. pixel_error: how far the drawn surface may be from the true one; dpi: of the picture;
-    span: the arc lengths between which the rod is drawn, where not all of it; exactly: raise `TooFew` rather than draw
-    less well than asked."""
-
-    pixel_error: float = 0.5
-    dpi: int = style.DPI
-    span: tuple[float, float] | None = None
-    exactly: bool = False
-
-
-@dataclass(frozen=True)
-class Room:
-    """Pixels at `style.DPI` below each view and before the first."""
-
-    label: int = sheet.LABEL
-    gutter: int = 0
-
-
-@dataclass(frozen=True, eq=False)
-class Taken:
-    """A scene. off: by how many pixels its surface may be off; above what was asked where the stations are too few.
-    stations: about how many it takes."""
-
-    sheet: Sheet
-    off: float
-    stations: int
-
-
-class TooFew(InputError):
-    """The stations are too few for the pixel error; `stations`: about how many it takes."""
-
-    def __init__(self, said: str, stations: int) -> None:
-        super().__init__(said)
-        self.stations = stations
 
 
 def render(
@@ -78,7 +38,7 @@ def render(
     kind: str = "contact",
     axes: Sequence[str] = (),
     along: str | None = None,
-    look: Look = Look(),
+    look: Look = AS_USUAL,
 ) -> Taken:
     """Draw a scene and save it; what `take` takes."""
     path = Path(path)
@@ -114,7 +74,7 @@ def take(
     kind: str = "contact",
     axes: Sequence[str] = (),
     along: str | None = None,
-    look: Look = Look(),
+    look: Look = AS_USUAL,
 ) -> Taken:
     """The scene of a dataset.
 
@@ -160,7 +120,8 @@ def _one(ds: xr.Dataset, kind: Kind, where: dict[str, int], along: str | None, l
     lying = np.ptp(ends_of(context)) > LYING * 2 * body.reach
     front = Shot([body], Cell("facing the rod"))
     side = Shot([body], Cell("turned by 90° about the axis"), -np.pi / 2)
-    return _taken(ds, kind, [[front], [side]] if lying else [[front, side]], context, told, PAGE, look, lying, notes)
+    rows = [[front], [side]] if lying else [[front, side]]
+    return in_one_view(Scene(ds, kind, rows, context, told, look, notes), bool(lying))
 
 
 def _in_lines(
@@ -176,7 +137,7 @@ def _in_lines(
     pieces, unit = found.cut(body), str(ds.attrs["length_unit"])
     rows = [[Shot([piece], cell, clear=True)] for piece, cell in zip(pieces, found.cells(pieces, unit), strict=True)]
     notes = [*found.told(pieces, unit), *notes]
-    return _finished(ds, kind, rows, context, told, PAGE, look, found.ends, view, notes, None, Room(0, GUTTER))
+    return finished(Scene(ds, kind, rows, context, told, look, notes), found.ends, view, Room(0, GUTTER))
 
 
 def _each(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, look: Look) -> Taken:
@@ -207,7 +168,7 @@ def _each(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] 
     notes += captions.covered(part[:1], str(ds.attrs["length_unit"]))
     notes += ["below each shape its energy"] if kind.name == "equilibria" else []
     page = ROW if len(rows) == 1 else GRID
-    return _taken(ds, kind, rows, bodies, told, page, look, False, notes)
+    return in_one_view(Scene(ds, kind, rows, bodies, told, look, notes, page))
 
 
 def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | None, look: Look) -> Taken:
@@ -235,101 +196,7 @@ def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | N
     notes += captions.covered([body for body in bodies if not body.whole][:1], str(ds.attrs["length_unit"]))
     rows = [[shot] for shot in shots] if lying else [shots]
     bar = Bar(style.ramp_part(), low, high, style.axis_label(axis, ds[axis])) if high > low else None
-    return _taken(ds, kind, rows, bodies, told, PAGE, look, lying, notes, bar)
-
-
-def _taken(
-    ds: xr.Dataset,
-    kind: Kind,
-    rows: Sequence[Sequence[Shot]],
-    context: Sequence[Body],
-    told: str,
-    page: tuple[int, int],
-    look: Look,
-    lying: bool,
-    notes: list[str],
-    bar: Bar | None = None,
-) -> Taken:
-    """Rods before a camera that sees them all, in cells of one size; context: the rods that fix it."""
-    finer = look.dpi / style.DPI
-    ends = ends_of(context)
-    room = page[0] - 2 * sheet.MARGIN, page[1] - sheet.HEAD - sheet.FOOT
-    cell = room[0] // len(rows[0]), room[1] // len(rows) - sheet.LABEL
-    view = _at(view_of(context, ends, cell, lying), finer)
-    if context and 2 * context[0].reach * view.per_unit < lines.THINNEST:
-        raise InputError(
-            f"a cylinder {2 * context[0].reach:.3g} wide and {np.ptp(ends):.4g} long is "
-            f"{2 * context[0].reach * view.per_unit:.2g} pixels wide in the picture: give a shorter stretch with "
-            "--from and --to, or draw one case, which is set in lines"
-        )
-    return _finished(ds, kind, rows, context, told, page, look, ends, view, notes, bar, Room())
-
-
-def _finished(
-    ds: xr.Dataset,
-    kind: Kind,
-    rows: Sequence[Sequence[Shot]],
-    context: Sequence[Body],
-    told: str,
-    page: tuple[int, int],
-    look: Look,
-    ends: tuple[float, float],
-    view: View,
-    notes: list[str],
-    bar: Bar | None,
-    beside: Room,
-) -> Taken:
-    """Paint, photograph and write around it; context: the rods that fix the scale of colours."""
-    finer = look.dpi / style.DPI
-    if kind.cells != "together":
-        paint, bar = _paint(ds, kind, context)
-        rows = [[replace(shot, bodies=[replace(b, paint=paint) for b in shot.bodies]) for shot in row] for row in rows]
-    n, stations = _stations(rows, look.pixel_error / view.per_unit)
-    if look.exactly and stations > n:
-        raise TooFew(f"{n} stations are too few, about {stations} are needed", stations)
-    pixels, off = photograph(rows, ends, view, look.pixel_error, round(beside.label * finer))
-    if off > COARSEST:
-        raise TooFew(_too_few(n, stations, off, look), stations)
-    if off > look.pixel_error * (1 + 1e-9):
-        notes = [
-            *notes,
-            f"drawn to within {off:.1f} pixels",
-        ]
-    if kind.cells != "together" and any(body.overlaps for row in rows for shot in row for body in shot.bodies):
-        notes = [*notes, "the rod passes through itself"]
-    inside = "inside the cylinder, cut open" if ds.attrs["side"] == "inside" else ""
-    subtitle = " · ".join(fact for fact in (told, style.reading(ds), inside) if fact)
-    drawn = Sheet(
-        str(ds.attrs["title"]), subtitle, pixels, [[shot.cell for shot in row] for row in rows], view.per_unit,
-        str(ds.attrs["length_unit"]), view.page.T, captions.legend(kind, context), notes,
-        page if page == PAGE else (PAGE[0], 0), bar, look.dpi, beside.label, beside.gutter,
-    )  # fmt: skip
-    return Taken(drawn, off, stations)
-
-
-def _at(view: View, finer: float) -> View:
-    # cut, not rounded: the page must not grow by a pixel
-    return replace(view, per_unit=view.per_unit * finer, size=(int(view.size[0] * finer), int(view.size[1] * finer)))
-
-
-def _paint(ds: xr.Dataset, kind: Kind, bodies: Sequence[Body]) -> tuple[Paint, Bar | None]:
-    """The colours of a kind, one scale for all the rods, and their bar."""
-    if kind.tint == "stripe":
-        return Paint(style.UNPAINTED, stripe=style.PUSHED), None
-    if kind.tint == "one colour" or not bodies:
-        return Paint(style.PUSHED), None
-    extremes = np.array([body.extremes() for body in bodies])
-    low, high = float(extremes[:, 0].min()), float(extremes[:, 1].max())
-    if kind.tint == "contact":
-        if high <= 0:
-            return Paint(style.LIFTED), None
-        unit = style.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}")
-        return (Paint(ramp=style.PUSH_RAMP, high=high, below=style.LIFTED),
-                Bar(style.PUSH_RAMP, 0.0, high, f"push of the cylinder [{unit}]"))  # fmt: skip
-    if high - low < 1e-9 * high or high == 0:
-        return Paint(style.PUSHED), None
-    bar = Bar(style.RAMP, low, high, f"curvature κ [1/{ds.attrs['length_unit']}]")
-    return Paint(ramp=style.RAMP, low=low, high=high), bar
+    return in_one_view(Scene(ds, kind, rows, bodies, told, look, notes, bar=bar), bool(lying))
 
 
 def _try(ds: xr.Dataset, where: dict[str, int], kind: Kind, look: Look) -> tuple[Body | None, str]:
@@ -351,19 +218,3 @@ def _check(look: Look) -> None:
         raise InputError(f"--pixel-error must be between 0.01 and 10 pixels, got {look.pixel_error:g}")
     if not DPIS[0] <= look.dpi <= DPIS[1]:
         raise InputError(f"--dpi must be between {DPIS[0]} and {DPIS[1]}, got {look.dpi}")
-
-
-def _stations(rows: Sequence[Sequence[Shot]], tolerance: float) -> tuple[int, int]:
-    """How many stations the rods have, and about how many it takes to draw them all to a tolerance [length]."""
-    found = {id(body.line): body.line for row in rows for shot in row for body in shot.bodies}.values()
-    each = [(line.s.size, stations_for(line, tolerance)) for line in found] or [(0, 0)]
-    return max(n for n, _ in each), max(needed for _, needed in each)
-
-
-def _too_few(n: int, needed: int, off: float, look: Look) -> str:
-    most = f" (a study stores at most {MAX_STATIONS})" if needed > MAX_STATIONS else ""
-    return (
-        f"{n} stations are too few to draw this rod to within {look.pixel_error:g} pixels (it could be off by "
-        f"{off:.0f}): store about {needed}{most}, with workbench run --stations or with the study's key stations; or "
-        "draw the study itself, with workbench scene STUDY"
-    )

@@ -53,7 +53,7 @@ def draw_all(out: Path, force: bool) -> int:
     if not able:
         console.err.print(f"workbench: {advice}", markup=False)
         return 1
-    from . import gallery, scenes
+    from . import gallery, scenes, taking
     from .equilibria import ends_of
 
     one, row, table = (runner.run(load(name)) for name in ("fig6", "fig7_1_modulus", "fig7_5_forces"))
@@ -65,7 +65,7 @@ def draw_all(out: Path, force: bool) -> int:
     solved |= {"ghosts": row, "grid": table, "equilibria": shapes}
     for name, path in paths.items():
         axes = ["F1", "F3"] if name == "grid" else []
-        look = scenes.Look(dpi=150 if name == "longest" else DPI)
+        look = taking.Look(dpi=150 if name == "longest" else DPI)
         scenes.render(solved.get(name, one), path, None, "contact" if name in own else name, axes, look=look)
         console.say(str(path))
     return 0

@@ -35,9 +35,9 @@ def made(ds) -> list[np.ndarray]:
 
 @draws
 def test_a_still_is_the_scene_of_its_case_along_the_axis(ds, made, tmp_path) -> None:
-    from workbench import scenes
+    from workbench import scenes, taking
 
-    scenes.render(ds, tmp_path / "one.png", {"E": 2e4}, "plain", (), "E", scenes.Look(1.0, DPI))
+    scenes.render(ds, tmp_path / "one.png", {"E": 2e4}, "plain", (), "E", taking.Look(1.0, DPI))
     scene = (255 * pixels(tmp_path / "one.png")).round().astype(np.uint8)
     still = made[1][: scene.shape[0], : scene.shape[1]]
     # all but the random dots of the ambient shading

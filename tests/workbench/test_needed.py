@@ -45,7 +45,7 @@ def test_only_the_cases_that_are_shown_and_what_their_kind_reads_are_solved(file
 
 def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
     pytest.importorskip("vtkmodules")
-    from workbench.scenes import TooFew
+    from workbench.taking import TooFew
 
     study, _ = needed.rough(file)
     solved.clear()

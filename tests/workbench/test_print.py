@@ -61,12 +61,12 @@ def test_the_dots_an_inch_of_a_plot_change_its_pixels_and_not_its_inches(ds, tmp
 
 @draws
 def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
-    from workbench import scenes
+    from workbench import scenes, taking
 
     pages = []
     for dpi in (50, 75, 110):
         path = tmp_path / f"{dpi}.png"
-        scenes.render(ds, path, kind="plain", look=scenes.Look(1.0, dpi))
+        scenes.render(ds, path, kind="plain", look=taking.Look(1.0, dpi))
         with Image.open(path) as picture:
             assert picture.size == (8 * dpi, 6 * dpi)
             assert picture.info["dpi"] == pytest.approx((dpi, dpi), abs=0.1)
@@ -77,12 +77,12 @@ def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
 
 @draws
 def test_a_picture_too_large_to_be_taken_twice_as_fine_is_the_same_picture(ds, tmp_path, monkeypatch) -> None:
-    from workbench import scenes, stage
+    from workbench import scenes, stage, taking
 
     taken = []
     for most in (stage.MOST_PIXELS, 1):
         monkeypatch.setattr(stage, "MOST_PIXELS", most)
-        taken.append(scenes.take(ds, kind="plain", look=scenes.Look(1.0, 60)).sheet.pixels.astype(float))
+        taken.append(scenes.take(ds, kind="plain", look=taking.Look(1.0, 60)).sheet.pixels.astype(float))
     assert taken[0].shape == taken[1].shape
     assert not np.array_equal(taken[0], taken[1])
     assert (np.abs(taken[0] - taken[1]).max(axis=-1) > 60).mean() < 0.06  # edges are rough where nothing is averaged

@@ -343,12 +343,12 @@ def test_only_pictures_can_be_asked_for(fig6, tmp_path) -> None:
 
 @draws
 def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
-    from workbench import scenes
+    from workbench import scenes, taking
 
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     scenes.render(dataset(stations=20_001, L=2000.0), tmp_path / "long.png")
     long = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n", stations=2001, L=2000.0)
     with pytest.raises(InputError, match="pixels wide in the picture: give a shorter stretch"):
-        scenes.take(long, kind="ghosts", look=scenes.Look(span=(0.0, 2000.0)))
+        scenes.take(long, kind="ghosts", look=taking.Look(span=(0.0, 2000.0)))
     # kilobytes; a process of its own takes 0.9e6 for it, of which 0.8e6 for any picture
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1.2e6
