@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from solver.errors import InputError
-from studies import Study, load, names
+from studies import Study, load
 from studies.axes import Axis
 from studies.model import MAX_STATIONS, OUTPUTS
 
@@ -29,7 +29,7 @@ MOST_CASES = 10_000
 
 def is_study(file: Path) -> bool:
     """Whether a study is meant, by its name or its TOML file, and not a stored dataset."""
-    return file.suffix == ".toml" or (not file.exists() and str(file) in names())
+    return file.suffix == ".toml" or not (file.exists() or file.suffix)
 
 
 def rough(file: Path) -> tuple[Study, xr.Dataset]:

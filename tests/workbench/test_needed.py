@@ -94,3 +94,11 @@ def test_a_study_of_too_many_cases_is_refused_before_it_is_solved(tmp_path, solv
     with pytest.raises(InputError, match=r"10001 cases.*workbench run"):
         needed.rough(path)
     assert not solved
+
+
+def test_a_name_that_is_no_study_is_told_the_studies(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match="no study 'fig7_1', did you mean 'fig7_1_modulus'; choose from fig6, "):
+        drawing.scene_file(Path("fig7_1"), [], None)
+    with pytest.raises(InputError, match="there is no file fig7_1.h5"):
+        drawing.scene_file(Path("fig7_1.h5"), [], None)
