@@ -100,5 +100,5 @@ def test_a_name_that_is_no_study_is_told_the_studies(tmp_path, monkeypatch) -> N
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match="no study 'fig7_1', did you mean 'fig7_1_modulus'; choose from fig6, "):
         drawing.scene_file(Path("fig7_1"), [], None)
-    with pytest.raises(InputError, match="there is no file fig7_1.h5"):
+    with pytest.raises(InputError, match=r"there is no file fig7_1\.h5"):
         drawing.scene_file(Path("fig7_1.h5"), [], None)
