@@ -20,6 +20,20 @@ def legend(kind: Kind, bodies: Sequence[Body]) -> list[tuple[str, str]]:
     return []
 
 
+def impossible(bodies: Sequence[Body]) -> list[str]:
+    """What a real rod could not do, but for what colours show; of several rods how many."""
+    each = {id(body.line): body.caution for body in bodies}.values()
+    told = []
+    for key, one, more in (
+        ("overlaps", "the rod passes through itself", "pass through themselves"),
+        ("too tight", "bent tighter than it is thick", "bent tighter than thick"),
+    ):
+        count = sum(key in caution for caution in each)
+        if count:
+            told.append(one if len(each) == 1 else f"{count} of {len(each)} {more}")
+    return told
+
+
 def covered(pieces: Sequence[Body], unit: str) -> list[str]:
     """What part of the rod is drawn, where not all of it."""
     if not pieces:

@@ -11,10 +11,11 @@ import xarray as xr
 from solver.errors import InputError, choices, no_such
 from studies.angles import angle
 
-from . import console, dataset, kinds, needed, store
+from . import console, dataset, kinds, needed, picking, store
 
 PLOTS = (".png", ".pdf", ".svg")
 SCENES = (".png", ".jpg")
+WRITTEN = 4  # digits of a value in a diagram
 LOOSEST = 0.001  # of the value: what is written with one or two digits is not taken for less exact than that
 
 
@@ -65,6 +66,9 @@ def scene_file(
         look = taking.Look(pixel_error, dpi, stretch, exactly)
         return scenes.render(ds, path, where or None, found.name, axes or [], along, look)
 
+    if found.cells == "one":  # which of the cases it is, also where it was not asked for
+        case = picking.case(ds, where).items()
+        told = [f"{name}={_written(ds[name], float(ds[name].values[i]))}" for name, i in case]
     said = [str(path), *([", ".join(told)] if told else [])]
     if study is None:
         taken, stations = draw(ds, False), ds.sizes["u"]
@@ -127,28 +131,40 @@ def free_picture(path: Path, kinds: tuple[str, ...], force: bool) -> Path:
 
 
 def _meant(axis: xr.DataArray, text: str, said: str) -> float:
-    """The one value of an axis that, rounded to as many digits as were given, is what was given."""
+    """The one value of an axis that, rounded to as many digits as were given, is what was given.
+
+    The noughts at the end of a whole number are digits, but a diagram writes 10910 for 10905, to four of them.
+    """
     is_angle = axis.attrs.get("units") == "rad"
     try:
         value = angle(said) if is_angle else float(said)
     except ValueError as error:
         raise InputError(f"--at {text}: {error if is_angle else f'{said!r} is not a number'}") from None
     away = np.abs(axis.values - value)
-    slack = max(1e-9 * np.abs(axis.values).max(), min(_half_digit(said), LOOSEST * abs(value)))
-    near = np.flatnonzero(away <= slack)
-    if near.size > 1:  # one of them may be it to the last digit
-        near = near[away[near] <= 1e-9 * np.abs(axis.values).max()]
+    equal = 1e-9 * np.abs(axis.values).max()
+    near = np.zeros(0, dtype=int)
+    for half in (_half_digit(said), _half_digit(said, noughts=False)):
+        near = np.flatnonzero(away <= max(equal, min(half, LOOSEST * abs(value))))
+        if near.size > 1:  # one of them may be it to the last digit
+            near = near[away[near] <= equal]
+        if near.size:
+            break
     if near.size != 1:
         listed = ", ".join(_written(axis, float(v)) for v in axis.values)
         raise InputError(f"--at {text}: the axis {axis.name} has no such value; its values are {listed}")
     return float(axis.values[near[0]])
 
 
-def _half_digit(said: str) -> float:
-    """Half a unit in the last digit of a number as it is written, in rad where degrees are; 0 for pi/6."""
+def _half_digit(said: str, noughts: bool = True) -> float:
+    """Half a unit in the last digit of a number as it is written, in rad where degrees are; 0 for pi/6.
+
+    noughts: whether those at its end count as digits; where not, at least `WRITTEN` others have to be there.
+    """
     number, deg = (said.strip().removesuffix("deg"), True) if said.strip().endswith("deg") else (said.strip(), False)
     try:
-        exponent = Decimal(number.strip()).as_tuple().exponent
+        written = Decimal(number.strip())
+        exact = written.normalize().as_tuple()
+        exponent = written.as_tuple().exponent if noughts or len(exact.digits) < WRITTEN else exact.exponent
     except InvalidOperation:
         return 0.0
     half = 0.5 * 10.0**exponent if isinstance(exponent, int) else 0.0

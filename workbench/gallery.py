@@ -16,7 +16,7 @@ from solver import Case
 from solver.equilibria import Equilibrium
 from studies import Study
 
-from . import dataset, style
+from . import cautions, dataset, style
 
 ALONG = ("beta", "alpha", "z", "contact")
 EACH = ("dbeta0", "energy", "turns", "index", "attached")
@@ -36,6 +36,8 @@ def dataset_of(study: Study, case: Case, found: list[Equilibrium]) -> xr.Dataset
         values = np.array([getattr(one, name) for one in found])
         data[name] = xr.Variable(("equilibrium",), values, dataset.labels(name, units))
     data["outcome"] = xr.Variable(("equilibrium",), np.array([str(one.solution.outcome) for one in found], dtype=str))
+    cautions_of = [str(cautions.of_cases(one.solution, {})) for one in found]
+    data["caution"] = xr.Variable(("equilibrium",), np.array(cautions_of, dtype=str))
     u = np.linspace(0, 1, stations)
     coords = {
         "equilibrium": xr.Variable(("equilibrium",), np.arange(1, len(found) + 1), {"long_name": "rank by energy"}),
@@ -95,7 +97,8 @@ def energies(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.margins(0.04, 0.08)
     stable = int((ds["index"] == 0).sum())
-    ax.set_title(f"{ds.sizes['equilibrium']} equilibria, {stable} stable: {ds.attrs['stability']}", loc="left")
+    told = f"{ds.sizes['equilibrium']} equilibria, {stable} stable (red): {ds.attrs['stability']}"
+    ax.set_title(f"Above: unrolled, all at one scale, the energy below each.\n{told}", loc="left")
     return style.quiet(ax)
 
 
@@ -127,4 +130,4 @@ def _curve(ds: xr.Dataset, ax: Axes, k: int, half: float) -> None:
     for spine in ax.spines.values():
         spine.set(visible=True, color=style.FAINT)
     ax.set_title(f"{k + 1}  index {int(one['index'])}", loc="left", size=style.SMALL, pad=2)
-    ax.set_xlabel(f"energy {style.number(float(one['energy']))}".replace("-", "−"), size=style.SMALL, labelpad=1)
+    ax.set_xlabel(style.shown(float(one["energy"]), one["energy"]), size=style.SMALL, labelpad=1)

@@ -157,13 +157,18 @@ def _each(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] 
         for where in row:
             body, why = _try(ds, where, kind, look)
             body = tube.beginning(body) if body and not look.span else body
-            shots.append(Shot([body] if body else [], Cell(captions.under(ds, kind, names, where), why)))
+            cell = Cell(captions.under(ds, kind, names, where), why)
+            shots.append(Shot([body] if body else [], cell, clear=True))
             bodies += [body] if body else []
         rows.append(shots)
     rows[-1] += [Shot([], Cell("")) for _ in range(len(rows[0]) - len(rows[-1]))]
     told = ", ".join([*(style.axis_label(n, ds[n], len(names) == 1) for n in names if n != "equilibrium"),
                       *captions.facts(ds, {k: i for k, i in cases[0][0].items() if k not in names})])  # fmt: skip
-    notes = [] if len(first) <= len(cases[0]) * len(cases) else [f"{len(cases[0])} of {len(first)} values"]
+    shown = {names[0]: (sum(map(len, cases)) if len(names) == 1 else len(cases[0]), len(first))}
+    if len(names) == 2:
+        shown[names[1]] = len(cases), ds.sizes[names[1]]
+    notes = [f"{count} of {of} values of {style.symbol(name) if name != 'equilibrium' else 'the list'}"
+             for name, (count, of) in shown.items() if count < of]  # fmt: skip
     part = [body for body in bodies if not body.whole]
     notes += captions.covered(part[:1], str(ds.attrs["length_unit"]))
     notes += ["below each shape its energy"] if kind.name == "equilibria" else []

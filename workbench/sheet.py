@@ -100,6 +100,8 @@ def _cells(fig: Figure, sheet: Sheet, left: float, bottom: float, finer: float) 
         for j, cell in enumerate(row):
             x, y = left + (j + 0.5) * wide, bottom + i * high
             size = style.NORMAL if wide > ROOMY else style.SMALL
+            letters = max(map(len, cell.label.split("\n"))) or 1
+            size = min(size, 0.95 * wide / style.DPI / (letters * style.LETTER))
             middle = y + (high + sheet.label) / 2
             _text(fig, x, y + sheet.label - 10, cell.label, ha="center", va="top", size=size)
             if cell.before:

@@ -109,8 +109,8 @@ def finished(scene: Scene, ends: tuple[float, float], view: View, beside: Room =
     notes = list(scene.notes)
     if off > look.pixel_error * (1 + 1e-9):
         notes = [*notes, f"drawn to within {off:.1f} pixels"]
-    if kind.cells != "together" and any(body.overlaps for row in rows for shot in row for body in shot.bodies):
-        notes = [*notes, "the rod passes through itself"]
+    if kind.cells != "together":
+        notes += captions.impossible([body for row in rows for shot in row for body in shot.bodies])
     inside = "inside the cylinder, cut open" if ds.attrs["side"] == "inside" else ""
     subtitle = " · ".join(fact for fact in (scene.told, style.reading(ds), inside) if fact)
     drawn = Sheet(

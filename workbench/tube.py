@@ -38,13 +38,14 @@ class Body:
     """A rod to be drawn between two arc lengths, `span`.
 
     tint: the name of what is shown in colour. gamma: the section's rotation at the stations, where a stripe shows it.
+    caution: what a real rod could not do, as `cautions` has it.
     """
 
     line: Centreline
     span: tuple[float, float]
     tint: str
     gamma: Array | None = None
-    overlaps: bool = False
+    caution: str = ""
     paint: Paint = field(default_factory=Paint)
 
     @property
@@ -138,8 +139,8 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
     line = centreline.read(one, where)
     this = one.isel(dict(where))
     gamma = np.asarray(dataset.along(this, "gamma"), dtype=float) if kind.tint == "stripe" else None
-    overlaps = "overlaps" in str(this["caution"].values) if "caution" in this else False
-    return Body(line, span or (float(line.s[0]), float(line.s[-1])), kind.tint, gamma, overlaps)
+    caution = str(this["caution"].values) if "caution" in this else ""
+    return Body(line, span or (float(line.s[0]), float(line.s[-1])), kind.tint, gamma, caution)
 
 
 def beginning(body: Body) -> Body:

@@ -273,7 +273,16 @@ def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_wr
         {"outcome": (("E", "beta"), np.full((3, 3), "solved"))},
         {"E": ("E", values["E"], {"units": "N/cm^2"}), "beta": ("beta", values["beta"], {"units": "rad"})},
     )
-    for text, which in (("1.07e4", 1), ("10905", 2), ("10905.0773", 2), ("9960", None), ("1e4", None), ("10905.1", 2)):
+    for text, which in (
+        ("1.07e4", 1),
+        ("10905", 2),
+        ("10910", 2),
+        ("10905.0773", 2),
+        ("9960", None),
+        ("10920", None),
+        ("1e4", None),
+        ("10905.1", 2),
+    ):
         if which is None:
             with pytest.raises(InputError, match=re.escape("its values are 9962, 10700.4, 10905.1")):
                 drawing.chosen(ds, [f"E={text}"])

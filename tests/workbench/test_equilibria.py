@@ -8,6 +8,7 @@ import pytest
 from solver import Case, Ends, InputError, equilibria, solve
 from solver.branch import follow
 from solver.equilibria import nearest
+from solver.observables import observe
 from studies import load
 from tests.cases import ends_in_units_of_rho
 from workbench import bifurcation, branch_plots, cli, gallery, runner, store
@@ -99,6 +100,9 @@ def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
     assert ds["energy"].attrs["units"] == "N cm"
     assert ds["dbeta0"].attrs["units"] == "rad/cm"
     assert float(ds["betaL"]) == case.given.betaL
+    meets = [observe(one.solution, ["overlaps"])["overlaps"] == 1 for one in found]
+    assert any(meets)
+    assert ["overlaps" in text for text in ds["caution"].values] == meets
 
 
 def test_pictures_are_drawn_from_the_datasets_alone(swept, tmp_path, monkeypatch) -> None:

@@ -2,6 +2,7 @@
 
 import resource
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -352,3 +353,20 @@ def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
         scenes.take(long, kind="ghosts", look=taking.Look(span=(0.0, 2000.0)))
     # kilobytes; a process of its own takes 0.9e6 for it, of which 0.8e6 for any picture
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1.2e6
+
+
+def test_what_no_real_rod_could_do_is_said_of_one_rod_or_counted() -> None:
+    rods = [SimpleNamespace(line=object(), caution=text) for text in ("too tight, overlaps, pulled", "overlaps", "")]
+    assert captions.impossible(rods[:1]) == ["the rod passes through itself", "bent tighter than it is thick"]
+    assert captions.impossible([*rods, rods[0]]) == ["2 of 3 pass through themselves", "1 of 3 bent tighter than thick"]
+    assert captions.impossible(rods[2:]) == []
+
+
+@draws
+def test_a_table_of_two_axes_says_how_many_values_it_shows(tmp_path) -> None:
+    from workbench import scenes, taking
+
+    axes = "[axes.E]\nfrom = 1e4\nto = 4e4\ncount = 11\n[axes.R]\nfrom = 0.5\nto = 1.5\ncount = 7\n"
+    taken = scenes.take(dataset(axes=axes), None, "grid", ["E", "R"], look=taking.Look(2.0, 60))
+    assert taken.sheet.notes[:2] == ["9 of 11 values of E", "5 of 7 values of R"]
+    assert [len(row) for row in taken.sheet.cells] == [9] * 5
