@@ -38,14 +38,18 @@ class Worker:
         self._start()
 
     def _start(self) -> None:
-        """On its way; `check` waits for it."""
+        """On its way; `check` waits for it. Raises `InputError` where the system has no process to give."""
         context = _context()
         self.pipe, theirs = context.Pipe()
         self.process: BaseProcess = context.Process(
             target=_work, args=(theirs, self.study, code_version()), daemon=True
         )
-        with _one_thread(), _interrupts_held():
-            self.process.start()
+        try:
+            with _one_thread(), _interrupts_held():
+                self.process.start()
+        except (EOFError, OSError) as error:  # an EOFError is that of the process to be copied, which is gone
+            why = getattr(error, "strerror", None) or "the process that it would be a copy of ended"
+            raise InputError(f"a worker process cannot start: {why}") from None
         theirs.close()
 
     def check(self) -> None:

@@ -39,7 +39,8 @@ def pool(study: Study, chunks: Iterable[Chunk], block: int, workers: int) -> Res
     waiting, again = iter(chunks), deque[Chunk]()
     crew: list[Worker] = []
     try:
-        crew += [Worker(study) for _ in range(workers)]
+        for _ in range(workers):  # each known at once, so that it is stopped where the next cannot start
+            crew.append(Worker(study))
         for worker in crew:
             worker.check()
         while True:

@@ -69,6 +69,24 @@ def test_workers_are_copies_of_one_process_and_solve_what_this_one_would(tmp_pat
 
 
 @linux
+def test_a_worker_whose_model_ends_is_told_in_one_sentence_and_not_taken_for_an_interruption(tmp_path) -> None:
+    (tmp_path / "deadly.py").write_text("import os\nos._exit(1)\n")
+    code = """
+from solver import InputError
+from workbench import crew
+crew._READ_FIRST = "deadly"
+try:
+    crew.Worker(None)
+except InputError as error:
+    print(str(error).replace(" ", "_"))
+"""
+    path = os.pathsep.join([str(tmp_path), str(runs.ROOT)])
+    assert told(code, PYTHONPATH=path) == [
+        "a_worker_process_cannot_start:_the_process_that_it_would_be_a_copy_of_ended"
+    ]
+
+
+@linux
 def test_a_process_that_keeps_memory_does_not_fetch_it_anew_for_every_array() -> None:
     code = """
 import resource
