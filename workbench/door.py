@@ -71,6 +71,8 @@ def _check_file(path: Path) -> None:
         raise InputError(f"cannot read {str(path)!r}: {said}") from None
     if stat.S_ISDIR(mode):
         raise InputError(f"{path} is a folder, not a dataset")
+    if path.suffix == ".toml":
+        raise InputError(f"{path} is a study, not a dataset: workbench run makes one of it")
     if not stat.S_ISREG(mode):
         raise InputError(f"{path} is no regular file")
 

@@ -315,6 +315,12 @@ def test_a_run_into_a_pipe_is_refused_and_waits_for_nobody(tmp_path: Path) -> No
     assert done.stderr == "workbench: many.h5 exists and is no dataset of a study; give --force to replace it\n"
 
 
+def test_a_study_given_for_a_dataset_is_told_how_to_become_one(tmp_path: Path) -> None:
+    path = runs.study(tmp_path, runs.grid(2, 2))
+    with pytest.raises(InputError, match=r"many\.toml is a study, not a dataset: workbench run makes one of it"):
+        store.read(path)
+
+
 AS_NOBODY = """
 import contextlib, os, sys
 from workbench import cli
