@@ -213,7 +213,7 @@ REFUSED = {
     "an unknown study": (["run", "fig7_1"], "did you mean 'fig7_1_modulus'; choose from fig6"),
     "an unknown reading": (["run", "fig6", "--reading", "torsion"], "no reading 'torsion'; choose one word"),
     "a missing file": (["check", "absent.h5"], "there is no file absent.h5"),
-    "a file that is no HDF5": (["check", "small.toml"], "small.toml cannot be read as HDF5"),
+    "a study for a dataset": (["check", "small.toml"], "small.toml is a study, not a dataset: workbench run makes"),
     "half a file": (["check", "half.h5"], "half.h5 cannot be read as HDF5"),
     "half a file to draw": (["scene", "half.h5"], "half.h5 cannot be read as HDF5"),
     "an axis that is not there": (["scene", "small.h5", "--at", "Q=1"], "no axis 'Q'; choose from E, R"),
