@@ -127,7 +127,11 @@ class Study(BaseModel):
                     named = choices(axis for axis in self.axes if axis != law.axis)
                     others = f"choose from {named}" if named else "there is none"
                     raise Misplaced(f"no other axis {name!r}; {others}", "laws", i, "at")
-            for key, names in (("observable", [law.observable]), ("also", law.also)):
+            for key, names in (
+                ("observable", [law.observable]),
+                ("alternatives", law.alternatives),
+                ("also", law.also),
+            ):
                 try:
                     _known("observable", names, OBSERVABLES)
                 except ValueError as error:

@@ -122,6 +122,11 @@ def laws(draw: Any, varied: dict[str, Any]) -> dict[str, Any]:
     }
     if draw(st.booleans()):
         law["also"] = draw(st.lists(st.sampled_from(sorted(OBSERVABLES)), max_size=3, unique=True))
+    if draw(st.booleans()):
+        law["alternatives"] = draw(st.lists(st.sampled_from(sorted(OBSERVABLES)), max_size=2, unique=True))
+        law["fixed"], law["fixed_note"] = draw(st.sampled_from(["in advance", "after"])), draw(WORDS.filter(str.strip))
+    if law["direction"].startswith("not-") and draw(st.booleans()):
+        law["says"] = {"not-falling": "rises", "not-rising": "falls"}[law["direction"]]
     others = sorted(set(varied) - {axis})
     if others and draw(st.booleans()):
         law["at"] = {

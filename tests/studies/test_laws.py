@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import kendalltau
 
 from solver import InputError
-from studies.laws import FAILS, HOLDS, TREND, Law, decide, judge, refused
+from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, Law, decide, judge, refused, worst
 
 LAW = Law(claim="(1)", observable="turns", axis="E", direction="falls", source="a sentence")
 
@@ -56,10 +56,68 @@ def test_tau_is_kendalls_tau_b() -> None:
             assert judge(row, "falls").tau == pytest.approx(-kendalltau(np.arange(9), row).statistic)
 
 
-def test_an_unsolved_case_makes_the_law_fail_and_says_so() -> None:
+def test_an_unsolved_case_leaves_the_law_undecided_and_says_so() -> None:
     verdict = judge([3.0, np.nan, 1.0], "falls")
-    assert verdict.verdict == FAILS
+    assert verdict.verdict == UNDECIDED
     assert verdict.reason == "1 of 3 cases unsolved"
+    assert judge([np.nan, np.nan], "falls").verdict == UNDECIDED
+
+
+def test_a_law_fails_for_all_its_unsolved_cases_where_the_solved_ones_rule_out_even_a_trend() -> None:
+    verdict = judge([1.0, 2.0, 3.0, np.nan, 1.5], "falls")  # 2 pairs of 6 fall: tau is at most 0.2
+    assert verdict.verdict == FAILS
+    assert verdict.exceptions == [(0, 1), (1, 2)]
+    assert verdict.reason == "1 of 5 cases unsolved; the other steps rule out even a trend"
+
+
+@pytest.mark.parametrize("direction", ["rises", "falls", "not-falling", "not-rising"])
+def test_what_is_missing_could_have_decided_either_way_where_a_law_is_undecided_and_never_where_it_fails(
+    direction: str,
+) -> None:
+    """Brute force: every way to fill in the missing case."""
+    random = np.random.default_rng(7)
+    seen = set()
+    for _ in range(300):
+        row = random.integers(0, 5, 6).astype(float)
+        row[random.integers(6)] = np.nan
+        fill = np.arange(-1, 5.5, 0.5)
+        possible = {judge(np.where(np.isnan(row), value, row), direction).verdict for value in fill}
+        verdict = judge(row, direction).verdict
+        seen.add(verdict)
+        assert verdict in (UNDECIDED, FAILS)
+        assert verdict == UNDECIDED or possible == {FAILS}
+    assert seen == {UNDECIDED, FAILS}
+
+
+def test_one_value_decides_nothing() -> None:
+    for direction in ("rises", "not-falling"):
+        assert judge([1.0], direction).verdict == UNDECIDED
+
+
+def test_a_step_across_branches_is_never_evidence() -> None:
+    values, cut = [1.0, 2.0, 0.5, 1.5], [False, True, False]
+    assert judge(values, "rises").verdict == FAILS
+    across = judge(values, "rises", crossing=cut)  # rises on each of the two branches
+    assert (across.verdict, across.exceptions) == (UNDECIDED, [])
+    assert across.reason == "1 of 3 steps crosses to another branch of equilibria"
+    assert judge([1.0, 2.0, 3.0, 4.0], "rises", crossing=cut).verdict == UNDECIDED  # nor is it evidence for the law
+    falling = judge([4.0, 3.0, 9.0, 8.0], "rises", crossing=cut)
+    assert (falling.verdict, falling.exceptions) == (FAILS, [(0, 1), (2, 3)])
+    assert falling.reason.startswith("1 of 3 steps crosses to another branch of equilibria; ")
+
+
+def test_pairs_across_a_crossing_are_not_counted_in_tau() -> None:
+    row = np.array([1.0, 3, 2, 4, 0, 1, 2, 3])
+    cut = np.zeros(7, dtype=bool)
+    cut[3] = True
+    left, right = kendalltau(range(4), row[:4]), kendalltau(range(4), row[4:])  # six pairs each, none equal
+    assert judge(row, "rises", crossing=cut).tau == pytest.approx((left.statistic + right.statistic) / 2)
+
+
+@pytest.mark.parametrize("cut", [[True], [0, 1], [[True, False]]])
+def test_a_mask_of_steps_that_does_not_fit_is_refused(cut: object) -> None:
+    with pytest.raises(InputError, match="one bool for each of 2 steps"):
+        judge([1.0, 2.0, 3.0], "rises", crossing=cut)  # type: ignore[arg-type]
 
 
 def test_rounding_is_no_change() -> None:
@@ -107,18 +165,97 @@ def test_a_law_decided_at_a_value_of_the_other_axis_counts_the_other_lines_too()
     grid = np.array([[9, 9, 1], [8, 8, 2], [7, 7, 3]])  # along E; the third line rises
     axes = {"E": [1.0, 2, 3], "R": [0.5, 1.0, 1.5]}
     good = decide(LAW.model_copy(update={"at": {"R": 0.9}}), {"turns": grid}, axes)
-    assert (good["verdict"], good["at"], good["exceptions"]) == (HOLDS, {"R": 1.0}, [])
+    assert (good["verdict"], good["at"], good["exceptions"]) == (QUALIFIED, {"R": 1.0}, [])
+    assert good["qualifications"] == ["on part of the grid"]
+    assert good["reason"] == "on part of the grid (decided at R = 1; of 3 lines 2 hold, 1 fails)"
     assert (good["lines"], good["lines_hold"], good["first"]) == (3, 2, [9.0, 9.0])
+    assert good["line_verdicts"] == {HOLDS: 2, FAILS: 1}
     bad = decide(LAW.model_copy(update={"at": {"R": 9.0}}), {"turns": grid}, axes)
     assert (bad["verdict"], bad["at"]) == (FAILS, {"R": 1.5})
 
 
-def test_a_law_that_cannot_be_tested_fails_for_a_reason_in_a_row_like_the_others() -> None:
+def test_a_law_that_cannot_be_tested_is_not_decided_for_a_reason_in_a_row_like_the_others() -> None:
     law = LAW.model_copy(update={"also": ["wraps"]})
     row = refused(law, "no such shape")
     other = decide(law, {"turns": [2, 1], "wraps": [2.0, 1.0]}, {"E": [1.0, 2.0]})
-    assert (row["verdict"], row["reason"], row["also"][0]["verdict"]) == (FAILS, "no such shape", FAILS)
+    assert (row["verdict"], row["reason"], row["also"][0]["verdict"]) == (UNDECIDED, "no such shape", UNDECIDED)
     assert (row.keys(), row["also"][0].keys()) == (other.keys(), other["also"][0].keys())
+
+
+def test_a_law_decided_on_one_line_holds_only_where_every_line_is_as_good() -> None:
+    axes = {"E": [1.0, 2, 3, 4, 5], "R": [0.5, 1.0]}
+    here = LAW.model_copy(update={"observable": "wraps", "at": {"R": 1.0}})
+    falls, trend = [5.0, 4, 3, 2, 1], [5.0, 4, 3, 1, 2]
+    for other, own, verdict in ((falls, falls, HOLDS), (falls, trend, TREND), (trend, trend, TREND)):
+        row = decide(here, {"wraps": np.array([other, own]).T}, axes)
+        assert (row["verdict"], row["qualifications"]) == (verdict, [])
+    row = decide(here, {"wraps": np.array([trend, falls]).T}, axes)
+    assert (row["verdict"], row["line_verdicts"]) == (QUALIFIED, {HOLDS: 1, TREND: 1})
+    row = decide(here, {"wraps": np.array([falls, falls[::-1]]).T}, axes)
+    assert (row["verdict"], row["qualifications"]) == (FAILS, [])  # what fails where it is decided is not qualified
+    row = decide(here, {"wraps": np.array([[5.0, np.nan, 3, 2, 1], falls]).T}, axes)
+    assert row["reason"] == "on part of the grid (decided at R = 1; of 2 lines 1 holds, 1 is not decided)"
+
+
+def test_a_count_that_stands_still_where_the_sentence_says_it_rises_is_not_contradicted() -> None:
+    law = Law(claim="(4)", observable="turns", axis="E", direction="not-falling", says="rises", source="s")
+    axes = {"E": [1.0, 2.0, 3.0]}
+    level = decide(law, {"turns": [6, 6, 6]}, axes)
+    assert (level["verdict"], level["qualifications"]) == (QUALIFIED, ["not contradicted"])
+    assert level["reason"] == "not contradicted (turns stays at 6, where the sentence says that it rises)"
+    assert decide(law, {"turns": [6, 6, 7]}, axes)["verdict"] == HOLDS  # a count may pause
+    assert decide(law, {"turns": [6, 7, 6]}, axes)["verdict"] == FAILS
+    assert decide(law.model_copy(update={"says": None}), {"turns": [6, 6, 6]}, axes)["verdict"] == HOLDS
+    grid = decide(law, {"turns": np.array([[6, 6, 6], [6, 7, 8]]).T}, {**axes, "R": [1.0, 2.0]})
+    assert grid["reason"].startswith("not contradicted (turns stands still on 1 of 2 lines, where the sentence")
+
+
+def test_a_law_depends_on_the_observable_where_an_alternative_fails_and_its_own_does_not() -> None:
+    axes = {"R": [1.0, 2.0, 3.0]}
+    law = Law(claim="(2)", observable="kappa_max", axis="R", direction="falls", source="s", alternatives=["amplitude"])
+    up, down = [1.0, 2.0, 3.0], [3.0, 2.0, 1.0]
+    row = decide(law, {"kappa_max": down, "amplitude": up}, axes)
+    assert (row["verdict"], row["qualifications"]) == (QUALIFIED, ["depends on the observable"])
+    assert row["reason"] == "depends on the observable (kappa_max falls; amplitude rises instead at 2 of 2 steps)"
+    assert [(also["observable"], also["alternative"], also["verdict"]) for also in row["also"]] == [
+        ("amplitude", True, FAILS)
+    ]
+    assert decide(law, {"kappa_max": down, "amplitude": down}, axes)["verdict"] == HOLDS
+    # an observable chosen afterwards does not rescue a law
+    assert decide(law, {"kappa_max": up, "amplitude": down}, axes)["verdict"] == FAILS
+    # nor does what was not decided speak against it
+    assert decide(law, {"kappa_max": down, "amplitude": [3.0, np.nan, 1.0]}, axes)["verdict"] == HOLDS
+
+
+def test_verdicts_are_ordered_from_best_to_worst() -> None:
+    assert VERDICTS == (HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS)
+    assert worst([HOLDS, QUALIFIED, TREND]) == QUALIFIED
+    assert worst([FAILS, UNDECIDED]) == FAILS
+
+
+def test_steps_across_branches_are_left_out_along_the_laws_own_axis() -> None:
+    axes = {"E": [1.0, 2.0], "R": [1.0, 2.0, 3.0]}
+    grid = np.array([[1.0, 2.0, 0.5], [1.0, 2.0, 3.0]])  # along R; on the first line the last step crosses
+    law = Law(claim="c", observable="wraps", axis="R", direction="rises", source="s")
+    assert decide(law, {"wraps": grid}, axes)["verdict"] == FAILS
+    cut = np.array([[False, True], [False, False]])
+    row = decide(law, {"wraps": grid}, axes, cut)
+    assert (row["verdict"], row["line_verdicts"]) == (UNDECIDED, {HOLDS: 1, UNDECIDED: 1})
+    with pytest.raises(InputError, match=r"bools of shape \(2, 2\)"):
+        decide(law, {"wraps": grid}, axes, cut.T[:1])
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({"says": "falls"}, "says = 'falls' is the other way than direction = 'not-falling'"),
+        ({"fixed": "after"}, "fixed = 'after' needs fixed_note"),
+        ({"fixed": "before"}, "in advance"),
+    ],
+)
+def test_a_law_that_contradicts_itself_is_refused(more: dict[str, str], told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        Law(claim="c", observable="turns", axis="E", direction="not-falling", source="s", **more)  # type: ignore[arg-type]
 
 
 def test_other_observables_that_the_sentence_admits_get_verdicts_of_their_own() -> None:

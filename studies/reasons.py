@@ -1,0 +1,109 @@
+"""Why a law is qualified, not decided or fails: the kinds of qualification, and one sentence each."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from .verdicts import (
+    DIRECTIONS,
+    FAILS,
+    HOLDS,
+    QUALIFIED,
+    TREND,
+    TREND_TAU,
+    UNDECIDED,
+    VERDICTS,
+    Verdict,
+    as_good,
+    worst,
+)
+
+NOT_CONTRADICTED, ON_PART, ON_OBSERVABLE = QUALIFICATIONS = (
+    "not contradicted",
+    "on part of the grid",
+    "depends on the observable",
+)
+
+MOST = 3  # reasons of different lines of a grid that are told
+DOES = {  # verdict -> what one law or line does, and what several do
+    HOLDS: ("holds", "hold"),
+    TREND: ("holds as a trend", "hold as a trend"),
+    QUALIFIED: ("is qualified", "are qualified"),
+    UNDECIDED: ("is not decided", "are not decided"),
+    FAILS: ("fails", "fail"),
+}
+MEANT = {"rises": "rises", "falls": "falls", "not-falling": "does not fall", "not-rising": "does not rise"}
+NOT_SO = {"rises": "does not rise", "falls": "does not fall", "not-falling": "falls", "not-rising": "rises"}
+INSTEAD = {1: "falls instead", -1: "rises instead"}  # of the sign of a right step
+
+
+def together(
+    name: str,
+    meant: str,
+    deciding: Sequence[Verdict],
+    every: Sequence[str],
+    at: Mapping[str, float],
+    first: list[float] | None,
+) -> dict[str, Any]:
+    """Verdict, qualifications and reason of an observable, from the lines that decide and the verdicts of all lines.
+
+    meant: the direction that the sentence gives. at: where it is decided. first: the range of the observable at the
+    start of the axis.
+    """
+    verdict = worst([one.verdict for one in deciding])
+    kinds: list[str] = []
+    if verdict == QUALIFIED:
+        kinds.append(NOT_CONTRADICTED)
+        told = [_standing(name, meant, deciding, first)]
+    else:
+        told = list(dict.fromkeys(one.reason for one in deciding if one.reason))
+        told = [*told[:MOST], *(["and so on"] if len(told) > MOST else [])]
+    if as_good(verdict, QUALIFIED) and not as_good(worst(every), verdict):
+        kinds.append(ON_PART)
+        told.append(_part(every, at))
+        verdict = QUALIFIED
+    return {"verdict": verdict, "qualifications": kinds, "reason": joined(told)}
+
+
+def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, Any]]) -> str:
+    """What the law's own observable does, which of its alternatives fail, and how. row, others: their rows."""
+    trend = f" as a trend, with {_wrong(row)} the wrong way" if row["exceptions"] else ""
+    told = [f"{row['observable']} {MEANT[row['direction']]}{trend}"]
+    for other in others:
+        reverse = other["tau"] is not None and other["tau"] <= -TREND_TAU
+        does = INSTEAD[DIRECTIONS[meant][0]] if reverse else NOT_SO[meant]
+        told.append(f"{other['observable']} {does}{f' at {_wrong(other)}' if other['exceptions'] else ''}")
+    return f"{ON_OBSERVABLE} ({'; '.join(told)})"
+
+
+def counted(counts: Mapping[str, int]) -> str:
+    """How many have each verdict, best first: ``6 hold, 3 hold as a trend``."""
+    there = [(counts[verdict], DOES[verdict]) for verdict in VERDICTS if counts.get(verdict)]
+    return ", ".join(f"{count} {words[count > 1]}" for count, words in there)
+
+
+def joined(told: Sequence[str]) -> str:
+    """Those that say something, as one sentence."""
+    return "; ".join(one for one in told if one)
+
+
+def _standing(name: str, meant: str, deciding: Sequence[Verdict], first: list[float] | None) -> str:
+    """How the observable stands still on the lines that decide."""
+    if len(deciding) > 1:
+        standing = sum(one.verdict == QUALIFIED for one in deciding)
+        how = f"stands still on {standing} of {len(deciding)} lines"
+    elif deciding[0].reason and first:  # it does not change at all
+        how = f"stays at {first[0]:.4g}"
+    else:
+        how = "stands still at some steps"
+    return f"{NOT_CONTRADICTED} ({name} {how}, where the sentence says that it {MEANT[meant]})"
+
+
+def _part(every: Sequence[str], at: Mapping[str, float]) -> str:
+    """Where a law was decided, and how many lines of the grid have which verdict."""
+    here = ", ".join(f"{axis} = {value:.4g}" for axis, value in at.items())
+    return f"{ON_PART} (decided at {here}; of {len(every)} lines {counted(Counter(every))})"
+
+
+def _wrong(row: Mapping[str, Any]) -> str:
+    return f"{len(row['exceptions'])} of {row['steps']} steps"
