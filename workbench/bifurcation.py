@@ -13,7 +13,7 @@ from solver.equilibria import Equilibrium
 from solver.observables import observe
 from studies import Study
 from studies.axes import quantity_of
-from studies.laws import COUNTS, Law, judge
+from studies.laws import QUALIFIED, Law, decide
 
 from . import dataset, style
 from .asking import with_fields
@@ -28,7 +28,7 @@ STATIONS = 101
 def sweep(study: Study, case: Case, name: str, values: Any, step: Callable[[str], None]) -> xr.Dataset:
     """Over (axis, member), members of each value by energy, NaN beyond their number: what is listed of each, the
     observables that the study's laws on this axis judge, and `branch`, its number. Over `fold`: where two branches
-    meet. Attribute `branches`: a row each, with its laws' verdicts, as JSON."""
+    meet. Attribute `branches`: a row each, with its laws' verdicts (`studies.laws.decide`), as JSON."""
 
     @cache
     def at(value: float) -> list[Equilibrium]:
@@ -39,7 +39,7 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Callable[[str]
     found, branch, meets = joined(at, [float(value) for value in values], said)
     units = study.unit_system
     most = max((len(f) for f in found), default=0)
-    wanted = list(dict.fromkeys(law.observable for law in laws if law.observable not in EACH))
+    wanted = list(dict.fromkeys(one for law in laws for one in law.observables if one not in EACH))
     table = {key: np.full((len(found), most), np.nan) for key in (*EACH, *wanted)}
     for k, members in enumerate(found):
         for i, one in enumerate(members):
@@ -95,9 +95,8 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law]) -> list[dict[str, Any]]:
             "turns": f"{turns[0]} to {turns[-1]}" if turns[0] != turns[-1] else str(turns[0]),
         }  # fmt: skip
         for law in laws:
-            values = ds[law.observable].values[k, i]
-            whole = values.astype(int) if law.observable in COUNTS else values
-            said = judge(whole, law.direction)
-            row[f"{law.observable} {law.direction}"] = said.verdict if k.size > 2 else "too short"
+            said = decide(law, {one: ds[one].values[k, i] for one in law.observables}, {name: ds[name].values[k]})
+            kinds = f": {', '.join(said['qualifications'])}" if said["verdict"] == QUALIFIED else ""
+            row[f"{law.observable} {law.direction}"] = said["verdict"] + kinds if k.size > 2 else "too short"
         rows.append(row)
     return rows

@@ -10,13 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from studies.laws import HOLDS, QUALIFIED
+
 from . import style
 from .bifurcation import branches
 
 
 def figure(ds: xr.Dataset, path: Path) -> Figure:
     """beta'(0) and energy against the axis: stable branches solid, unstable ones thin, folds marked; where laws were
-    judged, the branches on which all hold have a colour. Saved by the name's ending."""
+    judged, the branches on which none fails have a colour. Saved by the name's ending."""
     style.picture_kind(path, (".png", ".pdf", ".svg"))
     with rc_context(style.RC):
         fig = Figure(figsize=(9.6, 9.2), layout="constrained")
@@ -62,10 +64,10 @@ def panel(ds: xr.Dataset, ax: Axes, key: str) -> Axes:
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     """How a branch is drawn, and what that means."""
     verdicts = [v for key, v in row.items() if " " in key]
-    holds = bool(verdicts) and all(v == "holds" for v in verdicts)
+    holds = bool(verdicts) and all(v.startswith((HOLDS, QUALIFIED)) for v in verdicts)
     stable = row["index"] == 0
     colour = style.PUSHED if holds else style.INK if stable else style.SOFT
     look = {"color": colour, "linewidth": 2.6 if stable else 1.3, "zorder": 4 if stable else 3 if holds else 2}
     if not stable and not holds:
         look["alpha"] = 0.55
-    return look, ("stable" if stable else "unstable") + (", the study's laws hold" if holds else "")
+    return look, ("stable" if stable else "unstable") + (", no law of the study fails" if holds else "")

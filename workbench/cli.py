@@ -1,6 +1,6 @@
 """The command line. Each command imports what is heavy itself, so that --help answers at once.
 
-Exit status: 0 done; 1 done, but a law fails or a case is unsolved; 2 asked wrongly; 130 interrupted.
+Exit status: 0 done; 1 done, but a law does not hold in full or a case is unsolved; 2 asked wrongly; 130 interrupted.
 """
 
 import sys
@@ -141,7 +141,7 @@ def run(
 
 @app.command()
 def check(file: File, json: Json = False) -> None:
-    """Judge each law of a stored study; exit status 1 where one fails or a case is unsolved."""
+    """Judge each law of a stored study; exit status 1 where one does not hold in full or a case is unsolved."""
     from .running import check_file
 
     raise typer.Exit(check_file(file, json))
@@ -162,7 +162,7 @@ def merge(
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is not this study's.")] = False,
     json: Json = False,
 ) -> None:
-    """Join studies that extend one another along one axis; exit status 1 where a law then fails."""
+    """Join studies that extend one another along one axis; exit status as of check."""
     from .merge import merge_files
 
     raise typer.Exit(merge_files(files, out, force, json))

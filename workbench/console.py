@@ -15,7 +15,9 @@ from rich.table import Table
 out = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 200)
 err = Console(stderr=True, highlight=False, soft_wrap=True)
 
-COLOURS = {"holds": "green", "holds as a trend": "yellow", "fails": "red"}
+COLOURS = {  # verdict -> colour
+    "holds": "green", "holds as a trend": "cyan", "qualified": "dark_orange", "not decided": "magenta", "fails": "red",
+}  # fmt: skip
 
 
 def say(text: str) -> None:

@@ -105,7 +105,7 @@ def energies(ds: xr.Dataset, ax: Axes) -> Axes:
 def colours(ds: xr.Dataset) -> list[Any]:
     """The colour of each by its index; the stable ones stand out."""
     ramp = style.colours(int(ds["index"].max()) + 1 if ds["index"].size else 1)
-    return [style.VERDICT_COLOURS["fails"] if i == 0 else ramp[i] for i in ds["index"].values]
+    return [style.STABLE if i == 0 else ramp[i] for i in ds["index"].values]
 
 
 def _shape(ds: xr.Dataset, k: int) -> tuple[Any, Any]:

@@ -15,7 +15,6 @@ import xarray as xr
 
 from solver.errors import InputError, choices
 from studies import TABLE_1, Study
-from studies.laws import FAILS
 from studies.loader import loads
 from studies.writer import dumps, told
 
@@ -34,7 +33,7 @@ OF_ONE_RUN = ("recipe", "told", "caution")  # attributes that are of one run alo
 
 
 def merge_files(files: Sequence[Path], out: Path, force: bool, json: bool) -> int:
-    """Join the files into `out` and print its verdicts; 0, or 1 where a law fails or a case is unsolved.
+    """Join the files into `out` and print its verdicts; the exit status is that of `check.status`.
 
     Raises `InputError` where they are not one study along one axis; nothing is stored then.
     """
@@ -45,6 +44,7 @@ def merge_files(files: Sequence[Path], out: Path, force: bool, json: bool) -> in
     if done["laws"]:
         rows = [[row["claim"], check.stated(row), check.measured(row), check.said(row)] for row in done["laws"]]
         console.print_table(["claim", "law", "measured", "verdict"], rows)
+        console.say(check.tallied(done["laws"]))
     console.say(f"{out}: {done['values']} values of {done['axis']} from {len(files)} files")
     console.say(f"{done['cases']} cases, {done['unsolved']} unsolved")
     if done["caution"]:
@@ -171,9 +171,8 @@ def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
         if recipe is not None:
             file.attrs["recipe"] = json.dumps(recipe)
             file.attrs["told"] = json.dumps({"outcomes": outcomes, "cautions": texts, "laws": verdicts})
-    failing = unsolved > 0 or any(row["verdict"] == FAILS for row in verdicts)
     counts = {"cases": sum(outcomes.values()), "unsolved": unsolved}
-    return {**counts, "laws": verdicts, "caution": caution, "status": int(failing)}
+    return {**counts, "laws": verdicts, "caution": caution, "status": check.status(unsolved, verdicts)}
 
 
 def _recipe(files: Sequence[xr.Dataset], union: joining.Union) -> dict[str, Any] | None:

@@ -1,5 +1,6 @@
 """Trends and developed curves of a stored dataset, as Matplotlib figures without pyplot and without solving."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from . import check, dataset, picking, profile, style
 from .unrolled import axis_label, developed, strip_height
 
 KINDS = (".png", ".pdf", ".svg")
-WIDTH, LAW_HEIGHT = 9.6, 3.9  # inches
+WIDTH, LAW_HEIGHT = 9.6, 4.3  # inches
 BESIDE, LEAST_BESIDE = 0.55, 2.6  # the share of the width that curves have beside a law, and inches they then need
 MOST_PLAIN = 4  # observables shown where there is no law
 NOT_OBSERVED = ("outcome", "error", "condition", "FZ", "MZ", "M3", "dbeta0")
@@ -41,15 +42,15 @@ def figure(ds: xr.Dataset, path: str | Path, dpi: int = style.DPI) -> Figure:
     return fig
 
 
-def panel(ds: xr.Dataset, ax: Axes, law: int = 0) -> Axes:
-    """A law's observable against its axis, with the verdict; of the study's laws the one of that number.
+def panel(ds: xr.Dataset, ax: Axes, law: int = 0, rows: Sequence[dict[str, Any]] | None = None) -> Axes:
+    """A law's observable against its axis, with the verdict and its reason; of the study's laws the one of that number.
 
-    Raises `InputError` where there is no such law.
+    rows: those of `check.verdicts`, where they are known already. Raises `InputError` where there is no such law.
     """
-    laws = check.laws(ds)
-    if not 0 <= law < len(laws):
-        raise InputError(f"no law number {law}: the study has {len(laws)}")
-    row = check.verdicts(ds)[law]
+    rows = check.verdicts(ds) if rows is None else rows
+    if not 0 <= law < len(rows):
+        raise InputError(f"no law number {law}: the study has {len(rows)}")
+    row = rows[law]
     trend(ds, ax, row["observable"], row["axis"], row["at"])
     for step in row["exceptions"]:
         if all(step["at"][name] == value for name, value in row["at"].items()):
@@ -57,14 +58,10 @@ def panel(ds: xr.Dataset, ax: Axes, law: int = 0) -> Axes:
             ax.plot(ends, step["values"], color=style.VERDICT_COLOURS[FAILS], linewidth=3, alpha=0.75, zorder=3,
                     label="a step the wrong way")  # fmt: skip
     words = f"{row['claim']}  {style.words(ds[row['observable']])} {style.DIRECTIONS[row['direction']]}"
-    verdict = style.wrapped(check.said(row), ax, bold=True)
-    pad = 6 + 14 * (verdict.count("\n") + 1)  # points, room for the verdict
+    pad = 6 + _verdict(ds, ax, row)
     ax.set_title(style.wrapped(f"{words} {style.symbol(row['axis'])}:", ax), loc="left", pad=pad)
-    ax.text(0, 1.015, verdict, transform=ax.transAxes, va="bottom", weight="bold",
-            color=style.VERDICT_COLOURS[row["verdict"]])  # fmt: skip
     if row["also"]:
-        others = "; ".join(f"{style.short(ds[also['observable']])} {_brief(also)}" for also in row["also"])
-        text = style.wrapped(f"Also admitted by the sentence: {others}.", ax, style.SMALL)
+        text = style.wrapped(_others(ds, row), ax, style.SMALL)
         lines = "\n" * (text.count("\n") + 2)
         ax.set_xlabel(ax.get_xlabel() + lines, linespacing=0.95)  # room that the layout sees
         note = ax.annotate(text, (0, 0), (-8, -38), xycoords="axes fraction", textcoords="offset points", va="top",
@@ -72,6 +69,35 @@ def panel(ds: xr.Dataset, ax: Axes, law: int = 0) -> Axes:
         note.set_in_layout(False)
     _legend(ax)
     return ax
+
+
+def _verdict(ds: xr.Dataset, ax: Axes, row: dict[str, Any]) -> float:
+    """Write the verdict above the axes and its reason below it, in the verdict's colour; their height in points."""
+    colour = style.VERDICT_COLOURS[row["verdict"]]
+    reason = style.wrapped(_symbols(ds, row, check.detail(row)), ax, style.SMALL)
+    below = 11 * (reason.count("\n") + 1) if reason else 0
+    lift = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom", "color": colour}
+    ax.annotate(reason, (0, 1), (0, 3), size=style.SMALL, **lift)
+    ax.annotate(row["verdict"], (0, 1), (0, 3 + below), weight="bold", **lift)
+    return below + 14
+
+
+def _others(ds: xr.Dataset, row: dict[str, Any]) -> str:
+    """The verdicts of the other observables: those as plausible as the law's own, then the rest."""
+    told = []
+    for words, equal in (("As plausible", True), ("Also admitted by the sentence", False)):
+        some = [also for also in row["also"] if also["alternative"] == equal]
+        if some:
+            brief = "; ".join(f"{style.short(ds[also['observable']])} {_brief(also)}" for also in some)
+            told.append(f"{words}: {brief}.")
+    return " ".join(told)
+
+
+def _symbols(ds: xr.Dataset, row: dict[str, Any], text: str) -> str:
+    """A reason with symbols in place of the names of observables and axes."""
+    names = {one["observable"]: style.short(ds[one["observable"]]) for one in (row, *row["also"])}
+    names |= {axis: style.symbol(axis) for axis in dataset.axes_of(ds)}
+    return style.typeset(re.sub(r"\w+", lambda word: names.get(word[0], word[0]), text))
 
 
 def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:
@@ -115,7 +141,8 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
 
 def _trends(ds: xr.Dataset, axes: Sequence[str]) -> Figure:
     """Each law beside the curves along an axis, or all laws in a row below where there are more of them."""
-    count = len(check.laws(ds))
+    judged = check.verdicts(ds)
+    count = len(judged)
     plain = [] if count else [str(name) for name in ds.data_vars if _observed(ds, str(name))][:MOST_PLAIN]
     panels = count or len(plain)
     rows = len(axes) if profile.has_shape(ds) else 0
@@ -135,7 +162,7 @@ def _trends(ds: xr.Dataset, axes: Sequence[str]) -> Figure:
     for i, cell in enumerate(cells):
         ax = fig.add_subplot(cell)
         if count:
-            panel(ds, ax, i)
+            panel(ds, ax, i, judged)
         else:
             trend(ds, ax, plain[i], axes[0])
             ax.set_title(style.words(ds[plain[i]]), loc="left")

@@ -28,7 +28,7 @@ def run(
 ) -> xr.Dataset:
     """Run the panels under the readings; `step` is called with a text as each run begins.
 
-    Over (reading, law): `verdict`, `tau`, `first` and `last` (the observable at the ends of its axis, the
+    Over (reading, law): `verdict`, `reason`, `tau`, `first` and `last` (the observable at the ends of its axis, the
     mean over the lines of a grid), `lines`, `lines_hold`, `exceptions`. Over (reading, claim):
     `claim_verdict`, the worst of its laws. Over (reading, panel): `unsolved` cases. Attribute `rows`: for
     each reading, each law's row as `check.verdicts` gives it, as JSON.
@@ -72,6 +72,7 @@ def _labelled(
 
     data = {
         "verdict": (both, table("verdict"), {"long_name": "verdict of the law"}),
+        "reason": (both, table("reason"), {"long_name": "why it is qualified, not decided or fails"}),
         "tau": (both, np.array(table("tau"), dtype=float), _number("Kendall's tau in the law's direction")),
         "lines": (both, table("lines"), _number("lines of the grid along the law's axis")),
         "lines_hold": (both, table("lines_hold"), _number("lines on which the law holds")),

@@ -3,6 +3,7 @@
 import base64
 import json
 import os
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from io import BytesIO
@@ -16,6 +17,8 @@ from matplotlib import image
 
 from solver.errors import InputError
 from solver.quantities import quantity
+from studies import reasons
+from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
 from . import check, gl, report_measured, report_view, style
 from .dataset import axes_of
@@ -29,7 +32,7 @@ SINGLE = (
     "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_mean", "contact_min",
     "contact_max", "attached", "overlaps", "energy", "index",
 )  # fmt: skip
-CLASSES = {"holds": "holds", "holds as a trend": "trend", "fails": "fails"}
+CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
 TITLES = {"trade": "Accuracy against cost", "extremes": "The extremes"}
 SCENE, DRAWING = {"quality": 90}, {"lossless": True}  # of WebP: shaded bodies, and lines and letters
 
@@ -77,6 +80,7 @@ def html(
         reading=str(results[0].ds.attrs["reading"]),
         colours={CLASSES[verdict]: colour for verdict, colour in style.VERDICT_COLOURS.items()},
         claims=_claims(sections),
+        tally=check.tallied([row for result in results for row in result.verdicts]),
         sections=sections,
         laws=[row for section in sections for row in section["laws"]],
         readings=_readings(readings),
@@ -147,33 +151,38 @@ def _law(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
         "stated": f"{words} {style.DIRECTIONS[row['direction']]} {style.symbol(row['axis'])}",
         "name": row["observable"],
         **_verdict(row),
+        "fixed": row["fixed"] or "not stated",
+        "fixed_note": row["fixed_note"] or "",
         "also": [
-            {"stated": style.words(ds[also["observable"]]), "name": also["observable"], **_verdict(also)}
+            {
+                "stated": style.words(ds[also["observable"]]),
+                "name": also["observable"],
+                "role": "as plausible" if also["alternative"] else "or",
+                **_verdict(also),
+            }
             for also in row["also"]
         ],
     }
 
 
 def _verdict(row: Mapping[str, Any]) -> dict[str, str]:
-    said = check.said(dict(row))
     return {
         "verdict": row["verdict"],
         "class": CLASSES[row["verdict"]],
-        "measured": style.minus(check.measured(dict(row))),
-        "detail": style.typeset(said.removeprefix(row["verdict"]).strip().removeprefix("(").removesuffix(")")),
+        "measured": style.minus(check.measured(row)),
+        "detail": style.typeset(check.detail(row)),
     }
 
 
 def _claims(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Each claim with the worst verdict of its laws, these laws, and where it is shown."""
-    order = list(CLASSES)
     found: dict[str, dict[str, Any]] = {}
     for section in sections:
         for law in section["laws"]:
             claim = found.setdefault(law["claim"], {**law, "id": section["id"], "title": section["title"], "laws": []})
             claim["laws"].append(law)
-            if order.index(law["verdict"]) > order.index(claim["verdict"]):
-                claim |= {"verdict": law["verdict"], "class": law["class"]}
+            verdict = worst([law["verdict"], claim["verdict"]])
+            claim |= {"verdict": verdict, "class": CLASSES[verdict]}
     return list(found.values())
 
 
@@ -198,13 +207,20 @@ def _readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
                     "verdict": str(verdict),
                     "class": CLASSES[str(verdict)],
                     "measured": measured,
-                    "reason": _sentence(next((row["reason"] for row in laws if not row["first"]), "")),
+                    "reason": _sentence(_short(laws)),
                     "why": style.typeset("; ".join(f"{row['observable']}: {check.said(row)}" for row in laws)),
                 }
             )
-        good = sum(cell["class"] != "fails" for cell in cells)
-        table.append({"name": str(reading), "words": str(reading).split("/"), "cells": cells, "good": good})
+        counts = reasons.counted(Counter(str(verdict) for verdict in verdicts))
+        table.append({"name": str(reading), "words": str(reading).split("/"), "cells": cells, "counts": counts})
     return {"claims": claims, "rows": table}
+
+
+def _short(laws: Sequence[Mapping[str, Any]]) -> str:
+    """Why a claim was not put to the test, or the kinds of its qualifications."""
+    if untested := [row["reason"] for row in laws if not row["first"]]:
+        return str(untested[0])
+    return ", ".join(dict.fromkeys(kind for row in laws for kind in row["qualifications"]))
 
 
 def _single(ds: xr.Dataset) -> list[tuple[str, str]]:

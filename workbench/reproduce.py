@@ -7,7 +7,7 @@ import xarray as xr
 
 from solver.errors import InputError
 from studies import READINGS, load, names
-from studies.laws import FAILS
+from studies.laws import TREND
 
 from . import check, console, readings_run, runner, store
 from .runner import StudyResult
@@ -16,7 +16,8 @@ DEFAULT_STUDIES = "fig"  # the shipped studies whose names begin so are figures 
 
 
 def reproduce(out: Path, reading: str | None) -> int:
-    """Do everything into the folder `out`; 0, or 1 where a law fails or a case is unsolved.
+    """Do everything into the folder `out`; 0, or 1 where a panel is left out, a case is unsolved, or a law fails or is
+    not decided. A qualified law is 0 here: of this paper some are, under every reading, and the report says why.
 
     Raises `InputError` before any work where the reading is unknown, the folder cannot be written, or a file
     in it is something else.
@@ -51,7 +52,8 @@ def reproduce(out: Path, reading: str | None) -> int:
     _summary(results, readings, out, "" if able else advice)
     for refusal in refusals:
         console.say(f"Left out: {refusal}")
-    return 0 if not refusals and all(check.all_well(result.ds) for result in results) else 1
+    refuted = any(check.refuted(check.unsolved(result.ds), result.verdicts) for result in results)
+    return 1 if refusals or refuted else 0
 
 
 def _draw(ds: xr.Dataset, out: Path, able: bool) -> dict[str, Path]:
@@ -73,9 +75,10 @@ def _summary(results: list[StudyResult], readings: xr.Dataset, out: Path, advice
     verdicts = [row for result in results for row in result.verdicts]
     rows = [[row["claim"], check.stated(row), check.measured(row), check.said(row)] for row in verdicts]
     console.print_table(["claim", "law", "measured", "verdict"], rows, title=f"Table 1 read {reading}")
+    console.say(check.tallied(verdicts))
     console.say("")
     claims = [str(claim) for claim in readings["claim"].values]
-    console.print_table(["reading", *claims], _marks(readings), title="Which claims hold in which reading")
+    console.print_table(["reading", *claims], _marks(readings), title="The claims in each reading")
     unsolved = sum(check.unsolved(result.ds) for result in results)
     cases = sum(result.ds["outcome"].size for result in results)
     console.say("")
@@ -87,6 +90,6 @@ def _summary(results: list[StudyResult], readings: xr.Dataset, out: Path, advice
 
 def _marks(readings: xr.Dataset) -> list[list[str]]:
     """One row a reading: the verdict of each claim."""
-    short = {"holds": "holds", "holds as a trend": "trend", FAILS: FAILS}
     table = zip(readings["reading"].values, readings["claim_verdict"].values, strict=True)
-    return [[str(reading), *(short[str(verdict)] for verdict in line)] for reading, line in table]
+    short = {TREND: "trend"}
+    return [[str(reading), *(short.get(str(one), str(one)) for one in line)] for reading, line in table]

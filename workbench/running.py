@@ -9,7 +9,6 @@ import numpy as np
 from solver.quantities import unit_of
 from studies import Study, load, names
 from studies.axes import Axis, quantity_of
-from studies.laws import FAILS
 
 from . import cautions, check, console, memory
 from .chunks import kind_of
@@ -61,7 +60,7 @@ def run_study(
     stations: int | None = None,
     options: Options = DEFAULT,
 ) -> int:
-    """Run a study, store it and print its verdicts; 0, or 1 where a law fails or a case is unsolved.
+    """Run a study, store it and print its verdicts; the exit status is that of `check.status`.
 
     level: the name of a fidelity; a tolerance or stations beside it replace the fidelity's own.
     """
@@ -105,7 +104,7 @@ def _run_followed(study: Study, path: Path, tol: float | None, method: str | Non
 
 
 def check_file(path: Path, json: bool) -> int:
-    """Print the verdicts of a stored dataset; 0, or 1 where a law fails or a case is unsolved."""
+    """Print the verdicts of a stored dataset; the exit status is that of `check.status`."""
     from . import door, opening
 
     with opening.opened(path) as ds, door.refusing(path):
@@ -141,20 +140,22 @@ def verdict_rows(verdicts: list[dict[str, Any]]) -> list[list[str]]:
 
 
 def _print(told: dict[str, Any], as_json: bool, ran: Ran | None = None) -> int:
-    """Print what is in a file and, after a run, what that did; 0, or 1 where a law fails or a case is unsolved."""
+    """Print what is in a file and, after a run, what that did; the exit status is that of `check.status`."""
     outcomes, cases = told["outcomes"], sum(told["outcomes"].values())
     unsolved = sum(count for text, count in outcomes.items() if not text.startswith("solved"))
-    status = 1 if unsolved or any(row["verdict"] == FAILS for row in told["laws"]) else 0
+    status = check.status(unsolved, told["laws"])
     caution = cautions.told(told["cautions"])
     if as_json:
         counts = {"cases": cases, "unsolved": unsolved, "outcomes": sorted(outcomes), "caution": caution}
         run = {} if ran is None else {"solved_now": ran.solved, "seconds": ran.seconds}
         named = {name: told[name] for name in ("study", "reading", "file")}
-        console.print_json({**named, **counts, **run, "laws": told["laws"], "status": status})
+        laws = {"verdicts": check.tally(told["laws"]), "laws": told["laws"]}
+        console.print_json({**named, **counts, **run, **laws, "status": status})
         return status
     console.say(f"{told['title']}, {told['reading']}" if told["reading"] else told["title"])
     if rows := verdict_rows(told["laws"]):
         console.print_table(["claim", "law", "measured", "verdict"], rows)
+        console.say(check.tallied(told["laws"]))
     console.say(f"{told['file']}: {check.counted(cases, 'case')}, {unsolved} unsolved")
     for text, count in sorted(outcomes.items()):
         if text != "solved":

@@ -15,7 +15,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from solver.errors import InputError
 from studies.axes import quantity_of
-from studies.laws import FAILS, HOLDS, TREND
+from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
 # Okabe and Ito: told apart under every common colour blindness, and in grey
 PUSHED = "#0072b2"  # where the cylinder pushes
@@ -23,7 +23,9 @@ LIFTED = "#e69f00"  # where it would have to pull
 UNPAINTED = "#d9c9a3"  # the rod beside its stripe
 SURFACE = "#e3e6ea"  # the cylinder
 INK, SOFT, FAINT = "#1c2430", "#5b6675", "#d5dae1"
-VERDICT_COLOURS = {HOLDS: "#00704f", TREND: "#8a5a00", FAILS: "#b3261e"}
+# each 4.5 : 1 on white, and told apart under each kind of colour blindness
+VERDICT_COLOURS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#bb5802", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
+STABLE = "#b3261e"  # the stable ones among all equilibria
 
 # a law's direction between observable and axis
 DIRECTIONS = {

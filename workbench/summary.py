@@ -50,7 +50,8 @@ def summary(path: Path) -> dict[str, Any]:
         told["outcomes"] = dict(outcomes.most_common())
         told["observables"] = [_spread(ds[name]) for name in OBSERVABLES if name in ds.data_vars]
         told["worst"] = [_worst(ds[name]) for name in ("error", "condition")]
-        told["laws"] = [_law(row) for row in check.verdicts(ds)]
+        rows = check.verdicts(ds)
+        told |= {"verdicts": check.tally(rows), "laws": [_law(row) for row in rows]}
     return told
 
 
@@ -136,6 +137,7 @@ def _print(told: dict[str, Any]) -> None:
     if told["laws"]:
         console.say("")
         console.print_table(["law", "", "verdict"], [[v["claim"], v["stated"], v["said"]] for v in told["laws"]])
+        console.say(check.tallied(told["laws"]))
 
 
 def _cell(value: Any) -> Any:
