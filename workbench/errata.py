@@ -14,12 +14,24 @@ class Erratum(NamedTuple):
 
 ERRATA = (
     Erratum(
+        "eq. (13), row 2, column 2",
+        "−sin α sin γ − cos β cos α cos γ",
+        "−sin α sin γ + cos β cos α cos γ",
+        "the columns are unit vectors at right angles; with the printed sign the second is neither",
+    ),
+    Erratum(
         "eq. (14), row 1",
         "α′ + β′ cos γ",
         "α′ sin β sin γ + β′ cos γ",
         "a component of the rotation rate; without the factor it does not vanish with sin β",
     ),
     Erratum("eq. (15), row 3", "dξ/ds", "dζ/ds", "the third row is the axial coordinate"),
+    Erratum(
+        "eq. (16), third component",
+        "∂g/∂ξ_c, twice",
+        "∂g/∂ζ_c",
+        "the normal of eq. (12); with the printed one the push has a part along the rod, which the next line denies",
+    ),
     Erratum(
         "eq. (20)",
         "A = B = (π/16) E a⁴",

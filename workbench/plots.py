@@ -1,6 +1,5 @@
 """Trends and developed curves of a stored dataset, as Matplotlib figures without pyplot and without solving."""
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -58,7 +57,7 @@ def panel(ds: xr.Dataset, ax: Axes, law: int = 0, rows: Sequence[dict[str, Any]]
             ax.plot(ends, step["values"], color=style.VERDICT_COLOURS[FAILS], linewidth=3, alpha=0.75, zorder=3,
                     label="a step the wrong way")  # fmt: skip
     words = f"{row['claim']}  {style.words(ds[row['observable']])} {style.DIRECTIONS[row['direction']]}"
-    pad = 6 + _verdict(ds, ax, row)
+    pad = 6 + _verdict(ax, row)
     ax.set_title(style.wrapped(f"{words} {style.symbol(row['axis'])}:", ax), loc="left", pad=pad)
     if row["also"]:
         text = style.wrapped(_others(ds, row), ax, style.SMALL)
@@ -71,10 +70,10 @@ def panel(ds: xr.Dataset, ax: Axes, law: int = 0, rows: Sequence[dict[str, Any]]
     return ax
 
 
-def _verdict(ds: xr.Dataset, ax: Axes, row: dict[str, Any]) -> float:
+def _verdict(ax: Axes, row: dict[str, Any]) -> float:
     """Write the verdict above the axes and its reason below it, in the verdict's colour; their height in points."""
     colour = style.VERDICT_COLOURS[row["verdict"]]
-    reason = style.wrapped(_symbols(ds, row, check.detail(row)), ax, style.SMALL)
+    reason = style.wrapped(style.reason(row, check.detail(row)), ax, style.SMALL)
     below = 11 * (reason.count("\n") + 1) if reason else 0
     lift = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom", "color": colour}
     ax.annotate(reason, (0, 1), (0, 3), size=style.SMALL, **lift)
@@ -91,13 +90,6 @@ def _others(ds: xr.Dataset, row: dict[str, Any]) -> str:
             brief = "; ".join(f"{style.short(ds[also['observable']])} {_brief(also)}" for also in some)
             told.append(f"{words}: {brief}.")
     return " ".join(told)
-
-
-def _symbols(ds: xr.Dataset, row: dict[str, Any], text: str) -> str:
-    """A reason with symbols in place of the names of observables and axes."""
-    names = {one["observable"]: style.short(ds[one["observable"]]) for one in (row, *row["also"])}
-    names |= {axis: style.symbol(axis) for axis in dataset.axes_of(ds)}
-    return style.typeset(re.sub(r"\w+", lambda word: names.get(word[0], word[0]), text))
 
 
 def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:

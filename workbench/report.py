@@ -157,7 +157,7 @@ def _law(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
             {
                 "stated": style.words(ds[also["observable"]]),
                 "name": also["observable"],
-                "role": "as plausible" if also["alternative"] else "or",
+                "role": "as plausible:" if also["alternative"] else "or",
                 **_verdict(also),
             }
             for also in row["also"]
@@ -170,7 +170,7 @@ def _verdict(row: Mapping[str, Any]) -> dict[str, str]:
         "verdict": row["verdict"],
         "class": CLASSES[row["verdict"]],
         "measured": style.minus(check.measured(row)),
-        "detail": style.typeset(check.detail(row)),
+        "detail": style.reason(row, check.detail(row)),
     }
 
 
@@ -207,7 +207,7 @@ def _readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
                     "verdict": str(verdict),
                     "class": CLASSES[str(verdict)],
                     "measured": measured,
-                    "reason": _sentence(_short(laws)),
+                    "reason": _sentence(_short(str(verdict), laws)),
                     "why": style.typeset("; ".join(f"{row['observable']}: {check.said(row)}" for row in laws)),
                 }
             )
@@ -216,11 +216,12 @@ def _readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
     return {"claims": claims, "rows": table}
 
 
-def _short(laws: Sequence[Mapping[str, Any]]) -> str:
-    """Why a claim was not put to the test, or the kinds of its qualifications."""
+def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
+    """Why a claim was not put to the test, or how it is qualified."""
     if untested := [row["reason"] for row in laws if not row["first"]]:
         return str(untested[0])
-    return ", ".join(dict.fromkeys(kind for row in laws for kind in row["qualifications"]))
+    kinds = dict.fromkeys(kind for row in laws for kind in row["qualifications"])
+    return ", ".join(kinds) if verdict == QUALIFIED else ""
 
 
 def _single(ds: xr.Dataset) -> list[tuple[str, str]]:

@@ -1,6 +1,7 @@
 """How everything drawn looks: colours, sizes, and how numbers and units are written."""
 
 import re
+from collections.abc import Mapping
 from math import degrees, floor, log10
 from textwrap import fill
 from typing import Any
@@ -14,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from solver.errors import InputError
+from solver.quantities import quantity
 from studies.axes import quantity_of
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
@@ -128,6 +130,13 @@ def typeset(text: str) -> str:
     for plain, letters in ((r"\bbeta'", "β′"), (r"\bbeta\b", "β"), (r"\bkappa\b", "κ"), (r"(?<=\d) deg\b", "°")):
         text = re.sub(plain, letters, text)
     return minus(text)
+
+
+def reason(row: Mapping[str, Any], text: str) -> str:
+    """What is said of a law (a row of `check.verdicts`), with symbols for the names of its observables and axes."""
+    letters = {one["observable"]: quantity(one["observable"]).symbol for one in (row, *row.get("also", ()))}
+    letters |= {axis: symbol(axis) for axis in (row.get("axis"), *row["at"]) if axis}
+    return typeset(re.sub(r"\w+", lambda word: letters.get(word[0], word[0]), text))
 
 
 def minus(text: str) -> str:

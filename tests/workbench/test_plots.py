@@ -70,7 +70,7 @@ def test_a_panel_shows_the_stored_numbers(angles) -> None:
 def test_a_panel_tells_the_verdict_and_marks_each_step_the_wrong_way(angles) -> None:
     holds, trend = plots.panel(angles, axes(), 0), plots.panel(angles, axes(), 1)
     assert "holds" in said(holds)
-    assert "holds as a trend" in said(trend)
+    assert "qualified" in said(trend)
     assert holds.get_legend() is None
     (label,) = [text.get_text() for text in trend.get_legend().get_texts()]
     assert label == "a step the wrong way"
@@ -84,6 +84,17 @@ def test_a_panel_tells_what_became_of_the_other_observables_of_the_sentence(angl
         told = said(plots.panel(angles, axes(), i))
         for also in row["also"]:
             assert f"{style.short(angles[also['observable']])} {also['verdict']}" in told
+
+
+def test_a_qualified_law_stands_in_orange_with_its_reason_beside_it_in_symbols(angles) -> None:
+    ax = plots.panel(angles, axes(), 1)
+    row = check.verdicts(angles)[1]
+    written = {text.get_text().replace("\n", " "): text.get_color() for text in ax.texts}
+    assert written["qualified"] == style.VERDICT_COLOURS["qualified"]
+    (reason,) = [text for text in written if text.startswith("depends on the observable (mean κ rises as a trend")]
+    assert written[reason] == style.VERDICT_COLOURS["qualified"]
+    assert "max κ does not rise at 2 of 8 steps" in reason
+    assert reason == style.reason(row, row["reason"])
 
 
 def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:

@@ -12,6 +12,7 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from importlib.util import find_spec
 from io import BytesIO
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -154,7 +155,8 @@ def test_tables_are_complete(text, results) -> None:
 
 
 def test_verdicts_are_words_and_colours(text, readings) -> None:
-    cells = re.findall(r'<td class="(holds|trend|fails)"[^>]*><span class="mark (\w+)">([^<]+)</span>', text)
+    kinds = "|".join(report.CLASSES.values())
+    cells = re.findall(rf'<td class="({kinds})"[^>]*><span class="mark (\w+)">([^<]+)</span>', text)
     assert len(cells) == 12 * 5
     assert all(outer == inner == report.CLASSES[word] for outer, inner, word in cells)
     assert [word for *_, word in cells] == readings["claim_verdict"].values.ravel().tolist()
@@ -175,12 +177,60 @@ def test_each_claim_stands_on_top_with_the_words_and_values_of_its_laws(text, re
     for result in results:
         for row in result.verdicts:
             assert f": {check.measured(row)}, {row['verdict']}" in top
+            assert style.reason(row, check.detail(row)) in top
             if row["lines"] > 1:
-                assert f"{row['lines_hold']} of {row['lines']} lines hold" in top
+                assert f"of {row['lines']} lines {row['lines_hold']} hold, " in top
+    rows = [row for result in results for row in result.verdicts]
+    assert check.tallied(rows) in top
     level = [r for result in results for r in result.verdicts if r["direction"] == "not-falling"]
     assert level  # claim (4), whose sentence says increase
     for row in level:
-        assert (row["reason"] == "it does not change") == (row["first"] == row["last"])
+        assert (row["qualifications"] == ["not contradicted"]) == (row["first"] == row["last"])
+
+
+def test_the_report_says_which_rules_were_fixed_in_advance_and_which_after(text, results) -> None:
+    laws = text.partition('<section id="laws">')[2].partition("</section>")[0]
+    page = Page(laws).text
+    for result in results:
+        for row in result.verdicts:
+            assert row["fixed_note"] in page
+    told = re.findall(r"<td>(in advance|after|not stated)<", laws)
+    assert told == [row["fixed"] for result in results for row in result.verdicts]
+    assert told.count("after") == 2
+
+
+def linear(colour: str) -> Any:
+    """A colour as light, (red, green, blue)."""
+    value = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+
+
+def lab(light: Any) -> Any:
+    """CIE L*a*b* of light, white at D65."""
+    to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    share = to_xyz @ np.clip(light, 0, 1) / [0.9505, 1.0, 1.089]
+    x, y, z = np.where(share > 0.008856, np.cbrt(share), 7.787 * share + 16 / 116)
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+# how light reaches those who lack one kind of cone: Machado, Oliveira and Fernandes (2009), severity 1
+SEEN = {
+    "all cones": np.eye(3),
+    "no green": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
+    "no red": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "no blue": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.3039]],
+}
+
+
+@pytest.mark.parametrize("eye", SEEN)
+def test_the_colours_of_verdicts_are_told_apart_by_every_eye_and_read_on_white(eye: str) -> None:
+    colours = {verdict: linear(colour) for verdict, colour in style.VERDICT_COLOURS.items()}
+    assert list(colours) == list(report.CLASSES)
+    for light in colours.values():
+        assert 1.05 / (light @ [0.2126, 0.7152, 0.0722] + 0.05) >= 4.5  # what WCAG asks of text
+    shown = [lab(np.array(SEEN[eye]) @ light) for light in colours.values()]
+    apart = [np.linalg.norm(a - b) for a, b in combinations(shown, 2)]
+    assert min(apart) > 20  # ten times what is just noticed
 
 
 def test_no_sentence_is_left_in_plain_letters(text) -> None:
