@@ -1,0 +1,98 @@
+"""Verdicts of stored datasets: steps between branches, the exit status, and the reason wherever a verdict is told."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
+from tests.workbench import small
+from workbench import check, cli, merge, runner, store
+
+AXES = "[axes.E]\nvalues = [1e4, 2e4, 4e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0, 1.25]\n"
+LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
+
+
+@pytest.fixture(scope="module")
+def ds() -> xr.Dataset:
+    return runner.run(small.study(AXES + LAW + 'alternatives = ["amplitude"]\n'))
+
+
+def with_branch(ds: xr.Dataset, branch: object) -> xr.Dataset:
+    return ds.assign(branch=(("E", "R"), np.broadcast_to(branch, (3, 4))))
+
+
+@pytest.mark.parametrize(
+    ("branch", "crosses"),
+    [
+        ([0, 0, 0, 0], [False, False, False]),
+        ([0, 0, 1, 1], [False, True, False]),
+        ([0, -1, 0, 0], [False, False, False]),  # the unsolved case is on no branch
+        ([0, -1, 1, 1], [False, True, False]),
+        ([-1, 2, 2, -1], [False, False, False]),
+        ([0, 1, 0, 1], [True, True, True]),
+    ],
+)
+def test_steps_between_two_numbers_of_a_branch_cross(ds: xr.Dataset, branch: list[int], crosses: list[bool]) -> None:
+    found = check.crossings(with_branch(ds, branch), "R")
+    assert found is not None
+    assert found.tolist() == [crosses] * 3
+    across = check.crossings(with_branch(ds, branch), "E")
+    assert across is not None
+    assert across.shape == (2, 4)
+    assert not across.any()
+    assert check.crossings(ds, "R") is None
+
+
+def test_steps_are_those_of_the_rising_axis_however_it_is_stored(ds: xr.Dataset) -> None:
+    turned = with_branch(ds, [0, 0, 0, 1]).isel(R=[3, 1, 0, 2])
+    found = check.crossings(turned, "R")
+    assert found is not None
+    assert found.tolist() == [[False, False, True]] * 3
+
+
+def test_a_law_is_not_decided_where_its_steps_cross_branches_and_fails_where_the_others_say_so(ds: xr.Dataset) -> None:
+    (row,) = check.verdicts(ds)
+    assert row["verdict"] == QUALIFIED
+    (row,) = check.verdicts(with_branch(ds, [0, 0, 1, 1]))
+    assert (row["verdict"], row["exceptions"]) == (UNDECIDED, [])
+    assert row["reason"] == "1 of 3 steps crosses to another branch of equilibria"
+    mask = {"R": np.broadcast_to([False, True, False], (3, 3))}
+    assert check.verdicts(ds, mask) == check.verdicts(with_branch(ds, [0, 0, 1, 1]))
+    rising = with_branch(ds.assign(kappa_max=-ds["kappa_max"]), [0, 0, 1, 1])
+    assert check.verdicts(rising)[0]["verdict"] == FAILS
+
+
+@pytest.mark.parametrize(
+    ("verdict", "status", "refuted"),
+    [(HOLDS, 0, False), (TREND, 0, False), (QUALIFIED, 1, False), (UNDECIDED, 1, True), (FAILS, 1, True)],
+)
+def test_the_exit_status_is_0_where_every_law_holds_in_full(verdict: str, status: int, refuted: bool) -> None:
+    rows = [{"verdict": HOLDS}, {"verdict": verdict}]
+    assert check.status(0, rows) == status
+    assert check.refuted(0, rows) == refuted
+    assert (check.status(1, []), check.refuted(1, [])) == (1, True)
+
+
+def test_every_command_tells_a_qualified_law_with_its_reason_and_counts_it(ds: xr.Dataset, tmp_path) -> None:
+    path = store.write(ds, tmp_path / "small.h5")
+    reason = "depends on the observable (kappa_max falls; amplitude rises instead at 9 of 9 steps)"
+    for command in ("check", "summary"):
+        shown = CliRunner().invoke(cli.app, [command, str(path)])
+        assert f"qualified: {reason}" in shown.stdout
+        assert "1 law: 1 is qualified" in shown.stdout
+        assert shown.exit_code == (1 if command == "check" else 0)
+        told = json.loads(CliRunner().invoke(cli.app, [command, str(path), "--json"]).stdout)
+        assert told["verdicts"] == {HOLDS: 0, TREND: 0, QUALIFIED: 1, UNDECIDED: 0, FAILS: 0}
+        row = told["laws"][0]
+        assert (row["verdict"], row["reason"]) == (QUALIFIED, reason)
+        assert row["qualifications"] == ["depends on the observable"]
+    for name, values in (("soft", "1e4, 2e4"), ("stiff", "4e4, 5e4")):
+        text = small.HEAD + AXES.replace("1e4, 2e4, 4e4", values) + LAW + 'alternatives = ["amplitude"]\n'
+        (tmp_path / f"{name}.toml").write_text(text)
+        ran = CliRunner().invoke(cli.app, ["run", f"{tmp_path}/{name}.toml", "--out", f"{tmp_path}/{name}.h5"])
+        assert (ran.exit_code, "1 law: 1 is qualified" in ran.stdout) == (1, True), ran.output
+    done = merge.merge([tmp_path / "soft.h5", tmp_path / "stiff.h5"], tmp_path / "all.h5")
+    assert (done["status"], done["laws"][0]["verdict"]) == (1, QUALIFIED)
