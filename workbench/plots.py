@@ -75,7 +75,7 @@ def _verdict(ax: Axes, row: dict[str, Any]) -> float:
     colour = style.VERDICT_COLOURS[row["verdict"]]
     reason = style.wrapped(style.reason(row, check.detail(row)), ax, style.SMALL)
     below = 11 * (reason.count("\n") + 1) if reason else 0
-    lift = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom", "color": colour}
+    lift: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom", "color": colour}
     ax.annotate(reason, (0, 1), (0, 3), size=style.SMALL, **lift)
     ax.annotate(row["verdict"], (0, 1), (0, 3 + below), weight="bold", **lift)
     return below + 14
