@@ -3,8 +3,7 @@
 import base64
 import json
 import os
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib.resources import files
 from io import BytesIO
 from pathlib import Path
@@ -16,13 +15,11 @@ from jinja2 import Environment, StrictUndefined
 from matplotlib import image
 
 from solver.errors import InputError
-from solver.quantities import quantity
-from studies import reasons
-from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
 from . import check, gl, report_measured, report_view, style
 from .dataset import axes_of
 from .errata import ERRATA
+from .report_laws import CLASSES, claims_of, law_of, of_readings, sentence
 from .report_measured import Measured
 from .runner import StudyResult
 
@@ -32,7 +29,6 @@ SINGLE = (
     "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_mean", "contact_min",
     "contact_max", "attached", "overlaps", "energy", "index",
 )  # fmt: skip
-CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
 TITLES = {"trade": "Accuracy against cost", "extremes": "The extremes"}
 SCENE, DRAWING = {"quality": 90}, {"lossless": True}  # of WebP: shaded bodies, and lines and letters
 
@@ -79,11 +75,11 @@ def html(
     return template.render(
         reading=str(results[0].ds.attrs["reading"]),
         colours={CLASSES[verdict]: colour for verdict, colour in style.VERDICT_COLOURS.items()},
-        claims=_claims(sections),
+        claims=claims_of(sections),
         tally=check.tallied([row for result in results for row in result.verdicts]),
         sections=sections,
         laws=[row for section in sections for row in section["laws"]],
-        readings=_readings(readings),
+        readings=of_readings(readings),
         errata=ERRATA,
         sources=[_source(result) for result in results],
         versions=_versions(results, readings),
@@ -121,14 +117,14 @@ def _section(result: StudyResult, advice: str) -> dict[str, Any]:
     ds = result.ds
     scenes = [(name, path) for name, path in result.pictures.items() if name.startswith("scene")]
     others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
-    laws = [_law(ds, row) for row in result.verdicts]
+    laws = [law_of(ds, row) for row in result.verdicts]
     return {
         "id": str(ds.attrs["study_name"]),
         "title": str(ds.attrs["title"]),
         "sentences": list(dict.fromkeys(row["source"] for row in result.verdicts)),
         "laws": laws,
         "single": _single(ds) if not axes_of(ds) else [],
-        "note": _sentence(str(ds.attrs.get("fold_note", ""))),
+        "note": sentence(str(ds.attrs.get("fold_note", ""))),
         "caution": style.typeset(str(ds.attrs.get("caution", ""))),
         "unsolved": check.unsolved(ds),
         "cases": int(ds["outcome"].size),
@@ -141,87 +137,6 @@ def _section(result: StudyResult, advice: str) -> dict[str, Any]:
 def _of(ds: xr.Dataset, name: str) -> str:
     axis = name.removeprefix("scene").strip()
     return f"the rod along {style.axis_label(axis, ds[axis])}" if axis in ds.dims else "the rod on its cylinder"
-
-
-def _law(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
-    """One law and the others that its sentence admits, in words."""
-    words = style.words(ds[row["observable"]])
-    return {
-        "claim": row["claim"],
-        "stated": f"{words} {style.DIRECTIONS[row['direction']]} {style.symbol(row['axis'])}",
-        "name": row["observable"],
-        **_verdict(row),
-        "fixed": row["fixed"] or "not stated",
-        "fixed_note": row["fixed_note"] or "",
-        "also": [
-            {
-                "stated": style.words(ds[also["observable"]]),
-                "name": also["observable"],
-                "role": "as plausible:" if also["alternative"] else "or",
-                **_verdict(also),
-            }
-            for also in row["also"]
-        ],
-    }
-
-
-def _verdict(row: Mapping[str, Any]) -> dict[str, str]:
-    return {
-        "verdict": row["verdict"],
-        "class": CLASSES[row["verdict"]],
-        "measured": style.minus(check.measured(row)),
-        "detail": style.reason(row, check.detail(row)),
-    }
-
-
-def _claims(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Each claim with the worst verdict of its laws, these laws, and where it is shown."""
-    found: dict[str, dict[str, Any]] = {}
-    for section in sections:
-        for law in section["laws"]:
-            claim = found.setdefault(law["claim"], {**law, "id": section["id"], "title": section["title"], "laws": []})
-            claim["laws"].append(law)
-            verdict = worst([law["verdict"], claim["verdict"]])
-            claim |= {"verdict": verdict, "class": CLASSES[verdict]}
-    return list(found.values())
-
-
-def _readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
-    """The table reading x claim: in each cell the verdict and what was measured."""
-    if readings is None:
-        return None
-    claims = [str(claim) for claim in readings["claim"].values]
-    found = json.loads(readings.attrs["rows"])
-    table = []
-    for reading, verdicts in zip(readings["reading"].values, readings["claim_verdict"].values, strict=True):
-        cells = []
-        for claim, verdict in zip(claims, verdicts, strict=True):
-            laws = [row for row in found[str(reading)] if row["claim"] == claim]
-            measured = [
-                f"{quantity(row['observable']).symbol} {style.minus(check.measured(row))}"
-                for row in laws
-                if row["first"]
-            ]
-            cells.append(
-                {
-                    "verdict": str(verdict),
-                    "class": CLASSES[str(verdict)],
-                    "measured": measured,
-                    "reason": _sentence(_short(str(verdict), laws)),
-                    "why": style.typeset("; ".join(f"{row['observable']}: {check.said(row)}" for row in laws)),
-                }
-            )
-        counts = reasons.counted(Counter(str(verdict) for verdict in verdicts))
-        table.append({"name": str(reading), "words": str(reading).split("/"), "cells": cells, "counts": counts})
-    return {"claims": claims, "rows": table}
-
-
-def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
-    """Why a claim was not put to the test, or how it is qualified."""
-    if untested := [row["reason"] for row in laws if not row["first"]]:
-        return str(untested[0])
-    kinds = dict.fromkeys(kind for row in laws for kind in row["qualifications"])
-    return ", ".join(kinds) if verdict == QUALIFIED else ""
 
 
 def _single(ds: xr.Dataset) -> list[tuple[str, str]]:
@@ -269,9 +184,3 @@ def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, s
     packed = BytesIO()
     image.imsave(packed, image.imread(file), format="webp", pil_kwargs=how)
     return {"src": f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}", "alt": alt}
-
-
-def _sentence(text: str) -> str:
-    """A remark as a sentence of its own; what begins with a letter of physics keeps it."""
-    typeset = style.typeset(text)
-    return f"{typeset[0].upper() if typeset[0].isascii() else typeset[0]}{typeset[1:]}." if typeset else ""
