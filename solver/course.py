@@ -93,14 +93,15 @@ class Course:
     pieces: Pieces
 
 
-def course(problem: Reduced, pin: tuple[Array, Array] | None = None) -> Course:
-    """Where each orbit goes, and the pieces of its way; the problems' numbers must be finite.
+def course(problem: Reduced, pin: tuple[Array, Array] | None = None, found: Extrema | None = None) -> Course:
+    """Where each orbit goes, and the pieces of its way; the problems' numbers must be finite. found: the extrema, where
+    they are known.
 
     pin: angles r in [-pi, pi) and gaps eta - G(r), (B,) each, that fix the level more finely than beta_t(0) can where
     the orbit hugs a saddle r; without them the start does, r = beta(0) and the gap beta_t(0)^2.
     """
     assert problem.dbeta0 is not None
-    found = extrema(problem)
+    found = extrema(problem) if found is None else found
     m, B = found.count, problem.size
     start = problem.beta0 - TAU * np.round(problem.beta0 / TAU)
     start = np.where(start >= np.pi, start - TAU, start)

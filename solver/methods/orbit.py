@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..chebyshev import basis, polynomials
 from ..course import HELIX, LIBRATION, Course, course
+from ..dwell import dwelling
 from ..landscape import slope_bends, slope_rate, slope_size
 from ..panels import EPS, Panels, panelled, running
 from ..reduced import Array, Reduced
@@ -35,6 +36,7 @@ class Orbit:
     ahead, back: (B,), time from the start to the turning points forward and backward (once round: ahead alone).
     period: (B,), of beta_t; inf where nothing moves. lengthens: (B,), 1 where the way between the two end angles
     grows longer with the level, 0 where shorter, NaN where whoever made the orbits does not know; the index needs it.
+    response: (B,), largest |d beta(t)/d beta(L)| along the rod, where whoever made the orbits knows it.
     """
 
     problem: Reduced
@@ -46,6 +48,7 @@ class Orbit:
     duration: Array
     gain: Array
     lengthens: Array | None = None
+    response: Array | None = None
 
     @property
     def kind(self) -> NDArray[np.int64]:
@@ -86,8 +89,8 @@ class Orbit:
         parts = slice(2 * i, 2 * i + 2)
         way = Course(self.course.kind[i : i + 1], self.course.direction[i : i + 1], self.course.pieces)
         one = self.problem.take(slice(i, i + 1))
-        longer = None if self.lengthens is None else self.lengthens[i : i + 1]
-        return Orbit(one, way, panels, self.since[mine], first, count, self.duration[parts], self.gain[parts], longer)
+        known = (None if v is None else v[i : i + 1] for v in (self.lengthens, self.response))
+        return Orbit(one, way, panels, self.since[mine], first, count, self.duration[parts], self.gain[parts], *known)
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
@@ -186,11 +189,15 @@ def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Wh
     return Where(t, part, local, mirrored, second, rounds, folded)
 
 
-def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None) -> Orbit:
-    """The orbits of B start problems with finite numbers; `pin` as in `course`."""
+def solve_orbit(
+    problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None, excess: Array | None = None
+) -> Orbit:
+    """The orbits of B start problems with finite numbers; `pin` as in `course`, `excess` as in `dwelling`."""
     way = course(problem, pin)
     n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
     panels = panelled(problem, way, basis(n), length, 0.05 * tol)
+    if pin is not None and excess is not None:
+        panels = dwelling(way, panels, pin[1], excess)
     parts = 2 * problem.size
     count = np.bincount(panels.part, minlength=parts)
     first = np.cumsum(count) - count

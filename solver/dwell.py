@@ -1,0 +1,42 @@
+"""A rod that stays at a saddle for longer than any float gap can say: the same orbit with panels where nothing moves."""
+
+from typing import Any
+
+import numpy as np
+
+from .course import Course
+from .panels import Panels, joined
+from .reduced import Array
+from .transit import half_passages
+
+
+def dwelling(way: Course, panels: Panels, gap: Array, excess: Array) -> Panels:
+    """The panels with those in which the rod dwells at the saddle on whose height its level is pinned.
+
+    gap, excess: (B,), the gap of the level and by how much the log of the true gap is smaller. There beta is the
+    saddle's angle to within the root of the gap, and alpha, z and the swirl grow evenly.
+    """
+    pieces = way.pieces
+    stay = half_passages(pieces, gap) * excess[pieces.part // 2]
+    end, piece = np.nonzero(stay)
+    if not piece.size:
+        return panels
+    duration = stay[end, piece]
+    still = _still(panels, pieces.base[piece], duration)
+    still = Panels(pieces.part[piece], pieces.rank[piece], duration, *still)
+    every = joined([panels, still])
+    place = np.concatenate([np.zeros(panels.part.size), np.where(end == 0, -1, 1)])
+    number = np.concatenate([np.arange(panels.part.size), np.arange(piece.size)])
+    return every.take(np.lexsort((number, place, every.rank, every.part)))
+
+
+def _still(panels: Panels, angle: Array, duration: Array) -> tuple[Any, ...]:
+    """Series and errors of panels at rest at the angles (P,), in the shape of the others."""
+    P = angle.size
+    series = np.zeros((P, *panels.series.shape[1:]))
+    s, c = np.sin(angle), np.cos(angle)
+    series[:, 0, 0] = angle
+    for k, rate in enumerate((s, c, s * c)):
+        series[:, 2 + k, 0] = series[:, 2 + k, 1] = rate * duration / 2
+    none = np.zeros(P)
+    return series, none, none, none, none, np.zeros(P, dtype=panels.calls.dtype)
