@@ -313,6 +313,8 @@ def _solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) ->
     first = boundary.low if boundary.rising else boundary.high
     start = many(problem, K, beta0=np.full(K, first), dbeta0=slope)
     level = potential(start, way.pin) + gap
+    falls = np.ones((K, 2))
+    falls[moves] = boundary.falls[pin]
     deep = excess > 0
     if not deep.any():
         orbit = solve_orbit(start, _TIGHT, (way.pin, gap))
@@ -324,11 +326,14 @@ def _solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) ->
         span = start.span.copy()
         span[moves] = np.where(deep[moves], seen.lengths_along(some.counts(boundary.rising)), span[moves])
         brief = solve_orbit(replace(start, span=span), _TIGHT, (way.pin, gap))
-        growth = end_response(brief)
+        # between two ends on saddles of this height eta(L) stays as it is while eta between grows as the gap's root falls
+        both = (falls == 0).all(axis=1)
+        growth = end_response(brief) * np.exp(np.minimum(both * excess / 2, 600))
     turns = problem.beta0[0] - first
     orbit.panels.series[:, 0, 0] += turns
     start = replace(start, beta0=np.full(K, problem.beta0[0]))
-    return replace(orbit, problem=start, lengthens=lengthens, response=growth), level
+    passed = np.where(way.helix, 0.0, Paths(way.leaving, way.arriving, way.swings).turns)
+    return replace(orbit, problem=start, lengthens=lengthens, response=growth, passed=passed), level
 
 
 def _range(orbit: Orbit) -> tuple[Array, Array]:

@@ -36,6 +36,7 @@ class Orbit:
     ahead, back: (B,), time from the start to the turning points forward and backward (once round: ahead alone).
     period: (B,), of beta_t; inf where nothing moves. lengthens: (B,), 1 where the way between the two end angles
     grows longer with the level, 0 where shorter, NaN where whoever made the orbits does not know; the index needs it.
+    passed: (B,), turning points passed, where whoever made the orbits knows better than rounding tells.
     response: (B,), largest |d beta(t)/d beta(L)| along the rod, where whoever made the orbits knows it.
     """
 
@@ -49,6 +50,7 @@ class Orbit:
     gain: Array
     lengthens: Array | None = None
     response: Array | None = None
+    passed: Array | None = None
 
     @property
     def kind(self) -> NDArray[np.int64]:
@@ -71,6 +73,8 @@ class Orbit:
     @cached_property
     def turns(self) -> Array:
         """Turning points passed by the far end, (B,); 0 where beta does not swing."""
+        if self.passed is not None:
+            return self.passed
         return self.locate(self.problem.span[:, None]).turns[:, 0]
 
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
@@ -89,7 +93,7 @@ class Orbit:
         parts = slice(2 * i, 2 * i + 2)
         way = Course(self.course.kind[i : i + 1], self.course.direction[i : i + 1], self.course.pieces)
         one = self.problem.take(slice(i, i + 1))
-        known = (None if v is None else v[i : i + 1] for v in (self.lengthens, self.response))
+        known = (None if v is None else v[i : i + 1] for v in (self.lengthens, self.response, self.passed))
         return Orbit(one, way, panels, self.since[mine], first, count, self.duration[parts], self.gain[parts], *known)
 
     def swirl(self, t: Array) -> Array:
