@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .action import energies
+from .dwell import dwelling
 from .landscape import potential
 from .levels import Chain, bounded, chained, helix_of
 from .methods.orbit import Orbit, solve_orbit
 from .reduced import Array, Reduced
 from .stability import end_response, jacobi_zeros
-from .transit import Boundary, Levels, Paths, Transit, many, paths, transit
+from .transit import STRETCH, Boundary, Levels, Paths, Transit, many, paths, transit
 
 _TIGHT = 1e-13
 _ZOOM, _ROUNDS = 17, 6  # rungs of a closer look at a dip, and how often it is made closer
@@ -159,6 +160,9 @@ def _joined(parts: list[Roots], calls: int) -> Roots:
 def _on_chain(boundary: Boundary, chain: Chain, seen: Transit, some: Paths) -> Roots:
     """The roots of N paths."""
     levels, counts = chain.levels, some.counts(boundary.rising)
+    if not levels.y.size:  # no level joins the ends but a helix's own
+        none = np.empty(0, dtype=int)
+        return Roots(levels, some.take(none), none.astype(bool), 0, 0)
     off = seen.lengths(counts) - boundary.problem.span[0]
     rate = seen.rates(counts)
     for k in np.flatnonzero(chain.place):  # at a saddle's own height the length is infinite, or continuous
@@ -316,19 +320,16 @@ def _solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) ->
     falls = np.ones((K, 2))
     falls[moves] = boundary.falls[pin]
     deep = excess > 0
-    if not deep.any():
-        orbit = solve_orbit(start, _TIGHT, (way.pin, gap))
-        growth = end_response(orbit)
-    else:
-        orbit = solve_orbit(start, _TIGHT, (way.pin, gap), excess)
+    span = start.span.copy()
+    if deep.any():
         some = Paths(way.leaving[moves], way.arriving[moves], way.swings[moves])
         seen = transit(boundary, Levels(pin, way.sign[moves], way.y[moves]), deep=False)
-        span = start.span.copy()
         span[moves] = np.where(deep[moves], seen.lengths_along(some.counts(boundary.rising)), span[moves])
-        brief = solve_orbit(replace(start, span=span), _TIGHT, (way.pin, gap))
-        # between two ends on saddles of this height eta(L) stays as it is while eta between grows as the gap's root falls
-        both = (falls == 0).all(axis=1)
-        growth = end_response(brief) * np.exp(np.minimum(both * excess / 2, 600))
+    orbit = solve_orbit(replace(start, span=span), _TIGHT, (way.pin, gap), STRETCH)
+    # between two ends on saddles of this height eta(L) stays as it is while eta between grows as the gap's root falls
+    growth = end_response(orbit) * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
+    if deep.any():
+        orbit = dwelling(orbit, start.span, gap, excess)
     turns = problem.beta0[0] - first
     orbit.panels.series[:, 0, 0] += turns
     start = replace(start, beta0=np.full(K, problem.beta0[0]))

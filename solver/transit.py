@@ -24,6 +24,7 @@ from .reduced import Array, Reduced
 
 UP, DOWN = 1, -1
 _SAME = 4e-16  # of the size of G: heights that differ by less are one
+STRETCH = 4.0  # panels along saddles, where time is next to linear in u, are so much longer
 _BLOCK = 2048  # levels worked on at once
 
 
@@ -183,7 +184,7 @@ def transit(boundary: Boundary, levels: Levels, deep: bool = True) -> Transit:
     pieces = _three(boundary, way.pieces, v_high, M)
     twice = many(boundary.problem, 2 * M, betaL=None, dbeta0=np.tile(v_low, 2))  # type: ignore[arg-type]
     cut = type(way)(way.kind, way.direction, pieces)
-    panels = panelled(twice, cut, basis(22), 0.7, 1e-15, times_only=True)
+    panels = panelled(twice, cut, basis(22), 0.7, 1e-15, times_only=True, stretch=STRETCH)
     time = _by_part(panels.part, panels.duration, M)
     rate = _by_part(pieces.part, half_passages(pieces, np.tile(gap, 2)).sum(axis=0), M)
     rotates = joins & (way.kind == ROTATION)

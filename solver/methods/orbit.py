@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from ..chebyshev import basis, polynomials
 from ..course import HELIX, LIBRATION, Course, course
-from ..dwell import dwelling
 from ..landscape import slope_bends, slope_rate, slope_size
 from ..panels import EPS, Panels, panelled, running
 from ..reduced import Array, Reduced
@@ -194,14 +193,16 @@ def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Wh
 
 
 def solve_orbit(
-    problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None, excess: Array | None = None
+    problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None, stretch: float = 1.0
 ) -> Orbit:
-    """The orbits of B start problems with finite numbers; `pin` as in `course`, `excess` as in `dwelling`."""
+    """The orbits of B start problems with finite numbers; `pin` as in `course`, `stretch` as in `panelled`."""
     way = course(problem, pin)
     n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
-    panels = panelled(problem, way, basis(n), length, 0.05 * tol)
-    if pin is not None and excess is not None:
-        panels = dwelling(way, panels, pin[1], excess)
+    return assembled(problem, way, panelled(problem, way, basis(n), length, 0.05 * tol, stretch=stretch))
+
+
+def assembled(problem: Reduced, way: Course, panels: Panels) -> Orbit:
+    """Orbits from their panels, each with integrals from its own near end; the panels' series are changed in place."""
     parts = 2 * problem.size
     count = np.bincount(panels.part, minlength=parts)
     first = np.cumsum(count) - count
