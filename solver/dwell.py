@@ -1,4 +1,4 @@
-"""A rod that stays at a saddle for longer than any float gap can say: the same orbit with panels where nothing moves."""
+"""A rod that stays at a saddle for longer than a float gap can say: the same orbit with panels where it is at rest."""
 
 from dataclasses import replace
 from typing import Any
@@ -26,8 +26,8 @@ def dwelling(brief: Orbit, span: Array, gap: Array, excess: Array) -> Orbit:
     near[..., 1::2] *= -1
     series[:, 2:, 0] -= near[:, 2:].sum(axis=2)  # integrals from each panel's own near end
     duration = stay[end, piece]
-    still = _still(panels, pieces.base[piece], duration)
-    still = Panels(pieces.part[piece], pieces.rank[piece], duration, *still)
+    rest = _still(panels, pieces.base[piece], duration)
+    still = Panels(pieces.part[piece], pieces.rank[piece], duration, *rest)
     every = joined([replace(panels, series=series), still])
     place = np.concatenate([np.zeros(panels.part.size), np.where(end == 0, -1, 1)])
     number = np.concatenate([np.arange(panels.part.size), np.arange(piece.size)])

@@ -15,7 +15,6 @@ from .search import Way, search
 from .solution import Solution
 from .stability import end_response
 
-
 NONE = "incomplete: no equilibrium was found, and by degree there is always one"
 
 
@@ -138,7 +137,7 @@ def trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float) -> Trajecto
 
 def chosen(problem: Reduced, t: Array, tol: float, slope: float | None) -> Trajectory | None:
     """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or of lowest energy; None without any."""
-    found = search(problem)
+    found = search(problem, most_turns=1) if slope is None else search(problem)
     if found is None:
         return None
     i = int(np.argmin(found.energy if slope is None else np.abs(found.slope - slope)))

@@ -132,7 +132,7 @@ def _chain(tops: list[float], features: list[Any], deepest: float, step: float, 
 def rungs(top: float, features: Array, deepest: float, step: float) -> Array:
     """Values of log gap from `top` down to `deepest`: dense below the top and about the features, where the times
     change their law, and sparse between, where they are linear."""
-    parts = [top - np.arange(0, 8, step), np.arange(top - 8, deepest, -8 * step), [deepest]]
+    parts = [top - np.arange(0, 8, step), np.arange(top - 8, deepest, -8 * step), np.array([deepest])]
     parts += [f + np.arange(-8, 5, 2 * step) for f in np.unique(np.round(features))]
     y = np.unique(np.concatenate(parts))[::-1]
     y = y[(y <= top) & (y >= deepest)]

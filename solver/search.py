@@ -18,6 +18,8 @@ from .transit import STRETCH, Boundary, Levels, Paths, Transit, many, paths, tra
 _TIGHT = 1e-13
 _ZOOM, _ROUNDS = 17, 6  # rungs of a closer look at a dip, and how often it is made closer
 _NOISE = 1e-14  # of the rod's length, what the rounding of a sum of times may come to
+BUDGET = 3e7  # evaluations of G, some ten to twenty seconds
+_EACH = 15  # levels looked at for each solution
 _PATHS = 1000  # paths looked at together
 _MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is none
 
@@ -29,7 +31,8 @@ class Found:
     slope: beta_t(0), (K,). path: pin (angle in [-pi, pi)), sign and y = log gap of the level, direction at both ends
     and whole periods, (K,) each; see `transit`. helix: (K,), a rod that is a helix from end to end and has no path.
     index: Morse index, (K,). energy: in units of A/rho, (K,). lowest, highest: smallest and largest beta along the
-    rod [rad], (K,). remark: why the list is a part of all only; empty where it is complete.
+    rod [rad], (K,). total: how many solutions there are, those that were not solved among them. remark: why the list
+    is a part of all only; empty where it is complete. evaluations: of G.
     """
 
     slope: Array
@@ -39,6 +42,7 @@ class Found:
     energy: Array
     lowest: Array
     highest: Array
+    total: int
     remark: str
     evaluations: int
 
@@ -70,20 +74,30 @@ class Way:
 
 @dataclass(frozen=True, eq=False)
 class Roots:
-    """K levels at which the length of a path is the rod's; lengthens: (K,), whether it grows with the level."""
+    """K levels at which the length of a path is the rod's; lengthens: (K,), whether it grows with the level.
+
+    total, signed: how many there are, those on paths of more turning points than were asked for among them, and their
+    count with (-1)^index. lost: brackets in which no root was met. calls: evaluations of G.
+    """
 
     levels: Levels
     paths: Paths
     lengthens: NDArray[np.bool_]
+    total: int
+    signed: int
     lost: int
     calls: int
 
 
-def search(problem: Reduced, most_swings: int = 200) -> Found | None:
-    """Every solution of one ends problem with at most so many whole periods, or None where none is found."""
+def search(problem: Reduced, most_swings: int = 200, most_turns: int | None = None) -> Found | None:
+    """Every solution of one ends problem with at most so many whole periods, or None where none is found.
+
+    most_turns: leave out those of more turning points, which are counted and not solved. A solution of index 0 has one
+    turning point at most, so 1 is enough for all stable ones, of which there is always at least one.
+    """
     found = None
     for step in (0.25, 0.0625):
-        found = _searched(problem, most_swings, step)
+        found = _searched(problem, most_swings, most_turns, step)
         if found is not None and not found.remark.startswith(_COUNT):
             break
     return found
@@ -92,11 +106,11 @@ def search(problem: Reduced, most_swings: int = 200) -> Found | None:
 _COUNT = "incomplete"
 
 
-def _searched(problem: Reduced, most_swings: int, step: float) -> Found | None:
+def _searched(problem: Reduced, most_swings: int, most_turns: int | None, step: float) -> Found | None:
     """One search, with rungs of `step` in log gap."""
     assert problem.betaL is not None
     boundary, chain = chained(bounded(problem), step)
-    roots, capped = _roots(boundary, chain, most_swings)
+    roots, said = _roots(boundary, chain, most_swings, most_turns)
     helix = helix_of(problem, boundary.found)
     way, lengthens = _ways(boundary, roots, helix)
     if not lengthens.size:
@@ -113,89 +127,108 @@ def _searched(problem: Reduced, most_swings: int, step: float) -> Found | None:
     index, energy = jacobi_zeros(orbit), energies(orbit, level)
     lowest, highest = _range(orbit)
     assert orbit.problem.dbeta0 is not None
-    remark = _remark(index, energy, lost, capped, most_swings)
-    calls = roots.calls + int(orbit.panels.calls.sum())
-    return Found(orbit.problem.dbeta0, orbit, way, index, energy, lowest, highest, remark, calls)
+    helices = index[way.helix]
+    signed = roots.signed + int(np.where(helices % 2 == 0, 1, -1).sum())
+    remark = said or _remark(index, energy, signed, lost)
+    total, calls = roots.total + helices.size, roots.calls + int(orbit.panels.calls.sum())
+    return Found(orbit.problem.dbeta0, orbit, way, index, energy, lowest, highest, total, remark, calls)
 
 
-def _remark(index: Array, energy: Array, lost: int, capped: bool, most_swings: int) -> str:
+def _remark(index: Array, energy: Array, signed: int, lost: int) -> str:
     """What is missing, in words: by degree the equilibria, each counted with (-1)^index, add up to one, and the one of
     lowest energy has index 0."""
-    if capped:
-        return f"only equilibria of at most {most_swings} whole periods of beta were searched for"
     if lost:
         return f"{_COUNT}: {lost} equilibria were bracketed and could not be solved"
-    count = int(np.sum(np.where(index % 2 == 0, 1, -1)))
-    if count != 1:
-        return f"{_COUNT}: the equilibria found, each counted with (-1)^index, add up to {count}, not to 1"
+    if signed != 1:
+        return f"{_COUNT}: the equilibria found, each counted with (-1)^index, add up to {signed}, not to 1"
     lowest = energy <= energy.min() + 1e-9 * (1 + np.abs(energy.min()))
     if not (index[lowest] == 0).any():
         return f"{_COUNT}: the equilibrium of lowest energy found is unstable, so a lower one is missing"
     return ""
 
 
-def _roots(boundary: Boundary, chain: Chain, most_swings: int) -> tuple[Roots, bool]:
-    """Every level on the chain at which a path has the rod's length, and whether `most_swings` leaves out paths."""
-    span = float(boundary.problem.span[0])
+def _roots(boundary: Boundary, chain: Chain, most_swings: int, most_turns: int | None) -> tuple[Roots, str]:
+    """Every level on the chain at which a path has the rod's length, and what `most_swings` or `BUDGET` leaves out."""
+    span, size = float(boundary.problem.span[0]), chain.levels.y.size
     seen = transit(boundary, chain.levels)
     period = 2 * seen.time.sum(axis=0)[~seen.rotates & ~chain.place]
-    shortest = np.nanmin(period, initial=np.inf) if period.size else np.inf
+    shortest = float(np.nanmin(period, initial=np.inf))
     needed = int(min(span / shortest, 1e9)) + 1 if np.isfinite(shortest) else 0
+    said = f"only equilibria of at most {most_swings} whole periods of beta were searched for"
+    said = said if needed - 1 > most_swings else ""
     every = paths(boundary, 2 * min(needed, most_swings) + 1)
-    parts = []
-    for k in range(0, every.swings.size if chain.place.size else 1, _PATHS):
-        some = every.take(slice(k, k + _PATHS))
-        parts.append(_on_chain(boundary, chain, seen, some))
-    return _joined(parts, seen.calls), needed - 1 > most_swings
+    parts = [
+        _on_chain(boundary, chain, seen, every.take(slice(k, k + _PATHS)), k)
+        for k in range(0, every.swings.size if size else 1, _PATHS)
+    ]
+    brackets, calls = _joined([p for p, _ in parts]), seen.calls + sum(more for _, more in parts)
+    turns = every.turns[brackets.path]
+    kept = np.ones(turns.size, dtype=bool) if most_turns is None else turns <= most_turns
+    afford = int(BUDGET / (_EACH * max(1.0, seen.calls / max(size, 1))))
+    if np.count_nonzero(kept) > afford:
+        most = int(np.sort(turns[kept])[afford]) - 1
+        kept = kept & (turns <= most)
+        said = f"only equilibria of at most {most} bends were solved: all {turns.size} would take too many evaluations"
+    odd = (turns - brackets.rises) % 2 == 1
+    some = brackets.take(kept)
+    y, more = _closed_in(boundary, some, every.counts(boundary.rising)[some.path])
+    found = ~np.isnan(y)
+    levels = Levels(some.pin[found], some.sign[found], y[found])
+    total, signed, lost = turns.size, int(np.where(odd, -1, 1).sum()), int(np.count_nonzero(~found))
+    return Roots(levels, every.take(some.path[found]), some.rises[found], total, signed, lost, calls + more), said
 
 
-def _joined(parts: list[Roots], calls: int) -> Roots:
-    levels = Levels(*(np.concatenate([getattr(p.levels, name) for p in parts]) for name in ("pin", "sign", "y")))
-    names = ("leaving", "arriving", "swings")
-    every = Paths(*(np.concatenate([getattr(p.paths, name) for p in parts]) for name in names))
-    lengthens = np.concatenate([p.lengthens for p in parts])
-    return Roots(levels, every, lengthens, sum(p.lost for p in parts), calls + sum(p.calls for p in parts))
+@dataclass(frozen=True, eq=False)
+class Brackets:
+    """K pairs of levels between which the length of a path passes the rod's, (K,) each: pin, sign, y of both; the same
+    y twice where it is known already. path: its number. rises: whether the length grows with the level."""
+
+    pin: NDArray[np.int64]
+    sign: Array
+    first: Array
+    second: Array
+    path: NDArray[np.int64]
+    rises: NDArray[np.bool_]
+
+    def take(self, index: Any) -> "Brackets":
+        return Brackets(**{name: v[index] for name, v in vars(self).items()})
 
 
-def _on_chain(boundary: Boundary, chain: Chain, seen: Transit, some: Paths) -> Roots:
-    """The roots of N paths."""
+def _joined(parts: list[Brackets]) -> Brackets:
+    names = ("pin", "sign", "first", "second", "path", "rises")
+    columns: dict[str, Any] = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
+    return Brackets(**columns)
+
+
+def _on_chain(boundary: Boundary, chain: Chain, seen: Transit, some: Paths, before: int) -> tuple[Brackets, int]:
+    """The brackets of N paths, the first of which is number `before` of all; and evaluations."""
     levels, counts = chain.levels, some.counts(boundary.rising)
     if not levels.y.size:  # no level joins the ends but a helix's own
-        none = np.empty(0, dtype=int)
-        return Roots(levels, some.take(none), none.astype(bool), 0, 0)
+        none = np.empty(0)
+        return Brackets(none.astype(int), none, none, none, none.astype(int), none.astype(bool)), 0
     off = seen.lengths(counts) - boundary.problem.span[0]
     rate = seen.rates(counts)
-    for k in np.flatnonzero(chain.place):  # at a saddle's own height the length is infinite, or continuous
-        sides = [rate[:, j] for j in (k - 1, k + 1) if 0 <= j < levels.y.size]
+    for own in np.flatnonzero(chain.place):  # at a saddle's own height the length is infinite, or continuous
+        sides = [rate[:, j] for j in (own - 1, own + 1) if 0 <= j < levels.y.size]
         steep = np.fmax.reduce(sides) > 0
-        off[:, k] = np.where(steep, np.inf, off[:, k] if k else np.nan)
+        off[:, own] = np.where(steep, np.inf, off[:, own] if own else np.nan)
     known, above = _above(off, boundary.problem.span[0])
     n, k = np.nonzero(known[:, :-1] & known[:, 1:] & (above[:, :-1] != above[:, 1:]))
-    lengthens = above[n, k + 1]
     beside = chain.place[k] | chain.place[k + 1]
     rung = np.where(chain.place[k], k + 1, k)  # the real one, beside a saddle's own height
-    own = levels.take(np.where(beside, rung, k + 1))
+    place = levels.take(np.where(beside, rung, k + 1))
     with np.errstate(divide="ignore", invalid="ignore"):
-        deep = own.y + np.where(rate[n, rung] > 0, off[n, rung] / rate[n, rung], 0.0)
+        deep = place.y + np.where(rate[n, rung] > 0, off[n, rung] / rate[n, rung], 0.0)
         # next to the level at which the rod begins or ends at rest the length is linear in beta_t there
         share = -off[n, k] / (off[n, k + 1] - off[n, k])
         rests = chain.at_end & (k == 1) & (rate[n, k] == 0)
-        at_rest = np.maximum(levels.y[2] + 2 * np.log(share), boundary.deepest) if levels.y.size > 2 else own.y
+        at_rest = np.maximum(levels.y[min(2, levels.y.size - 1)] + 2 * np.log(share), boundary.deepest)
     y = np.where(beside, deep, np.where(rests, at_rest, np.nan))
-    open_ = np.flatnonzero(np.isnan(y))
-    pairs = [(own.take(open_), levels.y[k[open_]], own.y[open_], n[open_], lengthens[open_])]
+    first = np.where(np.isnan(y), levels.y[k], y)
+    second = np.where(np.isnan(y), place.y, y)
+    direct = Brackets(place.pin, place.sign, first, second, n + before, above[n, k + 1])
     dips, calls = _dips(boundary, chain, some, off)
-    pairs.append(dips)
-    pin, sign = (np.concatenate([getattr(p[0], name) for p in pairs]) for name in ("pin", "sign"))
-    low, high, path, rises = (np.concatenate([p[j] for p in pairs]) for j in range(1, 5))
-    root, more = _closed_in(boundary, pin, sign, low, high, counts[path])
-    done = ~np.isnan(y)
-    pin, sign = np.concatenate([own.pin[done], pin]), np.concatenate([own.sign[done], sign])
-    y, path = np.concatenate([y[done], root]), np.concatenate([n[done], path])
-    rises = np.concatenate([lengthens[done], rises])
-    found = ~np.isnan(y)
-    levels = Levels(pin[found], sign[found], y[found])
-    return Roots(levels, some.take(path[found]), rises[found], int(np.count_nonzero(~found)), calls + more)
+    return _joined([direct, replace(dips, path=dips.path + before)]), calls
 
 
 def _above(off: Array, span: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -210,12 +243,13 @@ def _above(off: Array, span: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_
     return known, np.take_along_axis(above, last, axis=1)
 
 
-def _closed_in(
-    boundary: Boundary, pin: Any, sign: Array, first: Array, second: Array, counts: Array
-) -> tuple[Array, int]:
+def _closed_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array, int]:
     """y of the root in each bracket, (K,), NaN where there turned out to be none; and evaluations."""
-    if not first.size:
-        return np.empty(0), 0
+    y = some.second.copy()
+    open_ = np.flatnonzero(some.first != some.second)
+    if not open_.size:
+        return y, 0
+    some, counts = some.take(open_), counts[open_]
     from scipy.optimize import elementwise  # SciPy does not fetch this part by itself, and it need not come sooner
 
     calls = 0
@@ -223,24 +257,25 @@ def _closed_in(
     def off(y: Array, which: Array) -> Array:
         nonlocal calls
         i = which.astype(int)
-        seen = transit(boundary, Levels(pin[i], sign[i], y))
+        seen = transit(boundary, Levels(some.pin[i], some.sign[i], y))
         calls += seen.calls
         return seen.lengths_along(counts[i]) - boundary.problem.span[0]
 
-    low, high = np.minimum(first, second), np.maximum(first, second)
-    which = np.arange(pin.size, dtype=float)
+    low, high = np.minimum(some.first, some.second), np.maximum(some.first, some.second)
+    which = np.arange(low.size, dtype=float)
     tolerances = {"xatol": 1e-14, "xrtol": 1e-15}
     told = elementwise.find_root(off, (low, high), args=(which,), tolerances=tolerances, maxiter=60)
-    y = np.where(told.success, told.x, np.nan)
+    root = np.where(told.success, told.x, np.nan)
     for i in np.flatnonzero(~told.success):  # within rounding of one end of its bracket
         ends = np.array([low[i], high[i]])
         size = np.abs(off(ends, np.full(2, float(i))))
         if np.nanmin(size) < 1e-9 * boundary.problem.span[0]:
-            y[i] = ends[int(np.nanargmin(size))]
+            root[i] = ends[int(np.nanargmin(size))]
+    y[open_] = root
     return y, calls
 
 
-def _dips(boundary: Boundary, chain: Chain, some: Paths, off: Array) -> tuple[Any, int]:
+def _dips(boundary: Boundary, chain: Chain, some: Paths, off: Array) -> tuple[Brackets, int]:
     """Brackets of the two roots between rungs where the length comes near the rod's, passes it and returns."""
     counts, size = some.counts(boundary.rising), np.abs(off)
     with np.errstate(invalid="ignore"):
@@ -249,20 +284,19 @@ def _dips(boundary: Boundary, chain: Chain, some: Paths, off: Array) -> tuple[An
         # the bottom of a dip lies below its lowest rung by a fraction of the rise to the next ones
         rise = np.fmax(size[:, :-2] - size[:, 1:-1], size[:, 2:] - size[:, 1:-1])
         near = least & (size[:, 1:-1] < 0.25 * rise) & np.isfinite(rise)
-    n, k = np.nonzero(near)
-    k = k + 1
-    cells = [(chain.cell(int(i) - 1), chain.cell(int(i))) for i in k]
-    kept = [i for i, pair in enumerate(cells) if None not in pair]
+    path, rung = np.nonzero(near)
     out: list[tuple[int, float, float, float, int, bool]] = []
     calls = 0
-    for i in kept:
-        found, more = _dip(boundary, cells[i], counts[n[i]], bool(off[n[i], k[i]] > 0))
-        out += [(*cell, int(n[i]), rises) for cell, rises in found]
+    for n, k in zip(path, rung + 1, strict=True):
+        cells = chain.cell(int(k) - 1), chain.cell(int(k))
+        if None in cells:
+            continue
+        found, more = _dip(boundary, cells, counts[n], bool(off[n, k] > 0))
+        out += [(*cell, int(n), rises) for cell, rises in found]
         calls += more
-    columns = list(zip(*out, strict=True)) if out else [()] * 6
-    pin, sign, first, second = np.array(columns[0], dtype=int), *(np.array(c, dtype=float) for c in columns[1:4])
-    rest = np.array(columns[4], dtype=int), np.array(columns[5], dtype=bool)
-    return (Levels(pin, sign, first), first, second, *rest), calls
+    columns = zip(*out, strict=True) if out else iter([()] * 6)
+    kinds = (int, float, float, float, int, bool)
+    return Brackets(*(np.array(c, dtype=kind) for c, kind in zip(columns, kinds, strict=True))), calls
 
 
 def _dip(boundary: Boundary, cells: Any, counts: Array, above: bool) -> tuple[list[Any], int]:
@@ -278,10 +312,8 @@ def _dip(boundary: Boundary, cells: Any, counts: Array, above: bool) -> tuple[li
         off = length - boundary.problem.span[0]
         over = off >= 0
         if (over != above).any():
-            c, j = np.nonzero(over[:, :-1] != over[:, 1:])
-            return [
-                ((*cells[a][:2], y[a, b], y[a, b + 1]), bool(over[a, b + 1])) for a, b in zip(c, j, strict=True)
-            ], calls
+            passes = np.argwhere(over[:, :-1] != over[:, 1:])
+            return [((*cells[a][:2], y[a, b], y[a, b + 1]), bool(over[a, b + 1])) for a, b in passes], calls
         if np.isnan(off).any():
             return [], calls
         least = int(np.argmin(np.abs(off)))
@@ -295,7 +327,7 @@ def _dip(boundary: Boundary, cells: Any, counts: Array, above: bool) -> tuple[li
 def _ways(boundary: Boundary, roots: Roots, helix: Any) -> tuple[Way, Array]:
     """Level and path of each root, the helix last; and whether the length grows with the level, NaN for the helix."""
     levels, some = roots.levels, roots.paths
-    columns = [boundary.pins[levels.pin] if levels.pin.size else np.empty(0), levels.sign, levels.y]
+    columns: list[Any] = [boundary.pins[levels.pin], levels.sign, levels.y]
     columns += [some.leaving, some.arriving, some.swings, np.zeros(levels.y.size, dtype=bool)]
     lengthens = roots.lengthens.astype(float)
     if helix is not None:
@@ -317,7 +349,7 @@ def _solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) ->
     first = boundary.low if boundary.rising else boundary.high
     start = many(problem, K, beta0=np.full(K, first), dbeta0=slope)
     level = potential(start, way.pin) + gap
-    falls = np.ones((K, 2))
+    falls = np.ones((K, 2))  # of the ends from the pin
     falls[moves] = boundary.falls[pin]
     deep = excess > 0
     span = start.span.copy()
@@ -344,8 +376,8 @@ def _range(orbit: Orbit) -> tuple[Array, Array]:
     lowest, highest = np.minimum(problem.beta0, problem.betaL), np.maximum(problem.beta0, problem.betaL)
     tip = np.repeat(problem.beta0, 2)
     tip[orbit.panels.part] = orbit.panels.series[:, 0].sum(axis=1)  # the last panel of each part is written last
-    tip = tip.reshape(-1, 2)
-    for k, passed in enumerate((orbit.turns > 0, orbit.turns > 1)):
-        lowest = np.where(passed, np.minimum(lowest, tip[:, k]), lowest)
-        highest = np.where(passed, np.maximum(highest, tip[:, k]), highest)
+    tip = np.reshape(tip, (-1, 2))
+    for passed, end in zip((orbit.turns > 0, orbit.turns > 1), tip.T, strict=True):
+        lowest = np.where(passed, np.minimum(lowest, end), lowest)
+        highest = np.where(passed, np.maximum(highest, end), highest)
     return lowest, highest

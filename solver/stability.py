@@ -155,7 +155,8 @@ def end_response(orbit: Any) -> Array:
                 met = met & folded[b, None]
             last = np.maximum(rounds - (time + rounds * orbit.period[b, None] > problem.span[b, None]), 0)
             for many in (0 * last, last):
-                eta = (fixed[b, None] + v0[b, None] * (a + a_round * many)) * way * v + v0[b, None] * (H / (v * v + H * H))
+                along = (fixed[b, None] + v0[b, None] * (a + a_round * many)) * way
+                eta = along * v + v0[b, None] * (H / (v * v + H * H))
                 largest = np.maximum(largest, np.where(met, np.abs(eta), 0).max(axis=1))
         far = problem.span[:, None]
         a = accumulated(orbit, series, far)[:, 0]
@@ -178,8 +179,7 @@ def _helix_response(problem: Reduced) -> Array:
 
 
 def response(problem: Reduced, h: Array, beta: Array) -> Array:
-    """Largest |d beta(t)/d beta(L)| along each equilibrium known on a mesh alone, (B,): unbounded at a fold, 1 or so away
-    from one.
+    """Largest |d beta(t)/d beta(L)| of equilibria known on a mesh alone, (B,); unbounded at a fold, else 1 or so.
 
     The solution of the tridiagonal system whose far end is moved by one.
     """

@@ -95,7 +95,7 @@ class Levels:
 
 @dataclass(frozen=True, eq=False)
 class Paths:
-    """N ways from one end to the other, (N,) each: direction at beta(0) and at beta(L), UP or DOWN, and whole periods."""
+    """N ways from one end to the other, (N,) each: direction at beta(0) and at beta(L), UP or DOWN, whole periods."""
 
     leaving: NDArray[np.int64]
     arriving: NDArray[np.int64]
@@ -178,8 +178,8 @@ def transit(boundary: Boundary, levels: Levels, deep: bool = True) -> Transit:
     joins = (v2 > 0).all(axis=0)
     v_low, v_high = np.sqrt(np.where(joins, v2, 1.0))
     start = many(boundary.problem, M, beta0=np.full(M, boundary.low), betaL=None, dbeta0=v_low)  # type: ignore[arg-type]
-    found = Extrema(*(np.repeat(v, M, axis=0) for v in (boundary.found.beta, boundary.found.centre)),
-                    np.repeat(boundary.found.count, M))  # fmt: skip
+    same = boundary.found
+    found = Extrema(np.repeat(same.beta, M, axis=0), np.repeat(same.centre, M, axis=0), np.repeat(same.count, M))
     way = course(start, (boundary.pins[levels.pin], gap), found)
     pieces = _three(boundary, way.pieces, v_high, M)
     twice = many(boundary.problem, 2 * M, betaL=None, dbeta0=np.tile(v_low, 2))  # type: ignore[arg-type]
