@@ -76,7 +76,7 @@ def chained(blank: Boundary, step: float = 0.25) -> tuple[Boundary, Chain]:
     """The boundary with its pins, and the chain of its levels with rungs of `step` in log gap where they are dense."""
     problem, angles = blank.problem, blank.found.beta[0, : blank.found.count[0]]
     saddles = angles[~blank.found.centre[0, : angles.size]]
-    floor, at_end = _floor(blank, angles, saddles)
+    floor, at_end = floor_of(blank, angles, saddles)
     over = np.array([fall(problem, s, floor, True) for s in saddles])
     above = np.argsort(over)
     above = above[over[above] > 0]
@@ -145,7 +145,7 @@ def rungs(top: float, features: Array, deepest: float, step: float) -> Array:
     return y
 
 
-def _floor(blank: Boundary, angles: Array, saddles: Array) -> tuple[float, bool]:
+def floor_of(blank: Boundary, angles: Array, saddles: Array) -> tuple[float, bool]:
     """The highest of both ends and of the saddles from one to the other: its angle, and whether it is an end and no
     critical point."""
     problem = blank.problem

@@ -112,10 +112,10 @@ def _searched(problem: Reduced, most_swings: int, most_turns: int | None, step: 
     boundary, chain = chained(bounded(problem), step)
     roots, said = _roots(boundary, chain, most_swings, most_turns)
     helix = helix_of(problem, boundary.found)
-    way, lengthens = _ways(boundary, roots, helix)
+    way, lengthens = ways_of(boundary, roots, helix)
     if not lengthens.size:
         return None
-    orbit, level = _solved(problem, boundary, way, lengthens)
+    orbit, level = solved(problem, boundary, way, lengthens)
     far = orbit.at(orbit.problem.span[:, None])[0][:, 0]
     good = np.abs(far - problem.betaL[0]) < _MISSED
     lost = roots.lost + int(np.count_nonzero(~good))
@@ -123,7 +123,7 @@ def _searched(problem: Reduced, most_swings: int, most_turns: int | None, step: 
         return None
     if not good.all():
         way, lengthens = way.take(good), lengthens[good]
-        orbit, level = _solved(problem, boundary, way, lengthens)
+        orbit, level = solved(problem, boundary, way, lengthens)
     index, energy = jacobi_zeros(orbit), energies(orbit, level)
     lowest, highest = _range(orbit)
     assert orbit.problem.dbeta0 is not None
@@ -176,6 +176,16 @@ def _roots(boundary: Boundary, chain: Chain, most_swings: int, most_turns: int |
     levels = Levels(some.pin[found], some.sign[found], y[found])
     total, signed, lost = turns.size, int(np.where(odd, -1, 1).sum()), int(np.count_nonzero(~found))
     return Roots(levels, every.take(some.path[found]), some.rises[found], total, signed, lost, calls + more), said
+
+
+def roots_on(boundary: Boundary, chain: Chain, some: Paths) -> Roots:
+    """Every level on the chain at which one of these paths has the rod's length."""
+    brackets, calls = _on_chain(boundary, chain, transit(boundary, chain.levels), some, 0)
+    y, more = _closed_in(boundary, brackets, some.counts(boundary.rising)[brackets.path])
+    found = ~np.isnan(y)
+    levels = Levels(brackets.pin[found], brackets.sign[found], y[found])
+    path, rises = brackets.path[found], brackets.rises[found]
+    return Roots(levels, some.take(path), rises, path.size, 0, int(np.count_nonzero(~found)), calls + more)
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,7 +334,7 @@ def _dip(boundary: Boundary, cells: Any, counts: Array, above: bool) -> tuple[li
     return [], calls
 
 
-def _ways(boundary: Boundary, roots: Roots, helix: Any) -> tuple[Way, Array]:
+def ways_of(boundary: Boundary, roots: Roots, helix: Any) -> tuple[Way, Array]:
     """Level and path of each root, the helix last; and whether the length grows with the level, NaN for the helix."""
     levels, some = roots.levels, roots.paths
     columns: list[Any] = [boundary.pins[levels.pin], levels.sign, levels.y]
@@ -337,7 +347,7 @@ def _ways(boundary: Boundary, roots: Roots, helix: Any) -> tuple[Way, Array]:
     return Way(*columns), lengthens
 
 
-def _solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) -> tuple[Orbit, Array]:
+def solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) -> tuple[Orbit, Array]:
     """The orbits and their levels eta, (K,)."""
     K = way.y.size
     moves = ~way.helix
@@ -366,7 +376,7 @@ def _solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) ->
     orbit.panels.series[:, 0, 0] += turns
     start = replace(start, beta0=np.full(K, problem.beta0[0]))
     passed = np.where(way.helix, 0.0, Paths(way.leaving, way.arriving, way.swings).turns)
-    return replace(orbit, problem=start, lengthens=lengthens, response=growth, passed=passed), level
+    return replace(orbit, problem=start, lengthens=lengthens, response=growth, passed=passed, path=way), level
 
 
 def _range(orbit: Orbit) -> tuple[Array, Array]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..chebyshev import basis, polynomials
 from ..course import HELIX, LIBRATION, Course, course
 from ..landscape import slope_bends, slope_rate, slope_size
-from ..panels import EPS, Panels, panelled, running
+from ..panels import EPS, Panels, joined, panelled, running
 from ..reduced import Array, Reduced
 from ..sensitivity import condition
 from .base import Method, Trajectory, verdicts
@@ -25,7 +25,7 @@ from .base import Method, Trajectory, verdicts
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
 _LARGEST = 1e100  # dimensionless numbers beyond this would overflow when squared
 TOO_LARGE = "failed: the loads are beyond 1e100 in units of A and rho"
-_PLAIN = (0.0, 0.0, 0.0, 1.0, 0.5, 0.0)  # lam, mu, phi, span, beta(0), beta_t(0)
+PLAIN = (0.0, 0.0, 0.0, 1.0, 0.5, 0.0)  # lam, mu, phi, span, beta(0), beta_t(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +37,7 @@ class Orbit:
     grows longer with the level, 0 where shorter, NaN where whoever made the orbits does not know; the index needs it.
     passed: (B,), turning points passed, where whoever made the orbits knows better than rounding tells.
     response: (B,), largest |d beta(t)/d beta(L)| along the rod, where whoever made the orbits knows it.
+    path: the level and the path of each (`search.Way`), where it is an equilibrium that was searched for or followed.
     """
 
     problem: Reduced
@@ -50,6 +51,7 @@ class Orbit:
     lengthens: Array | None = None
     response: Array | None = None
     passed: Array | None = None
+    path: Any = None
 
     @property
     def kind(self) -> NDArray[np.int64]:
@@ -92,7 +94,8 @@ class Orbit:
         parts = slice(2 * i, 2 * i + 2)
         way = Course(self.course.kind[i : i + 1], self.course.direction[i : i + 1], self.course.pieces)
         one = self.problem.take(slice(i, i + 1))
-        known = (None if v is None else v[i : i + 1] for v in (self.lengthens, self.response, self.passed))
+        known = [None if v is None else v[i : i + 1] for v in (self.lengthens, self.response, self.passed)]
+        known.append(None if self.path is None else self.path.take(slice(i, i + 1)))
         return Orbit(one, way, panels, self.since[mine], first, count, self.duration[parts], self.gain[parts], *known)
 
     def swirl(self, t: Array) -> Array:
@@ -176,6 +179,27 @@ class Where:
         return np.where(self.folded, 2 * self.rounds + self.second + self.mirrored, 0.0)
 
 
+def joined_orbits(orbits: list[Orbit]) -> Orbit:
+    """The orbits of several batches as one."""
+    sizes = np.array([orbit.problem.size for orbit in orbits])
+    before = np.cumsum(sizes) - sizes
+    panels = joined([replace(o.panels, part=o.panels.part + 2 * k) for o, k in zip(orbits, before, strict=True)])
+
+    def column(name: str) -> Any:
+        values = [getattr(orbit, name) for orbit in orbits]
+        return None if any(v is None for v in values) else np.concatenate(values)
+
+    fields: dict[str, Any] = {
+        name: None if value is None else np.concatenate([getattr(o.problem, name) for o in orbits])
+        for name, value in vars(orbits[0].problem).items()
+    }
+    kind, direction = (np.concatenate([getattr(o.course, n) for o in orbits]) for n in ("kind", "direction"))
+    way = Course(kind, direction, orbits[0].course.pieces)
+    count = column("count")
+    rest = (column(name) for name in ("duration", "gain", "lengthens", "response", "passed"))
+    return Orbit(Reduced(**fields), way, panels, column("since"), np.cumsum(count) - count, count, *rest)
+
+
 def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Where:
     """Fold t (B, n) into courses of lengths ahead and back (B,) in time."""
     ahead, back, period = ahead[:, None], back[:, None], period[:, None]
@@ -232,7 +256,7 @@ def fitting(problem: Reduced) -> tuple[Reduced, NDArray[np.bool_]]:
     fit = (np.abs(numbers) < _LARGEST).all(axis=0) & (problem.span > 0)
     if fit.all():
         return problem, fit
-    lam, mu, phi, span, beta0, dbeta0 = np.where(fit, numbers, np.array(_PLAIN)[:, None])
+    lam, mu, phi, span, beta0, dbeta0 = np.where(fit, numbers, np.array(PLAIN)[:, None])
     return Reduced(lam, mu, phi, span, beta0, dbeta0), fit
 
 
