@@ -93,14 +93,15 @@ class Course:
     pieces: Pieces
 
 
-def course(problem: Reduced, pin: tuple[Array, Array] | None = None) -> Course:
-    """Where each orbit goes, and the pieces of its way; the problems' numbers must be finite.
+def course(problem: Reduced, pin: tuple[Array, Array] | None = None, found: Extrema | None = None) -> Course:
+    """Where each orbit goes, and the pieces of its way; the problems' numbers must be finite. found: the extrema, where
+    they are known.
 
     pin: angles r in [-pi, pi) and gaps eta - G(r), (B,) each, that fix the level more finely than beta_t(0) can where
     the orbit hugs a saddle r; without them the start does, r = beta(0) and the gap beta_t(0)^2.
     """
     assert problem.dbeta0 is not None
-    found = extrema(problem)
+    found = extrema(problem) if found is None else found
     m, B = found.count, problem.size
     start = problem.beta0 - TAU * np.round(problem.beta0 / TAU)
     start = np.where(start >= np.pi, start - TAU, start)
@@ -127,17 +128,32 @@ def course(problem: Reduced, pin: tuple[Array, Array] | None = None) -> Course:
 
 def _levels(problem: Reduced, found: Extrema, pinned: Array, gap: Array) -> Array:
     """eta - G at every extremum, (B, K), kept to relative accuracy where both parts of it are small; NaN beyond."""
-    B, K = found.beta.shape
-    wide = problem.take(np.repeat(np.arange(B), K))
-    x = _apart(pinned[:, None], found.beta).reshape(-1, 1)
-    drop = Well.about(wide, found.beta.reshape(-1)).drop(x).reshape(B, K)
-    # extrema as high as the pinned one, which symmetry makes common, must share its gap
-    heights = np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1
-    drop = np.where((np.abs(drop) < 4e-16 * heights[:, None]) & (np.abs(x.reshape(B, K)) > 1e-3), 0.0, drop)
+    drop, x = _falls(problem, found, pinned)
+    nearest = np.nanargmin(np.abs(x), axis=1)
+    beside = np.take_along_axis(x, nearest[:, None], axis=1)[:, 0]
+    rows = np.flatnonzero((np.abs(beside) < 1e-3) & (beside != 0))
+    if rows.size:  # seen from next to an extremum, those of its height must be as high as it is
+        some = Extrema(found.beta[rows], found.centre[rows], found.count[rows])
+        close = nearest[rows]
+        about, _ = _falls(problem.take(rows), some, some.beta[np.arange(rows.size), close])
+        drop[rows] = about + drop[rows, close][:, None]
     level = gap[:, None] - drop
     # within rounding of the saddle's own level either side is as true; none is zero
     floor = 2e-17 * (np.abs(gap[:, None]) + np.abs(drop)) + 1e-300
     return np.where(np.abs(level) < floor, np.where(level > 0, floor, -floor), level)
+
+
+def _falls(problem: Reduced, found: Extrema, angle: Array) -> tuple[Array, Array]:
+    """G at every extremum less G at an angle (B,), and how far the angle lies from there, (B, K) each.
+
+    Extrema as high as the angle and far from it, which symmetry makes common, must share its height.
+    """
+    B, K = found.beta.shape
+    wide = problem.take(np.repeat(np.arange(B), K))
+    x = _apart(angle[:, None], found.beta)
+    drop = Well.about(wide, found.beta.reshape(-1)).drop(x.reshape(-1, 1)).reshape(B, K)
+    heights = np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1
+    return np.where((np.abs(drop) < 4e-16 * heights[:, None]) & (np.abs(x) > 1e-3), 0.0, drop), x
 
 
 def _apart(a: Array, b: Array) -> Array:

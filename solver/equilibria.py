@@ -6,15 +6,16 @@ import numpy as np
 
 from .case import Case, Ends
 from .errors import InputError
-from .landscape import potential
 from .levels import many
 from .methods.base import Seed, Trajectory, verdicts
 from .methods.orbit import Orbit
 from .observables import observe
 from .reduced import Array, Reduced, reduce
-from .search import search
+from .search import Way, search
 from .solution import Solution
-from .stability import jacobi_zeros, response
+from .stability import end_response
+
+NONE = "incomplete: no equilibrium was found, and by degree there is always one"
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +24,8 @@ class Equilibrium:
 
     index: Morse index, 0 for a stable one, both end angles held and the loads dead. energy: bending energy less the
     work of the loads [force length]. dbeta0: beta'(0) [rad/length]. turns: number of bends. attached: share of the
-    length where the cylinder pushes.
+    length where the cylinder pushes. stray: how far beta goes beyond the interval between its end angles [rad].
+    path: its level and its path (`search.Way` of one), which tell it from every other equilibrium of the case.
     """
 
     solution: Solution
@@ -32,10 +34,31 @@ class Equilibrium:
     dbeta0: float
     turns: int
     attached: float
+    stray: float
+    path: Way
 
 
-def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: int = 200) -> list[Equilibrium]:
+class Equilibria(list[Equilibrium]):
+    """The equilibria of one case, lowest energy first, and whether they are all that there are.
+
+    complete: the equilibria, each counted with (-1)^index, add up to 1, as they must by degree, and the lowest is
+    stable. So an odd number of missing ones is seen; a pair of opposite signs, as is born at a fold, is not.
+    remark: one sentence that says why the list is a part only; empty where it is complete.
+    """
+
+    def __init__(self, found: list[Equilibrium], remark: str = "") -> None:
+        super().__init__(found)
+        self.remark = remark
+
+    @property
+    def complete(self) -> bool:
+        return not self.remark
+
+
+def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: int = 200) -> Equilibria:
     """All solutions of one ends problem with at most `most_swings` whole periods of beta, lowest energy first.
+
+    The list says whether it is `complete`, and why not.
 
     beta(L) counts whole turns: to end at the same tangent after turning round, ask for beta(L) + 2 pi.
     Raises `InputError` for a start problem or a grid of cases.
@@ -47,10 +70,9 @@ def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: 
     problem = reduce(case)
     all_of_them = search(problem, most_swings)
     if all_of_them is None:
-        return []
+        return Equilibria([], NONE)
     slopes, orbit, K = all_of_them.slope, all_of_them.orbit, all_of_them.slope.size
-    wide = many(problem, K)
-    index = jacobi_zeros(orbit)
+    wide, index, stray = many(problem, K), all_of_them.index, all_of_them.stray
     t = wide.span[:, None] * np.linspace(0, 1, stations)
     together = trajectory(wide, orbit, t, tol)
     seen = observe(Solution(_repeated(case, K), wide, together, t, "shooting", tol), ("energy", "turns", "attached"))
@@ -58,8 +80,9 @@ def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: 
     for i in range(K):
         solution = Solution(case, problem, _one(together, orbit.take(i), t, i), t[i : i + 1], "shooting", tol)
         numbers = float(seen["energy"][i]), float(slopes[i] / case.rho), int(seen["turns"][i])
-        found.append(Equilibrium(solution, int(index[i]), *numbers, float(seen["attached"][i])))
-    return _in_order(found)
+        more = float(seen["attached"][i]), float(stray[i]), all_of_them.path.take(slice(i, i + 1))
+        found.append(Equilibrium(solution, int(index[i]), *numbers, *more))
+    return Equilibria(_in_order(found), all_of_them.remark)
 
 
 def _repeated(case: Case, K: int) -> Case:
@@ -104,8 +127,7 @@ def trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float) -> Trajecto
     """The orbits of K ends problems at stations t (K, n), with how far they miss beta(L) as their error."""
     assert problem.betaL is not None
     beta, dbeta, alpha, z = orbit.at(t)
-    grid, h = _grid(problem, orbit)
-    condition = response(problem, h, grid)
+    condition = end_response(orbit) if orbit.response is None else orbit.response
     miss = np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
     error = (2 * miss + 1e-14) * condition
     calls = np.bincount(orbit.panels.part // 2, weights=orbit.panels.calls, minlength=t.shape[0]).astype(np.int64)
@@ -113,29 +135,13 @@ def trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float) -> Trajecto
     return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), outcome, error, condition, calls, orbit)
 
 
-def _grid(problem: Reduced, orbit: Orbit) -> tuple[Array, Array]:
-    """beta of K solutions on equal steps that resolve them, (K, n), and the steps, (K,)."""
-    fastest = np.sqrt(4 * (np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1))
-    n = int(np.clip(12 * np.max(problem.span * fastest, initial=0), 400, 20000))
-    return orbit.at(problem.span[:, None] * np.linspace(0, 1, n + 1))[0], problem.span / n
-
-
 def chosen(problem: Reduced, t: Array, tol: float, slope: float | None) -> Trajectory | None:
     """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or of lowest energy; None without any."""
-    found = search(problem)
+    found = search(problem, most_turns=1) if slope is None else search(problem)
     if found is None:
         return None
-    slopes, orbit = found.slope, found.orbit
-    i = int(np.argmin(_energies(problem, slopes, orbit) if slope is None else np.abs(slopes - slope)))
-    return trajectory(problem, orbit.take(i), t, tol)
-
-
-def _energies(problem: Reduced, slopes: Array, orbit: Orbit) -> Array:
-    """Energy of each orbit in units of A/rho, (K,)."""
-    wide = many(problem, slopes.size)
-    t = wide.span[:, None] * np.linspace(0, 1, 4001)
-    level = slopes**2 + potential(wide, wide.beta0)
-    return np.trapezoid(orbit.at(t)[1] ** 2, t, axis=1) - level * problem.span[0] / 2
+    i = int(np.argmin(found.energy if slope is None else np.abs(found.slope - slope)))
+    return trajectory(problem, found.orbit.take(i), t, tol)
 
 
 def lowest(problem: Reduced, points: int = 2001) -> Seed:

@@ -1,192 +1,184 @@
-"""How long the ways between two angles take, as functions of the level: what an ends problem comes down to.
+"""The levels at which two end angles can be joined, as a chain of rungs from the lowest to beyond the highest.
 
-An orbit of level eta that joins beta(0) to beta(L) swings n times between its turning points, leaving upward or
-downward and arriving upward or downward. Its length in t is a sum of times from both angles to the turning points;
-the equilibria are the levels at which that sum is the rod's.
+The lowest is the height of G at an end, or of a saddle between the ends; the heights of the saddles above it divide the
+rest. Next to each of these the rungs are even in log gap, as the times are smooth in it; between two they meet in the
+middle. So the sign of an orbit's length less the rod's, read from rung to rung, shows every level where it is zero.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .chebyshev import basis
-from .course import LIBRATION, ROTATION, course
-from .landscape import TAU, Extrema, Well, extrema, potential, slope, slope_rate
-from .panels import panelled
+from .course import _apart
+from .landscape import TAU, Extrema, extrema, slope, slope_bends, slope_rate
 from .reduced import Array, Reduced
+from .transit import Boundary, Levels, fall, height_scale, wrapped
+from .transit import many as many
 
-UP, DOWN = 1, -1
-_FINEST = 650.0  # gaps down to exp(-650) of the interval, as far as a float reaches
-
-
-@dataclass(frozen=True, eq=False)
-class Ladder:
-    """Levels between two neighbouring heights of the landscape, seen from one of them: eta = G(pin) + sign exp(y).
-
-    y: (M,), falling towards the pin.
-    """
-
-    pin: float
-    sign: float
-    y: Array
-
-
-def many(problem: Reduced, count: int, **changed: Array) -> Reduced:
-    """One problem, `count` times over, with some fields changed."""
-    fields: dict[str, Any] = {k: v if v is None else np.repeat(v, count) for k, v in vars(problem).items()}
-    return Reduced(**{**fields, **changed})
-
-
-def ladders(problem: Reduced, found: Extrema) -> list[Ladder]:
-    """Ladders that together cover every level of one ends problem."""
-    assert problem.betaL is not None
-    ends = np.array([problem.beta0[0], problem.betaL[0]])
-    ends -= TAU * np.round(ends / TAU)
-    ends = np.where(ends >= np.pi, ends - TAU, ends)
-    angles = np.concatenate([found.beta[0, : found.count[0]], ends])
-    heights = potential(problem, angles)
-    lowest = heights[-2:].max()
-    order = np.argsort(heights)
-    angles, heights = angles[order], heights[order]
-    keep = heights >= lowest - 1e-14 * (1 + abs(lowest))
-    angles, heights = angles[keep], heights[keep]
-    out: list[Ladder] = []
-    scale = 1 + np.abs(heights).max()
-    for k in range(heights.size - 1):
-        width = heights[k + 1] - heights[k]
-        if width > 1e-13 * scale:
-            start = np.log(width / 2)
-            out.append(Ladder(float(angles[k]), 1.0, start - _rungs(problem, angles[k])))
-            out.append(Ladder(float(angles[k + 1]), -1.0, start - _rungs(problem, angles[k + 1])))
-    way = float(problem.betaL[0] - problem.beta0[0])
-    if way:  # above every saddle only a rod that turns all the way can join the ends
-        top = np.log((2 * way / problem.span[0]) ** 2 + 1e-3 * scale)
-        out.append(Ladder(float(angles[-1]), 1.0, top - _rungs(problem, angles[-1])))
-    return out
-
-
-def _rungs(problem: Reduced, pin: float) -> Array:
-    """Steps down in log(gap): as far as the time next to a saddle can grow to the rod's length.
-
-    The first goes up, so that two ladders that meet overlap and no fold falls between them.
-    """
-    rate = float(slope_rate(problem, np.array([pin]))[0])
-    deepest = 34.0
-    if rate < 0:
-        deepest = min(_FINEST, 45 + 1.2 * np.sqrt(-rate) * float(problem.span[0]))
-    dense = np.arange(-0.25, 8, 0.25)
-    rest = [8.0]
-    while rest[-1] < deepest:
-        rest.append(rest[-1] + max(0.75, 0.15 * rest[-1]))
-    return np.concatenate([dense, rest])
+_ON = 1e-110  # an end this near to a saddle lies on it
+_ROUNDING = 4e-16  # of H, in units of the size of G
+_LOWEST = -575.0  # log of the smallest gap that a float can hold with what is made of it
 
 
 @dataclass(frozen=True, eq=False)
-class Ways:
-    """Times at M levels: from beta(0) up and down to the turning points, and from beta(L); (M,) each, NaN where the
-    level does not join the two angles. direct: the way without a turn, for orbits that have no turning points."""
+class Chain:
+    """Rungs in order of rising level. place: (M,), True where the rung stands for the height of a saddle itself, of gap
+    zero: its pin and sign are those of the rung after it (before it, for the last)."""
 
-    up: Array
-    down: Array
-    up_far: Array
-    down_far: Array
-    direct: Array
+    levels: Levels
+    place: NDArray[np.bool_]
+    at_end: bool  # whether the first rung is pinned at an end of the rod, where beta_t is 0
 
-    @property
-    def period(self) -> Array:
-        return 2 * (self.up + self.down)
-
-    def length(self, leaving: Any, arriving: Any, swings: Any) -> Array:
-        """Length of the orbit that passes `swings` whole periods and the way in the given directions, (M,)."""
-        base = np.where(
-            np.equal(leaving, UP),
-            np.where(np.equal(arriving, UP), self.down_far - self.down, self.up + self.up_far),
-            np.where(np.equal(arriving, UP), self.down + self.down_far, self.down - self.down_far),
-        )
-        return np.where(np.isnan(self.direct), base + swings * self.period, self.direct)
+    def cell(self, k: int) -> tuple[int, float, float, float] | None:
+        """Pin, sign and the two y of the levels between rung k and the next; None beside a saddle's own height."""
+        if self.place[k] or self.place[k + 1]:
+            return None
+        one, y = self.levels, self.levels.y
+        return int(one.pin[k + 1]), float(one.sign[k + 1]), float(y[k]), float(y[k + 1])
 
 
-def ways(problem: Reduced, pin: Array, gap: Array, tol: float) -> tuple[Ways, Array]:
-    """The times at levels G(pin) + gap, (M,) each, of one problem; and beta_t(0)^2 there."""
+def bounded(problem: Reduced) -> Boundary:
+    """The ends problem (of size 1) with what its search needs; ends within rounding of a helix are moved onto it."""
     assert problem.betaL is not None
-    M = pin.size
-    start = many(problem, M)
-    v2 = [
-        _speed2(start, pin, gap, many(problem, M, beta0=np.full(M, b)).beta0)
-        for b in (problem.beta0[0], problem.betaL[0])
-    ]
-    joins = (v2[0] > 0) & (v2[1] > 0)
-    way = float(problem.betaL[0] - problem.beta0[0])
-    sense = UP if way >= 0 else DOWN
-    ends = [problem.beta0[0], problem.betaL[0]][: 2 if way else 1]  # seen from one alone where they are the same
-    n = len(ends)
-    slope0 = sense * np.sqrt(np.where(joins, np.stack(v2[:n]), 1.0)).reshape(-1)
-    both = many(problem, n * M, beta0=np.repeat(ends, M), betaL=None, dbeta0=slope0)  # type: ignore[arg-type]
-    course_ = course(both, (np.tile(pin, n), np.tile(gap, n)))
-    panels = panelled(both, course_, basis(16) if tol > 1e-9 else basis(22), 0.7, 0.01 * tol, times_only=True)
-    total = np.bincount(panels.part, weights=panels.duration, minlength=2 * n * M).reshape(n, M, 2)
-    total, kind = (np.broadcast_to(v, (2, *v.shape[1:])) for v in (total, course_.kind.reshape(n, M)))
-    ahead, back = total[..., 0], total[..., 1]
-    up, down = (ahead, back) if sense == UP else (back, ahead)
-    joins &= kind[0] == kind[1]
-    swings = joins & (kind[0] == LIBRATION)
+    found = extrema(problem)
+    angles = found.beta[0, : found.count[0]]
+    helix = helix_of(problem, found)
+    ends = [float(problem.beta0[0]), float(problem.betaL[0])]
+    rising = ends[0] <= ends[1]
+    around = [wrapped(b) for b in sorted(ends)]
+    for i, b in enumerate(around):
+        near = angles[np.abs(_apart(np.full(angles.size, b), angles)) < _ON]
+        around[i] = float(near[0]) if near.size else b
+    low, high = around if helix is None else (helix[0], helix[0])
+    rest = high - low + (TAU if high < low else 0.0)
+    rounds = round((max(ends) - min(ends) - rest) / TAU)
+    behind = [int(np.count_nonzero(angles <= b)) - 1 for b in (low, high)]
+    passed = behind[1] - behind[0] + (angles.size if high < low else 0)
+    return Boundary(problem, found, low, high, rounds, passed, rising, np.empty(0), np.empty((0, 2)), _LOWEST)
+
+
+def helix_of(problem: Reduced, found: Extrema) -> tuple[float, float] | None:
+    """The rod that lies as a helix from end to end, which has no level to close in on: its angle in [-pi, pi), and
+    counted on to beta(0); None where the ends are no helix's, to rounding."""
+    assert problem.betaL is not None
+    beta = problem.beta0
+    if problem.betaL[0] != beta[0] or np.abs(slope(problem, beta))[0] > _ROUNDING * height_scale(problem):
+        return None
+    angles = found.beta[0, : found.count[0]]
+    turns = np.round((beta[0] - angles) / TAU)
+    k = int(np.argmin(np.abs(angles + TAU * turns - beta[0])))
+    return float(angles[k]), float(angles[k] + TAU * turns[k])
+
+
+def chained(blank: Boundary, step: float = 0.25) -> tuple[Boundary, Chain]:
+    """The boundary with its pins, and the chain of its levels with rungs of `step` in log gap where they are dense."""
+    problem, angles = blank.problem, blank.found.beta[0, : blank.found.count[0]]
+    saddles = angles[~blank.found.centre[0, : angles.size]]
+    floor, at_end = floor_of(blank, angles, saddles)
+    over = np.array([fall(problem, s, floor, True) for s in saddles])
+    above = np.argsort(over)
+    above = above[over[above] > 0]
+    groups: list[int] = []  # saddles of one height are one
+    for i in above:
+        if not groups or fall(problem, saddles[i], saddles[groups[-1]], True) > 0:
+            groups.append(int(i))
+    pins = np.array([floor, *saddles[groups]])
+    height = np.array([0.0, *over[groups]])
+    falls = np.array([[fall(problem, p, b, k > 0 or not at_end) for b in (blank.low, blank.high)]
+                      for k, p in enumerate(pins)])  # fmt: skip
+    falls = np.maximum(falls, height[:, None])
+    features = [_features(problem, p, angles, (blank.low, blank.high), k > 0 or not at_end)
+                for k, p in enumerate(pins)]  # fmt: skip
+    width = np.diff(height)
+    tops = [np.log(w / 2) for w in width]
+    way = blank.rounds > 0 or blank.high != blank.low
     if way:
-        swings &= _same_well(both, course_, panels, M)
-    turns = joins & (kind[0] == ROTATION) & (way != 0)
-    direct = np.full(M, np.nan)
-    if turns.any():
-        direct[turns] = _direct(both, panels, M)[turns]
-    there, back_, there_far, back_far = (np.where(swings, v, np.nan) for v in (up[0], down[0], up[1], down[1]))
-    return Ways(there, back_, there_far, back_far, direct), np.where(joins, v2[0], np.nan)
+        reach = abs(float(problem.betaL[0] - problem.beta0[0])) / float(problem.span[0])  # type: ignore[index]
+        tops.append(np.log((2 * reach) ** 2 + 1e-3 * height_scale(problem)))
+    lowest = min([*tops, *(f for some in features for f in some)])
+    deepest = max(_LOWEST, lowest - (80 if at_end else 40))
+    boundary = replace(blank, pins=pins, falls=falls, deepest=deepest)
+    return boundary, _chain(tops, features, deepest, step, len(groups), at_end)
 
 
-def _speed2(problem: Reduced, pin: Array, gap: Array, beta: Array) -> Array:
-    """beta_t^2 at beta on the level G(pin) + gap, (M,); relative accuracy next to the pin."""
-    x = beta - pin
-    x = x - TAU * np.round(x / TAU)
-    well = Well.about(problem, pin)
-    linear = potential(problem, pin) - potential(problem, beta)
-    # the pin is an extremum of G, or one of the two ends itself
-    near = np.where(np.abs(x) < 1, well.drop(x[:, None])[:, 0], linear)
-    at_extremum = np.abs(slope(problem, pin)) < 1e-9 * (
-        1 + np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi)
-    )
-    return gap + np.where(x == 0, 0.0, np.where(at_extremum, near, linear))
+def _chain(tops: list[float], features: list[Any], deepest: float, step: float, groups: int, at_end: bool) -> Chain:
+    """Up from the floor, through the saddles above it, to the top."""
+    rows: list[tuple[Any, ...]] = []
+
+    def add(pin: int, sign: float, y: Array, place: bool = False) -> None:
+        rows.append((np.full(y.size, pin), np.full(y.size, sign), y, np.full(y.size, place)))
+
+    here = np.array([deepest])
+    for k, top in enumerate(tops):
+        add(k, 1.0, here, True)
+        up = rungs(top, features[k], deepest, step)[::-1]
+        if at_end and k == 0:  # from rest on the times are linear in beta_t at that end
+            law = min([top, *features[0]]) - 36
+            up = up[(up == deepest) | (up >= law)]
+        add(k, 1.0, up)
+        if k < groups:
+            add(k + 1, -1.0, rungs(top, features[k + 1], deepest, step)[1:])
+    if len(tops) == groups and groups:
+        add(groups, -1.0, here, True)
+    if not rows:  # no level joins the ends but a helix's own
+        empty = np.empty(0)
+        return Chain(Levels(empty.astype(int), empty, empty), empty.astype(bool), at_end)
+    pin, sign, y, place = (np.concatenate(column) for column in zip(*rows, strict=True))
+    return Chain(Levels(pin, sign, y), place, at_end)
 
 
-def _same_well(both: Reduced, way: Any, panels: Any, M: int) -> NDArray[np.bool_]:
-    """Whether the orbits from both ends turn at the same angles, (M,)."""
-    last = np.full((2, M, 2), np.nan)
-    end = panels.series[:, 0].sum(axis=1)
-    last.reshape(-1)[panels.part] = end  # the last panel of each part is written last
-    first, second = np.sort(np.where(np.isnan(last), both.beta0.reshape(2, M, 1), last), axis=2)
-    return np.abs(first - second).max(axis=1) < 1e-6
+def rungs(top: float, features: Array, deepest: float, step: float) -> Array:
+    """Values of log gap from `top` down to `deepest`: dense below the top and about the features, where the times
+    change their law, and sparse between, where they are linear."""
+    parts = [top - np.arange(0, 8, step), np.arange(top - 8, deepest, -8 * step), np.array([deepest])]
+    parts += [f + np.arange(-8, 5, 2 * step) for f in np.unique(np.round(features))]
+    y = np.unique(np.concatenate(parts))[::-1]
+    y = y[(y <= top) & (y >= deepest)]
+    kept = [0]
+    for k in range(1, y.size):
+        if y[kept[-1]] - y[k] > 0.4 * step:
+            kept.append(k)
+    y = y[kept]
+    y[-1] = deepest
+    return y
 
 
-def _direct(both: Reduced, panels: Any, M: int) -> Array:
-    """Time from beta(0) to beta(L) on orbits that turn all the way, (M,): up to the next extremum after beta(L), less
-    the time from beta(L) to it."""
-    found = extrema(both)
-    m = int(found.count[0])
-    passed = abs(_interval(both, found, M) - _interval(both, found, 0))
-    rounds, rest = divmod(passed, m)
-    forward = panels.part % 2 == 0
-    index = panels.part // 2
-    first = forward & (index < M) & (panels.rank <= rest)
-    near = forward & (index >= M) & (panels.rank == 0)
-    to_mark = np.bincount(index[first], weights=panels.duration[first], minlength=2 * M)[:M]
-    from_far = np.bincount(index[near], weights=panels.duration[near], minlength=2 * M)[M:]
-    whole = np.bincount(index[forward], weights=panels.duration[forward], minlength=2 * M)[:M]
-    return to_mark - from_far + rounds * whole
+def floor_of(blank: Boundary, angles: Array, saddles: Array) -> tuple[float, bool]:
+    """The highest of both ends and of the saddles from one to the other: its angle, and whether it is an end and no
+    critical point."""
+    problem = blank.problem
+    low, high = blank.low, blank.high
+    best = low
+    if fall(problem, low, high, bool((angles == low).any())) < 0:
+        best = high
+    extremum = bool((angles == best).any())
+    inside = saddles if blank.rounds else saddles[_between(saddles, low, high)]
+    for s in inside:
+        rise = fall(problem, s, best, True)
+        if rise > 0 or (rise == 0 and not extremum):
+            best, extremum = float(s), True
+    return best, not extremum
 
 
-def _interval(problem: Reduced, found: Extrema, i: int) -> int:
-    """Between which extrema the start of problem i lies: the number of the lower one, counted on through whole turns,
-    and told as `course` tells it."""
-    beta = problem.beta0[i]
-    start = beta - TAU * np.round(beta / TAU)
-    start = start - TAU if start >= np.pi else start
-    behind = int(np.count_nonzero(found.beta[i] <= start)) - 1
-    return behind + int(found.count[i]) * round(float((beta - start) / TAU))
+def _between(angle: Array, low: float, high: float) -> Any:
+    """Whether angles in [-pi, pi) lie from low up to high, both in [-pi, pi)."""
+    if high >= low:
+        return (angle >= low) & (angle <= high)
+    return (angle >= low) | (angle <= high)
+
+
+def _features(problem: Reduced, pin: float, angles: Array, ends: tuple[float, float], extremum: bool) -> Array:
+    """Values of log gap about which the times change their law, seen from a pin: the heights of the other critical
+    points and of the ends from there, and where G ceases to be a parabola."""
+    apart = [abs(fall(problem, a, pin, True)) for a in angles]
+    apart += [abs(fall(problem, pin, b, extremum)) for b in ends]
+    if extremum:
+        at = np.array([pin])
+        bend = abs(float(slope_rate(problem, at)[0]))
+        second, third = (abs(float(v[0])) for v in slope_bends(problem, at))
+        reach = min(bend / max(second, 1e-300), np.sqrt(bend / max(third, 1e-300)), 1.0)
+        apart.append(bend * reach**2)
+    apart = [a for a in apart if a > 0]
+    return np.maximum(np.log(apart), _LOWEST + 40)

@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 
 from . import statics
+from .action import energies
 from .course import LIBRATION, ROTATION
 from .errors import no_such
+from .landscape import potential
 from .overlap import overlaps
 from .reduced import flat
 from .sampling import Sampled, sampled
@@ -138,6 +140,12 @@ def attached(read: Reading) -> Any:
 
 def energy(read: Reading) -> Any:
     """Bending energy less the work of the dead loads, the twist eliminated [force length]."""
+    sol, orbit = read.sol, read.sol.trajectory.orbit
+    if orbit is not None:
+        first = orbit.at(np.zeros((orbit.problem.size, 1)))
+        level = first[1][:, 0] ** 2 + potential(orbit.problem, orbit.problem.beta0)
+        unit = flat(sol.case.rod.bending_stiffness / sol.case.rho, sol.case.shape)
+        return read.each(unit * energies(orbit, level))
     return read.sampled.integral(lambda at: statics.energy_density(at._loads[0], at.h, at.dbeta))
 
 

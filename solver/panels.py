@@ -15,6 +15,7 @@ EPS = 2.0**-52
 _ROUNDS = 14  # how often a panel may be halved
 _PATIENCE, _CROWD = 3, 16  # after so many halvings, of so many panels of a course, there is no more to gain
 _LINGERS = 1e4
+_LONG = 8.0  # in u: a piece longer than this is stretched along a saddle
 _NEWTON = 12
 _BLOCK = 512  # panels worked on at once
 
@@ -45,15 +46,23 @@ class Panels:
 
 
 def panelled(
-    problem: Reduced, way: Course, points: Basis, length: float, goal: float, times_only: bool = False
+    problem: Reduced,
+    way: Course,
+    points: Basis,
+    length: float,
+    goal: float,
+    times_only: bool = False,
+    stretch: float = 1.0,
 ) -> Panels:
     """Panels of about `length` in u, halved until their series end below `goal` (of beta, and of repeated time).
 
+    stretch: how much longer panels begin on pieces long in u, most of which lie next to a saddle, where all is smooth.
     times_only: the durations are wanted and no shape; the series then hold beta at the far end alone, (P, 1, 1).
     """
     assert problem.dbeta0 is not None
     pieces = way.pieces
-    share = np.maximum(np.ceil(np.abs(pieces.u1 - pieces.u0) / length), 1).astype(np.int64)
+    wide = np.abs(pieces.u1 - pieces.u0)
+    share = np.maximum(np.ceil(wide / np.where(wide > _LONG, stretch * length, length)), 1).astype(np.int64)
     piece = np.repeat(np.arange(share.size), share)
     k = np.arange(piece.size) - np.repeat(np.cumsum(share) - share, share)
     step = ((pieces.u1 - pieces.u0) / share)[piece]

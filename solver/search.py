@@ -1,193 +1,393 @@
 """The search for every orbit that joins two angles over a given length: one equation a path, the level unknown."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .landscape import TAU, extrema, potential, slope
-from .levels import DOWN, UP, Ladder, Ways, ladders, many, ways
+from .action import energies
+from .dwell import dwelling
+from .landscape import potential
+from .levels import Chain, bounded, chained, helix_of
 from .methods.orbit import Orbit, solve_orbit
 from .reduced import Array, Reduced
-from .resting import resting
+from .stability import end_response, jacobi_zeros
+from .transit import STRETCH, Boundary, Levels, Paths, Transit, many, paths, transit
 
-_PATHS = ((UP, UP), (UP, DOWN), (DOWN, UP), (DOWN, DOWN))
-_LOOSE, _MIDDLE, _TIGHT = 1e-5, 1e-10, 1e-13
-_ZOOM = 33
-
-
-@dataclass(frozen=True)
-class Bracket:
-    """Between which rungs of log|gap| an orbit's length passes the rod's: along which path, how many whole swings."""
-
-    pin: float
-    sign: float
-    low: float
-    high: float
-    leaving: int
-    arriving: int
-    swings: int
-    lengthens: bool
+_TIGHT = 1e-13
+_ZOOM, _ROUNDS = 17, 6  # rungs of a closer look at a dip, and how often it is made closer
+_NOISE = 1e-14  # of the rod's length, what the rounding of a sum of times may come to
+BUDGET = 3e7  # evaluations of G, some ten to twenty seconds
+_EACH = 15  # levels looked at for each solution
+_PATHS = 1000  # paths looked at together
+_MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is none
 
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """K solutions of one ends problem: beta_t(0), (K,), and their orbits."""
+    """K solutions of one ends problem and their orbits.
+
+    slope: beta_t(0), (K,). path: pin (angle in [-pi, pi)), sign and y = log gap of the level, direction at both ends
+    and whole periods, (K,) each; see `transit`. helix: (K,), a rod that is a helix from end to end and has no path.
+    index: Morse index, (K,). energy: in units of A/rho, (K,). lowest, highest: smallest and largest beta along the
+    rod [rad], (K,). total: how many solutions there are, those that were not solved among them. remark: why the list
+    is a part of all only; empty where it is complete. evaluations: of G.
+    """
 
     slope: Array
     orbit: Orbit
+    path: "Way"
+    index: Array
+    energy: Array
+    lowest: Array
+    highest: Array
+    total: int
+    remark: str
+    evaluations: int
+
+    @property
+    def stray(self) -> Array:
+        """How far beta goes beyond the interval between its two end angles [rad], (K,)."""
+        problem = self.orbit.problem
+        assert problem.betaL is not None
+        first, last = problem.beta0, problem.betaL
+        over = np.maximum(self.highest - np.maximum(first, last), np.minimum(first, last) - self.lowest)
+        return np.maximum(over, 0.0)
 
 
-def search(problem: Reduced, most_swings: int = 200) -> Found | None:
-    """Every solution of one ends problem, or None where there is none."""
+@dataclass(frozen=True, eq=False)
+class Way:
+    """The level and the path of K solutions, (K,) each: eta = G(pin) + sign exp(y); see `transit.Paths`."""
+
+    pin: Array
+    sign: Array
+    y: Array
+    leaving: NDArray[np.int64]
+    arriving: NDArray[np.int64]
+    swings: NDArray[np.int64]
+    helix: NDArray[np.bool_]
+
+    def take(self, index: Any) -> "Way":
+        return Way(**{name: v[index] for name, v in vars(self).items()})
+
+
+@dataclass(frozen=True, eq=False)
+class Roots:
+    """K levels at which the length of a path is the rod's; lengthens: (K,), whether it grows with the level.
+
+    total, signed: how many there are, those on paths of more turning points than were asked for among them, and their
+    count with (-1)^index. lost: brackets in which no root was met. calls: evaluations of G.
+    """
+
+    levels: Levels
+    paths: Paths
+    lengthens: NDArray[np.bool_]
+    total: int
+    signed: int
+    lost: int
+    calls: int
+
+
+def search(problem: Reduced, most_swings: int = 200, most_turns: int | None = None) -> Found | None:
+    """Every solution of one ends problem with at most so many whole periods, or None where none is found.
+
+    most_turns: leave out those of more turning points, which are counted and not solved. A solution of index 0 has one
+    turning point at most, so 1 is enough for all stable ones, of which there is always at least one.
+    """
+    found = None
+    for step in (0.25, 0.0625):
+        found = _searched(problem, most_swings, most_turns, step)
+        if found is not None and not found.remark.startswith(_COUNT):
+            break
+    return found
+
+
+_COUNT = "incomplete"
+
+
+def _searched(problem: Reduced, most_swings: int, most_turns: int | None, step: float) -> Found | None:
+    """One search, with rungs of `step` in log gap."""
     assert problem.betaL is not None
-    brackets = [b for ladder in ladders(problem, extrema(problem)) for b in _brackets(problem, ladder, most_swings)]
-    pin, gap, leaving = _closed_in(problem, brackets) if brackets else (np.empty(0),) * 3
-    lengthens = np.array([b.lengthens for b in brackets], dtype=float)
-    for rest in resting(problem):
-        if not _known(problem, rest, pin, gap, leaving):
-            pin, gap, leaving = np.append(pin, rest[0]), np.append(gap, rest[1]), np.append(leaving, rest[2])
-            lengthens = np.append(lengthens, np.nan)
-    kept = _distinct(problem, pin, gap, leaving)
-    pin, gap, leaving, lengthens = pin[kept], gap[kept], leaving[kept], lengthens[kept]
-    beta0 = np.full(leaving.size, problem.beta0[0])
-    helix = _helix(problem)
-    if helix is not None:
-        pin, beta0 = np.append(pin, helix[0]), np.append(beta0, helix[1])
-        gap, leaving, lengthens = np.append(gap, 0.0), np.append(leaving, 0.0), np.append(lengthens, np.nan)
-    if not leaving.size:
+    boundary, chain = chained(bounded(problem), step)
+    roots, said = _roots(boundary, chain, most_swings, most_turns)
+    helix = helix_of(problem, boundary.found)
+    way, lengthens = ways_of(boundary, roots, helix)
+    if not lengthens.size:
         return None
-    start = many(problem, leaving.size, beta0=beta0).started(leaving)
-    orbit = solve_orbit(start, _TIGHT, (pin, gap))
-    beta = orbit.at(start.span[:, None] * np.linspace(0, 1, 65))[0]
-    good = np.abs(beta[:, -1] - problem.betaL[0]) < 1e-6
-    if helix is not None:  # what stays within rounding of the helix is the helix
-        good[:-1] &= np.ptp(beta[:-1], axis=1) > 1e-12
+    orbit, level = solved(problem, boundary, way, lengthens)
+    far = orbit.at(orbit.problem.span[:, None])[0][:, 0]
+    good = np.abs(far - problem.betaL[0]) < _MISSED
+    lost = roots.lost + int(np.count_nonzero(~good))
     if not good.any():
         return None
     if not good.all():
-        orbit = solve_orbit(start.take(good), _TIGHT, (pin[good], gap[good]))
-    return Found(leaving[good], replace(orbit, lengthens=lengthens[good]))
+        way, lengthens = way.take(good), lengthens[good]
+        orbit, level = solved(problem, boundary, way, lengthens)
+    index, energy = jacobi_zeros(orbit), energies(orbit, level)
+    lowest, highest = _range(orbit)
+    assert orbit.problem.dbeta0 is not None
+    helices = index[way.helix]
+    signed = roots.signed + int(np.where(helices % 2 == 0, 1, -1).sum())
+    remark = said or _remark(index, energy, signed, lost)
+    total, calls = roots.total + helices.size, roots.calls + int(orbit.panels.calls.sum())
+    return Found(orbit.problem.dbeta0, orbit, way, index, energy, lowest, highest, total, remark, calls)
 
 
-def _brackets(problem: Reduced, ladder: Ladder, most_swings: int) -> Iterator[Bracket]:
-    """Where on a ladder the length of some path passes the rod's."""
-    assert problem.betaL is not None
-    seen, _ = ways(problem, np.full(ladder.y.size, ladder.pin), ladder.sign * np.exp(ladder.y), _LOOSE)
-    span, turning = problem.span[0], ~np.isnan(seen.direct)
-    periods = seen.period[~np.isnan(seen.period)]
-    most = min(most_swings, int(span / periods.min()) + 1) if periods.size else 0
-    sense = UP if problem.betaL[0] > problem.beta0[0] else DOWN
-    for leaving, arriving in _PATHS:
-        for swings in range(most + 1):
-            length = seen.length(leaving, arriving, swings)
-            # an orbit that turns all the way has one path; a path of no length is none
-            plain = swings == 0 and leaving == arriving == sense
-            length = np.where((length <= 0) | (turning & (not plain)), np.nan, length)
-            for low, high, rises in _crossings(problem, ladder, length - span, (leaving, arriving, swings)):
-                lengthens = rises == (ladder.sign > 0)
-                yield Bracket(ladder.pin, ladder.sign, low, high, leaving, arriving, swings, lengthens)
+def _remark(index: Array, energy: Array, signed: int, lost: int) -> str:
+    """What is missing, in words: by degree the equilibria, each counted with (-1)^index, add up to one, and the one of
+    lowest energy has index 0."""
+    if lost:
+        return f"{_COUNT}: {lost} equilibria were bracketed and could not be solved"
+    if signed != 1:
+        return f"{_COUNT}: the equilibria found, each counted with (-1)^index, add up to {signed}, not to 1"
+    lowest = energy <= energy.min() + 1e-9 * (1 + np.abs(energy.min()))
+    if not (index[lowest] == 0).any():
+        return f"{_COUNT}: the equilibrium of lowest energy found is unstable, so a lower one is missing"
+    return ""
 
 
-def _crossings(
-    problem: Reduced, ladder: Ladder, off: Array, path: tuple[int, int, int]
-) -> list[tuple[float, float, bool]]:
-    """Pairs of y between which `off` changes sign, the two of a fold between two rungs among them, and whether it rises
-    with y."""
-    y, size = ladder.y, np.abs(off)
+def _roots(boundary: Boundary, chain: Chain, most_swings: int, most_turns: int | None) -> tuple[Roots, str]:
+    """Every level on the chain at which a path has the rod's length, and what `most_swings` or `BUDGET` leaves out."""
+    span, size = float(boundary.problem.span[0]), chain.levels.y.size
+    seen = transit(boundary, chain.levels)
+    period = 2 * seen.time.sum(axis=0)[~seen.rotates & ~chain.place]
+    shortest = float(np.nanmin(period, initial=np.inf))
+    needed = int(min(span / shortest, 1e9)) + 1 if np.isfinite(shortest) else 0
+    said = f"only equilibria of at most {most_swings} whole periods of beta were searched for"
+    said = said if needed - 1 > most_swings else ""
+    every = paths(boundary, 2 * min(needed, most_swings) + 1)
+    parts = [
+        _on_chain(boundary, chain, seen, every.take(slice(k, k + _PATHS)), k)
+        for k in range(0, every.swings.size if size else 1, _PATHS)
+    ]
+    brackets, calls = _joined([p for p, _ in parts]), seen.calls + sum(more for _, more in parts)
+    turns = every.turns[brackets.path]
+    kept = np.ones(turns.size, dtype=bool) if most_turns is None else turns <= most_turns
+    afford = int(BUDGET / (_EACH * max(1.0, seen.calls / max(size, 1))))
+    if np.count_nonzero(kept) > afford:
+        most = int(np.sort(turns[kept])[afford]) - 1
+        kept = kept & (turns <= most)
+        said = f"only equilibria of at most {most} bends were solved: all {turns.size} would take too many evaluations"
+    odd = (turns - brackets.rises) % 2 == 1
+    some = brackets.take(kept)
+    y, more = _closed_in(boundary, some, every.counts(boundary.rising)[some.path])
+    found = ~np.isnan(y)
+    levels = Levels(some.pin[found], some.sign[found], y[found])
+    total, signed, lost = turns.size, int(np.where(odd, -1, 1).sum()), int(np.count_nonzero(~found))
+    return Roots(levels, every.take(some.path[found]), some.rises[found], total, signed, lost, calls + more), said
+
+
+def roots_on(boundary: Boundary, chain: Chain, some: Paths) -> Roots:
+    """Every level on the chain at which one of these paths has the rod's length."""
+    brackets, calls = _on_chain(boundary, chain, transit(boundary, chain.levels), some, 0)
+    y, more = _closed_in(boundary, brackets, some.counts(boundary.rising)[brackets.path])
+    found = ~np.isnan(y)
+    levels = Levels(brackets.pin[found], brackets.sign[found], y[found])
+    path, rises = brackets.path[found], brackets.rises[found]
+    return Roots(levels, some.take(path), rises, path.size, 0, int(np.count_nonzero(~found)), calls + more)
+
+
+@dataclass(frozen=True, eq=False)
+class Brackets:
+    """K pairs of levels between which the length of a path passes the rod's, (K,) each: pin, sign, y of both; the same
+    y twice where it is known already. path: its number. rises: whether the length grows with the level."""
+
+    pin: NDArray[np.int64]
+    sign: Array
+    first: Array
+    second: Array
+    path: NDArray[np.int64]
+    rises: NDArray[np.bool_]
+
+    def take(self, index: Any) -> "Brackets":
+        return Brackets(**{name: v[index] for name, v in vars(self).items()})
+
+
+def _joined(parts: list[Brackets]) -> Brackets:
+    names = ("pin", "sign", "first", "second", "path", "rises")
+    columns: dict[str, Any] = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
+    return Brackets(**columns)
+
+
+def _on_chain(boundary: Boundary, chain: Chain, seen: Transit, some: Paths, before: int) -> tuple[Brackets, int]:
+    """The brackets of N paths, the first of which is number `before` of all; and evaluations."""
+    levels, counts = chain.levels, some.counts(boundary.rising)
+    if not levels.y.size:  # no level joins the ends but a helix's own
+        none = np.empty(0)
+        return Brackets(none.astype(int), none, none, none, none.astype(int), none.astype(bool)), 0
+    off = seen.lengths(counts) - boundary.problem.span[0]
+    rate = seen.rates(counts)
+    for own in np.flatnonzero(chain.place):  # at a saddle's own height the length is infinite, or continuous
+        sides = [rate[:, j] for j in (own - 1, own + 1) if 0 <= j < levels.y.size]
+        steep = np.fmax.reduce(sides) > 0
+        off[:, own] = np.where(steep, np.inf, off[:, own] if own else np.nan)
+    known, above = _above(off, boundary.problem.span[0])
+    n, k = np.nonzero(known[:, :-1] & known[:, 1:] & (above[:, :-1] != above[:, 1:]))
+    beside = chain.place[k] | chain.place[k + 1]
+    rung = np.where(chain.place[k], k + 1, k)  # the real one, beside a saddle's own height
+    place = levels.take(np.where(beside, rung, k + 1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        deep = place.y + np.where(rate[n, rung] > 0, off[n, rung] / rate[n, rung], 0.0)
+        # next to the level at which the rod begins or ends at rest the length is linear in beta_t there
+        share = -off[n, k] / (off[n, k + 1] - off[n, k])
+        rests = chain.at_end & (k == 1) & (rate[n, k] == 0)
+        at_rest = np.maximum(levels.y[min(2, levels.y.size - 1)] + 2 * np.log(share), boundary.deepest)
+    y = np.where(beside, deep, np.where(rests, at_rest, np.nan))
+    first = np.where(np.isnan(y), levels.y[k], y)
+    second = np.where(np.isnan(y), place.y, y)
+    direct = Brackets(place.pin, place.sign, first, second, n + before, above[n, k + 1])
+    dips, calls = _dips(boundary, chain, some, off)
+    return _joined([direct, replace(dips, path=dips.path + before)]), calls
+
+
+def _above(off: Array, span: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Where lengths are known, and where they are not below the rod's, (N, M); what differs from the rod's by rounding
+    alone goes with the rung before it, so that noise brackets nothing."""
+    known = ~np.isnan(off)
     with np.errstate(invalid="ignore"):
-        pairs = [(float(y[k + 1]), float(y[k]), bool(off[k] > 0)) for k in np.flatnonzero(off[:-1] * off[1:] < 0)]
-        same = (off[1:-1] * off[:-2] > 0) & (off[1:-1] * off[2:] > 0)
-        dips = np.flatnonzero(same & (size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:])) + 1
-        # the bottom of a dip lies below its lowest rung by a fraction of the rise to the next ones
-        bottom = size[dips] - 0.25 * np.maximum(size[dips - 1] - size[dips], size[dips + 1] - size[dips])
-    for k in dips[bottom < 0]:
-        low, high = float(y[k + 1]), float(y[k - 1])
-        tip = _dip(problem, ladder, path, low, high, float(np.sign(off[k])))
-        if tip is not None:
-            pairs += [(low, tip, bool(off[k] < 0)), (tip, high, bool(off[k] > 0))]
-    return pairs
+        above, sure = off >= 0, ~(np.abs(off) <= _NOISE * span)
+    sure[:, 1:] |= ~known[:, :-1]
+    sure[:, 0] = True
+    last = np.maximum.accumulate(np.where(sure, np.arange(off.shape[1]), 0), axis=1)
+    return known, np.take_along_axis(above, last, axis=1)
 
 
-def _dip(
-    problem: Reduced, ladder: Ladder, path: tuple[int, int, int], low: float, high: float, sign: float
-) -> float | None:
-    """Where between two rungs the length passes the rod's and comes back, if it does."""
-    for _ in range(3):
-        y = np.linspace(low, high, _ZOOM)
-        seen, _ = ways(problem, np.full(_ZOOM, ladder.pin), ladder.sign * np.exp(y), _MIDDLE)
-        off = sign * (seen.length(*path) - problem.span[0])
-        if np.isnan(off).all():
-            return None
-        k = int(np.nanargmin(off))
-        if off[k] < 0:
-            return float(y[k])
-        if not 0 < k < _ZOOM - 1:
-            return None
-        low, high = y[k - 1], y[k + 1]
-    return None
-
-
-def _closed_in(problem: Reduced, found: list[Bracket]) -> tuple[Array, Array, Array]:
-    """Pin, gap and beta_t(0) of the solution in each bracket, (K,) each; NaN where there turned out to be none."""
-    pin, sign = np.array([b.pin for b in found]), np.array([b.sign for b in found])
-    path = np.array([(b.leaving, b.arriving, b.swings) for b in found])
-
-    def seen_at(y: Array, i: Array) -> tuple[Ways, Array]:
-        return ways(problem, pin[i], sign[i] * np.exp(y), _TIGHT)
-
-    def off(y: Array, which: Array) -> Array:
-        i = which.astype(int)
-        return seen_at(y, i)[0].length(*path[i].T) - problem.span[0]
-
+def _closed_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array, int]:
+    """y of the root in each bracket, (K,), NaN where there turned out to be none; and evaluations."""
+    y = some.second.copy()
+    open_ = np.flatnonzero(some.first != some.second)
+    if not open_.size:
+        return y, 0
+    some, counts = some.take(open_), counts[open_]
     from scipy.optimize import elementwise  # SciPy does not fetch this part by itself, and it need not come sooner
 
-    between = np.array([b.low for b in found]), np.array([b.high for b in found])
-    which = np.arange(pin.size, dtype=float)
+    calls = 0
+
+    def off(y: Array, which: Array) -> Array:
+        nonlocal calls
+        i = which.astype(int)
+        seen = transit(boundary, Levels(some.pin[i], some.sign[i], y))
+        calls += seen.calls
+        return seen.lengths_along(counts[i]) - boundary.problem.span[0]
+
+    low, high = np.minimum(some.first, some.second), np.maximum(some.first, some.second)
+    which = np.arange(low.size, dtype=float)
     tolerances = {"xatol": 1e-14, "xrtol": 1e-15}
-    y = elementwise.find_root(off, between, args=(which,), tolerances=tolerances, maxiter=60).x
-    _, v2 = seen_at(y, np.arange(pin.size))
-    return pin, sign * np.exp(y), path[:, 0] * np.sqrt(np.where(v2 > 0, v2, np.nan))
+    told = elementwise.find_root(off, (low, high), args=(which,), tolerances=tolerances, maxiter=60)
+    root = np.where(told.success, told.x, np.nan)
+    for i in np.flatnonzero(~told.success):  # within rounding of one end of its bracket
+        ends = np.array([low[i], high[i]])
+        size = np.abs(off(ends, np.full(2, float(i))))
+        if np.nanmin(size) < 1e-9 * boundary.problem.span[0]:
+            root[i] = ends[int(np.nanargmin(size))]
+    y[open_] = root
+    return y, calls
 
 
-def _helix(problem: Reduced) -> tuple[float, float] | None:
-    """The rod that lies as a helix from end to end, which has no level to close in on: its angle in [-pi, pi), and
-    counted on to beta(0); None where the ends are no helix's, to rounding."""
+def _dips(boundary: Boundary, chain: Chain, some: Paths, off: Array) -> tuple[Brackets, int]:
+    """Brackets of the two roots between rungs where the length comes near the rod's, passes it and returns."""
+    counts, size = some.counts(boundary.rising), np.abs(off)
+    with np.errstate(invalid="ignore"):
+        same = (off[:, 1:-1] * off[:, :-2] > 0) & (off[:, 1:-1] * off[:, 2:] > 0)
+        least = same & (size[:, 1:-1] < size[:, :-2]) & (size[:, 1:-1] <= size[:, 2:])
+        # the bottom of a dip lies below its lowest rung by a fraction of the rise to the next ones
+        rise = np.fmax(size[:, :-2] - size[:, 1:-1], size[:, 2:] - size[:, 1:-1])
+        near = least & (size[:, 1:-1] < 0.25 * rise) & np.isfinite(rise)
+    path, rung = np.nonzero(near)
+    out: list[tuple[int, float, float, float, int, bool]] = []
+    calls = 0
+    for n, k in zip(path, rung + 1, strict=True):
+        cells = chain.cell(int(k) - 1), chain.cell(int(k))
+        if None in cells:
+            continue
+        found, more = _dip(boundary, cells, counts[n], bool(off[n, k] > 0))
+        out += [(*cell, int(n), rises) for cell, rises in found]
+        calls += more
+    columns = zip(*out, strict=True) if out else iter([()] * 6)
+    kinds = (int, float, float, float, int, bool)
+    return Brackets(*(np.array(c, dtype=kind) for c, kind in zip(columns, kinds, strict=True))), calls
+
+
+def _dip(boundary: Boundary, cells: Any, counts: Array, above: bool) -> tuple[list[Any], int]:
+    """The cells in which the length of one path passes the rod's, and whether it rises with the level, among two
+    neighbouring cells in which it comes near; and evaluations."""
+    calls = 0
+    for _ in range(_ROUNDS):
+        y = np.stack([np.linspace(a, b, _ZOOM) for _, _, a, b in cells])
+        pin, sign = (np.repeat([cell[j] for cell in cells], _ZOOM) for j in (0, 1))
+        seen = transit(boundary, Levels(pin, sign, y.reshape(-1)))
+        calls += seen.calls
+        length = seen.lengths_along(np.broadcast_to(counts, (pin.size, 3))).reshape(2, _ZOOM)
+        off = length - boundary.problem.span[0]
+        over = off >= 0
+        if (over != above).any():
+            passes = np.argwhere(over[:, :-1] != over[:, 1:])
+            return [((*cells[a][:2], y[a, b], y[a, b + 1]), bool(over[a, b + 1])) for a, b in passes], calls
+        if np.isnan(off).any():
+            return [], calls
+        least = int(np.argmin(np.abs(off)))
+        c, j = divmod(least, _ZOOM)
+        before = (c, j - 1) if j else (0, _ZOOM - 2)
+        after = (c, j) if j < _ZOOM - 1 else (1, 0)
+        cells = [(*cells[a][:2], y[a, b], y[a, b + 1]) for a, b in (before, after)]
+    return [], calls
+
+
+def ways_of(boundary: Boundary, roots: Roots, helix: Any) -> tuple[Way, Array]:
+    """Level and path of each root, the helix last; and whether the length grows with the level, NaN for the helix."""
+    levels, some = roots.levels, roots.paths
+    columns: list[Any] = [boundary.pins[levels.pin], levels.sign, levels.y]
+    columns += [some.leaving, some.arriving, some.swings, np.zeros(levels.y.size, dtype=bool)]
+    lengthens = roots.lengthens.astype(float)
+    if helix is not None:
+        mark = (helix[0], 1.0, -np.inf, 0, 0, 0, True)
+        columns = [np.append(c, np.asarray(v, dtype=c.dtype)) for c, v in zip(columns, mark, strict=True)]
+        lengthens = np.append(lengthens, np.nan)
+    return Way(*columns), lengthens
+
+
+def solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) -> tuple[Orbit, Array]:
+    """The orbits and their levels eta, (K,)."""
+    K = way.y.size
+    moves = ~way.helix
+    pin = np.array([int(np.argmin(np.abs(boundary.pins - p))) for p in way.pin[moves]], dtype=int)
+    gap, slope, excess = np.zeros(K), np.zeros(K), np.zeros(K)
+    gap[moves] = way.sign[moves] * np.exp(np.maximum(way.y[moves], boundary.deepest))
+    slope[moves] = way.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
+    excess[moves] = np.maximum(boundary.deepest - way.y[moves], 0)
+    first = boundary.low if boundary.rising else boundary.high
+    start = many(problem, K, beta0=np.full(K, first), dbeta0=slope)
+    level = potential(start, way.pin) + gap
+    falls = np.ones((K, 2))  # of the ends from the pin
+    falls[moves] = boundary.falls[pin]
+    deep = excess > 0
+    span = start.span.copy()
+    if deep.any():
+        some = Paths(way.leaving[moves], way.arriving[moves], way.swings[moves])
+        seen = transit(boundary, Levels(pin, way.sign[moves], way.y[moves]), deep=False)
+        span[moves] = np.where(deep[moves], seen.lengths_along(some.counts(boundary.rising)), span[moves])
+    orbit = solve_orbit(replace(start, span=span), _TIGHT, (way.pin, gap), STRETCH)
+    # between two ends on saddles of this height eta(L) stays as it is while eta between grows as the gap's root falls
+    growth = end_response(orbit) * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
+    if deep.any():
+        orbit = dwelling(orbit, start.span, gap, excess)
+    turns = problem.beta0[0] - first
+    orbit.panels.series[:, 0, 0] += turns
+    start = replace(start, beta0=np.full(K, problem.beta0[0]))
+    passed = np.where(way.helix, 0.0, Paths(way.leaving, way.arriving, way.swings).turns)
+    return replace(orbit, problem=start, lengthens=lengthens, response=growth, passed=passed, path=way), level
+
+
+def _range(orbit: Orbit) -> tuple[Array, Array]:
+    """Smallest and largest beta along each rod, (K,): at its ends or at turning points."""
+    problem = orbit.problem
     assert problem.betaL is not None
-    beta = problem.beta0
-    scale = 1 + np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi)
-    if problem.betaL[0] != beta[0] or np.abs(slope(problem, beta))[0] > 4e-16 * scale[0]:
-        return None
-    found = extrema(problem)
-    angles = found.beta[0, : found.count[0]]
-    turns = np.round((beta[0] - angles) / TAU)
-    k = int(np.argmin(np.abs(angles + TAU * turns - beta[0])))
-    return float(angles[k]), float(angles[k] + TAU * turns[k])
-
-
-def _known(problem: Reduced, rest: tuple[float, float, float], pin: Array, gap: Array, leaving: Array) -> bool:
-    """Whether the scan has met the rod that rests at one end already."""
-    level = potential(many(problem, pin.size), pin) + gap
-    own = float(potential(problem, np.array([rest[0]]))[0]) + rest[1]
-    return bool(((np.abs(leaving - rest[2]) < 1e-5) & (np.abs(level - own) < 1e-9)).any())
-
-
-def _distinct(problem: Reduced, pin: Array, gap: Array, leaving: Array) -> list[int]:
-    """Indices of the solutions, each once: two are one where start slopes agree and so do their levels.
-
-    Levels are compared by their gaps where both have the same pin; where not, they are one only well away from both.
-    """
-    keep: list[int] = []
-    level = potential(many(problem, pin.size), pin) + gap
-
-    def one(i: int, j: int) -> bool:
-        if abs(leaving[j] - leaving[i]) > 1e-9 * (1 + abs(leaving[i])):
-            return False
-        if pin[i] == pin[j]:
-            return bool(abs(gap[i] - gap[j]) <= 1e-6 * abs(gap[i]))
-        return bool(min(abs(gap[i]), abs(gap[j])) > 1e-5 and abs(level[i] - level[j]) <= 1e-9 * (1 + abs(level[i])))
-
-    for i in np.argsort(leaving, kind="stable"):
-        if not np.isnan(leaving[i]) and not any(one(i, j) for j in keep):
-            keep.append(int(i))
-    return keep
+    lowest, highest = np.minimum(problem.beta0, problem.betaL), np.maximum(problem.beta0, problem.betaL)
+    tip = np.repeat(problem.beta0, 2)
+    tip[orbit.panels.part] = orbit.panels.series[:, 0].sum(axis=1)  # the last panel of each part is written last
+    tip = np.reshape(tip, (-1, 2))
+    for passed, end in zip((orbit.turns > 0, orbit.turns > 1), tip.T, strict=True):
+        lowest = np.where(passed, np.minimum(lowest, end), lowest)
+        highest = np.where(passed, np.maximum(highest, end), highest)
+    return lowest, highest

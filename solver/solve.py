@@ -1,5 +1,6 @@
 """The one way from a case to its solution: reduce, run a method, label."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -94,8 +95,10 @@ def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:
         if seed.case.shape not in ((), case.shape):
             raise InputError(f"the seed's cases have shape {seed.case.shape}, these {case.shape or '()'}")
         told = seed.trajectory
-        fields = told.dbeta[:, 0], seed.t / seed.problem.span[:, None], told.beta
-        return Seed(*(np.broadcast_to(v, (problem.size, *v.shape[1:])) for v in fields))
+        row = np.arange(problem.size) if seed.case.shape else np.zeros(problem.size, dtype=np.int64)
+        own = _between_ends(seed).take(row)
+        u = seed.t / seed.problem.span[:, None]
+        return Seed(told.dbeta[row, 0], u[row], told.beta[row], own, told.orbit, row)
     try:
         slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
     except (TypeError, ValueError):
@@ -104,3 +107,12 @@ def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:
     u = np.linspace(0, 1, 2001)
     beta = METHODS["orbit"].run(start, start.span[:, None] * u, 1e-8).beta
     return Seed(slope, np.tile(u, (problem.size, 1)), beta)
+
+
+def _between_ends(sol: Solution) -> Reduced:
+    """The ends problems that a solution solves; of a start problem, by the far angles that came out."""
+    problem, told = sol.problem, sol.trajectory
+    if problem.betaL is not None:
+        return problem
+    far = told.beta[:, -1] if told.orbit is None else told.orbit.at(problem.span[:, None])[0][:, 0]
+    return replace(problem, dbeta0=None, betaL=far)

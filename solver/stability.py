@@ -14,10 +14,13 @@ from typing import Any
 import numpy as np
 import scipy
 
+from .action import accumulated
+from .chebyshev import basis
 from .course import HELIX, LIBRATION
 from .landscape import slope, slope_rate
 from .panels import running
 from .reduced import Array, Reduced
+from .sensitivity import _flow as flow
 from .sensitivity import shear
 
 _MOST = 40_000  # steps of a mesh
@@ -114,8 +117,69 @@ def jacobi_end(orbit: Any) -> Array:
     return eta
 
 
+def end_response(orbit: Any) -> Array:
+    """Largest |d beta(t)/d beta(L)| = |eta(t)/eta(L)| along B orbits whose beta(0) is held, (B,), at least 1.
+
+    eta as in `jacobi_end`, at the nodes of all panels that the rod meets, in the first round and in the last: between
+    them it grows evenly. Unbounded at a fold.
+    """
+    problem, panels = orbit.problem, orbit.panels
+    worst = np.where(orbit.kind == HELIX, _helix_response(problem), 1.0)
+    if not panels.part.size:
+        return worst
+    points, b, second = basis(panels.series.shape[2] - 1), panels.part // 2, panels.part % 2 == 1
+    folded = orbit.kind == LIBRATION
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        unit = np.sqrt(np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1)
+        v, H, _ = flow(problem, panels, unit)
+        series = shear(problem, panels, unit)
+        ends = series.sum(axis=1)
+        total = np.bincount(panels.part, weights=ends, minlength=2 * problem.size).reshape(-1, 2)
+        grown = series @ points.values + running(ends[:, None], orbit.first, orbit.count)
+        v0, H0 = problem.dbeta0 / unit, slope(problem, problem.beta0) / unit**2
+        fixed = -H0 / (v0 * v0 + H0 * H0)
+        clock = orbit.since[:, None] + (panels.duration / 2)[:, None] * (1 + points.nodes)
+        ahead, whole = orbit.ahead[b, None], (orbit.ahead + orbit.back)[b, None]
+        late, there = second[:, None], total[b, :1]
+        limit = np.where(late, total[b, 1:], there)
+        rounds = np.floor(problem.span / orbit.period)[b, None]
+        a_round = np.where(folded, 2 * total.sum(axis=1), total[:, 0])[b, None]
+        sign = (orbit.course.direction[b] * np.where(second, -1, 1))[:, None]
+        largest = np.zeros(b.size)
+        for time, a, way in (
+            (np.where(late, 2 * ahead, 0) + clock, np.where(late, 2 * there, 0) + grown, sign),
+            (np.where(late, 2 * whole, 2 * ahead) - clock, np.where(late, 2 * there, 0) + 2 * limit - grown, -sign),
+        ):
+            met = (time <= problem.span[b, None]) | (rounds > 0)
+            if way is not sign:
+                met = met & folded[b, None]
+            last = np.maximum(rounds - (time + rounds * orbit.period[b, None] > problem.span[b, None]), 0)
+            for many in (0 * last, last):
+                along = (fixed[b, None] + v0[b, None] * (a + a_round * many)) * way
+                eta = along * v + v0[b, None] * (H / (v * v + H * H))
+                largest = np.maximum(largest, np.where(met, np.abs(eta), 0).max(axis=1))
+        far = problem.span[:, None]
+        a = accumulated(orbit, series, far)[:, 0]
+        beta, v, _, _ = (value[:, 0] for value in orbit.at(far))
+        v, H = v / unit, slope(problem, beta) / unit**2
+        eta = (fixed + v0 * a) * v + v0 * (H / (v * v + H * H))
+        ratio = np.zeros(problem.size)
+        np.maximum.at(ratio, b, largest / np.abs(eta)[b])
+    moves = orbit.kind != HELIX
+    worst[moves] = np.where(np.isfinite(ratio), np.maximum(ratio, 1), np.inf)[moves]
+    return worst
+
+
+def _helix_response(problem: Reduced) -> Array:
+    """The same about a constant angle: waves about a centre, 1 about a saddle, (B,)."""
+    rate = slope_rate(problem, problem.beta0)
+    waves = np.sqrt(np.maximum(rate, 0)) * problem.span
+    with np.errstate(divide="ignore"):
+        return np.where(waves > np.pi / 2, 1 / np.abs(np.sin(waves)), 1.0)
+
+
 def response(problem: Reduced, h: Array, beta: Array) -> Array:
-    """Largest |d beta(t)/d beta(L)| along each equilibrium, (B,): unbounded at a fold, 1 or so away from one.
+    """Largest |d beta(t)/d beta(L)| of equilibria known on a mesh alone, (B,); unbounded at a fold, else 1 or so.
 
     The solution of the tridiagonal system whose far end is moved by one.
     """

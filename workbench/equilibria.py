@@ -33,7 +33,7 @@ def run(
     json: bool,
     force: bool = False,
 ) -> int:
-    """List, draw, store or export; 0, or 1 where there is none. Raises `InputError`."""
+    """List, draw, store or export; 0, or 1 where there is none or the list is a part only. Raises `InputError`."""
     study = load(DEFAULT if file is None else str(file))
     case = with_fields(ends_of(study), options)
     if axis is not None and export is not None:
@@ -46,13 +46,16 @@ def run(
     found = every_equilibrium(case)
     rows = [row(one) for one in found]
     if json:
-        console.print_json({"case": told(case), "units": study.unit_system, "equilibria": rows})
+        console.print_json({"case": told(case), "units": study.unit_system, "equilibria": rows,
+                            "complete": found.complete, "remark": found.remark})  # fmt: skip
     else:
         units = [f"rad/{study.units.length}", f"{study.units.force} {study.units.length}", "", "", ""]
         heads = [f"{name} ({unit})" if unit else name for name, unit in zip(COLUMNS, units, strict=True)]
         console.print_table(["", *heads], [[i, *(r[c] for c in COLUMNS)] for i, r in enumerate(rows, 1)])
         stable = sum(r["index"] == 0 for r in rows)
         console.say(f"{len(rows)} equilibria, {stable} stable with the end angles held and the loads dead")
+        if not found.complete:
+            console.say(f"not known to be all of them: {found.remark}")
         changed = f", but for {choices(options)}" if options else ""
         console.say(f"of {study.title if file else 'the rod of Table 1, held at its own far end'}{changed}")
     if picture or out:
@@ -67,7 +70,7 @@ def run(
         write_cases(study, case, found, export)
         if not json:
             console.say(f"{len(found)} cases in {export}")
-    return 0 if found else 1
+    return 0 if found and found.complete else 1
 
 
 def ends_of(study: Study) -> Case:

@@ -36,14 +36,23 @@ class Trajectory:
 
 @dataclass(frozen=True, eq=False)
 class Seed:
-    """Near which of many solutions to look: slope, beta_t(0), (B,); beta at shares u of the rod, (B, n)."""
+    """Near which of many solutions to look: slope, beta_t(0), (B,); beta at shares u of the rod, (B, n).
+
+    problem: the ends problems that the seeds solve, where each seed is a solution; orbit: theirs, row (B,) of it for
+    each seed, where their method knows it.
+    """
 
     slope: Array
     u: Array
     beta: Array
+    problem: Reduced | None = None
+    orbit: Any = None
+    row: Any = None
 
     def take(self, i: int) -> "Seed":
-        return Seed(self.slope[i : i + 1], self.u[i : i + 1], self.beta[i : i + 1])
+        one = slice(i, i + 1)
+        known = self.slope[one], self.u[one], self.beta[one]
+        return Seed(*known) if self.problem is None else Seed(*known, self.problem.take(one), self.orbit, self.row[one])
 
     def on(self, problem: Reduced, nodes: int) -> Array:
         """The one shape on equal steps, (nodes,), bent to meet the ends asked for."""

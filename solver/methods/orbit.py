@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..chebyshev import basis, polynomials
 from ..course import HELIX, LIBRATION, Course, course
 from ..landscape import slope_bends, slope_rate, slope_size
-from ..panels import EPS, Panels, panelled, running
+from ..panels import EPS, Panels, joined, panelled, running
 from ..reduced import Array, Reduced
 from ..sensitivity import condition
 from .base import Method, Trajectory, verdicts
@@ -25,7 +25,7 @@ from .base import Method, Trajectory, verdicts
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
 _LARGEST = 1e100  # dimensionless numbers beyond this would overflow when squared
 TOO_LARGE = "failed: the loads are beyond 1e100 in units of A and rho"
-_PLAIN = (0.0, 0.0, 0.0, 1.0, 0.5, 0.0)  # lam, mu, phi, span, beta(0), beta_t(0)
+PLAIN = (0.0, 0.0, 0.0, 1.0, 0.5, 0.0)  # lam, mu, phi, span, beta(0), beta_t(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +35,9 @@ class Orbit:
     ahead, back: (B,), time from the start to the turning points forward and backward (once round: ahead alone).
     period: (B,), of beta_t; inf where nothing moves. lengthens: (B,), 1 where the way between the two end angles
     grows longer with the level, 0 where shorter, NaN where whoever made the orbits does not know; the index needs it.
+    passed: (B,), turning points passed, where whoever made the orbits knows better than rounding tells.
+    response: (B,), largest |d beta(t)/d beta(L)| along the rod, where whoever made the orbits knows it.
+    path: the level and the path of each (`search.Way`), where it is an equilibrium that was searched for or followed.
     """
 
     problem: Reduced
@@ -46,6 +49,9 @@ class Orbit:
     duration: Array
     gain: Array
     lengthens: Array | None = None
+    response: Array | None = None
+    passed: Array | None = None
+    path: Any = None
 
     @property
     def kind(self) -> NDArray[np.int64]:
@@ -68,6 +74,8 @@ class Orbit:
     @cached_property
     def turns(self) -> Array:
         """Turning points passed by the far end, (B,); 0 where beta does not swing."""
+        if self.passed is not None:
+            return self.passed
         return self.locate(self.problem.span[:, None]).turns[:, 0]
 
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
@@ -86,8 +94,9 @@ class Orbit:
         parts = slice(2 * i, 2 * i + 2)
         way = Course(self.course.kind[i : i + 1], self.course.direction[i : i + 1], self.course.pieces)
         one = self.problem.take(slice(i, i + 1))
-        longer = None if self.lengthens is None else self.lengthens[i : i + 1]
-        return Orbit(one, way, panels, self.since[mine], first, count, self.duration[parts], self.gain[parts], longer)
+        known = [None if v is None else v[i : i + 1] for v in (self.lengthens, self.response, self.passed)]
+        known.append(None if self.path is None else self.path.take(slice(i, i + 1)))
+        return Orbit(one, way, panels, self.since[mine], first, count, self.duration[parts], self.gain[parts], *known)
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
@@ -170,6 +179,27 @@ class Where:
         return np.where(self.folded, 2 * self.rounds + self.second + self.mirrored, 0.0)
 
 
+def joined_orbits(orbits: list[Orbit]) -> Orbit:
+    """The orbits of several batches as one."""
+    sizes = np.array([orbit.problem.size for orbit in orbits])
+    before = np.cumsum(sizes) - sizes
+    panels = joined([replace(o.panels, part=o.panels.part + 2 * k) for o, k in zip(orbits, before, strict=True)])
+
+    def column(name: str) -> Any:
+        values = [getattr(orbit, name) for orbit in orbits]
+        return None if any(v is None for v in values) else np.concatenate(values)
+
+    fields: dict[str, Any] = {
+        name: None if value is None else np.concatenate([getattr(o.problem, name) for o in orbits])
+        for name, value in vars(orbits[0].problem).items()
+    }
+    kind, direction = (np.concatenate([getattr(o.course, n) for o in orbits]) for n in ("kind", "direction"))
+    way = Course(kind, direction, orbits[0].course.pieces)
+    count = column("count")
+    rest = (column(name) for name in ("duration", "gain", "lengthens", "response", "passed"))
+    return Orbit(Reduced(**fields), way, panels, column("since"), np.cumsum(count) - count, count, *rest)
+
+
 def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Where:
     """Fold t (B, n) into courses of lengths ahead and back (B,) in time."""
     ahead, back, period = ahead[:, None], back[:, None], period[:, None]
@@ -186,11 +216,17 @@ def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Wh
     return Where(t, part, local, mirrored, second, rounds, folded)
 
 
-def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None) -> Orbit:
-    """The orbits of B start problems with finite numbers; `pin` as in `course`."""
+def solve_orbit(
+    problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None, stretch: float = 1.0
+) -> Orbit:
+    """The orbits of B start problems with finite numbers; `pin` as in `course`, `stretch` as in `panelled`."""
     way = course(problem, pin)
     n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
-    panels = panelled(problem, way, basis(n), length, 0.05 * tol)
+    return assembled(problem, way, panelled(problem, way, basis(n), length, 0.05 * tol, stretch=stretch))
+
+
+def assembled(problem: Reduced, way: Course, panels: Panels) -> Orbit:
+    """Orbits from their panels, each with integrals from its own near end; the panels' series are changed in place."""
     parts = 2 * problem.size
     count = np.bincount(panels.part, minlength=parts)
     first = np.cumsum(count) - count
@@ -220,7 +256,7 @@ def fitting(problem: Reduced) -> tuple[Reduced, NDArray[np.bool_]]:
     fit = (np.abs(numbers) < _LARGEST).all(axis=0) & (problem.span > 0)
     if fit.all():
         return problem, fit
-    lam, mu, phi, span, beta0, dbeta0 = np.where(fit, numbers, np.array(_PLAIN)[:, None])
+    lam, mu, phi, span, beta0, dbeta0 = np.where(fit, numbers, np.array(PLAIN)[:, None])
     return Reduced(lam, mu, phi, span, beta0, dbeta0), fit
 
 

@@ -1,53 +1,116 @@
 """`shooting`: ends problems through `orbit`, so exact to rounding however long the rod.
 
-Next to a seed by Newton's rule on the start's slope, all problems at once. Without one, and where the start's slope is
-too blunt a handle (a shape that hugs a saddle), by the search over levels and paths of `equilibria`.
+From a solution as seed by continuation of its equilibrium; next to a number as seed by Newton's rule on the start's
+slope, all problems at once. Without a seed, and where the start's slope is too blunt a handle (a shape that hugs a
+saddle), by the search over levels and paths of `equilibria`.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..reduced import Array, Reduced
 from .base import Method, Seed, Trajectory
-from .orbit import solve_orbit
+from .orbit import PLAIN, joined_orbits, solve_orbit
 
 _ROUNDS = 40
+NONE = "failed: no equilibrium joins these end angles under these loads"
 
 
 def run(problem: Reduced, t: Array, tol: float, seed: Seed | None = None, **_: Any) -> Trajectory:
-    """The equilibrium next to `seed`, or that of lowest energy without one."""
+    """The equilibrium that continues from `seed` or is next to it, or that of lowest energy without one."""
     from ..equilibria import (
         chosen,
         trajectory,
     )  # the search stands above the methods; it is asked only where nothing else will do
 
+    if seed is not None and seed.problem is not None:
+        return together([_carried(one, t[i : i + 1], tol, seed.take(i)) for i, one in enumerate(_each(problem))], t)
     slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
-    columns = np.full((5, problem.size, t.shape[1]), np.nan)
-    error, condition, calls = (np.full(problem.size, v) for v in (np.inf, np.inf, 0.0))
-    outcome = np.full(problem.size, "failed: no equilibrium joins these end angles under these loads", dtype=object)
-    near = np.flatnonzero(np.isfinite(slopes))
-    if near.size:
-        some = problem.take(near)
-        orbit = solve_orbit(some.started(slopes[near]), 1e-13)
-        found = trajectory(some, orbit, t[near], tol)
-        if near.size == problem.size:
-            return found
-        columns[:, near] = found.beta, found.dbeta, found.alpha, found.z, found.swirl()
-        error[near], condition[near], calls[near] = found.error, found.condition, found.evaluations
-        outcome[near] = found.outcome
-    for i in np.flatnonzero(~np.isfinite(slopes)):
-        one = problem.take(slice(i, i + 1))
-        alone = chosen(one, t[i : i + 1], tol, None if seed is None else float(seed.slope[i]))
-        if alone is None:
+    near = np.isfinite(slopes)
+    if near.all():
+        return trajectory(problem, solve_orbit(problem.started(slopes), 1e-13), t, tol)
+    found: list[Trajectory | str] = []
+    for i, one in enumerate(_each(problem)):
+        here = t[i : i + 1]
+        if near[i]:
+            found.append(trajectory(one, solve_orbit(one.started(slopes[i : i + 1]), 1e-13), here, tol))
+        else:
+            found.append(chosen(one, here, tol, None if seed is None else float(seed.slope[i])) or NONE)
+    return together(found, t)
+
+
+def _each(problem: Reduced) -> list[Reduced]:
+    return [problem.take(slice(i, i + 1)) for i in range(problem.size)]
+
+
+def together(found: list[Trajectory | str], t: Array) -> Trajectory:
+    """The answers of B problems at t (B, n) as one; those that have none are given by their outcome."""
+    plain = Reduced(*(np.array([v]) for v in PLAIN))
+    nothing = solve_orbit(plain, 1e-6)
+    orbits = [nothing if isinstance(one, str) else one.orbit for one in found]
+    orbit = orbits[0] if len(orbits) == 1 else joined_orbits([replace(o, problem=_started(o)) for o in orbits])
+    shown = np.array([not isinstance(one, str) for one in found])
+    columns = np.full((4, *t.shape), np.nan)
+    error, condition = np.full((2, t.shape[0]), np.inf)
+    calls, outcome = np.zeros(t.shape[0], dtype=np.int64), np.full(t.shape[0], NONE, dtype=object)
+    for i, one in enumerate(found):
+        if isinstance(one, str):
+            outcome[i] = one
             continue
-        if problem.size == 1:
-            return alone
-        columns[:, i] = alone.beta[0], alone.dbeta[0], alone.alpha[0], alone.z[0], alone.swirl()[0]
-        error[i], condition[i], calls[i] = alone.error[0], alone.condition[0], alone.evaluations[0]
-        outcome[i] = alone.outcome[0]
-    beta, dbeta, alpha, z, swirl = columns
-    return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, calls.astype(np.int64))
+        columns[:, i] = one.beta[0], one.dbeta[0], one.alpha[0], one.z[0]
+        error[i], condition[i], calls[i] = one.error[0], one.condition[0], one.evaluations[0]
+        outcome[i] = one.outcome[0]
+    beta, dbeta, alpha, z = columns
+    told = outcome, error, condition, calls, orbit
+    return Trajectory(beta, dbeta, alpha, z, lambda: np.where(shown[:, None], orbit.swirl(t), np.nan), *told)
+
+
+def _started(orbit: Any) -> Reduced:
+    """The problem of an orbit as a start problem: of those with and without a far angle no batch can be made."""
+    return replace(orbit.problem, betaL=None)
+
+
+def _carried(problem: Reduced, t: Array, tol: float, seed: Seed) -> Trajectory | str:
+    """The equilibrium of one problem that continues from the seed's own, or the outcome that says why there is none."""
+    from ..continuation import FOLD, Ended, continued, orbit_of
+    from ..equilibria import trajectory
+
+    assert seed.problem is not None
+    path = _path_of_seed(seed)
+    if path is None:
+        return "failed: the seed is not a solution of its own ends problem"
+    found = continued(seed.problem, path, problem)
+    if isinstance(found, Ended):
+        way = f"{found.share:.2%} of the way from the seed to this case"
+        if found.reason == FOLD:
+            return f"failed: the branch of the seed ends, at a fold or where it meets another branch, after {way}"
+        return f"failed: the branch of the seed could not be followed beyond {way}: {found.reason}"
+    return trajectory(problem, orbit_of(problem, found), t, tol)
+
+
+def _path_of_seed(seed: Seed) -> Any:
+    """The path of the equilibrium that a seed is; None where it is none."""
+    from ..continuation import path_from_start
+    from ..coordinates import path_of
+    from ..search import search
+
+    assert seed.problem is not None
+    if not np.isfinite(seed.beta[0]).all():
+        return None
+    if seed.orbit is not None and getattr(seed.orbit, "path", None) is not None:
+        return path_of(seed.orbit.path, int(seed.row[0]))
+    path = path_from_start(seed.problem, float(seed.slope[0]))
+    if path is not None:
+        return path
+    found = search(seed.problem)
+    if found is None:
+        return None
+    u = seed.problem.span[:, None] * seed.u[:1]
+    apart = np.abs(found.orbit.at(np.repeat(u, found.slope.size, axis=0))[0] - seed.beta[:1]).max(axis=1)
+    best = int(np.argmin(apart))
+    return path_of(found.path, best) if apart[best] < 0.01 else None
 
 
 def _next_to(problem: Reduced, slope: Array) -> Array:

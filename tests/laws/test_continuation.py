@@ -1,0 +1,223 @@
+"""A seed names one equilibrium: it comes back, it continues while the case changes, and nothing takes its place."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, solve
+from solver.equilibria import Equilibrium
+from tests.cases import GENERAL, TABLE_1, ends_in_units_of_rho, rod_of_unit_stiffness
+
+NUMBERS = -0.3655, 0.7464, -0.7506  # physics.md, section 5
+
+
+def from_start(case: Case) -> Case:
+    """The ends problem that a start problem solves."""
+    far = float(solve(case, tol=1e-12).beta[-1])
+    return Case(case.rod, case.cylinder, Ends(case.given.beta, far, *case.loads))
+
+
+def hugging() -> Case:
+    """A rod of 60 rho that spends its length along a saddle: start slopes agree to 1e-12 and better."""
+    return ends_in_units_of_rho(0.3, 0.1, 0.4, 60.0, 0.4, -0.7)
+
+
+PROBLEMS = {
+    "section 5": lambda: ends_in_units_of_rho(*NUMBERS, 20.0, np.pi / 6, np.pi / 6),
+    "Table 1": lambda: from_start(TABLE_1["twist-first/compression/paper"].case),
+    "Table 1, default reading": lambda: from_start(TABLE_1["force-first/tension/paper"].case),
+    "hugging a saddle": hugging,
+    "pulled": lambda: from_start(GENERAL["pulled, symmetric"].case),
+    "through whole turns": lambda: from_start(GENERAL["going round"].case),
+}
+each = pytest.mark.parametrize("name", PROBLEMS)
+
+
+@cache
+def found(name: str) -> list[Equilibrium]:
+    return list(equilibria(PROBLEMS[name]()))
+
+
+def same(sol: Solution, other: Equilibrium) -> bool:
+    """Whether beta agrees along the whole rod; huggers differ by radians where their swings lie."""
+    return bool(sol.solved) and bool(np.abs(sol.beta - other.solution.beta).max() < 1e-6)
+
+
+def place(sol: Solution, among: list[Equilibrium]) -> int:
+    """Which of the equilibria this is."""
+    (i,) = [i for i, one in enumerate(among) if same(sol, one)]
+    return i
+
+
+def changed(case: Case, share: float) -> Iterator[tuple[str, Case]]:
+    """The case with each of its numbers changed by that share."""
+    for part in ("rod", "cylinder", "given"):
+        owner = getattr(case, part)
+        for field in ("E", "a", "L", "R", "beta0", "betaL", "FZ", "MZ", "M3"):
+            if hasattr(owner, field):
+                value = getattr(owner, field)
+                yield field, replace(case, **{part: replace(owner, **{field: value * (1 + share)})})
+
+
+@each
+def test_a_seed_returns_its_own_equilibrium(name: str) -> None:
+    for i, one in enumerate(found(name)):
+        sol = solve(PROBLEMS[name](), seed=one.solution)
+        assert place(sol, found(name)) == i
+
+
+@pytest.mark.parametrize(
+    "name, fields",
+    [
+        ("section 5", ("FZ",)),
+        ("hugging a saddle", ("L", "betaL")),
+        *(pytest.param(name, None, marks=pytest.mark.slow) for name in PROBLEMS),
+    ],
+)
+def test_after_a_small_change_of_any_number_it_continues_one_to_one(name: str, fields: tuple[str, ...] | None) -> None:
+    case = PROBLEMS[name]()
+    for field, near in changed(case, 1e-6):
+        if fields is not None and field not in fields:
+            continue
+        others = list(equilibria(near))
+        taken = [place(solve(near, seed=one.solution), others) for one in found(name)]
+        assert sorted(taken) == list(range(len(others))), field
+        for one, i in zip(found(name), taken, strict=True):
+            assert others[i].index == one.index, field
+            assert others[i].turns == one.turns or min(abs(one.dbeta0), abs(others[i].dbeta0)) < 1e-2, field
+
+
+@pytest.mark.slow
+def test_a_seed_keeps_its_branch_through_a_change_of_one_percent() -> None:
+    """29 of Table 1's 31 go on. Two meet in a fold on the way; they say so, although another pair is born meanwhile."""
+    case = PROBLEMS["Table 1"]()
+    half, moved = (replace(case, given=replace(case.given, FZ=case.given.FZ * (1 + x))) for x in (0.005, 0.01))
+    others = list(equilibria(moved))
+    assert (len(found("Table 1")), len(equilibria(half)), len(others)) == (31, 29, 31)
+    taken = []
+    for one in found("Table 1"):
+        sol = solve(moved, seed=one.solution)
+        if sol.solved:
+            taken.append(place(sol, others))
+            assert others[taken[-1]].index == one.index
+        else:
+            assert sol.outcome.startswith("failed: the branch of the seed ends")
+            assert np.isnan(sol.beta).all()
+    assert len(set(taken)) == len(taken) == 29
+
+
+def test_where_a_branch_ends_in_a_fold_the_outcome_says_so_and_no_other_is_given() -> None:
+    case = PROBLEMS["Table 1"]()
+    moved = replace(case, given=replace(case.given, FZ=case.given.FZ * 1.01))
+    one = found("Table 1")[-1]
+    assert one.index == 7
+    sol = solve(moved, seed=one.solution)
+    assert sol.outcome.startswith("failed: the branch of the seed ends")
+    assert "after 39" in sol.outcome
+    assert np.isnan(sol.beta).all()
+
+
+def test_an_end_may_cross_a_saddle() -> None:
+    """beta(L) passes the angle along which a stable rod lies: the range in which its path changes is exp(-r L) wide."""
+    first, last = (ends_in_units_of_rho(0.3, 0.3, 1.0, L, 0.5, far) for L, far in ((40.0, -0.3), (41.0, 0.3)))
+    assert equilibria(last)[0].index == 0
+    stable = next(one for one in equilibria(first) if one.index == 0)
+    sol = solve(last, seed=stable.solution)
+    assert sol.solved, sol.outcome
+    assert equilibria(last)[place(sol, list(equilibria(last)))].index == 0
+
+
+def test_a_rod_at_rest_as_a_helix_is_a_seed_and_a_goal() -> None:
+    rod = rod_of_unit_stiffness(10.0, 0.01)
+
+    def pulled(beta0: float, betaL: float, FZ: float) -> Case:
+        return Case(rod, Cylinder(1 - 0.01), Ends(beta0, betaL, FZ=FZ))
+
+    (straight,) = equilibria(pulled(0.0, 0.0, 1.0))
+    bent = solve(pulled(0.1, 0.2, 1.5), seed=straight.solution)
+    assert bent.solved
+    assert np.abs(bent.beta).max() == pytest.approx(0.2, abs=1e-9)
+    back = solve(pulled(0.0, 0.0, 2.0), seed=bent)
+    assert back.solved
+    assert np.abs(back.beta).max() < 1e-12
+
+
+def test_the_solution_of_a_start_problem_is_a_seed_of_its_ends_problem() -> None:
+    case = TABLE_1["force-first/tension/paper"].case
+    start = solve(case, tol=1e-12)
+    sol = solve(from_start(case), seed=start)
+    assert sol.solved
+    np.testing.assert_allclose(sol.beta, start.beta, atol=1e-8)  # tol
+
+
+def test_a_grid_takes_a_seed_for_each_case_or_one_for_all() -> None:
+    case = PROBLEMS["section 5"]()
+    one = found("section 5")[2]
+    loads = case.given.FZ * np.array([1.0, 1.001, 1.002])
+    grid = replace(case, given=replace(case.given, FZ=loads))
+    together = solve(grid, seed=one.solution)
+    assert together.solved.all()
+    again = solve(grid, seed=together)
+    np.testing.assert_allclose(again.beta, together.beta, atol=1e-9)
+    for i, FZ in enumerate(loads):
+        alone = solve(replace(case, given=replace(case.given, FZ=FZ)), seed=one.solution)
+        np.testing.assert_array_equal(together.beta[i], alone.beta)
+
+
+def random_pairs(count: int, seed: int) -> Iterator[tuple[Case, Case]]:
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        numbers = [*rng.normal(0, 0.6, 3), rng.uniform(5, 40), *rng.uniform(-2, 2, 2)]
+        moved = [*(numbers[:3] + rng.normal(0, 0.1, 3)), numbers[3] * np.exp(rng.normal(0, 0.1))]
+        moved += list(numbers[4:] + rng.normal(0, 0.1, 2))
+        yield ends_in_units_of_rho(*numbers), ends_in_units_of_rho(*moved)
+
+
+@pytest.mark.parametrize(
+    "count, seed", [(2, 0), pytest.param(40, 1, marks=pytest.mark.slow), pytest.param(40, 2, marks=pytest.mark.slow)]
+)
+def test_no_two_seeds_end_on_one_equilibrium_and_each_way_leads_back(count: int, seed: int) -> None:
+    followed = 0
+    for first, last in random_pairs(count, seed):
+        starts, goals = list(equilibria(first)), list(equilibria(last))
+        taken = []
+        for one in starts:
+            sol = solve(last, seed=one.solution)
+            if not sol.solved:
+                continue
+            taken.append(place(sol, goals))
+            assert goals[taken[-1]].index == one.index
+            assert same(solve(first, seed=sol), one)
+            followed += 1
+        assert len(set(taken)) == len(taken)
+    assert followed >= 4 * count
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [n for n in GENERAL if n not in ("long", "strongly twisted")])
+def test_every_equilibrium_of_every_named_problem_is_its_own_seed(name: str) -> None:
+    case = from_start(GENERAL[name].case)
+    every = list(equilibria(case))
+    for i, one in enumerate(every):
+        assert place(solve(case, seed=one.solution), every) == i
+
+
+def test_the_pipe_follows_its_helix_from_load_to_load() -> None:
+    """Steel, 127 mm in 216 mm, 300 m: from 100 to 300 kN the amplitude is Lubinski's (first order in the angle)."""
+    A, rho, L = 1.2e6, 0.0445, 300.0  # N m^2, m, m
+    a = 0.0635
+
+    def pushed(FZ: float) -> Case:
+        return Case(Rod(A / (np.pi / 4 * a**4), 0.3, a, L), Cylinder(rho + a, "inside"), Ends(0.0, 0.0, FZ=FZ))
+
+    sol = solve(pushed(-1e5), seed=float(np.sqrt(1e5 / (2 * A)) ** 2 * rho))
+    assert sol.solved
+    for FZ in (-1.5e5, -2e5, -3e5):
+        sol = solve(pushed(FZ), seed=sol)
+        assert sol.solved, sol.outcome
+        angle = np.sqrt(-FZ / (2 * A)) * rho
+        assert np.abs(sol.beta).max() < 3 * angle
+        assert sol.z[-1] > 0.999 * L
