@@ -56,7 +56,7 @@ def scene_file(
 
     able, advice = gl.probe()
     if not able:
-        console.err.print(f"workbench: {advice}", markup=False)
+        console.warn(advice)
         return 1
     from . import scenes, taking
 
@@ -78,7 +78,7 @@ def scene_file(
     console.say(" at ".join(said) + (f", solved at {stations} stations" if study else ""))
     if taken.off > pixel_error * (1 + 1e-9):
         kept = f"{taken.off:.1f} pixels, not {pixel_error:g}: {stations} stations are too few for that"
-        console.err.print(f"workbench: drawn to within {kept}, about {taken.stations} would do", markup=False)
+        console.warn(f"drawn to within {kept}, about {taken.stations} would do")
         return 1
     return 0
 
