@@ -98,6 +98,7 @@ def twos(last: int, times: int = 1) -> tuple[int, ...]:
     return tuple(times * 2**k for k in range(last + 1))
 
 
+NODES = tuple(n + 1 for n in twos(9, 64))
 LADDERS: dict[str, Ladder] = {
     "euler": Ladder("euler", "steps", twos(9)),
     "rk4": Ladder("rk4", "steps", twos(6)),
@@ -108,8 +109,8 @@ LADDERS: dict[str, Ladder] = {
     "heyoka": Ladder("heyoka", "rtol", tens(1, 15, 2), cold=True, most=MOST_COMPILED),
     "orbit": Ladder("orbit", "tol", (*tens(1, 11, 2), 1e-12, 1e-13)),
     "swing": Ladder("swing", "tol", (*tens(1, 11, 2), 1e-12, 1e-13)),
-    "difference": Ladder("difference", "nodes", tuple(n + 1 for n in twos(9, 64)), {"extrapolate": False}, most=MOST_COMPILED),
-    "difference extrapolated": Ladder("difference", "nodes", tuple(n + 1 for n in twos(9, 64)), most=MOST_COMPILED),
+    "difference": Ladder("difference", "nodes", NODES, {"extrapolate": False}, most=MOST_COMPILED),
+    "difference extrapolated": Ladder("difference", "nodes", NODES, most=MOST_COMPILED),
     "collocation": Ladder("collocation", "rtol", (*tens(1, 11, 2), 1e-12, 1e-13), most=MOST_COMPILED),
     "shooting": Ladder("shooting", "tol", tens(2, 13, 2)),
 }

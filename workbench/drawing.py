@@ -11,7 +11,7 @@ import xarray as xr
 from solver.errors import InputError, choices, no_such
 from studies.angles import angle
 
-from . import console, dataset, kinds, needed, picking, store
+from . import console, dataset, kinds, needed, opening, picking, store
 
 PLOTS = (".png", ".pdf", ".svg")
 SCENES = (".png", ".jpg")
@@ -88,10 +88,11 @@ def _read(file: Path) -> xr.Dataset:
     try:
         return store.read(file)
     except InputError:
-        ds = store.read(file, study=False)
-        if ds.attrs.get("study_name") != "equilibria" or "equilibrium" not in ds.dims or "outcome" not in ds:
+        with opening.raw(file) as ds:
+            other = ds.attrs.get("study_name") != "equilibria" or "equilibrium" not in ds.dims or "outcome" not in ds
+        if other:
             raise
-        return ds
+    return store.read(file, study=False)
 
 
 def stretch_of(ds: xr.Dataset, span: tuple[float | None, float | None]) -> tuple[float, float] | None:

@@ -166,9 +166,8 @@ def _answering(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: explo
             if not isinstance(asked, dict):
                 raise InputError("ask with a table")
             return await work(asked, Desk(shapes, few, tasks, wanted))
-        except ArithmeticError:  # a radius of 5e-324, say: what is finite at the door need not stay so
-            told = {"sentence": "numbers as large or as small as these cannot be computed with", "field": ""}
-            return web.json_response(told, status=422)
+        except ArithmeticError:  # a radius of 5e-324, say
+            return web.json_response({"sentence": explore_tasks.NO_FLOAT, "field": ""}, status=422)
         except InputError as error:
             told = {"sentence": str(error), "field": explore_model.blamed(str(error))}
             return web.json_response(told, status=422)
@@ -205,8 +204,9 @@ def _drawn(asked: dict[str, Any], one: explore_shape.Shape, shapes: Shapes, solv
                 arrays[f"{name}.light"] = drawn.light
     head = {
         **explore_model.told(one), "squeeze": rod.squeeze, "rod_key": rod.key, "wall_key": wall.key,
-        "ticket": shapes.keep(explore_shape.bare(one)), "fields": explore_model.fields(one.study), "side": one.sol.case.cylinder.side,
-        "problem": one.sol.problem.kind, "seconds": {"solve": solving, "mesh": meshing},
+        "ticket": shapes.keep(explore_shape.bare(one)), "fields": explore_model.fields(one.study),
+        "side": one.sol.case.cylinder.side, "problem": one.sol.problem.kind,
+        "seconds": {"solve": solving, "mesh": meshing},
     }  # fmt: skip
     return packed(head, arrays | lines)
 

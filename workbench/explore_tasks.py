@@ -20,6 +20,7 @@ MEMORY = 3 * 2**30  # bytes of addresses that a search may take, those of its li
 LOOK = 0.1  # seconds between two looks at whether the client is still there
 
 MANY = "too many searches wait already; ask again in a while"
+NO_FLOAT = "numbers as large or as small as these cannot be computed with"  # finite when asked, but not their powers
 TOO_LARGE = "this search takes more memory than the page gives it: workbench equilibria has no such bound"
 
 
@@ -101,6 +102,8 @@ def _work(pipe: Connection, function: Callable[..., Any], args: Any) -> None:
         told = ("done", function(*args))
     except InputError as error:
         told = ("refused", str(error))
+    except ArithmeticError:
+        told = ("refused", NO_FLOAT)
     except MemoryError:
         told = ("refused", TOO_LARGE)
     except Exception as error:

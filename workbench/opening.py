@@ -100,11 +100,10 @@ def _check_axis(ds: xr.Dataset, name: str, path: str | Path) -> None:
 def _check_variable(name: str, variable: xr.Variable, axes: list[str], path: str | Path) -> None:
     plain = name.removesuffix("_along")
     along = (plain in OUTPUTS and name not in axes) or name in ("u", "s")
-    known = {*axes, "u", *(dim for dims in INNER.values() for dim in dims)}
+    known = [*axes, "u", *dict.fromkeys(dim for dims in INNER.values() for dim in dims)]
     expected = [*axes, "u", *INNER.get(plain, ())]
     dims = [str(dim) for dim in variable.dims]
-    ordered = [dim for dim in (*axes, "u", *INNER.get(plain, ())) if dim in dims]
-    fits = set(dims) <= known and dims == ordered and (not along or name in ("u", "s") or dims == expected)
+    fits = dims == [dim for dim in known if dim in dims] and (not along or name in ("u", "s") or dims == expected)
     if not fits or (name in ("u", "s") and dims[-1:] != ["u"]):
         raise InputError(f"{path}: {shown(name)} has the dimensions {shown(dims)}, which do not fit the axes")
     if name not in ("outcome", "caution", "xyz") and variable.dtype.kind not in "iuf":

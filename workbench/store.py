@@ -53,7 +53,11 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
             raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
         with door.refusing(path):
             ds.load()
+        if not study:
+            validity.texts(ds, path)
+            validity.fields(ds, path)
         if "outcome" in ds:
+            validity.each(ds, path)
             validity.curves(ds, path)
         return ds
 

@@ -75,7 +75,7 @@ def fields(ds: xr.Dataset, path: str | Path) -> None:
     for name, variable in number.items():
         if variable.dtype.kind != "f":
             raise InputError(f"{path}: {name} is no floating-point number, but {variable.dtype}")
-        values = variable.values
+        values = variable.values.astype(float)
         if not np.isfinite(values).all():
             raise InputError(f"{path}: {name} is not finite, but {_worst(values, np.isfinite(values))}")
         low, high = (SMALLEST, LARGEST) if name in POSITIVE else (np.nextafter(-1.0, 0.0), 0.5)
@@ -106,7 +106,10 @@ def _places(ds: xr.Dataset, L: xr.DataArray | None, path: str | Path) -> None:
 
 
 def each(ds: xr.Dataset, path: str | Path) -> None:
-    """What is one number or text a case: that what was solved has an error, and loads that a float can work with."""
+    """That what is one number or text a case can be: a line, an error of what was solved, loads that a float holds."""
+    for name in (*JUDGED, *LOADS):
+        if name in ds.variables and ds[name].dtype.kind not in "iuf":
+            raise InputError(f"{path}: {name} holds no numbers, but {ds[name].dtype}")
     names = [name for name in (*TOLD, *JUDGED, *LOADS, "E", "a", "rho") if name in ds.variables]
     for where in blocks(ds["outcome"].shape, BLOCK):
         _block(ds[names].isel(dict(zip(ds["outcome"].dims, where, strict=True))).load(), path)
@@ -128,7 +131,7 @@ def _block(ds: xr.Dataset, path: str | Path) -> None:
     with np.errstate(all="ignore"):
         for name in LOADS:
             if name in ds.variables:
-                size = np.abs(ds[name]) / (unit / sizes["rho"] if name == "FZ" else unit)
+                size = abs(ds[name]) / (unit / sizes["rho"] if name == "FZ" else unit)
                 if not (_over(size, ds).values[solved] < MOST).all():
                     raise InputError(f"{path}: {name} of a solved case is not finite, or far too large for its rod")
 
@@ -139,6 +142,8 @@ def curves(ds: xr.Dataset, path: str | Path) -> None:
     for name in OUTPUTS:
         key = f"{name}_along" if f"{name}_along" in ds.data_vars else name
         if key in ds.data_vars and "u" in ds[key].dims:
+            if ds[key].dtype.kind not in "iuf" or ds[key].dims[: solved.ndim] != solved.dims:
+                raise InputError(f"{path}: {shown(key)} is no array of numbers along each rod")
             if not np.isfinite(ds[key].values[solved.values]).all():
                 raise InputError(f"{path}: {shown(key)} of a solved case is not finite")
     if not {"s", "rho"} <= set(ds.variables) or "u" not in ds.dims:

@@ -1,5 +1,14 @@
-"""Stored studies with one thing altered: every variable and every attribute, each in a dozen ways, by rule."""
+"""Stored studies with one thing altered: every variable and every attribute, each in a dozen ways, by rule.
 
+Run as a program: the commands on them, all in one process, and what is wrong with how they end.
+"""
+
+import contextlib
+import io
+import json
+import shutil
+import sys
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -34,8 +43,10 @@ OTHERS: dict[str, Any] = {
     "nothing": h5py.Empty("f"),
     "missing": None,
 }
-DECODED: dict[str, Any] = {"scale_factor": 1e300, "add_offset": "x", "missing_value": 0.0, "units": "days since 2000-01-01",
-                           "coordinates": "outcome", "dtype": "bool"}  # fmt: skip
+DECODED: dict[str, Any] = {
+    "scale_factor": 1e300, "add_offset": "x", "missing_value": 0.0, "units": "days since 2000-01-01",
+    "coordinates": "outcome", "dtype": "bool",
+}  # fmt: skip
 # Of the attributes of a variable these alone: there are many.
 LABELS = ("empty", "very long", "mathtext", "a terminal's command", "a new line", "a number", "a NUL", "missing")
 HDF5S_OWN = ("DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME", "_Netcdf4Dimid", "_Netcdf4Coordinates",
@@ -173,3 +184,81 @@ def _attribute(where: str, key: str, value: Any) -> Change:
                 at.attrs[key] = value
 
     return work
+
+
+def commands(path: Path, good: Path, out: Path) -> dict[str, list[str]]:
+    """What is asked of every altered file; good: another dataset of the same study, to be merged with it."""
+    coarse = ["--dpi", "50"]
+    asked = {
+        "check": ["check", "FILE"],
+        "check --json": ["check", "FILE", "--json"],
+        "summary": ["summary", "FILE"],
+        "summary --json": ["summary", "FILE", "--json"],
+        "plot": ["plot", "FILE", "--out", str(out / "plot.png"), *coarse],
+        "scene": ["scene", "FILE", "--out", str(out / "scene.png"), *coarse],
+        "merge": ["merge", "FILE", str(good), "--out", str(out / "merged.h5")],
+    }
+    for kind in ("csv", "vtp", "stl", "glb"):
+        asked[f"export {kind}"] = ["export", "FILE", "--out", str(out / f"rod.{kind}")]
+    asked["export step"] = ["export", "FILE", "--out", str(out / "rod.step"), "--tolerance", "0.01", "--centreline"]
+    return {name: [str(path) if word == "FILE" else word for word in words] for name, words in asked.items()}
+
+
+def faults(words: list[str], out: Path) -> list[str]:
+    """What is wrong with how a command ended; `out` is where it may write, empty before.
+
+    Right is: status 0 or 1 and no word of Python's on stderr; or 2, one sentence there and nothing written. Never a
+    character that a terminal would obey.
+    """
+    from workbench import cli, console
+
+    told, said = io.StringIO(), io.StringIO()
+    before = console.out.file, console.err.file
+    console.out.file, console.err.file = told, said
+    status: Any = "no end"
+    try:
+        with contextlib.redirect_stdout(told), contextlib.redirect_stderr(said), warnings.catch_warnings():
+            warnings.simplefilter("always")
+            cli.main(words)
+    except SystemExit as end:
+        status = end.code
+    except BaseException as error:
+        return [f"ended in {error!r:.300}"]
+    finally:
+        console.out.file, console.err.file = before
+    found, sentence = [], said.getvalue()
+    obeyed = {one for one in told.getvalue() + sentence if not one.isprintable() and one not in "\n\t"}
+    if obeyed:
+        found.append(f"printed {obeyed}")
+    if status not in (0, 1, 2):
+        found.append(f"status {status}")
+    if status == 2 and not (sentence.startswith("workbench: ") and sentence.count("\n") == 1 and len(sentence) < 1500):
+        found.append(f"said {sentence[-300:]!r}")
+    if status != 2 and ("Warning" in sentence or "Traceback" in sentence):
+        found.append(f"warned {sentence[-300:]!r}")
+    left = [path.name for path in out.iterdir()]
+    if status == 2 and left:
+        found.append(f"left {left}")
+    for path in out.iterdir():
+        path.unlink()
+    return found
+
+
+def main(base: Path, good: Path, folder: Path, stride: str, offset: str, *names: str) -> None:
+    """Alter the study at `base` in every stride-th way, and print as JSON lines what is wrong with the commands."""
+    out = folder / "out"
+    out.mkdir()
+    for i, (name, change) in enumerate(alterations(base)):
+        if i % int(stride) != int(offset):
+            continue
+        path = folder / "altered.h5"
+        shutil.copy(base, path)
+        change(path)
+        for command, words in commands(path, good, out).items():
+            if not names or command in names:
+                for fault in faults(words, out):
+                    print(json.dumps({"alteration": name, "command": command, "fault": fault}), flush=True)
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:4]), *sys.argv[4:])
