@@ -32,6 +32,7 @@ POSITIVE = ("E", "a", "R", "L", "rho")
 # Of fields in their own units, and of loads and lengths in those of the problem without dimensions: beyond, squares and
 # fourth powers leave what a float can hold.
 SMALLEST, LARGEST, MOST = 1e-50, 1e50, 1e30
+MOST_ANGLE = 1e12  # rad: beyond, a float no longer says which way it points to a ten-thousandth
 SAME = 1e-9  # of itself that a number may differ from what others say it is
 STRAIGHT = 1e-6  # of the arc by which a chord may exceed it, for rounding and for the error of the method
 
@@ -144,8 +145,9 @@ def curves(ds: xr.Dataset, path: str | Path) -> None:
         if key in ds.data_vars and "u" in ds[key].dims:
             if ds[key].dtype.kind not in "iuf" or ds[key].dims[: solved.ndim] != solved.dims:
                 raise InputError(f"{path}: {shown(key)} is no array of numbers along each rod")
-            if not np.isfinite(ds[key].values[solved.values]).all():
-                raise InputError(f"{path}: {shown(key)} of a solved case is not finite")
+            most = MOST_ANGLE if name in ("beta", "alpha", "gamma") else MOST
+            if not (np.abs(ds[key].values[solved.values]) < most).all():
+                raise InputError(f"{path}: {shown(key)} of a solved case is not finite, or beyond {most:g}")
     if not {"s", "rho"} <= set(ds.variables) or "u" not in ds.dims:
         return
     arc = ds["s"].diff("u")
