@@ -349,7 +349,7 @@ NUMBERS = {
     "an arc the other way": ("s", -1.0, "s is not the share u of L"),
     "one station": ("u", 0.5, "u does not rise from 0 to 1"),
     "an angle that is none": ("beta", np.nan, "'beta' of a solved case is not finite"),
-    "a leap along the cylinder": ("z", 1e300, "'z' of a solved case moves farther than the rod is long"),
+    "a leap along the cylinder": ("z", 1e3, "'z' of a solved case moves farther than the rod is long"),
     "an error that is none": ("error", np.nan, "error of a solved case is no number, or negative"),
 }
 
