@@ -70,7 +70,7 @@ def animate_file(
 
     able, advice = gl.probe()
     if not able:
-        console.err.print(f"workbench: {advice}", markup=False)
+        console.warn(advice)
         return 1
     with console.progress(len(cases)) as step:
         write(paths, frames(ds, wish, step), fps)

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from . import __version__
+from . import __version__, letters
 
 INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 
@@ -465,7 +465,7 @@ def _sentence(error: typer.TyperException) -> str:
 
 
 def _refuse(sentence: str, status: int) -> None:
-    print(f"workbench: {sentence}", file=sys.stderr)
+    print(f"workbench: {letters.line(sentence)}", file=sys.stderr)
     sys.exit(status)
 
 

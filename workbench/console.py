@@ -11,6 +11,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from . import letters
+
 # A pipe or a file has no width of its own: wide enough that no row of a table is broken.
 out = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 200)
 err = Console(stderr=True, highlight=False, soft_wrap=True)
@@ -21,8 +23,13 @@ COLOURS = {  # verdict -> colour
 
 
 def say(text: str) -> None:
-    """One line for people, on stdout."""
-    out.print(_plain(text), markup=False)
+    """Lines for people, on stdout; what could command the terminal is escaped, as a file's text may be anyone's."""
+    out.print(letters.lines(text), markup=False)
+
+
+def warn(sentence: str) -> None:
+    """One sentence on stderr, of what does not hold or cannot be done."""
+    err.print(f"workbench: {letters.line(sentence)}", markup=False)
 
 
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str | None = None) -> None:
@@ -36,19 +43,14 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: st
 def _cell(value: Any) -> Any:
     from rich.text import Text
 
-    text = f"{value:.6g}" if isinstance(value, float) else _plain(str(value))
+    text = f"{value:.6g}" if isinstance(value, float) else letters.line(str(value))
     word = next((word for word in sorted(COLOURS, key=len, reverse=True) if text.startswith(word)), None)
     return Text(text, style=COLOURS[word] if word else "")
 
 
-def _plain(text: str) -> str:
-    """The text without what would command the terminal: a file's title may come from anyone."""
-    return "".join(one if one.isprintable() or one in "\n\t" else repr(one)[1:-1] for one in text)
-
-
 def print_json(data: Any) -> None:
     """The data as JSON; what is not a finite number is null."""
-    print(json.dumps(finite(data), indent=2, ensure_ascii=False))
+    print(letters.in_json(json.dumps(finite(data), indent=2, ensure_ascii=False)))
 
 
 def finite(data: Any) -> Any:

@@ -9,12 +9,13 @@ import os
 import signal
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.context import ForkServerContext, SpawnContext
 from multiprocessing.process import BaseProcess
+from typing import Any
 
 from solver.errors import InputError
 from studies import Study
@@ -39,18 +40,7 @@ class Worker:
 
     def _start(self) -> None:
         """On its way; `check` waits for it. Raises `InputError` where the system has no process to give."""
-        context = _context()
-        self.pipe, theirs = context.Pipe()
-        self.process: BaseProcess = context.Process(
-            target=_work, args=(theirs, self.study, code_version()), daemon=True
-        )
-        try:
-            with _one_thread(), _interrupts_held():
-                self.process.start()
-        except (EOFError, OSError) as error:  # an EOFError is that of the process to be copied, which is gone
-            why = getattr(error, "strerror", None) or "the process that it would be a copy of ended"
-            raise InputError(f"a worker process cannot start: {why}") from None
-        theirs.close()
+        self.process, self.pipe = process(_work, self.study, code_version())
 
     def check(self) -> None:
         """Wait until it can begin. Raises `InputError` where it cannot."""
@@ -96,6 +86,24 @@ class Worker:
             raise RuntimeError(f"in a worker process:\n{failed}")
         sent: bytes = results
         return sent
+
+
+def process(target: Callable[..., None], *args: Any) -> tuple[BaseProcess, Connection]:
+    """A process on its way, and our end of a pipe to it; target: called with the other end and the arguments.
+
+    It ends with this one. Raises `InputError` where the system has none to give.
+    """
+    context = _context()
+    ours, theirs = context.Pipe()
+    made: BaseProcess = context.Process(target=target, args=(theirs, *args), daemon=True)
+    try:
+        with _one_thread(), _interrupts_held():
+            made.start()
+    except (EOFError, OSError) as error:  # an EOFError is that of the process to be copied, which is gone
+        why = getattr(error, "strerror", None) or "the process that it would be a copy of ended"
+        raise InputError(f"a worker process cannot start: {why}") from None
+    theirs.close()
+    return made, ours
 
 
 def get_ready() -> None:

@@ -11,7 +11,7 @@ import xarray as xr
 from solver.errors import InputError, choices, no_such
 from studies.angles import angle
 
-from . import console, dataset, kinds, needed, picking, store
+from . import console, dataset, kinds, needed, opening, picking, store
 
 PLOTS = (".png", ".pdf", ".svg")
 SCENES = (".png", ".jpg")
@@ -56,7 +56,7 @@ def scene_file(
 
     able, advice = gl.probe()
     if not able:
-        console.err.print(f"workbench: {advice}", markup=False)
+        console.warn(advice)
         return 1
     from . import scenes, taking
 
@@ -78,7 +78,7 @@ def scene_file(
     console.say(" at ".join(said) + (f", solved at {stations} stations" if study else ""))
     if taken.off > pixel_error * (1 + 1e-9):
         kept = f"{taken.off:.1f} pixels, not {pixel_error:g}: {stations} stations are too few for that"
-        console.err.print(f"workbench: drawn to within {kept}, about {taken.stations} would do", markup=False)
+        console.warn(f"drawn to within {kept}, about {taken.stations} would do")
         return 1
     return 0
 
@@ -88,10 +88,11 @@ def _read(file: Path) -> xr.Dataset:
     try:
         return store.read(file)
     except InputError:
-        ds = store.read(file, study=False)
-        if ds.attrs.get("study_name") != "equilibria" or "equilibrium" not in ds.dims or "outcome" not in ds:
+        with opening.raw(file) as ds:
+            other = ds.attrs.get("study_name") != "equilibria" or "equilibrium" not in ds.dims or "outcome" not in ds
+        if other:
             raise
-        return ds
+    return store.read(file, study=False)
 
 
 def stretch_of(ds: xr.Dataset, span: tuple[float | None, float | None]) -> tuple[float, float] | None:

@@ -4,6 +4,8 @@ Nothing is kept between calls but what the caller hands back; a state that canno
 """
 
 import re
+import tempfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,7 +24,7 @@ from studies.loader import loads
 from studies.readings import parse
 from studies.writer import dumps
 
-from . import cautions, dataset, style
+from . import cautions, dataset, exporting, style
 from .chunks import columns
 from .equilibria import ends_of
 from .equilibria import row as equilibrium_row
@@ -183,3 +185,15 @@ def stored(one: Shape) -> Any:
         update={"stations": one.sol.s.size, "outputs": ["beta", "dbeta", "alpha", "z", "contact"]}
     )
     return dataset.make(study, {}, columns(study, one.sol))
+
+
+def file(one: Shape, kind: str) -> bytes:
+    """The bytes of a file of that kind, made in a folder of its own. Raises `InputError` as `exporting.export`."""
+    ds = stored(one)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"rod.{kind}"
+        try:
+            exporting.export(ds, exporting.Wish(path, {}))
+        except InputError as error:
+            raise InputError(str(error).partition("; --")[0]) from None  # the page has no such options
+        return path.read_bytes()

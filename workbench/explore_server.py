@@ -8,11 +8,11 @@ import asyncio
 import gc
 import json
 import secrets
-import tempfile
 import time
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable
-from dataclasses import asdict
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from struct import pack
 from threading import Lock
@@ -24,7 +24,7 @@ from aiohttp import web
 from solver.errors import InputError
 from studies.readings import READINGS
 
-from . import browser, explore_mesh, explore_model, explore_shape, exporting
+from . import browser, console, crew, explore_mesh, explore_model, explore_shape, explore_tasks
 from .console import finite
 from .explore_presets import PRESETS
 
@@ -47,6 +47,8 @@ HEADERS = {"Content-Security-Policy": POLICY, "X-Content-Type-Options": "nosniff
 LARGEST = 64 * 1024  # bytes of a request
 DOWNLOADS = {"csv": "text/csv", "step": "model/step", "stl": "model/stl", "glb": "model/gltf-binary"}
 REMEMBERED = 64  # shapes that a slider may follow
+THREADS = 2  # that solve and mesh; each keeps memory of its own
+FAULT = "the server failed at this, which is a fault of the workbench; its terminal says more"
 
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
@@ -73,7 +75,7 @@ class Shapes:
 
 def application(names: set[str]) -> web.Application:
     """The application; names: the `host:port` by which it may be asked, in Host and Origin."""
-    shapes = Shapes()
+    shapes, few, tasks = Shapes(), ThreadPoolExecutor(THREADS, "shapes"), explore_tasks.Tasks()
 
     @web.middleware
     async def guarded(request: web.Request, handler: Handler) -> web.StreamResponse:
@@ -94,12 +96,13 @@ def application(names: set[str]) -> web.Application:
     app.router.add_get("/presets", _presets)
     for path, work in (("/shape", _shape), ("/numbers", _numbers), ("/equilibria", _equilibria), ("/ends", _ends),
                        ("/study", _study), ("/download", _download)):  # fmt: skip
-        app.router.add_post(path, _answering(work, shapes))
+        app.router.add_post(path, _answering(work, shapes, few, tasks))
     return app
 
 
 def warm() -> None:
     """Solve the first preset, so that what is compiled at the first solve is there when the page asks."""
+    crew.get_ready()
     explore_shape.shape(explore_model.study_of(PRESETS[0].state))
     gc.freeze()  # what is loaded stays: the collector need not walk over it while a slider moves
 
@@ -112,7 +115,42 @@ async def _presets(request: web.Request) -> web.StreamResponse:
     return web.json_response({"presets": [asdict(preset) for preset in PRESETS], "readings": list(READINGS)})
 
 
-def _answering(work: Callable[[dict[str, Any], Shapes], web.Response], shapes: Shapes) -> Handler:
+@dataclass(frozen=True)
+class Desk:
+    """What a request is answered with. shapes: kept. few: threads for what takes no search. tasks: processes for what
+    does. wanted: whether the client is still there."""
+
+    shapes: Shapes
+    few: ThreadPoolExecutor
+    tasks: explore_tasks.Tasks
+    wanted: Callable[[], bool]
+
+    async def soon(self, work: Callable[..., Any], *args: Any) -> Any:
+        """The work done in a thread: some milliseconds."""
+        return await asyncio.get_running_loop().run_in_executor(self.few, work, *args)
+
+    async def search(self, work: Callable[..., Any], *args: Any) -> Any:
+        """The work done in a process, and stopped when the client leaves."""
+        return await self.tasks.run(self.wanted, work, *args)
+
+    async def shape(self, state: Any, near: explore_shape.Shape | None = None) -> explore_shape.Shape:
+        """The shape of a state: followed from another or solved from its start, else searched."""
+        study = await self.soon(explore_model.study_of, state)
+        found = await self.soon(explore_shape.soon, study, near.sol if near else None)
+        if found is None:
+            lost = near is not None and near.sol.problem.kind == "ends"
+            found = await self.search(explore_shape.searched, study, lost)
+        return found
+
+    async def again(self, asked: dict[str, Any]) -> explore_shape.Shape:
+        """The shape of a ticket; solved anew where it is forgotten."""
+        return self.shapes.find(asked.get("ticket")) or await self.shape(asked.get("state"))
+
+
+Work = Callable[[dict[str, Any], Desk], Awaitable[web.Response]]
+
+
+def _answering(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: explore_tasks.Tasks) -> Handler:
     """Work on a request's JSON aside; what is refused is answered with status 422, a sentence and the field."""
 
     async def handler(request: web.Request) -> web.StreamResponse:
@@ -120,35 +158,42 @@ def _answering(work: Callable[[dict[str, Any], Shapes], web.Response], shapes: S
             asked = await request.json()
         except (ValueError, RecursionError):  # a number of 5000 digits is a ValueError too
             return web.json_response({"sentence": "this is no JSON", "field": ""}, status=400)
+
+        def wanted() -> bool:
+            return request.transport is not None and not request.transport.is_closing()
+
         try:
             if not isinstance(asked, dict):
                 raise InputError("ask with a table")
-            return await asyncio.to_thread(work, asked, shapes)
-        except ArithmeticError:  # a radius of 5e-324, say: what is finite at the door need not stay so
-            told = {"sentence": "numbers as large or as small as these cannot be computed with", "field": ""}
-            return web.json_response(told, status=422)
+            return await work(asked, Desk(shapes, few, tasks, wanted))
+        except ArithmeticError:  # a radius of 5e-324, say
+            return web.json_response({"sentence": explore_tasks.NO_FLOAT, "field": ""}, status=422)
         except InputError as error:
             told = {"sentence": str(error), "field": explore_model.blamed(str(error))}
             return web.json_response(told, status=422)
+        except explore_tasks.Gone:
+            return web.Response(status=499)  # to nobody
+        except Exception as error:  # a fault of ours, told on the server and as a sentence to the page
+            console.warn(f"{request.path} failed: {type(error).__name__}: {error}")
+            return web.json_response({"sentence": FAULT, "field": ""}, status=500)
 
     return handler
 
 
-def _again(asked: dict[str, Any], shapes: Shapes) -> explore_shape.Shape:
-    """The shape of a ticket; solved anew where it is forgotten."""
-    return shapes.find(asked.get("ticket")) or explore_shape.shape(explore_model.study_of(asked.get("state")))
-
-
-def _shape(asked: dict[str, Any], shapes: Shapes) -> web.Response:
+async def _shape(asked: dict[str, Any], at: Desk) -> web.Response:
     """The rod's mesh and curves, with the seconds that solving and meshing took; polygons only where they are new."""
     start = time.perf_counter()
-    near = shapes.find(asked.get("near"))
-    one = explore_shape.shape(explore_model.study_of(asked.get("state")), near.sol if near else None)
-    solved = time.perf_counter()
+    one = await at.shape(asked.get("state"), at.shapes.find(asked.get("near")))
+    body = await at.soon(_drawn, asked, one, at.shapes, time.perf_counter() - start)
+    return web.Response(body=body, content_type="application/octet-stream")
+
+
+def _drawn(asked: dict[str, Any], one: explore_shape.Shape, shapes: Shapes, solving: float) -> bytes:
+    begun = time.perf_counter()
     with np.errstate(over="raise"):  # what single precision cannot hold is told, not drawn
         rod = explore_mesh.rod(one.sol)
         wall = explore_mesh.cylinder(one.sol, rod.squeeze)
-        meshed = time.perf_counter()
+        meshing = time.perf_counter() - begun
         lines = {name: np.asarray(values, dtype=np.float32) for name, values in explore_model.curves(one).items()}
     arrays: dict[str, Any] = {}
     for name, drawn in (("rod", rod), ("wall", wall)):
@@ -159,10 +204,11 @@ def _shape(asked: dict[str, Any], shapes: Shapes) -> web.Response:
                 arrays[f"{name}.light"] = drawn.light
     head = {
         **explore_model.told(one), "squeeze": rod.squeeze, "rod_key": rod.key, "wall_key": wall.key,
-        "ticket": shapes.keep(one), "fields": explore_model.fields(one.study), "side": one.sol.case.cylinder.side,
-        "problem": one.sol.problem.kind, "seconds": {"solve": solved - start, "mesh": meshed - solved},
+        "ticket": shapes.keep(explore_shape.bare(one)), "fields": explore_model.fields(one.study),
+        "side": one.sol.case.cylinder.side, "problem": one.sol.problem.kind,
+        "seconds": {"solve": solving, "mesh": meshing},
     }  # fmt: skip
-    return web.Response(body=packed(head, arrays | lines), content_type="application/octet-stream")
+    return packed(head, arrays | lines)
 
 
 def packed(head: dict[str, Any], arrays: dict[str, Any]) -> bytes:
@@ -181,33 +227,28 @@ def packed(head: dict[str, Any], arrays: dict[str, Any]) -> bytes:
     return b"".join([pack("<I", len(said)), said, *parts])
 
 
-def _numbers(asked: dict[str, Any], shapes: Shapes) -> web.Response:
-    return web.json_response(finite(explore_model.numbers(_again(asked, shapes))))
+async def _numbers(asked: dict[str, Any], at: Desk) -> web.Response:
+    return web.json_response(finite(await at.soon(explore_model.numbers, await at.again(asked))))
 
 
-def _equilibria(asked: dict[str, Any], shapes: Shapes) -> web.Response:
-    found = explore_model.every(explore_model.study_of(asked.get("state")))
-    return web.json_response(finite({"rows": found}))
+async def _equilibria(asked: dict[str, Any], at: Desk) -> web.Response:
+    study = await at.soon(explore_model.study_of, asked.get("state"))
+    return web.json_response(finite({"rows": await at.search(explore_model.every, study)}))
 
 
-def _ends(asked: dict[str, Any], shapes: Shapes) -> web.Response:
-    return web.json_response(explore_model.by_ends(explore_model.study_of(asked.get("state"))))
+async def _ends(asked: dict[str, Any], at: Desk) -> web.Response:
+    study = await at.soon(explore_model.study_of, asked.get("state"))
+    return web.json_response(await at.search(explore_model.by_ends, study))
 
 
-def _study(asked: dict[str, Any], shapes: Shapes) -> web.Response:
-    return web.json_response({"text": explore_model.text(explore_model.study_of(asked.get("state")))})
+async def _study(asked: dict[str, Any], at: Desk) -> web.Response:
+    study = await at.soon(explore_model.study_of, asked.get("state"))
+    return web.json_response({"text": await at.soon(explore_model.text, study)})
 
 
-def _download(asked: dict[str, Any], shapes: Shapes) -> web.Response:
+async def _download(asked: dict[str, Any], at: Desk) -> web.Response:
     kind = asked.get("kind")
     if not isinstance(kind, str) or kind not in DOWNLOADS:
         raise InputError(f"no download {str(kind)[:40]!r}; choose from {', '.join(DOWNLOADS)}")
-    ds = explore_model.stored(_again(asked, shapes))
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"rod.{kind}"
-        try:
-            exporting.export(ds, exporting.Wish(path, {}))
-        except InputError as error:
-            raise InputError(str(error).partition("; --")[0]) from None  # the page has no such options
-        data = path.read_bytes()
-    return web.Response(body=data, content_type=DOWNLOADS[kind])
+    one = explore_shape.portable(await at.again(asked))
+    return web.Response(body=await at.search(explore_model.file, one, kind), content_type=DOWNLOADS[kind])

@@ -4,7 +4,8 @@ Between two ends a shape follows the one before it where it can; else all equili
 few, or the one of lowest energy is found. What would take minutes is refused with a sentence.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -43,19 +44,58 @@ class Shape:
         return self.shown >= float(self.sol.case.rod.L) * (1 - 1e-9)
 
 
-def shape(study: Study, near: Solution | None = None) -> Shape:
-    """The rod of a state; between two ends the one that the study names, or else the one of lowest energy.
+def soon(study: Study, near: Solution | None = None) -> Shape | None:
+    """The rod of a state where that takes no search: given by its start, or next to a shape; None where it does.
 
     near: a shape between ends that this one follows, where it can. Raises `InputError` where there is no shape.
     """
     case = study.case()
-    if isinstance(case.given, Ends):
-        sol = _between(study, case, near)
-    else:
-        sol = solve(case, TOL, stations=STATIONS)
+    if not isinstance(case.given, Ends):
+        return _resolved(study, case, solve(case, TOL, stations=STATIONS))
+    if near is None or near.problem.kind != "ends":
+        return None
+    sol = _followed(study, case, near)
+    return None if sol is None else Shape(study, sol)
+
+
+def shape(study: Study, near: Solution | None = None) -> Shape:
+    """The rod of a state; between two ends the one next to `near`, or that the study names, or of lowest energy.
+
+    Raises `InputError` where there is no shape.
+    """
+    return soon(study, near) or _looked_for(study, near is not None and near.problem.kind == "ends")
+
+
+def _looked_for(study: Study, lost: bool) -> Shape:
+    """The rod between two ends; lost: what the study names is a shape before it, which could not be followed."""
+    sol = _between(study, study.case(), lost)
+    _check(sol)
+    return Shape(study, sol)
+
+
+def bare(one: Shape) -> Shape:
+    """The same shape without what was computed of it since."""
+    return Shape(one.study, replace(one.sol))
+
+
+def portable(one: Shape) -> Shape:
+    """The same shape with its arrays alone: it can be sent to another process, and keeps no other shape alive."""
+    course = one.sol.trajectory
+    arrays = {name: np.array(getattr(course, name)) for name in ("beta", "dbeta", "alpha", "z")}
+    kept = replace(course, **arrays, swirl=partial(np.array, course.swirl()))
+    return Shape(one.study, replace(one.sol, trajectory=kept))
+
+
+def searched(study: Study, lost: bool) -> Shape:
+    """The rod where `soon` has none, to be sent to another process. Raises `InputError`."""
+    return portable(_looked_for(study, lost))
+
+
+def _resolved(study: Study, case: Case, sol: Solution) -> Shape:
+    """The rod from its start at as many stations as its bends need, or the part of it that fits into `MOST`."""
     _check(sol)
     turn = float((sol.kappa.max() if sol.kappa.size else 0.0) * sol.s[-1] / (sol.s.size - 1))
-    if turn <= CHORD or isinstance(case.given, Ends):
+    if turn <= CHORD:
         return Shape(study, sol)
     n = int(np.ceil(STATIONS * turn / CHORD))
     length = float(case.rod.L) * min(1.0, MOST / n)
@@ -64,12 +104,10 @@ def shape(study: Study, near: Solution | None = None) -> Shape:
     return Shape(study, sol)
 
 
-def _between(study: Study, case: Case, near: Solution | None) -> Solution:
+def _between(study: Study, case: Case, lost: bool) -> Solution:
     which, swings = study.equilibrium, _swings(case)
-    if near is not None and near.problem.kind == "ends":
-        if sol := _followed(study, case, near):
-            return sol
-        which = which if swings <= MOST_SWINGS else None  # it named the one before
+    if lost and swings > MOST_SWINGS:
+        which = None
     if swings > MOST_SWINGS:
         return _lowest(case, which, swings)
     found = equilibria(case, TOL, BETWEEN)

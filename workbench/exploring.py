@@ -31,14 +31,14 @@ def explore(host: str, port: int, names: list[str]) -> int:
     console.say(f"the live page is at http://{_bracketed(host)}:{port}/ (Ctrl-C ends it)")
     sys.stdout.flush()
     if host not in ("127.0.0.1", "::1", "localhost"):
-        console.err.print(f"workbench: everyone who reaches {host} can use it; there is no password", markup=False)
+        console.warn(f"everyone who reaches {host} can use it; there is no password")
 
     threading.Thread(target=explore_server.warm, daemon=True).start()
 
     async def serve() -> None:
         from aiohttp import web
 
-        runner = web.AppRunner(app, access_log=None)
+        runner = web.AppRunner(app, access_log=None, handler_cancellation=True)
         await runner.setup()
         try:
             await web.SockSite(runner, listener).start()

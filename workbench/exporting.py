@@ -58,7 +58,7 @@ def export_file(
     done = export(ds, Wish(out, chosen(ds, at), tolerance, line, overlap, force))
     status = 1 if done.warnings else 0
     for warning in done.warnings:
-        console.err.print(f"workbench: {warning}", markup=False)
+        console.warn(warning)
     if json:
         told = {"file": str(done.path), "at": done.at, **done.told, "warnings": done.warnings, "status": status}
         console.print_json(told)

@@ -1,7 +1,7 @@
 """Stored datasets, opened lazily: that a file is a study's dataset, and whole, after `door` has looked at it."""
 
 import json
-from collections.abc import Mapping
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from solver.errors import InputError
 from studies.laws import Law
 from studies.model import OUTPUTS
 
+from . import letters, validity
 from .dataset import FORMAT, INNER
 from .door import looked_at, refusing, shown
 
@@ -41,8 +42,9 @@ def raw(path: str | Path) -> xr.Dataset:
     """Any netCDF4 file of plain arrays, opened lazily; `InputError` where it is not one."""
     with looked_at(path):
         pass
-    with refusing(path):
-        return xr.open_dataset(path, engine="h5netcdf", phony_dims="access", cache=False)
+    with refusing(path), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # xarray's, of what is refused below
+        return xr.open_dataset(path, engine="h5netcdf", phony_dims="access", cache=False, decode_times=False)
 
 
 def _check_study(ds: xr.Dataset, path: str | Path) -> None:
@@ -58,9 +60,6 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
             raise InputError(f"{path}: the attribute {name} is {kind}")
     if not 0 < number(ds, "tolerance", path) < 1:
         raise InputError(f"{path}: the attribute tolerance is not between 0 and 1")
-    for name in ("title", "study_name", "reading", "method"):
-        if not ds.attrs[name].isprintable():
-            raise InputError(f"{path}: the attribute {name} is no line of text, but {shown(ds.attrs[name])}")
     axes = [str(dim) for dim in ds["outcome"].dims]
     for law in laws(ds, path):
         if not {law.axis, *law.at} <= {*axes}:
@@ -69,22 +68,14 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
         raise InputError(f"{path}: outcome holds no text, but {ds['outcome'].dtype}")
     for axis in axes:
         _check_axis(ds, axis, path)
-    _check_texts(ds.attrs, path)
+    validity.texts(ds, path)
     for key, variable in ds.variables.items():
-        _check_texts(variable.attrs, path)
         _check_variable(str(key), variable, axes, path)
     for name in ("error", "condition"):
         if name not in ds or list(ds[name].dims) != axes:
             raise InputError(f"{path} has no {name} for each of its cases")
-
-
-def _check_texts(attrs: Mapping[Any, Any], path: str | Path) -> None:
-    """That texts are of letters: bytes that are none cannot be written again, nor printed."""
-    for text in (str(part) for pair in attrs.items() for part in pair if isinstance(part, str)):
-        try:
-            text.encode()
-        except UnicodeEncodeError:
-            raise InputError(f"{path}: {shown(text)} is no text in UTF-8") from None
+    validity.fields(ds, path)
+    validity.each(ds, path)
 
 
 def _check_format(found: Any, path: str | Path) -> None:
@@ -109,10 +100,10 @@ def _check_axis(ds: xr.Dataset, name: str, path: str | Path) -> None:
 def _check_variable(name: str, variable: xr.Variable, axes: list[str], path: str | Path) -> None:
     plain = name.removesuffix("_along")
     along = (plain in OUTPUTS and name not in axes) or name in ("u", "s")
-    known = {*axes, "u", *(dim for dims in INNER.values() for dim in dims)}
+    known = [*axes, "u", *dict.fromkeys(dim for dims in INNER.values() for dim in dims)]
     expected = [*axes, "u", *INNER.get(plain, ())]
     dims = [str(dim) for dim in variable.dims]
-    fits = set(dims) <= known and (not along or name in ("u", "s") or dims == expected)
+    fits = dims == [dim for dim in known if dim in dims] and (not along or name in ("u", "s") or dims == expected)
     if not fits or (name in ("u", "s") and dims[-1:] != ["u"]):
         raise InputError(f"{path}: {shown(name)} has the dimensions {shown(dims)}, which do not fit the axes")
     if name not in ("outcome", "caution", "xyz") and variable.dtype.kind not in "iuf":
@@ -138,9 +129,14 @@ def number(ds: xr.Dataset, name: str, path: str | Path = "the dataset") -> float
 def laws(ds: xr.Dataset, path: str | Path = "the dataset") -> list[Law]:
     """The laws that the dataset's study states; `InputError` where the attribute is no list of laws."""
     try:
-        return [Law.model_validate(row) for row in json.loads(ds.attrs["laws"])]
+        found = [Law.model_validate(row) for row in json.loads(ds.attrs["laws"])]
     except (KeyError, ValueError, TypeError, RecursionError):
         raise InputError(f"{path}: the attribute laws is no list of laws in JSON") from None
+    for law in found:
+        for name, said in law.model_dump().items():
+            if isinstance(said, str) and not letters.is_line(said, validity.LINE):
+                raise InputError(f"{path}: {name} of a law is no line of text, but {shown(said)}")
+    return found
 
 
 def versions(ds: xr.Dataset, path: str | Path = "the dataset") -> dict[str, str]:
@@ -149,6 +145,6 @@ def versions(ds: xr.Dataset, path: str | Path = "the dataset") -> dict[str, str]
         found = json.loads(ds.attrs["versions"])
     except (KeyError, ValueError, TypeError, RecursionError):
         found = None
-    if not isinstance(found, dict):
+    if not isinstance(found, dict) or not all(letters.is_line(f"{a} {b}", validity.LABEL) for a, b in found.items()):
         raise InputError(f"{path}: the attribute versions is no table in JSON")
     return {str(name): str(number) for name, number in found.items()}

@@ -88,7 +88,7 @@ def contact(ds: xr.Dataset, ax: Axes) -> Axes:
         ax.fill_between(ds["s"], 0, f, where=~pulled, color=style.PUSHED, alpha=0.25, linewidth=0,
                         label="the cylinder pushes")  # fmt: skip
         ax.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.2)
-    ax.set_ylabel(f"f [{style.unit(str(f.attrs['units']))}]")
+    ax.set_ylabel(f"f [{style.unit(str(f.attrs.get('units', '1')))}]")
     ax.set_title("push of the cylinder per length, positive outward", loc="left")
     return _along(ds, ax)
 

@@ -51,7 +51,7 @@ def draw_all(out: Path, force: bool) -> int:
     paths = {name: free_picture(out / f"{name}.png", (".png",), force) for name in names}
     able, advice = gl.probe()
     if not able:
-        console.err.print(f"workbench: {advice}", markup=False)
+        console.warn(advice)
         return 1
     from . import gallery, scenes, taking
     from .equilibria import ends_of

@@ -9,7 +9,7 @@ import xarray as xr
 
 from solver.errors import InputError
 
-from . import door, opening
+from . import door, opening, validity
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
@@ -45,14 +45,21 @@ def replace(aside: Path, path: Path) -> None:
 def read(path: str | Path, study: bool = True) -> xr.Dataset:
     """A study's dataset (or, where `study` is False, any that the workbench wrote), all in memory.
 
-    Raises `InputError` where the file is missing, cut short, not ours, or too large.
+    Raises `InputError` where the file is missing, cut short, not ours, or too large, or holds what cannot be.
     """
     with opening.opened(path) if study else opening.raw(path) as ds:
         if ds.nbytes > _memory():
             held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {_memory() / 1e9:.3g} GB"
             raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
         with door.refusing(path):
-            return ds.load()
+            ds.load()
+        if not study:
+            validity.texts(ds, path)
+            validity.fields(ds, path)
+        if "outcome" in ds:
+            validity.each(ds, path)
+            validity.curves(ds, path)
+        return ds
 
 
 def _memory() -> int:

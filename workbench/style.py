@@ -37,6 +37,7 @@ DIRECTIONS = {
     "not-rising": "does not rise with",
 }
 
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 RAMP = colormaps["viridis"]
 PUSH_RAMP = ListedColormap(RAMP(np.linspace(0, 0.6, 256)), "push")  # ends before it comes near the colour of lift-off
 RAMP_ENDS = (0.0, 0.88)  # the last yellow is too light on white
@@ -68,6 +69,7 @@ RC: Any = {
     "savefig.dpi": DPI,
     "pdf.fonttype": 42,
     "mathtext.default": "regular",
+    "text.parse_math": False,  # a title may come from anyone, and has its $ as they are
 }
 
 
@@ -107,7 +109,7 @@ def symbol(axis: str) -> str:
 def axis_label(name: str, array: xr.DataArray, long: bool = True) -> str:
     """``Young's modulus  E [N/cm²]``, or ``E [N/cm²]``; angles in degrees."""
     text = f"{words(array)}  " if long else ""
-    return f"{text}{symbol(name)}{_bracketed('°' if is_angle(array) else unit(str(array.attrs['units'])))}"
+    return f"{text}{symbol(name)}{_bracketed('°' if is_angle(array) else unit(str(array.attrs.get('units', '1'))))}"
 
 
 def label(array: xr.DataArray) -> str:
@@ -196,6 +198,12 @@ def inches(ax: Axes) -> tuple[float, float]:
 def plain(value: float, _: object = None) -> str:
     """A tick's number in full: no offset, no power of ten beside the axis."""
     return f"{value:.10g}".replace("-", "−")
+
+
+def power(value: float, _: object = None) -> str:
+    """A tick of a logarithmic axis, a power of ten: ``10⁻³``."""
+    exponent = f"{log10(value):.10g}" if value > 0 else ""
+    return f"10{exponent.translate(RAISED)}" if exponent.lstrip("-").isdigit() else ""
 
 
 def quiet(ax: Axes) -> Axes:

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
 
 from solver.errors import no_such
 
@@ -96,6 +97,9 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
     ax.axhline(LOST, color=style.FAINT, linewidth=1, zorder=1)
     ax.set(xscale="log", yscale="log", ylim=(FLOOR / 2, TOP))
     ax.set_yticks([10.0**k for k in range(-15, 1, 3)])
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_formatter(style.power)
+        axis.set_minor_formatter(NullFormatter())
     ax.set_title(case, loc="left", size=style.SMALL, pad=3)
     return style.quiet(ax)
 

@@ -1,5 +1,6 @@
 """Accuracy against cost: what is measured, against what, and that nothing which failed is left out."""
 
+import itertools
 import json
 from dataclasses import replace
 from importlib.resources import files
@@ -186,12 +187,20 @@ def test_failures_are_kept_with_what_they_cost(rows) -> None:
     assert all(row.error > 0.1 and row.seconds > 0 and row.evaluations > 0 for row in lost)
 
 
-def test_a_rung_that_would_take_too_long_is_named_and_not_run(monkeypatch) -> None:
-    monkeypatch.setattr(trade, "_LIMIT", 0.0)
-    first, second = measure(asked("catenary"), {"rk4": Ladder("rk4", "steps", (1, 2))})
+def test_a_rung_that_would_take_too_many_evaluations_is_named_and_not_run() -> None:
+    first, second = measure(asked("catenary"), {"rk4": Ladder("rk4", "steps", (1, 2), most=3000)})
     assert first.outcome.startswith("solved")
-    assert second.outcome.startswith("not run: it would take more than")
+    assert second.outcome == "not run: it would take more than 3000 evaluations"
     assert np.isnan(second.seconds)
+
+
+def test_a_ladder_ends_at_the_same_rung_however_slow_the_machine_is(monkeypatch) -> None:
+    """A clock that ticks a minute with every look at it stands for a busy machine."""
+    ticks = itertools.count(0.0, 60.0)
+    monkeypatch.setattr(trade.time, "perf_counter", lambda: next(ticks))
+    rungs = measure(asked("catenary"), {"euler": Ladder("euler", "steps", (1, 2, 4), most=2000)})
+    assert [row.outcome.startswith("not run") for row in rungs] == [False, False, True]
+    assert rungs[0].seconds == 60.0
 
 
 def test_more_of_a_knob_is_more_accurate_and_costs_more_evaluations(rows) -> None:

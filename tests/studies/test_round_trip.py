@@ -18,6 +18,7 @@ from tests.studies import strategies
 
 HEAD = "title = 't'\nreading = 'force-first/tension/paper'\nunits = { length = 'cm', force = 'N' }\n"
 FEW, MANY = 100, 5000
+ALWAYS = settings().suppress_health_check  # the profile's, which a test's own would replace
 
 
 def goes_through_toml_and_back(said: dict[str, Any]) -> None:
@@ -124,7 +125,7 @@ def test_a_hostile_study_is_refused_at_once_and_in_one_sentence(name: str) -> No
 PIECES = st.one_of(st.binary(max_size=8), st.sampled_from([b"=", b"[", b"\n", b'"""', b"\xff", b"\x00"]))
 
 
-@settings(max_examples=FEW, suppress_health_check=[HealthCheck.function_scoped_fixture])  # one file, written anew
+@settings(max_examples=FEW, suppress_health_check=[*ALWAYS, HealthCheck.function_scoped_fixture])  # one file, anew
 @given(strategies.studies(), st.data())
 def test_any_bytes_in_a_file_are_a_study_or_refused(tmp_path, said: dict[str, Any], data: st.DataObject) -> None:
     content = bytearray(tomli_w.dumps(said).encode())

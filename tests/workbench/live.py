@@ -38,7 +38,7 @@ def served() -> Iterator[int]:
 
 def asked(port: int, method: str, path: str, body: Any = None, headers: dict[str, str] | None = None) -> HTTPResponse:
     """The answer to one request, read whole (`.data`)."""
-    connection = HTTPConnection("127.0.0.1", port, timeout=30)
+    connection = HTTPConnection("127.0.0.1", port, timeout=600)
     data = body if isinstance(body, (bytes, type(None))) else json.dumps(body).encode()
     given = {"Content-Type": "application/json"} if data is not None else {}
     connection.request(method, path, data, {**given, **(headers or {})})

@@ -57,7 +57,7 @@ def start(folder: Path, *args: object, before: str = "", **more: bool) -> subpro
     return subprocess.Popen(command, cwd=folder, env=env, stdout=-1, stderr=-1, text=True, **more)
 
 
-def run(folder: Path, *args: object, before: str = "", limit: float = 300) -> subprocess.CompletedProcess[str]:
+def run(folder: Path, *args: object, before: str = "", limit: float = 600) -> subprocess.CompletedProcess[str]:
     """The same, to its end, or to so many seconds."""
     with start(folder, *args, before=before) as process:
         out, err = process.communicate(timeout=limit)

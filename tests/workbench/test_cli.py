@@ -28,7 +28,7 @@ ROOT = Path(__file__).parents[2]
 def workbench(*args: object, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-m", "workbench.cli", *map(str, args)]
-    return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, timeout=120, check=False)
+    return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, timeout=600, check=False)
 
 
 @pytest.fixture(scope="module")
@@ -373,7 +373,7 @@ def test_an_interrupted_run_says_so_and_leaves_no_half_file(crowded, tmp_path) -
         assert process.stdout.readline() == "solving\n"
         time.sleep(0.1)
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=60)
+        _, said = process.communicate(timeout=600)
     assert process.returncode == 130
     assert said.startswith("workbench: interrupted; ")
     assert len(said.splitlines()) == 1

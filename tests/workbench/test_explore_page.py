@@ -31,7 +31,7 @@ pytestmark = pytest.mark.skipif(
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-quic",
          "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
          "--window-size=1500,1100")  # fmt: skip
-PATIENCE = 60  # s that anything is waited for, on a machine with much else to do
+PATIENCE = 600  # s that anything is waited for, on a machine with much else to do
 
 
 class Page:

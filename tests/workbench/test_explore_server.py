@@ -8,7 +8,9 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
+from http.client import HTTPConnection
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +19,9 @@ import pytest
 pytest.importorskip("workbench.explore_server", reason="the extra explore is not installed", exc_type=ImportError)
 
 from solver.errors import InputError
+from tests.workbench import live_process
 from tests.workbench.live import asked, served, unpacked
-from workbench import cli, explore_server, exploring
+from workbench import cli, explore_model, explore_server, explore_tasks, exploring
 from workbench.explore_presets import PRESETS
 
 ROOT = Path(__file__).parents[2]
@@ -182,6 +185,118 @@ def test_a_step_file_is_downloaded(port) -> None:
     assert asked(port, "POST", "/download", {"state": CABLE, "kind": "step"}).data.startswith(b"ISO-10303-21")
 
 
+# searches
+
+
+def titled(path: Path) -> dict:
+    return copy.deepcopy(CABLE) | {"title": str(path)}
+
+
+def processes(path: Path, count: int) -> list[int]:
+    """Those that have told themselves in the file, once there are so many."""
+    while not path.exists() or len(path.read_text().split()) < count:
+        time.sleep(0.01)
+    return [int(line) for line in path.read_text().split()]
+
+
+def left(port: int, path: str, state: dict) -> HTTPConnection:
+    """A request whose answer nobody has read yet."""
+    connection = HTTPConnection("127.0.0.1", port)
+    connection.request("POST", path, json.dumps({"state": state}), {"Content-Type": "application/json"})
+    return connection
+
+
+def alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_a_search_ends_when_its_client_leaves(port, monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(explore_model, "every", live_process.endless)
+    client = left(port, "/equilibria", titled(tmp_path / "told"))
+    (pid,) = processes(tmp_path / "told", 1)
+    assert pid != os.getpid()
+    client.close()
+    while alive(pid):  # for ever, where it is not ended
+        time.sleep(0.01)
+
+
+def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(explore_model, "every", live_process.endless)
+    most = explore_tasks.AT_ONCE + explore_tasks.WAITING
+    clients = [left(port, "/equilibria", titled(tmp_path / "told")) for _ in range(most)]
+    running = processes(tmp_path / "told", explore_tasks.AT_ONCE)
+    ticket = None
+    for k in range(5):
+        answer = asked(port, "POST", "/shape", {"state": with_field(TABLE_1, L=20.0 + k), "near": ticket})
+        ticket = unpacked(answer.data)[0]["ticket"]
+    refused = asked(port, "POST", "/equilibria", {"state": CABLE})
+    assert (refused.status, json.loads(refused.data)["sentence"]) == (422, explore_tasks.MANY)
+    assert processes(tmp_path / "told", 1) == running
+    for client in clients:
+        client.close()
+    while any(map(alive, running)):
+        time.sleep(0.01)
+    monkeypatch.undo()
+    assert asked(port, "POST", "/equilibria", {"state": CABLE}).status == 200
+
+
+@pytest.mark.parametrize("path, where", [("/equilibria", "every"), ("/shape", "curves"), ("/numbers", "numbers")])
+def test_a_fault_of_the_solver_is_a_sentence_and_no_traceback(port, monkeypatch, capsys, path, where) -> None:
+    monkeypatch.setattr(explore_model, where, live_process.broken)
+    answer = asked(port, "POST", path, {"state": TABLE_1 if path != "/equilibria" else CABLE})
+    assert answer.status == 500
+    assert json.loads(answer.data) == {"sentence": explore_server.FAULT, "field": ""}
+    assert asked(port, "GET", "/presets").status == 200
+    said = capsys.readouterr().err
+    assert "Traceback" not in said
+    assert "\x1b[2J" not in said
+
+
+def test_a_search_that_takes_too_much_memory_is_refused(port, monkeypatch) -> None:
+    monkeypatch.setattr(explore_model, "every", live_process.greedy)
+    answer = asked(port, "POST", "/equilibria", {"state": CABLE})
+    assert (answer.status, json.loads(answer.data)["sentence"]) == (422, explore_tasks.TOO_LARGE)
+
+
+def slid(moves: int) -> tuple[float, float]:
+    """The memory of a server [MB] after a quarter of the moves, and after all; now and then a client leaves early."""
+    tickets: dict[int, str] = {}
+    with live_process.explored() as (port, process):
+        for k in range(moves):
+            i = k % len(PRESETS)
+            base = PRESETS[i].state["base"]
+            state = with_field(PRESETS[i].state, L=base["L"] * (1 + 0.1 * np.sin(0.02 * k)))
+            answer = asked(port, "POST", "/shape", {"state": state, "near": tickets.get(i)})
+            assert answer.status == 200, answer.data
+            tickets[i] = unpacked(answer.data)[0]["ticket"]
+            if k % 7 == 0:
+                asked(port, "POST", "/numbers", {"state": state, "ticket": tickets[i]})
+            if k % 50 == 3:
+                left(port, "/equilibria", state).close()
+            if k == moves // 4:
+                before = live_process.megabytes(process.pid)
+        return before, live_process.megabytes(process.pid)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is read in /proc")
+def test_the_memory_of_the_server_does_not_grow_with_the_moves() -> None:
+    before, after = slid(200)
+    assert after < 500
+    assert after - before < 60  # of 64 shapes and what the allocator keeps; one search kept would be more
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is read in /proc")
+def test_the_memory_of_the_server_stays_bounded_over_ten_thousand_moves() -> None:
+    before, after = slid(10_000)
+    assert after < 500
+    assert after - before < 30
+
+
 # the command
 
 
@@ -206,7 +321,7 @@ def test_the_command_says_where_the_page_is_and_ends_quietly_when_interrupted() 
         port = int(re.search(r"http://127\.0\.0\.1:(\d+)/", process.stdout.readline())[1])
         assert asked(port, "GET", "/presets").status == 200  # it listens already; who asks too early waits
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=60)
+        _, said = process.communicate(timeout=600)
     assert (process.returncode, said) == (0, "")
 
 

@@ -19,7 +19,7 @@ import xarray as xr
 from solver import InputError
 from studies import load
 from tests.workbench import runs, small
-from workbench import dataset, runner, store, there
+from workbench import cli, dataset, gl, letters, plots, runner, store, there
 from workbench.storing import run_to_file
 
 ROOT = Path(__file__).parents[2]
@@ -295,6 +295,97 @@ def test_a_file_without_any_one_of_its_variables_is_drawn_or_refused(whole: byte
     assert [row for row in told(ALL, folder, tmp_path) if not ends_in_a_sentence(row)] == []
 
 
+ONE_AXIS = "[axes.E]\nvalues = {}\n[base]\nL = 5.0\n" + LAW.replace('"R"', '"E"')
+FOLLOWED = '[axes.betaL]\nfollow = true\nto = 60\ncount = 3\nunit = "deg"\n' + LAW.replace('"R"', '"betaL"')
+BASES = {"one axis": ONE_AXIS.format("[1e4, 2e4]"), "no axis": "[base]\nL = 5.0\n", "followed": FOLLOWED}
+
+
+def altered_files_end_in_a_sentence(base: str, stride: int, tmp_path: Path, *commands: str) -> None:
+    paths = tmp_path / "base.h5", tmp_path / "good.h5"
+    for path, axes in zip(paths, (BASES[base], ONE_AXIS.format("[3e4]")), strict=True):
+        store.write(runner.run(small.study(axes, HEAD)), path)
+    words = [sys.executable, "-m", "tests.workbench.altered", *map(str, (*paths, tmp_path)), str(stride), "0"]
+    run = subprocess.run([*words, *commands], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr[-2000:]
+    assert [json.loads(line) for line in run.stdout.splitlines()] == []
+
+
+def test_a_study_that_is_altered_in_one_place_is_read_or_refused_in_a_sentence(tmp_path: Path) -> None:
+    altered_files_end_in_a_sentence("one axis", 211, tmp_path, "check", "export csv")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("base", BASES)
+def test_every_alteration_of_a_study_ends_in_a_sentence(base: str, tmp_path: Path) -> None:
+    if not gl.probe()[0]:
+        pytest.skip("scenes cannot be drawn here")
+    altered_files_end_in_a_sentence(base, 1, tmp_path)
+
+
+UNITS = ("$\\mathrm{", "$x$ and $\\frac{", "\\alpha $")
+
+
+@pytest.mark.parametrize("text", UNITS)
+def test_a_dollar_in_a_units_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path, text: str) -> None:
+    path = tmp_path / "dollar.h5"
+    path.write_bytes(whole)
+    with h5py.File(path, "a") as file:
+        for name in ("E", "R", "contact", "turns"):
+            file[name].attrs["units"] = file[name].attrs["long_name"] = text
+        file.attrs["title"] = text
+    out = tmp_path / "out.png"
+    plots.figure(store.read(path), out, 50)
+    assert out.exists()
+
+
+NUMBERS = {
+    "no radius": ("rho", np.nan, "rho is not finite, but nan"),
+    "a radius of nothing": ("rho", 0.0, r"rho must be from 1e-50 to 1e\+50, got 0"),
+    "a radius that is another": ("rho", 17.0, r"rho is not R \+ a"),
+    "no load": ("FZ", np.nan, "FZ of a solved case is not finite, or far too large for its rod"),
+    "a load without end": ("MZ", np.inf, "MZ of a solved case is not finite"),
+    "a load that no float holds": ("M3", 1e300, "M3 of a solved case is not finite, or far too large for its rod"),
+    "no arc": ("s", np.nan, "s is not the share u of L"),
+    "an arc the other way": ("s", -1.0, "s is not the share u of L"),
+    "one station": ("u", 0.5, "u does not rise from 0 to 1"),
+    "an angle that is none": ("beta", np.nan, "'beta' of a solved case is not finite"),
+    "a leap along the cylinder": ("z", 1e3, "'z' of a solved case moves farther than the rod is long"),
+    "an error that is none": ("error", np.nan, "error of a solved case is no number, or negative"),
+}
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_numbers_that_cannot_be_are_refused_on_reading_and_named(whole: bytes, tmp_path: Path, name: str) -> None:
+    path = tmp_path / "altered.h5"
+    path.write_bytes(whole)
+    variable, value, sentence = NUMBERS[name]
+    with h5py.File(path, "a") as file:
+        file[variable][(0,) * file[variable].ndim] = value
+    with pytest.raises(InputError, match=sentence):
+        store.read(path)
+
+
+COMMANDS = "\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
+
+
+def test_what_commands_a_terminal_is_written_as_python_writes_it() -> None:
+    assert letters.line(COMMANDS) == r"\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
+    assert letters.lines("é 漢 🙂 β\n\tplain") == "é 漢 🙂 β\n\tplain"
+    packed = letters.in_json(json.dumps({"a": COMMANDS, "é": "🙂\n"}, ensure_ascii=False))
+    assert packed.isprintable()
+    assert "🙂" in packed
+    assert json.loads(packed) == {"a": COMMANDS, "é": "🙂\n"}
+
+
+def test_a_word_of_the_command_line_does_not_reach_the_terminal_as_it_is(capsys) -> None:
+    for words in (["check", COMMANDS.replace("\x00", "")], ["check", "--\x1b[2J"], ["\x1b[2J"]):
+        with pytest.raises(SystemExit):
+            cli.main(words)
+        said = capsys.readouterr().err
+        assert said.rstrip("\n").isprintable()
+        assert said.count("\n") == 1
+
+
 def test_an_output_that_is_there_is_looked_at_with_the_same_care(tmp_path: Path) -> None:
     path, other = tmp_path / "many.h5", tmp_path / "other.h5"
     study = load(str(runs.study(tmp_path, runs.grid(2, 2))))
@@ -310,7 +401,7 @@ def test_an_output_that_is_there_is_looked_at_with_the_same_care(tmp_path: Path)
 def test_a_run_into_a_pipe_is_refused_and_waits_for_nobody(tmp_path: Path) -> None:
     runs.study(tmp_path, runs.grid(2, 2))
     os.mkfifo(tmp_path / "many.h5")
-    done = runs.run(tmp_path, "many.toml", limit=60)
+    done = runs.run(tmp_path, "many.toml", limit=600)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "workbench: many.h5 exists and is no dataset of a study; give --force to replace it\n"
 

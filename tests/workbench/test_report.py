@@ -33,7 +33,7 @@ BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-quic",
          "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
          "--window-size=1366,1400")  # fmt: skip
-PATIENCE = 60  # s that anything is waited for, on a machine with much else to do
+PATIENCE = 600  # s that anything is waited for, on a machine with much else to do
 needs_explore = pytest.mark.skipif(
     not (find_spec("trame_client") and find_spec("trame_vtk")), reason="pip install '.[explore]'"
 )

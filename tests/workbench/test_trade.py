@@ -28,7 +28,7 @@ NUMBERS = (
 def workbench(*args: object) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "workbench.cli", *map(str, args)]
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    return subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, timeout=120, check=False)
+    return subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, timeout=600, check=False)
 
 
 @pytest.fixture(scope="module")

@@ -16,11 +16,12 @@ class Refused extends Error {
   constructor(told) { super(told.sentence); this.told = told; }
 }
 
-async function post(path, body) {
+async function post(path, body, signal) {
   let answer;
   try {
-    answer = await fetch(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+    answer = await fetch(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body), signal });
   } catch {
+    if (signal && signal.aborted) throw new Refused({ sentence: "", field: "", stale: true });
     throw new Refused({ sentence: "The server does not answer; start workbench explore again", field: "" });
   }
   if (!answer.ok) {
@@ -42,7 +43,7 @@ const toHash = (data) => btoa(String.fromCharCode(...new TextEncoder().encode(JS
 const fromHash = (text) => JSON.parse(new TextDecoder().decode(Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0))));
 
 const copied = (data) => JSON.parse(JSON.stringify(data));
-let view = null, actors = {}, keys = {}, polygons = {}, waiting = {}, busy = false, again = null; // none of it is to be watched by Vue
+let view = null, actors = {}, keys = {}, polygons = {}, waiting = {}, asking = {}, busy = false, again = null; // none of it is to be watched by Vue
 
 const app = Vue.createApp({
   components: { SceneHandle },
@@ -199,11 +200,14 @@ const app = Vue.createApp({
     },
     async more(path, then, refused = (why) => { this.said = why; }) {
       const ticket = this.head.ticket;
+      if (asking[path]) asking[path].abort(); // the server then stops that search
+      const mine = asking[path] = new AbortController();
       try {
-        const told = await (await post(path, { state: this.state, ticket })).json();
+        const told = await (await post(path, { state: this.state, ticket }, mine.signal)).json();
         if (ticket === this.head.ticket) then(told);
       } catch (error) {
         if (!(error instanceof Refused)) throw error;
+        if (error.told.stale) return;
         if (ticket === this.head.ticket) refused(error.told.sentence);
       }
     },

@@ -1,0 +1,62 @@
+"""The command explore as a process of its own, the memory that it and its children hold, and stand-ins for searches."""
+
+import os
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from studies import Study
+
+ROOT = Path(__file__).parents[2]
+
+
+@contextmanager
+def explored() -> Iterator[tuple[int, subprocess.Popen]]:
+    """The port of a server and its process, until the end of the block."""
+    words = [sys.executable, "-m", "workbench", "explore", "--port", "0"]
+    with subprocess.Popen(words, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            found = re.search(r":(\d+)/", process.stdout.readline())
+            assert found
+            yield int(found[1]), process
+        finally:
+            process.kill()
+
+
+def megabytes(pid: int) -> float:
+    """What a process and all below it hold [MB]; pages that several of them share are counted once."""
+    held = 0.0
+    for one in (pid, *below(pid)):
+        told = Path(f"/proc/{one}/smaps_rollup").read_text()
+        held += int(re.search(r"^Pss:\s+(\d+)", told, re.M)[1]) / 1e3  # type: ignore[index]
+    return held
+
+
+def below(pid: int) -> list[int]:
+    """The processes that descend from one."""
+    children = [int(one) for path in Path(f"/proc/{pid}/task").glob("*/children") for one in path.read_text().split()]
+    return children + [other for child in children for other in below(child)]
+
+
+def endless(study: Study) -> Any:
+    """A search that does not end; tells its process in the file that is the study's title."""
+    with open(study.title, "a") as file:
+        file.write(f"{os.getpid()}\n")
+    while True:
+        time.sleep(0.05)
+
+
+def broken(asked: Any) -> Any:
+    """A search that fails as no search should."""
+    raise IndexError("at \x1b[2J a line of the solver")
+
+
+def greedy(study: Study) -> Any:
+    """A search that takes more memory than there is."""
+    return bytearray(10**15)
