@@ -3,6 +3,7 @@
 from .case import Case, Cylinder, Ends, Rod, Start
 from .equilibria import Equilibrium, equilibria
 from .errors import InputError
+from .observables import observe
 from .solution import Solution
 from .solve import solve
 
@@ -16,5 +17,6 @@ __all__ = [
     "Solution",
     "Start",
     "equilibria",
+    "observe",
     "solve",
 ]

@@ -1,6 +1,7 @@
 """What is asked: a rod, a cylinder, and what is given at the ends. Frozen values, checked at the door.
 
-Every numeric field may be a number or an array; the fields of a case broadcast against each other.
+Every numeric field may be a number or an array; the fields of a case broadcast against each other. An angle may
+also be text: `Start(beta="30deg", ...)`, `Ends("pi/6", ["10deg", "20deg"])`.
 """
 
 from collections.abc import Iterator
@@ -11,21 +12,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .angles import FORMS, angle
 from .errors import InputError, no_such
 
 STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}
 SIDES = {"outside": 1.0, "inside": -1.0}
+ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma")  # the fields that may be text, as `angles` reads it
 TWISTS = ("F1", "dgamma", "M3")  # of a start, each fixes the twisting moment
 
 
 def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
-    """The value as a float or a float array; `InputError` where it is neither, or not finite."""
+    """The value as a float or a float array, angles in rad; `InputError` where it is neither, or not finite."""
     try:
-        if value is None:
+        array = np.asarray(value)
+        if field in ANGLES and array.dtype.kind in "UO":
+            array = _in_rad(np.array(value, dtype=object))
+        if not _only_numbers(array):
             raise TypeError
-        array = np.array(value, dtype=float)
+        array = np.array(array, dtype=float)
     except (TypeError, ValueError):
-        raise InputError(f"{owner}.{field} must be a number or an array of numbers, got {value!r}") from None
+        wanted = f"{FORMS}; or an array of these" if field in ANGLES else "a number or an array of numbers"
+        raise InputError(f"{owner}.{field} must be {wanted}, got {value!r}") from None
     if array.size == 0:
         raise InputError(f"{owner}.{field} is empty; give at least one value")
     _refuse(owner, field, array, ~np.isfinite(array), "finite")
@@ -33,6 +40,19 @@ def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
         return float(array)
     array.setflags(write=False)
     return array
+
+
+def _in_rad(values: NDArray[Any]) -> NDArray[Any]:
+    """An array of objects, its texts as the angles they write. Raises `ValueError`."""
+    read = [angle(one) if isinstance(one, str) else one for one in values.flat]
+    return np.array(read, dtype=object).reshape(values.shape)
+
+
+def _only_numbers(array: NDArray[Any]) -> bool:
+    """Whether each element is a real number: text that reads like one is none."""
+    if array.dtype.kind == "O":
+        return not any(one is None or isinstance(one, (str, bytes)) for one in array.flat)
+    return array.dtype.kind in "biuf"
 
 
 def _refuse(owner: str, field: str, value: ArrayLike, bad: ArrayLike, rule: str) -> None:
@@ -113,7 +133,7 @@ class Start:
     beta [rad], dbeta [rad/length]: angle from the axis to the tangent, and its rate. F1 (inward normal), F2 (in the
     surface, across), F3 (tangent, tension positive) [force]: the internal force. The twist follows from exactly one
     of F1, dgamma [rad/length], the rate of the section's own rotation, and M3 [force length], the twisting moment.
-    alpha, gamma [rad]: azimuth and rotation.
+    alpha, gamma [rad]: azimuth and rotation. beta, alpha and gamma may also be text: "30deg", "pi/6".
 
     Raises `InputError` for none or several of F1, dgamma and M3, or F1 together with dbeta = 0.
     """
@@ -145,7 +165,10 @@ class Ends:
     """The angle at both ends and the dead loads: a boundary value problem with many solutions.
 
     beta0, betaL [rad]: the angle at s = 0 and s = L. FZ [force]: axial force, tension positive. MZ, M3
-    [force length]: axial and twisting moment. alpha, gamma [rad]: azimuth and rotation at s = 0.
+    [force length]: axial and twisting moment. alpha, gamma [rad]: azimuth and rotation at s = 0. The four angles may
+    also be text: "30deg", "pi/6".
+
+    Raises `InputError` for a field that is neither a number nor, where it is an angle, such a text.
     """
 
     beta0: Any

@@ -207,8 +207,9 @@ OBSERVABLES: dict[str, Callable[[Reading], Any]] = {
 
 
 def observe(sol: Solution, names: Iterable[str]) -> dict[str, Any]:
-    """The named observables of a solution, each (*cases); NaN where a case has no shape.
+    """The named observables of a solution: name -> (*cases), a number for a single case; NaN where a case has no shape.
 
+    names: of `OBSERVABLES`, whose units and long names are in `solver.quantities`: `observe(sol, ["turns", "energy"])`.
     Raises `InputError` for an unknown name.
     """
     names = list(names)

@@ -1,10 +1,12 @@
 """The one way from a case to its solution: reduce, run a method, label."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from .blocks import run_in_blocks
 from .case import Case
 from .errors import InputError, choices, no_such
 from .methods import METHODS, MISSING, Method
@@ -47,7 +49,8 @@ def solve(
         if problem.kind == "start":
             raise InputError("a seed chooses among the solutions of an ends problem; a start problem has only one")
         knobs["seed"] = _seed(case, problem, seed)
-    return Solution(case, problem, METHODS[name].run(problem, t, tol, **knobs), t, name, tol)
+    run = METHODS[name].run if problem.kind == "ends" else partial(run_in_blocks, METHODS[name])
+    return Solution(case, problem, run(problem, t, tol, **knobs), t, name, tol)
 
 
 def _check_knob(method: Method, knob: str, value: Any) -> None:

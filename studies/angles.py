@@ -1,26 +1,5 @@
-"""Angles as people write them: a number in rad, ``30deg``, ``pi/6``, ``-2pi/3``."""
+"""Angles as people write them in a study: the solver reads them."""
 
-import math
-import re
+from solver.angles import FORMS, angle
 
-FORMS = "a number in rad, or a form like 30deg, pi/6 or 2pi/3"
-
-_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_DEGREES = re.compile(rf"([+-]?{_NUMBER})\s*(?:deg|°)")
-_PI = re.compile(rf"([+-]?)\s*({_NUMBER})?\s*\*?\s*(?:pi|π)(?:\s*/\s*({_NUMBER}))?")
-
-
-def angle(text: str) -> float:
-    """The angle in rad. Raises `ValueError`, which names the text and the forms."""
-    said = text.strip()
-    if found := _DEGREES.fullmatch(said):
-        return math.radians(float(found[1]))
-    if found := _PI.fullmatch(said):
-        below = float(found[3] or 1)
-        if below:
-            size = float(found[2] or 1) * math.pi / below
-            return -size if found[1] == "-" else size
-    try:
-        return float(said.removesuffix("rad"))
-    except ValueError:
-        raise ValueError(f"{text!r} is no angle: give {FORMS}") from None
+__all__ = ["FORMS", "angle"]

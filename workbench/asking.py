@@ -11,15 +11,16 @@ OF_START = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
 OF_ENDS = {f.name for f in fields(Ends)} - {f.name for f in fields(Start)}
 
 
-def own_case(options: dict[str, Any]) -> tuple[Case, dict[str, Any]]:
+def own_case(options: dict[str, Any], kind: type | None = None) -> tuple[Case, dict[str, Any]]:
     """A case of options alone, and what was assumed for the fields left out, name -> value.
 
-    Raises `InputError`, which names every field that is missing: nothing that has a size is ever assumed but a
-    load of 0.
+    kind: Start or Ends where the command decides it, else the options do. Raises `InputError`, which names every field
+    that is missing: nothing that has a size is ever assumed but a load of 0.
     """
-    kind = _kind(options)
+    advice = "; --table1 takes the rod of Table 1" if kind is None else ""
+    kind = _kind(options) if kind is None else kind
     parts = (Rod, Cylinder, kind)
-    _check_complete(kind, [f for part in parts for f in fields(part)], options)
+    _check_complete(kind, [f for part in parts for f in fields(part)], options, advice)
     chosen = [{f.name: options[f.name] for f in fields(part) if f.name in options} for part in parts]
     rod, cylinder, given_ = (from_fields(part, values) for part, values in zip(parts, chosen, strict=True))
     assumed = {
@@ -55,7 +56,7 @@ def _kind(options: dict[str, Any]) -> type:
     return Ends if ends else Start
 
 
-def _check_complete(kind: type, wanted: list[Field[Any]], options: dict[str, Any]) -> None:
+def _check_complete(kind: type, wanted: list[Field[Any]], options: dict[str, Any], advice: str) -> None:
     missing = [f.name for f in wanted if f.default is MISSING and f.name not in options]
     if kind is Start and not any(name in options for name in TWISTS):
         missing.append(f"one of {choices(TWISTS)}")
@@ -64,7 +65,7 @@ def _check_complete(kind: type, wanted: list[Field[Any]], options: dict[str, Any
         unsaid = kind is Start and not OF_START & set(options)
         other = "; given by its ends it needs beta0 and betaL instead" if unsaid else ""
         told = f"{choices(missing[:-1])} and {missing[-1]}" if len(missing) > 1 else missing[0]
-        raise InputError(f"a rod given by {given} also needs {told}{other}; --table1 takes the rod of Table 1")
+        raise InputError(f"a rod given by {given} also needs {told}{other}{advice}")
 
 
 def _check_given(kind: type, left: dict[str, Any]) -> None:

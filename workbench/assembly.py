@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from . import cautions, check, dataset, parts, slabs, store
 from .chunks import Columns
 from .plan import Plan, bytes_a_case, bytes_of_file, recipe
-from .there import There, places
+from .there import There, places, told_of
 
 WINDOW = 2**25  # bytes of results held while they are copied
 
@@ -60,8 +60,7 @@ def _told(path: Path, tally: Mapping[str, Counter[str]]) -> dict[str, Any]:
     """What `run` says of a file at once, without reading its cases."""
     with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
         verdicts = check.verdicts(ds)
-    outcomes, texts = (dict(sorted(tally[name].items())) for name in ("outcome", "caution"))
-    return {"outcomes": outcomes, "cautions": texts, "laws": verdicts}
+    return told_of(tally, verdicts)
 
 
 def _write_cases(file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], all_solved: bool) -> None:

@@ -4,6 +4,8 @@ Exit status: 0 done; 1 done, but a law does not hold in full or a case is unsolv
 """
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -65,6 +67,17 @@ Level = Annotated[
 Method = Annotated[str | None, typer.Option(help="auto, or the name of a method.")]
 Replace = Annotated[bool, typer.Option("--force", help="Replace a picture that is there.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+
+
+@contextmanager
+def _saying_what_is_kept() -> Iterator[None]:
+    """An interruption's own sentence, which the parser of the command line would drop, and its exit status."""
+    try:
+        yield
+    except KeyboardInterrupt as error:
+        stopped = typer.TyperException(str(error) or "interrupted")
+        stopped.exit_code = INTERRUPTED
+        raise stopped from None
 
 
 def _show_version(wanted: bool) -> None:
@@ -131,12 +144,8 @@ def run(
     from .storing import Options
 
     options = Options(workers, scheduler, chunk, restart, json)
-    try:
+    with _saying_what_is_kept():
         raise typer.Exit(run_study(study, out, reading, tol, method, force, level, stations, options))
-    except KeyboardInterrupt as error:
-        stopped = typer.TyperException(str(error) or "interrupted")  # says how to go on
-        stopped.exit_code = INTERRUPTED
-        raise stopped from None
 
 
 @app.command()
@@ -344,7 +353,8 @@ def trade(
     """Accuracy against cost: every method over a ladder of its knob, on cases whose answer is known."""
     from .trade import trade as work
 
-    raise typer.Exit(work(cases or [], methods or [], out, json))
+    with _saying_what_is_kept():
+        raise typer.Exit(work(cases or [], methods or [], out, json))
 
 
 @app.command()
@@ -353,18 +363,20 @@ def equilibria(
         Path | None,
         typer.Argument(metavar="[FILE]", help="A study's name or TOML file of one case, by its start or its ends."),
     ] = None,
-    E: Annotated[float | None, _number("Young's modulus [N/cm^2].", "--E")] = None,
+    length_unit: Annotated[str | None, typer.Option(help="Of every length given, with a rod of one's own.")] = None,
+    force_unit: Annotated[str | None, typer.Option(help="Of every force given, with a rod of one's own.")] = None,
+    E: Annotated[float | None, _number("Young's modulus [force/length^2].", "--E")] = None,
     nu: Annotated[float | None, _number("Poisson ratio.")] = None,
-    a: Annotated[float | None, _number("Radius of the rod [cm].", "--a")] = None,
-    L: Annotated[float | None, _number("Length of the rod [cm].", "--L")] = None,
+    a: Annotated[float | None, _number("Radius of the rod [length].", "--a")] = None,
+    L: Annotated[float | None, _number("Length of the rod [length].", "--L")] = None,
     stiffness: Annotated[str | None, typer.Option(help="solid or paper.")] = None,
-    R: Annotated[float | None, _number("Radius of the cylinder [cm].", "--R")] = None,
+    R: Annotated[float | None, _number("Radius of the cylinder [length].", "--R")] = None,
     side: Annotated[str | None, typer.Option(help="outside or inside.")] = None,
     beta0: Annotated[float | None, _angle("Angle from the axis at the start.", "--beta0")] = None,
     betaL: Annotated[float | None, _angle("Angle at the far end, whole turns counted.", "--betaL")] = None,
-    FZ: Annotated[float | None, _number("Axial force [N], tension positive.", "--FZ")] = None,
-    MZ: Annotated[float | None, _number("Axial moment [N cm].", "--MZ")] = None,
-    M3: Annotated[float | None, _number("Twisting moment [N cm].", "--M3")] = None,
+    FZ: Annotated[float | None, _number("Axial force, tension positive.", "--FZ")] = None,
+    MZ: Annotated[float | None, _number("Axial moment [force length].", "--MZ")] = None,
+    M3: Annotated[float | None, _number("Twisting moment [force length].", "--M3")] = None,
     axis: Annotated[
         str | None,
         typer.Option(help="NAME=FROM:TO:COUNT, as betaL=-90deg:60deg:41: follow all of them over that field."),
@@ -382,7 +394,8 @@ def equilibria(
     """Every shape between two end angles under dead loads, lowest energy first, with its stability.
 
     What is left out comes from Table 1, read force-first/tension/paper: its beta(0), the loads that this start has,
-    and the angle at which its own rod ends.
+    and the angle at which its own rod ends; in cm and N. With --length-unit or --force-unit the rod is one's own and
+    nothing comes from Table 1: it needs E, nu, a, L, R, beta0 and betaL; loads left out are 0.
     """
     from .equilibria import run as work
 
@@ -391,7 +404,8 @@ def equilibria(
         "betaL": betaL, "FZ": FZ, "MZ": MZ, "M3": M3,
     }  # fmt: skip
     given = {name: value for name, value in options.items() if value is not None}
-    raise typer.Exit(work(file, given, axis, plot, out, export, json, force))
+    units = {kind: unit for kind, unit in (("length", length_unit), ("force", force_unit)) if unit is not None}
+    raise typer.Exit(work(file, given, axis, plot, out, export, json, force, units))
 
 
 @app.command()
@@ -402,7 +416,8 @@ def extremes(
     """Where each method breaks: every method at every named extreme, stored and drawn as a map."""
     from .extremes import run_extremes
 
-    raise typer.Exit(run_extremes(out, json))
+    with _saying_what_is_kept():
+        raise typer.Exit(run_extremes(out, json))
 
 
 @app.command()

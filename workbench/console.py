@@ -5,6 +5,7 @@ import math
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -64,19 +65,35 @@ def finite(data: Any) -> Any:
 
 
 @contextmanager
-def progress(total: int) -> Iterator[Any]:
+def progress(total: int, lines: bool = False) -> Iterator[Any]:
     """A bar on stderr that counts to `total`; yields step(text), to be called as each piece of work begins.
 
-    Where stderr is no terminal nothing is shown.
+    Where stderr is no terminal nothing is shown, or with `lines` a line a step: ``3 of 9: elliptic``.
     """
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
         task = bar.add_task("", total=total)
-        begun = False
+        begun = 0
 
         def step(text: str) -> None:
             nonlocal begun
             bar.update(task, description=text, advance=1 if begun else 0)
-            begun = True
+            begun += 1
+            if lines and not err.is_terminal:
+                print(f"{begun} of {total}: {text}", file=sys.stderr, flush=True)
 
         yield step
+
+
+def stopped(error: BaseException, done: str, files: Sequence[Path]) -> None:
+    """Say what was kept of work that was cut short: as the interruption's own sentence, or before another error's."""
+    kept = f"{done} are stored in {', '.join(map(str, files))}" if files else "nothing was finished yet"
+    if isinstance(error, KeyboardInterrupt):
+        error.args = (f"interrupted; {kept}",)
+    else:
+        say_aside(kept)
+
+
+def say_aside(text: str) -> None:
+    """A line on stderr, beside what a program may read."""
+    print(f"workbench: {_plain(text)}", file=sys.stderr, flush=True)

@@ -1,5 +1,6 @@
 """The command equilibria: every shape between two ends; listed, drawn, followed over an axis, written as cases."""
 
+from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -13,11 +14,14 @@ from solver.errors import choices
 from studies import Study, load
 from studies.angles import angle
 from studies.axes import CYLINDER, ENDS, ROD, WORDS, quantity_of
+from studies.loader import loads
 
 from . import console, drawing, store
-from .asking import with_fields
+from .asking import own_case, with_fields
 
 DEFAULT = "fig7_4_end_angle"
+OWN = "equilibria"  # the name of a study made of options
+TABLE_UNITS = {"length": "cm", "force": "N"}
 MOST = 401  # values of an axis
 NAMES = tuple(name for name in (*ROD, *CYLINDER, *ENDS) if name not in (*WORDS, "alpha", "gamma"))
 COLUMNS = ("dbeta0", "energy", "turns", "index", "attached")
@@ -32,10 +36,14 @@ def run(
     export: Path | None,
     json: bool,
     force: bool = False,
+    units: dict[str, str] | None = None,
 ) -> int:
-    """List, draw, store or export; 0, or 1 where there is none or the list is a part only. Raises `InputError`."""
-    study = load(DEFAULT if file is None else str(file))
-    case = with_fields(ends_of(study), options)
+    """List, draw, store or export; 0, or 1 where there is none or the list is a part only.
+
+    units: of length and force, where the options say them: then the rod is that of the options alone.
+    Raises `InputError`.
+    """
+    study, case = _asked(file, options, units or {})
     if axis is not None and export is not None:
         raise InputError("--export writes the equilibria of one case, so it does not go with --axis")
     picture = drawing.free_picture(plot, drawing.PLOTS, force) if plot else None
@@ -49,15 +57,14 @@ def run(
         console.print_json({"case": told(case), "units": study.unit_system, "equilibria": rows,
                             "complete": found.complete, "remark": found.remark})  # fmt: skip
     else:
-        units = [f"rad/{study.units.length}", f"{study.units.force} {study.units.length}", "", "", ""]
-        heads = [f"{name} ({unit})" if unit else name for name, unit in zip(COLUMNS, units, strict=True)]
+        shown = [f"rad/{study.units.length}", f"{study.units.force} {study.units.length}", "", "", ""]
+        heads = [f"{name} ({unit})" if unit else name for name, unit in zip(COLUMNS, shown, strict=True)]
         console.print_table(["", *heads], [[i, *(r[c] for c in COLUMNS)] for i, r in enumerate(rows, 1)])
         stable = sum(r["index"] == 0 for r in rows)
         console.say(f"{len(rows)} equilibria, {stable} stable with the end angles held and the loads dead")
         if not found.complete:
             console.say(f"not known to be all of them: {found.remark}")
-        changed = f", but for {choices(options)}" if options else ""
-        console.say(f"of {study.title if file else 'the rod of Table 1, held at its own far end'}{changed}")
+        console.say(f"of {_source(study, file, options, units)}")
     if picture or out:
         from . import gallery
 
@@ -71,6 +78,34 @@ def run(
         if not json:
             console.say(f"{len(found)} cases in {export}")
     return 0 if found and found.complete else 1
+
+
+def _asked(file: Path | None, options: dict[str, Any], units: dict[str, str]) -> tuple[Study, Case]:
+    """The rod of a file or of Table 1 with some fields changed; or, where the options say units, theirs alone."""
+    if not units:
+        study = load(DEFAULT if file is None else str(file))
+        return study, with_fields(ends_of(study), options)
+    if file is not None:
+        raise InputError(f"the units are those of {file.name}: change them there")
+    case, assumed = own_case(options, Ends)
+    both = {**TABLE_UNITS, **units}
+    said = both | {name: value for name, value in (assumed | options).items() if value is not None}
+    return loads(_toml("a rod of the options", both, {k: v for k, v in said.items() if k not in both}), OWN), case
+
+
+def _source(study: Study, file: Path | None, options: dict[str, Any], units: dict[str, str] | None) -> str:
+    if units:
+        return f"the options, in {study.units.length} and {study.units.force}"
+    changed = f", but for {choices(options)}" if options else ""
+    return f"{study.title if file else 'the rod of Table 1, held at its own far end'}{changed}"
+
+
+def _toml(title: str, units: Mapping[str, str], fields_: Mapping[str, Any]) -> str:
+    """A study of one case as text."""
+    base = "\n".join(f'{k} = "{v}"' if isinstance(v, str) else f"{k} = {v!r}" for k, v in fields_.items())
+    return (
+        f'title = "{title}"\n\n[units]\nlength = "{units["length"]}"\nforce = "{units["force"]}"\n\n[base]\n{base}\n'
+    )
 
 
 def ends_of(study: Study) -> Case:
@@ -112,12 +147,11 @@ def write_cases(study: Study, case: Case, found: list[Equilibrium], folder: Path
     """Each equilibrium as a TOML case that `workbench solve` and `run` read. Raises `InputError`."""
     store.check_folder(folder)
     width = len(str(len(found)))
-    base = "\n".join(f'{k} = "{v}"' if isinstance(v, str) else f"{k} = {v!r}" for k, v in told(case).items())
     for i, one in enumerate(found, 1):
         title = f"Equilibrium {i} of {len(found)}: index {one.index}, {one.turns} bends"
         text = (
-            f'title = "{title}"\n\n[units]\nlength = "{study.units.length}"\nforce = "{study.units.force}"\n\n'
-            f"[base]\n{base}\n\n[equilibrium] # which of the {len(found)}: the one next to both\n"
+            f"{_toml(title, study.unit_system, told(case))}\n"
+            f"[equilibrium] # which of the {len(found)}: the one next to both\n"
             f"dbeta0 = {one.dbeta0!r}\nenergy = {one.energy!r}\n"
         )
         (folder / f"equilibrium_{i:0{width}d}.toml").write_text(text, encoding="utf-8")

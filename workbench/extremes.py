@@ -1,12 +1,14 @@
 """The command extremes: every method at every named extreme; what came of it, stored and drawn as a map."""
 
 import json
+import multiprocessing
 import os
 import platform
+import signal
 import time
 import warnings
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -50,21 +52,48 @@ class Met:
 def run_extremes(out: Path, as_json: bool) -> int:
     """Run every method at every extreme; store extremes.h5 and draw extremes.png in the folder. Raises `InputError`.
 
-    0, or 1 where a method calls solved what is not.
+    0, or 1 where a method calls solved what is not. Interrupted, it stores and draws the extremes that are finished as
+    extremes_interrupted; extremes.h5 stays as it was.
     """
     store.check_folder(out)
     store.check_free(out / "extremes.h5", "extremes")
     named, known = extremes(), references()
-    met: dict[tuple[str, str], Met] = {}
-    with ProcessPoolExecutor(max_workers=os.cpu_count()) as pool, console.progress(len(named)) as step:
-        rows_of = pool.map(at_one, named, [known[one.name] for one in named])
-        for one in named:
-            step(one.name)
-            met |= {(one.name, method): row for method, row in next(rows_of).items()}
-    ds = labelled(named, known, met)
-    files = [store.write(ds, out / "extremes.h5"), extremes_map.draw(ds, out / "extremes.png")]
+    met: dict[str, dict[str, Met]] = {}
+    try:
+        _meet(named, known, met)
+    except BaseException as error:
+        files = _stored(named, known, met, out, "extremes_interrupted")[1] if met else []
+        console.stopped(error, f"{len(met)} of {len(named)} extremes", files)
+        raise
+    ds, files = _stored(named, known, met, out, "extremes")
     _tell(ds, files, as_json)
     return 1 if (ds["verdict"] == INACCURATE).any() else 0
+
+
+def _meet(named: Sequence[Extreme], known: dict[str, Reference], met: dict[str, dict[str, Met]]) -> None:
+    """Fill in what each method makes of each extreme, as the processes of this machine finish them."""
+    pool = ProcessPoolExecutor(os.cpu_count(), initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN))
+    try:
+        with console.progress(len(named), lines=True) as step:
+            waited = {pool.submit(at_one, one, known[one.name]): one.name for one in named}
+            for done in as_completed(waited):
+                met[waited[done]] = done.result()
+                step(waited[done])
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for worker in multiprocessing.active_children():  # they would finish the extreme that they are at
+            worker.terminate()
+        raise
+    pool.shutdown()
+
+
+def _stored(
+    named: Sequence[Extreme], known: dict[str, Reference], met: dict[str, dict[str, Met]], out: Path, name: str
+) -> tuple[xr.Dataset, list[Path]]:
+    """The dataset of the extremes that were met, and the files made of it: NAME.h5 and NAME.png."""
+    rows = {(extreme, method): row for extreme, rows in met.items() for method, row in rows.items()}
+    ds = labelled([one for one in named if one.name in met], known, rows)
+    return ds, [store.write(ds, out / f"{name}.h5"), extremes_map.draw(ds, out / f"{name}.png")]
 
 
 def at_one(one: Extreme, reference: Reference) -> dict[str, Met]:

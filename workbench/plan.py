@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import solver
 import studies
-from solver import InputError, Start
+from solver import Case, Ends, InputError, Start
 from solver.methods import METHODS
 from solver.solve import AUTO
 from studies import Study
@@ -105,6 +105,8 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
     """
     coordinates = study.coordinates()
     first = study.case_of({name: values[0] for name, values in coordinates.items()})
+    if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
+        first = Case(first.rod, first.cylinder, Ends(0.0, 0.0))
     kind = "start" if isinstance(first.given, Start) else "ends"
     tol = study.tol if tol is None else tol
     method = study.method if method is None else method
@@ -135,6 +137,7 @@ def recipe(plan: Plan) -> dict[str, Any]:
         "equilibrium": study.equilibrium.model_dump() if study.equilibrium else {},
         "order": list(plan.coordinates),
         "axes": {name: axis_line(values) for name, values in plan.coordinates.items()},
+        **({} if study.follow is None else {"follow": {"to": study.follow.limit, "count": study.follow.size}}),
         "stations": study.stations,
         "outputs": sorted(study.outputs),
         "observables": sorted(study.wanted),

@@ -54,8 +54,14 @@ class Meter:
 
 
 @contextmanager
-def metered(total: int, done: int, as_json: bool) -> Iterator[Meter]:
-    """A meter, shown while it runs; where stderr is no terminal, or for a program, by a line every 30 s."""
+def metered(total: int, done: int, as_json: bool, quiet: bool = False) -> Iterator[Meter]:
+    """A meter, shown while it runs; where stderr is no terminal, or for a program, by a line every 30 s.
+
+    quiet: it counts, and nothing is shown.
+    """
+    if quiet:
+        yield Meter(total, done, lambda meter: None)
+        return
     if as_json or not console.err.is_terminal:
         yield Meter(total, done, _make_lines(as_json))
         return

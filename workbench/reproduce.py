@@ -9,9 +9,10 @@ from solver.errors import InputError
 from studies import READINGS, load, names
 from studies.laws import TREND
 
-from . import check, console, readings_run, runner, store
+from . import check, console, readings_run, runner, store, storing
 from .runner import StudyResult
 
+QUIET = storing.Options(quiet=True)  # the bar of all studies is shown
 DEFAULT_STUDIES = "fig"  # the shipped studies whose names begin so are figures of the paper
 
 
@@ -19,6 +20,7 @@ def reproduce(out: Path, reading: str | None) -> int:
     """Do everything into the folder `out`; 0, or 1 where a panel is left out, a case is unsolved, or a law fails or is
     not decided. A qualified law is 0 here: of this paper some are, under every reading, and the report says why.
 
+    The studies are stored as `workbench run` stores them; one that is already complete there is not solved again.
     Raises `InputError` before any work where the reading is unknown, the folder cannot be written, or a file
     in it is something else.
     """
@@ -37,12 +39,13 @@ def reproduce(out: Path, reading: str | None) -> int:
         for study in studies:
             step(f"solving {study.name}")
             try:
-                ds = runner.run(study)
+                storing.run_to_file(study, files[study.name], QUIET)
             except InputError as error:  # a panel that this reading does not admit leaves the others alone
                 refusals.append(f"{study.title}: {error}")
                 step("")
                 continue
-            result = runner.result(study, ds, store.write(ds, files[study.name]))
+            ds = store.read(files[study.name])
+            result = runner.result(study, ds, files[study.name])
             step(f"drawing {study.name}")
             results.append(replace(result, pictures=_draw(ds, out, able)))
         readings = readings_run.run(panels, step=step)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver.quantities import unit_of
-from studies import Study, load, names
+from studies import load, names
 from studies.axes import Axis, quantity_of
 
 from . import cautions, check, console, memory
@@ -70,8 +70,6 @@ def run_study(
     if stations is not None:
         study = study.at_stations(stations)
     path = out or Path(f"{study.name}.h5")
-    if study.follow is not None:
-        return _run_followed(study, path, tol, method, force, options.as_json)
     asked = {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}
     study = study.model_copy(update=asked)
     _check_free(path, study.name, force)
@@ -89,18 +87,6 @@ def _check_free(path: Path, name: str, force: bool) -> None:
     from . import store
 
     store.check_free(path, name)
-
-
-def _run_followed(study: Study, path: Path, tol: float | None, method: str | None, force: bool, as_json: bool) -> int:
-    """A study along one branch is one line: it cannot be cut, and is solved in memory."""
-    from . import runner, store
-
-    if not force:
-        store.check_free(path, study.name)
-    store.check_parent(path)
-    ds = runner.run(study, tol, method)
-    store.write(ds, path, force)
-    return _print(_told_of(ds, path), as_json)
 
 
 def check_file(path: Path, json: bool) -> int:

@@ -1,5 +1,7 @@
 """A study stored as it is solved: in chunks, by as many workers as there are, going on where an earlier run stopped."""
 
+import json
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -16,7 +18,7 @@ from . import crew, engines, parts
 from .chunks import Damaged, decode, encode, is_solved, kind_of, unsolved
 from .plan import TOGETHER, Plan, bytes_a_case, bytes_of_file, plan, recipe
 from .progress import Meter, metered
-from .there import There, grown, is_finished, look
+from .there import There, grown, is_finished, look, told_of
 
 WORTH, WORTH_TOGETHER = 4, 10  # blocks for which a worker is worth its start
 KILLED = "failed: the process that solved it ended twice without an answer"
@@ -30,7 +32,7 @@ class Options:
 
     workers: processes on this machine, None for as many as are of use. scheduler: of a Dask cluster, instead.
     chunk: cases a chunk, None for a few seconds' work. restart: drop what an earlier run has kept, and solve a finished
-    study again. as_json: progress for a program.
+    study again. as_json: progress for a program. quiet: no progress, as where the caller shows its own.
     """
 
     workers: int | None = None
@@ -38,6 +40,7 @@ class Options:
     chunk: int | None = None
     restart: bool = False
     as_json: bool = False
+    quiet: bool = False
 
 
 DEFAULT = Options()
@@ -67,6 +70,8 @@ def run_to_file(
     if (finished := _finished(work, output, options)) is not None:
         _tidy(work, output)
         return finished
+    if study.follow is not None:
+        return _follow(work, output)
     if options.scheduler is None and _workers(work, work.todo, options) > 1:
         crew.get_ready()  # while this process reads xarray
     from .store import check_parent  # xarray is not needed before
@@ -86,6 +91,21 @@ def run_to_file(
         finally:
             if parts.is_empty(folder):
                 parts.clear(folder)  # nothing was kept that a later run could use
+
+
+def _follow(work: Plan, output: Path) -> Ran:
+    """A study along one branch is one line: it cannot be cut, and is solved in memory."""
+    from . import check, store
+    from .following import run_followed
+
+    store.check_parent(output)
+    began = time.monotonic()
+    ds = run_followed(work.study, work.study.tol, work.study.method)
+    tally = _of_file(None)
+    _count({name: np.asarray(ds[name].values, dtype=str) for name in tally}, tally)
+    told = told_of(tally, check.verdicts(ds))
+    store.write(ds.assign_attrs(recipe=json.dumps(recipe(work)), told=json.dumps(told)), output, force=True)
+    return Ran(told, ds["outcome"].size, time.monotonic() - began)
 
 
 def _finished(work: Plan, output: Path, options: Options) -> Ran | None:
@@ -125,7 +145,7 @@ def _run(
     tally = _of_file(there)
     kept = _verified(work, folder, tally)
     say(_room(work, folder, kept))
-    with metered(work.size, work.size - work.todo + kept, options.as_json) as meter:
+    with metered(work.size, work.size - work.todo + kept, options.as_json, options.quiet) as meter:
         told = None
         while told is None:
             _solve(work, folder, options, meter, tally)

@@ -54,6 +54,12 @@ def _read(file: h5py.File) -> There | None:
     return There(str(file.attrs["study_name"]), made, axes, told)
 
 
+def told_of(tally: Mapping[str, Mapping[str, int]], laws: list[dict[str, Any]]) -> dict[str, Any]:
+    """What a file says of itself, beside its recipe: how often each outcome and caution stands, and the verdicts."""
+    outcomes, cautions = (dict(sorted(tally[name].items())) for name in ("outcome", "caution"))
+    return {"outcomes": outcomes, "cautions": cautions, "laws": laws}
+
+
 def is_finished(there: There, plan: Plan) -> bool:
     """Whether the file is what the plan would make."""
     return not differences(there.recipe, _plain(recipe(plan)))

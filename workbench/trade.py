@@ -37,23 +37,40 @@ LABELS = {
 
 
 def trade(cases: Sequence[str], methods: Sequence[str], out: Path, json: bool) -> int:
-    """Measure, store trade.h5, draw trade_seconds.png and trade_evaluations.png in the folder, print the table."""
+    """Measure, store trade.h5, draw trade_seconds.png and trade_evaluations.png in the folder, print the table.
+
+    Interrupted, it stores and draws the cases that are finished as trade_interrupted; trade.h5 stays as it was.
+    """
     named, ladders = chosen(_words(cases)), ladders_of(_words(methods))
     store.check_folder(out)
     store.check_free(out / "trade.h5", "trade")
-    with console.progress(len(named)) as step:
-        asked = {name: (n.case, reference(name), n.slope) for name, n in named.items()}
-        rows = measure(asked, ladders, step)
+    rows: list[Row] = []
+    try:
+        with console.progress(len(named), lines=True) as step:
+            for name, one in named.items():
+                step(name)
+                rows += measure({name: (one.case, reference(name), one.slope)}, ladders)
+    except BaseException as error:
+        done = list(dict.fromkeys(row.case for row in rows))
+        files = _stored(rows, ladders, out, "trade_interrupted")[1] if rows else []
+        console.stopped(error, f"{len(done)} of {len(named)} cases", files)
+        raise
     if not rows:
         raise InputError(f"none of {', '.join(ladders)} solves problems of the kind of {', '.join(named)}")
-    ds = labelled(rows, ladders)
-    path = store.write(ds, out / "trade.h5")
-    pictures = [trade_plots.figure(ds, cost, out / f"trade_{cost}.png") for cost in ("seconds", "evaluations")]
+    ds, files = _stored(rows, ladders, out, "trade")
     if json:
-        console.print_json(told(ds) | {"file": str(path), "pictures": [str(picture) for picture in pictures]})
+        console.print_json(told(ds) | {"file": str(files[0]), "pictures": [str(picture) for picture in files[1:]]})
     else:
-        _print(ds, [path, *pictures])
+        _print(ds, files)
     return 0
+
+
+def _stored(rows: Sequence[Row], ladders: Mapping[str, Ladder], out: Path, name: str) -> tuple[xr.Dataset, list[Path]]:
+    """The dataset of the rows, and the files made of it: NAME.h5 and its pictures."""
+    ds = labelled(rows, ladders)
+    path = store.write(ds, out / f"{name}.h5")
+    pictures = [trade_plots.figure(ds, cost, out / f"{name}_{cost}.png") for cost in ("seconds", "evaluations")]
+    return ds, [path, *pictures]
 
 
 def ladders_of(names: Sequence[str]) -> dict[str, Ladder]:

@@ -63,6 +63,41 @@ def test_options_change_the_case(capsys) -> None:
     assert case["stiffness"] == "solid"
 
 
+def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(capsys, tmp_path) -> None:
+    case = default()
+    rod, given = case.rod, case.given
+    size = {"E": rod.E / 100, "nu": rod.nu, "a": 10 * rod.a, "L": 10 * rod.L, "R": 10 * case.cylinder.R}
+    ends = {"beta0": given.beta0, "betaL": given.betaL, "FZ": given.FZ, "MZ": 10 * given.MZ, "M3": 10 * given.M3}
+    words = [word for name, value in (size | ends).items() for word in (f"--{name}", repr(float(value)))]
+    words += ["--stiffness", rod.stiffness, "--length-unit", "mm"]
+    told = json.loads(run(capsys, *words, "--json")[1])
+    assert told["units"] == {"length": "mm", "force": "N"}
+    ours = json.loads(run(capsys, "--json")[1])["equilibria"]
+    assert len(told["equilibria"]) == len(ours) > 10
+    for mm, cm in zip(told["equilibria"], ours, strict=True):
+        assert (mm["turns"], mm["index"]) == (cm["turns"], cm["index"])
+        assert mm["dbeta0"] == pytest.approx(cm["dbeta0"] / 10, rel=1e-6, abs=1e-9)
+        assert mm["energy"] == pytest.approx(10 * cm["energy"], rel=1e-8)
+    status, table = run(capsys, *words, "--out", tmp_path / "mm.h5", "--export", tmp_path / "cases")
+    assert status == 0
+    assert "dbeta0 (rad/mm)" in table
+    assert "of the options, in mm and N" in table
+    assert store.read(tmp_path / "mm.h5", study=False).attrs["length_unit"] == "mm"
+    first = sorted((tmp_path / "cases").glob("*.toml"))[0]
+    assert load(str(first)).unit_system == {"length": "mm", "force": "N"}
+
+
+def test_units_go_with_a_whole_rod_of_ones_own(capsys) -> None:
+    status, said = run(capsys, "--length-unit", "mm", "--a", "2.5", "--R", "7.5")
+    assert (status, said) == (2, "workbench: a rod given by its ends also needs E, nu, L, beta0 and betaL\n")
+    whole = ("--E", 107, "--nu", 0.25, "--a", 2.5, "--R", 7.5, "--L", 200, "--beta0", "30deg", "--betaL", "45deg")
+    status, said = run(capsys, "--force-unit", "stone", *whole)
+    assert status == 2
+    assert "'stone' is no unit of force; choose from pN, nN, uN" in said
+    status, said = run(capsys, "fig6", "--length-unit", "mm")
+    assert (status, said) == (2, "workbench: the units are those of fig6: change them there\n")
+
+
 def test_each_exported_case_solves_to_the_equilibrium_it_was_written_from(capsys, tmp_path) -> None:
     """Mirror images of one energy and shapes of one start slope among them: 40 rho long, most hug a saddle."""
     case = ends_in_units_of_rho(*MANY, 40.0, np.pi / 6, np.pi / 6)

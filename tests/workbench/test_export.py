@@ -159,6 +159,46 @@ def test_the_solid_in_a_step_file_is_valid_and_has_the_rods_volume_in_its_unit(k
     assert export_cad.volume(kernel, solid) == pytest.approx(1e3 * VOLUME, rel=1e-8)
 
 
+def solved_line(
+    L: float, E: float = 4e4, a: float = 0.25, beta: float = np.pi / 6, **start: float
+) -> centreline.Centreline:
+    """Table 1's rod, another length, thickness or start; rho = 1."""
+    given = Start(beta, **(start or {"dbeta": 0.5, "F1": 5.0, "F3": 10.0}))
+    case = Case(Rod(E * (0.25 / a) ** 4, 0.25, a, L, "paper"), Cylinder(1 - a), given)
+    sol = solve(case, tol=1e-10, stations=int(20 * L) + 41)
+    A = float(case.rod.bending_stiffness)
+    loads = (float(load) / A for load in (sol.MZ, sol.M3, sol.FZ))
+    return centreline.Centreline(
+        sol.s, sol.alpha, sol.beta, sol.dbeta, sol.z, 1 - a, a, 1.0, A, *loads, side="outside"
+    )
+
+
+LINES = {
+    "short": lambda: solved_line(2.0),
+    "Table 1": lambda: solved_line(20.0),
+    "tight: kappa a = 0.87": lambda: solved_line(20.0, E=1.07e4),
+    "thin": lambda: solved_line(20.0, a=0.05),
+    "long": lambda: solved_line(50.0),
+    "straight": lambda: solved_line(20.0, beta=0.0, dbeta=0.0, M3=0.0),
+    "nearly a ring": lambda: solved_line(10.0, beta=1.45, dbeta=0.0, M3=0.0),
+}
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-3])
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n == "long" else n for n in LINES])
+def test_open_cascades_default_measures_the_volume_of_pappus(kernel, tmp_path, name, tolerance) -> None:
+    path, line = tmp_path / "rod.step", LINES[name]()
+    export_cad.write(path, line, "mm", "rod", tolerance, True)
+    (solid,) = parts(kernel, shapes(kernel, path), "SOLID")
+    measured = kernel.GProp_GProps()
+    kernel.BRepGProp.VolumeProperties_s(solid, measured)
+    # a thousandth was asked for; it was 0.23 off for Table 1
+    assert measured.Mass() == pytest.approx(np.pi * line.a**2 * line.L, rel=1e-3)
+    assert kernel.BRepCheck_Analyzer(solid).IsValid()
+    (shell,) = parts(kernel, solid, "SHELL")
+    assert shell.Closed()
+
+
 def test_the_curve_in_a_step_file_is_the_solvers_at_every_arc_length(kernel, step) -> None:
     (edge,) = parts(kernel, shapes(kernel, step), "EDGE", outside="FACE")
     from OCP.BRep import BRep_Tool

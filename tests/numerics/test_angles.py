@@ -1,0 +1,97 @@
+"""Angles may be text in Python as in a study and on the command line, read by the same rule; other fields may not."""
+
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, solve
+from solver.case import ANGLES
+from studies.axes import ENDS, START, is_angle
+from studies.axes import Base as StudyBase
+
+WRITTEN = {
+    "30deg": np.deg2rad(30),
+    "-120 deg": np.deg2rad(-120),
+    "30°": np.deg2rad(30),
+    "pi/6": np.pi / 6,
+    "2pi/3": 2 * np.pi / 3,
+    "-π": -np.pi,
+    "0.25": 0.25,
+    "1e-3 rad": 1e-3,
+}
+
+
+def start(**given: Any) -> Start:
+    return Start(**{"beta": 0.5, "dbeta": 0.5, "M3": 0.0, **given})
+
+
+def ends(**given: Any) -> Ends:
+    return Ends(**{"beta0": 0.5, "betaL": 0.5, **given})
+
+
+@pytest.mark.parametrize("text", WRITTEN)
+def test_every_angle_may_be_text_and_is_what_a_study_reads(text: str) -> None:
+    for make in (start, ends):
+        for name in ANGLES:
+            if name in {field.name for field in fields(make())}:
+                given = getattr(make(**{name: text}), name)
+                assert given == pytest.approx(WRITTEN[text], rel=1e-15)
+                assert given == getattr(StudyBase.model_validate({name: text}), name)
+
+
+def test_the_angles_are_those_of_a_study() -> None:
+    assert set(ANGLES) == {name for name in (*START, *ENDS) if is_angle(name)} - {"dbeta", "dgamma"}
+
+
+def test_text_may_stand_among_the_values_of_an_array() -> None:
+    wanted = [np.pi / 6, 0.2, np.pi / 2]
+    for given in (
+        ["30deg", 0.2, "pi/2"],
+        np.array(["30deg", 0.2, "pi/2"], object),
+        np.array(["30deg", "0.2", "90deg"]),
+    ):
+        np.testing.assert_allclose(start(beta=given).beta, wanted, rtol=1e-15)
+    assert start(beta=[["1deg"], ["2deg"]]).beta.shape == (2, 1)
+
+
+def test_an_angle_as_text_gives_the_same_bits_of_a_shape() -> None:
+    rod, cylinder = Rod(1e7, 0.25, 0.25, 20.0), Cylinder(0.75)
+    text = solve(Case(rod, cylinder, start(beta="pi/6", alpha="10deg")))
+    number = solve(Case(rod, cylinder, start(beta=np.pi / 6, alpha=np.deg2rad(10))))
+    assert (text.beta == number.beta).all()
+    assert (text.alpha == number.alpha).all()
+
+
+@pytest.mark.parametrize(
+    "value", ["abc", "30 grad", "", "30deg, 40deg", None, b"30deg", ["30deg", "x"], ["1", None], 1j]
+)
+def test_what_is_no_angle_is_refused_with_the_value_and_the_forms(value: Any) -> None:
+    with pytest.raises(InputError) as refusal:
+        start(beta=value)
+    for word in ("Start.beta", "a number in rad", "30deg", "pi/6", repr(value)):
+        assert word in str(refusal.value)
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "1e400deg", ["0.1", "nan"]])
+def test_an_angle_that_is_not_finite_is_refused_also_as_text(value: Any) -> None:
+    with pytest.raises(InputError, match=r"Start.beta must be finite"):
+        start(beta=value)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Rod("1e7", 0.25, 0.25, 20.0),
+        lambda: Rod(1e7, 0.25, ["0.25"], 20.0),
+        lambda: Cylinder("0.75"),
+        lambda: start(dbeta="30deg"),
+        lambda: start(M3="1"),
+        lambda: ends(FZ=["1", "2"]),
+    ],
+)
+def test_what_is_no_angle_may_not_be_text_as_in_a_study(make: Callable[[], Any]) -> None:
+    with pytest.raises(InputError, match="must be a number or an array of numbers, got"):
+        make()

@@ -1,0 +1,86 @@
+"""`reproduce` and `run` store a study by one path: the very same file, and what one has stored the other answers."""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from solver import InputError
+from studies import READINGS
+from workbench import gl, readings_run, reproduce
+from workbench.cli import app
+from workbench.running import run_study
+
+STUDIES = ["fig6", "fig7_2_radius", "fig7_4_end_angle"]  # a single case, an axis, and one that is followed
+
+
+@pytest.fixture
+def fast(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """`reproduce` of three studies, without scenes, and the readings of one panel."""
+    found = readings_run.run(readings_run.panels()[1:2], readings=tuple(READINGS)[:2])
+    monkeypatch.setattr(gl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
+    monkeypatch.setattr(reproduce, "names", lambda: STUDIES)
+    monkeypatch.setattr(reproduce.readings_run, "run", lambda panels, step: found)
+    gl.probe.cache_clear()
+    yield
+    gl.probe.cache_clear()
+
+
+def content(path: Path) -> dict[str, Any]:
+    """Everything in a file but when it was made: each variable's bytes, kind, chunks, packing, and every attribute."""
+    held: dict[str, Any] = {}
+
+    def look(name: str, item: Any) -> None:
+        for key, value in item.attrs.items():
+            if not isinstance(value, (np.ndarray, h5py.Reference)):
+                held[f"{name}@{key}"] = value if isinstance(value, str) else np.asarray(value).tobytes()
+        if isinstance(item, h5py.Dataset):
+            text = h5py.check_string_dtype(item.dtype)
+            held[name] = item.asstr()[...].tolist() if text else item[...].tobytes()
+            held[f"{name}#"] = item.dtype, item.shape, item.chunks, item.compression, item.shuffle
+
+    with h5py.File(path) as file:
+        look("", file)
+        file.visititems(look)
+    del held["@created"]
+    return held
+
+
+def ran(study: str, path: Path) -> str:
+    told = CliRunner().invoke(app, ["run", study, "--out", str(path)])
+    assert told.exit_code in (0, 1), told.output
+    return told.output
+
+
+@pytest.mark.slow
+def test_reproduce_and_run_store_the_very_same_file_and_know_each_others(fast: Any, tmp_path: Path) -> None:
+    alone, folder = tmp_path / "alone", tmp_path / "out"
+    alone.mkdir()
+    folder.mkdir()
+    ran("fig6", folder / "fig6.h5")
+    stored = (folder / "fig6.h5").stat().st_mtime_ns
+    reproduce.reproduce(folder, None)
+    assert (folder / "fig6.h5").stat().st_mtime_ns == stored  # complete already, and not solved again
+    for name in STUDIES:
+        ran(name, alone / f"{name}.h5")
+        assert content(alone / f"{name}.h5") == content(folder / f"{name}.h5"), name
+        assert "finished before" in ran(name, folder / f"{name}.h5")
+
+
+def test_a_followed_study_of_another_length_is_solved_again(tmp_path: Path) -> None:
+    shipped = Path("studies/fig7_4_end_angle.toml").read_text(encoding="utf-8")
+    assert "count = 9" in shipped
+    study, output = tmp_path / "followed.toml", tmp_path / "followed.h5"
+    for count in ("count = 9", "count = 8"):
+        study.write_text(shipped.replace("count = 9", count), encoding="utf-8")
+        assert "finished before" not in ran(str(study), output)
+        assert "finished before" in ran(str(study), output)
+
+
+def test_a_followed_study_refuses_a_method_for_starts_alone(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="method 'rk4' does not solve problems given by Ends"):
+        run_study("fig7_4_end_angle", tmp_path / "x.h5", None, None, "rk4", False)
