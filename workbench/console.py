@@ -96,4 +96,4 @@ def stopped(error: BaseException, done: str, files: Sequence[Path]) -> None:
 
 def say_aside(text: str) -> None:
     """A line on stderr, beside what a program may read."""
-    print(f"workbench: {_plain(text)}", file=sys.stderr, flush=True)
+    print(f"workbench: {letters.line(text)}", file=sys.stderr, flush=True)
