@@ -250,8 +250,8 @@ def _passing_scale(well: Well, limit: Array) -> Array:
     """a of x = a sinh(u), (P,)."""
     level = well.level[:, 0]
     bend = well.steepness(np.zeros((limit.size, 1)))[:, 0] / 4
-    rise = well.drop(limit[:, None])[:, 0] / limit**2
     with np.errstate(divide="ignore", invalid="ignore"):
+        rise = well.drop(limit[:, None])[:, 0] / limit**2
         a = np.sqrt(level / np.maximum(bend, rise))
     flat = np.flatnonzero((bend < 0.01 * rise) & (level < 0.1 * rise * limit**2))
     if flat.size:  # a saddle with next to no curvature: the speed grows with a higher power of x

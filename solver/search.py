@@ -21,6 +21,7 @@ _NOISE = 1e-14  # of the rod's length, what the rounding of a sum of times may c
 BUDGET = 3e7  # evaluations of G, some ten to twenty seconds
 _EACH = 15  # levels looked at for each solution
 _PATHS = 1000  # paths looked at together
+_LARGEST = 1e100
 _MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is none
 
 
@@ -96,6 +97,8 @@ def search(problem: Reduced, most_swings: int = 200, most_turns: int | None = No
     turning point at most, so 1 is enough for all stable ones, of which there is always at least one.
     """
     found = None
+    if not _fits(problem):
+        return None
     for step in (0.25, 0.0625):
         found = _searched(problem, most_swings, most_turns, step)
         if found is not None and not found.remark.startswith(_COUNT):
@@ -104,6 +107,15 @@ def search(problem: Reduced, most_swings: int = 200, most_turns: int | None = No
 
 
 _COUNT = "incomplete"
+
+
+def _fits(problem: Reduced) -> bool:
+    """Whether a float holds the squares of the numbers of one ends problem, and of the slope it needs."""
+    assert problem.betaL is not None
+    numbers = problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, problem.betaL
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        reach = np.abs(problem.betaL - problem.beta0) / problem.span
+        return bool((np.abs(np.stack([*numbers, reach, 1 / problem.span])) < _LARGEST).all())
 
 
 def _searched(problem: Reduced, most_swings: int, most_turns: int | None, step: float) -> Found | None:
@@ -117,7 +129,7 @@ def _searched(problem: Reduced, most_swings: int, most_turns: int | None, step: 
         return None
     orbit, level = solved(problem, boundary, way, lengthens)
     far = orbit.at(orbit.problem.span[:, None])[0][:, 0]
-    good = np.abs(far - problem.betaL[0]) < _MISSED
+    good = np.abs(far - problem.betaL[0]) < np.maximum(_MISSED, np.minimum(_blur(orbit), 0.1))
     lost = roots.lost + int(np.count_nonzero(~good))
     if not good.any():
         return None
@@ -377,6 +389,13 @@ def solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) -> 
     start = replace(start, beta0=np.full(K, problem.beta0[0]))
     passed = np.where(way.helix, 0.0, Paths(way.leaving, way.arriving, way.swings).turns)
     return replace(orbit, problem=start, lengthens=lengthens, response=growth, passed=passed, path=way), level
+
+
+def _blur(orbit: Orbit) -> Array:
+    """How far the rounding of the rod's length may move beta at its far end, (K,)."""
+    fastest = np.zeros(orbit.problem.size)
+    np.maximum.at(fastest, orbit.panels.part // 2, orbit.panels.fastest)
+    return np.asarray(64 * np.finfo(float).eps * orbit.problem.span * fastest)
 
 
 def _range(orbit: Orbit) -> tuple[Array, Array]:

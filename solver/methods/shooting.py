@@ -15,7 +15,7 @@ from .base import Method, Seed, Trajectory
 from .orbit import PLAIN, joined_orbits, solve_orbit
 
 _ROUNDS = 40
-NONE = "failed: no equilibrium joins these end angles under these loads"
+NONE = "failed: the search met no equilibrium, though there always is one"
 
 
 def run(problem: Reduced, t: Array, tol: float, seed: Seed | None = None, **_: Any) -> Trajectory:

@@ -114,7 +114,8 @@ def test_a_rod_that_starts_a_billionth_from_a_saddle_is_found(L: float, count: i
 def test_next_to_a_saddle_none_is_lost_and_none_found_twice(L: float, beta0: float, betaL: float, count: int) -> None:
     """The signed count of these was once 2, 0 and 0, and is 1 by degree."""
     found = equilibria(case(L, beta0, betaL, FZ=1.0))
-    assert found.complete and signed_count(found) == 1
+    assert found.complete
+    assert signed_count(found) == 1
     assert len(found) == count
 
 
@@ -153,7 +154,8 @@ def test_energies_are_those_of_the_very_shapes_and_stand_in_order(L: float, lowe
     found = equilibria(made, stations=40001 if L == 30 else 2)
     energy = np.array([one.energy for one in found])
     assert (np.diff(energy) > -1e-9 * np.abs(energy[:-1]).max()).all()
-    assert found.complete and found[0].index == 0
+    assert found.complete
+    assert found[0].index == 0
     if lowest is not None:
         assert energy[0] == pytest.approx(lowest, abs=0.005)
         return
@@ -196,7 +198,8 @@ def test_times_next_to_a_saddle_go_on_by_the_law_of_the_log_gap(numbers) -> None
 def test_stable_ones_turn_once_at_most_so_they_are_found_without_the_others() -> None:
     problem = reduce(ends_in_units_of_rho(-0.3655, 0.7464, -0.7506, 20.0, np.pi / 6, np.pi / 6))
     every, few = search(problem), search(problem, most_turns=1)
-    assert every is not None and few is not None
+    assert every is not None
+    assert few is not None
     np.testing.assert_allclose(np.sort(every.slope[every.index == 0]), np.sort(few.slope[few.index == 0]), rtol=1e-12)
     assert few.total == every.total == every.slope.size == 31
 
@@ -296,3 +299,44 @@ def test_a_scan_of_start_slopes_by_a_march_finds_none_that_is_not_listed(seed: i
     reach = solve(reached, stations=2).condition
     easy = reach < 1e5  # the march loses eps times this
     np.testing.assert_allclose(again[easy], numbers[5], atol=1e-2)
+
+
+def any_number(rng: np.random.Generator) -> float:
+    """Zero, whole, plain, or of any size that a float has."""
+    sizes = (0.0, float(rng.integers(1, 4)), *10 ** rng.uniform((-2, -2, -12, -300), (2, 2, 12, 100)))
+    return float(rng.choice(sizes) * rng.choice([-1, 1]))
+
+
+def any_angle(rng: np.random.Generator) -> float:
+    special = rng.choice([0.0, np.pi, -np.pi, np.pi / 2, 2 * np.pi, 1e-9, 1e-300, -1e-17])
+    return float(rng.choice([special, any_number(rng), rng.uniform(-4, 4), rng.uniform(-4, 4)]))
+
+
+def ends_of_any_size(seed: int) -> tuple[float, ...]:
+    rng = np.random.default_rng(seed)
+    first, last = any_angle(rng), any_angle(rng)
+    last = first if rng.random() < 0.15 else last
+    return abs(any_number(rng)) or 1.0, first, last, *(any_number(rng) for _ in range(3))
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("block", range(10))
+def test_ends_problems_of_any_size_are_solved_or_say_why_not(block: int) -> None:
+    """No exception and no warning; what is called solved is finite and ends where it should."""
+    for seed in range(40 * block, 40 * block + 40):
+        L, first, last, FZ, MZ, M3 = ends_of_any_size(seed)
+        sol = solve(case(L, first, last, FZ=FZ, MZ=MZ, M3=M3), stations=5)
+        assert sol.solved or str(sol.outcome).startswith("failed: "), seed
+        if sol.solved:
+            assert np.isfinite([sol.beta, sol.contact]).all(), seed
+            assert sol.beta[-1] == pytest.approx(last, abs=1e-8 * max(1.0, sol.condition, abs(last)))
+
+
+def test_a_search_beyond_its_budget_solves_the_paths_of_fewest_bends_and_says_so(monkeypatch) -> None:
+    """The budget counts evaluations, so the answer does not depend on the machine."""
+    monkeypatch.setattr("solver.search.BUDGET", 1e5)
+    found = equilibria(nylon())
+    assert not found.complete
+    assert "bends" in found.remark
+    assert min(one.index for one in found) == 0
