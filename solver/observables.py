@@ -16,6 +16,7 @@ from .action import energies
 from .course import LIBRATION, ROTATION
 from .errors import no_such
 from .landscape import potential
+from .methods.orbit import Orbit
 from .overlap import overlaps
 from .reduced import flat
 from .sampling import Sampled, sampled
@@ -141,7 +142,7 @@ def attached(read: Reading) -> Any:
 def energy(read: Reading) -> Any:
     """Bending energy less the work of the dead loads, the twist eliminated [force length]."""
     sol, orbit = read.sol, read.sol.trajectory.orbit
-    if orbit is not None:
+    if isinstance(orbit, Orbit):
         first = orbit.at(np.zeros((orbit.problem.size, 1)))
         level = first[1][:, 0] ** 2 + potential(orbit.problem, orbit.problem.beta0)
         unit = flat(sol.case.rod.bending_stiffness / sol.case.rho, sol.case.shape)
