@@ -141,7 +141,10 @@ def chosen(problem: Reduced, t: Array, tol: float, slope: float | None) -> Traje
     if found is None:
         return None
     i = int(np.argmin(found.energy if slope is None else np.abs(found.slope - slope)))
-    return trajectory(problem, found.orbit.take(i), t, tol)
+    told = trajectory(problem, found.orbit.take(i), t, tol)
+    if slope is None and found.index[i] != 0 and found.remark:  # a global minimum is stable
+        return replace(told, outcome=np.array([f"failed: {found.remark}"], dtype=object))
+    return told
 
 
 def lowest(problem: Reduced, points: int = 2001) -> Seed:

@@ -1,6 +1,7 @@
 """The command equilibria: what it lists, stores, draws and writes, and its diagram over an axis."""
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
@@ -54,6 +55,17 @@ def test_it_lists_every_equilibrium_lowest_energy_first(capsys) -> None:
     table = run(capsys)[1]
     assert f"{len(ours)} equilibria" in table
     assert "dbeta0 (rad/cm)" in table
+
+
+def test_a_list_that_is_a_part_only_says_so_and_ends_with_status_1(capsys, monkeypatch) -> None:
+    monkeypatch.setattr(command, "every_equilibrium", partial(equilibria, most_swings=1))
+    status, text = run(capsys)
+    assert status == 1
+    assert "only equilibria of at most 1 whole periods of beta" in " ".join(text.split())
+    status, text = run(capsys, "--json")
+    assert status == 1
+    assert json.loads(text)["complete"] is False
+    assert "at most 1" in json.loads(text)["remark"]
 
 
 def test_options_change_the_case(capsys) -> None:
