@@ -197,7 +197,11 @@ class Solution:
 
     @property
     def condition(self) -> Any:
-        """Largest |d beta/d beta(0)| and |d beta/d beta'(0)|/rho along the rod, at least 1, (*cases)."""
+        """How much a change of what is given grows along the rod, at least 1, (*cases).
+
+        Start problems: the largest |d beta/d beta(0)| and w |d beta/d beta'(0)|/rho, with
+        w = max(1, rho |beta'(0)|, rho sqrt|H'(beta(0))|). Ends problems: the largest |d beta/d beta(L)|.
+        """
         return self._each(self.trajectory.condition)
 
     @property

@@ -280,7 +280,7 @@ def blanked(told: Trajectory, fit: NDArray[np.bool_]) -> Trajectory:
 def _run(problem: Reduced, t: Array, tol: float) -> Trajectory:
     orbit = solve_orbit(problem, tol)
     beta, dbeta, alpha, z = orbit.at(t)
-    growth = condition(problem, orbit.course, orbit.panels, orbit.since, orbit.first, orbit.count, orbit.duration)
+    growth = condition(orbit)
     error = _error(orbit, growth)
     outcome = verdicts(beta, error, growth, tol)
     calls = np.bincount(orbit.panels.part // 2, weights=orbit.panels.calls, minlength=problem.size).astype(np.int64)

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..course import HELIX, LIBRATION, ROTATION
-from ..landscape import slope_rate
 from ..reduced import Array, Reduced
+from ..sensitivity import slope_weight
 from . import orbit
 from .base import SOLVED, Method, Trajectory, verdicts
 from .orbit import Orbit, Where, located, solve_orbit
@@ -121,11 +121,10 @@ def _march(problem: Reduced, tol: float, store: _Store | None = None) -> tuple[S
     B, v0 = problem.size, problem.dbeta0
     numbers = np.stack([problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, v0], axis=1)
     with np.errstate(over="ignore", invalid="ignore"):
-        natural = np.sqrt(np.abs(slope_rate(problem, problem.beta0)))
         # what is late once is late again each period
         quickest = np.sqrt(np.abs(problem.lam) + 2 * np.abs(problem.mu) + np.abs(problem.phi) + 2)
         goals = np.maximum(0.002 * tol / np.maximum(1, problem.span * quickest / 6), 1e-17)
-    weights = np.maximum(np.maximum(1, np.abs(v0)), natural)
+    weights = slope_weight(problem)
     count, status = np.zeros((B, 2), dtype=np.int64), np.zeros((B, 2), dtype=np.int64)
     told, judged = np.zeros((B, 2, FACTS)), np.full((B, 2), np.inf)
     stored: list[_Store] = []
@@ -177,6 +176,7 @@ def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     outcome = verdicts(whole[0], swing.error, swing.condition, tol)
     # promised or not, digits that only a march loses are worth a quadrature
     swing.lost[:] |= np.array([not text.startswith(SOLVED) for text in outcome]) | (swing.error > _DIGITS * tol)
+    swing.lost[:] |= ~np.isfinite(swing.condition)
     if swing.lost.any():
         lost = swing.lost
         told = orbit.run(problem.take(lost), t[lost], tol)
