@@ -218,13 +218,20 @@ def _start(orbit: "Orbit", flow: _Flow, weight: Array) -> tuple[Array, Array]:
     return np.stack([v / size, -c * h / size * weight]), np.stack([h, v * weight])
 
 
+def _flow(problem: Reduced, panels: Panels, unit: Array) -> tuple[Array, Array, Array]:
+    """|beta_t|, H and H' at the panels' nodes, (P, n) each, in a unit of time for each problem: 1/unit, (B,)."""
+    b = panels.part // 2
+    at, one = problem.take(b), unit[b, None]
+    loads = Reduced(*(v[:, None] for v in (at.lam, at.mu, at.phi, at.span, at.beta0)))
+    points = basis(panels.series.shape[2] - 1)
+    beta, v = panels.series[:, 0] @ points.values, panels.series[:, 1] @ points.values
+    return v / one, slope(loads, beta) / one**2, slope_rate(loads, beta) / one**2
+
+
 def shear(problem: Reduced, panels: Panels, unit: Array) -> Array:
     """The series of the shear a(t) with c = 1 on each panel from its near end, (P, n + 1), in time of 1/unit, (B,)."""
-    points, b = basis(panels.series.shape[2] - 1), panels.part // 2
-    at, one = problem.take(b), unit[b, None]
-    loads = Reduced(*(x[:, None] for x in (at.lam, at.mu, at.phi, at.span, at.beta0)))
-    beta, v = panels.series[:, 0] @ points.values, panels.series[:, 1] @ points.values / one
-    H, rate = slope(loads, beta) / one**2, slope_rate(loads, beta) / one**2
+    points = basis(panels.series.shape[2] - 1)
+    v, H, rate = _flow(problem, panels, unit)
     size = v * v + H * H
     pace = (1 - rate) * ((v - H) * (v + H) / size) / size
     scale: Array = (panels.duration / 2 * unit[panels.part // 2])[:, None]

@@ -7,8 +7,9 @@ import numpy as np
 
 from .case import Case
 from .errors import InputError, choices, no_such
+from .limits import OUT_OF_RANGE, TOO_LARGE, dimensionless, representable, units_held
 from .methods import METHODS, MISSING, Method
-from .methods.base import Seed
+from .methods.base import Seed, Trajectory, blanked, stood_in
 from .reduced import Array, Reduced, flat, reduce
 from .solution import Solution
 
@@ -47,7 +48,22 @@ def solve(
         if problem.kind == "start":
             raise InputError("a seed chooses among the solutions of an ends problem; a start problem has only one")
         knobs["seed"] = _seed(case, problem, seed)
-    return Solution(case, problem, METHODS[name].run(problem, t, tol, **knobs), t, name, tol)
+    return Solution(case, problem, _run(case, problem, METHODS[name], t, tol, knobs), t, name, tol)
+
+
+def _run(case: Case, problem: Reduced, method: Method, t: Array, tol: float, knobs: dict[str, Any]) -> Trajectory:
+    """The method's answer; cases whose numbers no float can hold are refused by their outcome."""
+    held, finite = representable(case, problem), dimensionless(problem)
+    fit = held & finite
+    if not fit.all():
+        t = np.where(fit[:, None], t, np.linspace(0, 1, t.shape[1]))
+    told = method.run(stood_in(problem, fit), t, tol, **knobs)
+    if problem.kind == "ends":  # only now is beta'(0) known
+        slope = np.where(np.isfinite(told.dbeta[:, 0]), told.dbeta[:, 0], 0.0)
+        held &= ~fit | representable(case, problem.started(slope))
+    for fine, why in ((held, OUT_OF_RANGE), (finite, TOO_LARGE), (units_held(case), OUT_OF_RANGE)):
+        told = blanked(told, fine, why)
+    return told
 
 
 def _check_knob(method: Method, knob: str, value: Any) -> None:
@@ -73,7 +89,8 @@ def _stations(case: Case, problem: Reduced, stations: Any) -> Array:
     if isinstance(stations, (int, np.integer)) and not isinstance(stations, bool):
         if not 2 <= stations <= 10_000_000:
             raise InputError(f"stations must be from 2 to 10000000, got {stations}")
-        return problem.span[:, None] * np.linspace(0, 1, int(stations))
+        with np.errstate(invalid="ignore", over="ignore"):  # a span that no float holds is refused by its outcome
+            return problem.span[:, None] * np.linspace(0, 1, int(stations))
     try:
         s = np.asarray(stations, dtype=float)
         s = np.broadcast_to(s, (*case.shape, s.shape[-1])).reshape(problem.size, -1)
@@ -86,7 +103,8 @@ def _stations(case: Case, problem: Reduced, stations: Any) -> Array:
     inside = np.isfinite(s) & (s >= 0) & (s <= length * (1 + 4e-16))
     if not inside.all() or (np.diff(s, axis=1) < 0).any():
         raise InputError(f"stations must rise within [0, L], L = {length.min()}, got {s.min()} to {s.max()}")
-    return np.minimum(s / flat(case.rho, case.shape)[:, None], problem.span[:, None])
+    with np.errstate(all="ignore"):
+        return np.minimum(s / flat(case.rho, case.shape)[:, None], problem.span[:, None])
 
 
 def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:
@@ -100,7 +118,8 @@ def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:
         u = seed.t / seed.problem.span[:, None]
         return Seed(told.dbeta[row, 0], u[row], told.beta[row], own, told.orbit, row)
     try:
-        slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
+        with np.errstate(over="ignore"):
+            slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
     except (TypeError, ValueError):
         raise InputError(f"seed must be beta'(0) or a Solution, got {seed!r}") from None
     start = problem.started(slope)

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..course import HELIX, LIBRATION, ROTATION
+from ..limits import TOO_LARGE, dimensionless
 from ..reduced import Array, Reduced
 from ..sensitivity import slope_weight
 from . import orbit
-from .base import SOLVED, Method, Trajectory, verdicts
+from .base import SOLVED, Method, Trajectory, blanked, stood_in, verdicts
 from .orbit import Orbit, Where, located, solve_orbit
 
 INSTALLED = find_spec("numba") is not None
@@ -165,7 +166,8 @@ def joined(parts: list[Swing], problem: Reduced, some: slice) -> Swing:
 
 def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     """All problems, a block at a time; what a march would lose, or cannot do to the tolerance, `orbit` does."""
-    problem, fit = orbit.fitting(problem)
+    fit = dimensionless(problem)
+    problem = stood_in(problem, fit)
     t = np.where(fit[:, None], t, 0)
     whole, done, store = np.empty((4, *t.shape)), [], room_for(min(_BLOCK, problem.size))
     for block in (slice(k, k + _BLOCK) for k in range(0, problem.size, _BLOCK)):
@@ -191,7 +193,7 @@ def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     told = Trajectory(
         beta, dbeta, alpha, z, lambda: found.swirl(t), outcome, found.error, found.condition, found.evaluations, found
     )
-    return orbit.blanked(told, fit)
+    return blanked(told, fit, TOO_LARGE)
 
 
 SWING = Method(

@@ -159,11 +159,12 @@ def test_its_linearised_growth_is_that_of_the_arrays() -> None:
     from solver.kernels import beside_helix as of_one
     from solver.sensitivity import beside_helix, slope_weight
 
+    some = 0
     for kind in (*KINDS, *NEAR):
         p = problems(kind, 200, 1)
         assert p.dbeta0 is not None
         steady, growth = beside_helix(p)
-        assert steady.any()
+        some += int(steady.sum())
         with np.errstate(all="ignore"):
             rows = zip(p.lam, p.mu, p.phi, p.span, p.beta0, p.dbeta0, slope_weight(p), strict=True)
             one = np.array([of_one(*row) for row in rows])
@@ -171,3 +172,4 @@ def test_its_linearised_growth_is_that_of_the_arrays() -> None:
         assert ((one > 0) != steady)[clear].sum() <= 1  # one may lie on the limit itself
         both = steady & (one > 0)
         np.testing.assert_allclose(one[both], growth[both], rtol=1e-9)
+    assert some > 300
