@@ -140,6 +140,7 @@ def test_what_once_brought_a_call_down(k: int) -> None:
 
 # dimensionless numbers that once raised "repeats may not contain negative values", or took the series to NaN
 BROKEN = (
+    (6.420724715344667e85, -0.0, 0.0, 1.0085217508772867e18, np.pi / 2, -1.457673656063506e-126),
     (0.0, 0.0, 4.083e-31, 1.056e-20, -np.pi, 3.2548512620237157e-131),
     (-5.383e-12, 5.383e-12, 0.0, 154595.98, 0.0, -9.489095417690253e-154),
     (-2.057986952374532, 2.057986952374532, -0.0, 0.697, np.pi, -8.189421719696215e-146),
