@@ -106,7 +106,8 @@ class Rod:
     @property
     def torsional_stiffness(self) -> Any:
         """C = A / (1 + nu) [force length^2]; eq. (20)."""
-        return self.bending_stiffness / (1 + self.nu)
+        with np.errstate(over="ignore", invalid="ignore"):
+            return self.bending_stiffness / (1 + self.nu)
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,7 +235,8 @@ class Case:
     @cached_property
     def rho(self) -> Any:
         """Distance of the centreline from the axis [length]: R + a outside, R - a inside; eq. (21)."""
-        return self.cylinder.R + self.outward * self.rod.a
+        with np.errstate(over="ignore"):  # told by the outcome
+            return self.cylinder.R + self.outward * self.rod.a
 
     @cached_property
     def loads(self) -> tuple[Any, Any, Any]:

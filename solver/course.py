@@ -202,6 +202,7 @@ def _pieces(
     # the start's place in its interval, from either end (also one turn on, where a rotation closes)
     x_low, x_high = _apart(start[b], c_low), _apart(start[b], c_high)
     x_low, x_high = np.where(x_low < 0, x_low + TAU, x_low), np.where(x_high > 0, x_high - TAU, x_high)
+    x_low, x_high = (np.where(np.abs(x) < TINY, 0.0, x) for x in (x_low, x_high))
     g_saddle = np.where(saddle_low, g_low, g_high)
     at_rest = np.abs(problem.dbeta0[b]) < TINY  # type: ignore[index]
     passes = g_saddle > 0
@@ -250,7 +251,7 @@ def _passing_scale(well: Well, limit: Array) -> Array:
     """a of x = a sinh(u), (P,)."""
     level = well.level[:, 0]
     bend = well.steepness(np.zeros((limit.size, 1)))[:, 0] / 4
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # a width that no float can hold when squared
         rise = well.drop(limit[:, None])[:, 0] / limit**2
         a = np.sqrt(level / np.maximum(bend, rise))
     flat = np.flatnonzero((bend < 0.01 * rise) & (level < 0.1 * rise * limit**2))

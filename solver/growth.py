@@ -4,25 +4,28 @@ import numpy as np
 
 from .landscape import slope_rate
 from .reduced import Array, Reduced
+from .sensitivity import slope_weight
 
 _BLOCK = 2**18  # stations worked on at once
 _MOST = 2**22  # stations that are worth their memory
 
 
 def growth(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
-    """Largest |d beta(t)/d beta(0)| and |d beta(t)/d beta_t(0)| over the stations t, at least 1.
+    """Largest |d beta(t)/d beta(0)| and w |d beta(t)/d beta_t(0)| over the stations t, at least 1; w: `slope_weight`.
 
     t, beta, rate (beta_t): (B, n) -> (B,). Order 4 in the distance of the stations, so a digit or two can be trusted
     where these resolve beta; but not after a rest near a saddle, where what grew has to cancel.
     """
-    worst = np.ones(problem.size)
+    worst, weight = np.ones(problem.size), slope_weight(problem)
     share = max(1, _BLOCK // t.shape[1])
     for first in range(0, problem.size, share):
         some = slice(first, first + share)
         product = _transfers(problem.take(some), t[some], beta[some], rate[some])
         for reach in (2**k for k in range((t.shape[1] - 1).bit_length())):  # of all steps from the start: doubling
             product[..., reach:] = _after(product[..., reach:], product[..., :-reach])
-        largest = np.fmax.reduce(np.abs(product[:2]), axis=(0, 2), initial=1.0)
+        grown = np.abs(product[:2])
+        grown[1] *= weight[some, None]
+        largest = np.fmax.reduce(grown, axis=(0, 2), initial=1.0)
         worst[some] = np.where(np.isfinite(product).any(axis=(0, 2)) | (t.shape[1] < 2), largest, np.inf)
     return worst
 

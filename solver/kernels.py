@@ -307,6 +307,36 @@ def _most(grown: Any, n: int, m: Any, sign: float, begin: float, when: Any, weig
 
 
 @compiled
+def _largest(rate: float, span: float) -> tuple[float, float]:
+    """The largest values on [0, span] of the two solutions of eta_tt = -rate eta that begin as 1 and as t."""
+    root = np.sqrt(abs(rate))
+    angle = min(root * span, 700.0)
+    if not angle > 1e-150:
+        return 1.0, span
+    if rate > 0:
+        return 1.0, (np.sin(angle) if angle < np.pi / 2 else 1.0) / root
+    return np.cosh(angle), np.sinh(angle) / root
+
+
+@compiled
+def beside_helix(lam: float, mu: float, phi: float, span: float, beta: float, v: float, weight: float) -> float:
+    """The condition number of a rod along which H' hardly changes, else 0: `sensitivity.beside_helix` of one rod."""
+    s, c = np.sin(beta), np.cos(beta)
+    s2, c2 = 2 * s * c, (c - s) * (c + s)
+    size = abs(c)
+    pull = (lam - (-mu if c < 0 else mu)) * c + mu * s * s * (1 + 2 * size) / (1 + size) - (phi + 2 * c * s * s) * s
+    rate = -lam * s + 2 * mu * s2 - phi * c - 2 * s * s * (3 * c * c - s * s)
+    second = -lam * c + 4 * mu * c2 + phi * s + 2 * s2 - 8 * s2 * c2
+    even, odd = _largest(rate, span)
+    half = _largest(rate, span / 2)[1]
+    strays = abs(v) * odd + 2 * abs(pull) * half * half
+    change = abs(second) * strays + (abs(lam) + 8 * abs(mu) + abs(phi) + 20) * strays * strays / 2
+    root = np.sqrt(abs(rate))
+    time = min(span, 1 / root) if root > 0 else span
+    return max(1.0, max(even, odd * weight)) if change * span * time < 0.1 else 0.0
+
+
+@compiled
 def judge(
     span: float, beta0: float, weight: float, swings: bool, count: Any, told: Any, grown: Any, judged: Any, m: Any
 ) -> None:
@@ -417,6 +447,9 @@ def march(
             judged[i, 0] = judged[i, 1] = np.inf
             continue
         judge(span, beta0, weights[i], status[i, 0] == TURNS, count[i], told[i], grown, judged[i], room)
+        steady = beside_helix(lam, mu, phi, span, beta0, v0, weights[i])
+        if steady > 0:
+            judged[i, 1] = steady
     return problems.shape[0], used
 
 

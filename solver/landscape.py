@@ -136,7 +136,7 @@ def _crossing(lo: Array, hi: Array, v0: Array, v1: Array, r0: Array, r1: Array) 
     secant = lo + (hi - lo) * w
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         cubic = secant + w * (1 - w) * ((1 - w) * (rise / r0 - (hi - lo)) - w * (rise / r1 - (hi - lo)))
-    return np.where((cubic - lo) * (cubic - hi) <= 0, cubic, secant)
+        return np.where((cubic - lo) * (cubic - hi) <= 0, cubic, secant)
 
 
 def _pairs(

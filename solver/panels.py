@@ -12,6 +12,7 @@ from .course import Course, Pieces
 from .reduced import Array, Reduced
 
 EPS = 2.0**-52
+MOST = 10_000  # panels made for one orbit: beyond it none is halved any more
 _ROUNDS = 14  # how often a panel may be halved
 _PATIENCE, _CROWD = 3, 16  # after so many halvings, of so many panels of a course, there is no more to gain
 _LINGERS = 1e4
@@ -62,6 +63,7 @@ def panelled(
     assert problem.dbeta0 is not None
     pieces = way.pieces
     wide = np.abs(pieces.u1 - pieces.u0)
+    wide = np.where(np.isfinite(wide), wide, 0.0)  # what no float can describe is one panel without a number: refused
     share = np.maximum(np.ceil(wide / np.where(wide > _LONG, stretch * length, length)), 1).astype(np.int64)
     piece = np.repeat(np.arange(share.size), share)
     k = np.arange(piece.size) - np.repeat(np.cumsum(share) - share, share)
@@ -78,9 +80,11 @@ def panelled(
     repeats = np.maximum(1, problem.span * fastest)
     leads = np.diff(pieces.part, prepend=-1) != 0
     done: list[tuple[Any, Array, Panels]] = []
+    made = np.zeros(problem.size, dtype=np.int64)
     for round_ in range(_ROUNDS + 1):
         batch = pieces.take(piece)
-        panels = _in_blocks(batch, near, far, points, _times if times_only else _series)
+        with np.errstate(over="ignore", invalid="ignore"):  # told by the slack
+            panels = _in_blocks(batch, near, far, points, _times if times_only else _series)
         enough = (panels.slack <= max(goal, 20 * EPS)) & (
             panels.drift <= np.maximum(goal / repeats[batch.part // 2], 40 * EPS)
         )
@@ -90,7 +94,9 @@ def panelled(
         enough &= ~lingers
         # panels beside a singularity are few; many that halving does not help are at the end of what rounding allows
         left = np.bincount(batch.part[~enough], minlength=2 * problem.size)
-        enough |= (round_ >= _PATIENCE) & (left[batch.part] > _CROWD) | (round_ == _ROUNDS)
+        made = made + np.bincount(batch.part // 2, minlength=problem.size)
+        spent = (round_ >= _PATIENCE) & (left[batch.part] > _CROWD) | (round_ == _ROUNDS) | ~np.isfinite(panels.slack)
+        enough |= spent | (made > MOST)[batch.part // 2]
         done.append((piece[enough], order[enough], panels.take(enough)))
         if enough.all():
             break

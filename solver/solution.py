@@ -12,6 +12,8 @@ from .landscape import potential
 from .methods.base import Trajectory
 from .reduced import Array, Reduced, flat
 
+_quiet = np.errstate(all="ignore")  # cases that were refused carry numbers that no float holds
+
 
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -40,6 +42,7 @@ class Solution:
         return flat(value, self.case.shape).reshape(*self.case.shape, 1)
 
     @cached_property
+    @_quiet
     def _loads(self) -> tuple[Array, Array, Array, Array]:
         """A, l, m, p as columns."""
         A = self._column(self.case.rod.bending_stiffness)
@@ -47,94 +50,112 @@ class Solution:
         return A, MZ / A, M3 / A, FZ / A
 
     @cached_property
+    @_quiet
     def _rho(self) -> Array:
         return self._column(self.case.rho)
 
     # along the rod
 
     @cached_property
+    @_quiet
     def s(self) -> Array:
         """Arc length, (*cases, n) [length]."""
         return self._along(self.t) * self._rho
 
     @cached_property
+    @_quiet
     def beta(self) -> Array:
         """Angle from the axis to the tangent, (*cases, n) [rad]."""
         return self._along(self.trajectory.beta)
 
     @cached_property
+    @_quiet
     def dbeta(self) -> Array:
         """d beta/ds, (*cases, n) [rad/length]."""
         return self._along(self.trajectory.dbeta) / self._rho
 
     @cached_property
+    @_quiet
     def alpha(self) -> Array:
         """Azimuth, (*cases, n) [rad]; eq. (37)."""
         return self._column(self.case.given.alpha) + self._along(self.trajectory.alpha)
 
     @cached_property
+    @_quiet
     def z(self) -> Array:
         """Height along the axis from the start, (*cases, n) [length]; eq. (37)."""
         return self._along(self.trajectory.z) * self._rho
 
     @cached_property
+    @_quiet
     def gamma(self) -> Array:
         """Rotation of the section against N, B, T, (*cases, n) [rad]; eq. (24), row 6."""
         twist = self._column(self.case.loads[2] / self.case.rod.torsional_stiffness)
         return self._column(self.case.given.gamma) + twist * self.s - self._along(self.trajectory.swirl())
 
     @cached_property
+    @_quiet
     def position(self) -> Array:
         """Centreline, (*cases, n, 3) [length]; the axis of the cylinder is z."""
         return frames.position(self._rho, self.alpha, self.z)
 
     @cached_property
+    @_quiet
     def tangent(self) -> Array:
         """Unit tangent, (*cases, n, 3); eq. (3)."""
         return frames.tangent(self.alpha, self.beta)
 
     @cached_property
+    @_quiet
     def normal(self) -> Array:
         """Unit inward normal of the cylinder, (*cases, n, 3); the paper's N."""
         return -frames.outward(self.alpha)
 
     @cached_property
+    @_quiet
     def material_frame(self) -> Array:
         """The section's frame d1, d2, d3 as rows, (*cases, n, 3, 3); eq. (13)."""
         return frames.material(self.alpha, self.beta, self.gamma)
 
     @cached_property
+    @_quiet
     def kappa(self) -> Array:
         """Curvature, (*cases, n) [1/length]."""
         return statics.curvature(self._rho, self.beta, self.dbeta)
 
     @cached_property
+    @_quiet
     def FY(self) -> Array:
         """Circumferential force, (*cases, n) [force]; eq. (30)."""
         A, l, m, _ = self._loads
         return statics.circumferential_force(A, l, m, self._rho, self.beta)
 
     @cached_property
+    @_quiet
     def F1(self) -> Array:
         """Internal force along the inward normal, (*cases, n) [force]; eq. (33), corrected."""
         A, _, m, _ = self._loads
         return statics.normal_force(A, m, self._rho, self.beta, self.dbeta)
 
     @cached_property
+    @_quiet
     def _surface_forces(self) -> tuple[Array, Array]:
         return statics.surface_forces(self.FY, self._column(self.FZ), self.beta)
 
     @property
+    @_quiet
     def F2(self) -> Array:
         """Internal force in the surface, across the rod, (*cases, n) [force]; eq. (31)."""
         return self._surface_forces[0]
 
     @property
+    @_quiet
     def F3(self) -> Array:
         """Internal force along the tangent, tension positive, (*cases, n) [force]; eq. (31)."""
         return self._surface_forces[1]
 
     @cached_property
+    @_quiet
     def contact(self) -> Array:
         """The cylinder's push per length, (*cases, n) [force/length], positive outward; eq. (34), corrected."""
         A, l, m, p = self._loads
@@ -142,21 +163,25 @@ class Solution:
         return statics.contact(A, m, self._rho, self.FY, H, self.beta, self.dbeta)
 
     @property
+    @_quiet
     def push(self) -> Array:
         """Contact counted positive where the cylinder pushes, negative where it lifts off, (*cases, n)."""
         return self.case.outward * self.contact
 
     @property
+    @_quiet
     def M1(self) -> Array:
         """Bending moment about the inward normal, A beta', (*cases, n) [force length]; eq. (19)."""
         return self._loads[0] * self.dbeta
 
     @property
+    @_quiet
     def M2(self) -> Array:
         """Bending moment about B, A sin^2(beta)/rho, (*cases, n) [force length]; eq. (19)."""
         return self._loads[0] * np.sin(self.beta) ** 2 / self._rho
 
     @cached_property
+    @_quiet
     def h(self) -> Array:
         """First integral beta'^2 + G(beta), (*cases, n) [1/length^2]; eq. (32). Constant but for the method's error."""
         column = Reduced(*(v[:, None] for v in (self.problem.lam, self.problem.mu, self.problem.phi)), *2 * [self.t])
@@ -166,16 +191,19 @@ class Solution:
     # of each case
 
     @cached_property
+    @_quiet
     def FZ(self) -> Any:
         """Axial force, (*cases) [force]; eq. (26)."""
         return self._each(flat(self.case.loads[0], self.case.shape))
 
     @cached_property
+    @_quiet
     def MZ(self) -> Any:
         """Axial moment, (*cases) [force length]; eq. (29)."""
         return self._each(flat(self.case.loads[1], self.case.shape))
 
     @cached_property
+    @_quiet
     def M3(self) -> Any:
         """Twisting moment, (*cases) [force length]."""
         return self._each(flat(self.case.loads[2], self.case.shape))
@@ -197,7 +225,11 @@ class Solution:
 
     @property
     def condition(self) -> Any:
-        """Largest |d beta/d beta(0)| and |d beta/d beta'(0)|/rho along the rod, at least 1, (*cases)."""
+        """How much a change of what is given grows along the rod, at least 1, (*cases).
+
+        Start problems: the largest |d beta/d beta(0)| and w |d beta/d beta'(0)|/rho, with
+        w = max(1, rho |beta'(0)|, rho sqrt|H'(beta(0))|). Ends problems: the largest |d beta/d beta(L)|.
+        """
         return self._each(self.trajectory.condition)
 
     @property

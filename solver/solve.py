@@ -9,8 +9,9 @@ import numpy as np
 from .blocks import run_in_blocks
 from .case import Case
 from .errors import InputError, choices, no_such
+from .limits import OUT_OF_RANGE, TOO_LARGE, dimensionless, representable, units_held
 from .methods import METHODS, MISSING, Method
-from .methods.base import Seed
+from .methods.base import Seed, Trajectory, blanked, stood_in
 from .reduced import Array, Reduced, flat, reduce
 from .solution import Solution
 
@@ -49,8 +50,23 @@ def solve(
         if problem.kind == "start":
             raise InputError("a seed chooses among the solutions of an ends problem; a start problem has only one")
         knobs["seed"] = _seed(case, problem, seed)
-    run = METHODS[name].run if problem.kind == "ends" else partial(run_in_blocks, METHODS[name])
-    return Solution(case, problem, run(problem, t, tol, **knobs), t, name, tol)
+    return Solution(case, problem, _run(case, problem, METHODS[name], t, tol, knobs), t, name, tol)
+
+
+def _run(case: Case, problem: Reduced, method: Method, t: Array, tol: float, knobs: dict[str, Any]) -> Trajectory:
+    """The method's answer; cases whose numbers no float can hold are refused by their outcome."""
+    held, finite = representable(case, problem), dimensionless(problem)
+    fit = held & finite
+    if not fit.all():
+        t = np.where(fit[:, None], t, np.linspace(0, 1, t.shape[1]))
+    run = method.run if problem.kind == "ends" else partial(run_in_blocks, method)
+    told = run(stood_in(problem, fit), t, tol, **knobs)
+    if problem.kind == "ends":  # only now is beta'(0) known
+        slope = np.where(np.isfinite(told.dbeta[:, 0]), told.dbeta[:, 0], 0.0)
+        held &= ~fit | representable(case, problem.started(slope))
+    for fine, why in ((held, OUT_OF_RANGE), (finite, TOO_LARGE), (units_held(case), OUT_OF_RANGE)):
+        told = blanked(told, fine, why)
+    return told
 
 
 def _check_knob(method: Method, knob: str, value: Any) -> None:
@@ -76,7 +92,8 @@ def _stations(case: Case, problem: Reduced, stations: Any) -> Array:
     if isinstance(stations, (int, np.integer)) and not isinstance(stations, bool):
         if not 2 <= stations <= 10_000_000:
             raise InputError(f"stations must be from 2 to 10000000, got {stations}")
-        return problem.span[:, None] * np.linspace(0, 1, int(stations))
+        with np.errstate(invalid="ignore", over="ignore"):  # a span that no float holds is refused by its outcome
+            return problem.span[:, None] * np.linspace(0, 1, int(stations))
     try:
         s = np.asarray(stations, dtype=float)
         s = np.broadcast_to(s, (*case.shape, s.shape[-1])).reshape(problem.size, -1)
@@ -89,7 +106,8 @@ def _stations(case: Case, problem: Reduced, stations: Any) -> Array:
     inside = np.isfinite(s) & (s >= 0) & (s <= length * (1 + 4e-16))
     if not inside.all() or (np.diff(s, axis=1) < 0).any():
         raise InputError(f"stations must rise within [0, L], L = {length.min()}, got {s.min()} to {s.max()}")
-    return np.minimum(s / flat(case.rho, case.shape)[:, None], problem.span[:, None])
+    with np.errstate(all="ignore"):
+        return np.minimum(s / flat(case.rho, case.shape)[:, None], problem.span[:, None])
 
 
 def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:
@@ -103,7 +121,8 @@ def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:
         u = seed.t / seed.problem.span[:, None]
         return Seed(told.dbeta[row, 0], u[row], told.beta[row], own, told.orbit, row)
     try:
-        slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
+        with np.errstate(over="ignore"):
+            slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
     except (TypeError, ValueError):
         raise InputError(f"seed must be beta'(0) or a Solution, got {seed!r}") from None
     start = problem.started(slope)

@@ -1,7 +1,7 @@
 """What a method is: dimensionless problems and stations in, a trajectory out."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..reduced import Array, Reduced
 
 SOLVED = "solved"
+PLAIN = (0.0, 0.0, 0.0, 1.0, 0.5, 0.0)  # lam, mu, phi, span, beta(0), beta_t(0)
 _SHAPELESS = 0.1  # rad: an error with which the shape is another, whatever the condition number excuses
 
 
@@ -120,3 +121,29 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> NDArray
         else:
             outcome[i] = f"solved; condition {condition[i]:.1e} costs digits: error {error[i]:.1e}"
     return outcome
+
+
+def stood_in(problem: Reduced, fit: NDArray[np.bool_]) -> Reduced:
+    """The problems, a plain rod in place of each that is not `fit` (B,), so that its neighbours are solved as ever."""
+    if fit.all():
+        return problem
+    plain = (*PLAIN, PLAIN[4])  # and beta(L)
+    pairs = zip(vars(problem).items(), plain, strict=True)
+    return Reduced(**{name: np.where(fit, v, x) for (name, v), x in pairs if v is not None})
+
+
+def blanked(told: Trajectory, fit: NDArray[np.bool_], why: str) -> Trajectory:
+    """The answer without what was told of the rods that stood in place of others; `why` is their outcome."""
+    if fit.all():
+        return told
+    shown = fit[:, None]
+    beta, dbeta, alpha, z = (np.where(shown, v, np.nan) for v in (told.beta, told.dbeta, told.alpha, told.z))
+    return replace(
+        told,
+        **{"beta": beta, "dbeta": dbeta, "alpha": alpha, "z": z},
+        swirl=lambda: np.where(shown, told.swirl(), np.nan),
+        outcome=np.where(fit, told.outcome, why),
+        error=np.where(fit, told.error, np.inf),
+        condition=np.where(fit, told.condition, np.inf),
+        evaluations=np.where(fit, told.evaluations, 0),
+    )

@@ -17,15 +17,14 @@ from numpy.typing import NDArray
 from ..chebyshev import basis, polynomials
 from ..course import HELIX, LIBRATION, Course, course
 from ..landscape import slope_bends, slope_rate, slope_size
-from ..panels import EPS, Panels, joined, panelled, running
+from ..limits import TOO_LARGE, dimensionless
+from ..panels import EPS, MOST, Panels, joined, panelled, running
 from ..reduced import Array, Reduced
 from ..sensitivity import condition
-from .base import Method, Trajectory, verdicts
+from .base import Method, Trajectory, blanked, stood_in, verdicts
 
+SPENT = f"failed: more than the {MOST} panels that one orbit may take"
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
-_LARGEST = 1e100  # dimensionless numbers beyond this would overflow when squared
-TOO_LARGE = "failed: the loads are beyond 1e100 in units of A and rho"
-PLAIN = (0.0, 0.0, 0.0, 1.0, 0.5, 0.0)  # lam, mu, phi, span, beta(0), beta_t(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,13 +123,14 @@ class Orbit:
         since, duration = self.since, self.panels.duration
         for k in range(0, part.size, _BLOCK):
             p, x = part[k : k + _BLOCK], local[k : k + _BLOCK]
-            first, count = self.first[p], self.count[p]
-            panel = first.copy()
-            for j in range(1, int(count.max(initial=0))):
-                panel += (j < count) & (x >= since[np.minimum(first + j, since.size - 1)])
+            panel, last = self.first[p], self.first[p] + np.maximum(self.count[p] - 1, 0)
+            for _ in range(int(self.count[p].max(initial=0)).bit_length()):  # halving what is left between the two
+                middle = (panel + last + 1) // 2
+                begun = x >= since[np.minimum(middle, since.size - 1)]
+                panel, last = np.where(begun, middle, panel), np.where(begun, last, middle - 1)
             panel = np.minimum(panel, since.size - 1)
-            with np.errstate(over="ignore"):  # a panel as short as a float can be
-                x = np.clip(2 * (x - since[panel]) / duration[panel] - 1, -1, 1)
+            with np.errstate(over="ignore"):  # a panel as short as a float can be, or shorter
+                x = np.clip(2 * (x - since[panel]) / np.maximum(duration[panel], 5e-324) - 1, -1, 1)
             out[k : k + _BLOCK] = np.einsum(
                 "pcn,np->pc", series[panel], polynomials(x, series.shape[2]), optimize=False
             )
@@ -242,47 +242,18 @@ def assembled(problem: Reduced, way: Course, panels: Panels) -> Orbit:
 
 def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     """All problems at once; those whose numbers a float cannot hold are refused by their outcome."""
-    some, fit = fitting(problem)
-    return blanked(_run(some, np.where(fit[:, None], t, 0), tol), fit)
-
-
-def fitting(problem: Reduced) -> tuple[Reduced, NDArray[np.bool_]]:
-    """The problems whose numbers a float can hold when squared, and which they are, (B,).
-
-    In place of any other a plain rod stands, so that its neighbours have their orbits in one batch with it.
-    """
-    assert problem.dbeta0 is not None
-    numbers = np.stack([problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, problem.dbeta0])
-    fit = (np.abs(numbers) < _LARGEST).all(axis=0) & (problem.span > 0)
-    if fit.all():
-        return problem, fit
-    lam, mu, phi, span, beta0, dbeta0 = np.where(fit, numbers, np.array(PLAIN)[:, None])
-    return Reduced(lam, mu, phi, span, beta0, dbeta0), fit
-
-
-def blanked(told: Trajectory, fit: NDArray[np.bool_]) -> Trajectory:
-    """The answer without what was told of the rods that stood in place of others."""
-    if fit.all():
-        return told
-    shown = fit[:, None]
-    beta, dbeta, alpha, z = (np.where(shown, v, np.nan) for v in (told.beta, told.dbeta, told.alpha, told.z))
-    return replace(
-        told,
-        **{"beta": beta, "dbeta": dbeta, "alpha": alpha, "z": z},
-        swirl=lambda: np.where(shown, told.swirl(), np.nan),
-        outcome=np.where(fit, told.outcome, TOO_LARGE),
-        error=np.where(fit, told.error, np.inf),
-        condition=np.where(fit, told.condition, np.inf),
-        evaluations=np.where(fit, told.evaluations, 0),
-    )
+    fit = dimensionless(problem)
+    return blanked(_run(stood_in(problem, fit), np.where(fit[:, None], t, 0), tol), fit, TOO_LARGE)
 
 
 def _run(problem: Reduced, t: Array, tol: float) -> Trajectory:
     orbit = solve_orbit(problem, tol)
     beta, dbeta, alpha, z = orbit.at(t)
-    growth = condition(problem, orbit.course, orbit.panels, orbit.since, orbit.first, orbit.count, orbit.duration)
+    growth = condition(orbit)
     error = _error(orbit, growth)
     outcome = verdicts(beta, error, growth, tol)
+    spent = np.bincount(orbit.panels.part // 2, minlength=problem.size) > MOST
+    outcome[spent & (error > tol * growth)] = SPENT
     calls = np.bincount(orbit.panels.part // 2, weights=orbit.panels.calls, minlength=problem.size).astype(np.int64)
     return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), outcome, error, growth, calls, orbit)
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from ..reduced import Array, Reduced
-from .base import Method, Seed, Trajectory
-from .orbit import PLAIN, joined_orbits, solve_orbit
+from .base import PLAIN, Method, Seed, Trajectory
+from .orbit import joined_orbits, solve_orbit
 
 _ROUNDS = 40
 NONE = "failed: the search met no equilibrium, though there always is one"

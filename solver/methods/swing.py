@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..course import HELIX, LIBRATION, ROTATION
-from ..landscape import slope_rate
+from ..limits import TOO_LARGE, dimensionless
 from ..reduced import Array, Reduced
+from ..sensitivity import slope_weight
 from . import orbit
-from .base import SOLVED, Method, Trajectory, verdicts
+from .base import SOLVED, Method, Trajectory, blanked, stood_in, verdicts
 from .orbit import Orbit, Where, located, solve_orbit
 
 INSTALLED = find_spec("numba") is not None
@@ -121,11 +122,10 @@ def _march(problem: Reduced, tol: float, store: _Store | None = None) -> tuple[S
     B, v0 = problem.size, problem.dbeta0
     numbers = np.stack([problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, v0], axis=1)
     with np.errstate(over="ignore", invalid="ignore"):
-        natural = np.sqrt(np.abs(slope_rate(problem, problem.beta0)))
         # what is late once is late again each period
         quickest = np.sqrt(np.abs(problem.lam) + 2 * np.abs(problem.mu) + np.abs(problem.phi) + 2)
         goals = np.maximum(0.002 * tol / np.maximum(1, problem.span * quickest / 6), 1e-17)
-    weights = np.maximum(np.maximum(1, np.abs(v0)), natural)
+    weights = slope_weight(problem)
     count, status = np.zeros((B, 2), dtype=np.int64), np.zeros((B, 2), dtype=np.int64)
     told, judged = np.zeros((B, 2, FACTS)), np.full((B, 2), np.inf)
     stored: list[_Store] = []
@@ -166,7 +166,8 @@ def joined(parts: list[Swing], problem: Reduced, some: slice) -> Swing:
 
 def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     """All problems, a block at a time; what a march would lose, or cannot do to the tolerance, `orbit` does."""
-    problem, fit = orbit.fitting(problem)
+    fit = dimensionless(problem)
+    problem = stood_in(problem, fit)
     t = np.where(fit[:, None], t, 0)
     whole, done, store = np.empty((4, *t.shape)), [], room_for(min(_BLOCK, problem.size))
     for block in (slice(k, k + _BLOCK) for k in range(0, problem.size, _BLOCK)):
@@ -177,6 +178,7 @@ def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     outcome = verdicts(whole[0], swing.error, swing.condition, tol)
     # promised or not, digits that only a march loses are worth a quadrature
     swing.lost[:] |= np.array([not text.startswith(SOLVED) for text in outcome]) | (swing.error > _DIGITS * tol)
+    swing.lost[:] |= ~np.isfinite(swing.condition)
     if swing.lost.any():
         lost = swing.lost
         told = orbit.run(problem.take(lost), t[lost], tol)
@@ -191,7 +193,7 @@ def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     told = Trajectory(
         beta, dbeta, alpha, z, lambda: found.swirl(t), outcome, found.error, found.condition, found.evaluations, found
     )
-    return orbit.blanked(told, fit)
+    return blanked(told, fit, TOO_LARGE)
 
 
 SWING = Method(

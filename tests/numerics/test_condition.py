@@ -3,12 +3,18 @@
 import numpy as np
 import pytest
 
-from solver import Case, Start, solve
+from solver import Case, Cylinder, Rod, Start, solve
+from solver.methods import METHODS
 from tests.cases import START, Named, helix_moment, in_units_of_rho, start_of
+from tests.extreme_cases import KINDS
+from tests.helix_cases import NEAR, problems
 from tests.reach import core
 from tests.references import references
+from tests.variation import growth, weight
 
 STARTS = core("start")
+BOTH = pytest.mark.parametrize("method", [name for name in ("orbit", "swing") if name in METHODS])
+SURE = 1e7  # growth up to which a march in doubles still knows the orbit when it comes back to its saddle
 
 
 @pytest.mark.parametrize("name", START)
@@ -105,3 +111,78 @@ def test_the_error_of_orbit_bounds_what_forty_digits_show() -> None:
             sol = solve(named.case, tol=tol, stations=9)
             off = np.abs(sol.beta[1:] - reference.beta).max()
             assert off <= 3 * sol.error + 2e-15 * reference.condition, (name, tol)
+
+
+@pytest.mark.parametrize("method", STARTS)
+@pytest.mark.parametrize("beta, L", ((1e-6, 1000.0), (1e-12, 200.0), (1e-16, 20.0)))
+def test_at_rest_next_to_a_degenerate_saddle_a_change_of_slope_grows_like_the_length(
+    beta: float, L: float, method: str
+) -> None:
+    """Without loads H = -2 cos(beta) sin^3(beta): the rod is straight all along, and H' too small to matter."""
+    sol = solve(Case(Rod(1e4, 0.25, 0.25, L), Cylinder(0.75), Start(beta, 0.0, M3=0.0)), method=method)
+    assert sol.condition == pytest.approx(L, rel=1e-2)
+    assert sol.solved
+
+
+@pytest.mark.parametrize("method", STARTS)
+def test_at_rest_on_a_stable_helix_nothing_grows(method: str) -> None:
+    """A root of H but for rounding: the rod stays, and it was refused for a condition number of 1e28."""
+    a = 0.01
+    rod = Rod(E=1 / (np.pi / 4 * a**4), nu=0.25, a=a, L=4.003957255807741)
+    loads = {"F2": 0.010259934572400042, "F3": -1.748793128640259, "M3": 0.46008023068061554}
+    sol = solve(Case(rod, Cylinder(1 - a), Start(0.19681798769769898, 0.0, **loads)), method=method)
+    assert sol.condition == pytest.approx(1, abs=1e-6)
+    assert sol.solved
+
+
+@BOTH
+def test_no_length_of_a_small_libration_is_ill_conditioned(method: str) -> None:
+    """A pendulum next to its rest: its period hardly depends on how far it swings, so that a million do not matter."""
+    for swing in (1e-16, 1e-12, 1e-8, 1e-5):
+        sol = solve(in_units_of_rho(0, 0, -1.0, 1e7, swing, swing / 3), method=method)
+        assert sol.condition < 3, swing
+
+
+@BOTH
+@pytest.mark.parametrize("kind", (*KINDS, *NEAR))
+def test_the_condition_number_is_that_of_the_variational_equation(kind: str, method: str) -> None:
+    checked(kind, 40, 5, method)
+
+
+@pytest.mark.slow
+@BOTH
+@pytest.mark.parametrize("kind", (*KINDS, *NEAR))
+def test_ten_thousand_condition_numbers_are_within_a_factor_of_three(kind: str, method: str) -> None:
+    checked(kind, 1000, 11, method)
+
+
+@pytest.mark.slow
+@BOTH
+@pytest.mark.parametrize("kind", ("plain", "centre", "gap"))
+def test_condition_numbers_of_long_rods_are_within_a_factor_of_three(kind: str, method: str) -> None:
+    """Some hundred swings, so that what a period adds counts and not what one swing does."""
+    checked(kind, 60, 3, method, longer=30.0)
+
+
+def checked(kind: str, n: int, seed: int, method: str, longer: float = 1.0) -> None:
+    """Within a factor of three of a march of order 8, and no rod refused because of a false condition number."""
+    p = problems(kind, n, seed)
+    p.span[:] *= longer
+    told = METHODS[method].run(p, p.span[:, None] * np.linspace(0, 1, 9), 1e-8)
+    true = growth(p.lam, p.mu, p.phi, p.span, p.beta0, p.dbeta0)
+    sure = true < SURE
+    ratio = told.condition / true
+    off = np.flatnonzero(sure & ~((ratio < 3) & (ratio > 1 / 3)))
+    assert not off.size, [(*(v[i] for v in vars(p).values() if v is not None), true[i], ratio[i]) for i in off[:3]]
+    assert (told.condition[~sure] > SURE / 3).all()
+    refused = np.array(["leaves no digit" in text for text in told.outcome])
+    assert not (refused & sure).any()
+
+
+def test_the_weight_of_a_slope_is_the_same_for_every_method() -> None:
+    """A straight pull: w = sqrt(phi), so that both changes grow as cosh, whoever solves."""
+    case = in_units_of_rho(0, 0, 400.0, 0.4, 1e-9, 0.0)
+    assert weight(0, 0, 400.0, 1e-9, 0.0) == pytest.approx(20, rel=1e-3)
+    told = {name: float(solve(case, method=name, tol=1e-6, stations=201).condition) for name in STARTS}
+    for name, value in told.items():
+        assert value == pytest.approx(np.cosh(20 * 0.4), rel=0.05), name

@@ -9,6 +9,8 @@ from solver.methods import METHODS
 from solver.observables import OBSERVABLES, observe
 from solver.reduced import Reduced
 from tests.cases import EXACT
+from tests.extreme_cases import KINDS
+from tests.helix_cases import NEAR, problems
 from workbench.trade_cases import CASES
 
 compiled = pytest.mark.skipif("swing" not in METHODS, reason="the extra fast is not installed")
@@ -150,3 +152,24 @@ def test_where_it_is_not_installed_it_is_refused_with_how_to_get_it(monkeypatch)
     monkeypatch.delitem(METHODS, "swing", raising=False)
     with pytest.raises(InputError, match=r"not installed: pip install 'rod-workbench\[fast\]'"):
         solve(EXACT["catenary"].case, method="swing")
+
+
+@compiled
+def test_its_linearised_growth_is_that_of_the_arrays() -> None:
+    from solver.kernels import beside_helix as of_one
+    from solver.sensitivity import beside_helix, slope_weight
+
+    some = 0
+    for kind in (*KINDS, *NEAR):
+        p = problems(kind, 200, 1)
+        assert p.dbeta0 is not None
+        steady, growth = beside_helix(p)
+        some += int(steady.sum())
+        with np.errstate(all="ignore"):
+            rows = zip(p.lam, p.mu, p.phi, p.span, p.beta0, p.dbeta0, slope_weight(p), strict=True)
+            one = np.array([of_one(*row) for row in rows])
+        clear = growth < 1e10  # beyond, the last bit of H at the start decides how far the rod strays
+        assert ((one > 0) != steady)[clear].sum() <= 1  # one may lie on the limit itself
+        both = steady & (one > 0)
+        np.testing.assert_allclose(one[both], growth[both], rtol=1e-9)
+    assert some > 300
