@@ -61,7 +61,8 @@ def loops(read: Reading) -> Any:
 
 def overlapping(read: Reading) -> Any:
     """1 where the rod would pass through itself, else 0; NaN where that cannot be told."""
-    return np.reshape(overlaps(read.sol, read.each(kappa_max(read)[0])), -1)
+    told = (read.each(v) for v in (kappa_max(read)[0], read.value("low"), read.value("high")))
+    return np.reshape(overlaps(read.sol, *told), -1)
 
 
 def index(read: Reading) -> Any:
@@ -236,7 +237,7 @@ MEASURED: dict[str, tuple[Callable[[Reading], Pair], tuple[str, ...]]] = {
     "bending_energy": (bending_energy, ("bending",)),
     "twist_energy": (twist_energy, ()),
 }
-_FROM = {"turns": ("low", "high"), "overlaps": ("tightest",)}  # what a whole number is measured from
+_FROM = {"turns": ("low", "high"), "overlaps": ("tightest", "low", "high")}  # what a whole number is measured from
 
 OBSERVABLES = (
     "turns", "bend_number", "loops", "amplitude", "kappa_mean", "kappa_max", "wraps", "height", "contact_size_mean",

@@ -85,10 +85,21 @@ _ROWS = (
     Quantity("error", "error", _NUMBER, "estimated error of beta, and of alpha and z/rho over max(1, L/rho)"),
     Quantity("condition", "condition", _NUMBER, "growth of a change of the start along the rod"),
     Quantity("outcome", "outcome", "text", "solved, or why not"),
-    Quantity("caution", "caution", "text", "why no real rod resting on the cylinder lies so; empty: none known"),
+    Quantity("caution", "caution", "text", "why no real rod resting on the cylinder lies so, or what was not checked; empty: checked, no reason"),
 )
 
+# of these an error is estimated: `<name>_error`
+ESTIMATED = (
+    "bend_number", "amplitude", "kappa_mean", "kappa_max", "wraps", "height", "contact_size_mean", "push_mean",
+    "pull_mean", "push_min", "push_max", "attached", "energy", "bending_energy", "twist_energy",
+)  # fmt: skip
+
 QUANTITIES: dict[str, Quantity] = {row.name: row for row in _ROWS}
+for _name in ESTIMATED:
+    _row = QUANTITIES[_name]
+    QUANTITIES[f"{_name}_error"] = Quantity(
+        f"{_name}_error", f"δ({_row.symbol})", _row.dimension, f"estimated error of: {_row.long_name}"
+    )
 
 
 def quantity(name: str) -> Quantity:

@@ -52,7 +52,7 @@ def stored(study: Study, axes: Sequence[str]) -> list[Stored]:
     for name in study.outputs:
         rows.append(Stored(name, f"{name}_along" if name in axes else name, (*axes, "u", *INNER.get(name, ())), name))
     for name in (
-        *study.wanted,
+        *study.recorded,
         "outcome",
         "caution",
         "error",
