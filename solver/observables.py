@@ -87,7 +87,8 @@ def bend_number(read: Reading) -> Pair:
     """
     orbit = read.sol.trajectory.orbit
     if orbit is None:
-        return np.full((2, read.sol.problem.size), np.nan)
+        unknown = np.full(read.sol.problem.size, np.nan)
+        return unknown, unknown
     with np.errstate(divide="ignore", invalid="ignore"):
         swings = (orbit.kind == LIBRATION) & _swings(read)
         count = np.where(swings, orbit.problem.span / (orbit.ahead + orbit.back), 0.0)

@@ -31,9 +31,10 @@ def overlaps(sol: Solution, kappa_max: Any, low: Any, high: Any) -> Any:
 
     It does where two points farther apart along the rod than pi a come closer in space than 2 a, or where kappa a is 1
     or more. kappa_max: the largest curvature, (*cases) [1/length]; low, high: the smallest and largest beta, (*cases).
-    Most rods are told by these alone (`_climbs`, `_goes_round_once`). Of the others points are taken from the orbit, as dense as the
-    rod is thick; where the method knows none, from the stations, and where these are farther apart than a/2 a rod
-    that does not meet itself at them might between them. A case that is not solved cannot be told either.
+    Rods that keep their way along the axis, or about it for less than a turn, are told by these alone. Of the others
+    points are taken from the orbit, as dense as the rod is thick; where the method knows none, from the stations, and
+    where these are farther apart than a/2 a rod that does not meet itself at them might between them. A case that is
+    not solved cannot be told either.
     """
     case, orbit = sol.case, sol.trajectory.orbit
     rho = flat(case.rho, case.shape)

@@ -198,7 +198,7 @@ def _taken(found: Resolved, index: Any) -> Resolved:
 def _joined(parts: list[Resolved]) -> Resolved:
     names = ("case", "row", "low", "high", "time", "count")
     pieces = [part.pieces for part in parts]
-    columns = {name: np.concatenate([getattr(p, name) for p in pieces]) for name in names}
+    columns: dict[str, Any] = {name: np.concatenate([getattr(p, name) for p in pieces]) for name in names}
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS}
     return Resolved(replace(pieces[0], **columns), **arrays)
 

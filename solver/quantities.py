@@ -70,7 +70,7 @@ _ROWS = (
     Quantity("kappa_max", "max κ", _PER_LENGTH, "largest curvature"),
     Quantity("wraps", "wraps", _NUMBER, "turns about the axis"),
     Quantity("height", "z(L)", _LENGTH, "height of the far end"),
-    Quantity("contact_size_mean", "mean |f|", (-1, 1), "mean size of the contact force per length, push and pull alike"),
+    Quantity("contact_size_mean", "mean |f|", (-1, 1), "mean size of the contact force per length (push and pull)"),
     Quantity("push_mean", "mean push", (-1, 1), "pushes of the cylinder alone, over the whole length"),
     Quantity("pull_mean", "mean pull", (-1, 1), "pulls of the cylinder alone, over the whole length"),
     Quantity("push_min", "min push", (-1, 1), "smallest push of the cylinder per length, negative where it pulls"),
@@ -85,7 +85,7 @@ _ROWS = (
     Quantity("error", "error", _NUMBER, "estimated error of beta, and of alpha and z/rho over max(1, L/rho)"),
     Quantity("condition", "condition", _NUMBER, "growth of a change of the start along the rod"),
     Quantity("outcome", "outcome", "text", "solved, or why not"),
-    Quantity("caution", "caution", "text", "why no real rod resting on the cylinder lies so, or what was not checked; empty: checked, no reason"),
+    Quantity("caution", "caution", "text", "why no real rod lies so, or what was not checked; empty: none"),
 )
 
 # of these an error is estimated: `<name>_error`

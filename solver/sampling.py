@@ -110,7 +110,8 @@ def _of_panels(orbit: Any, own: Array, case: Array, some: slice, whole: Any = No
     local = part // 2 - own[0]
     problem = orbit.problem.take(own)
     times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
-    found = _covered(problem, panels.series[mine, :2], local, part % 2 == 1, orbit.since[mine], panels.duration[mine], *times)
+    clock = orbit.since[mine], panels.duration[mine]
+    found = _covered(problem, panels.series[mine, :2], local, part % 2 == 1, *clock, *times)
     block = (orbit if whole is None else whole).problem.take(some)
     return replace(found, problem=block, case=np.asarray(case)[found.case])
 
@@ -246,7 +247,7 @@ def _joined(parts: list[Pieces], problem: Reduced) -> Pieces:
 def _from_powers(n: int) -> Array:
     """Coefficients of powers of x in [0, 1] to those of Chebyshev polynomials of 2 x - 1, (n, n)."""
     rows = np.zeros((n, n))
-    value = np.ones(1)
+    value: Array = np.ones(1)
     for k in range(n):
         rows[k, : value.size] = value
         value = C.chebmul(value, [0.5, 0.5])

@@ -4,6 +4,7 @@ Integrals by Gauss's rule between the zeros of push, zeros and extremes by bisec
 nothing is shared with the solver but the formulas of the physics notes, which are written out again here.
 """
 
+from itertools import pairwise
 from typing import Any
 
 import mpmath
@@ -78,7 +79,7 @@ def observed(numbers: Array, way: list[tuple[Array, float]]) -> dict[str, float]
                 if h > 1e-6:
                     beside = x[max(m - 1, 0)], x[min(m + 1, _POINTS - 1)]
                     best = minimize_scalar(
-                        lambda y, k=k, sign=sign: -sign * one(y, k), bounds=beside, method="bounded",
+                        lambda y, k=k, sign=sign, one=one: -sign * one(y, k), bounds=beside, method="bounded",
                         options={"xatol": 1e-12},
                     )  # fmt: skip
                     seen.append(-sign * best.fun)
@@ -94,7 +95,7 @@ def observed(numbers: Array, way: list[tuple[Array, float]]) -> dict[str, float]
             least = x[np.argmin(kappa)]
             near = h * 2.0 ** -np.arange(1, 44)
             edges = np.unique(np.clip([*edges, least, *(least + near), *(least - near)], 0, h))
-        for a, b in zip(edges[:-1], edges[1:], strict=True):
+        for a, b in pairwise(edges):
             y, w = (a + b) / 2 + (b - a) / 2 * _GAUSS[0], (b - a) / 2 * _GAUSS[1]
             beta, v, s, c = at(series, y)
             f, kappa = push_and_curvature(numbers, np.stack([beta, v, s, c]))

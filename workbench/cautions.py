@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver import Solution
-from solver.observables import observe
+from solver.observables import error_name, observe
 
 if TYPE_CHECKING:  # a worker has no use for it
     import xarray as xr
@@ -39,8 +39,9 @@ def of_cases(sol: Solution, observed: Mapping[str, Any] | None = None) -> Any:
     with their errors, by name.
     """
     known = dict(observed or {})
-    missing = [name for name in _JUDGED if name not in known or f"{name}_error" not in known and name != "overlaps"]
-    known |= observe(sol, missing, errors=True)
+    needed = [*_JUDGED, *(error for name in _JUDGED if (error := error_name(name)))]
+    missing = dict.fromkeys(name.removesuffix("_error") for name in needed if name not in known)
+    known = {**observe(sol, missing, errors=True), **known}
     tight, free = _tight(sol, known)
     meets = np.asarray(known["overlaps"], dtype=float)
     pulled, held = _pulled(sol, known)

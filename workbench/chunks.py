@@ -79,7 +79,8 @@ def solve_one(case: Case, which: Which | None, tol: float, method: str, stations
 def columns(study: Study, sol: Solution) -> Columns:
     """What is stored of each case, (cases, ...): outputs, observables, loads, how well it was solved, and the caution.
 
-    Whether a real rod can take the shape is looked at for every case, whatever is stored of it. Numbers of a case that was not solved are NaN, but for its loads.
+    Whether a real rod can take the shape is looked at for every case, whatever is stored of it.
+    Numbers of a case that was not solved are NaN, but for its loads.
     """
     cases = sol.case.size
     mine = np.asarray(sol.solved).reshape(-1)
