@@ -14,7 +14,7 @@ from numpy.polynomial import chebyshev as C
 from numpy.typing import NDArray
 
 from .chebyshev import polynomials
-from .course import LIBRATION, ROTATION
+from .course import LIBRATION
 from .landscape import slope, slope_rate
 from .reduced import Array, Reduced
 from .solution import Solution
@@ -225,12 +225,6 @@ def resolved(sol: Solution) -> NDArray[np.bool_]:
         step = np.diff(t, axis=1).max(axis=1, initial=0.0)
         dense = step * np.maximum(np.maximum(quickest, swift), 1) <= _RESOLVED
     return dense & (t[:, 0] == 0) & (t[:, -1] >= span * (1 - 1e-12)) & (t.shape[1] >= 5)
-
-
-def rotates(sol: Solution) -> NDArray[np.bool_]:
-    """Whether beta goes round, (B,); False where no orbit is known."""
-    orbit = sol.trajectory.orbit
-    return np.zeros(sol.problem.size, dtype=bool) if orbit is None else orbit.kind == ROTATION
 
 
 def _joined(parts: list[Pieces], problem: Reduced) -> Pieces:
