@@ -253,8 +253,9 @@ def error_name(name: str) -> str | None:
 
 
 def observe(sol: Solution, names: Iterable[str], errors: bool = False) -> dict[str, Any]:
-    """The named observables of a solution, each (*cases); NaN where a case has no shape.
+    """The named observables of a solution: name -> (*cases), a number for a single case; NaN where a case has no shape.
 
+    names: of `OBSERVABLES`, whose units and long names are in `solver.quantities`: `observe(sol, ["turns", "energy"])`.
     errors: also how far each may be off, as `<name>_error` in the same unit, but for the whole numbers `turns`,
     `loops`, `overlaps` and `index`. NaN where it cannot be told: the method knows no orbit, and its stations do not
     show every bend, or are those of a stretch of the rod. Raises `InputError` for an unknown name.

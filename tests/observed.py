@@ -89,12 +89,8 @@ def observed(numbers: Array, way: list[tuple[Array, float]]) -> dict[str, float]
             angles.append(float(polyval(brentq(lambda y, s=series: polyval(y, s[1]), x[k], x[k + 1]), series[0])))
         change = np.flatnonzero((f[1:] > 0) != (f[:-1] > 0))
         roots = [brentq(one, x[k], x[k + 1], args=(0,), xtol=1e-16) for k in change]
-        low = kappa.min() < 0.1 * kappa.max()  # next to a kink of kappa many short stretches
-        edges = np.unique([0.0, *roots, h, *np.linspace(0, h, 2)])
-        if low:
-            least = x[np.argmin(kappa)]
-            near = h * 2.0 ** -np.arange(1, 44)
-            edges = np.unique(np.clip([*edges, least, *(least + near), *(least - near)], 0, h))
+        cells = np.linspace(0, h, 101 if kappa.min() < kappa.max() / 2 else 11)  # short ones next to kinks of kappa
+        edges = np.unique([*cells, *roots])
         for a, b in pairwise(edges):
             y, w = (a + b) / 2 + (b - a) / 2 * _GAUSS[0], (b - a) / 2 * _GAUSS[1]
             beta, v, s, c = at(series, y)
