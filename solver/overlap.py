@@ -22,35 +22,56 @@ from .solution import Solution
 
 _PARTS = 16  # of a period, to begin with
 _FINEST = 2.0**-8  # of the radius: stretches no longer than that are points, which a thousandth of 2 a may escape
-_ROUNDS, _PAIRS = 10_000_000, 2_000_000  # periods and pairs of stretches looked at before giving up
+_ROUNDS, _PAIRS = 10_000_000, 300_000  # periods and pairs of stretches looked at before giving up
 _COARSE, _DENSE, _MOST = 0.5, 0.125, 200_000  # of the radius: stations apart; points made of them, and how many
 
 
-def overlaps(sol: Solution, kappa_max: Any) -> Any:
+def overlaps(sol: Solution, kappa_max: Any, low: Any, high: Any) -> Any:
     """1 where the rod would pass through itself, else 0, NaN where that cannot be told, (*cases).
 
     It does where two points farther apart along the rod than pi a come closer in space than 2 a, or where kappa a is 1
-    or more. kappa_max: the largest curvature, (*cases) [1/length]. Points are taken from the orbit, as dense as the
-    rod is thick; where the method knows none, from the stations, and where these are farther apart than a/2 a rod
-    that does not meet itself at them might between them. A case that is not solved cannot be told either.
+    or more. kappa_max: the largest curvature, (*cases) [1/length]; low, high: the smallest and largest beta, (*cases).
+    Rods that keep their way along the axis, or about it for less than a turn, are told by these alone. Of the others
+    points are taken from the orbit, as dense as the rod is thick; where the method knows none, from the stations, and
+    where these are farther apart than a/2 a rod that does not meet itself at them might between them. A case that is
+    not solved cannot be told either.
     """
     case, orbit = sol.case, sol.trajectory.orbit
     rho = flat(case.rho, case.shape)
     a = flat(case.rod.a, case.shape) / rho
     tightest = flat(kappa_max, case.shape) * rho
     found = np.full(case.size, np.nan)
-    for i in np.flatnonzero(np.reshape(sol.solved, -1) & np.isfinite(tightest)):
+    known = np.reshape(sol.solved, -1) & np.isfinite(tightest)
+    thick = a * tightest >= 1
+    with np.errstate(invalid="ignore", divide="ignore"):
+        apart = np.where(tightest > 0, 2 / tightest * (np.pi - np.arcsin(np.minimum(a * tightest, 1))), np.inf)
+        range_ = flat(low, case.shape), flat(high, case.shape)
+        free = (sol.problem.span <= apart) | _climbs(*range_, a, apart)
+        free |= _goes_round_once(*range_, a, apart, sol.problem.span)
+    found[known & thick], found[known & ~thick & free] = 1, 0
+    for i in np.flatnonzero(known & ~thick & ~free):
         length = float(sol.problem.span[i])
-        if a[i] * tightest[i] >= 1:
-            found[i] = 1
-        elif length <= _apart(a[i], tightest[i]):
-            found[i] = 0
-        elif orbit is None:
+        if orbit is None:
             found[i] = _at_stations(sol, int(i), a[i])
         else:
             found[i] = meets(_strand(orbit.take(i), length, a[i], tightest[i]))
     whole = found if np.isnan(found).any() else found.astype(np.int64)
     return whole.reshape(case.shape)[()]
+
+
+def _climbs(low: Array, high: Array, a: Array, apart: Array) -> Any:
+    """Whether the rod keeps its way along the axis, and gains two radii there on any stretch long enough to meet."""
+    way = np.round((low + high) / (2 * np.pi))
+    ahead = np.maximum(np.abs(low - np.pi * way), np.abs(high - np.pi * way))
+    return (ahead < np.pi / 2) & (np.cos(ahead) * apart > 2 * a)
+
+
+def _goes_round_once(low: Array, high: Array, a: Array, apart: Array, span: Array) -> Any:
+    """Whether the rod keeps its way about the axis, is less than a turn long, and gains two radii there likewise."""
+    aside = np.floor((low + high) / (2 * np.pi)) + 0.5
+    off = np.maximum(np.abs(low - np.pi * aside), np.abs(high - np.pi * aside))
+    thick = 2 * np.arcsin(np.minimum(a, 1))
+    return (off < np.pi / 2) & (np.cos(off) * apart > thick) & (span < 2 * np.pi - thick) & (a < 1)
 
 
 def _apart(a: float, tightest: float) -> float:

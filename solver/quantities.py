@@ -53,7 +53,7 @@ _ROWS = (
     Quantity("F2", "F₂", _FORCE, "internal force in the surface, across the rod"),
     Quantity("F3", "F₃", _FORCE, "internal force along the tangent, tension positive"),
     Quantity("FY", "FY", _FORCE, "circumferential force"),
-    Quantity("contact", "f", (-1, 1), "push of the cylinder per length, positive outward"),
+    Quantity("contact", "f", (-1, 1), "contact force per length, positive outward"),
     Quantity("M1", "M₁", _MOMENT, "bending moment about the inward normal"),
     Quantity("M2", "M₂", _MOMENT, "bending moment about the binormal in the surface"),
     # constants of the rod
@@ -70,21 +70,36 @@ _ROWS = (
     Quantity("kappa_max", "max κ", _PER_LENGTH, "largest curvature"),
     Quantity("wraps", "wraps", _NUMBER, "turns about the axis"),
     Quantity("height", "z(L)", _LENGTH, "height of the far end"),
-    Quantity("contact_mean", "mean |f|", (-1, 1), "mean size of push or pull per length"),
-    Quantity("contact_min", "min f", (-1, 1), "smallest push per length, positive outward"),
-    Quantity("contact_max", "max f", (-1, 1), "largest push per length, positive outward"),
+    Quantity("contact_size_mean", "mean |f|", (-1, 1), "mean size of the contact force per length (push and pull)"),
+    Quantity("push_mean", "mean push", (-1, 1), "pushes of the cylinder alone, over the whole length"),
+    Quantity("pull_mean", "mean pull", (-1, 1), "pulls of the cylinder alone, over the whole length"),
+    Quantity("push_min", "min push", (-1, 1), "smallest push of the cylinder per length, negative where it pulls"),
+    Quantity("push_max", "max push", (-1, 1), "largest push of the cylinder per length"),
     Quantity("attached", "attached", _NUMBER, "share of the length where the cylinder pushes"),
     Quantity("overlaps", "overlaps", _NUMBER, "1 where the rod would pass through itself, else 0"),
-    Quantity("energy", "energy", _MOMENT, "energy less the work of the end loads"),
+    Quantity("energy", "energy", _MOMENT, "bending and twist energy less the work of the dead loads"),
+    Quantity("bending_energy", "bending energy", _MOMENT, "bending energy"),
+    Quantity("twist_energy", "twist energy", _MOMENT, "twist energy"),
     Quantity("index", "index", _NUMBER, "Morse index (0: stable)"),
     # how well it was solved
     Quantity("error", "error", _NUMBER, "estimated error of beta, and of alpha and z/rho over max(1, L/rho)"),
     Quantity("condition", "condition", _NUMBER, "growth of a change of the start along the rod"),
     Quantity("outcome", "outcome", "text", "solved, or why not"),
-    Quantity("caution", "caution", "text", "why no real rod resting on the cylinder lies so; empty: none known"),
+    Quantity("caution", "caution", "text", "why no real rod lies so, or what was not checked; empty: none"),
 )
 
+# of these an error is estimated: `<name>_error`
+ESTIMATED = (
+    "bend_number", "amplitude", "kappa_mean", "kappa_max", "wraps", "height", "contact_size_mean", "push_mean",
+    "pull_mean", "push_min", "push_max", "attached", "energy", "bending_energy", "twist_energy",
+)  # fmt: skip
+
 QUANTITIES: dict[str, Quantity] = {row.name: row for row in _ROWS}
+for _name in ESTIMATED:
+    _row = QUANTITIES[_name]
+    QUANTITIES[f"{_name}_error"] = Quantity(
+        f"{_name}_error", f"δ({_row.symbol})", _row.dimension, f"estimated error of: {_row.long_name}"
+    )
 
 
 def quantity(name: str) -> Quantity:

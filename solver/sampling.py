@@ -1,167 +1,248 @@
-"""Where along the rod the observables are read: points that do not depend on the stations asked for.
+"""The rod as pieces on which beta and beta_t are Chebyshev series in time: where its observables are read.
 
-Where the method knows the orbit: composite Gauss points over one period, counted as often as it repeats, and over what
-is left of the rod. Elsewhere the stations themselves, with straight lines between them.
+Where the method knows the orbit, the pieces are the orbit's own panels or steps, which are graded towards saddles; each
+counts as often as the rod passes it, and the panel in which the rod ends is cut there. Elsewhere the pieces lie
+between neighbouring stations: quintic polynomials through beta and beta_t and their rates, which the equation gives.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import chebyshev as C
+from numpy.typing import NDArray
 
-from .methods.base import Trajectory
-from .reduced import Array
+from .chebyshev import polynomials
+from .course import LIBRATION
+from .landscape import slope, slope_rate
+from .reduced import Array, Reduced
 from .solution import Solution
 
 ORBITS = ("orbit", "swing", "shooting")  # the methods that know the orbit
 
-_PARTS, _POINTS = 96, 6
-_ZOOMS, _ZOOM_POINTS = 6, 17
-
-Quantity = Callable[[Solution], Array]
+_CASES = 48  # of a block: what is worked on stays in the cache
+_RESOLVED = 1.0  # stations at most so far apart, in units of 1/sqrt(|H'|), show every bend
+_HERMITE = np.array(  # y(0), y(1), y'(0), y'(1), y''(0), y''(1) to powers of x, rising
+    [
+        [1, 0, 0, -10, 15, -6],
+        [0, 0, 0, 10, -15, 6],
+        [0, 1, 0, -6, 8, -3],
+        [0, 0, 0, -4, 7, -3],
+        [0, 0, 0.5, -1.5, 1.5, -0.5],
+        [0, 0, 0, 0.5, -1, 0.5],
+    ]
+)
 
 
 @dataclass(frozen=True, eq=False)
-class Sampled:
-    """A solution read at points that show all of each rod.
+class Pieces:
+    """Q pieces of the rods of B problems.
 
-    solution: at the points, arrays (*cases, K). parts: (B, P), lengths in t of the parts, as often as they count; each
-    part has the same rule of points. pitch: (B, 1), the length in t of a part of the first round.
+    series: (P, 2, N), Chebyshev coefficients of beta and |beta_t| on panels. case: (Q,), of which problem. row: (Q,),
+    on which panel. low, high: (Q,), from where to where on it, in [-1, 1]. time: (Q,), length in t. count: (Q,), how
+    often the rod passes the piece.
     """
 
-    solution: Solution
-    parts: Array
-    pitch: Array
-    read: Callable[[Array], Solution] | None
+    problem: Reduced
+    series: Array
+    case: NDArray[np.int64]
+    row: NDArray[np.int64]
+    low: Array
+    high: Array
+    time: Array
+    count: Array
 
-    def integral(self, quantity: Quantity) -> Any:
-        """Integral along the rod of a smooth quantity, (*cases) [its unit times length]."""
-        values = self._split(quantity(self.solution))
-        weights = _rule(values.shape[-1])[1]
-        return self._whole((values @ weights * self.parts).sum(axis=1))
+    def take(self, index: Any) -> "Pieces":
+        """The pieces that an index picks."""
+        names = ("case", "row", "low", "high", "time", "count")
+        return replace(self, **{name: getattr(self, name)[index] for name in names})
 
-    def integral_of_size(self, quantity: Quantity) -> Any:
-        """Integral of |quantity|, its changes of sign found inside the parts, (*cases)."""
-        values = self._split(quantity(self.solution))
-        if self.read is None:  # the trapezoidal rule's error in |f| is smallest when its kinks are left alone
-            return self.integral(lambda at: np.abs(quantity(at)))
-        return self._whole((_signed(values)[0] * self.parts).sum(axis=1))
+    def halves(self) -> "Pieces":
+        """Each piece as two, one after the other."""
+        twice = self.take(np.repeat(np.arange(self.case.size), 2))
+        second = np.arange(twice.case.size) % 2 == 1
+        middle = (twice.low + twice.high) / 2
+        low, high = np.where(second, middle, twice.low), np.where(second, twice.high, middle)
+        return replace(twice, low=low, high=high, time=twice.time / 2)
 
-    def share_not_negative(self, quantity: Quantity) -> Any:
-        """Share of the length on which quantity >= 0, (*cases)."""
-        values = self._split(quantity(self.solution))
-        share = (_signed(values)[1] * self.parts).sum(axis=1) / self.parts.sum(axis=1)
-        return self.solution._each(np.clip(share, 0, 1))
-
-    def largest(self, quantity: Quantity) -> Any:
-        """Largest value along the rod, (*cases), found by closing in on the largest at the points."""
-        values = quantity(self.solution)
-        best = values.max(axis=-1)
-        if self.read is None:
-            return best
-        t = self.solution.t
-        at = np.take_along_axis(t, values.reshape(t.shape).argmax(axis=1)[:, None], axis=1)
-        reach, span = self.pitch, self.solution.problem.span[:, None]
-        for _ in range(_ZOOMS):
-            near = np.clip(at + reach * np.linspace(-1, 1, _ZOOM_POINTS), 0, span)
-            values = quantity(self.read(near))
-            at = np.take_along_axis(near, values.reshape(near.shape).argmax(axis=1)[:, None], axis=1)
-            best = np.fmax(best, values.max(axis=-1))
-            reach = 2 * reach / (_ZOOM_POINTS - 1)
-        return best
-
-    def _split(self, values: Array) -> Array:
-        """Values at the points of each part, (B, P, points)."""
-        if self.read is None:
-            flat = values.reshape(self.parts.shape[0], -1)
-            return np.stack([flat[:, :-1], flat[:, 1:]], axis=-1)
-        return values.reshape(*self.parts.shape, -1)
-
-    def _whole(self, values: Array) -> Any:
-        """Sums in t as integrals along s, in the shape of the cases."""
-        return self.solution._each(values) * self.solution._rho[..., 0][()]
+    def at(self, nodes: Array) -> tuple[Array, Array]:
+        """beta and |beta_t| at nodes (m,) of [-1, 1] on each piece, (Q, m) each."""
+        n = self.series.shape[2]
+        out = np.empty((self.case.size, 2, nodes.size))
+        whole = (self.low == -1) & (self.high == 1)
+        if whole.any():
+            out[whole] = self.series[self.row[whole]] @ polynomials(nodes, n)
+        cut = np.flatnonzero(~whole)
+        if cut.size:
+            low, high = self.low[cut, None], self.high[cut, None]
+            x = np.clip(low + (high - low) * (1 + nodes) / 2, -1, 1)
+            out[cut] = np.einsum("qcn,nqm->qcm", self.series[self.row[cut]], polynomials(x, n), optimize=True)
+        return out[:, 0], out[:, 1]
 
 
-def sampled(sol: Solution) -> Sampled:
-    """The points at which to read a solution."""
+def blocks(sol: Solution) -> Iterator[tuple[slice, Pieces]]:
+    """The pieces of all cases of a solution, some cases at a time, counted from the first of them."""
     orbit = sol.trajectory.orbit
-    if orbit is None:
-        return Sampled(sol, np.diff(sol.t, axis=1), sol.problem.span[:, None], None)
-    span = orbit.problem.span[:, None]
-    period = orbit.period[:, None]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        rounds = np.where(period < span, np.floor(span / period), 0)
-        left = np.where(rounds > 0, np.clip(span - rounds * period, 0, period), 0)
-    whole = np.where(rounds > 0, period, span)
-    share = ((np.arange(_PARTS)[:, None] + _rule(_POINTS)[0]) / _PARTS).ravel()
-    parts = np.repeat(np.concatenate([whole * np.maximum(rounds, 1), left], axis=1) / _PARTS, _PARTS, axis=1)
-    read = make_reader(sol)
-    return Sampled(read(np.concatenate([whole * share, left * share], axis=1)), parts, whole / _PARTS, read)
+    for start in range(0, sol.problem.size, _CASES):
+        some = slice(start, min(start + _CASES, sol.problem.size))
+        yield some, of_stations(sol, some) if orbit is None else of_orbit(orbit, some)
 
 
-def make_reader(sol: Solution) -> Callable[[Array], Solution]:
-    """A function that reads the same orbits at other t (B, n); NaN where a case has no shape."""
-    orbit, was = sol.trajectory.orbit, sol.trajectory
-    shapeless = ~np.isfinite(was.beta).all(axis=1)
-
-    def read(t: Array) -> Solution:
-        beta, dbeta, alpha, z = orbit.at(t)
-        for values in (beta, dbeta, alpha, z):
-            values[shapeless] = np.nan
-        told = was.outcome, was.error, was.condition, was.evaluations
-        return replace(sol, trajectory=Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), *told, orbit), t=t)
-
-    return read
+def of_orbit(orbit: Any, some: slice) -> Pieces:
+    """The pieces of some of the problems of an `Orbit` or a `Swing`."""
+    if not hasattr(orbit, "lost"):
+        return _of_panels(orbit, np.arange(some.start, some.stop), np.arange(some.stop - some.start), some)
+    lost = orbit.lost[some]
+    found = [_of_steps(orbit, some, np.flatnonzero(~lost))] if not lost.all() else []
+    if lost.any() and orbit.rest is not None:
+        first = int(np.count_nonzero(orbit.lost[: some.start]))
+        found.append(_of_panels(orbit.rest, first + np.arange(int(lost.sum())), np.flatnonzero(lost), some, orbit))
+    return _joined(found, orbit.problem.take(some))
 
 
-def _signed(values: Array) -> tuple[Array, Array]:
-    """Integral of |f| and measure of f >= 0 over [0, 1] for each part, from values at its points: (B, P) each.
-
-    Where f changes sign, that of the polynomial through the points is followed between them, one change a gap.
-    """
-    points, weights, antiderivative = _rule(values.shape[-1])
-    size, share = np.abs(values) @ weights, (values >= 0) @ weights
-    row, part = np.nonzero((values.max(axis=-1) > 0) & (values.min(axis=-1) < 0))
-    if not row.size:
-        return size, share
-    y = values[row, part]
-    primitive = y @ antiderivative  # coefficients of the integral from 0, rising powers
-    slope = primitive[:, 1:] * np.arange(1, primitive.shape[1])
-    edges = [np.zeros(row.size)]
-    for k in range(points.size - 1):
-        y0, y1 = y[:, k], y[:, k + 1]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            x = points[k] + (points[k + 1] - points[k]) * y0 / (y0 - y1)
-            for _ in range(3):
-                step = _horner(slope, x) / _horner(slope[:, 1:] * np.arange(1, slope.shape[1]), x)
-                x = np.clip(np.where(np.isfinite(step), x - step, x), points[k], points[k + 1])
-        edges.append(np.where(y0 * y1 < 0, x, edges[-1]))
-    edges.append(np.ones(row.size))
-    pieces = [(_horner(primitive, b) - _horner(primitive, a), b - a) for a, b in pairwise(edges)]
-    size[row, part] = sum(np.abs(area) for area, _ in pieces)
-    share[row, part] = sum(np.where(area >= 0, width, 0) for area, width in pieces)
-    return size, share
+def _of_panels(orbit: Any, own: Array, case: Array, some: slice, whole: Any = None) -> Pieces:
+    """The pieces of the problems `own` of an `Orbit`, which are the problems `case` of the block."""
+    panels = orbit.panels
+    first, last = np.searchsorted(panels.part, [2 * own[0], 2 * own[-1] + 2])
+    mine = slice(int(first), int(last))
+    part = panels.part[mine]
+    local = part // 2 - own[0]
+    problem = orbit.problem.take(own)
+    times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
+    clock = orbit.since[mine], panels.duration[mine]
+    found = _covered(problem, panels.series[mine, :2], local, part % 2 == 1, *clock, *times)
+    block = (orbit if whole is None else whole).problem.take(some)
+    return replace(found, problem=block, case=np.asarray(case)[found.case])
 
 
-def _horner(coefficients: Array, x: Array) -> Array:
-    """Polynomials (P, n), rising powers, each at its own x (P,)."""
-    value = np.zeros_like(x)
-    for k in range(coefficients.shape[1] - 1, -1, -1):
-        value = value * x + coefficients[:, k]
-    return value
+def _of_steps(swing: Any, some: slice, case: Array) -> Pieces:
+    """The pieces of the problems `case` of a block of a `Swing`: its steps, marched again."""
+    from .methods.swing import _march
+
+    own = some.start + case
+    problem = swing.problem.take(own)
+    _, (_, count, since, width, taylor) = _march(problem, swing.tol)
+    part = np.repeat(np.arange(2 * case.size), count.reshape(-1))
+    with np.errstate(under="ignore", over="ignore", invalid="ignore"):
+        order = np.arange(taylor.shape[2])
+        power = width[:, None] ** order
+        angle = taylor[:, 0] * power
+        rate = taylor[:, 0, 1:] * order[1:] * power[:, :-1]
+    series = np.zeros((width.size, 2, order.size))
+    series[:, 0] = angle @ _from_powers(order.size)
+    series[:, 1, :-1] = rate @ _from_powers(order.size - 1)
+    times = swing.ahead[own], swing.back[own], swing.period[own], swing.kind[own]
+    found = _covered(problem, series, part // 2, part % 2 == 1, since, width, *times)
+    return replace(found, problem=swing.problem.take(some), case=case[found.case])
 
 
-@cache
-def _rule(n: int) -> tuple[Array, Array, Array]:
-    """n points on [0, 1], their weights, and values-to-antiderivative, (n, n + 1): the ends for n = 2, else Gauss."""
-    if n == 2:
-        points, weights = np.array([0.0, 1.0]), np.array([0.5, 0.5])
-    else:
-        x, w = np.polynomial.legendre.leggauss(n)
-        points, weights = (x + 1) / 2, w / 2
-    powers = np.linalg.inv(np.vander(points, increasing=True)).T
-    antiderivative = np.concatenate([np.zeros((n, 1)), powers / np.arange(1, n + 1)], axis=1)
-    return points, weights, antiderivative
+def _covered(
+    problem: Reduced,
+    series: Array,
+    case: Array,
+    second: Array,
+    since: Array,
+    duration: Array,
+    ahead: Array,
+    back: Array,
+    period: Array,
+    kind: Array,
+) -> Pieces:
+    """What the rods cover of panels on courses of the lengths ahead and back, and how often."""
+    span = problem.span
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        rest = np.where(np.isfinite(period), np.fmod(span, period), span)
+        rounds = np.where(np.isfinite(period), np.round((span - rest) / period), 0.0)
+    folded = (kind == LIBRATION)[case]
+    whole = rounds[case] * np.where(folded, 2, 1)
+    begins = since + np.where(second, 2 * ahead[case], 0), 2 * (ahead[case] + second * back[case]) - since - duration
+    cut: list[tuple[Array, Array, Array, Array]] = []
+    for begin, returns in zip(begins, (False, True), strict=True):
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            share = np.clip((rest[case] - begin) / duration, 0, 1)
+        share = np.where(folded | (not returns), share, 0)
+        whole = whole + (share == 1)
+        some = np.flatnonzero((share > 0) & (share < 1))
+        edge = 2 * share[some] - 1
+        cut.append((some, np.where(returns, -edge, -1), np.where(returns, 1, edge), share[some]))
+    met = np.flatnonzero(whole > 0)
+    row = np.concatenate([met, *(c[0] for c in cut)])
+    low = np.concatenate([np.full(met.size, -1.0), *(c[1] for c in cut)])
+    high = np.concatenate([np.ones(met.size), *(c[2] for c in cut)])
+    time = np.concatenate([duration[met], *(c[3] * duration[c[0]] for c in cut)])
+    count = np.concatenate([whole[met], np.ones(row.size - met.size)])
+    found = Pieces(problem, series, case[row], row, low, high, time, count)
+    still = np.flatnonzero(np.bincount(found.case, minlength=problem.size) == 0)  # nothing moves
+    if still.size:
+        found = _joined([found, _still(problem, still)], problem)
+    return found
+
+
+def _still(problem: Reduced, case: Array) -> Pieces:
+    """Rods of constant angle, each in one piece."""
+    series = np.zeros((case.size, 2, 1))
+    series[:, 0, 0] = problem.beta0[case]
+    one = np.ones(case.size)
+    return Pieces(problem, series, case, np.arange(case.size), -one, one, problem.span[case], one)
+
+
+def of_stations(sol: Solution, some: slice, step: int = 1) -> Pieces:
+    """The pieces between neighbouring stations of some of the cases, or between every `step`-th of them."""
+    problem, n = sol.problem.take(some), sol.t.shape[1]
+    kept = np.unique([*range(0, n, step), n - 1])
+    t, beta, rate = (v[some][:, kept] for v in (sol.t, sol.trajectory.beta, sol.trajectory.dbeta))
+    B, case = t.shape[0], np.repeat(np.arange(t.shape[0]), max(t.shape[1] - 1, 0))
+    time = np.diff(t, axis=1).reshape(-1)
+    at = Reduced(*(v[:, None] for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        second = -slope(at, beta)
+        third = -slope_rate(at, beta) * rate
+        series = np.empty((time.size, 2, 6))
+        for k, values in enumerate(((beta, rate, second), (rate, second, third))):
+            data = [(v[:, end].reshape(-1)) * time**power for power, v in enumerate(values) for end in _ENDS]
+            series[:, k] = np.stack(data, axis=1) @ _HERMITE @ _from_powers(6)
+    row, one = np.arange(time.size), np.ones(time.size)
+    found = Pieces(problem, series, case, row, -one, one, time, one).take(time > 0)
+    short = np.flatnonzero(np.bincount(found.case, minlength=B) == 0)
+    if not short.size:
+        return found
+    points = _still(replace(problem, beta0=beta[:, 0]), short)
+    points.series[:, 1, 0] = rate[short, 0]
+    return _joined([found, points], problem)
+
+
+_ENDS = (slice(None, -1), slice(1, None))
+
+
+def resolved(sol: Solution) -> NDArray[np.bool_]:
+    """Whether the stations of each case cover its rod and show every bend that the loads allow, (B,)."""
+    t, beta, span = sol.t, sol.trajectory.beta, sol.problem.span
+    column = Reduced(*(v[:, None] for v in (sol.problem.lam, sol.problem.mu, sol.problem.phi, span, span)))
+    with np.errstate(invalid="ignore", over="ignore"):
+        quickest = np.sqrt(np.abs(slope_rate(column, beta)).max(axis=1))
+        swift = np.abs(sol.trajectory.dbeta).max(axis=1)
+        step = np.diff(t, axis=1).max(axis=1, initial=0.0)
+        dense = step * np.maximum(np.maximum(quickest, swift), 1) <= _RESOLVED
+    return dense & (t[:, 0] == 0) & (t[:, -1] >= span * (1 - 1e-12)) & (t.shape[1] >= 5)
+
+
+def _joined(parts: list[Pieces], problem: Reduced) -> Pieces:
+    """Pieces one after the other, as those of `problem`."""
+    N = max(p.series.shape[2] for p in parts)
+    padded = [np.pad(p.series, ((0, 0), (0, 0), (0, N - p.series.shape[2]))) for p in parts]
+    before = np.cumsum([0, *(p.series.shape[0] for p in parts)])
+    row = np.concatenate([p.row + k for p, k in zip(parts, before, strict=False)])
+    names = ("case", "low", "high", "time", "count")
+    rest = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
+    return Pieces(problem, np.concatenate(padded), row=row, **rest)
+
+
+def _from_powers(n: int) -> Array:
+    """Coefficients of powers of x in [0, 1] to those of Chebyshev polynomials of 2 x - 1, (n, n)."""
+    rows = np.zeros((n, n))
+    value: Array = np.ones(1)
+    for k in range(n):
+        rows[k, : value.size] = value
+        value = C.chebmul(value, [0.5, 0.5])
+    return rows

@@ -11,7 +11,7 @@ from pydantic import BaseModel, Field, PrivateAttr, field_validator, model_valid
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.case import from_fields
 from solver.errors import choices
-from solver.observables import OBSERVABLES
+from solver.observables import OBSERVABLES, error_name
 from solver.quantities import unit_of
 
 from . import axes as parts
@@ -26,7 +26,7 @@ OUTPUTS = (
 )  # fmt: skip
 
 # What is computed of each case where a study does not say.
-OBSERVED = ["turns", "wraps", "height", "kappa_max", "contact_mean", "attached"]
+OBSERVED = ["turns", "wraps", "height", "kappa_max", "contact_size_mean", "attached"]
 
 MAX_STATIONS = 100_001
 
@@ -178,6 +178,12 @@ class Study(BaseModel):
         """The observables to compute: those named, and those that the laws judge."""
         judged = (name for law in self.laws for name in law.observables)
         return list(dict.fromkeys([*self.observables, *judged]))
+
+    @property
+    def recorded(self) -> list[str]:
+        """The columns of the observables: each name, and that of its error where there is one."""
+        names = ((name, error_name(name)) for name in self.wanted)
+        return [column for pair in names for column in pair if column]
 
     def under(self, reading: str | None) -> "Study":
         """The same study under another reading; words left out keep the study's own. Raises `InputError`."""

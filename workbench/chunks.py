@@ -79,7 +79,7 @@ def solve_one(case: Case, which: Which | None, tol: float, method: str, stations
 def columns(study: Study, sol: Solution) -> Columns:
     """What is stored of each case, (cases, ...): outputs, observables, loads, how well it was solved, and the caution.
 
-    Nothing else is computed, but where a shape is stored that can be drawn: it is looked at whether a rod can take it.
+    Whether a real rod can take the shape is looked at for every case, whatever is stored of it.
     Numbers of a case that was not solved are NaN, but for its loads.
     """
     cases = sol.case.size
@@ -87,11 +87,11 @@ def columns(study: Study, sol: Solution) -> Columns:
     found: Columns = {}
     for name in study.outputs:
         found[name] = _where(mine, np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *_inner(name)))
-    observed = observe(sol, study.wanted)
+    observed = observe(sol, study.wanted, errors=True)
     for name, values in observed.items():
         found[name] = _where(mine, np.asarray(values).reshape(-1))
     found["outcome"] = np.asarray(sol.outcome).astype(str).reshape(-1)
-    caution = cautions.of_cases(sol, observed, can_be_drawn(study), "contact" in study.outputs)
+    caution = cautions.of_cases(sol, observed)
     found["caution"] = np.asarray(caution).reshape(-1)
     for name in ("error", "condition", *(name for name in LOADS if name not in study.axes)):
         found[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)
@@ -101,15 +101,10 @@ def columns(study: Study, sol: Solution) -> Columns:
 def unsolved(study: Study, cases: int, outcome: str) -> Columns:
     """The columns of cases of which nothing is known but why."""
     found = {name: np.full((cases, study.stations, *_inner(name)), np.nan) for name in study.outputs}
-    for name in (*study.wanted, *(name for name in LOADS if name not in study.axes)):
+    for name in (*study.recorded, *(name for name in LOADS if name not in study.axes)):
         found[name] = np.full(cases, np.nan)
     found |= {name: np.full(cases, np.inf) for name in ("error", "condition")}
     return {**found, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
-
-
-def can_be_drawn(study: Study) -> bool:
-    """Whether what is stored along the rod is a shape in space."""
-    return "position" in study.outputs or {"alpha", "z"} <= set(study.outputs)
 
 
 def is_solved(outcomes: NDArray[Any]) -> NDArray[np.bool_]:

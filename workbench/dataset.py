@@ -25,10 +25,10 @@ from .plan import FORMAT as FORMAT
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
 INNER = {"position": ("xyz",)}  # dimensions after u, of what is not one number a station
 # How exact the observables are.
-RESOLVED = "the observables are read at points of their own that resolve the rod: the error of each case covers them"
+RESOLVED = "the observables are those of the whole rod, taken from its orbit: each has its own error"
 AT_STATIONS = (
-    "this method knows the rod at its stations only, and the observables are read there with straight lines between: "
-    "the error of each case does not cover that, more stations do"
+    "this method knows the rod at its stations only, and the observables are those of polynomials between them: their "
+    "errors are what every other station changes, NaN where there are too few"
 )
 SCALARS = ("R", "a", "L", "rho", "E", "nu")
 
@@ -52,7 +52,7 @@ def stored(study: Study, axes: Sequence[str]) -> list[Stored]:
     for name in study.outputs:
         rows.append(Stored(name, f"{name}_along" if name in axes else name, (*axes, "u", *INNER.get(name, ())), name))
     for name in (
-        *study.wanted,
+        *study.recorded,
         "outcome",
         "caution",
         "error",

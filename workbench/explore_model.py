@@ -120,10 +120,10 @@ def _which(sol: Solution) -> dict[str, float]:
 def numbers(one: Shape) -> dict[str, Any]:
     """Every observable as a row, and what a real rod could not do, in words."""
     found = observe(one.sol, list(OBSERVABLES))
+    keys = str(cautions.of_cases(one.sol))
     if one.sol.method == "difference":  # followed to 1e-6 only: where beta is level its bends are the error's
         found |= dict.fromkeys(COUNTS, np.nan)
-    keys = str(cautions.of_cases(one.sol, found))
-    warnings = [f"The rod {cautions.TOLD[key][0]}." for key in keys.split(", ") if key]
+    warnings = [f"The rod {cautions.phrase(key)}." for key in cautions.keys(keys)]
     units = one.study.unit_system
     return {
         "rows": [_row(name, np.asarray(value).item(), units) for name, value in found.items()],

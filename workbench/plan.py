@@ -119,7 +119,7 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
 def bytes_a_case(study: Study) -> int:
     """What a case takes in memory and, at most, in the file."""
     along = sum(WIDTH.get(name, 1) for name in study.outputs) * study.stations
-    return 8 * (along + len(study.wanted) + 2 + len(LOADS)) + TEXT_BYTES
+    return 8 * (along + len(study.recorded) + 2 + len(LOADS)) + TEXT_BYTES
 
 
 def bytes_of_file(plan: Plan) -> int:

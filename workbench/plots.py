@@ -170,7 +170,7 @@ def _pairs(cell: Any, count: int) -> list[Any]:
 
 def _observed(ds: xr.Dataset, name: str) -> bool:
     numbers = ds[name].dtype.kind in "iuf"  # `caution` is text
-    return numbers and ds[name].dims == ds["outcome"].dims and name not in NOT_OBSERVED
+    return numbers and ds[name].dims == ds["outcome"].dims and not name.endswith("error") and name not in NOT_OBSERVED
 
 
 def _brief(row: dict[str, Any]) -> str:

@@ -26,8 +26,8 @@ from .runner import StudyResult
 NAME = "report.html"
 TEMPLATE = "report.html.j2"
 SINGLE = (
-    "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_mean", "contact_min",
-    "contact_max", "attached", "overlaps", "energy", "index",
+    "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_size_mean", "push_min",
+    "push_max", "attached", "overlaps", "energy", "index",
 )  # fmt: skip
 TITLES = {"trade": "Accuracy against cost", "extremes": "The extremes"}
 SCENE, DRAWING = {"quality": 90}, {"lossless": True}  # of WebP: shaded bodies, and lines and letters

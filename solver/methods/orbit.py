@@ -85,7 +85,7 @@ class Orbit:
 
     def take(self, i: int) -> "Orbit":
         """The orbit of problem i alone."""
-        mine = np.flatnonzero(self.panels.part // 2 == i)
+        mine = slice(*np.searchsorted(self.panels.part, [2 * i, 2 * i + 2]))
         panels = self.panels.take(mine)
         panels = replace(panels, part=panels.part - 2 * i)
         count = self.count[2 * i : 2 * i + 2]

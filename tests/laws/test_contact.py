@@ -78,8 +78,8 @@ def test_a_single_turn_does_not_overlap() -> None:
 def test_a_straight_rod_does_not_overlap_itself() -> None:
     case = in_units_of_rho(0, 0, 0.5, 20.0, 0.0, 0.0)
     sol = solve(case, tol=1e-8)
-    assert observe(sol, ["overlaps", "wraps", "kappa_max", "contact_mean", "turns"]) == {
-        "overlaps": 0, "wraps": 0, "kappa_max": 0, "contact_mean": 0, "turns": 0,
+    assert observe(sol, ["overlaps", "wraps", "kappa_max", "contact_size_mean", "turns"]) == {
+        "overlaps": 0, "wraps": 0, "kappa_max": 0, "contact_size_mean": 0, "turns": 0,
     }  # fmt: skip
 
 

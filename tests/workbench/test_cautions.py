@@ -7,6 +7,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, Start, solve
 from studies.loader import loads
+from tests.cases import in_units_of_rho
 from tests.workbench import small
 from workbench import cautions, dataset, runner
 from workbench.chunks import columns
@@ -73,4 +74,66 @@ def test_an_unsolved_case_gives_no_caution() -> None:
 @pytest.mark.parametrize("known", [0.0, 100.0])
 def test_what_is_observed_already_is_taken_from_there(known: float) -> None:
     sol = solve(loads(small.HEAD).case())
-    assert ("too tight" in str(cautions.of_cases(sol, {"kappa_max": known}))) == (known > 1)
+    assert ("too tight" in str(cautions.of_cases(sol, {"kappa_max": known, "kappa_max_error": 0.0}))) == (known > 1)
+
+
+def grid_that_lifts_off(observables: str, outputs: str) -> str:
+    return f"""
+title = "lift-off"
+units = {{ length = "m", force = "kN" }}
+observables = [{observables}]
+outputs = [{outputs}]
+[base]
+E = 2.1e8
+nu = 0.3
+a = 0.01
+R = 1.0
+beta = 0.5
+dbeta = 0.0
+F2 = 0.0
+dgamma = 0.0
+[axes.L]
+values = [5.0, 8.0]
+[axes.F3]
+values = [-900.0, -1000.0]
+"""
+
+
+@pytest.mark.parametrize("observables", ['"attached"', '"wraps"', ""])
+@pytest.mark.parametrize("outputs", ['"z"', "", '"alpha", "z", "contact"'])
+def test_the_caution_does_not_hang_on_what_is_stored(observables: str, outputs: str) -> None:
+    """In compression a helix presses outwards: outside the cylinder it lifts off, whoever asks."""
+    if not (observables or outputs):
+        return  # a study that asks for nothing at all is of no use
+    ds = runner.run(loads(grid_that_lifts_off(observables, outputs)))
+    assert all("pulled" in text for text in ds["caution"].values.ravel())
+    assert "4 would lift off" in ds.attrs["caution"]
+
+
+@pytest.mark.parametrize("stations", [3, 201, 5001])
+def test_the_caution_does_not_hang_on_the_stations(stations: int) -> None:
+    """A peak of curvature 2/a, a pull and a self-contact, each on a short stretch of the rod only."""
+    b = 1e-2
+    sharp = in_units_of_rho(0, 0, 0, 2 / np.tan(b), b, np.sin(b) ** 2)  # kappa = sqrt(2) in the middle, a = 1/4
+    assert told(sharp, stations) == "overlaps, pulled"
+    thick = Rod(E=1.0, nu=0.25, a=0.8, L=2 / np.tan(b))
+    A, s, c = thick.bending_stiffness, np.sin(b), np.cos(b)
+    case = Case(thick, Cylinder(0.2), Start(b, s**2, M3=0.0, F3=-A * s**4, F2=A * s**3 * c))
+    assert told(case, stations) == "too tight, overlaps, pulled"
+
+
+def test_a_march_at_few_stations_says_what_was_not_checked_and_at_many_what_the_orbit_says() -> None:
+    case = in_units_of_rho(0.3, 0.2, -0.5, 20.0, 0.5, 0.3)
+    few = str(cautions.of_cases(solve(case, tol=1e-7, method="dop853", stations=6)))
+    assert cautions.keys(few) == ["pulled", "not checked: curvature", "not checked: self-contact"]
+    assert cautions.said(np.array([few])).endswith("The rod was not checked for curvature and self-contact.")
+    many = str(cautions.of_cases(solve(case, tol=1e-7, method="dop853", stations=2001)))
+    assert many == told(case, 3)
+
+
+def test_the_sentence_tells_what_was_not_checked_from_what_was_found() -> None:
+    texts = {"pulled, not checked: self-contact": 2, "": 3, "not checked: self-contact": 1}
+    assert cautions.told(texts) == (
+        "Of 6 rods 2 would lift off where the cylinder has to pull: no real rod that only rests on the cylinder takes "
+        "such shapes. Not checked were 3 of 6 for self-contact."
+    )

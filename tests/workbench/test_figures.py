@@ -66,7 +66,7 @@ def test_ranges_and_observables_are_those_fixed_beforehand() -> None:
         "fig7_1_modulus": ("E", 5e3, 4e4, {"turns"}),
         "fig7_2_radius": ("R", 0.5, 1.5, {"kappa_max"}),
         "fig7_3_start_angle": ("beta", np.deg2rad(15), np.deg2rad(60), {"turns", "kappa_mean"}),
-        "fig7_5_forces": ("F1", 2.5, 10.0, {"contact_mean"}),
+        "fig7_5_forces": ("F1", 2.5, 10.0, {"contact_size_mean"}),
     }
     for name, (axis, first, last, judged) in fixed.items():
         study = load(name)

@@ -102,7 +102,7 @@ def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:
     faint = [line for line in ax.lines if line.get_color() == style.FAINT]
     (strong,) = [line for line in ax.lines if line.get_color() == style.SOFT and len(line.get_xdata()) == 9]
     assert len(faint) == 9
-    np.testing.assert_array_equal(strong.get_ydata(), forces["contact_mean"].sel(F3=10.0, method="nearest"))
+    np.testing.assert_array_equal(strong.get_ydata(), forces["contact_size_mean"].sel(F3=10.0, method="nearest"))
     assert "F₃ = 10 N" in ax.get_xlabel()
 
 
@@ -172,7 +172,7 @@ def test_numbers_are_written_as_one_writes_them(value: float, text: str) -> None
 LAW = """
 [[laws]]
 claim = "a claim of many words"
-observable = "contact_mean"
+observable = "contact_size_mean"
 axis = "E"
 direction = "not-falling"
 also = ["kappa_mean", "kappa_max", "wraps", "attached", "amplitude"]

@@ -53,7 +53,7 @@ def test_everything_has_a_unit_and_a_long_name() -> None:
 def test_only_what_was_asked_for_is_stored() -> None:
     ds = runner.run(small.study(head='observables = ["wraps"]\noutputs = ["z"]'))
     always = {"outcome", "caution", "error", "condition", "R", "a", "L", "rho", "E", "nu", "FZ", "MZ", "M3"}
-    assert set(ds.data_vars) == {"wraps", "z"} | always
+    assert set(ds.data_vars) == {"wraps", "wraps_error", "z"} | always
 
 
 def test_what_is_needed_to_draw_is_there_and_varies_with_its_axis_only() -> None:

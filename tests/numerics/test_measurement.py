@@ -1,0 +1,163 @@
+"""Every observable of random rods and of localised ones is right to what it says of itself."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Rod, Start, solve
+from solver.methods import METHODS
+from solver.observables import MEASURED, observe
+from solver.quantities import QUANTITIES
+from tests.cases import in_units_of_rho
+from tests.observed import observed, steps
+
+TOL = 1e-8
+BOTH = [name for name in ("orbit", "swing") if name in METHODS]
+by_both = pytest.mark.parametrize("method", BOTH)
+
+
+def numbers_of(sol: Any) -> np.ndarray:
+    p = sol.problem
+    return np.stack([p.lam, p.mu, p.phi, p.span, p.beta0, p.dbeta0], axis=1)
+
+
+def random_rods(count: int, seed: int, reach: float = 30.0) -> Case:
+    """Loads of all sizes, from slack to taut, on rods of a part of a bend to a few dozen."""
+    rng = np.random.default_rng(seed)
+    size = 10.0 ** rng.uniform(-2, 1, count)
+    lam, mu, phi = rng.normal(size=(3, count)) * size
+    swift = np.sqrt(np.abs(lam) + np.abs(mu) + np.abs(phi) + 1)
+    span = rng.uniform(0.3, reach, count) / swift
+    return in_units_of_rho(lam, mu, phi, span, rng.uniform(-3.1, 3.1, count), rng.normal(size=count) * swift)
+
+
+def compare(case: Case, method: str) -> None:
+    sol = solve(case, tol=TOL, method=method, stations=2)
+    got = observe(sol, MEASURED, errors=True)
+    given = numbers_of(sol)
+    checked = 0
+    for i, way in enumerate(steps(given)):
+        if not (sol.solved[i] and way):
+            continue
+        true = observed(given[i], way)
+        true["energy"] = true["routh"] - given[i, 1] ** 2 * 1.25 * given[i, 3] / 2  # M3^2 L/(2C), nu = 1/4
+        units = {"attached": 1.0, "amplitude": 1.0}
+        contact = max(abs(true["push_min"]), abs(true["push_max"]))
+        units |= dict.fromkeys(("push_min", "push_max", "push_mean", "pull_mean", "contact_size_mean"), contact)
+        units |= dict.fromkeys(("kappa_max", "kappa_mean"), true["kappa_max"])
+        heights = (true["kappa_max"] ** 2 + np.abs(given[i, :3]).sum() + given[i, 1] ** 2) * given[i, 3]
+        units |= dict.fromkeys(("energy", "bending_energy"), heights)
+        for name, unit in units.items():
+            off = abs(got[name][i] - true[name])
+            rounding = 1e-13 * unit  # of A and rho, which are 1 to an eps, and of the sums of the comparison
+            assert off <= got[f"{name}_error"][i] + rounding, (i, name, off, got[f"{name}_error"][i])
+            if name != "attached":
+                assert off <= max(TOL, 1e-12) * max(1, sol.condition[i]) * unit, (i, name, off, unit)
+            elif abs(true["push_min"]) > 1e-6 * contact and abs(true["push_max"]) > 1e-6 * contact:
+                assert off <= 1e-6 * max(1, sol.condition[i]), (i, name, off)
+        checked += 1
+    assert checked > 0.8 * given.shape[0]
+
+
+@by_both
+def test_observables_of_random_rods_are_right_to_their_own_error(method: str) -> None:
+    compare(random_rods(25, 1, 12.0), method)
+
+
+@pytest.mark.slow
+@by_both
+def test_observables_of_five_hundred_random_rods_are_right_to_their_own_error(method: str) -> None:
+    compare(random_rods(500, 2), method)
+
+
+def localised(b: float) -> Case:
+    """No load and h = 0: cot(beta) = cot(beta0) - t, bent once round within a few rho of its middle."""
+    a = 0.01
+    s, c = np.sin(b), np.cos(b)
+    rod = Rod(E=1 / (np.pi / 4 * a**4), nu=0.25, a=a, L=2 / np.tan(b))
+    return Case(rod, Cylinder(1 - a), Start(b, s**2, M3=0.0, F3=-(s**4), F2=s**3 * c))
+
+
+@by_both
+@pytest.mark.parametrize("length", [2e3, 2e4, 1e6])
+def test_observables_of_a_localised_rod_are_those_of_the_closed_form(length: float, method: str) -> None:
+    """kappa = sqrt(2) sin^2, push = sin^4 (2 - 12 cos^2), dt = d cot(beta): all by hand."""
+    sol = solve(localised(np.arctan(2 / length)), tol=1e-8, method=method)
+    u, L = float(sol.problem.span[0]) / 2, float(sol.problem.span[0])
+    got = observe(sol, MEASURED, errors=True)
+    energy = np.arctan(u) + u / (1 + u * u)  # integral of sin^4 dt
+    edge = 1 / np.sqrt(5)
+    x, w = np.polynomial.legendre.leggauss(40)
+    pushed = edge * (w @ ((2 - 10 * (edge * x) ** 2) / (1 + (edge * x) ** 2) ** 3))
+    exact = {
+        "bending_energy": energy, "energy": energy, "push_max": 2.0, "kappa_max": np.sqrt(2), "attached": 2 * edge / L,
+        "push_mean": pushed / L, "twist_energy": 0.0,
+        "kappa_mean": np.sqrt(2) * 2 * np.arctan(u) / L, "amplitude": np.pi - 2 * np.arctan(1 / u),
+    }  # fmt: skip
+    for name, value in exact.items():
+        # what hangs on the tails of the rod hangs on the last bits of its start, and says so
+        lost = got[f"{name}_error"] if name in ("kappa_mean", "amplitude") else 0
+        assert got[name] == pytest.approx(value, rel=1e-9, abs=lost), name
+
+
+@by_both
+def test_a_largest_value_at_the_far_end_is_not_missed(method: str) -> None:
+    """Half a bend short of its largest curvature: the largest is that of the end, beyond the last even panel."""
+    case = in_units_of_rho(0, 0, 0, 2.1, np.pi / 6, 0.0)
+    sol = solve(case, tol=1e-10, method=method, stations=5)
+    assert observe(sol, ["kappa_max"])["kappa_max"] == pytest.approx(sol.kappa[-1], rel=1e-13)
+
+
+@pytest.mark.parametrize("F3", [-10.0, 0.0, 10.0])
+@pytest.mark.parametrize("M3", [0.0, 0.3])
+@pytest.mark.parametrize("side", ["outside", "inside"])
+def test_a_straight_rod_along_the_cylinder_is_not_attached(F3: float, M3: float, side: str) -> None:
+    sol = solve(Case(Rod(1e4, 0.3, 0.25, 20.0), Cylinder(1.0, side), Start(0.0, 0.0, M3=M3, F3=F3)))
+    got = observe(sol, ["attached", "push_mean", "pull_mean", "push_max"])
+    assert got["attached"] == 0
+    assert abs(got["push_max"]) < 1e-12 * abs(F3 + M3 + 1)
+    assert got["push_mean"] == got["pull_mean"] == 0
+
+
+def test_energy_is_bending_and_twist_less_the_work_of_the_three_loads() -> None:
+    case = in_units_of_rho(0.4, 0.7, -0.8, 30.0, 0.7, 0.4)
+    sol = solve(case, tol=1e-11, stations=2)
+    got = observe(sol, ["energy", "bending_energy", "twist_energy", "height", "wraps"])
+    work = sol.FZ * got["height"] + sol.MZ * 2 * np.pi * got["wraps"] + sol.M3 * (sol.gamma[-1] - sol.gamma[0])
+    assert got["twist_energy"] == pytest.approx(sol.M3**2 * 30.0 / (2 * case.rod.torsional_stiffness), rel=1e-14)
+    assert got["energy"] == pytest.approx(got["bending_energy"] + got["twist_energy"] - work, rel=1e-10)
+
+
+def test_pushes_and_pulls_add_up() -> None:
+    for side, sign in (("outside", 1), ("inside", -1)):
+        case = in_units_of_rho(0.3, 0.2, 0.1, 40.0, 0.5, 0.6, side)
+        sol = solve(case, tol=1e-10, stations=20001)
+        got = observe(sol, ["push_mean", "pull_mean", "contact_size_mean", "push_min", "push_max"])
+        mean = np.trapezoid(sign * sol.contact, sol.s) / 40.0
+        assert got["push_mean"] - got["pull_mean"] == pytest.approx(mean, abs=1e-5)  # step^2 of the rule
+        assert got["push_mean"] + got["pull_mean"] == pytest.approx(got["contact_size_mean"], rel=1e-14)
+        assert min(got["push_mean"], got["pull_mean"], -got["push_min"], got["push_max"]) > 0
+
+
+def test_every_measured_observable_states_its_error_and_has_a_row_for_it() -> None:
+    sol = solve(in_units_of_rho(0.3, 0.2, 0.1, np.array([4.0, 40.0]), 0.5, 0.6), stations=2)
+    got = observe(sol, MEASURED, errors=True)
+    for name in MEASURED:
+        assert np.isfinite(got[f"{name}_error"]).all(), name
+        assert (got[f"{name}_error"] >= 0).all(), name
+        assert QUANTITIES[f"{name}_error"].dimension == QUANTITIES[name].dimension
+
+
+def test_what_a_march_gives_is_within_its_error_or_said_not_to_be_known() -> None:
+    case = in_units_of_rho(0.3, 0.2, 0.1, 20.0, 0.5, 0.6)
+    names = [name for name in MEASURED if name != "bend_number"]
+    true = observe(solve(case, tol=1e-11), names)
+    for stations in (101, 401, 2001):
+        got = observe(solve(case, tol=1e-9, method="dop853", stations=stations), names, errors=True)
+        for name in names:
+            assert abs(got[name] - true[name]) <= got[f"{name}_error"] + 1e-12, (name, stations)
+    few = observe(solve(case, tol=1e-9, method="dop853", stations=5), [*names, "turns"], errors=True)
+    for name in ("kappa_max", "push_min", "attached", "energy"):
+        assert np.isnan(few[f"{name}_error"]), name
+    assert np.isnan(few["turns"])
