@@ -112,8 +112,8 @@ class Study(BaseModel):
 
     @model_validator(mode="after")
     def _equilibrium_fits(self) -> "Study":
-        if self.equilibrium is not None and (self.axes or self.reading or self._kind is Start):
-            why = "equilibrium names one of many for a single case given by its ends: no axes, no reading"
+        if self.equilibrium is not None and (self.reading or self._kind is Start):
+            why = "equilibrium names one of many of a rod given by its ends: no reading, no start"
             raise Misplaced(why, "equilibrium")
         return self
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from solver import Case, Solution, equilibria, solve
 from solver.equilibria import nearest
 from solver.observables import observe
+from solver.selection import NEAREST
 from studies import Study
 from studies.axes import Which
 
@@ -70,8 +71,9 @@ def block_of(study: Study, part: Chunk) -> Columns:
 
 def solve_one(case: Case, which: Which | None, tol: float, method: str, stations: int) -> Solution:
     """The solution of a case, or of several; where a study says which equilibrium, that one. Raises `InputError`."""
-    if which is None:
-        return solve(case, tol=tol, method=method, stations=stations)
+    if which is None or which.dbeta0 is None or which.energy is None:
+        rule = NEAREST if which is None or which.rule is None else which.rule
+        return solve(case, tol=tol, method=method, stations=stations, choose=rule)
     found = nearest(equilibria(case, tol, stations), which.dbeta0, which.energy).solution
     return found if method in ("auto", found.method) else solve(case, tol, method, stations, seed=found)
 

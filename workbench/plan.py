@@ -134,7 +134,7 @@ def recipe(plan: Plan) -> dict[str, Any]:
         "units": study.unit_system,
         "reading": study.reading or "",
         "base": study.base.given,
-        "equilibrium": study.equilibrium.model_dump() if study.equilibrium else {},
+        "equilibrium": study.equilibrium.model_dump(exclude_none=True) if study.equilibrium else {},
         "order": list(plan.coordinates),
         "axes": {name: axis_line(values) for name, values in plan.coordinates.items()},
         **({} if study.follow is None else {"follow": {"to": study.follow.limit, "count": study.follow.size}}),
