@@ -412,7 +412,7 @@ def equilibria(
     }  # fmt: skip
     given = {name: value for name, value in options.items() if value is not None}
     units = {kind: unit for kind, unit in (("length", length_unit), ("force", force_unit)) if unit is not None}
-    raise typer.Exit(work(file, given, axis, plot, out, export, json, force, units, choose or "nearest"))
+    raise typer.Exit(work(file, given, axis, plot, out, export, json, force, units, choose))
 
 
 @app.command()

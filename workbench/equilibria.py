@@ -11,7 +11,7 @@ from solver import Case, Ends, InputError, solve
 from solver import equilibria as every_equilibrium
 from solver.equilibria import Equilibrium, meant
 from solver.errors import choices
-from solver.selection import NEAREST, selection
+from solver.selection import selection
 from studies import Study, load
 from studies.angles import angle
 from studies.axes import CYLINDER, ENDS, ROD, WORDS, quantity_of
@@ -20,6 +20,7 @@ from studies.loader import loads
 from . import console, drawing, store
 from .asking import own_case, with_fields
 from .solving import which_of
+from .sweep import rule_of
 
 DEFAULT = "fig7_4_end_angle"
 OWN = "equilibria"  # the name of a study made of options
@@ -39,12 +40,12 @@ def run(
     json: bool,
     force: bool = False,
     units: dict[str, str] | None = None,
-    choose: str = NEAREST,
+    choose: str | None = None,
 ) -> int:
     """List, draw, store or export; 0, or 1 where there is none or the list is a part only.
 
     units: of length and force, where the options say them: then the rod is that of the options alone. choose: the rule
-    of `solve` whose equilibrium is marked in the list. Raises `InputError`.
+    of `solve` whose equilibrium is marked in the list; by default the study's own. Raises `InputError`.
     """
     study, case = _asked(file, options, units or {})
     if axis is not None and export is not None:
@@ -54,7 +55,7 @@ def run(
         store.check_free(out, "equilibria")
     if axis is not None:
         return _over(study, case, axis, picture, out, json, force)
-    rule = which_of(choose).rule
+    rule = rule_of(study.equilibrium) if choose is None else which_of(choose).rule
     assert rule is not None
     found = every_equilibrium(case)
     taken = meant(found, rule)
@@ -75,7 +76,7 @@ def run(
         if not found.complete:
             console.say(f"not known to be all of them: {found.remark}")
         if found:
-            console.say(f"* {how.rule}" if taken else f"none has index {choose}")
+            console.say(f"* {how.rule}" if taken else f"none has index {rule}")
         console.say(f"of {_source(study, file, options, units)}")
     if picture or out:
         from . import gallery

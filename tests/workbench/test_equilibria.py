@@ -70,7 +70,7 @@ def test_a_list_that_is_a_part_only_says_so_and_ends_with_status_1(capsys, monke
     assert "at most 1" in json.loads(text)["remark"]
 
 
-def test_it_marks_the_one_that_solve_takes(capsys) -> None:
+def test_it_marks_the_one_that_solve_takes(capsys, tmp_path) -> None:
     for rule in ("nearest", "lowest", "2"):
         told = json.loads(run(capsys, "--choose", rule, "--json")[1])
         (taken,) = [row for row in told["equilibria"] if row["taken"]]
@@ -80,6 +80,9 @@ def test_it_marks_the_one_that_solve_takes(capsys) -> None:
             "count": len(told["equilibria"]), "stable": 2, "choose": 2 if rule == "2" else rule, "complete": True,
             "rule": sol.selection.rule,
         }  # fmt: skip
+    (tmp_path / "case.toml").write_text(CASE + "index = 1")
+    told = json.loads(run(capsys, str(tmp_path / "case.toml"), "--json")[1])
+    assert [row["index"] for row in told["equilibria"] if row["taken"]] == [1]
     table = run(capsys)[1]
     assert "* taken: the stable one whose beta strays least from between its end angles" in table
     assert table.count(" *") == 1
@@ -329,8 +332,9 @@ def test_a_study_names_its_equilibrium_in_one_way(words, said) -> None:
 
 
 def test_a_study_may_name_its_equilibrium_by_a_rule_or_an_index() -> None:
-    for words, rule in (('choose = "lowest"', "lowest"), ("index = 2", 2), ('choose = "nearest"', "nearest")):
+    for words, rule in (('choose = "lowest"', "lowest"), ("index = 1", 1), ('choose = "nearest"', "nearest")):
         study = loads(CASE + words)
         sol = solve_one(study.case(), study.equilibrium, 1e-8, "auto", 201)
+        assert sol.solved
         np.testing.assert_array_equal(sol.beta, solve(study.case(), choose=rule).beta)
         assert sol.selection.choose == rule
