@@ -3,19 +3,23 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .case import Case, Ends
 from .errors import InputError
 from .levels import many
 from .methods.base import Seed, Trajectory, verdicts
 from .methods.orbit import Orbit
+from .methods.shooting import NONE as NO_SOLUTION
 from .observables import observe
 from .reduced import Array, Reduced, reduce
-from .search import Way, search
+from .search import Found, Way, search
+from .selection import NEAREST, Choose, none_of, select, selection
 from .solution import Solution
 from .stability import end_response
 
 NONE = "incomplete: no equilibrium was found, and by degree there is always one"
+
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +127,14 @@ def nearest(found: list[Equilibrium], dbeta0: float, energy: float) -> Equilibri
     return found[int(np.argmin(far))]
 
 
+def meant(found: list[Equilibrium], choose: Choose = NEAREST) -> Equilibrium | None:
+    """Of all equilibria of a case the one that `solve` takes by the rule `choose`; None where no equilibrium has the
+    index asked for, or where there is none."""
+    columns = ([getattr(one, name) for one in found] for name in ("index", "energy", "stray", "dbeta0"))
+    i = select(choose, *(np.array(column, dtype=float) for column in columns))
+    return None if i is None else found[i]
+
+
 def trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float) -> Trajectory:
     """The orbits of K ends problems at stations t (K, n), with how far they miss beta(L) as their error."""
     assert problem.betaL is not None
@@ -135,25 +147,47 @@ def trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float) -> Trajecto
     return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), outcome, error, condition, calls, orbit)
 
 
-def chosen(problem: Reduced, t: Array, tol: float, slope: float | None) -> Trajectory | None:
-    """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or of lowest energy; None without any."""
-    found = search(problem, most_turns=1) if slope is None else search(problem)
+def chosen(problem: Reduced, t: Array, tol: float, slope: float | None, choose: Choose = NEAREST) -> Trajectory | str:
+    """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or the one that the rule takes; else the
+    outcome that says why there is none."""
+    found = _searched(problem, slope, choose)
     if found is None:
-        return None
-    i = int(np.argmin(found.energy if slope is None else np.abs(found.slope - slope)))
-    told = trajectory(problem, found.orbit.take(i), t, tol)
-    if slope is None and found.index[i] != 0 and found.remark:  # a global minimum is stable
-        return replace(told, outcome=np.array([f"failed: {found.remark}"], dtype=object))
-    return told
+        return NO_SOLUTION
+    if slope is not None:
+        return trajectory(problem, found.orbit.take(int(np.argmin(np.abs(found.slope - slope)))), t, tol)
+    i = select(choose, found.index, found.energy, found.stray, found.slope)
+    if i is None:
+        return none_of(choose, found.index, found.total)
+    if not isinstance(choose, int) and found.index[i] != 0 and found.remark:  # by degree there is a stable one
+        return f"failed: {found.remark}"
+    how = np.array([selection(choose, found.index, found.total, not found.remark)], dtype=object)
+    return replace(trajectory(problem, found.orbit.take(i), t, tol), selection=how)
 
 
-def lowest(problem: Reduced, points: int = 2001) -> Seed:
-    """The equilibrium of lowest energy of each problem, as a seed; NaN where there is none."""
+def _searched(problem: Reduced, slope: float | None, choose: Choose) -> Found | None:
+    """As many of the equilibria as the rule needs: a stable one has one turning point at most, one of index K at most
+    K + 1, and the lowest is stable."""
+    if slope is not None:
+        return search(problem)
+    found = search(problem, most_turns=choose + 1 if isinstance(choose, int) else 1)
+    needs_stable = found is None or not (found.index == 0).any()
+    return search(problem) if not isinstance(choose, int) and needs_stable else found
+
+
+def chosen_seed(
+    problem: Reduced, choose: Choose = NEAREST, points: int = 2001
+) -> tuple[Seed, NDArray[np.object_], list[str]]:
+    """The equilibrium of each problem that the rule takes, as a seed, NaN where there is none; how each was taken; and
+    the outcome that says why there is none, or nothing."""
     u = np.linspace(0, 1, points)
+    taken, why = np.full(problem.size, None, dtype=object), [""] * problem.size
     slopes, shapes = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)
     for i in range(problem.size):
         one = problem.take(slice(i, i + 1))
-        found = chosen(one, one.span[:, None] * u, 1e-8, None)
-        if found is not None:
-            slopes[i], shapes[i] = found.dbeta[0, 0], found.beta[0]
-    return Seed(slopes, np.tile(u, (problem.size, 1)), shapes)
+        found = chosen(one, one.span[:, None] * u, 1e-8, None, choose)
+        if isinstance(found, str):
+            why[i] = found
+            continue
+        slopes[i], shapes[i] = found.dbeta[0, 0], found.beta[0]
+        taken[i] = None if found.selection is None else found.selection[0]
+    return Seed(slopes, np.tile(u, (problem.size, 1)), shapes), taken, why

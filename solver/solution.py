@@ -219,6 +219,13 @@ class Solution:
         return self._each(np.array([text.startswith("solved") for text in self.trajectory.outcome], dtype=bool))
 
     @property
+    def selection(self) -> Any:
+        """Of an ends problem solved without a seed: how many equilibria there are and which rule took this one,
+        (*cases) of `selection.Selection`; None for others."""
+        found = self.trajectory.selection
+        return self._each(np.full(self.case.size, None, dtype=object) if found is None else found)
+
+    @property
     def error(self) -> Any:
         """Estimated largest error of beta [rad], and of alpha and z/rho over max(1, L/rho), (*cases)."""
         return self._each(self.trajectory.error)

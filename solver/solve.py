@@ -13,24 +13,33 @@ from .limits import OUT_OF_RANGE, TOO_LARGE, dimensionless, representable, units
 from .methods import METHODS, MISSING, Method
 from .methods.base import Seed, Trajectory, blanked, stood_in
 from .reduced import Array, Reduced, flat, reduce
+from .selection import NEAREST, checked
 from .solution import Solution
 
 AUTO = {"start": "swing" if "swing" in METHODS else "orbit", "ends": "shooting"}  # as measured: docs/trade.md
 
 
 def solve(
-    case: Case, tol: float = 1e-8, method: str = "auto", stations: Any = 201, seed: Any = None, **knobs: Any
+    case: Case,
+    tol: float = 1e-8,
+    method: str = "auto",
+    stations: Any = 201,
+    seed: Any = None,
+    choose: str | int = NEAREST,
+    **knobs: Any,
 ) -> Solution:
     """The shape of a case, or of every case of a grid at once.
 
     tol: the error allowed, times max(1, condition): of beta [rad], and of alpha and z/rho over max(1, L/rho).
     method: "auto" or one of `METHODS`. stations: how many equal steps of s plus one, or the values of s [length],
     rising within [0, L], (n,) or (*cases, n). seed: for an ends problem, which of its many solutions: the one with
-    beta'(0) [rad/length] near the seed, or near a Solution; without it the one of lowest energy. knobs: the
-    method's own.
+    beta'(0) [rad/length] near the seed, or near a Solution. choose: without a seed, which of them: "nearest", of the
+    stable ones the one whose beta strays least from between its end angles (where none is stable, of all); "lowest",
+    the one of lowest energy; or K, of those of Morse index K the one that strays least. `selection` of the answer says
+    how many there are. knobs: the method's own.
 
     Each case's `outcome` says whether it was solved; a case that was not leaves its neighbours alone.
-    Raises `InputError` for a bad tolerance, method, knob or stations.
+    Raises `InputError` for a bad tolerance, method, knob, rule or stations.
     """
     tol = _tolerance(tol)
     problem = reduce(case)
@@ -46,10 +55,16 @@ def solve(
     t = _stations(case, problem, stations)
     for knob, value in knobs.items():
         _check_knob(METHODS[name], knob, value)
+    choose = checked(choose)
+    if problem.kind == "start" and (seed is not None or choose != NEAREST):
+        word = f"choose = {choose!r}" if seed is None else "a seed"
+        raise InputError(f"{word} chooses among the solutions of an ends problem; a start problem has only one")
     if seed is not None:
-        if problem.kind == "start":
-            raise InputError("a seed chooses among the solutions of an ends problem; a start problem has only one")
+        if choose != NEAREST:
+            raise InputError(f"a seed and choose = {choose!r} exclude each other: each names an equilibrium")
         knobs["seed"] = _seed(case, problem, seed)
+    elif problem.kind == "ends":
+        knobs["choose"] = choose
     return Solution(case, problem, _run(case, problem, METHODS[name], t, tol, knobs), t, name, tol)
 
 

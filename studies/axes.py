@@ -126,12 +126,35 @@ class Base(BaseModel):
 
 
 class Which(BaseModel):
-    """Which equilibrium of an ends problem: the one next to this beta'(0) [rad/length] and energy [force length]."""
+    """Which equilibrium of an ends problem: by a rule, by its Morse index, or by beta'(0) and energy.
+
+    choose: the rule of `solve`. index: of those of this Morse index the one whose beta strays least. dbeta0
+    [rad/length] and energy [force length]: the one next to both.
+    """
 
     model_config = STRICT
 
-    dbeta0: float
-    energy: float
+    choose: Literal["nearest", "lowest"] | None = None
+    index: int | None = Field(None, ge=0)
+    dbeta0: float | None = None
+    energy: float | None = None
+
+    @model_validator(mode="after")
+    def _one_way(self) -> "Which":
+        ways = "give choose, or index, or dbeta0 and energy"
+        if (self.dbeta0 is None) != (self.energy is None):
+            raise Misplaced(f"dbeta0 and energy go together: {ways}", "energy" if self.dbeta0 is None else "dbeta0")
+        said = [name for name in ("choose", "index", "dbeta0") if getattr(self, name) is not None]
+        if not said:
+            raise ValueError(f"equilibrium names none: {ways}")
+        if len(said) > 1:
+            raise Misplaced(f"{said[0]} and {said[1]} exclude each other: {ways}", said[1])
+        return self
+
+    @property
+    def rule(self) -> str | int | None:
+        """What `solve` takes as `choose`; None where beta'(0) and energy say which."""
+        return self.index if self.choose is None else self.choose
 
 
 class Axis(BaseModel):

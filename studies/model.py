@@ -55,6 +55,7 @@ class Study(BaseModel):
     method: str = "auto"
     laws: list[Law] = []
     _text: str = PrivateAttr("")
+    _part_of: Any = PrivateAttr(None)  # of a part of a sweep: what follows the whole (`workbench.sweep.Spine`)
 
     @field_validator("reading")
     @classmethod
@@ -112,8 +113,8 @@ class Study(BaseModel):
 
     @model_validator(mode="after")
     def _equilibrium_fits(self) -> "Study":
-        if self.equilibrium is not None and (self.axes or self.reading or self._kind is Start):
-            why = "equilibrium names one of many for a single case given by its ends: no axes, no reading"
+        if self.equilibrium is not None and (self.reading or self._kind is Start):
+            why = "equilibrium names one of many of a rod given by its ends: no reading, no start"
             raise Misplaced(why, "equilibrium")
         return self
 
@@ -145,6 +146,17 @@ class Study(BaseModel):
         """The TOML that it was read from, or empty."""
         return self._text
 
+    def part_of(self, whole: Any) -> "Study":
+        """The same study, whose cases are some of a larger sweep's; whole: what follows that."""
+        part = self.model_copy()
+        part._part_of = whole
+        return part
+
+    @property
+    def whole(self) -> Any:
+        """What follows the sweep that this study is a part of, or None."""
+        return self._part_of
+
     @property
     def unit_system(self) -> dict[str, str]:
         """``{"length": "cm", "force": "N"}``."""
@@ -167,6 +179,11 @@ class Study(BaseModel):
     def follow(self) -> Axis | None:
         """The axis along which an equilibrium is followed, or None."""
         return next((axis for axis in self.axes.values() if axis.follow), None)
+
+    @property
+    def sweeps(self) -> bool:
+        """Whether each case continues from its neighbour: ends problems over axes."""
+        return bool(self.axes) and self._kind is Ends
 
     @property
     def size(self) -> int:

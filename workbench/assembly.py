@@ -13,31 +13,32 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from . import cautions, check, dataset, parts, slabs, store
+from . import branch_numbers, cautions, check, dataset, parts, slabs, store
 from .chunks import Columns
-from .plan import Plan, bytes_a_case, bytes_of_file, recipe
+from .plan import Plan, bytes_a_case, bytes_of_file, first_of, recipe
 from .there import There, places, told_of
 
 WINDOW = 2**25  # bytes of results held while they are copied
 
 
 def assemble(
-    plan: Plan, folder: Path, output: Path, there: There | None, tally: Mapping[str, Counter[str]]
+    plan: Plan, folder: Path, output: Path, there: There | None, tally: Mapping[str, Counter[Any]]
 ) -> dict[str, Any]:
     """Write the dataset of all shards, and of the cases that the file there holds already, in place of that file.
 
-    tally: how often each outcome and each caution stands, of all cases. Returns these and the verdicts.
+    tally: how often each outcome, caution and branch stands, of all cases. Returns these and the verdicts.
     Raises `chunks.Damaged` where a shard is not whole, and `OSError` where the disk is full; the file there then stays
     as it was.
     """
     aside = folder / f".{output.name}"
     try:
-        frame = dataset.frame(plan.study, plan.coordinates).assign_attrs(caution=cautions.told(tally["caution"]))
+        frame = dataset.frame(plan.study, plan.coordinates, first_of(plan))
+        frame = frame.assign_attrs(caution=cautions.told(tally["caution"]))
         parts.reserve(aside, bytes_of_file(plan))
         frame.to_netcdf(aside, engine="h5netcdf", encoding=store.encoding(frame), invalid_netcdf=False)
         parts.reserve(aside, bytes_of_file(plan))
         with h5netcdf.File(aside, "a") as file:
-            _write_cases(file, plan, _rows(plan, folder, output, there), all(_solved(tally["outcome"])))
+            _write_cases(file, plan, _rows(plan, folder, output, there), all(_solved(tally["outcome"])), tally)
         told = _told(aside, tally)
         with h5py.File(aside, "a") as file:
             file.attrs["recipe"] = json.dumps(recipe(plan))
@@ -56,20 +57,25 @@ def _solved(outcomes: Mapping[str, int]) -> Iterator[bool]:
     return (text.startswith("solved") for text in outcomes)
 
 
-def _told(path: Path, tally: Mapping[str, Counter[str]]) -> dict[str, Any]:
+def _told(path: Path, tally: Mapping[str, Counter[Any]]) -> dict[str, Any]:
     """What `run` says of a file at once, without reading its cases."""
     with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
-        verdicts = check.verdicts(ds)
-    return told_of(tally, verdicts)
+        verdicts, first = check.verdicts(ds), str(ds.attrs.get("equilibria", ""))
+    branches = branch_numbers.sentence(tally["branch"]) if tally["branch"] else ""
+    return {**told_of(tally, verdicts), "equilibria": first, "branches": branches}
 
 
-def _write_cases(file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], all_solved: bool) -> None:
+def _write_cases(
+    file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], all_solved: bool, tally: Mapping[str, Counter[Any]]
+) -> None:
     """Every variable over the axes, window by window. Whole numbers stay whole where all cases are solved."""
     variables: dict[str, Any] = {}
     for start, columns in rows:
         for row in dataset.stored(plan.study, tuple(plan.coordinates)):
             values = columns[row.column]
-            if values.dtype.kind == "i" and not all_solved:
+            if row.name == "branch":
+                values = branch_numbers.numbered(values, tally["branch"])
+            elif values.dtype.kind == "i" and not all_solved:
                 values = values.astype(float)
             if row.name not in variables:
                 variables[row.name] = _created(file, plan, row, values)

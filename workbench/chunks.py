@@ -8,7 +8,7 @@ the same. A chunk is any number of whole blocks, and whoever solves it, the bits
 import hashlib
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from io import BytesIO
 from typing import Any
 
@@ -18,10 +18,15 @@ from numpy.typing import NDArray
 from solver import Case, Solution, equilibria, solve
 from solver.equilibria import nearest
 from solver.observables import observe
+from solver.selection import NEAREST
 from studies import Study
 from studies.axes import Which
 
 from . import cautions
+from .branch_numbers import NONE
+from .sweep import State, walked
+from .sweep_order import Grid
+from .sweep_solutions import shown
 
 Columns = dict[str, NDArray[Any]]  # name -> (cases, ...), as named in `Solution` and `OBSERVABLES`
 
@@ -33,12 +38,17 @@ _NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?")
 
 @dataclass(frozen=True, eq=False)
 class Chunk:
-    """Cases `start` to `stop` of those to be solved. values: of each axis, (cases,). deaths: of workers at it."""
+    """Cases `start` to `stop` of those to be solved. values: of each axis, (cases,). deaths: of workers at it.
+
+    shape, states: of a sweep, the grid and the cases that its blocks begin with (`sweep.Spine`).
+    """
 
     start: int
     stop: int
     values: Mapping[str, NDArray[np.float64]]
     deaths: int = 0
+    shape: tuple[int, ...] = ()
+    states: Mapping[int, State] = field(default_factory=dict)
 
     @property
     def cases(self) -> int:
@@ -49,7 +59,8 @@ class Chunk:
         for a in range(0, self.cases, size):
             b = min(a + size, self.cases)
             values = {name: numbers[a:b] for name, numbers in self.values.items()}
-            yield Chunk(self.start + a, self.start + b, values, deaths)
+            states = {i: state for i, state in self.states.items() if a <= i - self.start < b}
+            yield Chunk(self.start + a, self.start + b, values, deaths, self.shape, states)
 
 
 def solved(study: Study, chunk: Chunk, block: int) -> bytes:
@@ -64,14 +75,26 @@ def joined(parts: list[Columns]) -> Columns:
 
 def block_of(study: Study, part: Chunk) -> Columns:
     """The columns of one block."""
+    if study.sweeps:
+        states = walked(study, Grid(part.shape), part.values, part.start, part.states)
+        return joined([_columns_of(study, state) for state in states])
     case = study.case_of(part.values)
     return columns(study, solve_one(case, study.equilibrium, study.tol, study.method, study.stations))
 
 
+def _columns_of(study: Study, state: State) -> Columns:
+    """What is stored of one case of a sweep: as of `columns`, and its branch."""
+    found = columns(study, shown(study, state))
+    if state.remark:
+        found["outcome"] = np.array([f"{found['outcome'][0]}; {state.remark}"])
+    return {**found, "branch": np.array([state.branch])}
+
+
 def solve_one(case: Case, which: Which | None, tol: float, method: str, stations: int) -> Solution:
     """The solution of a case, or of several; where a study says which equilibrium, that one. Raises `InputError`."""
-    if which is None:
-        return solve(case, tol=tol, method=method, stations=stations)
+    if which is None or which.dbeta0 is None or which.energy is None:
+        rule = NEAREST if which is None or which.rule is None else which.rule
+        return solve(case, tol=tol, method=method, stations=stations, choose=rule)
     found = nearest(equilibria(case, tol, stations), which.dbeta0, which.energy).solution
     return found if method in ("auto", found.method) else solve(case, tol, method, stations, seed=found)
 
@@ -104,6 +127,7 @@ def unsolved(study: Study, cases: int, outcome: str) -> Columns:
     for name in (*study.recorded, *(name for name in LOADS if name not in study.axes)):
         found[name] = np.full(cases, np.nan)
     found |= {name: np.full(cases, np.inf) for name in ("error", "condition")}
+    found |= {"branch": np.full(cases, NONE)} if study.sweeps else {}
     return {**found, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
 
 

@@ -65,6 +65,10 @@ Level = Annotated[
     ),
 ]
 Method = Annotated[str | None, typer.Option(help="auto, or the name of a method.")]
+Choose = Annotated[
+    str | None,
+    typer.Option(help="Between two ends: nearest, lowest, or a Morse index (0, 1, 2, ...). Default: nearest."),
+]
 Replace = Annotated[bool, typer.Option("--force", help="Replace a picture that is there.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
@@ -318,13 +322,15 @@ def solve(
     tol: Tol = None,
     method: Method = None,
     level: Level = None,
+    choose: Choose = None,
     json: Json = False,
 ) -> None:
     """One case, from a TOML file, from options, or from Table 1.
 
     A rod given by options needs E, nu, a, L, R; then beta, dbeta and one of F1, dgamma, M3 at its start; or
     beta0 and betaL at its ends. Nothing comes from Table 1 unless --table1 or --reading asks for it, or nothing is
-    given at all. Of the many shapes between two ends the one of lowest energy is solved; equilibria lists them.
+    given at all. Of the many equilibria between two ends the one that --choose says is solved, by default the stable
+    one whose beta strays least from between its end angles; equilibria lists them all.
     Angles: a number in rad, or a form like 30deg, pi/6.
     """
     from .solving import solve_case
@@ -336,7 +342,7 @@ def solve(
     }  # fmt: skip
     given = {name: value for name, value in options.items() if value is not None}
     units = {kind: unit for kind, unit in (("length", length_unit), ("force", force_unit)) if unit is not None}
-    raise typer.Exit(solve_case(file, given, tol, method, json, level, table1, reading, units))
+    raise typer.Exit(solve_case(file, given, tol, method, json, level, table1, reading, units, choose))
 
 
 @app.command()
@@ -389,6 +395,7 @@ def equilibria(
         Path | None, typer.Option(help="A folder: each equilibrium as a case that solve FILE reproduces.")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a picture, or another kind of file.")] = False,
+    choose: Choose = None,
     json: Json = False,
 ) -> None:
     """Every shape between two end angles under dead loads, lowest energy first, with its stability.
@@ -405,7 +412,7 @@ def equilibria(
     }  # fmt: skip
     given = {name: value for name, value in options.items() if value is not None}
     units = {kind: unit for kind, unit in (("length", length_unit), ("force", force_unit)) if unit is not None}
-    raise typer.Exit(work(file, given, axis, plot, out, export, json, force, units))
+    raise typer.Exit(work(file, given, axis, plot, out, export, json, force, units, choose))
 
 
 @app.command()

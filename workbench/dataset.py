@@ -55,6 +55,7 @@ def stored(study: Study, axes: Sequence[str]) -> list[Stored]:
         *study.recorded,
         "outcome",
         "caution",
+        *(["branch"] if study.sweeps else []),
         "error",
         "condition",
         *(load for load in LOADS if load not in axes),
@@ -63,12 +64,14 @@ def stored(study: Study, axes: Sequence[str]) -> list[Stored]:
     return rows
 
 
-def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], columns: Columns) -> xr.Dataset:
+def make(
+    study: Study, coordinates: Mapping[str, NDArray[np.float64]], columns: Columns, first: str = ""
+) -> xr.Dataset:
     """The dataset of a study as it was run, from its columns (`chunks.columns`) in the order of the grid.
 
-    coordinates: the values of each axis.
+    coordinates: the values of each axis. first: how the equilibrium of a sweep's first case was taken.
     """
-    ds = frame(study, coordinates)
+    ds = frame(study, coordinates, first)
     shape = tuple(values.size for values in coordinates.values())
     for row in stored(study, tuple(coordinates)):
         values = columns[row.column]
@@ -77,7 +80,7 @@ def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], columns: 
     return ds.assign_attrs(caution=cautions.sentence(ds))
 
 
-def frame(study: Study, coordinates: Mapping[str, NDArray[np.float64]]) -> xr.Dataset:
+def frame(study: Study, coordinates: Mapping[str, NDArray[np.float64]], first: str = "") -> xr.Dataset:
     """The dataset without what is stored of each case: coordinates, what varies with its own axis only, attributes."""
     axes = tuple(coordinates)
     units = study.unit_system
@@ -96,7 +99,7 @@ def frame(study: Study, coordinates: Mapping[str, NDArray[np.float64]]) -> xr.Da
     coords["s"] = xr.Variable((*dims, "u"), length[..., None] * u, labels("s", units))
     if any(name in INNER for name in study.outputs):
         coords["xyz"] = xr.Variable(("xyz",), ["x", "y", "z"], {"long_name": "component; z is the axis"})
-    ds = xr.Dataset(coords=coords, attrs=_attributes(study, case))
+    ds = xr.Dataset(coords=coords, attrs=_attributes(study, case) | ({"equilibria": first} if first else {}))
     return ds.assign(data)  # the axes come first, in order
 
 

@@ -1,7 +1,7 @@
 """The command equilibria: every shape between two ends; listed, drawn, followed over an axis, written as cases."""
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +9,9 @@ import numpy as np
 
 from solver import Case, Ends, InputError, solve
 from solver import equilibria as every_equilibrium
-from solver.equilibria import Equilibrium
+from solver.equilibria import Equilibrium, meant
 from solver.errors import choices
+from solver.selection import selection
 from studies import Study, load
 from studies.angles import angle
 from studies.axes import CYLINDER, ENDS, ROD, WORDS, quantity_of
@@ -18,13 +19,15 @@ from studies.loader import loads
 
 from . import console, drawing, store
 from .asking import own_case, with_fields
+from .solving import which_of
+from .sweep import rule_of
 
 DEFAULT = "fig7_4_end_angle"
 OWN = "equilibria"  # the name of a study made of options
 TABLE_UNITS = {"length": "cm", "force": "N"}
 MOST = 401  # values of an axis
 NAMES = tuple(name for name in (*ROD, *CYLINDER, *ENDS) if name not in (*WORDS, "alpha", "gamma"))
-COLUMNS = ("dbeta0", "energy", "turns", "index", "attached")
+COLUMNS = ("dbeta0", "energy", "turns", "index", "stray", "attached")
 
 
 def run(
@@ -37,11 +40,12 @@ def run(
     json: bool,
     force: bool = False,
     units: dict[str, str] | None = None,
+    choose: str | None = None,
 ) -> int:
     """List, draw, store or export; 0, or 1 where there is none or the list is a part only.
 
-    units: of length and force, where the options say them: then the rod is that of the options alone.
-    Raises `InputError`.
+    units: of length and force, where the options say them: then the rod is that of the options alone. choose: the rule
+    of `solve` whose equilibrium is marked in the list; by default the study's own. Raises `InputError`.
     """
     study, case = _asked(file, options, units or {})
     if axis is not None and export is not None:
@@ -51,19 +55,28 @@ def run(
         store.check_free(out, "equilibria")
     if axis is not None:
         return _over(study, case, axis, picture, out, json, force)
+    rule = rule_of(study.equilibrium) if choose is None else which_of(choose).rule
+    assert rule is not None
     found = every_equilibrium(case)
-    rows = [row(one) for one in found]
+    taken = meant(found, rule)
+    rows = [{**row(one), "taken": one is taken} for one in found]
+    how = selection(rule, np.array([one.index for one in found], dtype=int), len(found), found.complete)
     if json:
-        console.print_json({"case": told(case), "units": study.unit_system, "equilibria": rows,
-                            "complete": found.complete, "remark": found.remark})  # fmt: skip
+        chosen = {**asdict(how), "rule": how.rule}
+        said = {"case": told(case), "units": study.unit_system, "selection": chosen, "equilibria": rows}
+        console.print_json({**said, "complete": found.complete, "remark": found.remark})
     else:
-        shown = [f"rad/{study.units.length}", f"{study.units.force} {study.units.length}", "", "", ""]
+        shown = [f"rad/{study.units.length}", f"{study.units.force} {study.units.length}", "", "", "rad", ""]
         heads = [f"{name} ({unit})" if unit else name for name, unit in zip(COLUMNS, shown, strict=True)]
-        console.print_table(["", *heads], [[i, *(r[c] for c in COLUMNS)] for i, r in enumerate(rows, 1)])
+        marks = [f"{i} *" if r["taken"] else f"{i}" for i, r in enumerate(rows, 1)]
+        lines = zip(marks, rows, strict=True)
+        console.print_table(["", *heads], [[mark, *(r[c] for c in COLUMNS)] for mark, r in lines])
         stable = sum(r["index"] == 0 for r in rows)
         console.say(f"{len(rows)} equilibria, {stable} stable with the end angles held and the loads dead")
         if not found.complete:
             console.say(f"not known to be all of them: {found.remark}")
+        if found:
+            console.say(f"* {how.rule}" if taken else f"none has index {rule}")
         console.say(f"of {_source(study, file, options, units)}")
     if picture or out:
         from . import gallery
@@ -128,7 +141,8 @@ def ends_of(study: Study) -> Case:
 def row(one: Equilibrium) -> dict[str, Any]:
     """An equilibrium as plain data."""
     return {
-        "dbeta0": one.dbeta0, "energy": one.energy, "turns": one.turns, "index": one.index, "attached": one.attached,
+        "dbeta0": one.dbeta0, "energy": one.energy, "turns": one.turns, "index": one.index, "stray": one.stray,
+        "attached": one.attached,
         "outcome": str(one.solution.outcome), "error": float(one.solution.error),
     }  # fmt: skip
 

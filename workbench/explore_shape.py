@@ -1,7 +1,7 @@
 """The shape of a state's rod, soon enough for a page: followed, looked for, or refused.
 
-Between two ends a shape follows the one before it where it can; else all equilibria are looked through, where they are
-few, or the one of lowest energy is found. What would take minutes is refused with a sentence.
+Between two ends a shape follows the one before it where it can; else the rule of `solve` takes one of all equilibria,
+or the one that the study names is looked for where they are few. What would take minutes is refused with a sentence.
 """
 
 from dataclasses import dataclass, replace
@@ -10,9 +10,10 @@ from functools import partial
 import numpy as np
 
 from solver import Case, Ends, Solution, equilibria, solve
-from solver.equilibria import nearest
+from solver.equilibria import meant, nearest
 from solver.errors import InputError
 from solver.reduced import reduce
+from solver.selection import NEAREST
 from studies import Study
 from studies.axes import Which
 
@@ -21,7 +22,7 @@ from .equilibria import told
 TOL, NEAR = 1e-8, 1e-6  # of a shape, and of one that follows another as a slider moves
 STATIONS, BETWEEN, MOST = 201, 401, 4001  # given by its start, by its ends, and of a rod of many bends
 MOST_SWINGS = 100  # of a rod between two ends whose equilibria are all looked through, in some tenths of a second
-MOST_LOWEST = 1000  # of one whose lowest equilibrium is found: 0.8 s for 700 swings
+MOST_TAKEN = 1000  # of one whose equilibrium is taken by the rule, without a list
 SAME = 1e-3  # of itself that beta'(0) may differ from the one that was named
 CHORD = 0.4  # rad that the rod may turn from one station to the next before more are taken
 STRIDES = (1, 4)  # in how many steps a shape follows another
@@ -59,7 +60,7 @@ def soon(study: Study, near: Solution | None = None) -> Shape | None:
 
 
 def shape(study: Study, near: Solution | None = None) -> Shape:
-    """The rod of a state; between two ends the one next to `near`, or that the study names, or of lowest energy.
+    """The rod of a state; between two ends the one next to `near`, or that the study names, or that `solve` takes.
 
     Raises `InputError` where there is no shape.
     """
@@ -108,12 +109,18 @@ def _between(study: Study, case: Case, lost: bool) -> Solution:
     which, swings = study.equilibrium, _swings(case)
     if lost and swings > MOST_SWINGS:
         which = None
+    rule = NEAREST if which is None or which.rule is None else which.rule
     if swings > MOST_SWINGS:
-        return _lowest(case, which, swings)
+        return _of_many(case, which, rule, swings)
     found = equilibria(case, TOL, BETWEEN)
     if not found:
         raise InputError("no equilibrium joins these end angles under these loads")
-    return (nearest(found, which.dbeta0, which.energy) if which else found[0]).solution
+    if which is not None and which.dbeta0 is not None and which.energy is not None:
+        return nearest(found, which.dbeta0, which.energy).solution
+    one = meant(found, rule)
+    if one is None:
+        raise InputError(f"none of the {len(found)} equilibria has index {rule}")
+    return one.solution
 
 
 def _followed(study: Study, case: Case, near: Solution) -> Solution | None:
@@ -133,21 +140,23 @@ def _followed(study: Study, case: Case, near: Solution) -> Solution | None:
     return None
 
 
-def _lowest(case: Case, which: Which | None, swings: float) -> Solution:
-    """Of more equilibria than are looked through the lowest, or the one of a beta'(0) where it is found."""
-    if which is not None:
+def _of_many(case: Case, which: Which | None, rule: str | int, swings: float) -> Solution:
+    """Of more equilibria than are listed the one that the rule takes, or the one of a beta'(0) where it is found."""
+    named = which is not None and which.dbeta0 is not None
+    if which is not None and named:
         sol = solve(case, NEAR, "difference", BETWEEN, seed=which.dbeta0)
         if sol.solved and _same(sol, which):
             return sol
-    if swings <= MOST_LOWEST:
-        sol = solve(case, TOL, stations=BETWEEN)
-        if which is None or (sol.solved and _same(sol, which)):
+    if swings <= MOST_TAKEN:
+        sol = solve(case, TOL, stations=BETWEEN, choose=rule)
+        if which is None or not named or (sol.solved and _same(sol, which)):
             return sol
-        raise InputError(f"the equilibrium that is named is not the lowest, and {_too_many(swings)}")
+        raise InputError(f"the equilibrium that is named is not the one taken by default, and {_too_many(swings)}")
     raise InputError(_too_many(swings))
 
 
 def _same(sol: Solution, which: Which) -> bool:
+    assert which.dbeta0 is not None
     found, rho = float(sol.dbeta[0]), float(sol.case.rho)
     return abs(found - which.dbeta0) <= SAME * max(abs(which.dbeta0), NEAR / rho)
 

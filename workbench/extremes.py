@@ -120,7 +120,7 @@ def _met(case: Case, method: str, known: Any, seed: Solution | None = None) -> M
     began = time.perf_counter()
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")  # scipy speaks of what the outcome says
-        sol = solve(case, TOL, method, stations=_stations(case), **({} if seed is None else {"seed": seed}))
+        sol = solve(case, TOL, method, stations=_stations(case), seed=seed)
     seconds = time.perf_counter() - began
     finite = bool(np.isfinite([sol.beta, sol.dbeta, sol.alpha, sol.z]).all())
     error = float(np.abs(sol.beta[1:] - known).max()) if finite else np.nan

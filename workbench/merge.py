@@ -95,6 +95,9 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
     axes = dataset.axes_of(files[0])
     if studies[0].follow is not None:
         raise InputError(f"{names[0]} follows an equilibrium up to its fold, which cannot be joined to another")
+    if studies[0].sweeps:
+        why = "each case continued from its neighbour: run all values as one study"
+        raise InputError(f"{names[0]} is a sweep of ends problems, {why}")
     differing = [axis for axis in axes if any(not np.array_equal(files[0][axis], ds[axis]) for ds in files[1:])]
     if len(differing) > 1:
         raise InputError(f"the files differ along {' and '.join(differing)}; join along one axis at a time")

@@ -18,6 +18,7 @@ from studies.model import MAX_STATIONS, OUTPUTS
 
 from . import picking, runner
 from .kinds import Kind
+from .plan import plan
 
 if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
     from .taking import Taken
@@ -61,7 +62,8 @@ def only(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: 
         name: axis if name in shown else Axis.model_validate({"values": [float(ds[name].values[where[name]])]})
         for name, axis in study.axes.items()
     }
-    return lean.model_copy(update={"axes": axes})
+    part = lean.model_copy(update={"axes": axes})
+    return part.part_of(plan(study).spine) if study.sweeps else part
 
 
 def at_need(study: Study, draw: Callable[[xr.Dataset, bool], "Taken"]) -> tuple["Taken", int]:

@@ -20,6 +20,7 @@ from solver.solve import AUTO
 from studies import Study
 from studies.axes import Axis
 
+from . import sweep, sweep_order
 from .chunks import LOADS, WIDTH, Chunk
 
 FORMAT = 1  # of the file: a reader refuses one with a higher number
@@ -64,6 +65,8 @@ class Plan:
     @cached_property
     def block(self) -> int:
         """Cases solved together; the study alone decides it."""
+        if self.study.sweeps:
+            return sweep_order.block_size(self.shape, BLOCK_VALUES // self.study.stations)
         most = BLOCK if self.study.method in TOGETHER else BLOCK_ALONE
         return max(1, min(most, BLOCK_VALUES // self.study.stations))
 
@@ -73,7 +76,7 @@ class Plan:
         axes = {name: Axis.model_validate({"values": [float(values[0])]}) for name, values in self.coordinates.items()}
         update = {"axes": axes, "laws": [], "observables": self.study.wanted}
         light = self.study.model_copy(update=update)
-        light._text = ""
+        light._text, light._part_of = "", None
         return light
 
     def chunk(self, start: int, stop: int) -> Chunk:
@@ -83,7 +86,21 @@ class Plan:
             return Chunk(start, stop, {})
         places = np.unravel_index(flat, self.shape)
         axes = zip(self.coordinates.items(), places, strict=True)
-        return Chunk(start, stop, {name: values[at] for (name, values), at in axes})
+        values = {name: values[at] for (name, values), at in axes}
+        states = self._states(start, stop, values) if self.study.sweeps else {}
+        return Chunk(start, stop, values, 0, self.shape, states)
+
+    def _states(self, start: int, stop: int, values: Coordinates) -> dict[int, sweep.State]:
+        whole: sweep.Spine | None = self.study.whole
+        if whole is None:
+            return self.spine.handed(start, stop)
+        rows = (dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True))
+        return {start + i: whole.nearest(row) for i, row in enumerate(rows)}
+
+    @cached_property
+    def spine(self) -> sweep.Spine:
+        """The cases of a sweep from which its blocks begin."""
+        return sweep.Spine(self.study, self.coordinates, self.block)
 
     def chunks(self, missing: Iterable[tuple[int, int]], most: int) -> Iterator[Chunk]:
         """The missing stretches in chunks of at most so many cases, each of whole blocks."""
@@ -116,6 +133,19 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
     return Plan(study.model_copy(update={"tol": tol, "method": name}), coordinates)
 
 
+def first_of(plan: Plan) -> str:
+    """How the equilibrium of the first case of a sweep was taken, in one sentence; empty for other studies."""
+    if not plan.study.sweeps:
+        return ""
+    spine = plan.study.whole or plan.spine
+    first, cell = spine.first().solution, spine.grid.first
+    row = zip(spine.coordinates.items(), cell, strict=True)
+    at = ", ".join(sweep.told(name, float(values[i])) for (name, values), i in row)
+    which = plan.study.equilibrium
+    how = first.selection or (f"taken: the one next to beta'(0) = {which.dbeta0:g}" if which else first.outcome)
+    return f"the first case, {at}: {how}"
+
+
 def bytes_a_case(study: Study) -> int:
     """What a case takes in memory and, at most, in the file."""
     along = sum(WIDTH.get(name, 1) for name in study.outputs) * study.stations
@@ -134,7 +164,7 @@ def recipe(plan: Plan) -> dict[str, Any]:
         "units": study.unit_system,
         "reading": study.reading or "",
         "base": study.base.given,
-        "equilibrium": study.equilibrium.model_dump() if study.equilibrium else {},
+        "equilibrium": study.equilibrium.model_dump(exclude_none=True) if study.equilibrium else {},
         "order": list(plan.coordinates),
         "axes": {name: axis_line(values) for name, values in plan.coordinates.items()},
         **({} if study.follow is None else {"follow": {"to": study.follow.limit, "count": study.follow.size}}),

@@ -12,7 +12,7 @@ from studies import Study
 from studies.axes import WORDS
 from studies.loader import loads
 
-from . import opening
+from . import opening, sweep_solutions
 from .chunks import solve_one
 from .selecting import SAME, real
 
@@ -69,9 +69,38 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
         raise InputError(f"{asked}; select some first, as ds.rod.sel({axes_of(ds, study)[0]}=...).rod")
     tol, method = opening.number(ds, "tolerance"), opening.text(ds, "method")
     stations = _stations(ds, study, case)
+    if study.sweeps:
+        as_run = study.model_copy(update={"tol": tol, "method": method})
+        return _swept(as_run, case, stations, _places(ds, study, values))
     if study.follow is None:
         return solve_one(case, study.equilibrium, tol, method, stations)
     return solve(case, tol=tol, method=method, stations=stations, seed=_slope(ds, case))
+
+
+def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of the study's axes, each along its own dimension as in `case_of`."""
+    axes = [name for name in axes_of(ds, study) if name not in values]
+    return {
+        name: real(name, values[name])
+        if name in values
+        else ds[name].values.reshape([-1 if name == other else 1 for other in axes if name in axes])
+        for name in study.axes
+    }
+
+
+def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -> Solution:
+    """Cases of a sweep or next to it, each continued from the sweep's nearest."""
+    from .plan import plan
+
+    work = plan(study)
+    rows = {name: np.broadcast_to(value, case.shape).ravel() for name, value in places.items()}
+    found = []
+    for i in range(case.size):
+        near = work.spine.nearest({name: float(row[i]) for name, row in rows.items()})
+        at = stations if isinstance(stations, int) else np.broadcast_to(stations, (*case.shape, np.shape(stations)[-1]))
+        mine = at if isinstance(at, int) else at.reshape(case.size, -1)[i]
+        found.append(sweep_solutions.continued(work.study, sweep_solutions.single(case, i), near, mine))
+    return found[0] if not case.shape else sweep_solutions.together(case, found)
 
 
 def _stations(ds: xr.Dataset, study: Study, case: Case) -> Any:

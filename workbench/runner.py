@@ -9,9 +9,9 @@ import xarray as xr
 from solver import InputError
 from studies import Study
 
-from . import check, dataset
+from . import branch_numbers, check, dataset
 from .chunks import block_of, joined
-from .plan import bytes_a_case, plan
+from .plan import bytes_a_case, first_of, plan
 
 MOST_IN_MEMORY = 2_000_000_000
 
@@ -47,7 +47,10 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
             "GB; workbench run stores them as they are solved"
         )
     parts = [block_of(work.study, part) for part in work.chunk(0, work.size).blocks(work.block)]
-    return dataset.make(work.study, work.coordinates, joined(parts))
+    found = joined(parts)
+    if work.study.sweeps:
+        found["branch"] = branch_numbers.numbered(found["branch"], found["branch"])
+    return dataset.make(work.study, work.coordinates, found, first_of(work))
 
 
 def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:

@@ -10,7 +10,7 @@ from solver.quantities import unit_of
 from studies import load, names
 from studies.axes import Axis, quantity_of
 
-from . import cautions, check, console, memory
+from . import branch_numbers, cautions, check, console, memory
 from .chunks import kind_of
 from .fidelity import fidelity
 from .storing import DEFAULT, Options, Ran, run_to_file
@@ -104,9 +104,12 @@ def _told_of(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
 
     texts = ["outcome", *(["caution"] if "caution" in ds else [])]
     outcomes, *caution = ([str(text) for text in np.ravel(ds[name].values)] for name in texts)
+    counts = branch_numbers.counted(ds["branch"].values) if "branch" in ds else None
     return {
         "title": ds.attrs["title"],
         "study": ds.attrs["study_name"],
+        "equilibria": str(ds.attrs.get("equilibria", "")),
+        "branches": branch_numbers.sentence(counts) if counts else "",
         "reading": ds.attrs["reading"],
         "file": str(path),
         "outcomes": Counter(map(kind_of, outcomes)),
@@ -135,6 +138,7 @@ def _print(told: dict[str, Any], as_json: bool, ran: Ran | None = None) -> int:
         counts = {"cases": cases, "unsolved": unsolved, "outcomes": sorted(outcomes), "caution": caution}
         run = {} if ran is None else {"solved_now": ran.solved, "seconds": ran.seconds}
         named = {name: told[name] for name in ("study", "reading", "file")}
+        named |= {name: told[name] for name in ("equilibria", "branches") if told.get(name)}
         laws = {"verdicts": check.tally(told["laws"]), "laws": told["laws"]}
         console.print_json({**named, **counts, **run, **laws, "status": status})
         return status
@@ -146,6 +150,9 @@ def _print(told: dict[str, Any], as_json: bool, ran: Ran | None = None) -> int:
     for text, count in sorted(outcomes.items()):
         if text != "solved":
             console.say(f"  {count} x {text}")
+    for name in ("equilibria", "branches"):
+        if told.get(name):
+            console.say(told[name])
     if caution:
         console.say(f"caution: {caution}")
     if ran is not None and ran.finished_before:

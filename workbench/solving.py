@@ -1,6 +1,6 @@
 """The command solve: one case from a file or from options."""
 
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +10,9 @@ from solver import Case, Ends, InputError, Solution
 from solver.errors import choices, no_such
 from solver.observables import observe
 from solver.quantities import quantity, unit_of
+from solver.selection import checked
 from studies import Study, load
-from studies.axes import FORCES, LENGTHS, quantity_of
+from studies.axes import FORCES, LENGTHS, Which, quantity_of
 from studies.readings import DEFAULT, parse
 
 from . import cautions, console
@@ -20,7 +21,6 @@ from .chunks import solve_one
 from .fidelity import Fidelity, fidelity
 
 TABLE_UNITS = {"length": "cm", "force": "N"}
-LOWEST = "of all its equilibria the one of lowest energy; workbench equilibria lists them all"
 LOADS = ("FZ", "MZ", "M3")
 
 
@@ -48,12 +48,14 @@ def solve_case(
     table1: bool = False,
     reading: str | None = None,
     units: dict[str, str] | None = None,
+    choose: str | None = None,
 ) -> int:
     """Solve and print; 0, or 1 where it is not solved. Raises `InputError`, also for a file with axes.
 
     level: the name of a fidelity; a tolerance beside it replaces the fidelity's own. table1: the rod of Table 1, read
     as `reading` says, with the options as changes; so it is also where nothing at all is given. units: of length and
-    force, where the options say them.
+    force, where the options say them. choose: of the equilibria between two ends which one, in place of what the
+    file says.
     """
     chosen = fidelity(level or "standard")
     asked = _asked(file, options, table1, reading, units or {})
@@ -64,12 +66,17 @@ def solve_case(
         method = asked.study.method if method is None else method
     tol = chosen.tol if tol is None else tol
     method = "auto" if method is None else method
+    if choose is not None:
+        which = which_of(choose)
+        if not isinstance(asked.case.given, Ends):
+            raise InputError("--choose takes one of the equilibria between two ends; a rod given by its start has one")
     sol = solve_one(asked.case, which, tol, method, chosen.stations or stations)
     told = described(sol, asked.units, chosen)
     told |= {
         "source": asked.source,
         "assumed": asked.assumed,
-        "which": LOWEST if isinstance(asked.case.given, Ends) and which is None else "",
+        "which": f"{sol.selection} (workbench equilibria lists all)" if sol.selection is not None else "",
+        "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
         "caution": cautions.said(cautions.of_cases(sol, {})),
     }
     if json:
@@ -111,6 +118,15 @@ def _study(file: Path) -> Study:
     if study.axes:
         raise InputError(f"{file.name} has the axes {', '.join(study.axes)}: workbench run solves it")
     return study
+
+
+def which_of(text: str) -> Which:
+    """``nearest``, ``lowest`` or a Morse index as a study's [equilibrium]. Raises `InputError`."""
+    try:
+        rule = checked(int(text) if text.isdecimal() else text)
+    except InputError:
+        raise InputError(f"--choose must be nearest, lowest or a Morse index (0, 1, 2, ...), got {text!r}") from None
+    return Which(index=rule) if isinstance(rule, int) else Which.model_validate({"choose": rule})
 
 
 def described(sol: Solution, units: dict[str, str], level: Fidelity) -> dict[str, Any]:

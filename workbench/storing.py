@@ -23,7 +23,7 @@ from .there import There, grown, is_finished, look, told_of
 WORTH, WORTH_TOGETHER = 4, 10  # blocks for which a worker is worth its start
 KILLED = "failed: the process that solved it ended twice without an answer"
 
-Tally = dict[str, Counter[str]]
+Tally = dict[str, Counter[Any]]
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def _follow(work: Plan, output: Path) -> Ran:
     began = time.monotonic()
     ds = run_followed(work.study, work.study.tol, work.study.method)
     tally = _of_file(None)
-    _count({name: np.asarray(ds[name].values, dtype=str) for name in tally}, tally)
+    _count({name: np.asarray(ds[name].values, dtype=str) for name in ("outcome", "caution")}, tally)
     told = told_of(tally, check.verdicts(ds))
     store.write(ds.assign_attrs(recipe=json.dumps(recipe(work)), told=json.dumps(told)), output, force=True)
     return Ran(told, ds["outcome"].size, time.monotonic() - began)
@@ -160,8 +160,9 @@ def _run(
 
 def _of_file(there: There | None) -> Tally:
     if there is None:
-        return {"outcome": Counter(), "caution": Counter()}
-    return {"outcome": Counter(there.told["outcomes"]), "caution": Counter(there.told["cautions"])}
+        return {"outcome": Counter(), "caution": Counter(), "branch": Counter()}
+    texts = {"outcome": Counter(there.told["outcomes"]), "caution": Counter(there.told["cautions"])}
+    return {**texts, "branch": Counter()}  # a sweep does not grow
 
 
 def _verified(work: Plan, folder: Path, tally: Tally) -> int:
@@ -178,7 +179,10 @@ def _verified(work: Plan, folder: Path, tally: Tally) -> int:
 
 def _count(columns: dict[str, Any], tally: Tally) -> int:
     """Add outcomes and cautions to the tally; how many cases were not solved."""
-    for name, counts in tally.items():
+    for branch in columns.get("branch", ()):
+        tally["branch"][int(branch)] += 1
+    for name in ("outcome", "caution"):
+        counts = tally[name]
         texts, times = np.unique(columns[name], return_counts=True)
         for text, count in zip(texts.tolist(), times.tolist(), strict=True):
             counts[kind_of(text)] += count

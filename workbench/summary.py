@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from solver.observables import OBSERVABLES
 from studies.model import OUTPUTS
 
-from . import check, console, dataset, door, opening
+from . import branch_numbers, check, console, dataset, door, opening
 from .joining import blocks
 
 BLOCK = 100_000  # cases that are read at a time
@@ -39,7 +39,9 @@ def summary(path: Path) -> dict[str, Any]:
         told: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
         told |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
         told |= {"tolerance": opening.number(ds, "tolerance"), "format": int(ds.attrs.get("format", dataset.FORMAT))}
-        told |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution")}
+        told |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", "equilibria")}
+        counts = branch_numbers.counted(_numbers(ds["branch"])) if "branch" in ds else {}
+        told["branches"] = branch_numbers.sentence(counts) if counts else ""
         told["versions"] = opening.versions(ds, path)
         told["axes"] = [_axis(ds[name]) for name in dataset.axes_of(ds)]
         told["stations"] = ds.sizes.get("u", 0)
@@ -132,6 +134,9 @@ def _print(told: dict[str, Any]) -> None:
     for worst in told["worst"]:
         at = ", ".join(f"{name} = {value:.6g}" for name, value in worst["at"].items())
         console.say(f"largest {worst['name']}: {_cell(worst['value'])}{f' at {at}' if at else ''}")
+    for name in ("equilibria", "branches"):
+        if told[name]:
+            console.say(told[name])
     if told["caution"]:
         console.say(f"caution: {told['caution']}")
     if told["laws"]:

@@ -84,6 +84,8 @@ def grown(there: There, plan: Plan) -> Plan | None:
         return None
     if there.recipe["axes"] == now["axes"]:
         return plan
+    if plan.study.sweeps:  # new cases would continue from others than in the file
+        return None
     if changed:
         was = {key: there.recipe.get(key) for key in changed}
         told = "; ".join(differences(was, {key: now.get(key) for key in changed}))

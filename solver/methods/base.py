@@ -21,6 +21,7 @@ class Trajectory:
     beta, dbeta (d/dt), alpha (from 0), z (from 0): (B, n). swirl: returns the integral of sin(beta) cos(beta), (B, n),
     when it is asked for. outcome: (B,) sentences, "solved" or why not. error, condition, evaluations: (B,).
     orbit: the periodic structure behind the answer where the method knows it (see `methods.orbit`), else None.
+    selection: (B,) how each was taken from its equilibria (`selection.Selection`), None where by a seed; or None.
     """
 
     beta: Array
@@ -33,6 +34,7 @@ class Trajectory:
     condition: Array
     evaluations: NDArray[np.int64]
     orbit: Any = None
+    selection: NDArray[np.object_] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,8 +2,8 @@
 
 Order 4 on a mesh that it refines where the residual is large. Its tolerance bounds that residual, not the error; so the
 error is measured against a run at thirty times the tolerance, and the tolerance is tightened until the two agree.
-Like `difference` it finds the solution next to its seed, without one that of lowest energy. Newton's own stop keeps the
-error from falling much below 1e-11.
+Like `difference` it finds the solution next to its seed, or next to the one that the rule `choose` takes. Newton's own
+stop keeps the error from falling much below 1e-11.
 """
 
 import math
@@ -29,13 +29,15 @@ def run(
     rtol: float | None = None,
     nodes: int | None = None,
     seed: Seed | None = None,
+    choose: str | int = "nearest",
     **_: Any,
 ) -> Trajectory:
     """Each problem by itself. `rtol` fixes scipy's own tolerance instead of seeking `tol`; nodes: of the first mesh."""
+    taken, why = None, [""] * problem.size
     if seed is None:
-        from ..equilibria import lowest  # the search stands above the methods; asked only where nothing is given
+        from ..equilibria import chosen_seed  # the search stands above the methods; asked only where nothing is given
 
-        seed = lowest(problem)
+        seed, taken, why = chosen_seed(problem, choose)
     columns = np.full((5, problem.size, t.shape[1]), np.nan)
     error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
     work, outcome = np.zeros(problem.size, dtype=np.int64), np.full(problem.size, "", dtype=object)
@@ -44,11 +46,11 @@ def run(
         if np.isfinite(near.beta).all():
             columns[:, i], error[i], condition[i], work[i], outcome[i] = _one(one, t[i], tol, rtol, nodes, near)
         else:
-            outcome[i] = "failed: no equilibrium to start from joins these end angles under these loads"
+            outcome[i] = why[i] or "failed: the seed is no shape"
     lost = outcome != ""
     outcome = np.where(lost, outcome, verdicts(columns[0], error, condition, tol))
     beta, dbeta, alpha, z, swirl = columns
-    return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, work)
+    return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, work, None, taken)
 
 
 def _one(

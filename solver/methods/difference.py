@@ -1,7 +1,7 @@
 """`difference`: the paper's own scheme for a rod given by its two ends.
 
 Central differences (40), Newton's rule on the tridiagonal system (43), and the extrapolation (47): order 2, then 4.
-Newton's rule finds the solution next to its seed; without one it starts from the equilibrium of lowest energy.
+Newton's rule finds the solution next to its seed; without one it starts from the one that the rule `choose` takes.
 """
 
 from dataclasses import dataclass
@@ -39,6 +39,7 @@ def run(
     nodes: int | None = None,
     extrapolate: bool = True,
     seed: Seed | None = None,
+    choose: str | int = "nearest",
     **_: Any,
 ) -> Trajectory:
     """Each problem by itself. `nodes` fixes the coarse mesh; without it the mesh is halved until two answers agree.
@@ -47,12 +48,13 @@ def run(
 
     seed: near which solution to look; see `Seed`.
     """
+    taken, why = None, [""] * problem.size
     if seed is None:
         from ..equilibria import (
-            lowest,
+            chosen_seed,
         )  # the search stands above the methods; it is asked only where nothing is given
 
-        seed = lowest(problem)
+        seed, taken, why = chosen_seed(problem, choose)
     n = t.shape[1]
     columns = np.full((5, problem.size, n), np.nan)
     error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
@@ -63,8 +65,10 @@ def run(
         missed[i] = not met
     outcome = verdicts(columns[0], error, condition, tol)
     outcome[missed] = "failed: Newton's rule found no solution of the difference equation near the seed"
+    for i in range(problem.size):
+        outcome[i] = why[i] or outcome[i]
     beta, dbeta, alpha, z, swirl = columns
-    return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, work)
+    return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, work, None, taken)
 
 
 def _one(

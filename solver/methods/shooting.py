@@ -18,8 +18,10 @@ _ROUNDS = 40
 NONE = "failed: the search met no equilibrium, though there always is one"
 
 
-def run(problem: Reduced, t: Array, tol: float, seed: Seed | None = None, **_: Any) -> Trajectory:
-    """The equilibrium that continues from `seed` or is next to it, or that of lowest energy without one."""
+def run(
+    problem: Reduced, t: Array, tol: float, seed: Seed | None = None, choose: str | int = "nearest", **_: Any
+) -> Trajectory:
+    """The equilibrium that continues from `seed` or is next to it; without one that which the rule `choose` takes."""
     from ..equilibria import (
         chosen,
         trajectory,
@@ -37,7 +39,7 @@ def run(problem: Reduced, t: Array, tol: float, seed: Seed | None = None, **_: A
         if near[i]:
             found.append(trajectory(one, solve_orbit(one.started(slopes[i : i + 1]), 1e-13), here, tol))
         else:
-            found.append(chosen(one, here, tol, None if seed is None else float(seed.slope[i])) or NONE)
+            found.append(chosen(one, here, tol, None if seed is None else float(seed.slope[i]), choose))
     return together(found, t)
 
 
@@ -55,15 +57,17 @@ def together(found: list[Trajectory | str], t: Array) -> Trajectory:
     columns = np.full((4, *t.shape), np.nan)
     error, condition = np.full((2, t.shape[0]), np.inf)
     calls, outcome = np.zeros(t.shape[0], dtype=np.int64), np.full(t.shape[0], NONE, dtype=object)
+    taken = np.full(t.shape[0], None, dtype=object)
     for i, one in enumerate(found):
         if isinstance(one, str):
             outcome[i] = one
             continue
         columns[:, i] = one.beta[0], one.dbeta[0], one.alpha[0], one.z[0]
+        taken[i] = None if one.selection is None else one.selection[0]
         error[i], condition[i], calls[i] = one.error[0], one.condition[0], one.evaluations[0]
         outcome[i] = one.outcome[0]
     beta, dbeta, alpha, z = columns
-    told = outcome, error, condition, calls, orbit
+    told = outcome, error, condition, calls, orbit, taken
     return Trajectory(beta, dbeta, alpha, z, lambda: np.where(shown[:, None], orbit.swirl(t), np.nan), *told)
 
 

@@ -87,13 +87,20 @@ def studies(draw: Any) -> dict[str, Any]:
         said["axes"] = {
             "betaL": {"follow": True, "to": draw(st.floats(1, 60)), "count": draw(st.integers(2, 9)), "unit": "deg"}
         }
-    if kind == "ends" and not varied and draw(st.booleans()):
-        said["equilibrium"] = {"dbeta0": draw(st.floats(-3, 3)), "energy": draw(st.floats(-100, 100))}
+    if kind == "ends" and draw(st.booleans()):
+        said["equilibrium"] = draw(which())
     said["units"] = {"length": draw(st.sampled_from(LENGTHS)), "force": draw(st.sampled_from(FORCES))}
     _what_is_computed(draw, said)
     said["laws"] = draw(st.lists(laws(said["axes"]), max_size=2)) if said["axes"] else []
     empty = [name for name in ("base", "axes", "laws") if not said[name] and draw(st.booleans())]
     return {name: value for name, value in said.items() if name not in empty}
+
+
+def which() -> Any:
+    """A table [equilibrium], in each of its three ways."""
+    named = {"dbeta0": st.floats(-3, 3), "energy": st.floats(-100, 100)}
+    ways = ({"choose": st.sampled_from(["nearest", "lowest"])}, {"index": st.integers(0, 9)}, named)
+    return st.one_of([st.fixed_dictionaries(way) for way in ways])
 
 
 def _what_is_computed(draw: Any, said: dict[str, Any]) -> None:

@@ -147,9 +147,26 @@ def test_solve_of_ones_own_rod_takes_nothing_from_table_1_and_tells_what_was_ass
 
 def test_solve_takes_a_rod_by_its_ends_and_says_which_of_its_equilibria_it_is(here) -> None:
     shown = here("solve", *OWN, "--side", "inside", "--beta0", "pi/90", "--betaL", "2deg", "--FZ", -50)
-    assert "the one of lowest energy; workbench equilibria lists them all" in shown
+    assert "taken: the stable one whose beta strays least from between its end angles" in shown
     assert "assumed: stiffness = solid, MZ = 0.0, M3 = 0.0, alpha = 0.0, gamma = 0.0" in shown
     assert "axial force" in shown
+
+
+def test_solve_tells_how_many_equilibria_there_are_and_takes_the_one_that_is_asked_for(here) -> None:
+    pipe = ("--E", 1e7, "--nu", 0.3, "--a", 0.0635, "--L", 30, "--R", 0.108, "--length-unit", "m")
+    rod = (*pipe, "--force-unit", "kN", "--side", "inside", "--beta0", 0, "--betaL", 0, "--FZ", -300)
+    told = here("solve", *rod, "--json")
+    assert told["selection"]["choose"] == "nearest"
+    assert 0 < told["selection"]["stable"] < told["selection"]["count"]
+    low = here("solve", *rod, "--choose", "lowest", "--json")
+    assert low["observables"]["height"] < 0 < told["observables"]["height"]  # the lowest energy is turned round
+    second = here("solve", *rod, "--choose", 1, "--json")
+    assert second["selection"]["choose"] == 1
+    refused = workbench("solve", *rod, "--choose", "near")
+    assert refused.returncode == 2
+    assert "--choose must be nearest, lowest or a Morse index (0, 1, 2, ...), got 'near'" in refused.stderr
+    refused = workbench("solve", "--table1", "--choose", "lowest")
+    assert "a rod given by its start has one" in refused.stderr
 
 
 def test_solve_reads_a_case_from_a_file_and_options_change_it(tmp_path) -> None:

@@ -11,9 +11,11 @@ from solver.branch import follow
 from solver.equilibria import nearest
 from solver.observables import observe
 from studies import load
+from studies.loader import loads
 from tests.cases import ends_in_units_of_rho
 from workbench import bifurcation, branch_plots, cli, gallery, runner, store
 from workbench import equilibria as command
+from workbench.chunks import solve_one
 
 MANY = -0.3655, 0.7464, -0.7506
 
@@ -66,6 +68,24 @@ def test_a_list_that_is_a_part_only_says_so_and_ends_with_status_1(capsys, monke
     assert status == 1
     assert json.loads(text)["complete"] is False
     assert "at most 1" in json.loads(text)["remark"]
+
+
+def test_it_marks_the_one_that_solve_takes(capsys, tmp_path) -> None:
+    for rule in ("nearest", "lowest", "2"):
+        told = json.loads(run(capsys, "--choose", rule, "--json")[1])
+        (taken,) = [row for row in told["equilibria"] if row["taken"]]
+        sol = solve(default(), choose=int(rule) if rule.isdecimal() else rule)
+        assert taken["dbeta0"] == pytest.approx(float(sol.dbeta[0]), abs=1e-9)
+        assert told["selection"] == {
+            "count": len(told["equilibria"]), "stable": 2, "choose": 2 if rule == "2" else rule, "complete": True,
+            "rule": sol.selection.rule,
+        }  # fmt: skip
+    (tmp_path / "case.toml").write_text(CASE + "index = 1")
+    told = json.loads(run(capsys, str(tmp_path / "case.toml"), "--json")[1])
+    assert [row["index"] for row in told["equilibria"] if row["taken"]] == [1]
+    table = run(capsys)[1]
+    assert "* taken: the stable one whose beta strays least from between its end angles" in table
+    assert table.count(" *") == 1
 
 
 def test_options_change_the_case(capsys) -> None:
@@ -288,3 +308,33 @@ def test_whose_equilibria_they_are_is_said(capsys) -> None:
         with pytest.raises(SystemExit, match="0"):
             cli.main(["equilibria", *options])
         assert said in capsys.readouterr().out
+
+
+CASE = (
+    'title = "x"\n[units]\nlength = "cm"\nforce = "N"\n'
+    "[base]\nE = 1e4\nnu = 0.25\na = 0.25\nL = 10.0\nR = 0.75\nbeta0 = 0.5\nbetaL = 0.8\nFZ = -8.0\n[equilibrium]\n"
+)
+
+
+@pytest.mark.parametrize(
+    "words, said",
+    (
+        ("dbeta0 = 1.0", "dbeta0 and energy go together: give choose, or index, or dbeta0 and energy"),
+        ('choose = "nearest"\nindex = 1', "choose and index exclude each other"),
+        ('choose = "near"', "must be 'nearest' or 'lowest'"),
+        ("index = -1", "greater than or equal to 0"),
+        ("", "equilibrium names none: give choose, or index, or dbeta0 and energy"),
+    ),
+)
+def test_a_study_names_its_equilibrium_in_one_way(words, said) -> None:
+    with pytest.raises(InputError, match=said):
+        loads(CASE + words)
+
+
+def test_a_study_may_name_its_equilibrium_by_a_rule_or_an_index() -> None:
+    for words, rule in (('choose = "lowest"', "lowest"), ("index = 1", 1), ('choose = "nearest"', "nearest")):
+        study = loads(CASE + words)
+        sol = solve_one(study.case(), study.equilibrium, 1e-8, "auto", 201)
+        assert sol.solved
+        np.testing.assert_array_equal(sol.beta, solve(study.case(), choose=rule).beta)
+        assert sol.selection.choose == rule

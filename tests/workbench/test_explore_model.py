@@ -127,7 +127,7 @@ def test_held_by_both_its_ends_a_rod_keeps_its_shape_and_is_one_of_the_list() ->
         explore_model.every(first.study)
 
 
-def test_of_more_equilibria_than_can_be_looked_through_the_lowest_is_shown_and_a_list_refused() -> None:
+def test_of_more_equilibria_than_can_be_looked_through_the_default_one_is_shown_and_a_list_refused() -> None:
     pipe = shape("pipe")
     middle = np.degrees(abs(pipe.sol.beta[pipe.sol.s.size // 2]))
     A, rho = pipe.sol.case.rod.bending_stiffness, float(pipe.sol.case.rho)
@@ -138,7 +138,7 @@ def test_of_more_equilibria_than_can_be_looked_through_the_lowest_is_shown_and_a
     with pytest.raises(InputError, match="may swing some 716 times, and the page looks through at most 100"):
         explore_model.every(pipe.study)
     named["equilibrium"] = {"dbeta0": 0.2, "energy": 0.0}
-    with pytest.raises(InputError, match="the equilibrium that is named is not the lowest"):
+    with pytest.raises(InputError, match="the equilibrium that is named is not the one taken by default"):
         explore_shape.shape(explore_model.study_of(named))
     soft = explore_model.study_of(state("cable", E=0.5))
     with pytest.raises(InputError, match="may swing some 3223 times"):  # four minutes without the limit

@@ -1,0 +1,336 @@
+"""A sweep over ends problems: the order of its cases, the same bits whoever solves it, and what it says of branches."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import Case, Ends, InputError, solve
+from studies.laws import FAILS, UNDECIDED
+from studies.loader import loads
+from workbench import branch_numbers, check, chunks, cli, kinds, merge, needed, plan, runner, sweep_order
+from workbench.chunks import solved
+from workbench.storing import Options, run_to_file
+
+TEXT = """
+title = "A pipe pushed down its hole"
+observables = ["amplitude", "height", "index"]
+outputs = ["beta"]
+stations = 51
+{more}
+[units]
+length = "m"
+force = "kN"
+[base]
+E = 9.585e7
+nu = 0.3
+a = 0.0635
+R = 0.108
+side = "inside"
+beta0 = 0.0
+betaL = 0.0
+{base}
+"""
+FORCES = "[axes.FZ]\nfrom = -60.0\nto = -40.0\ncount = 21\n"
+GRID = "[axes.L]\nvalues = [19.0, 20.0, 21.0]\n[axes.FZ]\nfrom = -60.0\nto = -50.0\ncount = 5\n"
+
+
+def study(axes: str = FORCES, base: str = "L = 20.0", more: str = ""):
+    return loads(TEXT.format(base=base, more=more) + axes, "text", "pipe")
+
+
+# the order
+
+
+@pytest.mark.parametrize("shape", ((1,), (2,), (30,), (3, 5), (4, 1), (1, 6), (2, 3, 4)))
+def test_every_case_continues_from_a_neighbour_and_all_from_the_middle(shape) -> None:
+    grid = sweep_order.Grid(shape)
+    first = grid.place(grid.first)
+    assert grid.parent(first) is None
+    for place in range(int(np.prod(shape))):
+        steps, at = 0, place
+        while (parent := grid.parent(at)) is not None:
+            difference = np.abs(np.subtract(grid.cell(at), grid.cell(parent[0])))
+            assert difference.sum() == 1
+            assert difference[parent[1]] == 1
+            at, steps = parent[0], steps + 1
+        assert at == first
+        assert steps == np.abs(np.subtract(grid.cell(place), grid.first)).sum()  # the shortest way
+
+
+@pytest.mark.parametrize("shape", ((30,), (3, 5), (7, 40), (2, 300)))
+def test_blocks_cut_the_grid_into_stretches_of_lines(shape) -> None:
+    grid, size = sweep_order.Grid(shape), sweep_order.block_size(shape, 1000)
+    covered = []
+    for start in range(0, int(np.prod(shape)), size):
+        stop = min(start + size, int(np.prod(shape)))
+        for a, b, entry in grid.pieces(start, stop):
+            assert a <= entry < b
+            assert a // shape[-1] == (b - 1) // shape[-1]
+            distance = [abs(grid.cell(place)[-1] - grid.first[-1]) for place in range(a, b)]
+            assert distance[entry - a] == min(distance)
+            covered += range(a, b)
+    assert covered == list(range(int(np.prod(shape))))
+
+
+# what is stored
+
+
+@pytest.fixture(scope="module")
+def line() -> xr.Dataset:
+    return runner.run(study())
+
+
+def test_a_sweep_keeps_its_branch_and_says_how_its_first_case_was_taken(line) -> None:
+    assert (line["branch"] == 0).all()
+    assert line["branch"].dtype.kind == "i"
+    assert (line["outcome"] == "solved").all()
+    assert line.attrs["equilibria"].startswith("the first case, FZ = -50: ")
+    assert "taken: the stable one whose beta strays least from between its end angles" in line.attrs["equilibria"]
+
+
+def test_each_case_is_an_equilibrium_of_its_own_loads(line) -> None:
+    for FZ in (-60.0, -53.0, -40.0):
+        one = study().case_of({"FZ": FZ})
+        usual = solve(one, stations=51)
+        np.testing.assert_allclose(line["beta"].sel(FZ=FZ), usual.beta, atol=1e-8)  # both tolerances are 1e-8
+
+
+def test_the_first_case_is_the_one_that_equilibrium_chooses() -> None:
+    index = runner.run(study(more="", axes=FORCES + "[equilibrium]\nindex = 2\n"))
+    assert index["index"].sel(FZ=-50.0) == 2
+    assert (index["branch"] == 0).all()
+    assert "of those of index 2" in index.attrs["equilibria"]
+    low = runner.run(study(axes=FORCES.replace("21", "3") + '[equilibrium]\nchoose = "lowest"\n'))
+    assert "the one of lowest energy" in low.attrs["equilibria"]
+    named = float(solve(study().case_of({"FZ": -50.0}), choose=1, stations=3).dbeta[0])
+    energy = 1e3
+    text = FORCES.replace("21", "3") + f"[equilibrium]\ndbeta0 = {named!r}\nenergy = {energy!r}\n"
+    assert "the one next to beta'(0)" in runner.run(study(axes=text)).attrs["equilibria"]
+
+
+# the same bits
+
+
+def bits(path: Path) -> dict[str, bytes]:
+    with xr.open_dataset(path) as ds:
+        return {name: ds[name].values.tobytes() for name in ds.variables if ds[name].dtype.kind in "if"}
+
+
+@pytest.mark.parametrize("axes, base", ((FORCES, "L = 20.0"), (GRID, "")))
+def test_workers_chunks_and_memory_give_the_same_bits(tmp_path, axes, base) -> None:
+    one = study(axes, base)
+    run_to_file(one, tmp_path / "one.h5", Options(workers=1))
+    run_to_file(one, tmp_path / "two.h5", Options(workers=2, chunk=1))
+    assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
+    in_memory = runner.run(one)
+    with xr.open_dataset(tmp_path / "one.h5") as ds:
+        for name in ("beta", "amplitude", "branch", "error"):
+            assert ds[name].values.tobytes() == in_memory[name].values.tobytes()
+
+
+def test_a_chunk_is_the_same_alone_as_among_others() -> None:
+    work = plan.plan(study(GRID, ""))
+    whole = solved(work.light, work.chunk(0, work.size), work.block)
+    again = plan.plan(study(GRID, ""))
+    last = solved(again.light, again.chunk(work.block, work.size), work.block) if work.block < work.size else whole
+    assert len(last) > 0
+    single = plan.plan(study())
+    parts = [single.chunk(a, min(a + single.block, single.size)) for a in range(0, single.size, single.block)]
+    fresh = plan.plan(study())  # follows its cases in another order
+    for part in reversed(parts):
+        assert solved(fresh.light, fresh.chunk(part.start, part.stop), fresh.block) == solved(
+            single.light, part, single.block
+        )
+
+
+def test_an_interrupted_sweep_goes_on_to_the_same_bits(tmp_path, monkeypatch) -> None:
+    one, usual, count = study(), chunks.block_of, []
+
+    def interrupted(study_, part):
+        count.append(part.start)
+        if len(count) == 2:
+            raise KeyboardInterrupt
+        return usual(study_, part)
+
+    run_to_file(one, tmp_path / "one.h5", Options(workers=1))
+    monkeypatch.setattr(chunks, "block_of", interrupted)
+    with pytest.raises(KeyboardInterrupt, match="8 of 21 cases are kept"):
+        run_to_file(one, tmp_path / "two.h5", Options(workers=1, chunk=8))
+    monkeypatch.setattr(chunks, "block_of", usual)
+    assert run_to_file(one, tmp_path / "two.h5", Options(workers=1)).solved == 13
+    assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
+
+
+def test_a_sweep_that_is_extended_is_solved_anew(tmp_path) -> None:
+    run_to_file(study(FORCES.replace("21", "3")), tmp_path / "x.h5")
+    ran = run_to_file(study(FORCES.replace("21", "5")), tmp_path / "x.h5")
+    assert ran.solved == 5
+    assert run_to_file(study(FORCES.replace("21", "5")), tmp_path / "x.h5").finished_before
+
+
+# read again
+
+
+def test_a_stored_sweep_is_solved_again_on_its_branch(tmp_path) -> None:
+    one = study(FORCES.replace("21", "5") + "[equilibrium]\nindex = 2\n")
+    run_to_file(one, tmp_path / "x.h5")
+    with xr.open_dataset(tmp_path / "x.h5") as ds:
+        np.testing.assert_allclose(ds.rod.dbeta[:, 0], ds.rod.beta.differentiate("s")[:, 0], atol=1e-2)
+        at = ds.rod.sel(FZ=-60.0).rod.at(FZ=-59.0)
+        between = ds.rod.at(FZ=-59.0)
+        np.testing.assert_array_equal(at.beta, between.beta)
+        extremes = np.count_nonzero(np.diff(np.sign(np.diff(between.beta))))
+        assert extremes == np.count_nonzero(np.diff(np.sign(np.diff(ds["beta"].sel(FZ=-60.0)))))
+        assert np.abs(between.beta - ds["beta"].sel(FZ=-60.0)).max() < 0.01
+
+
+def test_a_picture_of_a_study_shows_the_branch_that_the_study_is_on(tmp_path) -> None:
+    path = tmp_path / "pipe.toml"
+    path.write_text(TEXT.format(base="L = 20.0", more="") + FORCES.replace("21", "5") + "[equilibrium]\nindex = 2\n")
+    whole, rough = needed.rough(path)
+    some = needed.only(whole, rough, kinds.kind_of("plain"), {"FZ": -60.0}, [])
+    ds = runner.run(some.at_stations(51))
+    np.testing.assert_array_equal(ds["beta"].values[0], runner.run(whole)["beta"].values[0])
+
+
+def test_run_check_and_summary_say_how_many_branches_there_are(tmp_path, capsys) -> None:
+    path = tmp_path / "pipe.toml"
+    path.write_text(TEXT.format(base="L = 20.0", more="") + FORCES.replace("21", "3"))
+    file = str(tmp_path / "x.h5")
+    run = ("run", str(path), "--out", file)
+    for words in (run, run, ("check", file), ("summary", file)):
+        with pytest.raises(SystemExit) as end:
+            cli.main(list(words))
+        shown = capsys.readouterr().out
+        assert end.value.code == 0
+        assert "all cases continue one branch of equilibria" in shown
+        assert "the first case, FZ = -50: " in shown
+
+
+def test_two_sweeps_are_not_joined(tmp_path) -> None:
+    for name, values in (("a", "[-50.0, -49.0]"), ("b", "[-48.0, -47.0]")):
+        run_to_file(study(f"[axes.FZ]\nvalues = {values}\n"), tmp_path / f"{name}.h5")
+    with pytest.raises(InputError, match="each case continued from its neighbour"):
+        merge.merge([tmp_path / "a.h5", tmp_path / "b.h5"], tmp_path / "out.h5")
+
+
+# branches
+
+
+def test_branches_are_numbered_in_the_order_of_the_places_that_took_them_up() -> None:
+    found = np.array([0, 0, 8, 8, branch_numbers.NONE, 4, 0])
+    np.testing.assert_array_equal(branch_numbers.numbered(found, found), [0, 0, 2, 2, -1, 1, 0])
+    np.testing.assert_array_equal(branch_numbers.numbered(found[2:4], found), [2, 2])
+
+
+def test_what_is_said_of_branches() -> None:
+    assert branch_numbers.sentence({0: 5}) == "all cases continue one branch of equilibria"
+    two = branch_numbers.sentence({0: 5, 1: 2, -1: 1})
+    assert two.startswith("the grid shows 2 branches of equilibria (5, 2 cases)")
+    assert branch_numbers.sentence({-1: 3}) == "no case has an equilibrium"
+
+
+def beyond_the_fold():
+    """Table 1 held at its own far end, which is turned past the fold of its own branch at 35.34 degrees."""
+    text = """
+title = "Past a fold"
+observables = ["kappa_mean", "index", "turns"]
+outputs = ["beta"]
+[units]
+length = "cm"
+force = "N"
+[base]
+E = 1.07e4
+nu = 0.25
+a = 0.25
+L = 20.0
+R = 0.75
+stiffness = "paper"
+beta0 = "30deg"
+FZ = {FZ!r}
+MZ = {MZ!r}
+M3 = {M3!r}
+[axes.betaL]
+from = 28.0
+to = 42.0
+count = 15
+unit = "deg"
+[equilibrium]
+dbeta0 = {dbeta0!r}
+energy = {energy!r}
+[[laws]]
+claim = "(4)"
+observable = "kappa_mean"
+axis = "betaL"
+direction = "rises"
+source = "made up"
+"""
+    from solver.branch import follow
+    from solver.observables import observe
+    from tests.cases import table_1
+
+    start = table_1("force-first", "tension", "paper")
+    branch = follow(start, np.deg2rad(60.0))
+    FZ, MZ, M3 = (float(load) for load in start.loads)
+    middle = Case(start.rod, start.cylinder, Ends(start.given.beta, np.deg2rad(35.0), FZ, MZ, M3))
+    slope = float(np.interp(np.deg2rad(35.0), branch.betaL, branch.dbeta0))
+    own = solve(middle, seed=slope)
+    energy = float(observe(own, ["energy"])["energy"])
+    numbers = {"FZ": FZ, "MZ": MZ, "M3": M3, "dbeta0": float(own.dbeta[0]), "energy": energy}
+    return loads(text.format(**numbers), "text", "past"), branch
+
+
+def test_a_branch_that_loses_its_stability_says_so() -> None:
+    """The straight pipe of 20 m buckles at A (pi/L)^2 = 30.2 kN; its branch goes on, unstable."""
+    one = study("[axes.FZ]\nfrom = -40.0\nto = -5.0\ncount = 11\n")
+    ds = runner.run(one)
+    critical = float(one.case().rod.bending_stiffness) * (np.pi / 20.0) ** 2
+    assert (ds["branch"] == 0).all()
+    lost = -ds["FZ"].values > critical
+    assert lost.sum() == 3
+    np.testing.assert_array_equal(ds["index"] > 0, lost)
+    words = np.where(lost, "solved; unstable here, stable where its branch begins", "solved")
+    assert ds["outcome"].values.tolist() == words.tolist()
+
+
+def test_a_buckled_branch_ends_where_the_pipe_straightens() -> None:
+    one = study("[axes.FZ]\nfrom = -60.0\nto = -10.0\ncount = 11\n")
+    ds = runner.run(one)
+    critical = float(one.case().rod.bending_stiffness) * (np.pi / 20.0) ** 2
+    straight = -ds["FZ"].values < critical
+    np.testing.assert_array_equal(ds["branch"], straight)
+    np.testing.assert_array_equal(ds["amplitude"] == 0, straight)
+    assert str(ds["outcome"].values[straight][0]) == "solved; another branch than at FZ = -35"
+
+
+@pytest.mark.slow
+def test_the_long_pipe_lies_in_lubinskis_helix_at_every_load() -> None:
+    one = study("[axes.FZ]\nfrom = -300.0\nto = -50.0\ncount = 30\n", "L = 300.0")
+    ds = runner.run(one)
+    assert (ds["branch"] == 0).all()
+    assert (ds["outcome"] == "solved").all()
+    A, rho = one.case().rod.bending_stiffness, float(ds["rho"])
+    middle, FZ = ds["beta"].isel(u=25).values, ds["FZ"].values
+    # the ends' part is exp(-k L/sqrt 2) = exp(-42) at 50 kN
+    np.testing.assert_allclose(2 * np.sin(middle) ** 2 * np.cos(middle), -FZ * rho**2 / A, rtol=1e-9)
+    pitch = 2 * np.pi * rho / np.tan(middle)
+    np.testing.assert_allclose(8 * np.pi**2 * A / pitch**2, -FZ, rtol=1e-3)  # Lubinski: 0.99954 at one degree
+    assert (ds["height"] > 299.9).all()
+
+
+def test_past_a_fold_the_cases_are_of_another_branch_and_say_so() -> None:
+    one, branch = beyond_the_fold()
+    ds = runner.run(one)
+    beyond = np.rad2deg(branch.fold)
+    assert 35 < beyond < 36
+    np.testing.assert_array_equal(ds["branch"], np.where(np.rad2deg(ds["betaL"]) < beyond, 0, 1))
+    words = [str(text) for text in ds["outcome"].values]
+    assert words[8] == "solved; another branch than at betaL = 35 deg"
+    assert set(words[:8]) | set(words[9:]) == {"solved"}
+    before = ds["index"].values[:8]
+    assert (before == before[0]).all()
+    (law,) = check.verdicts(ds)
+    assert law["verdict"] in (UNDECIDED, FAILS)
+    assert "crosses to another branch of equilibria" in law["reason"]

@@ -1,0 +1,37 @@
+"""The branches of a sweep as numbers, and what is said of them."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+NONE = -1  # the branch of a case without a solution
+
+
+def numbered(branch: NDArray[np.int64], every: Iterable[int]) -> NDArray[np.int64]:
+    """Branches counted from 0 in the order of the places that took them up; every: all the numbers that there are."""
+    order = sorted(set(every) - {NONE})
+    ranks = np.array([NONE, *range(len(order))])
+    return ranks[np.searchsorted(np.array([NONE, *order]), branch)]
+
+
+def counted(branch: NDArray[Any]) -> dict[int, int]:
+    """How many cases each branch has; what is no number counts as `NONE`."""
+    known = np.nan_to_num(np.asarray(branch, dtype=float), nan=NONE, posinf=NONE, neginf=NONE)
+    found, counts = np.unique(known, return_counts=True)
+    return {int(one): int(count) for one, count in zip(found, counts, strict=True)}
+
+
+def sentence(counts: Mapping[int, int]) -> str:
+    """What is said of the branches of a grid; counts: branch -> how many cases."""
+    sizes = [count for branch, count in sorted(counts.items()) if branch != NONE]
+    if not sizes:
+        return "no case has an equilibrium"
+    if len(sizes) == 1:
+        return "all cases continue one branch of equilibria"
+    listed = ", ".join(map(str, sizes[:8])) + (", ..." if len(sizes) > 8 else "")
+    return (
+        f"the grid shows {len(sizes)} branches of equilibria ({listed} cases): the outcome of a case says where a "
+        "branch begins, and no law counts a step from one to another"
+    )
