@@ -83,7 +83,7 @@ def overhead(folder: Path, rounds: int) -> dict[str, float]:
 
 
 def processor(folder: Path, rounds: int) -> dict[str, float]:
-    """20,000 of such cases: processor time of run and store by one worker, of the bare solver, and with all cautions."""
+    """20,000 such cases, processor time: run and stored by one worker, the bare solver, and this with the cautions."""
     work = study(100, 200)
     case, wanted = work.case(), dict.fromkeys((*work.wanted, *cautions.JUDGED))
 

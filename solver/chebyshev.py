@@ -38,8 +38,8 @@ def basis(n: int) -> Basis:
 
 
 def through(values: Array, linear: Array) -> Array:
-    """``values @ linear`` for many short rows (Q, n), some at a time: so few that BLAS starts no threads for them, which
-    would cost more than they save."""
+    """``values @ linear`` for many short rows (Q, n), some at a time: so few that BLAS starts no threads for them,
+    which would cost more than they save."""
     out = np.empty((values.shape[0], linear.shape[1]))
     for k in range(0, values.shape[0], _ROWS):
         np.matmul(values[k : k + _ROWS], linear, out=out[k : k + _ROWS])

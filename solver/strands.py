@@ -18,8 +18,8 @@ from .reduced import Array
 PARTS = 16  # of a period, to begin with
 FINEST = 2.0**-8  # of the radius: stretches no longer than that are points, which a thousandth of 2 a may escape
 _GRID = 4 * PARTS  # of a period: the middles of the parts and of their halves are among them
-_ROUNDS, _PAIRS = 10_000_000, 300_000  # periods and pairs of stretches of a rod looked at before giving up
-_WINDOW, _TOGETHER, _FEW = 2**16, 8, 64  # periods listed at once; looked at together; of a rod that needs no list
+_ROUNDS, PAIRS = 10_000_000, 300_000  # periods and pairs of stretches of a rod looked at before giving up
+_WINDOW, TOGETHER, _FEW = 2**16, 8, 64  # periods listed at once; looked at together; of a rod that needs no list
 _ROWS, _MANY = 128, 2**20  # periods held against the first, and pairs of all rods, worked on at once
 
 Integers = NDArray[np.int64]
@@ -86,7 +86,7 @@ def meets(rods: Strands) -> Array:
     high = np.ptp(rods.z, axis=1) + 2 * margin
     wide = np.ptp(rods.alpha, axis=1) + 2 * np.arcsin(np.minimum(1.0, margin))
     enough = (rounds < _ROUNDS) | (np.abs(rounds * rods.rise) > high)
-    met, left = np.zeros(rounds.size, dtype=bool), np.full(rounds.size, _PAIRS)
+    met, left = np.zeros(rounds.size, dtype=bool), np.full(rounds.size, PAIRS)
     rod, k, lists = _near_periods(rods, rounds, high, wide)
     while k.size:
         here, used = _searched(rods, rod, k, left)
@@ -101,7 +101,7 @@ def _near_periods(rods: Strands, rounds: Integers, high: Array, wide: Array) -> 
     k = np.arange(min(int(rounds.max()), _FEW - 1) + 1)
     near = _comes_near(k, rods.turn[:, None], rods.rise[:, None], high[:, None], wide[:, None])
     near &= k <= rounds[:, None]
-    simple = (rounds < _FEW) & (np.count_nonzero(near, axis=1) <= _TOGETHER)
+    simple = (rounds < _FEW) & (np.count_nonzero(near, axis=1) <= TOGETHER)
     lists = {
         int(i): _listed(int(rounds[i]), float(rods.turn[i]), float(rods.rise[i]), float(high[i]), float(wide[i]))
         for i in np.flatnonzero(~simple)
@@ -124,8 +124,8 @@ def _listed(rounds: int, turn: float, rise: float, high: float, wide: float) -> 
     for begin in range(0, last + 1, _WINDOW):
         k = np.arange(begin, min(begin + _WINDOW, last + 1))
         k = k[_comes_near(k, turn, rise, high, wide)]
-        for block in range(0, k.size, _TOGETHER):
-            yield k[block : block + _TOGETHER]
+        for block in range(0, k.size, TOGETHER):
+            yield k[block : block + TOGETHER]
 
 
 def _next(lists: dict[int, Iterator[Integers]]) -> tuple[Integers, Integers]:
@@ -186,7 +186,8 @@ def _whole(rods: Strands, rod: Integers, k: Integers, used: Integers) -> Pairs:
         some &= np.abs(later[:, None] - z[:, :, None]) <= most[:, :, None]
         row, i, j = np.nonzero(some)
         found.append((r[row], n[row], i, j))
-    return Pairs(*(np.concatenate(v) for v in zip(*found, strict=True)))
+    of, k, i, j = (np.concatenate(v) for v in zip(*found, strict=True))
+    return Pairs(of, k, i, j)
 
 
 def _possible(rods: Strands, pairs: Pairs, size: Array) -> Any:
