@@ -9,6 +9,7 @@ import argparse
 import contextlib
 import json
 import os
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -16,11 +17,12 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from benchmarks.timing import paired
+from benchmarks.timing import paired, seconds_of_processor
 from solver import solve
 from solver.observables import observe
 from studies import Study
 from studies.loader import loads
+from workbench import cautions
 from workbench.storing import Options, run_to_file
 
 STUDY = """
@@ -78,6 +80,30 @@ def overhead(folder: Path, rounds: int) -> dict[str, float]:
     work = study(250, 400)
     mine, theirs, ratio = paired(stored(work, folder, workers=1), bare(work), rounds)
     return {"stored [s]": mine, "bare [s]": theirs, "stored / bare": ratio}
+
+
+def processor(folder: Path, rounds: int) -> dict[str, float]:
+    """20,000 such cases, processor time: run and stored by one worker, the bare solver, and this with the cautions."""
+    work = study(100, 200)
+    case, wanted = work.case(), dict.fromkeys((*work.wanted, *cautions.JUDGED))
+
+    def told() -> None:
+        sol = solve(case, work.tol, work.method, work.stations)
+        cautions.of_cases(sol, observe(sol, wanted, errors=True))
+
+    parts = {
+        "stored [s]": stored(work, folder, workers=1),
+        "bare [s]": bare(work),
+        "bare, with cautions [s]": told,
+        "solved alone [s]": lambda: solve(case, work.tol, work.method, work.stations),
+    }
+    spent = {name: [seconds_of_processor(part) for _ in range(rounds + 1)][1:] for name, part in parts.items()}
+    found = {name: statistics.median(values) for name, values in spent.items()}
+    return {
+        **found,
+        "stored / bare": found["stored [s]"] / found["bare [s]"],
+        "stored / bare, with cautions": found["stored [s]"] / found["bare, with cautions [s]"],
+    }
 
 
 def workers(folder: Path, rounds: int) -> dict[str, float]:
@@ -179,6 +205,7 @@ def against_xyzpy(folder: Path, rounds: int) -> dict[str, float]:
 
 PARTS = {
     "overhead": overhead,
+    "processor": processor,
     "workers": workers,
     "cluster": cluster,
     "xyzpy": against_xyzpy,

@@ -1,5 +1,6 @@
 """What the benchmarks share: a named case, and two things timed in turn."""
 
+import os
 import resource
 import statistics
 import time
@@ -33,6 +34,18 @@ def _seconds(work: Callable[[], object]) -> float:
     start = time.perf_counter()
     work()
     return time.perf_counter() - start
+
+
+def seconds_of_processor(work: Callable[[], object]) -> float:
+    """Processor time of this process and of the children that it waited for."""
+    before = _processor()
+    work()
+    return _processor() - before
+
+
+def _processor() -> float:
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
 
 
 def peak_gigabytes() -> float:

@@ -8,6 +8,8 @@ from numpy.polynomial import chebyshev as C
 
 from .reduced import Array
 
+_ROWS = 384  # OpenBLAS takes threads from 2^18 products on
+
 
 @dataclass(frozen=True, eq=False)
 class Basis:
@@ -33,6 +35,15 @@ def basis(n: int) -> Basis:
     integrate = np.stack([C.chebint(row, lbnd=-1) for row in np.eye(n)])
     slopes = np.stack([C.chebval(nodes, C.chebder(row)) for row in np.eye(n)])
     return Basis(nodes, analyse, integrate, C.chebvander(nodes, n).T, slopes)
+
+
+def through(values: Array, linear: Array) -> Array:
+    """``values @ linear`` for many short rows (Q, n), some at a time: so few that BLAS starts no threads for them,
+    which would cost more than they save."""
+    out = np.empty((values.shape[0], linear.shape[1]))
+    for k in range(0, values.shape[0], _ROWS):
+        np.matmul(values[k : k + _ROWS], linear, out=out[k : k + _ROWS])
+    return out
 
 
 def polynomials(x: Array, n: int) -> Array:

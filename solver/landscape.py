@@ -25,18 +25,18 @@ def potential(problem: Any, beta: Any) -> Any:
 
 def slope(problem: Any, beta: Any) -> Any:
     """H(beta) = G'/2, eq. (35) corrected; written so that lam and mu cancel exactly about beta = 0 and beta = pi."""
-    even, twist, rest = _terms(problem, beta)
+    even, twist, rest = slope_terms(problem, np.sin(beta), np.cos(beta))
     return even + twist - rest
 
 
 def slope_size(problem: Any, beta: Any) -> Any:
     """The size of the terms that `slope` is the sum of: its rounding is that many eps."""
-    even, twist, rest = _terms(problem, beta)
+    even, twist, rest = slope_terms(problem, np.sin(beta), np.cos(beta))
     return np.abs(even) + np.abs(twist) + np.abs(rest)
 
 
-def _terms(problem: Any, beta: Any) -> tuple[Any, Any, Any]:
-    s, c = np.sin(beta), np.cos(beta)
+def slope_terms(problem: Any, s: Any, c: Any) -> tuple[Any, Any, Any]:
+    """The terms of H = first + second - third, from sin and cos of beta."""
     s2, size = s * s, np.abs(c)
     even = (problem.lam - np.where(c < 0, -problem.mu, problem.mu)) * c
     # the rest of lam cos(beta) - mu cos(2 beta): |cos(beta)| - cos(2 beta), without a difference
@@ -56,7 +56,11 @@ def slope_bends(problem: Any, beta: Any) -> tuple[Any, Any]:
 
 def slope_rate(problem: Any, beta: Any) -> Any:
     """H'(beta): positive about a centre, negative about a saddle."""
-    s, c = np.sin(beta), np.cos(beta)
+    return slope_rate_of(problem, np.sin(beta), np.cos(beta))
+
+
+def slope_rate_of(problem: Any, s: Any, c: Any) -> Any:
+    """H'(beta) from sin and cos of beta."""
     return -problem.lam * s + 4 * problem.mu * s * c - problem.phi * c - 2 * s * s * (3 * c * c - s * s)
 
 

@@ -57,7 +57,7 @@ def _energy(density: Callable[..., densities.Density], name: str) -> Group:
 
 
 def _pushes(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    push = resolve(pieces, lambda some, beta, speed: densities.push(some, beta, speed, sign), goal, signs=True)
+    push = resolve(pieces, lambda some: densities.push(some, sign), goal, signs=True)
     doubt = _doubt(push, error) + 2 * push.tail[:, None] + BARELY * push.size
     wrong, worst = push.integral_of(doubt), _worst(push, doubt)
     pushed, pulled, share, unsure = _parted(push, doubt)

@@ -130,7 +130,7 @@ def height(read: Reading) -> Pair:
 def _gain(read: Reading) -> tuple[Array, Array]:
     """alpha(L) - alpha(0) [rad] and z(L)/rho, (B,)."""
     told = read.sol.trajectory
-    if told.orbit is None:
+    if told.orbit is None or (read.sol.t[:, -1] == read.sol.problem.span).all():
         return told.alpha[:, -1], told.z[:, -1]
     _, _, alpha, z = told.orbit.at(told.orbit.problem.span[:, None])
     return alpha[:, 0], z[:, 0]

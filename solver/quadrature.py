@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from .chebyshev import Basis, basis, polynomials
+from .chebyshev import Basis, basis, polynomials, through
 from .densities import Density
 from .reduced import Array
 from .roots import bracketed
-from .sampling import Pieces
+from .sampling import NODES, Pieces
 
 EPS = 2.0**-52
-NODES = 24
 _ROUNDS, _PATIENCE = 48, 3  # halvings; those that may leave the series as long as it was
 _MOST = 1_000_000  # pieces of a round
 _ROUNDING = 64 * EPS  # of the terms of a density, and of beta: a series cannot end below that
@@ -82,7 +81,7 @@ class Resolved:
     @cached_property
     def _rate(self) -> Array:
         """Derivative with respect to the place in [-1, 1] at the nodes, (Q, m)."""
-        return self.coefficients @ _basis().differentiate
+        return through(self.coefficients, _basis().differentiate)
 
     def _turn(self, q: Array, cell: Array, sign: float) -> Array:
         """Where the derivative, times `sign` rising through zero in the cells (C,) of pieces q, is zero, (C,)."""
@@ -93,7 +92,7 @@ class Resolved:
     def less(self, values: Array) -> "Resolved":
         """The density less other values at the nodes, (Q, m)."""
         left = self.values - values
-        return replace(self, values=left, coefficients=left @ _basis().analyse)
+        return replace(self, values=left, coefficients=through(left, _basis().analyse))
 
     def rate_at(self, q: Array, x: Array) -> Array:
         """Derivative of pieces q with respect to the place in [-1, 1], at places x, (C,)."""
@@ -135,8 +134,13 @@ class Resolved:
 
 def _root(series: Array, low: Array, high: Array) -> Array:
     """Where series (C, n) are zero between places where they are negative and where they are not, (C,)."""
-    slopes = series @ derivative(series.shape[1])
-    return bracketed(lambda x: (series_at(series, x), series_at(slopes, x)), low, high, rounds=60)
+    both = np.stack([series, series @ derivative(series.shape[1])])
+
+    def value_and_rate(x: Array) -> tuple[Array, Array]:
+        found = np.einsum("kcn,nc->kc", both, polynomials(x, series.shape[1]))
+        return found[0], found[1]
+
+    return bracketed(value_and_rate, low, high, rounds=60)
 
 
 def _most(pieces: Pieces, values: Array) -> Array:
@@ -147,7 +151,7 @@ def _most(pieces: Pieces, values: Array) -> Array:
 
 def resolve(
     pieces: Pieces,
-    density: Callable[[Pieces, Array, Array], Density],
+    density: Callable[[Pieces], Density],
     goal: float,
     extremes: bool = True,
     signs: bool = False,
@@ -181,9 +185,9 @@ def resolve(
     return done[0] if len(done) == 1 else _joined(done)
 
 
-def _expanded(pieces: Pieces, density: Callable[[Pieces, Array, Array], Density]) -> Resolved:
-    found = density(pieces, *pieces.at(_basis().nodes))
-    coefficients = found.values @ _basis().analyse
+def _expanded(pieces: Pieces, density: Callable[[Pieces], Density]) -> Resolved:
+    found = density(pieces)
+    coefficients = through(found.values, _basis().analyse)
     tail = np.abs(coefficients[:, -3:]).max(axis=1)
     return Resolved(pieces, found.values, found.size, found.spread, coefficients, tail)
 
@@ -215,7 +219,7 @@ def series_at(coefficients: Array, x: Array) -> Array:
 
 def primitive(coefficients: Array) -> Array:
     """The series of the integral from -1, (Q, n) -> (Q, n + 1)."""
-    return coefficients @ basis(coefficients.shape[1]).integrate
+    return through(coefficients, basis(coefficients.shape[1]).integrate)
 
 
 @cache

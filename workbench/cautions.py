@@ -27,7 +27,7 @@ TOLD = {
 }
 UNTOLD = (f"{UNKNOWN}curvature", f"{UNKNOWN}self-contact", f"{UNKNOWN}lift-off")  # where it cannot be told
 SLIGHT, ROUNDING = 1e-6, 1e-13  # of the largest push along the rod, and of A/rho^3: a smaller pull is none
-_JUDGED = ("kappa_max", "overlaps", "push_min", "push_max")
+JUDGED = ("kappa_max", "overlaps", "push_min", "push_max")  # the observables that a caution is made of
 
 
 def of_cases(sol: Solution, observed: Mapping[str, Any] | None = None) -> Any:
@@ -39,7 +39,7 @@ def of_cases(sol: Solution, observed: Mapping[str, Any] | None = None) -> Any:
     with their errors, by name.
     """
     known = dict(observed or {})
-    needed = [*_JUDGED, *(error for name in _JUDGED if (error := error_name(name)))]
+    needed = [*JUDGED, *(error for name in JUDGED if (error := error_name(name)))]
     missing = dict.fromkeys(name.removesuffix("_error") for name in needed if name not in known)
     known = {**observe(sol, missing, errors=True), **known}
     tight, free = _tight(sol, known)

@@ -110,9 +110,10 @@ def columns(study: Study, sol: Solution) -> Columns:
     found: Columns = {}
     for name in study.outputs:
         found[name] = _where(mine, np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *_inner(name)))
-    observed = observe(sol, study.wanted, errors=True)
-    for name, values in observed.items():
-        found[name] = _where(mine, np.asarray(values).reshape(-1))
+    # all in one call: what several are measured from is measured once
+    observed = observe(sol, dict.fromkeys((*study.wanted, *cautions.JUDGED)), errors=True)
+    for name in study.recorded:
+        found[name] = _where(mine, np.asarray(observed[name]).reshape(-1))
     found["outcome"] = np.asarray(sol.outcome).astype(str).reshape(-1)
     caution = cautions.of_cases(sol, observed)
     found["caution"] = np.asarray(caution).reshape(-1)

@@ -85,17 +85,29 @@ class Orbit:
 
     def take(self, i: int) -> "Orbit":
         """The orbit of problem i alone."""
-        mine = slice(*np.searchsorted(self.panels.part, [2 * i, 2 * i + 2]))
-        panels = self.panels.take(mine)
-        panels = replace(panels, part=panels.part - 2 * i)
-        count = self.count[2 * i : 2 * i + 2]
+        return self.pick(np.array([i]))
+
+    def pick(self, rows: NDArray[np.int64]) -> "Orbit":
+        """The orbits of the problems `rows`, (b,) rising."""
+        parts = (2 * rows[:, None] + [0, 1]).reshape(-1)
+        count = self.count[parts]
         first = np.cumsum(count) - count
-        parts = slice(2 * i, 2 * i + 2)
-        way = Course(self.course.kind[i : i + 1], self.course.direction[i : i + 1], self.course.pieces)
-        one = self.problem.take(slice(i, i + 1))
-        known = [None if v is None else v[i : i + 1] for v in (self.lengthens, self.response, self.passed)]
-        known.append(None if self.path is None else self.path.take(slice(i, i + 1)))
-        return Orbit(one, way, panels, self.since[mine], first, count, self.duration[parts], self.gain[parts], *known)
+        mine = np.repeat(self.first[parts] - first, count) + np.arange(count.sum())
+        panels = replace(self.panels.take(mine), part=np.repeat(np.arange(parts.size), count))
+        way = Course(self.course.kind[rows], self.course.direction[rows], self.course.pieces)
+        known = [None if v is None else v[rows] for v in (self.lengthens, self.response, self.passed)]
+        known.append(None if self.path is None else self.path.take(rows))
+        some, since = self.problem.take(rows), self.since[mine]
+        return Orbit(some, way, panels, since, first, count, self.duration[parts], self.gain[parts], *known)
+
+    def along(self, case: NDArray[np.int64], t: Array) -> tuple[Array, Array]:
+        """alpha and z at single points of the rods: at t (N,) of the problems `case` (N,), (N,) each."""
+        where = located(t[:, None], self.kind[case], self.ahead[case], self.back[case], self.period[case])
+        where = replace(where, part=2 * case[:, None] + where.second)
+        values, beta0 = self.read(self.panels.series[:, 2:4], where), self.problem.beta0
+        alpha = self._repeat(values[..., 0], where, 2, np.sin(beta0), case)
+        z = self._repeat(values[..., 1], where, 3, np.cos(beta0), case)
+        return alpha[:, 0], z[:, 0]
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
@@ -147,15 +159,18 @@ class Orbit:
         z = self._repeat(values[..., 3], where, 3, np.cos(self.problem.beta0))
         return beta, dbeta, alpha, z
 
-    def _repeat(self, value: Array, where: "Where", column: int, straight: Array) -> Array:
-        """A mean + periodic quantity from its value within a course; `straight`: its rate on a helix."""
-        kind = self.course.kind[:, None]
-        gain = self.gain[:, column - 2].reshape(-1, 2)
+    def _repeat(
+        self, value: Array, where: "Where", column: int, straight: Array, case: Any = slice(None)
+    ) -> Array:
+        """A mean + periodic quantity of the problems `case` from its value within a course; `straight`: its rate on
+        a helix, (B,)."""
+        kind = self.course.kind[case, None]
+        gain = self.gain[:, column - 2].reshape(-1, 2)[case]
         there, after = gain[:, :1], gain[:, 1:]
         limit = np.where(where.second, after, there)
         value = np.where(where.mirrored, 2 * limit - value, value) + np.where(where.second, 2 * there, 0.0)
         a_period = np.where(kind == LIBRATION, 2 * (there + after), there)
-        return np.where(kind == HELIX, straight[:, None] * where.t, value + where.rounds * a_period)
+        return np.where(kind == HELIX, straight[case, None] * where.t, value + where.rounds * a_period)
 
 
 @dataclass(frozen=True, eq=False)

@@ -83,7 +83,7 @@ class Swing:
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
         out = np.empty((4, *t.shape))
-        _read(self, self._steps, t, out)
+        _read(self.lost, self.kind == LIBRATION, self.told, self._steps, t, out)
         if self.rest is not None:
             out[:, self.lost] = self.rest.at(t[self.lost])
         return out[0], out[1], out[2], out[3]
@@ -102,8 +102,24 @@ class Swing:
         """The orbit of problem i alone."""
         if self.lost[i] and self.rest is not None:
             return self.rest.take(int(np.count_nonzero(self.lost[:i])))
-        one = slice(i, i + 1)
-        return joined([self], self.problem.take(one), one)
+        return self.pick(np.array([i]))
+
+    def pick(self, rows: NDArray[np.int64]) -> "Swing":
+        """The orbits of the problems `rows`, (b,) rising; marched again when they are read."""
+        some = joined([self], self.problem.take(rows), rows)
+        if self.rest is None or not some.lost.any():
+            return some
+        return replace(some, rest=self.rest.pick((np.cumsum(self.lost) - 1)[rows[some.lost]]))
+
+    def along(self, case: NDArray[np.int64], t: Array) -> tuple[Array, Array]:
+        """alpha and z at single points of the rods: at t (N,) of the problems `case` (N,), (N,) each."""
+        out = np.empty((4, case.size, 1))
+        first, count, *steps = self._steps
+        swings, lost = (self.kind == LIBRATION)[case], self.lost[case]
+        _read(lost, swings, self.told[case], (first[case], count[case], *steps), t[:, None], out)
+        if self.rest is not None and lost.any():
+            out[2:, lost, 0] = self.rest.along((np.cumsum(self.lost) - 1)[case[lost]], t[lost])
+        return out[2, :, 0], out[3, :, 0]
 
     @cached_property
     def _steps(self) -> tuple[Array, ...]:
@@ -150,14 +166,14 @@ def room_for(orbits: int) -> _Store:
     return np.empty(room), np.empty(room), np.empty((room, 4, ORDER + 1))
 
 
-def _read(swing: Swing, steps: tuple[Array, ...], t: Array, out: Array) -> None:
+def _read(lost: Any, swings: Any, told: Array, steps: tuple[Array, ...], t: Array, out: Array) -> None:
     """beta, beta_t, alpha, z at t (B, n) into out (4, B, n), each of the four in one piece of memory."""
     from ..kernels import read
 
-    read(np.ascontiguousarray(t), swing.lost, swing.kind == LIBRATION, swing.told, *steps, *out)
+    read(np.ascontiguousarray(t), lost, swings, told, *steps, *out)
 
 
-def joined(parts: list[Swing], problem: Reduced, some: slice) -> Swing:
+def joined(parts: list[Swing], problem: Reduced, some: Any) -> Swing:
     """Some of each of the parts, one after the other, as the orbits of `problem`."""
     names = ("kind", "lost", "told", "error", "condition", "evaluations")
     columns: dict[str, Any] = {name: np.concatenate([getattr(one, name)[some] for one in parts]) for name in names}
@@ -172,7 +188,7 @@ def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     whole, done, store = np.empty((4, *t.shape)), [], room_for(min(_BLOCK, problem.size))
     for block in (slice(k, k + _BLOCK) for k in range(0, problem.size, _BLOCK)):
         swing, steps = _march(problem.take(block), tol, store)
-        _read(swing, steps, t[block], whole[:, block])
+        _read(swing.lost, swing.kind == LIBRATION, swing.told, steps, t[block], whole[:, block])
         done.append(swing)
     swing = joined(done, problem, slice(None))
     outcome = verdicts(whole[0], swing.error, swing.condition, tol)

@@ -1,11 +1,14 @@
 """Whether the rod passes through itself: against brute force on dense points, and what holds whatever the length."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 from scipy.spatial import cKDTree
 
-from solver import Case, solve
+from solver import Case, Cylinder, Rod, Start, solve, strands
+from solver.methods import METHODS
 from solver.observables import observe
 from tests.cases import cylinder_of, helix_moment, in_units_of_rho, rod_of_unit_stiffness, start_of, table_1
 
@@ -102,3 +105,56 @@ def test_a_rod_that_is_not_solved_cannot_be_told_and_leaves_its_neighbours_alone
     got = observe(solve(in_units_of_rho(lam, -0.3, 0.1, np.array([2.0, 400.0]), 0.4, 0.0)), ["overlaps"])["overlaps"]
     assert got[0] == 0
     assert np.isnan(got[1])
+
+
+def many(cases: int, seed: int = 7) -> Case:
+    """Rods of all thicknesses and of 1 to 1e6 rho."""
+    rng = np.random.default_rng(seed)
+    a, span = 10 ** rng.uniform(-1.7, -0.4, cases), 10 ** rng.uniform(0, 6, cases)
+    lam, mu, phi = rng.uniform(-1.5, 1.5, (3, cases))
+    rod = rod_of_unit_stiffness(span, a)
+    beta, dbeta = rng.uniform(-3, 3, cases), rng.uniform(-1.5, 1.5, cases)
+    return Case(rod, cylinder_of(1.0, a, "outside"), start_of(rod, 1.0, lam, mu, phi, beta, dbeta))
+
+
+def picked(case: Case, rows: Any) -> Case:
+    """Some of the cases of `many`."""
+    rod = Rod(case.rod.E[rows], case.rod.nu, case.rod.a[rows], case.rod.L[rows])
+    given = {name: getattr(case.given, name)[rows] for name in ("beta", "dbeta", "F2", "F3", "dgamma")}
+    return Case(rod, Cylinder(case.cylinder.R[rows], "outside"), Start(**given))
+
+
+@pytest.mark.parametrize("method", [name for name in ("orbit", "swing") if name in METHODS])
+def test_a_rod_is_judged_as_if_it_were_alone(method: str) -> None:
+    """Hundreds of rods are looked at together; none is told from a neighbour, whoever else gives up or is long."""
+    case = many(300)
+    together = observe(solve(case, tol=1e-7, method=method, stations=2), ["overlaps"])["overlaps"]
+    assert 50 < together.sum() < 250
+    rows = np.arange(0, 300, 15)
+    alone = [overlaps(picked(case, i), method=method) for i in rows]
+    assert together[rows].tolist() == alone
+    backwards = np.arange(299, -1, -1)
+    again = observe(solve(picked(case, backwards), tol=1e-7, method=method, stations=2), ["overlaps"])["overlaps"]
+    assert (again[::-1] == together).all()
+
+
+def test_a_rod_that_lies_along_itself_is_given_up_and_its_neighbours_are_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A helix whose turns all but touch has near pairs all along: with fewer pairs allowed, it alone is not told."""
+    near = minimize_scalar(
+        lambda t: np.hypot(2 * np.sin(np.sin(1.4) * t / 2), np.cos(1.4) * t), bounds=(5, 7), options={"xatol": 1e-10}
+    )
+    a = near.fun / 2 * np.array([0.3, 1 - 1e-5, 0.5, 1.05])
+    lam = helix_moment(1.4, 0.9, -0.4)
+    rod = rod_of_unit_stiffness(100.0, a)
+    case = Case(rod, cylinder_of(1.0, a, "outside"), start_of(rod, 1.0, lam, 0.9, -0.4, 1.4, 0.0))
+    sol = solve(case, tol=1e-7, stations=2)
+    assert observe(sol, ["overlaps"])["overlaps"].tolist() == [0, 0, 0, 1]
+    monkeypatch.setattr(strands, "PAIRS", 1500)
+    np.testing.assert_array_equal(observe(sol, ["overlaps"])["overlaps"], [0, np.nan, 0, 1])
+
+
+def test_how_many_periods_are_looked_at_together_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+    sol = solve(many(200, seed=2), tol=1e-7, stations=2)
+    told = observe(sol, ["overlaps"])["overlaps"]
+    monkeypatch.setattr(strands, "TOGETHER", 1)
+    np.testing.assert_array_equal(observe(sol, ["overlaps"])["overlaps"], told)
