@@ -365,6 +365,14 @@ def test_numbers_that_cannot_be_are_refused_on_reading_and_named(whole: bytes, t
         store.read(path)
 
 
+@pytest.mark.parametrize("name", ["outcome", "caution"])
+def test_numbers_in_place_of_words_are_refused(whole: bytes, tmp_path: Path, name: str) -> None:
+    with xr.open_dataset(BytesIO(whole), engine="h5netcdf") as ds:
+        ds.assign({name: xr.zeros_like(ds["error"])}).to_netcdf(tmp_path / "numbers.h5", engine="h5netcdf")
+    with pytest.raises(InputError, match=f"'{name}' holds no text, but float64"):
+        store.read(tmp_path / "numbers.h5")
+
+
 COMMANDS = "\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
 
 
