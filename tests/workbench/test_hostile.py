@@ -18,6 +18,7 @@ import xarray as xr
 
 from solver import InputError
 from studies import load
+from studies.loader import loads
 from tests.workbench import runs, small
 from workbench import cli, dataset, gl, letters, plots, runner, store, there
 from workbench.storing import run_to_file
@@ -297,13 +298,36 @@ def test_a_file_without_any_one_of_its_variables_is_drawn_or_refused(whole: byte
 
 ONE_AXIS = "[axes.E]\nvalues = {}\n[base]\nL = 5.0\n" + LAW.replace('"R"', '"E"')
 FOLLOWED = '[axes.betaL]\nfollow = true\nto = 60\ncount = 3\nunit = "deg"\n' + LAW.replace('"R"', '"betaL"')
-BASES = {"one axis": ONE_AXIS.format("[1e4, 2e4]"), "no axis": "[base]\nL = 5.0\n", "followed": FOLLOWED}
+ENDS = """title = "between two ends"
+outputs = ["beta", "alpha", "z", "contact"]
+stations = 21
+[units]
+length = "cm"
+force = "N"
+[base]
+E = 1.07e4
+nu = 0.25
+a = 0.25
+L = 5.0
+R = 0.75
+beta0 = 0.3
+betaL = 0.5
+[axes.FZ]
+values = [-4.0, -2.0]
+"""
+BASES = {
+    "one axis": small.study(ONE_AXIS.format("[1e4, 2e4]"), HEAD),
+    "two axes": small.study(AXES.format("[1e4, 2e4]") + LAW, HEAD),
+    "no axis": small.study("[base]\nL = 5.0\n", HEAD),
+    "followed": small.study(FOLLOWED, HEAD),
+    "between two ends": loads(ENDS),
+}
 
 
 def altered_files_end_in_a_sentence(base: str, stride: int, tmp_path: Path, *commands: str) -> None:
     paths = tmp_path / "base.h5", tmp_path / "good.h5"
-    for path, axes in zip(paths, (BASES[base], ONE_AXIS.format("[3e4]")), strict=True):
-        store.write(runner.run(small.study(axes, HEAD)), path)
+    for path, study in zip(paths, (BASES[base], small.study(ONE_AXIS.format("[3e4]"), HEAD)), strict=True):
+        store.write(runner.run(study), path)
     words = [sys.executable, "-m", "tests.workbench.altered", *map(str, (*paths, tmp_path)), str(stride), "0"]
     run = subprocess.run([*words, *commands], cwd=ROOT, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr[-2000:]
