@@ -397,6 +397,25 @@ def test_numbers_in_place_of_words_are_refused(whole: bytes, tmp_path: Path, nam
         store.read(tmp_path / "numbers.h5")
 
 
+@pytest.mark.parametrize(
+    "name, key, value, sentence",
+    [
+        ("turns", "add_offset", "x", "'turns' has the attribute add_offset, with which no study is stored"),
+        ("E", "scale_factor", 2.0, "'E' has the attribute scale_factor, with which no study is stored"),
+        ("nu", "_FillValue", "$", "the attribute _FillValue of 'nu' is no number"),
+    ],
+)
+def test_numbers_that_are_stored_as_others_are_refused(
+    whole: bytes, tmp_path: Path, name: str, key: str, value: Any, sentence: str
+) -> None:
+    path = tmp_path / "scaled.h5"
+    path.write_bytes(whole)
+    with h5py.File(path, "a") as file:
+        file[name].attrs[key] = value
+    with pytest.raises(InputError, match=sentence):
+        store.read(path)
+
+
 COMMANDS = "\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
 
 
