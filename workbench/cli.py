@@ -12,6 +12,8 @@ from typing import Annotated, Any
 import typer
 
 from . import __version__, letters
+from . import case_options as of
+from .case_options import angled, numbered
 
 INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 
@@ -23,32 +25,6 @@ app = typer.Typer(
 )
 
 
-def number(text: str) -> float:
-    """A number from the command line; the refusal names what was given."""
-    try:
-        return float(text)
-    except ValueError:
-        raise typer.BadParameter(f"{text!r} is not a number") from None
-
-
-def angle(text: str) -> float:
-    """An angle from the command line, in rad; the refusal names what was given and the forms."""
-    from studies.angles import angle as read
-
-    try:
-        return read(text)
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from None
-
-
-def _angle(help: str, *names: str) -> Any:
-    return typer.Option(*names, help=help, parser=angle, metavar="ANGLE")
-
-
-def _number(help: str, *names: str) -> Any:
-    return typer.Option(*names, help=help, parser=number, metavar="NUMBER")
-
-
 File = Annotated[Path, typer.Argument(metavar="FILE", help="A stored dataset, made by run or reproduce.")]
 Reading = Annotated[
     str | None,
@@ -57,7 +33,7 @@ Reading = Annotated[
         "joined by /. What is left out stays as the study has it."
     ),
 ]
-Tol = Annotated[float | None, _number("The error allowed, times max(1, condition).")]
+Tol = Annotated[float | None, numbered("The error allowed, times max(1, condition).")]
 Level = Annotated[
     str | None,
     typer.Option(
@@ -214,9 +190,9 @@ def scene(
     along: Annotated[
         str | None, typer.Option(help="An axis whose cases together fix the camera and the colours, as in animate.")
     ] = None,
-    low: Annotated[float | None, _number("Draw the rod from here [length].", "--from")] = None,
-    high: Annotated[float | None, _number("Draw the rod up to here [length].", "--to")] = None,
-    pixel_error: Annotated[float, _number("How far the drawn surface may be off [pixels].")] = 0.5,
+    low: Annotated[float | None, numbered("Draw the rod from here [length].", "--from")] = None,
+    high: Annotated[float | None, numbered("Draw the rod up to here [length].", "--to")] = None,
+    pixel_error: Annotated[float, numbered("How far the drawn surface may be off [pixels].")] = 0.5,
     dpi: Annotated[int, typer.Option(help="Pixels an inch; 200 gives 1600 x 1200 for one case.")] = 200,
     out: Annotated[
         Path | None, typer.Option(help="The picture; FILE_scene.png or FILE_scene_E=10905.png where left out.")
@@ -242,8 +218,8 @@ def animate(
         list[Path] | None,
         typer.Option("--out", "-o", help="The film, .mp4 or .gif; more than one may be given. FILE_E.mp4."),
     ] = None,
-    fps: Annotated[float, _number("Frames a second, one a stored case.")] = 3.0,
-    pixel_error: Annotated[float, _number("How far the drawn surface may be off [pixels].")] = 0.5,
+    fps: Annotated[float, numbered("Frames a second, one a stored case.")] = 3.0,
+    pixel_error: Annotated[float, numbered("How far the drawn surface may be off [pixels].")] = 0.5,
     dpi: Annotated[int, typer.Option(help="Pixels an inch; 120 gives 1488 x 720.")] = 120,
     force: Replace = False,
 ) -> None:
@@ -276,7 +252,7 @@ def export(
         typer.Option(help="E=10905 or beta=30deg: a value of that axis, as exact as you write it."),
     ] = None,
     tolerance: Annotated[
-        float | None, _number("The most that the file may miss the rod, in the study's unit of length.")
+        float | None, numbered("The most that the file may miss the rod, in the study's unit of length.")
     ] = None,
     centreline: Annotated[bool, typer.Option("--centreline", help="STEP with the curve alone, no solid.")] = False,
     overlap: Annotated[bool, typer.Option("--overlap", help="STEP also of a rod that passes through itself.")] = False,
@@ -297,28 +273,28 @@ def solve(
     ] = None,
     table1: Annotated[bool, typer.Option("--table1", help="The rod of Table 1; options change its fields.")] = False,
     reading: Reading = None,
-    length_unit: Annotated[str | None, typer.Option(help="Of every length given; cm where left out.")] = None,
-    force_unit: Annotated[str | None, typer.Option(help="Of every force given; N where left out.")] = None,
-    E: Annotated[float | None, _number("Young's modulus [force/length^2].", "--E")] = None,
-    nu: Annotated[float | None, _number("Poisson ratio.")] = None,
-    a: Annotated[float | None, _number("Radius of the rod [length].", "--a")] = None,
-    L: Annotated[float | None, _number("Length of the rod [length].", "--L")] = None,
-    stiffness: Annotated[str | None, typer.Option(help="solid or paper; solid where left out.")] = None,
-    R: Annotated[float | None, _number("Radius of the cylinder [length].", "--R")] = None,
-    side: Annotated[str | None, typer.Option(help="outside or inside; outside where left out.")] = None,
-    beta: Annotated[float | None, _angle("Start: angle from the axis.")] = None,
-    dbeta: Annotated[float | None, _number("Start: its rate [rad/length].")] = None,
-    F1: Annotated[float | None, _number("Start: normal force, which fixes the twist.", "--F1")] = None,
-    dgamma: Annotated[float | None, _number("Start: rotation rate of the section [rad/length].")] = None,
-    M3: Annotated[float | None, _number("Start or ends: twisting moment [force length].", "--M3")] = None,
-    F2: Annotated[float | None, _number("Start: in-surface shear; 0 where left out.", "--F2")] = None,
-    F3: Annotated[float | None, _number("Start: tangential force, tension positive; 0.", "--F3")] = None,
-    beta0: Annotated[float | None, _angle("Ends: angle from the axis at s = 0.", "--beta0")] = None,
-    betaL: Annotated[float | None, _angle("Ends: angle at s = L, whole turns counted.", "--betaL")] = None,
-    FZ: Annotated[float | None, _number("Ends: axial force, tension positive; 0.", "--FZ")] = None,
-    MZ: Annotated[float | None, _number("Ends: axial moment [force length]; 0.", "--MZ")] = None,
-    alpha: Annotated[float | None, _angle("Azimuth at s = 0; 0 where left out.")] = None,
-    gamma: Annotated[float | None, _angle("Rotation of the section at s = 0; 0 where left out.")] = None,
+    length_unit: of.LengthUnit = None,
+    force_unit: of.ForceUnit = None,
+    E: of.E = None,
+    nu: of.nu = None,
+    a: of.a = None,
+    L: of.L = None,
+    stiffness: of.stiffness = None,
+    R: of.R = None,
+    side: of.side = None,
+    beta: of.beta = None,
+    dbeta: of.dbeta = None,
+    F1: of.F1 = None,
+    dgamma: of.dgamma = None,
+    M3: of.M3 = None,
+    F2: of.F2 = None,
+    F3: of.F3 = None,
+    beta0: of.beta0 = None,
+    betaL: of.betaL = None,
+    FZ: of.FZ = None,
+    MZ: of.MZ = None,
+    alpha: of.alpha = None,
+    gamma: of.gamma = None,
     tol: Tol = None,
     method: Method = None,
     level: Level = None,
@@ -371,18 +347,18 @@ def equilibria(
     ] = None,
     length_unit: Annotated[str | None, typer.Option(help="Of every length given, with a rod of one's own.")] = None,
     force_unit: Annotated[str | None, typer.Option(help="Of every force given, with a rod of one's own.")] = None,
-    E: Annotated[float | None, _number("Young's modulus [force/length^2].", "--E")] = None,
-    nu: Annotated[float | None, _number("Poisson ratio.")] = None,
-    a: Annotated[float | None, _number("Radius of the rod [length].", "--a")] = None,
-    L: Annotated[float | None, _number("Length of the rod [length].", "--L")] = None,
+    E: Annotated[float | None, numbered("Young's modulus [force/length^2].", "--E")] = None,
+    nu: Annotated[float | None, numbered("Poisson ratio.")] = None,
+    a: Annotated[float | None, numbered("Radius of the rod [length].", "--a")] = None,
+    L: Annotated[float | None, numbered("Length of the rod [length].", "--L")] = None,
     stiffness: Annotated[str | None, typer.Option(help="solid or paper.")] = None,
-    R: Annotated[float | None, _number("Radius of the cylinder [length].", "--R")] = None,
+    R: Annotated[float | None, numbered("Radius of the cylinder [length].", "--R")] = None,
     side: Annotated[str | None, typer.Option(help="outside or inside.")] = None,
-    beta0: Annotated[float | None, _angle("Angle from the axis at the start.", "--beta0")] = None,
-    betaL: Annotated[float | None, _angle("Angle at the far end, whole turns counted.", "--betaL")] = None,
-    FZ: Annotated[float | None, _number("Axial force, tension positive.", "--FZ")] = None,
-    MZ: Annotated[float | None, _number("Axial moment [force length].", "--MZ")] = None,
-    M3: Annotated[float | None, _number("Twisting moment [force length].", "--M3")] = None,
+    beta0: Annotated[float | None, angled("Angle from the axis at the start.", "--beta0")] = None,
+    betaL: Annotated[float | None, angled("Angle at the far end, whole turns counted.", "--betaL")] = None,
+    FZ: Annotated[float | None, numbered("Axial force, tension positive.", "--FZ")] = None,
+    MZ: Annotated[float | None, numbered("Axial moment [force length].", "--MZ")] = None,
+    M3: Annotated[float | None, numbered("Twisting moment [force length].", "--M3")] = None,
     axis: Annotated[
         str | None,
         typer.Option(help="NAME=FROM:TO:COUNT, as betaL=-90deg:60deg:41: follow all of them over that field."),
@@ -429,16 +405,52 @@ def extremes(
 
 @app.command()
 def explore(
+    file: Annotated[
+        Path | None,
+        typer.Argument(metavar="[FILE]", help="A TOML study without axes, to begin with; options change its fields."),
+    ] = None,
     host: Annotated[str, typer.Option(help="The address to listen at; left out, this machine alone.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="The port; 0 takes a free one.", min=0, max=65535)] = 8765,
     name: Annotated[
         list[str] | None, typer.Option(help="A further name by which browsers may call this machine.")
     ] = None,
+    length_unit: of.LengthUnit = None,
+    force_unit: of.ForceUnit = None,
+    E: of.E = None,
+    nu: of.nu = None,
+    a: of.a = None,
+    L: of.L = None,
+    stiffness: of.stiffness = None,
+    R: of.R = None,
+    side: of.side = None,
+    beta: of.beta = None,
+    dbeta: of.dbeta = None,
+    F1: of.F1 = None,
+    dgamma: of.dgamma = None,
+    M3: of.M3 = None,
+    F2: of.F2 = None,
+    F3: of.F3 = None,
+    beta0: of.beta0 = None,
+    betaL: of.betaL = None,
+    FZ: of.FZ = None,
+    MZ: of.MZ = None,
+    alpha: of.alpha = None,
+    gamma: of.gamma = None,
 ) -> None:
-    """The live page: sliders for a rod, its shape, forces and equilibria, in the browser."""
+    """The live page: sliders for a rod, its shape, forces and equilibria, in the browser.
+
+    It begins with Table 1, or with the rod of a file or of options, which need the same as those of solve.
+    """
     from .exploring import explore as work
 
-    raise typer.Exit(work(host, port, name or []))
+    options: dict[str, Any] = {
+        "E": E, "nu": nu, "a": a, "L": L, "stiffness": stiffness, "R": R, "side": side, "beta": beta,
+        "dbeta": dbeta, "F1": F1, "dgamma": dgamma, "M3": M3, "F2": F2, "F3": F3, "beta0": beta0, "betaL": betaL,
+        "FZ": FZ, "MZ": MZ, "alpha": alpha, "gamma": gamma,
+    }  # fmt: skip
+    given = {name: value for name, value in options.items() if value is not None}
+    units = {kind: unit for kind, unit in (("length", length_unit), ("force", force_unit)) if unit is not None}
+    raise typer.Exit(work(host, port, name or [], file, given, units))
 
 
 @app.command()

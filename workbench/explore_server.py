@@ -10,7 +10,7 @@ import json
 import secrets
 import time
 from collections import OrderedDict
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -26,7 +26,7 @@ from studies.readings import READINGS
 
 from . import browser, console, crew, explore_mesh, explore_model, explore_shape, explore_tasks
 from .console import finite
-from .explore_presets import PRESETS
+from .explore_presets import PRESETS, Preset
 
 PAGE = Path(__file__).parent / "page"
 FILES = {
@@ -73,8 +73,12 @@ class Shapes:
             return self._kept.get(ticket) if isinstance(ticket, str) else None
 
 
-def application(names: set[str]) -> web.Application:
-    """The application; names: the `host:port` by which it may be asked, in Host and Origin."""
+def application(names: set[str], presets: Sequence[Preset] = PRESETS) -> web.Application:
+    """The application.
+
+    names: the `host:port` by which it may be asked, in Host and Origin. presets: the rods to begin with, first the one
+    that is drawn when the page is opened.
+    """
     shapes, few, tasks = Shapes(), ThreadPoolExecutor(THREADS, "shapes"), explore_tasks.Tasks()
 
     @web.middleware
@@ -93,7 +97,7 @@ def application(names: set[str]) -> web.Application:
     app = web.Application(middlewares=[guarded], client_max_size=LARGEST)
     for path in FILES:
         app.router.add_get(path, _file)
-    app.router.add_get("/presets", _presets)
+    app.router.add_get("/presets", _offering(presets))
     for path, work in (("/shape", _shape), ("/numbers", _numbers), ("/equilibria", _equilibria), ("/ends", _ends),
                        ("/study", _study), ("/download", _download)):  # fmt: skip
         app.router.add_post(path, _answering(work, shapes, few, tasks))
@@ -111,8 +115,13 @@ async def _file(request: web.Request) -> web.StreamResponse:
     return web.FileResponse(FILES[request.path])
 
 
-async def _presets(request: web.Request) -> web.StreamResponse:
-    return web.json_response({"presets": [asdict(preset) for preset in PRESETS], "readings": list(READINGS)})
+def _offering(presets: Sequence[Preset]) -> Handler:
+    """Answers with the rods to begin with and the readings of Table 1."""
+
+    async def handler(request: web.Request) -> web.StreamResponse:
+        return web.json_response({"presets": [asdict(preset) for preset in presets], "readings": list(READINGS)})
+
+    return handler
 
 
 @dataclass(frozen=True)

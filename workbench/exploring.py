@@ -5,29 +5,43 @@ import contextlib
 import socket
 import sys
 import threading
+from pathlib import Path
+from typing import Any
 
 from solver.errors import InputError
 
 from . import console
+from .explore_presets import PRESETS
 
 MISSING = "the live page needs aiohttp, trame-client and trame-vtk ({why}): pip install 'rod-workbench[explore]'"
 EVERYWHERE = ("0.0.0.0", "::", "")
 
 
-def explore(host: str, port: int, names: list[str]) -> int:
-    """Serve the page until interrupted; always 0. Raises `InputError` where a part is missing or the port is taken.
+def explore(
+    host: str,
+    port: int,
+    names: list[str],
+    file: Path | None = None,
+    options: dict[str, Any] | None = None,
+    units: dict[str, str] | None = None,
+) -> int:
+    """Serve the page until interrupted; always 0.
 
-    names: further names by which the browser may call this machine, as `lab.example` or `lab.example:8080`.
+    names: further names by which the browser may call this machine, as `lab.example` or `lab.example:8080`. file,
+    options, units: the rod that the page begins with, as `explore_own.preset` takes them; default: Table 1. Raises
+    `InputError` where that is no rod, a part is missing, or the port is taken.
     """
     try:
-        from . import explore_server
+        from . import explore_own, explore_server
     except ImportError as error:
         raise InputError(MISSING.format(why=error)) from None
     if host in EVERYWHERE and not names:
         raise InputError(f"--host {host!r} listens on every address: say with --name by which name it is to be called")
+    own = explore_own.preset(file, options or {}, units or {})
     listener = bound(host, port)
     port = listener.getsockname()[1]
-    app = explore_server.application(called(host, port, names))
+    presets = PRESETS if own is None else (own, *PRESETS)
+    app = explore_server.application(called(host, port, names), presets)
     console.say(f"the live page is at http://{_bracketed(host)}:{port}/ (Ctrl-C ends it)")
     sys.stdout.flush()
     if host not in ("127.0.0.1", "::1", "localhost"):

@@ -20,6 +20,9 @@ from .door import looked_at, refusing, shown
 NEEDED = ("title", "study_name", "laws")
 TEXTS = (*NEEDED, "study", "reading", "side", "stiffness", "length_unit", "force_unit", "method", "versions")
 
+WORDS = ("outcome", "caution", "xyz")  # the variables that are text; all others are numbers
+SCALED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")  # by which numbers are stored as others
+
 MOST_TEXT = 64_000_000  # bytes of an attribute
 
 
@@ -64,8 +67,6 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
     for law in laws(ds, path):
         if not {law.axis, *law.at} <= {*axes}:
             raise InputError(f"{path}: a law is about {shown([law.axis, *law.at])}, but the axes are {shown(axes)}")
-    if ds["outcome"].dtype.kind not in "OUST":
-        raise InputError(f"{path}: outcome holds no text, but {ds['outcome'].dtype}")
     for axis in axes:
         _check_axis(ds, axis, path)
     validity.texts(ds, path)
@@ -106,8 +107,15 @@ def _check_variable(name: str, variable: xr.Variable, axes: list[str], path: str
     fits = dims == [dim for dim in known if dim in dims] and (not along or name in ("u", "s") or dims == expected)
     if not fits or (name in ("u", "s") and dims[-1:] != ["u"]):
         raise InputError(f"{path}: {shown(name)} has the dimensions {shown(dims)}, which do not fit the axes")
-    if name not in ("outcome", "caution", "xyz") and variable.dtype.kind not in "iuf":
-        raise InputError(f"{path}: {shown(name)} holds no numbers, but {variable.dtype}")
+    scaled = [key for key in SCALED if key in variable.encoding]
+    if scaled:
+        raise InputError(f"{path}: {shown(name)} has the attribute {scaled[0]}, with which no study is stored")
+    fill = np.asarray(variable.encoding.get("_FillValue", np.nan))
+    if fill.size != 1 or fill.dtype.kind not in "iuf":
+        raise InputError(f"{path}: the attribute _FillValue of {shown(name)} is no number")
+    wanted, kinds = ("text", "OUST") if name in WORDS else ("numbers", "iuf")
+    if variable.dtype.kind not in kinds:
+        raise InputError(f"{path}: {shown(name)} holds no {wanted}, but {variable.dtype}")
 
 
 def text(ds: xr.Dataset, name: str) -> str:

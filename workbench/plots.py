@@ -14,6 +14,7 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 
 from solver.errors import InputError, no_such
 from studies.laws import COUNTS, FAILS, NOISE
+from studies.reasons import DOES
 
 from . import check, dataset, picking, profile, style
 from .unrolled import axis_label, developed, strip_height
@@ -174,9 +175,9 @@ def _observed(ds: xr.Dataset, name: str) -> bool:
 
 
 def _brief(row: dict[str, Any]) -> str:
-    """A verdict and how often it is broken."""
-    wrong = len(row["exceptions"])
-    return f"{row['verdict']} ({wrong} step{'s' * (wrong > 1)} wrong)" if wrong else str(row["verdict"])
+    """What an observable does, in the words of its verdict, and how often it goes the wrong way."""
+    wrong, does = len(row["exceptions"]), DOES[row["verdict"]][0]
+    return f"{does} ({wrong} step{'s' * (wrong > 1)} wrong)" if wrong else does
 
 
 def _shown(axis: xr.DataArray, values: Any) -> Any:

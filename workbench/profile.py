@@ -77,19 +77,19 @@ def angle(ds: xr.Dataset, ax: Axes) -> Axes:
 
 
 def contact(ds: xr.Dataset, ax: Axes) -> Axes:
-    """The push of the cylinder against s, shaded where it would have to pull."""
-    f = dataset.along(ds, "contact")
-    ax.plot(ds["s"], f, color=style.PUSHED, **_drawn(ds))
+    """The push of the cylinder against s, positive on either side; shaded where the cylinder would have to pull."""
+    push, unit = pushes(ds), str(dataset.along(ds, "contact").attrs.get("units", "1"))
+    ax.plot(ds["s"], push, color=style.PUSHED, **_drawn(ds))
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
-    pulled = pushes(ds) < 0
+    pulled = push < 0
     if pulled.any() and "marker" not in _drawn(ds):
         ax.fill_between(ds["s"], 0, 1, where=pulled, transform=ax.get_xaxis_transform(), color=style.LIFTED, alpha=0.28,
                         linewidth=0, label="the cylinder would have to pull: the rod would lift off")  # fmt: skip
-        ax.fill_between(ds["s"], 0, f, where=~pulled, color=style.PUSHED, alpha=0.25, linewidth=0,
+        ax.fill_between(ds["s"], 0, push, where=~pulled, color=style.PUSHED, alpha=0.25, linewidth=0,
                         label="the cylinder pushes")  # fmt: skip
         ax.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.2)
-    ax.set_ylabel(f"f [{style.unit(str(f.attrs.get('units', '1')))}]")
-    ax.set_title("push of the cylinder per length, positive outward", loc="left")
+    ax.set_ylabel(f"push [{style.unit(unit)}]")
+    ax.set_title("push of the cylinder per length", loc="left")
     return _along(ds, ax)
 
 

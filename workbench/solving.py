@@ -58,7 +58,7 @@ def solve_case(
     file says.
     """
     chosen = fidelity(level or "standard")
-    asked = _asked(file, options, table1, reading, units or {})
+    asked = read_case(file, options, table1, reading, units or {})
     stations, which = 201, None
     if asked.study is not None:
         stations, which = asked.study.stations, asked.study.equilibrium
@@ -86,10 +86,14 @@ def solve_case(
     return 0 if sol.solved else 1
 
 
-def _asked(
+def read_case(
     file: Path | None, options: dict[str, Any], table1: bool, reading: str | None, units: dict[str, str]
 ) -> Asked:
-    """From a file, from Table 1, or from options alone."""
+    """A case from a file, from Table 1, or from options alone. Raises `InputError`.
+
+    options: fields of the case, name -> value; they change the file's or Table 1's. units: of length and force, for a
+    rod of options alone. reading: how Table 1 is read.
+    """
     changed = f", but for {choices(options)}" if options else ""
     if file is not None:
         if table1:
@@ -113,7 +117,7 @@ def _asked(
 
 def _study(file: Path) -> Study:
     if file.suffix != ".toml":
-        raise InputError(f"solve reads a case from a .toml file, got {str(file)!r}")
+        raise InputError(f"a case is read from a .toml file, got {str(file)!r}")
     study = load(file)
     if study.axes:
         raise InputError(f"{file.name} has the axes {', '.join(study.axes)}: workbench run solves it")

@@ -3,7 +3,7 @@
 import asyncio
 import json
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from http.client import HTTPConnection, HTTPResponse
 from struct import unpack
@@ -13,16 +13,18 @@ import numpy as np
 
 
 @contextmanager
-def served() -> Iterator[int]:
-    """The port at which the page is served on 127.0.0.1, until the end of the block."""
+def served(presets: Sequence[Any] | None = None) -> Iterator[int]:
+    """The port at which the page is served on 127.0.0.1, until the end of the block; presets: default the shipped."""
     from aiohttp import web
 
     from workbench import explore_server, exploring
+    from workbench.explore_presets import PRESETS
 
     listener = exploring.bound("127.0.0.1", 0)
     port = listener.getsockname()[1]
     loop = asyncio.new_event_loop()
-    runner = web.AppRunner(explore_server.application(exploring.called("127.0.0.1", port, [])), access_log=None)
+    app = explore_server.application(exploring.called("127.0.0.1", port, []), presets or PRESETS)
+    runner = web.AppRunner(app, access_log=None)
     loop.run_until_complete(runner.setup())
     loop.run_until_complete(web.SockSite(runner, listener).start())
     thread = threading.Thread(target=loop.run_forever, daemon=True)

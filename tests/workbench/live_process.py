@@ -1,4 +1,4 @@
-"""The command explore as a process of its own, the memory that it and its children hold, and stand-ins for searches."""
+"""The command explore as a process of its own, the memory that it holds, and stand-ins for searches."""
 
 import os
 import re
@@ -30,18 +30,9 @@ def explored() -> Iterator[tuple[int, subprocess.Popen]]:
 
 
 def megabytes(pid: int) -> float:
-    """What a process and all below it hold [MB]; pages that several of them share are counted once."""
-    held = 0.0
-    for one in (pid, *below(pid)):
-        told = Path(f"/proc/{one}/smaps_rollup").read_text()
-        held += int(re.search(r"^Pss:\s+(\d+)", told, re.M)[1]) / 1e3  # type: ignore[index]
-    return held
-
-
-def below(pid: int) -> list[int]:
-    """The processes that descend from one."""
-    children = [int(one) for path in Path(f"/proc/{pid}/task").glob("*/children") for one in path.read_text().split()]
-    return children + [other for child in children for other in below(child)]
+    """What a process holds in memory [MB], all pages that it shares with others among them."""
+    told = Path(f"/proc/{pid}/status").read_text()
+    return int(re.search(r"^VmRSS:\s+(\d+)", told, re.M)[1]) / 1e3  # type: ignore[index]
 
 
 def endless(study: Study) -> Any:

@@ -286,7 +286,7 @@ def slid(moves: int) -> tuple[float, float]:
 def test_the_memory_of_the_server_does_not_grow_with_the_moves() -> None:
     before, after = slid(200)
     assert after < 500
-    assert after - before < 60  # of 64 shapes and what the allocator keeps; one search kept would be more
+    assert after - before < 20  # measured: 2; with searches in its own threads it grew by 1 MB a move
 
 
 @pytest.mark.slow
@@ -294,7 +294,7 @@ def test_the_memory_of_the_server_does_not_grow_with_the_moves() -> None:
 def test_the_memory_of_the_server_stays_bounded_over_ten_thousand_moves() -> None:
     before, after = slid(10_000)
     assert after < 500
-    assert after - before < 30
+    assert after - before < 10  # measured: 315 MB at 2,500 moves, 316 at the end and never more
 
 
 # the command

@@ -18,6 +18,7 @@ import xarray as xr
 
 from solver import InputError
 from studies import load
+from studies.loader import loads
 from tests.workbench import runs, small
 from workbench import cli, dataset, gl, letters, plots, runner, store, there
 from workbench.storing import run_to_file
@@ -297,13 +298,36 @@ def test_a_file_without_any_one_of_its_variables_is_drawn_or_refused(whole: byte
 
 ONE_AXIS = "[axes.E]\nvalues = {}\n[base]\nL = 5.0\n" + LAW.replace('"R"', '"E"')
 FOLLOWED = '[axes.betaL]\nfollow = true\nto = 60\ncount = 3\nunit = "deg"\n' + LAW.replace('"R"', '"betaL"')
-BASES = {"one axis": ONE_AXIS.format("[1e4, 2e4]"), "no axis": "[base]\nL = 5.0\n", "followed": FOLLOWED}
+ENDS = """title = "between two ends"
+outputs = ["beta", "alpha", "z", "contact"]
+stations = 21
+[units]
+length = "cm"
+force = "N"
+[base]
+E = 1.07e4
+nu = 0.25
+a = 0.25
+L = 5.0
+R = 0.75
+beta0 = 0.3
+betaL = 0.5
+[axes.FZ]
+values = [-4.0, -2.0]
+"""
+BASES = {
+    "one axis": small.study(ONE_AXIS.format("[1e4, 2e4]"), HEAD),
+    "two axes": small.study(AXES.format("[1e4, 2e4]") + LAW, HEAD),
+    "no axis": small.study("[base]\nL = 5.0\n", HEAD),
+    "followed": small.study(FOLLOWED, HEAD),
+    "between two ends": loads(ENDS),
+}
 
 
 def altered_files_end_in_a_sentence(base: str, stride: int, tmp_path: Path, *commands: str) -> None:
     paths = tmp_path / "base.h5", tmp_path / "good.h5"
-    for path, axes in zip(paths, (BASES[base], ONE_AXIS.format("[3e4]")), strict=True):
-        store.write(runner.run(small.study(axes, HEAD)), path)
+    for path, study in zip(paths, (BASES[base], small.study(ONE_AXIS.format("[3e4]"), HEAD)), strict=True):
+        store.write(runner.run(study), path)
     words = [sys.executable, "-m", "tests.workbench.altered", *map(str, (*paths, tmp_path)), str(stride), "0"]
     run = subprocess.run([*words, *commands], cwd=ROOT, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr[-2000:]
@@ -361,6 +385,33 @@ def test_numbers_that_cannot_be_are_refused_on_reading_and_named(whole: bytes, t
     variable, value, sentence = NUMBERS[name]
     with h5py.File(path, "a") as file:
         file[variable][(0,) * file[variable].ndim] = value
+    with pytest.raises(InputError, match=sentence):
+        store.read(path)
+
+
+@pytest.mark.parametrize("name", ["outcome", "caution"])
+def test_numbers_in_place_of_words_are_refused(whole: bytes, tmp_path: Path, name: str) -> None:
+    with xr.open_dataset(BytesIO(whole), engine="h5netcdf") as ds:
+        ds.assign({name: xr.zeros_like(ds["error"])}).to_netcdf(tmp_path / "numbers.h5", engine="h5netcdf")
+    with pytest.raises(InputError, match=f"'{name}' holds no text, but float64"):
+        store.read(tmp_path / "numbers.h5")
+
+
+@pytest.mark.parametrize(
+    "name, key, value, sentence",
+    [
+        ("turns", "add_offset", "x", "'turns' has the attribute add_offset, with which no study is stored"),
+        ("E", "scale_factor", 2.0, "'E' has the attribute scale_factor, with which no study is stored"),
+        ("nu", "_FillValue", "$", "the attribute _FillValue of 'nu' is no number"),
+    ],
+)
+def test_numbers_that_are_stored_as_others_are_refused(
+    whole: bytes, tmp_path: Path, name: str, key: str, value: Any, sentence: str
+) -> None:
+    path = tmp_path / "scaled.h5"
+    path.write_bytes(whole)
+    with h5py.File(path, "a") as file:
+        file[name].attrs[key] = value
     with pytest.raises(InputError, match=sentence):
         store.read(path)
 

@@ -12,6 +12,7 @@ from matplotlib.text import Text
 
 from solver.errors import InputError
 from studies import load, names
+from studies.reasons import DOES
 from workbench import check, picking, plots, profile, runner, style
 from workbench.stretch import stretch
 
@@ -83,7 +84,7 @@ def test_a_panel_tells_what_became_of_the_other_observables_of_the_sentence(angl
     for i, row in enumerate(check.verdicts(angles)):
         told = said(plots.panel(angles, axes(), i))
         for also in row["also"]:
-            assert f"{style.short(angles[also['observable']])} {also['verdict']}" in told
+            assert f"{style.short(angles[also['observable']])} {DOES[also['verdict']][0]}" in told
 
 
 def test_a_qualified_law_stands_in_orange_with_its_reason_beside_it_in_symbols(angles) -> None:
@@ -143,6 +144,14 @@ def test_lift_off_is_shaded_where_the_cylinder_would_have_to_pull() -> None:
     assert (profile.pushes(ds.assign_attrs(side="inside")) == -ds["contact"].values).all()
     labels = profile.contact(ds, axes()).get_legend_handles_labels()[1]
     assert any("lift off" in label for label in labels)
+
+
+@pytest.mark.parametrize("side", ["outside", "inside"])
+def test_a_push_is_drawn_upward_on_either_side(side: str) -> None:
+    ds = runner.run(load("fig6")).assign_attrs(side=side)
+    ax = profile.contact(ds, axes())
+    np.testing.assert_array_equal(ax.lines[0].get_ydata(), profile.pushes(ds))
+    assert "outward" not in ax.get_title("left")
 
 
 def test_where_a_law_decides_is_where_a_picture_is_taken(forces) -> None:

@@ -21,7 +21,7 @@ async function post(path, body, signal) {
   try {
     answer = await fetch(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body), signal });
   } catch {
-    if (signal && signal.aborted) throw new Refused({ sentence: "", field: "", stale: true });
+    if (signal && signal.aborted) throw new Refused({ sentence: "", field: "" });
     throw new Refused({ sentence: "The server does not answer; start workbench explore again", field: "" });
   }
   if (!answer.ok) {
@@ -206,8 +206,8 @@ const app = Vue.createApp({
         const told = await (await post(path, { state: this.state, ticket }, mine.signal)).json();
         if (ticket === this.head.ticket) then(told);
       } catch (error) {
+        if (mine.signal.aborted) return; // asked anew, also while the answer was on its way
         if (!(error instanceof Refused)) throw error;
-        if (error.told.stale) return;
         if (ticket === this.head.ticket) refused(error.told.sentence);
       }
     },
