@@ -201,12 +201,15 @@ def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tall
             parts.store_shard(folder, chunk.start, chunk.stop, results)
             meter.add(chunk.cases, _count(decode(results), tally))
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(_kept(meter, folder)) from None
+        raise KeyboardInterrupt(_kept(work, folder)) from None
 
 
-def _kept(meter: Meter, folder: Path) -> str:
-    kept = f"{meter.done} of {meter.total} cases are kept in {folder}; the same command goes on from there"
-    return f"interrupted; {kept if meter.done else 'nothing was finished yet'}"
+def _kept(work: Plan, folder: Path) -> str:
+    """How to go on; counted from the shards, as the interruption may come between a shard and the meter."""
+    missing = parts.missing(parts.stretches(folder, work.todo), work.todo)
+    done = work.size - sum(stop - start for start, stop in missing)
+    kept = f"{done} of {work.size} cases are kept in {folder}; the same command goes on from there"
+    return f"interrupted; {kept if done else 'nothing was finished yet'}"
 
 
 def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> engines.Results:
