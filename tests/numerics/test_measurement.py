@@ -62,7 +62,7 @@ def compare(case: Case, method: str) -> None:
 
 @by_both
 def test_observables_of_random_rods_are_right_to_their_own_error(method: str) -> None:
-    compare(random_rods(25, 1, 12.0), method)
+    compare(random_rods(15, 1, 12.0), method)
 
 
 @pytest.mark.slow
