@@ -18,6 +18,7 @@ from .sampling import Pieces, blocks, of_stations, resolved
 from .solution import Solution
 
 _FINEST = 1e-14  # of what is measured: no series is asked to end below
+_SPREAD = 10  # of the error that `swing` states, a standard deviation: the true one was never seen to be more
 _SHARE = 1e-3  # of the tolerance, left to the series of what is measured
 _SAFETY = 2.0
 BARELY = 64 * EPS  # of the size of its terms: what a push must exceed to be one
@@ -129,7 +130,7 @@ class Reading:
         sol = self.sol
         sign = flat(sol.case.outward, sol.case.shape)
         error = np.where(np.isfinite(sol.trajectory.error), sol.trajectory.error, 1.0)
-        error = np.maximum(error, 4 * EPS)
+        error = np.maximum(error, 4 * EPS) * (_SPREAD if hasattr(sol.trajectory.orbit, "lost") else 1)
         goal = max(_SHARE * sol.tol, _FINEST)
         names = [name for group in groups for name in group.names]
         found = {name: (np.full(sol.problem.size, np.nan), np.full(sol.problem.size, np.nan)) for name in names}
