@@ -282,6 +282,7 @@ def slid(moves: int) -> tuple[float, float]:
         return before, live_process.megabytes(process.pid)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is read in /proc")
 def test_the_memory_of_the_server_does_not_grow_with_the_moves() -> None:
     before, after = slid(200)

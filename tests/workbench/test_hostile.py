@@ -274,7 +274,7 @@ def damaged_files_end_in_a_sentence(
 
 
 def test_damaged_files_end_in_a_sentence(whole: bytes, tmp_path: Path) -> None:
-    damaged_files_end_in_a_sentence(SOME, 8, 16, whole, tmp_path)
+    damaged_files_end_in_a_sentence(SOME, 4, 10, whole, tmp_path)
 
 
 @pytest.mark.slow

@@ -286,6 +286,7 @@ def test_the_report_replaces_the_old_one_whole(results, measured, tmp_path, monk
         report.html([])
 
 
+@pytest.mark.slow
 def test_on_a_machine_without_opengl_everything_else_is_done(readings, monkeypatch, tmp_path: Path, capsys) -> None:
     from workbench import reproduce
 
