@@ -19,6 +19,7 @@ from solver.methods import METHODS
 from solver.solve import AUTO
 from studies import Study
 from studies.axes import Axis
+from studies.laws import Law
 
 from . import sweep, sweep_order
 from .chunks import LOADS, WIDTH, Chunk
@@ -171,6 +172,7 @@ def recipe(plan: Plan) -> dict[str, Any]:
         "stations": study.stations,
         "outputs": sorted(study.outputs),
         "observables": sorted(study.wanted),
+        "laws": {str(i): _law_line(law) for i, law in enumerate(study.laws, 1)},  # their verdicts are stored as well
         "tol": study.tol,
         "method": study.method,
         "block": plan.block,
@@ -221,6 +223,11 @@ def _digest(content: bytes) -> str:
 def axis_line(values: NDArray[np.float64]) -> str:
     """An axis in one line: equal lines, equal values."""
     return f"{values.size} values {values[0]:g}..{values[-1]:g} ({_digest(values.tobytes())})"
+
+
+def _law_line(law: Law) -> str:
+    """All that a law says, in one line."""
+    return ", ".join(f"{name} {value}" for name, value in law.model_dump(exclude_defaults=True).items())
 
 
 def _told(value: object) -> str:

@@ -376,3 +376,16 @@ def test_importing_a_worker_loads_no_xarray() -> None:
     code = "import sys, workbench.engines; print('xarray' in sys.modules)"
     told = subprocess.run([sys.executable, "-c", code], cwd=runs.ROOT, capture_output=True, text=True, check=True)
     assert told.stdout == "False\n"
+
+
+def test_a_finished_study_whose_law_was_edited_is_judged_by_the_law_as_it_is_now(tmp_path) -> None:
+    path = runs.study(tmp_path, {"E": [1e4, 2e4, 4e4]})
+    law = '[[laws]]\nclaim = "(1)"\nobservable = "kappa_max"\naxis = "E"\ndirection = "{}"\nsource = "a test"\n'
+    text = path.read_text()
+    told = []
+    for direction in ("falls", "rises", "rises"):
+        path.write_text(text + law.format(direction))
+        ran = run_to_file(load(path), tmp_path / "many.h5")
+        (row,) = ran.told["laws"]
+        told.append((row["verdict"], ran.finished_before))
+    assert told == [("holds", False), ("fails", False), ("fails", True)]
