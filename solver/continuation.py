@@ -9,8 +9,9 @@ fixed, the level follows from one scalar equation, length(level) = span. The unk
   downward meet, and the path changes by one turning point.
 
 Steps are taken from the given problem to the wanted one, by predictor and corrector. d length/d unknown may not change
-its sign from step to step: it does so at a fold, and between two neighbouring equilibria of one path. So a step can
-neither pass a fold nor end on the neighbour. Where steps become small though the branch does not end (an end of the rod
+its sign from step to step: it does so at a fold, and between two neighbouring equilibria of one path. So steps
+stop at a fold and before the neighbour; small steps make a jump over both unlikely, which is no proof.
+Where they become small though the branch does not end (an end of the rod
 crosses a saddle, in a range as narrow as exp(-r L)), every equilibrium of the neighbouring paths is looked up a little
 farther on, and the branch goes on with the only one of the same Morse index whose shape is next to the last.
 """
