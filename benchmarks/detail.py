@@ -20,10 +20,13 @@ import numpy as np
 import xarray as xr
 
 from studies.loader import loads
-from workbench import gl, runner, store, tube
-from workbench.centreline import Array, Centreline
-from workbench.detail import Detail, detail
-from workbench.kinds import KINDS
+from workbench.data import writing
+from workbench.geometry import tube
+from workbench.geometry.centreline import Array, Centreline
+from workbench.geometry.refinement import Detail, detail
+from workbench.run import in_memory
+from workbench.scene import opengl
+from workbench.scene.kinds import KINDS
 
 WIDE = 1450  # pixels of the picture that the rod's length fills
 ERRORS = (2.0, 0.5)
@@ -94,7 +97,7 @@ def uniform(body: tube.Body, allowed: float) -> tuple[int, int]:
 
 def solved(name: str) -> xr.Dataset:
     stations, text = RODS[name]
-    return runner.run(loads(HEAD.format(name, stations) + UNITS + text, default_name="rod"))
+    return in_memory.run(loads(HEAD.format(name, stations) + UNITS + text, default_name="rod"))
 
 
 def measure(name: str, pixel_error: float) -> list[object]:
@@ -129,8 +132,8 @@ def whole(name: str, file: Path, pixel_error: float) -> list[object]:
 
 def scene(file: Path, pixel_error: float) -> None:
     """What `whole` asks of a process of its own: draws, and prints what it took as JSON."""
-    gl.probe()
-    from workbench import scenes, stage, taking
+    opengl.probe()
+    from workbench.scene import composition, layout, rendering
 
     triangles: list[int] = []
     made = tube.mesh
@@ -140,12 +143,12 @@ def scene(file: Path, pixel_error: float) -> None:
         triangles.append(len(found.triangles))
         return found
 
-    stage.tube.mesh = counted  # type: ignore[attr-defined]
+    rendering.tube.mesh = counted  # type: ignore[attr-defined]
     start = perf_counter()
-    ds = store.read(file)
+    ds = writing.read(file)
     tube.read(ds, {}, KINDS["plain"])
     reading = perf_counter() - start
-    scenes.render(ds, file.with_suffix(".png"), kind="plain", look=taking.Look(pixel_error))
+    layout.render(ds, file.with_suffix(".png"), kind="plain", look=composition.Look(pixel_error))
     seconds = perf_counter() - start - 2 * reading  # the scene reads once more
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
     told = {"views": len(triangles), "triangles": sum(triangles), "memory": memory}
@@ -167,7 +170,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         files = {name: Path(folder) / f"{i}.h5" for i, name in enumerate(RODS) if name != "stiff"}
         for name, file in files.items():
-            store.write(solved(name), file)
+            writing.write(solved(name), file)
         heads = ["rod", "pixels allowed", "views or lines", "triangles", "s", "MB"]
         rows(heads, (whole(name, file, pixel_error) for name, file in files.items() for pixel_error in ERRORS))
     if len(sys.argv) > 1:
@@ -180,7 +183,7 @@ def draw(path: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    from workbench import style
+    from workbench.figures import style
 
     body = tube.read(solved("Table 1"), {}, KINDS["plain"])
     per_unit = WIDE / float(np.ptp(body.z))

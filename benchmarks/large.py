@@ -19,11 +19,11 @@ from pathlib import Path
 
 from benchmarks.timing import paired, seconds_of_processor
 from solver import solve
-from solver.observables import observe
+from solver.observe.observables import observe
 from studies import Study
 from studies.loader import loads
-from workbench import cautions
-from workbench.storing import Options, run_to_file
+from workbench.data import cautions
+from workbench.run.study_store import Options, run_to_file
 
 STUDY = """
 title = "Benchmark"

@@ -1,4 +1,4 @@
-"""Writes workbench/extremes.json: beta of the named extremes by Taylor series to 25 digits, where a march arrives.
+"""Writes workbench/compare/extremes.json: beta of the named extremes by Taylor series to 25 digits, where a march arrives.
 
 Run from the root: python -m benchmarks.make_extremes
 """
@@ -7,9 +7,9 @@ import json
 
 import numpy as np
 
-from solver.reduced import reduce
+from solver.problem.reduced import reduce
 from tests.taylor import march
-from workbench.extreme_cases import FILE, SHARES, extremes
+from workbench.compare.extreme_cases import FILE, SHARES, extremes
 
 _STEPS = 1500  # some minutes for all of them together
 

@@ -4,7 +4,7 @@
     workbench extremes --out RUN
     python benchmarks/make_measured.py RUN
 
-Replaces workbench/measured/trade.h5 and extremes.h5. Numbers keep three digits: a diagram shows no more.
+Replaces workbench/compare/measured/trade.h5 and extremes.h5. Numbers keep three digits: a diagram shows no more.
 """
 
 import sys
@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from workbench import store
-from workbench.report_measured import SHIPPED
+from workbench.data import writing
+from workbench.web.report.measured_runs import SHIPPED
 
 KEPT = {
     "trade": ("seconds", "error", "outcome", "kind"),
@@ -37,4 +37,8 @@ def cut(ds: xr.Dataset, name: str) -> xr.Dataset:
 
 if __name__ == "__main__":
     for name in KEPT:
-        print(store.write(cut(store.read(Path(sys.argv[1]) / f"{name}.h5", study=False), name), SHIPPED / f"{name}.h5"))
+        print(
+            writing.write(
+                cut(writing.read(Path(sys.argv[1]) / f"{name}.h5", study=False), name), SHIPPED / f"{name}.h5"
+            )
+        )

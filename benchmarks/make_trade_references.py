@@ -1,4 +1,4 @@
-"""Writes workbench/trade_references.json: the cases of `workbench trade` by Taylor series in 40 digits.
+"""Writes workbench/compare/trade_references.json: the cases of `workbench trade` by Taylor series in 40 digits.
 
 The series and the reduction in 40 digits are make_references'. An ends problem is shot from its start's slope, by
 Newton's rule on the series' own change of beta(L) with beta'(0), until the far angle is met to 25 digits.
@@ -15,10 +15,10 @@ from mpmath import mpf
 
 from benchmarks.make_references import DIGITS, ORDER, numbers, series, stepped
 from solver import Case, Ends
-from workbench.trade_cases import CASES, FILE, Named
+from workbench.compare.trade_cases import CASES, FILE, Named
 
 STATIONS = 40  # and the start
-OUT = Path(__file__).resolve().parents[1] / "workbench" / FILE
+OUT = Path(__file__).resolve().parents[1] / "workbench" / "compare" / FILE
 
 
 def of_ends(case: Case) -> dict[str, Any]:

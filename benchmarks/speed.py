@@ -24,7 +24,7 @@ from scipy.integrate import solve_ivp
 from benchmarks import taylor
 from benchmarks.timing import paired, table1
 from solver import methods, solve
-from solver.reduced import reduce
+from solver.problem.reduced import reduce
 
 STATIONS = 201
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from benchmarks.timing import paired, peak_gigabytes, table1
 from solver import solve
-from solver.reduced import reduce
+from solver.problem.reduced import reduce
 
 
 def one_rod(L: float, wanted: float = 1e-12) -> dict[str, float]:

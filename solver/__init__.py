@@ -1,9 +1,9 @@
 """The mechanics and the numerics of an elastic rod on a cylinder. Needs numpy and scipy, nothing else."""
 
-from .case import Case, Cylinder, Ends, Rod, Start
 from .equilibria import Equilibrium, equilibria
-from .errors import InputError
-from .observables import observe
+from .observe.observables import observe
+from .problem.case import Case, Cylinder, Ends, Rod, Start
+from .problem.errors import InputError
 from .solution import Solution
 from .solve import solve
 

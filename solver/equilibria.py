@@ -5,21 +5,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .case import Case, Ends
-from .errors import InputError
-from .levels import many
+from .boundary.levels import many
+from .boundary.search import Found, Way, search
+from .boundary.selection import NEAREST, Choose, none_of, select, selection
+from .boundary.stability import end_response
 from .methods.base import Seed, Trajectory, verdicts
 from .methods.orbit import Orbit
 from .methods.shooting import NONE as NO_SOLUTION
-from .observables import observe
-from .reduced import Array, Reduced, reduce
-from .search import Found, Way, search
-from .selection import NEAREST, Choose, none_of, select, selection
+from .observe.observables import observe
+from .problem.case import Case, Ends
+from .problem.errors import InputError
+from .problem.reduced import Array, Reduced, reduce
 from .solution import Solution
-from .stability import end_response
 
 NONE = "incomplete: no equilibrium was found, and by degree there is always one"
-
 
 
 @dataclass(frozen=True, eq=False)

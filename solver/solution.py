@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from . import frames, statics
-from .case import Case
-from .landscape import potential
+from .mechanics import frames, statics
+from .mechanics.potential import potential
 from .methods.base import Trajectory
-from .reduced import Array, Reduced, flat
+from .problem.case import Case
+from .problem.reduced import Array, Reduced, flat
 
 _quiet = np.errstate(all="ignore")  # cases that were refused carry numbers that no float holds
 

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from .blocks import run_in_blocks
-from .case import Case
-from .errors import InputError, choices, no_such
-from .limits import OUT_OF_RANGE, TOO_LARGE, dimensionless, representable, units_held
+from .boundary.selection import NEAREST, checked
 from .methods import METHODS, MISSING, Method
 from .methods.base import Seed, Trajectory, blanked, stood_in
-from .reduced import Array, Reduced, flat, reduce
-from .selection import NEAREST, checked
+from .methods.blocks import run_in_blocks
+from .problem.case import Case
+from .problem.errors import InputError, choices, no_such
+from .problem.limits import OUT_OF_RANGE, TOO_LARGE, dimensionless, representable, units_held
+from .problem.reduced import Array, Reduced, flat, reduce
 from .solution import Solution
 
 AUTO = {"start": "swing" if "swing" in METHODS else "orbit", "ends": "shooting"}  # as measured: docs/trade.md

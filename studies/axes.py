@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from solver import Cylinder, Ends, Rod, Start
-from solver.errors import choices
-from solver.quantities import QUANTITIES, Quantity, quantity
+from solver.problem.errors import choices
+from solver.problem.quantities import QUANTITIES, Quantity, quantity
 
 from .angles import angle
 

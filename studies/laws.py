@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, field_validator, model_validator
 
-from solver.errors import InputError, choices, no_such
+from solver.problem.errors import InputError, choices, no_such
 
 from . import reasons
 from .axes import Line, in_rad, is_angle

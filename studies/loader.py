@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from solver.errors import InputError, choices
+from solver.problem.errors import InputError, choices
 
 from .axes import Axis, Base, Misplaced, Units, Which
 from .laws import Law

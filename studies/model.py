@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, Field, PrivateAttr, field_validator, model_validator
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
-from solver.case import from_fields
-from solver.errors import choices
-from solver.observables import OBSERVABLES, error_name
-from solver.quantities import unit_of
+from solver.observe.observables import OBSERVABLES, error_name
+from solver.problem.case import from_fields
+from solver.problem.errors import choices
+from solver.problem.quantities import unit_of
 
 from . import axes as parts
 from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Misplaced, Units, Which
@@ -55,7 +55,7 @@ class Study(BaseModel):
     method: str = "auto"
     laws: list[Law] = []
     _text: str = PrivateAttr("")
-    _part_of: Any = PrivateAttr(None)  # of a part of a sweep: what follows the whole (`workbench.sweep.Spine`)
+    _part_of: Any = PrivateAttr(None)  # of a part of a sweep: what follows the whole (`workbench.run.sweep.Spine`)
 
     @field_validator("reading")
     @classmethod

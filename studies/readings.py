@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from solver import Case, Cylinder, InputError, Rod, Start
-from solver.errors import choices
+from solver.problem.errors import choices
 
 # Table 1, in cm and N, and the length from the text below eq. (47). F1 is F10, F3 is F30, a prime is a
 # leading d.

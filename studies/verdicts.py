@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from solver.errors import InputError, no_such
+from solver.problem.errors import InputError, no_such
 
 HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS = "holds", "holds as a trend", "qualified", "not decided", "fails"
 VERDICTS = (HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS)  # best first
@@ -61,9 +61,7 @@ class _Pairs:
         return _Pairs(self.right + total - self.compared, self.wrong, total)
 
 
-def judge(
-    values: ArrayLike, direction: str, count: bool | None = None, crossing: ArrayLike | None = None
-) -> Verdict:
+def judge(values: ArrayLike, direction: str, count: bool | None = None, crossing: ArrayLike | None = None) -> Verdict:
     """The verdict on values along an axis, in the axis's rising order.
 
     values: (n,), NaN where a case is unsolved. count: whether the values are a count, which may stay the same between

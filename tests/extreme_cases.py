@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Cylinder, Rod, Start
-from solver.landscape import extrema, potential
-from solver.reduced import Reduced
+from solver.mechanics.potential import extrema, potential
+from solver.problem.reduced import Reduced
 from tests.cases import start_of
 
 KINDS = ("loads", "forces", "helix", "separatrix", "gap", "tension")

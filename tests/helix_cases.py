@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from solver.landscape import extrema
-from solver.reduced import Reduced, reduce
+from solver.mechanics.potential import extrema
+from solver.problem.reduced import Reduced, reduce
 from tests.extreme_cases import KINDS, draw
 from tests.variation import work
 

@@ -34,14 +34,14 @@ class RodAccessor:
     @cached_property
     def study(self) -> "Study":
         """The study, under the reading that the dataset was run under. Raises `InputError`."""
-        from .rebuild import study_of
+        from .run.stored_case import study_of
 
         return study_of(self._ds)
 
     @cached_property
     def case(self) -> "Case":
         """The case of the dataset, of the shape of its axes; selected axes have gone. Raises `InputError`."""
-        from .rebuild import case_of
+        from .run.stored_case import case_of
 
         return case_of(self._ds, self.study)
 
@@ -50,7 +50,7 @@ class RodAccessor:
 
         A value is one of the axis's, to nine digits; angles in rad. Raises `InputError` with the axis's values.
         """
-        from .selecting import indices
+        from .data.axis_values import indices
 
         found = {name: indices(self._ds, name, value) for name, value in values.items()}
         return self._ds.isel(found)
@@ -60,35 +60,35 @@ class RodAccessor:
 
         A value may lie on its axis or not; angles in rad. Raises `InputError`.
         """
-        from .rebuild import solve_at
+        from .run.stored_case import solve_at
 
         return solve_at(self._ds, self.study, values)
 
     @cached_property
     def _solved(self) -> "Solution":
-        from .rebuild import solve_at
+        from .run.stored_case import solve_at
 
         return solve_at(self._ds, self.study, {})
 
     def along(self, name: str) -> xr.DataArray:
         """An array along the rod by its name; also as an attribute, ``ds.rod.contact``."""
-        from solver.errors import no_such
+        from solver.problem.errors import no_such
 
-        from .along import ARRAYS, Stored
+        from .data.arrays import ARRAYS, Stored
 
         if name not in ARRAYS:
             raise no_such("array along the rod", name, ARRAYS)
         return Stored(self._ds, self.study, lambda: self.case, lambda: self._solved).array(name)
 
     def __getattr__(self, name: str) -> xr.DataArray:
-        from .along import ARRAYS
+        from .data.arrays import ARRAYS
 
         if name not in ARRAYS:
             raise AttributeError(f"ds.rod has no {name!r}; choose from {', '.join(dir(self))}")
         return self.along(name)
 
     def __dir__(self) -> list[str]:
-        from .along import ARRAYS
+        from .data.arrays import ARRAYS
 
         return sorted({"study", "case", "sel", "at", "along", *ARRAYS})
 

@@ -11,9 +11,10 @@ from typing import Annotated, Any
 
 import typer
 
-from . import __version__, letters
-from . import case_options as of
-from .case_options import angled, numbered
+from . import __version__
+from .commands import case_options as of
+from .commands.case_options import angled, numbered
+from .data import safe_text
 
 INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 
@@ -82,7 +83,7 @@ def reproduce(
     reading: Reading = None,
 ) -> None:
     """Figures 6 and 7 from Table 1: solve, store, draw, check, report."""
-    from .reproduce import reproduce as work
+    from .commands.reproduce import reproduce as work
 
     raise typer.Exit(work(out, reading))
 
@@ -90,7 +91,7 @@ def reproduce(
 @app.command("list")
 def list_studies(json: Json = False) -> None:
     """The studies that come with the workbench."""
-    from .running import list_studies as work
+    from .commands.run import list_studies as work
 
     work(json)
 
@@ -120,8 +121,8 @@ def run(
     json: Json = False,
 ) -> None:
     """Solve every case of a study, store them, judge its laws; go on where an earlier run stopped."""
-    from .running import run_study
-    from .storing import Options
+    from .commands.run import run_study
+    from .run.study_store import Options
 
     options = Options(workers, scheduler, chunk, restart, json)
     with _saying_what_is_kept():
@@ -131,7 +132,7 @@ def run(
 @app.command()
 def check(file: File, json: Json = False) -> None:
     """Judge each law of a stored study; exit status 1 where one does not hold in full or a case is unsolved."""
-    from .running import check_file
+    from .commands.run import check_file
 
     raise typer.Exit(check_file(file, json))
 
@@ -139,7 +140,7 @@ def check(file: File, json: Json = False) -> None:
 @app.command()
 def summary(file: File, json: Json = False) -> None:
     """What a stored study holds: axes, observables, outcomes, the worst error, laws, versions."""
-    from .summary import summarise
+    from .commands.summary import summarise
 
     raise typer.Exit(summarise(file, json))
 
@@ -152,7 +153,7 @@ def merge(
     json: Json = False,
 ) -> None:
     """Join studies that extend one another along one axis; exit status as of check."""
-    from .merge import merge_files
+    from .run.merge import merge_files
 
     raise typer.Exit(merge_files(files, out, force, json))
 
@@ -165,7 +166,7 @@ def plot(
     force: Replace = False,
 ) -> None:
     """Developed curves, and observables against the axis with their laws."""
-    from .drawing import plot_file
+    from .commands.plot_and_scene import plot_file
 
     plot_file(file, out, force, dpi)
 
@@ -200,7 +201,7 @@ def scene(
     force: Replace = False,
 ) -> None:
     """The rod on its cylinder in three dimensions, off-screen."""
-    from .drawing import scene_file
+    from .commands.plot_and_scene import scene_file
 
     raise typer.Exit(scene_file(file, at or [], out, force, kind, axis, along, (low, high), pixel_error, dpi))
 
@@ -224,7 +225,7 @@ def animate(
     force: Replace = False,
 ) -> None:
     """The cases along an axis as a film, an observable's curve growing beside the rod."""
-    from .animate import animate_file
+    from .commands.animate import animate_file
 
     raise typer.Exit(animate_file(file, axis, at or [], kind, show, out or [], fps, pixel_error, dpi, force))
 
@@ -235,7 +236,7 @@ def gallery(
     force: Replace = False,
 ) -> None:
     """One picture of every kind of scene, as in docs/scenes.md."""
-    from .showcase import draw_all
+    from .commands.showcase import draw_all
 
     raise typer.Exit(draw_all(out, force))
 
@@ -260,7 +261,7 @@ def export(
     json: Json = False,
 ) -> None:
     """One stored rod for other programs: CAD, meshes, tables. Exit status 1 where the rod passes through itself."""
-    from .exporting import export_file
+    from .commands.export_rod import export_file
 
     raise typer.Exit(export_file(file, at or [], out, tolerance, centreline, overlap, force, json))
 
@@ -309,7 +310,7 @@ def solve(
     one whose beta strays least from between its end angles; equilibria lists them all.
     Angles: a number in rad, or a form like 30deg, pi/6.
     """
-    from .solving import solve_case
+    from .commands.solve import solve_case
 
     options: dict[str, Any] = {
         "E": E, "nu": nu, "a": a, "L": L, "stiffness": stiffness, "R": R, "side": side, "beta": beta,
@@ -333,7 +334,7 @@ def trade(
     json: Json = False,
 ) -> None:
     """Accuracy against cost: every method over a ladder of its knob, on cases whose answer is known."""
-    from .trade import trade as work
+    from .compare.trade import trade as work
 
     with _saying_what_is_kept():
         raise typer.Exit(work(cases or [], methods or [], out, json))
@@ -380,7 +381,7 @@ def equilibria(
     and the angle at which its own rod ends; in cm and N. With --length-unit or --force-unit the rod is one's own and
     nothing comes from Table 1: it needs E, nu, a, L, R, beta0 and betaL; loads left out are 0.
     """
-    from .equilibria import run as work
+    from .commands.list_equilibria import run as work
 
     options: dict[str, Any] = {
         "E": E, "nu": nu, "a": a, "L": L, "stiffness": stiffness, "R": R, "side": side, "beta0": beta0,
@@ -397,7 +398,7 @@ def extremes(
     json: Json = False,
 ) -> None:
     """Where each method breaks: every method at every named extreme, stored and drawn as a map."""
-    from .extremes import run_extremes
+    from .compare.extremes import run_extremes
 
     with _saying_what_is_kept():
         raise typer.Exit(run_extremes(out, json))
@@ -441,7 +442,7 @@ def explore(
 
     It begins with Table 1, or with the rod of a file or of options, which need the same as those of solve.
     """
-    from .exploring import explore as work
+    from .commands.explore import explore as work
 
     options: dict[str, Any] = {
         "E": E, "nu": nu, "a": a, "L": L, "stiffness": stiffness, "R": R, "side": side, "beta": beta,
@@ -456,7 +457,7 @@ def explore(
 @app.command()
 def doctor(json: Json = False) -> None:
     """What works on this machine, found by trying it: OpenGL, HDF5, fonts, optional parts; versions."""
-    from .doctor import examine
+    from .commands.doctor import examine
 
     raise typer.Exit(examine(json))
 
@@ -475,7 +476,7 @@ def main(args: list[str] | None = None) -> None:
         sys.stderr.close()
         sys.exit(0)
     except ValueError as error:
-        from solver.errors import InputError
+        from solver.problem.errors import InputError
 
         if not isinstance(error, InputError):
             raise
@@ -499,7 +500,7 @@ def _sentence(error: typer.TyperException) -> str:
 
 
 def _refuse(sentence: str, status: int) -> None:
-    print(f"workbench: {letters.line(sentence)}", file=sys.stderr)
+    print(f"workbench: {safe_text.line(sentence)}", file=sys.stderr)
     sys.exit(status)
 
 

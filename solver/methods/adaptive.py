@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..growth import growth
-from ..reduced import Array, Reduced
+from ..orbit.growth import growth
+from ..problem.reduced import Array, Reduced
 from .base import Run, Trajectory, verdicts
 
 _TIGHTEST = 3e-14  # scipy refuses rtol below 100 eps

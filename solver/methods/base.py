@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..reduced import Array, Reduced
+from ..problem.reduced import Array, Reduced
 
 SOLVED = "solved"
 PLAIN = (0.0, 0.0, 0.0, 1.0, 0.5, 0.0)  # lam, mu, phi, span, beta(0), beta_t(0)

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..landscape import slope, slope_rate
-from ..reduced import Array, Reduced
-from ..stability import response
+from ..boundary.stability import response
+from ..mechanics.potential import slope, slope_rate
+from ..problem.reduced import Array, Reduced
 from .base import Knob, Method, Seed, Trajectory, verdicts
 
 _FIRST, _MOST = (257, 2049), 10_000  # nodes: of the first mesh, and of the next where that was too coarse for the seed

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..landscape import slope, slope_rate
-from ..reduced import Array, Reduced
-from ..stability import response
+from ..boundary.stability import response
+from ..mechanics.potential import slope, slope_rate
+from ..problem.reduced import Array, Reduced
 from .base import Knob, Method, Seed, Trajectory, verdicts
 
 _FIRST, _LARGEST_FIRST, _MOST = 129, 2**13 + 1, 2**17 + 1  # nodes
@@ -51,8 +51,8 @@ def run(
     taken, why = None, [""] * problem.size
     if seed is None:
         from ..equilibria import (
-            chosen_seed,
-        )  # the search stands above the methods; it is asked only where nothing is given
+            chosen_seed,  # the search stands above the methods; it is asked only where nothing is given
+        )
 
         seed, taken, why = chosen_seed(problem, choose)
     n = t.shape[1]

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..landscape import slope
-from ..reduced import Array, Reduced
+from ..mechanics.potential import slope
+from ..problem.reduced import Array, Reduced
 from .base import Knob, Method, Trajectory
 from .marching import Scheme, marched
 

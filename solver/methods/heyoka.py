@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ..growth import growth, refined
-from ..reduced import Array, Reduced
+from ..orbit.growth import growth, refined
+from ..problem.reduced import Array, Reduced
 from .base import Knob, Method, Trajectory, verdicts
 
 INSTALLED = find_spec("heyoka") is not None

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..growth import growth, refined
-from ..reduced import Array, Reduced
+from ..orbit.growth import growth, refined
+from ..problem.reduced import Array, Reduced
 from .base import Trajectory, verdicts
 
 March = Callable[[Reduced, Array, int], Array]  # so many steps between stations -> (5, B, n), the rows of a Trajectory

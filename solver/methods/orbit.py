@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..chebyshev import basis, polynomials
-from ..course import HELIX, LIBRATION, Course, course
-from ..landscape import slope_bends, slope_rate, slope_size
-from ..limits import TOO_LARGE, dimensionless
-from ..panels import EPS, MOST, Panels, joined, panelled, running
-from ..reduced import Array, Reduced
-from ..sensitivity import condition
+from ..mechanics.potential import slope_bends, slope_rate, slope_size
+from ..numerics.chebyshev import basis, polynomials
+from ..orbit.conditioning import condition
+from ..orbit.panels import EPS, MOST, Panels, joined, panelled, running
+from ..orbit.pieces import HELIX, LIBRATION, Course, course
+from ..problem.limits import TOO_LARGE, dimensionless
+from ..problem.reduced import Array, Reduced
 from .base import Method, Trajectory, blanked, stood_in, verdicts
 
 SPENT = f"failed: more than the {MOST} panels that one orbit may take"
@@ -159,9 +159,7 @@ class Orbit:
         z = self._repeat(values[..., 3], where, 3, np.cos(self.problem.beta0))
         return beta, dbeta, alpha, z
 
-    def _repeat(
-        self, value: Array, where: "Where", column: int, straight: Array, case: Any = slice(None)
-    ) -> Array:
+    def _repeat(self, value: Array, where: "Where", column: int, straight: Array, case: Any = slice(None)) -> Array:
         """A mean + periodic quantity of the problems `case` from its value within a course; `straight`: its rate on
         a helix, (B,)."""
         kind = self.course.kind[case, None]
@@ -231,9 +229,7 @@ def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Wh
     return Where(t, part, local, mirrored, second, rounds, folded)
 
 
-def solve_orbit(
-    problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None, stretch: float = 1.0
-) -> Orbit:
+def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None, stretch: float = 1.0) -> Orbit:
     """The orbits of B start problems with finite numbers; `pin` as in `course`, `stretch` as in `panelled`."""
     way = course(problem, pin)
     n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)

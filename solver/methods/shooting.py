@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..reduced import Array, Reduced
+from ..problem.reduced import Array, Reduced
 from .base import PLAIN, Method, Seed, Trajectory
 from .orbit import joined_orbits, solve_orbit
 
@@ -22,10 +22,10 @@ def run(
     problem: Reduced, t: Array, tol: float, seed: Seed | None = None, choose: str | int = "nearest", **_: Any
 ) -> Trajectory:
     """The equilibrium that continues from `seed` or is next to it; without one that which the rule `choose` takes."""
-    from ..equilibria import (
+    from ..equilibria import (  # the search stands above the methods; it is asked only where nothing else will do
         chosen,
         trajectory,
-    )  # the search stands above the methods; it is asked only where nothing else will do
+    )
 
     if seed is not None and seed.problem is not None:
         return together([_carried(one, t[i : i + 1], tol, seed.take(i)) for i, one in enumerate(_each(problem))], t)
@@ -78,7 +78,7 @@ def _started(orbit: Any) -> Reduced:
 
 def _carried(problem: Reduced, t: Array, tol: float, seed: Seed) -> Trajectory | str:
     """The equilibrium of one problem that continues from the seed's own, or the outcome that says why there is none."""
-    from ..continuation import FOLD, Ended, continued, orbit_of
+    from ..boundary.continuation import FOLD, Ended, continued, orbit_of
     from ..equilibria import trajectory
 
     assert seed.problem is not None
@@ -96,9 +96,9 @@ def _carried(problem: Reduced, t: Array, tol: float, seed: Seed) -> Trajectory |
 
 def _path_of_seed(seed: Seed) -> Any:
     """The path of the equilibrium that a seed is; None where it is none."""
-    from ..continuation import path_from_start
-    from ..coordinates import path_of
-    from ..search import search
+    from ..boundary.continuation import path_from_start
+    from ..boundary.coordinates import path_of
+    from ..boundary.search import search
 
     assert seed.problem is not None
     if not np.isfinite(seed.beta[0]).all():

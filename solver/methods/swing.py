@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..course import HELIX, LIBRATION, ROTATION
-from ..limits import TOO_LARGE, dimensionless
-from ..reduced import Array, Reduced
-from ..sensitivity import slope_weight
+from ..orbit.conditioning import slope_weight
+from ..orbit.pieces import HELIX, LIBRATION, ROTATION
+from ..problem.limits import TOO_LARGE, dimensionless
+from ..problem.reduced import Array, Reduced
 from . import orbit
 from .base import SOLVED, Method, Trajectory, blanked, stood_in, verdicts
 from .orbit import Orbit, Where, located, solve_orbit
@@ -90,7 +90,7 @@ class Swing:
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
-        from ..kernels import swirl
+        from ..core.kernels import swirl
 
         out = np.empty(t.shape)
         swirl(np.ascontiguousarray(t), self.lost, self.kind == LIBRATION, self.told, *self._steps, out)
@@ -132,7 +132,7 @@ def _march(problem: Reduced, tol: float, store: _Store | None = None) -> tuple[S
 
     store: room for steps that an earlier call made and that nobody reads any more.
     """
-    from ..kernels import FACTS, LOST, ORDER, TURNS, march
+    from ..core.kernels import FACTS, LOST, ORDER, TURNS, march
 
     assert problem.dbeta0 is not None
     B, v0 = problem.size, problem.dbeta0
@@ -160,7 +160,7 @@ def _march(problem: Reduced, tol: float, store: _Store | None = None) -> tuple[S
 
 def room_for(orbits: int) -> _Store:
     """Room for the steps of so many orbits, as far as one knows before."""
-    from ..kernels import MOST, ORDER
+    from ..core.kernels import MOST, ORDER
 
     room = _STEPS * orbits + 2 * MOST
     return np.empty(room), np.empty(room), np.empty((room, 4, ORDER + 1))
@@ -168,7 +168,7 @@ def room_for(orbits: int) -> _Store:
 
 def _read(lost: Any, swings: Any, told: Array, steps: tuple[Array, ...], t: Array, out: Array) -> None:
     """beta, beta_t, alpha, z at t (B, n) into out (4, B, n), each of the four in one piece of memory."""
-    from ..kernels import read
+    from ..core.kernels import read
 
     read(np.ascontiguousarray(t), lost, swings, told, *steps, *out)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
-from solver.observables import observe
+from solver.observe.observables import observe
 from tests.cases import helix_moment, in_units_of_rho, table_1
 
 

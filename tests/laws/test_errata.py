@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver.frames import material
-from workbench.errata import ERRATA
+from solver.mechanics.frames import material
+from workbench.web.report.errata import ERRATA
 
 ANGLES = np.random.default_rng(13).uniform(-np.pi, np.pi, (100, 3))  # alpha, beta, gamma
 RATES = np.random.default_rng(14).uniform(-1, 1, (100, 3))

@@ -91,7 +91,7 @@ def test_a_start_by_its_twisting_moment_has_the_normal_force_and_the_twist_rate_
 def test_energy_is_the_integral_of_its_density() -> None:
     """Routh's: A/2 kappa^2 + M3 sin cos/rho - FZ cos - MZ sin/rho, against the trapezoidal rule on many stations;
     and what twist and the work of M3 on M3 L/C leave of each other."""
-    from solver.observables import observe
+    from solver.observe.observables import observe
 
     case = TABLE_1["twist-first/compression/solid"].case
     sol = solve(case, tol=1e-11, stations=20001)

@@ -7,9 +7,10 @@ import pytest
 from scipy.optimize import minimize_scalar
 from scipy.spatial import cKDTree
 
-from solver import Case, Cylinder, Rod, Start, solve, strands
+from solver import Case, Cylinder, Rod, Start, solve
 from solver.methods import METHODS
-from solver.observables import observe
+from solver.observe import strands
+from solver.observe.observables import observe
 from tests.cases import cylinder_of, helix_moment, in_units_of_rho, rod_of_unit_stiffness, start_of, table_1
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, solve
-from solver.case import ANGLES
+from solver.problem.case import ANGLES
 from studies.axes import ENDS, START, is_angle
 from studies.axes import Base as StudyBase
 

@@ -8,8 +8,8 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, Start, solve
 from solver.methods import METHODS
-from solver.observables import OBSERVABLES, observe
-from solver.reduced import reduce
+from solver.observe.observables import OBSERVABLES, observe
+from solver.problem.reduced import reduce
 from tests.cases import GAPS, in_units_of_rho
 from tests.reach import core
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Rod, Solution, Start, blocks, observe, solve
-from solver.methods import METHODS
+from solver import Case, Cylinder, Rod, Solution, Start, observe, solve
+from solver.methods import METHODS, blocks
 
 MOST = 1.5  # of what is returned, while it is made
 

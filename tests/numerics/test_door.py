@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, solve
-from solver.case import from_fields
-from solver.observables import OBSERVABLES, observe
-from solver.quantities import QUANTITIES, quantity, unit_of
+from solver.observe.observables import OBSERVABLES, observe
+from solver.problem.case import from_fields
+from solver.problem.quantities import QUANTITIES, quantity, unit_of
 
 ROD: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 20.0}
 START: dict[str, Any] = {"beta": 0.5, "dbeta": 0.5, "F3": 10.0, "dgamma": 0.5}

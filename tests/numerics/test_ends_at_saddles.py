@@ -8,12 +8,12 @@ import pytest
 from scipy.integrate import solve_bvp, solve_ivp
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
-from solver.landscape import extrema
-from solver.levels import bounded, chained
-from solver.observables import observe
-from solver.reduced import Reduced, reduce
-from solver.search import search
-from solver.transit import Levels, paths, transit
+from solver.boundary.levels import bounded, chained
+from solver.boundary.search import search
+from solver.boundary.transit import Levels, paths, transit
+from solver.mechanics.potential import extrema
+from solver.observe.observables import observe
+from solver.problem.reduced import Reduced, reduce
 from tests.cases import ends_in_units_of_rho, in_units_of_rho
 
 A = 0.01
@@ -335,7 +335,7 @@ def test_ends_problems_of_any_size_are_solved_or_say_why_not(block: int) -> None
 
 def test_a_search_beyond_its_budget_solves_the_paths_of_fewest_bends_and_says_so(monkeypatch) -> None:
     """The budget counts evaluations, so the answer does not depend on the machine."""
-    monkeypatch.setattr("solver.search.BUDGET", 1e5)
+    monkeypatch.setattr("solver.boundary.search.BUDGET", 1e5)
     found = equilibria(nylon())
     assert not found.complete
     assert "bends" in found.remark

@@ -8,12 +8,12 @@ import pytest
 from scipy.linalg import solve_banded
 
 from solver import Case, Ends, Start, equilibria, solve
-from solver.branch import follow
+from solver.boundary.end_angle import follow
+from solver.boundary.levels import many
+from solver.boundary.search import search
+from solver.boundary.stability import jacobi_zeros, morse_index
 from solver.equilibria import Equilibrium
-from solver.levels import many
-from solver.reduced import reduce
-from solver.search import search
-from solver.stability import jacobi_zeros, morse_index
+from solver.problem.reduced import reduce
 from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 
 MANY = -0.3655, 0.7464, -0.7506  # lam, mu, phi

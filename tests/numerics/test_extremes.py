@@ -12,7 +12,7 @@ import pytest
 
 from solver import Solution, solve
 from solver.methods import METHODS
-from solver.reduced import Reduced
+from solver.problem.reduced import Reduced
 from tests.cases import in_units_of_rho
 from tests.extreme_cases import KINDS, draw
 from tests.taylor import march

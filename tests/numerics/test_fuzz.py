@@ -14,10 +14,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, Start, solve
-from solver.case import TWISTS
-from solver.limits import OUT_OF_RANGE
 from solver.methods import METHODS
-from solver.panels import MOST
+from solver.orbit.panels import MOST
+from solver.problem.case import TWISTS
+from solver.problem.limits import OUT_OF_RANGE
 from tests.cases import in_units_of_rho
 
 ALONG = (

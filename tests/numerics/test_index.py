@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from solver import Case, equilibria, solve
-from solver.landscape import slope_rate
+from solver.boundary.stability import jacobi_end, jacobi_zeros, morse_index
+from solver.mechanics.potential import slope_rate
 from solver.methods.orbit import solve_orbit
-from solver.observables import observe
-from solver.reduced import Reduced, reduce
-from solver.stability import jacobi_end, jacobi_zeros, morse_index
+from solver.observe.observables import observe
+from solver.problem.reduced import Reduced, reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 
 

@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solver.landscape import extrema, potential, slope, slope_rate
-from solver.reduced import Reduced
+from solver.mechanics.potential import extrema, potential, slope, slope_rate
+from solver.problem.reduced import Reduced
 
 loads = st.floats(-3, 3).map(lambda x: round(x, 6))
 

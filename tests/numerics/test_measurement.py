@@ -7,8 +7,8 @@ import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.methods import METHODS
-from solver.observables import MEASURED, observe
-from solver.quantities import QUANTITIES
+from solver.observe.observables import MEASURED, observe
+from solver.problem.quantities import QUANTITIES
 from tests.cases import in_units_of_rho
 from tests.observed import observed, steps
 

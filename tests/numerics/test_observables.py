@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import quad
 
 from solver import Case, solve
-from solver.observables import OBSERVABLES, observe
-from solver.quantities import QUANTITIES
+from solver.observe.observables import OBSERVABLES, observe
+from solver.problem.quantities import QUANTITIES
 from tests.cases import ELLIPTIC_PERIOD, EXACT, GENERAL, elliptic, in_units_of_rho, table_1
 
 

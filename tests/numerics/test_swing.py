@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from solver import InputError, solve
-from solver.course import ROTATION
 from solver.methods import METHODS
-from solver.observables import OBSERVABLES, observe
-from solver.reduced import Reduced
+from solver.observe.observables import OBSERVABLES, observe
+from solver.orbit.pieces import ROTATION
+from solver.problem.reduced import Reduced
 from tests.cases import EXACT
 from tests.extreme_cases import KINDS
 from tests.helix_cases import NEAR, problems
-from workbench.trade_cases import CASES
+from workbench.compare.trade_cases import CASES
 
 compiled = pytest.mark.skipif("swing" not in METHODS, reason="the extra fast is not installed")
 NEAR_SADDLE = (0.0, 0.0, -1.0, 60.0, np.pi, 1e-9)  # a pendulum that all but stands on its head
@@ -141,7 +141,7 @@ def test_observables_are_those_of_the_quadrature(name: str) -> None:
 @compiled
 def test_where_no_folder_can_be_written_it_compiles_without_a_cache(monkeypatch) -> None:
     caching = pytest.importorskip("numba.core.caching")
-    from solver import kernels
+    from solver.core import kernels
 
     monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
     twice = kernels.compiled(lambda x: 2 * x)
@@ -156,8 +156,8 @@ def test_where_it_is_not_installed_it_is_refused_with_how_to_get_it(monkeypatch)
 
 @compiled
 def test_its_linearised_growth_is_that_of_the_arrays() -> None:
-    from solver.kernels import beside_helix as of_one
-    from solver.sensitivity import beside_helix, slope_weight
+    from solver.core.kernels import beside_helix as of_one
+    from solver.orbit.conditioning import beside_helix, slope_weight
 
     some = 0
     for kind in (*KINDS, *NEAR):

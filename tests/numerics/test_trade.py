@@ -9,15 +9,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from solver import InputError, Solution, solve, trade
+from solver import InputError, Solution, benchmark, solve
+from solver.benchmark import Ladder, Row, achieved, cheapest, drift, measure, tens
 from solver.methods import METHODS
-from solver.reduced import reduce
-from solver.trade import Ladder, Row, achieved, cheapest, drift, measure, tens
+from solver.problem.reduced import reduce
 from tests.cases import EXACT, TABLE_1, elliptic, in_units_of_rho
 from tests.references import references
-from workbench.trade_cases import CASES, FILE, reference
+from workbench.compare.trade_cases import CASES, FILE, reference
 
-DATA = json.loads((files("workbench") / FILE).read_text(encoding="utf-8"))
+DATA = json.loads((files("workbench.compare") / FILE).read_text(encoding="utf-8"))
 MARCHES = {"euler": 1, "verlet": 4, "rk4": 4}
 SHORT = {
     "euler": Ladder("euler", "steps", (1, 4)),
@@ -154,7 +154,7 @@ def test_collocation_follows_its_tolerance_and_says_when_nothing_is_there_to_sol
 
 def test_heyoka_where_it_is_not_installed_is_refused_with_how_to_get_it(monkeypatch) -> None:
     monkeypatch.delitem(METHODS, "heyoka", raising=False)
-    assert "heyoka" not in trade.offered()
+    assert "heyoka" not in benchmark.offered()
     with pytest.raises(InputError, match=r"not installed: pip install 'rod-workbench\[taylor\]'"):
         solve(EXACT["catenary"].case, method="heyoka")
 
@@ -197,7 +197,7 @@ def test_a_rung_that_would_take_too_many_evaluations_is_named_and_not_run() -> N
 def test_a_ladder_ends_at_the_same_rung_however_slow_the_machine_is(monkeypatch) -> None:
     """A clock that ticks a minute with every look at it stands for a busy machine."""
     ticks = itertools.count(0.0, 60.0)
-    monkeypatch.setattr(trade.time, "perf_counter", lambda: next(ticks))
+    monkeypatch.setattr(benchmark.time, "perf_counter", lambda: next(ticks))
     rungs = measure(asked("catenary"), {"euler": Ladder("euler", "steps", (1, 2, 4), most=2000)})
     assert [row.outcome.startswith("not run") for row in rungs] == [False, False, True]
     assert rungs[0].seconds == 60.0

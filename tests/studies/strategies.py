@@ -5,7 +5,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from solver.observables import OBSERVABLES
+from solver.observe.observables import OBSERVABLES
 from studies import READINGS, TABLE_1
 from studies.axes import FORCES, LENGTHS, in_rad
 from studies.laws import DIRECTIONS

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver import solve
-from solver.observables import OBSERVABLES, observe
+from solver.observe.observables import OBSERVABLES, observe
 from studies.axes import FORCES, LENGTHS
 from studies.loader import load, loads
 from studies.model import OUTPUTS

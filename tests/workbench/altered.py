@@ -210,7 +210,8 @@ def faults(words: list[str], out: Path) -> list[str]:
     Right is: status 0 or 1 and no word of Python's on stderr; or 2, one sentence there and nothing written. Never a
     character that a terminal would obey.
     """
-    from workbench import cli, console
+    from workbench import cli
+    from workbench.commands import console
 
     told, said = io.StringIO(), io.StringIO()
     before = console.out.file, console.err.file

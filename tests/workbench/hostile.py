@@ -43,9 +43,12 @@ def run(args: list[str]) -> dict[str, Any]:
 
 
 def main(folder: Path, good: Path, out: Path, *names: str) -> None:
-    from workbench import check, gl, merge, store, summary  # noqa: F401  (imported once, before the processes)
+    from workbench.commands import summary  # noqa: F401  (imported once, before the processes)
+    from workbench.data import law_verdicts, writing  # noqa: F401
+    from workbench.run import merge  # noqa: F401
+    from workbench.scene import opengl
 
-    gl.probe = lambda: (False, "not drawn")  # a file that is let in is read by scene, and not drawn
+    opengl.probe = lambda: (False, "not drawn")  # a file that is let in is read by scene, and not drawn
     for path in sorted(folder.iterdir()):
         asked = {name: args for name, args in commands(path, good, out).items() if name in names}
         for name, told in zip(asked, forked(list(asked.values())), strict=True):

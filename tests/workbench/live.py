@@ -17,13 +17,14 @@ def served(presets: Sequence[Any] | None = None) -> Iterator[int]:
     """The port at which the page is served on 127.0.0.1, until the end of the block; presets: default the shipped."""
     from aiohttp import web
 
-    from workbench import explore_server, exploring
-    from workbench.explore_presets import PRESETS
+    from workbench.commands import explore
+    from workbench.web.live import server
+    from workbench.web.live.presets import PRESETS
 
-    listener = exploring.bound("127.0.0.1", 0)
+    listener = explore.bound("127.0.0.1", 0)
     port = listener.getsockname()[1]
     loop = asyncio.new_event_loop()
-    app = explore_server.application(exploring.called("127.0.0.1", port, []), presets or PRESETS)
+    app = server.application(explore.called("127.0.0.1", port, []), presets or PRESETS)
     runner = web.AppRunner(app, access_log=None)
     loop.run_until_complete(runner.setup())
     loop.run_until_complete(web.SockSite(runner, listener).start())

@@ -13,7 +13,8 @@ from solver.methods import METHODS
 from studies.loader import loads
 from studies.model import OUTPUTS
 from tests.workbench import small
-from workbench import chunks, runner, store
+from workbench.data import writing
+from workbench.run import block_solver, in_memory
 
 ENDS = """
 title = "between two ends"
@@ -40,14 +41,14 @@ FRAMES = ("tangent", "normal", "material_frame", "push")
 
 def stored(tmp_path: Path, study, **how) -> xr.Dataset:
     """A study's dataset, through its file."""
-    return xr.open_dataset(store.write(runner.run(study), tmp_path / "small.h5", force=True), **how)
+    return xr.open_dataset(writing.write(in_memory.run(study), tmp_path / "small.h5", force=True), **how)
 
 
 @pytest.fixture(scope="module")
 def full() -> tuple[xr.Dataset, object]:
     """A grid of which everything is stored, and its solution."""
     study = small.study(AXES, ALL)
-    return runner.run(study), solve(study.case(), stations=21)
+    return in_memory.run(study), solve(study.case(), stations=21)
 
 
 @pytest.mark.parametrize("name", [*OUTPUTS, *FRAMES])
@@ -71,11 +72,11 @@ def test_every_array_is_the_solutions_own_where_nothing_along_the_rod_is_stored(
 
 
 def test_what_suffices_is_not_solved_and_what_does_not_is_solved_once(full, monkeypatch) -> None:
-    from workbench import rebuild
+    from workbench.run import stored_case
 
     ds, _ = full
     calls = []
-    monkeypatch.setattr(rebuild, "solve_one", lambda *args: calls.append(args) or chunks.solve_one(*args))
+    monkeypatch.setattr(stored_case, "solve_one", lambda *args: calls.append(args) or block_solver.solve_one(*args))
     kept = ds[["alpha", "beta", "z", "outcome"]]
     for name in ("position", "tangent", "normal", "FY", "F2", "F3", "M2"):
         kept.rod.along(name)
@@ -113,7 +114,7 @@ def test_the_case_of_a_dataset_is_the_case_that_was_solved(full) -> None:
 
 def test_a_reading_that_replaced_the_studys_own_is_kept() -> None:
     study = small.study(AXES).under("compression")
-    ds = runner.run(study)
+    ds = in_memory.run(study)
     assert ds.rod.study.reading == "force-first/compression/paper"
     np.testing.assert_array_equal(ds.rod.case.given.F3, study.case().given.F3)
 
@@ -157,7 +158,7 @@ def test_values_are_found_to_nine_digits_and_refused_with_the_axis(full) -> None
 
 
 def test_a_long_axis_is_not_listed_but_its_neighbours_are() -> None:
-    ds = runner.run(small.study("[axes.E]\nfrom = 1e4\nto = 2e4\ncount = 21\n", "outputs = []"))
+    ds = in_memory.run(small.study("[axes.E]\nfrom = 1e4\nto = 2e4\ncount = 21\n", "outputs = []"))
     with pytest.raises(
         InputError, match=r"its 21 values go from 10000 to 20000, the nearest are 10500, 11000; ds.rod.at"
     ):
@@ -165,7 +166,7 @@ def test_a_long_axis_is_not_listed_but_its_neighbours_are() -> None:
 
 
 def test_an_axis_that_has_an_outputs_name_is_not_taken_for_it() -> None:
-    ds = runner.run(small.study("[axes.beta]\nvalues = [0.4, 0.5]\n", 'outputs = ["beta", "dbeta"]'))
+    ds = in_memory.run(small.study("[axes.beta]\nvalues = [0.4, 0.5]\n", 'outputs = ["beta", "dbeta"]'))
     sol = solve(small.study("[axes.beta]\nvalues = [0.4, 0.5]\n").case(), stations=21)
     np.testing.assert_array_equal(ds.rod.beta, sol.beta)
     np.testing.assert_allclose(ds.rod.kappa, sol.kappa, rtol=1e-14)
@@ -176,7 +177,7 @@ def test_an_axis_that_has_an_outputs_name_is_not_taken_for_it() -> None:
 
 
 def test_rods_between_two_ends_are_rebuilt_too() -> None:
-    ds = runner.run(loads(ENDS))
+    ds = in_memory.run(loads(ENDS))
     sol = solve(ds.rod.case, stations=21)
     np.testing.assert_allclose(ds.rod.contact, sol.contact, rtol=1e-6)  # solved again, to 1e-8 times condition
     np.testing.assert_allclose(ds.rod.at(betaL=0.75).beta[-1], 0.75, atol=1e-8)  # the tolerance
@@ -184,7 +185,7 @@ def test_rods_between_two_ends_are_rebuilt_too() -> None:
 
 def test_a_followed_equilibrium_is_followed_between_its_values_and_not_past_its_fold() -> None:
     axis = '[axes.betaL]\nfollow = true\nto = 60\ncount = 5\nunit = "deg"\n'
-    ds = runner.run(small.study(axis, 'outputs = ["beta", "dbeta"]'))
+    ds = in_memory.run(small.study(axis, 'outputs = ["beta", "dbeta"]'))
     values = ds["betaL"].values
     middle = ds.rod.at(betaL=(values[1] + values[2]) / 2)
     assert middle.solved
@@ -221,15 +222,15 @@ def test_unsolved_cases_stay_nan_when_they_are_solved_again(monkeypatch) -> None
         return path
 
     monkeypatch.setitem(METHODS, "verlet", type(method)(**{**vars(method), "run": failing}))
-    ds = runner.run(small.study("[axes.E]\nvalues = [1e4, 2e4]\n", 'outputs = ["beta"]'), method="verlet")
+    ds = in_memory.run(small.study("[axes.E]\nvalues = [1e4, 2e4]\n", 'outputs = ["beta"]'), method="verlet")
     assert np.isnan(ds.rod.z[1]).all()
     assert np.isfinite(ds.rod.z[0]).all()
 
 
 def test_what_would_take_too_long_is_refused(full, monkeypatch) -> None:
-    from workbench import rebuild
+    from workbench.run import stored_case
 
-    monkeypatch.setattr(rebuild, "MOST_SOLVED", 5)
+    monkeypatch.setattr(stored_case, "MOST_SOLVED", 5)
     kept = full[0][["alpha", "outcome"]]
     with pytest.raises(
         InputError, match=r"6 cases would have to be solved again, more than 5; select some first, as ds.rod.sel\(E="

@@ -8,20 +8,23 @@ import xarray as xr
 from matplotlib.colors import to_rgb
 from PIL import Image
 
-from solver.errors import InputError
-from workbench import animate, console, gl, runner, store, style
+from solver.problem.errors import InputError
+from tests.workbench import small
+from tests.workbench.pictures import pixels
+from workbench.commands import animate, console
+from workbench.data import writing
+from workbench.figures import style
+from workbench.run import in_memory
+from workbench.scene import opengl
 
-from . import small
-from .pictures import pixels
-
-draws = pytest.mark.skipif(not gl.probe()[0], reason=gl.probe()[1])
+draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 DPI = 50  # pages of 400 x 300
 AXIS = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n"
 
 
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
-    return runner.run(small.study(AXIS, 'observables = ["wraps", "height"]'))
+    return in_memory.run(small.study(AXIS, 'observables = ["wraps", "height"]'))
 
 
 def wish(**more) -> animate.Wish:
@@ -35,9 +38,9 @@ def made(ds) -> list[np.ndarray]:
 
 @draws
 def test_a_still_is_the_scene_of_its_case_along_the_axis(ds, made, tmp_path) -> None:
-    from workbench import scenes, taking
+    from workbench.scene import composition, layout
 
-    scenes.render(ds, tmp_path / "one.png", {"E": 2e4}, "plain", (), "E", taking.Look(1.0, DPI))
+    layout.render(ds, tmp_path / "one.png", {"E": 2e4}, "plain", (), "E", composition.Look(1.0, DPI))
     scene = (255 * pixels(tmp_path / "one.png")).round().astype(np.uint8)
     still = made[1][: scene.shape[0], : scene.shape[1]]
     # all but the random dots of the ambient shading
@@ -96,7 +99,7 @@ def test_a_frame_has_even_sides() -> None:
 
 
 def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
-    grid = runner.run(small.grid())
+    grid = in_memory.run(small.grid())
     assert animate.observable(grid, "R", None) == "kappa_max"  # of its law
     assert animate.observable(grid, "E", None) in ("turns", "wraps", "kappa_max")
     assert animate.observable(ds, "E", "height") == "height"
@@ -116,7 +119,7 @@ def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
 )
 def test_what_cannot_be_a_film_is_refused_in_a_sentence(asked, sentence, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    store.write(runner.run(small.grid()), "grid.h5")
+    writing.write(in_memory.run(small.grid()), "grid.h5")
     given = {"axis": "E", "at": [], "kind": "contact", "show": None, "out": [], "fps": 3.0, **asked}
     with pytest.raises(InputError, match=sentence):
         animate.animate_file(Path("grid.h5"), **given, pixel_error=0.5, dpi=DPI, force=False)
@@ -124,7 +127,7 @@ def test_what_cannot_be_a_film_is_refused_in_a_sentence(asked, sentence, tmp_pat
 
 
 def test_what_is_missing_is_said_before_anything_is_drawn(ds, tmp_path, monkeypatch) -> None:
-    store.write(ds, tmp_path / "one.h5")
+    writing.write(ds, tmp_path / "one.h5")
 
     def film(name: str) -> int:
         return animate.animate_file(
@@ -135,7 +138,7 @@ def test_what_is_missing_is_said_before_anything_is_drawn(ds, tmp_path, monkeypa
     with pytest.raises(InputError, match=r"imageio-ffmpeg, which is not installed.*\.gif does not"):
         film("film.mp4")
     said = []
-    monkeypatch.setattr(gl, "probe", lambda: (False, "no OpenGL here"))
+    monkeypatch.setattr(opengl, "probe", lambda: (False, "no OpenGL here"))
     monkeypatch.setattr(console.err, "print", lambda text, **_: said.append(text))
     assert film("film.gif") == 1
     assert said == ["workbench: no OpenGL here"]

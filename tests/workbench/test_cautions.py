@@ -9,8 +9,9 @@ from solver import Case, Cylinder, Ends, Rod, Start, solve
 from studies.loader import loads
 from tests.cases import in_units_of_rho
 from tests.workbench import small
-from workbench import cautions, dataset, runner
-from workbench.chunks import columns
+from workbench.data import cautions, dataset
+from workbench.run import in_memory
+from workbench.run.block_solver import columns
 
 STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m
 
@@ -46,7 +47,7 @@ def test_curvature_above_one_over_the_radius_is_too_tight_and_below_it_is_not() 
 
 
 def test_the_sentence_counts_the_cases_and_is_empty_where_there_is_nothing_to_say() -> None:
-    ds = runner.run(small.grid())
+    ds = in_memory.run(small.grid())
     kinds = np.char.find(ds["caution"].values.astype(str), "pulled") >= 0
     assert kinds.sum() == 6
     assert "Of 6 rods" in ds.attrs["caution"]
@@ -57,7 +58,7 @@ def test_the_sentence_counts_the_cases_and_is_empty_where_there_is_nothing_to_sa
 
 
 def test_of_one_rod_it_speaks_in_the_singular() -> None:
-    ds = runner.run(loads(small.HEAD))
+    ds = in_memory.run(loads(small.HEAD))
     assert ds.attrs["caution"].startswith("The rod ")
     assert "no real rod" in ds.attrs["caution"]
 
@@ -105,7 +106,7 @@ def test_the_caution_does_not_hang_on_what_is_stored(observables: str, outputs: 
     """In compression a helix presses outwards: outside the cylinder it lifts off, whoever asks."""
     if not (observables or outputs):
         return  # a study that asks for nothing at all is of no use
-    ds = runner.run(loads(grid_that_lifts_off(observables, outputs)))
+    ds = in_memory.run(loads(grid_that_lifts_off(observables, outputs)))
     assert all("pulled" in text for text in ds["caution"].values.ravel())
     assert "4 would lift off" in ds.attrs["caution"]
 

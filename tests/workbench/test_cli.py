@@ -20,7 +20,11 @@ import xarray as xr
 from solver import InputError
 from studies import names
 from tests.workbench import small
-from workbench import cli, drawing, gl, store, storing
+from workbench import cli
+from workbench.commands import plot_and_scene
+from workbench.data import writing
+from workbench.run import study_store
+from workbench.scene import opengl
 
 ROOT = Path(__file__).parents[2]
 
@@ -89,7 +93,7 @@ def test_run_takes_a_reading_a_tolerance_and_a_method(stored, tmp_path) -> None:
     options = ("--reading", "compression/solid", "--tol", "1e-6", "--method", "verlet", "--json")
     told = workbench("run", stored.with_suffix(".toml"), "--out", tmp_path / "x.h5", *options, "--stations", 33)
     assert json.loads(told.stdout)["reading"] == "force-first/compression/solid"
-    ds = store.read(tmp_path / "x.h5")
+    ds = writing.read(tmp_path / "x.h5")
     assert (ds.attrs["method"], ds.attrs["tolerance"], ds.sizes["u"]) == ("verlet", 1e-6, 33)
 
 
@@ -98,7 +102,7 @@ def test_what_no_real_rod_could_do_is_said_when_a_study_is_run_and_when_it_is_ch
     stored = tmp_path / "one.h5"
     ran = here("run", tmp_path / "one.toml", "--out", stored)
     assert "one.h5: 1 case, 0 unsolved" in ran
-    said = store.read(stored).attrs["caution"]
+    said = writing.read(stored).attrs["caution"]
     assert said.startswith("The rod ")
     assert f"caution: {said}" in ran
     assert f"caution: {said}" in here("check", stored)
@@ -108,9 +112,9 @@ def test_what_no_real_rod_could_do_is_said_when_a_study_is_run_and_when_it_is_ch
 def test_check_tells_a_law_that_holds_from_one_that_fails_by_its_status(stored, tmp_path) -> None:
     good = workbench("check", stored, "--json")
     assert (good.returncode, json.loads(good.stdout)["laws"][0]["verdict"]) == (0, "holds")
-    ds = store.read(stored)
+    ds = writing.read(stored)
     turned = ds.assign(kappa_max=-ds["kappa_max"])
-    bad = workbench("check", store.write(turned, tmp_path / "bad.h5"))
+    bad = workbench("check", writing.write(turned, tmp_path / "bad.h5"))
     assert bad.returncode == 1
     assert "fails" in bad.stdout
 
@@ -302,26 +306,26 @@ def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_wr
     ):
         if which is None:
             with pytest.raises(InputError, match=re.escape("its values are 9962, 10700.4, 10905.1")):
-                drawing.chosen(ds, [f"E={text}"])
+                plot_and_scene.chosen(ds, [f"E={text}"])
         else:
-            assert drawing.chosen(ds, [f"E={text}"]) == {"E": values["E"][which]}
+            assert plot_and_scene.chosen(ds, [f"E={text}"]) == {"E": values["E"][which]}
     for text, which in (("0deg", 0), ("27.2deg", 1), ("pi/6", 2), ("30deg", 2), ("0.5236", 2), ("27deg", None)):
         if which is None:
             with pytest.raises(InputError, match=re.escape("its values are 0deg, 27.1875deg, 30deg")):
-                drawing.chosen(ds, [f"beta={text}"])
+                plot_and_scene.chosen(ds, [f"beta={text}"])
         else:
-            assert drawing.chosen(ds, [f"beta={text}"]) == {"beta": values["beta"][which]}
+            assert plot_and_scene.chosen(ds, [f"beta={text}"]) == {"beta": values["beta"][which]}
 
 
 def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stored, tmp_path, monkeypatch) -> None:
     drawn = []
-    monkeypatch.setattr(gl, "probe", lambda: (True, ""))
+    monkeypatch.setattr(opengl, "probe", lambda: (True, ""))
     taken = SimpleNamespace(off=0.0)
     scenes = SimpleNamespace(render=lambda ds, path, *_: drawn.append(path) or taken, Look=lambda *_: None)
-    monkeypatch.setitem(sys.modules, "workbench.scenes", scenes)
-    monkeypatch.setattr("workbench.scenes", scenes, raising=False)
+    monkeypatch.setitem(sys.modules, "workbench.scene.layout", scenes)
+    monkeypatch.setattr("workbench.scene.layout", scenes, raising=False)
     for at in ([], ["E=1e4"], ["E=2e4", "R=0.75"]):
-        assert drawing.scene_file(stored, at, None) == 0
+        assert plot_and_scene.scene_file(stored, at, None) == 0
     assert [path.name for path in drawn] == [
         "small_scene.png", "small_scene_E=10000.png", "small_scene_E=20000_R=0.75.png",
     ]  # fmt: skip
@@ -364,7 +368,7 @@ def test_one_sentence_and_status_2_for(args, sentence, crowded, monkeypatch, cap
 )
 def test_what_cannot_be_stored_is_refused_before_any_work(case, crowded, monkeypatch) -> None:
     monkeypatch.chdir(crowded)
-    monkeypatch.setattr(storing, "_solve", lambda *_: pytest.fail("worked in vain"))
+    monkeypatch.setattr(study_store, "_solve", lambda *_: pytest.fail("worked in vain"))
     with pytest.raises(SystemExit, match="2"):
         cli.main(REFUSED[case][0])
 

@@ -9,7 +9,7 @@ import pytest
 
 from studies import load
 from tests.workbench import runs
-from workbench import chunks, crew, plan
+from workbench.run import block_solver, plan, worker_processes
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc, and copies are made on Linux only")
 
@@ -28,15 +28,15 @@ def parent(pid: int | None) -> int:
 
 @linux
 def test_what_workers_are_copies_of_has_one_thread_so_that_copying_is_safe() -> None:
-    code = "import os, workbench.ready; print(len(os.listdir('/proc/self/task')))"
-    assert told(code, **dict.fromkeys(crew.ONE_THREAD, "1")) == ["1"]
+    code = "import os, workbench.run.preload; print(len(os.listdir('/proc/self/task')))"
+    assert told(code, **dict.fromkeys(worker_processes.ONE_THREAD, "1")) == ["1"]
 
 
 @linux
 def test_what_workers_are_copies_of_has_read_all_that_a_block_needs(tmp_path) -> None:
     path = runs.study(tmp_path, runs.grid(2, 2), method="auto")
     code = f"""
-import sys, workbench.ready
+import sys, workbench.run.preload
 from pathlib import Path
 from studies import load
 from workbench import chunks, plan
@@ -51,7 +51,7 @@ print("read", *sorted(set(sys.modules) - before))
 @linux
 def test_workers_are_copies_of_one_process_and_solve_what_this_one_would(tmp_path) -> None:
     work = plan.plan(load(str(runs.study(tmp_path, runs.grid(2, 3)))))
-    workers = [crew.Worker(work.light) for _ in range(2)]
+    workers = [worker_processes.Worker(work.light) for _ in range(2)]
     try:
         for worker in workers:
             worker.check()
@@ -62,7 +62,7 @@ def test_workers_are_copies_of_one_process_and_solve_what_this_one_would(tmp_pat
             worker.give(work.chunk(a, b), 2)
             chunk, results = worker.take()
             assert (chunk.start, chunk.stop) == (a, b)
-            assert results == chunks.solved(work.light, work.chunk(a, b), 2)
+            assert results == block_solver.solved(work.light, work.chunk(a, b), 2)
     finally:
         for worker in workers:
             worker.stop()

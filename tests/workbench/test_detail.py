@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from benchmarks.detail import off
-from solver.errors import InputError
+from solver.problem.errors import InputError
 from studies.loader import loads
-from workbench import runner, tube
-from workbench.detail import detail, slack, stations_for
-from workbench.kinds import KINDS
+from workbench.geometry import tube
+from workbench.geometry.refinement import detail, slack, stations_for
+from workbench.run import in_memory
+from workbench.scene.kinds import KINDS
 
 TEXT = """title = "a rod"
 reading = "force-first/tension/paper"
@@ -25,7 +26,7 @@ L = {L}
 
 
 def body(stations: int = 201, L: float = 20.0, kind: str = "plain") -> tube.Body:
-    ds = runner.run(loads(TEXT.format(stations=stations, L=L), default_name="rod"))
+    ds = in_memory.run(loads(TEXT.format(stations=stations, L=L), default_name="rod"))
     return tube.read(ds, {}, KINDS[kind])
 
 

@@ -5,7 +5,7 @@ from importlib.metadata import PackageNotFoundError
 
 import pytest
 
-from workbench import doctor
+from workbench.commands import doctor
 
 
 @pytest.fixture(autouse=True)

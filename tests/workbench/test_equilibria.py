@@ -7,15 +7,19 @@ import numpy as np
 import pytest
 
 from solver import Case, Ends, InputError, equilibria, solve
-from solver.branch import follow
+from solver.boundary.end_angle import follow
 from solver.equilibria import nearest
-from solver.observables import observe
+from solver.observe.observables import observe
 from studies import load
 from studies.loader import loads
 from tests.cases import ends_in_units_of_rho
-from workbench import bifurcation, branch_plots, cli, gallery, runner, store
-from workbench import equilibria as command
-from workbench.chunks import solve_one
+from workbench import cli
+from workbench.branches import branch_dataset
+from workbench.commands import list_equilibria as command
+from workbench.data import writing
+from workbench.figures import bifurcation, equilibria_gallery
+from workbench.run import in_memory
+from workbench.run.block_solver import solve_one
 
 MANY = -0.3655, 0.7464, -0.7506
 
@@ -36,7 +40,7 @@ def swept():
     """All equilibria of the default case while its far end turns by forty degrees, in steps of five."""
     study = load(command.DEFAULT)
     values = np.deg2rad(np.arange(0, 46, 5.0))
-    return bifurcation.sweep(study, default(), "betaL", values, lambda text: None)
+    return branch_dataset.sweep(study, default(), "betaL", values, lambda text: None)
 
 
 def test_the_default_is_table_1_held_at_its_own_far_end() -> None:
@@ -114,7 +118,7 @@ def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(
     assert status == 0
     assert "dbeta0 (rad/mm)" in table
     assert "of the options, in mm and N" in table
-    assert store.read(tmp_path / "mm.h5", study=False).attrs["length_unit"] == "mm"
+    assert writing.read(tmp_path / "mm.h5", study=False).attrs["length_unit"] == "mm"
     first = sorted((tmp_path / "cases").glob("*.toml"))[0]
     assert load(str(first)).unit_system == {"length": "mm", "force": "N"}
 
@@ -141,7 +145,7 @@ def test_each_exported_case_solves_to_the_equilibrium_it_was_written_from(capsys
     files = sorted(tmp_path.glob("*.toml"))
     assert len(files) == len(found) == 63
     for k in (1, 2, 40):
-        ds = runner.run(load(files[k]))
+        ds = in_memory.run(load(files[k]))
         np.testing.assert_allclose(ds["beta"], found[k].solution.beta, atol=1e-12)
     with pytest.raises(SystemExit) as left:
         cli.main(["solve", str(files[3]), "--json"])
@@ -160,8 +164,8 @@ def test_export_writes_one_file_each(capsys, tmp_path) -> None:
 def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
     study, case = load(command.DEFAULT), default()
     found = equilibria(case)
-    path = store.write(gallery.dataset_of(study, case, found), tmp_path / "all.h5")
-    ds = store.read(path, study=False)
+    path = writing.write(equilibria_gallery.dataset_of(study, case, found), tmp_path / "all.h5")
+    ds = writing.read(path, study=False)
     assert ds["beta"].dims == ("equilibrium", "u")
     np.testing.assert_array_equal(ds["index"], [one.index for one in found])
     assert ds["energy"].attrs["units"] == "N cm"
@@ -174,13 +178,13 @@ def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
 
 def test_pictures_are_drawn_from_the_datasets_alone(swept, tmp_path, monkeypatch) -> None:
     study, case = load(command.DEFAULT), default()
-    ds = gallery.dataset_of(study, case, equilibria(case))
-    for module in (gallery, bifurcation, branch_plots, command):
+    ds = equilibria_gallery.dataset_of(study, case, equilibria(case))
+    for module in (equilibria_gallery, branch_dataset, bifurcation, command):
         for name in ("equilibria", "every_equilibrium", "solve"):
             if hasattr(module, name):
                 monkeypatch.setattr(module, name, None)
-    one = gallery.figure(ds, tmp_path / "gallery.png")
-    two = branch_plots.figure(swept, tmp_path / "branches.pdf")
+    one = equilibria_gallery.figure(ds, tmp_path / "gallery.png")
+    two = bifurcation.figure(swept, tmp_path / "branches.pdf")
     assert (tmp_path / "gallery.png").stat().st_size > 20_000
     assert (tmp_path / "branches.pdf").stat().st_size > 5_000
     assert len(one.axes) == ds.sizes["equilibrium"] + 1
@@ -201,7 +205,7 @@ def test_branches_join_what_changes_little_and_keep_their_index(swept) -> None:
 def test_a_coarse_axis_has_the_branches_and_the_folds_of_a_fine_one(swept) -> None:
     """Two members are of one branch on both or on neither, though their shapes differ by up to a radian."""
     values = swept["betaL"].values[::3]
-    coarse = bifurcation.sweep(load(command.DEFAULT), default(), "betaL", values, lambda text: None)
+    coarse = branch_dataset.sweep(load(command.DEFAULT), default(), "betaL", values, lambda text: None)
     fine = swept.isel(betaL=slice(None, None, 3))
     there = coarse["branch"].values >= 0
     np.testing.assert_array_equal(coarse["dbeta0"].values[there], fine["dbeta0"].values[:, : there.shape[1]][there])
@@ -218,14 +222,14 @@ def test_a_fold_is_where_the_branch_of_table_1_is_known_to_end(swept) -> None:
     assert off.min() < 1e-6
     assert swept["fold_dbeta0"].values[off.argmin()] == pytest.approx(known.fold_dbeta0, abs=2e-2)
     first, second = swept["fold_branches"].values[off.argmin()]
-    rows = bifurcation.branches(swept)
+    rows = branch_dataset.branches(swept)
     assert abs(rows[first]["index"] - rows[second]["index"]) == 1
     assert rows[first]["to"] == rows[second]["to"] == pytest.approx(35)
 
 
 def test_the_papers_claim_is_not_contradicted_on_its_own_branch_and_fails_on_others(swept) -> None:
     """Panel (4): turns do not fall (nor rise, as the sentence says) and kappa_mean rises with beta(L)."""
-    rows = [row for row in bifurcation.branches(swept) if row["values"] > 2]
+    rows = [row for row in branch_dataset.branches(swept) if row["values"] > 2]
     known = follow(load(command.DEFAULT).case(), np.deg2rad(60))
     at = np.interp(0.0, known.betaL, known.dbeta0)
     own = int(swept["branch"].values[0, np.nanargmin(np.abs(swept["dbeta0"].values[0] - at))])
@@ -241,7 +245,7 @@ def test_over_a_load_too_and_for_programs(capsys, tmp_path) -> None:
     assert status == 0
     assert told["axis"] == "FZ"
     assert told["branches"]
-    ds = store.read(tmp_path / "FZ.h5", study=False)
+    ds = writing.read(tmp_path / "FZ.h5", study=False)
     assert ds["dbeta0"].dims == ("FZ", "member")
     assert "FZ" not in ds.data_vars
     assert (tmp_path / "FZ.png").exists()

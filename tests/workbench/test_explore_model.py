@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
-from solver.errors import InputError
-from solver.observables import OBSERVABLES
+from solver.observe.observables import OBSERVABLES
+from solver.problem.errors import InputError
 from studies.loader import loads
-from workbench import chunks, explore_mesh, explore_model, explore_shape
-from workbench.explore_presets import PRESETS
+from workbench.run import block_solver
+from workbench.web.live import page_mesh, page_model, page_shape
+from workbench.web.live.presets import PRESETS
 
 BY_NAME = {preset.name: preset for preset in PRESETS}
 
@@ -23,8 +24,8 @@ def state(name: str = "table1", **changes: object) -> dict:
     return made
 
 
-def shape(name: str = "table1", **changes: object) -> explore_shape.Shape:
-    return explore_shape.shape(explore_model.study_of(state(name, **changes)))
+def shape(name: str = "table1", **changes: object) -> page_shape.Shape:
+    return page_shape.shape(page_model.study_of(state(name, **changes)))
 
 
 @pytest.mark.parametrize("name", BY_NAME)
@@ -33,8 +34,8 @@ def test_every_preset_is_solved_and_says_its_source_and_units(name) -> None:
     assert found.whole
     units = BY_NAME[name].state["units"]
     assert f"{units['length']} and {units['force']}" in BY_NAME[name].source
-    assert explore_model.told(found)["outcome"] == "solved"
-    assert json.loads(json.dumps(explore_model.numbers(found)))["rows"]
+    assert page_model.told(found)["outcome"] == "solved"
+    assert json.loads(json.dumps(page_model.numbers(found)))["rows"]
 
 
 def test_the_pipe_has_the_bending_stiffness_of_its_hollow_section() -> None:
@@ -61,10 +62,10 @@ def test_a_tight_cable_presses_with_its_tension_over_the_radius() -> None:
 
 
 def test_the_state_is_a_study_and_its_text_gives_the_same_rod() -> None:
-    study = explore_model.study_of(state(E=2e4, F3=12.0))
-    again = loads(explore_model.text(study))
-    sol = chunks.solve_one(again.case(), again.equilibrium, 1e-8, "auto", 201)
-    np.testing.assert_array_equal(sol.beta, explore_shape.shape(study).sol.beta)
+    study = page_model.study_of(state(E=2e4, F3=12.0))
+    again = loads(page_model.text(study))
+    sol = block_solver.solve_one(again.case(), again.equilibrium, 1e-8, "auto", 201)
+    np.testing.assert_array_equal(sol.beta, page_shape.shape(study).sol.beta)
 
 
 @pytest.mark.parametrize(
@@ -85,46 +86,46 @@ def test_what_cannot_be_is_refused_with_the_field_and_without_a_line_of_a_file(c
         shape(**changes)
     assert sentence in str(refused.value)
     assert "line" not in str(refused.value).partition(":")[0]
-    assert explore_model.blamed(str(refused.value)) == field
+    assert page_model.blamed(str(refused.value)) == field
 
 
 @pytest.mark.parametrize("odd", [None, 3, [], {"path": "/etc/passwd"}, {"base": 3}, {"units": {}}, {"base": {"E": {}}}])
 def test_a_state_of_another_kind_is_refused(odd) -> None:
     with pytest.raises(InputError):
-        explore_model.study_of(odd)
+        page_model.study_of(odd)
 
 
 def test_a_reading_drops_what_it_drops_and_says_so() -> None:
     found = shape()
-    assert explore_model.told(found)["meaning"]["dgamma"] == "printed, but dropped by the reading"
-    twist = explore_shape.shape(explore_model.study_of(state() | {"reading": "twist-first/tension/paper"}))
+    assert page_model.told(found)["meaning"]["dgamma"] == "printed, but dropped by the reading"
+    twist = page_shape.shape(page_model.study_of(state() | {"reading": "twist-first/tension/paper"}))
     assert not np.allclose(found.sol.beta, twist.sol.beta)
 
 
 def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_part() -> None:
     many = shape(L=200.0)
-    assert (np.abs(np.diff(many.sol.beta)) < explore_shape.CHORD * 1.01).all()
+    assert (np.abs(np.diff(many.sol.beta)) < page_shape.CHORD * 1.01).all()
     assert many.whole
     part = shape(L=2e4)
     assert not part.whole
-    assert part.sol.s.size == explore_shape.MOST
-    assert "Only the first" in explore_model.told(part)["notes"][0]
+    assert part.sol.s.size == page_shape.MOST
+    assert "Only the first" in page_model.told(part)["notes"][0]
     with pytest.raises(InputError, match="only a part of this rod is shown"):
-        explore_model.stored(part)
+        page_model.stored(part)
 
 
 def test_held_by_both_its_ends_a_rod_keeps_its_shape_and_is_one_of_the_list() -> None:
     first = shape()
-    ends = explore_model.by_ends(first.study)
-    study = explore_model.study_of(ends)
-    held = explore_shape.shape(study)
+    ends = page_model.by_ends(first.study)
+    study = page_model.study_of(ends)
+    held = page_shape.shape(study)
     # measured 5e-12: the far angle is told to the last bit, and the condition is 10
     np.testing.assert_allclose(held.sol.beta[::2], first.sol.beta, atol=1e-9)
     assert held.sol.dbeta[0] == pytest.approx(0.5, abs=1e-8)
-    rows = explore_model.every(study)
+    rows = page_model.every(study)
     assert min(abs(row["dbeta0"] - 0.5) for row in rows) < 1e-8
     with pytest.raises(InputError, match="one shape only"):
-        explore_model.every(first.study)
+        page_model.every(first.study)
 
 
 def test_of_more_equilibria_than_can_be_looked_through_the_default_one_is_shown_and_a_list_refused() -> None:
@@ -133,29 +134,29 @@ def test_of_more_equilibria_than_can_be_looked_through_the_default_one_is_shown_
     A, rho = pipe.sol.case.rod.bending_stiffness, float(pipe.sol.case.rho)
     # Lubinski's helix, F = 2 A sin(beta)^2 / rho^2, to the first order in beta, which is 0.013 rad
     assert middle == pytest.approx(np.degrees(np.sqrt(200.0 * rho**2 / (2 * A))), rel=1e-3)
-    named = state("pipe") | {"equilibrium": explore_model.told(pipe)["which"]}
-    np.testing.assert_array_equal(explore_shape.shape(explore_model.study_of(named)).sol.beta, pipe.sol.beta)
+    named = state("pipe") | {"equilibrium": page_model.told(pipe)["which"]}
+    np.testing.assert_array_equal(page_shape.shape(page_model.study_of(named)).sol.beta, pipe.sol.beta)
     with pytest.raises(InputError, match="may swing some 716 times, and the page looks through at most 100"):
-        explore_model.every(pipe.study)
+        page_model.every(pipe.study)
     named["equilibrium"] = {"dbeta0": 0.2, "energy": 0.0}
     with pytest.raises(InputError, match="the equilibrium that is named is not the one taken by default"):
-        explore_shape.shape(explore_model.study_of(named))
-    soft = explore_model.study_of(state("cable", E=0.5))
+        page_shape.shape(page_model.study_of(named))
+    soft = page_model.study_of(state("cable", E=0.5))
     with pytest.raises(InputError, match="may swing some 3223 times"):  # four minutes without the limit
-        explore_shape.shape(soft)
+        page_shape.shape(soft)
 
 
 def test_a_shape_is_followed_in_steps_where_one_is_too_far() -> None:
     base = {"E": 9.58e7, "nu": 0.3, "a": 0.0635, "L": 100.0, "R": 0.10795, "side": "inside", "beta0": 0.0, "betaL": 0.0,
             "FZ": -200.0, "M3": 0.0}  # fmt: skip
     made = {"units": {"length": "m", "force": "kN"}, "base": base}
-    began = explore_shape.shape(explore_model.study_of(made))
-    pushed = explore_model.study_of(made | {"base": base | {"FZ": -1000.0}})
-    far = solve(pushed.case(), explore_shape.NEAR, "difference", explore_shape.BETWEEN, seed=began.sol)
+    began = page_shape.shape(page_model.study_of(made))
+    pushed = page_model.study_of(made | {"base": base | {"FZ": -1000.0}})
+    far = solve(pushed.case(), page_shape.NEAR, "difference", page_shape.BETWEEN, seed=began.sol)
     assert not far.solved  # or this test shows nothing
-    there = explore_shape.shape(pushed, began.sol).sol
+    there = page_shape.shape(pushed, began.sol).sol
     assert there.method == "difference"
-    rows = {row["name"]: row for row in explore_model.numbers(explore_shape.Shape(pushed, there))["rows"]}
+    rows = {row["name"]: row for row in page_model.numbers(page_shape.Shape(pushed, there))["rows"]}
     assert rows["turns"]["text"] == "not known"  # its level stretch has bends of 1e-8
     assert rows["amplitude"]["text"] == "1.629"
     ratio = np.sin(there.beta[200]) / np.sin(began.sol.beta[200])
@@ -166,12 +167,12 @@ def test_a_slider_follows_the_equilibrium_it_began_with() -> None:
     base = {"E": 5e3, "nu": 0.25, "a": 0.25, "L": 12.0, "R": 0.75, "side": "outside", "beta0": 0.5, "betaL": 0.8,
             "FZ": -5.0, "MZ": 1.0, "M3": 2.0}  # fmt: skip
     made = {"units": {"length": "cm", "force": "N"}, "base": base}
-    rows = explore_model.every(explore_model.study_of(made))
+    rows = page_model.every(page_model.study_of(made))
     third = {name: rows[2][name] for name in ("dbeta0", "energy")}
-    began = explore_shape.shape(explore_model.study_of(made | {"equilibrium": third}))
-    moved = explore_model.study_of(made | {"base": base | {"R": 0.76}})
-    followed = explore_shape.shape(moved, began.sol)
-    lowest = explore_shape.shape(moved)
+    began = page_shape.shape(page_model.study_of(made | {"equilibrium": third}))
+    moved = page_model.study_of(made | {"base": base | {"R": 0.76}})
+    followed = page_shape.shape(moved, began.sol)
+    lowest = page_shape.shape(moved)
     assert np.abs(followed.sol.beta - began.sol.beta).max() < 0.2
     assert np.abs(lowest.sol.beta - began.sol.beta).max() > 0.5
 
@@ -180,7 +181,7 @@ def test_the_curves_are_the_solvers_and_the_level_bounds_the_angle() -> None:
     found = shape()
     start = Start(np.pi / 6, 0.5, F1=5.0, F3=10.0)
     sol = solve(Case(Rod(1.07e4, 0.25, 0.25, 20.0, "paper"), Cylinder(0.75), start))
-    drawn = explore_model.curves(found)
+    drawn = page_model.curves(found)
     np.testing.assert_allclose(np.radians(drawn["beta"]), sol.beta, atol=1e-9)
     np.testing.assert_allclose(drawn["across"], 1.0 * sol.alpha, atol=1e-9)
     np.testing.assert_allclose(drawn["push"], sol.push, rtol=1e-9)
@@ -189,7 +190,7 @@ def test_the_curves_are_the_solvers_and_the_level_bounds_the_angle() -> None:
 
 
 def test_every_observable_is_a_row_with_unit_and_words() -> None:
-    rows = {row["name"]: row for row in explore_model.numbers(shape())["rows"]}
+    rows = {row["name"]: row for row in page_model.numbers(shape())["rows"]}
     assert set(rows) == set(OBSERVABLES)
     assert (rows["kappa_max"]["unit"], rows["amplitude"]["unit"]) == ("1/cm", "°")
     assert rows["turns"]["text"] == "6"
@@ -197,14 +198,14 @@ def test_every_observable_is_a_row_with_unit_and_words() -> None:
 
 
 def test_the_warnings_are_those_of_the_shape() -> None:
-    assert "The rod passes through itself." in explore_model.numbers(shape())["warnings"]
-    assert explore_model.numbers(shape("cable"))["warnings"] == []
+    assert "The rod passes through itself." in page_model.numbers(shape())["warnings"]
+    assert page_model.numbers(shape("cable"))["warnings"] == []
 
 
 @pytest.mark.parametrize("name", BY_NAME)
 def test_the_mesh_is_a_closed_tube_that_touches_the_cylinder(name) -> None:
     found = shape(name)
-    drawn = explore_mesh.rod(found.sol)
+    drawn = page_mesh.rod(found.sol)
     triangles = drawn.polygons.reshape(-1, 4)
     assert (triangles[:, 0] == 3).all()
     corners = drawn.points.astype(float)[triangles[:, 1:]]
@@ -224,8 +225,8 @@ def test_the_mesh_is_a_closed_tube_that_touches_the_cylinder(name) -> None:
 @pytest.mark.parametrize("name", BY_NAME)
 def test_the_light_tube_is_closed_too_and_off_by_no_more_than_it_says(name) -> None:
     found = shape(name)
-    drawn = explore_mesh.rod(found.sol)
-    n, sides = found.sol.s.size, explore_mesh.sides_of(found.sol.s.size)
+    drawn = page_mesh.rod(found.sol)
+    n, sides = found.sol.s.size, page_mesh.sides_of(found.sol.s.size)
     triangles = drawn.light.reshape(-1, 4)[:, 1:]
     assert len(triangles) < 0.51 * drawn.polygons.size / 4  # every other side
     _, at = np.unique(drawn.points, axis=0, return_inverse=True)
@@ -236,12 +237,12 @@ def test_the_light_tube_is_closed_too_and_off_by_no_more_than_it_says(name) -> N
     straight = np.stack([np.interp(np.arange(n), rings, centre[rings, i]) for i in range(3)], axis=-1)
     size = max(np.ptp(centre[:, 2]), 2 * np.hypot(centre[:, 0], centre[:, 1]).max())
     off = np.sqrt(((straight - centre) ** 2).sum(axis=-1)).max()
-    assert off < 1.1 * explore_mesh.ROUGH * size / explore_mesh.HIGH  # a quadratic and single precision
+    assert off < 1.1 * page_mesh.ROUGH * size / page_mesh.HIGH  # a quadratic and single precision
 
 
 def test_a_tall_scene_is_compressed_along_the_axis_and_says_by_how_much() -> None:
     found = shape("pipe")
-    drawn = explore_mesh.rod(found.sol)
+    drawn = page_mesh.rod(found.sol)
     tall = np.ptp(drawn.points[:, 2])
     assert drawn.squeeze == pytest.approx(9 * 2 * 0.10795 / found.sol.z[-1], rel=1e-6)
     assert tall == pytest.approx(9 * 2 * 0.10795, rel=0.05)
@@ -249,8 +250,8 @@ def test_a_tall_scene_is_compressed_along_the_axis_and_says_by_how_much() -> Non
 
 def test_the_colours_are_where_the_cylinder_pushes_and_where_it_pulls() -> None:
     found = shape()
-    drawn = explore_mesh.rod(found.sol)
-    n, sides = found.sol.s.size, explore_mesh.sides_of(found.sol.s.size)
+    drawn = page_mesh.rod(found.sol)
+    n, sides = found.sol.s.size, page_mesh.sides_of(found.sol.s.size)
     rings = drawn.colours[: n * sides].reshape(n, sides, 3)
     assert len(np.unique(drawn.colours, axis=0)) == 2
     np.testing.assert_array_equal(rings[:, 0, 0] > 100, found.sol.push < 0)  # orange has much red
@@ -258,7 +259,7 @@ def test_the_colours_are_where_the_cylinder_pushes_and_where_it_pulls() -> None:
 
 def test_what_is_packed_is_unpacked_whole() -> None:
     packed = pytest.importorskip(
-        "workbench.explore_server", reason="pip install '.[explore]'", exc_type=ImportError
+        "workbench.web.live.server", reason="pip install '.[explore]'", exc_type=ImportError
     ).packed
     arrays = {"a": np.arange(5, dtype=np.uint8), "b": np.linspace(0, 1, 7, dtype=np.float32)}
     data = packed({"x": float("nan"), "y": "β"}, arrays)

@@ -7,13 +7,15 @@ from typing import Any
 
 import pytest
 
-pytest.importorskip("workbench.explore_server", reason="the extra explore is not installed", exc_type=ImportError)
+pytest.importorskip("workbench.web.live.server", reason="the extra explore is not installed", exc_type=ImportError)
 
-from solver.errors import InputError
+from solver.problem.errors import InputError
 from studies import load
 from tests.workbench.live import asked, served, unpacked
-from workbench import cli, explore_model, explore_own, explore_shape, exploring, solving
-from workbench.explore_presets import PRESETS, Preset
+from workbench import cli
+from workbench.commands import explore, solve
+from workbench.web.live import own_case, page_model, page_shape
+from workbench.web.live.presets import PRESETS, Preset
 
 PIPE = """
 title = "A pipe in its hole"
@@ -62,7 +64,7 @@ alpha = 0.2
 def begun(folder: Path, text: str, **options: Any) -> Preset:
     path = folder / "mine.toml"
     path.write_text(text)
-    found = explore_own.preset(path, options, {})
+    found = own_case.preset(path, options, {})
     assert found is not None
     return found
 
@@ -70,7 +72,7 @@ def begun(folder: Path, text: str, **options: Any) -> Preset:
 @pytest.mark.parametrize("text", [PIPE, READ, START])
 def test_the_page_begins_with_the_case_of_the_file(tmp_path, text) -> None:
     own = begun(tmp_path, text)
-    study, again = load(tmp_path / "mine.toml"), explore_model.study_of(own.state)
+    study, again = load(tmp_path / "mine.toml"), page_model.study_of(own.state)
     assert again.unit_system == study.unit_system
     assert again.title == own.title == study.title
     assert again.reading == study.reading
@@ -82,34 +84,34 @@ def test_the_page_begins_with_the_case_of_the_file(tmp_path, text) -> None:
 @pytest.mark.parametrize("text", [PIPE, READ, START])
 def test_every_slider_of_a_file_has_a_value(tmp_path, text) -> None:
     own = begun(tmp_path, text)
-    for field in explore_model.fields(explore_model.study_of(own.state)):
+    for field in page_model.fields(page_model.study_of(own.state)):
         assert isinstance(own.state["base"][field["name"]], float)
 
 
 def test_options_change_the_file_as_they_do_for_solve(tmp_path) -> None:
     for text in (PIPE, READ):
         own = begun(tmp_path, text, L=12.0)
-        solved = solving.read_case(tmp_path / "mine.toml", {"L": 12.0}, False, None, {})
-        assert asdict(explore_model.study_of(own.state).case()) == asdict(solved.case)
+        solved = solve.read_case(tmp_path / "mine.toml", {"L": 12.0}, False, None, {})
+        assert asdict(page_model.study_of(own.state).case()) == asdict(solved.case)
 
 
 def test_the_equilibrium_that_a_file_names_is_the_one_that_is_drawn(tmp_path) -> None:
     text = PIPE.replace("30.0", "4.0").replace("-200.0", "-2000.0")
-    plain = explore_model.every(explore_model.study_of(begun(tmp_path, text).state))
+    plain = page_model.every(page_model.study_of(begun(tmp_path, text).state))
     assert len(plain) > 1
     wanted = plain[1]
     named = f"{text}[equilibrium]\ndbeta0 = {wanted['dbeta0']!r}\nenergy = {wanted['energy']!r}\n"
-    drawn = explore_shape.shape(explore_model.study_of(begun(tmp_path, named).state))
+    drawn = page_shape.shape(page_model.study_of(begun(tmp_path, named).state))
     assert float(drawn.sol.dbeta[0]) == pytest.approx(wanted["dbeta0"], rel=1e-6)
 
 
 def test_a_rod_of_options_is_in_their_units_and_says_what_was_assumed() -> None:
     options = {"E": 2e11, "nu": 0.3, "a": 0.001, "L": 1.0, "R": 0.01, "beta": 0.1, "dbeta": 0.0, "M3": 0.0}
-    own = explore_own.preset(None, options, {"length": "m"})
+    own = own_case.preset(None, options, {"length": "m"})
     assert own is not None
     assert own.state["units"] == {"length": "m", "force": "N"}
     assert "unit of force = N" in own.source
-    assert explore_model.study_of(own.state).case().rod.E == 2e11
+    assert page_model.study_of(own.state).case().rod.E == 2e11
 
 
 def test_the_same_rod_in_other_units_has_the_same_sliders() -> None:
@@ -118,7 +120,7 @@ def test_the_same_rod_in_other_units_has_the_same_sliders() -> None:
     for unit, k in lengths.items():
         options = {"E": 2e11 / k**2, "nu": 0.3, "a": 0.001 * k, "L": k, "R": 0.01 * k, "beta": 0.1, "dbeta": 0.0,
                    "M3": 0.0}  # fmt: skip
-        own = explore_own.preset(None, options, {"length": unit})
+        own = own_case.preset(None, options, {"length": unit})
         assert own is not None
         spans[unit] = own.spans
     assert set(spans["m"]) == {"dbeta", "M3", "F2", "F3"}
@@ -127,7 +129,7 @@ def test_the_same_rod_in_other_units_has_the_same_sliders() -> None:
 
 
 def test_nothing_given_begins_with_table_1() -> None:
-    assert explore_own.preset(None, {}, {}) is None
+    assert own_case.preset(None, {}, {}) is None
 
 
 def test_the_server_offers_the_own_rod_first_and_draws_it(tmp_path) -> None:
@@ -155,7 +157,7 @@ def test_the_server_offers_the_own_rod_first_and_draws_it(tmp_path) -> None:
 )
 def test_what_is_no_rod_is_refused_before_anything_is_served(words, sentence, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(exploring, "bound", lambda *_: pytest.fail("it listens"))
+    monkeypatch.setattr(explore, "bound", lambda *_: pytest.fail("it listens"))
     Path("PIPE.toml").write_text(PIPE)
     Path("GRID.toml").write_text(READ.replace("E = 5e3\n", "") + "[axes.E]\nvalues = [5e3, 6e3]\n")
     given = [f"{word}.toml" if word in ("PIPE", "GRID") else word for word in words]
@@ -168,4 +170,4 @@ def test_what_is_no_rod_is_refused_before_anything_is_served(words, sentence, tm
 def test_a_unit_that_nobody_knows_is_refused() -> None:
     options = {"E": 1.0, "nu": 0.3, "a": 0.1, "L": 1.0, "R": 1.0, "beta": 0.1, "dbeta": 0.0, "M3": 0.0}
     with pytest.raises(InputError, match="no unit of length 'furlong'"):
-        explore_own.preset(None, options, {"length": "furlong"})
+        own_case.preset(None, options, {"length": "furlong"})

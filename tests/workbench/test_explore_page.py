@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytest.importorskip("workbench.explore_server", reason="the extra explore is not installed", exc_type=ImportError)
+pytest.importorskip("workbench.web.live.server", reason="the extra explore is not installed", exc_type=ImportError)
 pytest.importorskip("selenium", reason="selenium is not installed: pip install '.[test]'")
 
 from matplotlib.image import imread
@@ -22,7 +22,7 @@ from selenium.webdriver.common.keys import Keys
 from studies.loader import loads
 from tests.workbench.live import served
 from tests.workbench.pictures import share_of_hue
-from workbench import style
+from workbench.figures import style
 
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(

@@ -16,13 +16,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytest.importorskip("workbench.explore_server", reason="the extra explore is not installed", exc_type=ImportError)
+pytest.importorskip("workbench.web.live.server", reason="the extra explore is not installed", exc_type=ImportError)
 
-from solver.errors import InputError
+from solver.problem.errors import InputError
 from tests.workbench import live_process
 from tests.workbench.live import asked, served, unpacked
-from workbench import cli, explore_model, explore_server, explore_tasks, exploring
-from workbench.explore_presets import PRESETS
+from workbench import cli
+from workbench.commands import explore
+from workbench.web.live import page_model, searches, server
+from workbench.web.live.presets import PRESETS
 
 ROOT = Path(__file__).parents[2]
 TABLE_1, DNA, _, CABLE = (preset.state for preset in PRESETS)
@@ -41,13 +43,13 @@ def with_field(state: dict, **changes: object) -> dict:
 
 
 def test_every_file_of_the_page_is_served_from_here_and_names_no_other_address(port) -> None:
-    for path in explore_server.FILES:
+    for path in server.FILES:
         answer = asked(port, "GET", path)
         assert answer.status == 200
         policy = answer.headers["Content-Security-Policy"]
         assert policy.startswith("default-src 'none'; script-src 'self' 'unsafe-eval'; style-src 'self';")
         assert "unsafe-inline" not in policy
-        if explore_server.FILES[path].parent == explore_server.PAGE:
+        if server.FILES[path].parent == server.PAGE:
             assert b"http://" not in answer.data
             assert b"https://" not in answer.data
 
@@ -130,7 +132,7 @@ def test_nonsense_is_refused_and_the_server_goes_on(port, path, body) -> None:
 
 
 def test_a_request_without_end_is_refused(port) -> None:
-    assert asked(port, "POST", "/shape", b" " * (explore_server.LARGEST + 1)).status == 413
+    assert asked(port, "POST", "/shape", b" " * (server.LARGEST + 1)).status == 413
 
 
 def test_two_who_ask_at_once_get_each_their_own(port) -> None:
@@ -153,10 +155,10 @@ def test_a_ticket_stands_for_a_shape_and_a_lost_one_is_solved_anew(port) -> None
 
 
 def test_only_so_many_shapes_are_remembered() -> None:
-    shapes = explore_server.Shapes()
+    shapes = server.Shapes()
     one = object()
-    tickets = [shapes.keep(one) for _ in range(explore_server.REMEMBERED + 5)]
-    assert [shapes.find(ticket) is one for ticket in tickets] == [False] * 5 + [True] * explore_server.REMEMBERED
+    tickets = [shapes.keep(one) for _ in range(server.REMEMBERED + 5)]
+    assert [shapes.find(ticket) is one for ticket in tickets] == [False] * 5 + [True] * server.REMEMBERED
 
 
 def test_the_equilibria_and_the_two_ends_are_told(port) -> None:
@@ -215,7 +217,7 @@ def alive(pid: int) -> bool:
 
 
 def test_a_search_ends_when_its_client_leaves(port, monkeypatch, tmp_path) -> None:
-    monkeypatch.setattr(explore_model, "every", live_process.endless)
+    monkeypatch.setattr(page_model, "every", live_process.endless)
     client = left(port, "/equilibria", titled(tmp_path / "told"))
     (pid,) = processes(tmp_path / "told", 1)
     assert pid != os.getpid()
@@ -225,16 +227,16 @@ def test_a_search_ends_when_its_client_leaves(port, monkeypatch, tmp_path) -> No
 
 
 def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, monkeypatch, tmp_path) -> None:
-    monkeypatch.setattr(explore_model, "every", live_process.endless)
-    most = explore_tasks.AT_ONCE + explore_tasks.WAITING
+    monkeypatch.setattr(page_model, "every", live_process.endless)
+    most = searches.AT_ONCE + searches.WAITING
     clients = [left(port, "/equilibria", titled(tmp_path / "told")) for _ in range(most)]
-    running = processes(tmp_path / "told", explore_tasks.AT_ONCE)
+    running = processes(tmp_path / "told", searches.AT_ONCE)
     ticket = None
     for k in range(5):
         answer = asked(port, "POST", "/shape", {"state": with_field(TABLE_1, L=20.0 + k), "near": ticket})
         ticket = unpacked(answer.data)[0]["ticket"]
     refused = asked(port, "POST", "/equilibria", {"state": CABLE})
-    assert (refused.status, json.loads(refused.data)["sentence"]) == (422, explore_tasks.MANY)
+    assert (refused.status, json.loads(refused.data)["sentence"]) == (422, searches.MANY)
     assert processes(tmp_path / "told", 1) == running
     for client in clients:
         client.close()
@@ -246,10 +248,10 @@ def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, mon
 
 @pytest.mark.parametrize("path, where", [("/equilibria", "every"), ("/shape", "curves"), ("/numbers", "numbers")])
 def test_a_fault_of_the_solver_is_a_sentence_and_no_traceback(port, monkeypatch, capsys, path, where) -> None:
-    monkeypatch.setattr(explore_model, where, live_process.broken)
+    monkeypatch.setattr(page_model, where, live_process.broken)
     answer = asked(port, "POST", path, {"state": TABLE_1 if path != "/equilibria" else CABLE})
     assert answer.status == 500
-    assert json.loads(answer.data) == {"sentence": explore_server.FAULT, "field": ""}
+    assert json.loads(answer.data) == {"sentence": server.FAULT, "field": ""}
     assert asked(port, "GET", "/presets").status == 200
     said = capsys.readouterr().err
     assert "Traceback" not in said
@@ -257,9 +259,9 @@ def test_a_fault_of_the_solver_is_a_sentence_and_no_traceback(port, monkeypatch,
 
 
 def test_a_search_that_takes_too_much_memory_is_refused(port, monkeypatch) -> None:
-    monkeypatch.setattr(explore_model, "every", live_process.greedy)
+    monkeypatch.setattr(page_model, "every", live_process.greedy)
     answer = asked(port, "POST", "/equilibria", {"state": CABLE})
-    assert (answer.status, json.loads(answer.data)["sentence"]) == (422, explore_tasks.TOO_LARGE)
+    assert (answer.status, json.loads(answer.data)["sentence"]) == (422, searches.TOO_LARGE)
 
 
 def slid(moves: int) -> tuple[float, float]:
@@ -302,14 +304,14 @@ def test_the_memory_of_the_server_stays_bounded_over_ten_thousand_moves() -> Non
 
 
 def test_it_listens_to_this_machine_alone_unless_told() -> None:
-    listener = exploring.bound("127.0.0.1", 0)
+    listener = explore.bound("127.0.0.1", 0)
     assert listener.getsockname()[0] == "127.0.0.1"
     port = listener.getsockname()[1]
     with pytest.raises(InputError, match=f"cannot listen at 127.0.0.1:{port}: Address already in use"):
-        exploring.bound("127.0.0.1", port)
+        explore.bound("127.0.0.1", port)
     listener.close()
-    assert exploring.called("127.0.0.1", 80, []) >= {"127.0.0.1", "127.0.0.1:80", "localhost"}
-    assert exploring.called("lab", 81, ["x.example", "y.example:9"]) == {"lab:81", "x.example:81", "y.example:9"}
+    assert explore.called("127.0.0.1", 80, []) >= {"127.0.0.1", "127.0.0.1:80", "localhost"}
+    assert explore.called("lab", 81, ["x.example", "y.example:9"]) == {"lab:81", "x.example:81", "y.example:9"}
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent otherwise there")
@@ -342,9 +344,9 @@ def test_what_cannot_be_served_is_refused(args, sentence, capsys) -> None:
 
 
 def test_without_the_extra_one_sentence_says_what_to_install(monkeypatch, capsys) -> None:
-    monkeypatch.delitem(sys.modules, "workbench.explore_server", raising=False)
+    monkeypatch.delitem(sys.modules, "workbench.web.live.server", raising=False)
     monkeypatch.setitem(sys.modules, "trame_vtk", None)
-    monkeypatch.delattr("workbench.explore_server", raising=False)
+    monkeypatch.delattr("workbench.web.live.server", raising=False)
     with pytest.raises(SystemExit, match="2"):
         cli.main(["explore"])
     assert "rod-workbench[explore]" in capsys.readouterr().err

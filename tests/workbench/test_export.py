@@ -13,10 +13,15 @@ from scipy.interpolate import BPoly, BSpline
 from scipy.spatial import cKDTree
 
 from solver import Case, Cylinder, Rod, Solution, Start, solve
-from solver.errors import InputError
+from solver.problem.errors import InputError
 from studies.loader import loads
-from workbench import centreline, cli, drawing, export_cad, exporting, interference, runner, store
-from workbench.exporting import Wish, export
+from workbench import cli
+from workbench.commands import export_rod, plot_and_scene
+from workbench.commands.export_rod import Wish, export
+from workbench.data import writing
+from workbench.export import step
+from workbench.geometry import centreline, self_contact
+from workbench.run import in_memory
 
 # Table 1 but for E: at 5000 a bend is tighter than the rod is thick, at 10700 turns meet, at 20000 neither.
 STUDY = """
@@ -41,7 +46,7 @@ def rod(E: float, s: np.ndarray) -> Solution:
 
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
-    return runner.run(loads(STUDY.format(length="cm"), default_name="moduli"))
+    return in_memory.run(loads(STUDY.format(length="cm"), default_name="moduli"))
 
 
 def line(ds: xr.Dataset, i: int = 2, every: int = 1) -> centreline.Centreline:
@@ -74,11 +79,11 @@ def test_too_few_stations_are_refused_and_the_number_named_is_enough(ds) -> None
     more = int(re.search(r"about (\d+)", str(told.value))[1])
     assert 60 < more < 400  # 201 give 4e-8, 101 4e-6
     study = loads(STUDY.format(length="cm").replace("201", str(more)), default_name="moduli")
-    centreline.read(runner.run(study), {"E": 0}).check(1e-6)
+    centreline.read(in_memory.run(study), {"E": 0}).check(1e-6)
 
 
 def test_a_bend_tighter_than_the_rod_and_turns_that_meet_are_found_where_they_are(ds) -> None:
-    tight, meets = interference.findings(line(ds, 0), "cm")
+    tight, meets = self_contact.findings(line(ds, 0), "cm")
     assert tight.tight
     radius, at = map(float, re.search(r"radius of (\S+) cm at s = (\S+) cm", tight.said).groups())
     assert radius == pytest.approx(1 / rod(5e3, np.linspace(0, 20, 20001)).kappa.max(), rel=1e-3)  # four digits
@@ -89,7 +94,7 @@ def test_a_bend_tighter_than_the_rod_and_turns_that_meet_are_found_where_they_ar
     ends = rod(5e3, np.array([one, other])).position
     assert gap == pytest.approx(np.linalg.norm(ends[0] - ends[1]), abs=1e-3)  # s is told to four digits
     assert gap < 0.5
-    assert interference.findings(line(ds), "cm") == []
+    assert self_contact.findings(line(ds), "cm") == []
 
 
 @pytest.mark.parametrize("angle, meet", [(1.48, False), (1.50, True), (1.55, True)])
@@ -98,7 +103,7 @@ def test_turns_of_a_helix_meet_where_the_next_turn_is_less_than_the_rods_thickne
     q = np.linspace(3.0, 12, 4001)
     nearest = np.linalg.norm(found.frame(q)[0] - found.frame(np.zeros(1))[0], axis=-1).min()
     assert (nearest < 2 * found.a) == meet
-    assert bool(interference.findings(found, "cm")) == meet
+    assert bool(self_contact.findings(found, "cm")) == meet
 
 
 @pytest.mark.parametrize("shape", [(30, 3), (30, 4, 2)])
@@ -125,11 +130,11 @@ def helix(b: float) -> centreline.Centreline:
 @pytest.fixture(scope="module")
 def kernel():
     pytest.importorskip("OCP", reason="Open Cascade is not installed: pip install '.[cad]'", exc_type=ImportError)
-    return export_cad.kernel()
+    return step.kernel()
 
 
 @pytest.fixture(scope="module")
-def step(ds, kernel, tmp_path_factory) -> Path:
+def step_file(ds, kernel, tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("step") / "rod.step"
     assert export(ds, Wish(path, SOUND)).warnings == []
     return path
@@ -152,11 +157,11 @@ def parts(kernel, shape, kind: str, outside: str = "SHAPE") -> list:
     return out
 
 
-def test_the_solid_in_a_step_file_is_valid_and_has_the_rods_volume_in_its_unit(kernel, step) -> None:
-    (solid,) = parts(kernel, shapes(kernel, step), "SOLID")
+def test_the_solid_in_a_step_file_is_valid_and_has_the_rods_volume_in_its_unit(kernel, step_file) -> None:
+    (solid,) = parts(kernel, shapes(kernel, step_file), "SOLID")
     assert kernel.BRepCheck_Analyzer(solid).IsValid()
     # read in mm, written in cm; measured 1e-10 off
-    assert export_cad.volume(kernel, solid) == pytest.approx(1e3 * VOLUME, rel=1e-8)
+    assert step.volume(kernel, solid) == pytest.approx(1e3 * VOLUME, rel=1e-8)
 
 
 def solved_line(
@@ -168,9 +173,7 @@ def solved_line(
     sol = solve(case, tol=1e-10, stations=int(20 * L) + 41)
     A = float(case.rod.bending_stiffness)
     loads = (float(load) / A for load in (sol.MZ, sol.M3, sol.FZ))
-    return centreline.Centreline(
-        sol.s, sol.alpha, sol.beta, sol.dbeta, sol.z, 1 - a, a, 1.0, A, *loads, side="outside"
-    )
+    return centreline.Centreline(sol.s, sol.alpha, sol.beta, sol.dbeta, sol.z, 1 - a, a, 1.0, A, *loads, side="outside")
 
 
 LINES = {
@@ -188,7 +191,7 @@ LINES = {
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n == "long" else n for n in LINES])
 def test_open_cascades_default_measures_the_volume_of_pappus(kernel, tmp_path, name, tolerance) -> None:
     path, line = tmp_path / "rod.step", LINES[name]()
-    export_cad.write(path, line, "mm", "rod", tolerance, True)
+    step.write(path, line, "mm", "rod", tolerance, True)
     (solid,) = parts(kernel, shapes(kernel, path), "SOLID")
     measured = kernel.GProp_GProps()
     kernel.BRepGProp.VolumeProperties_s(solid, measured)
@@ -199,8 +202,8 @@ def test_open_cascades_default_measures_the_volume_of_pappus(kernel, tmp_path, n
     assert shell.Closed()
 
 
-def test_the_curve_in_a_step_file_is_the_solvers_at_every_arc_length(kernel, step) -> None:
-    (edge,) = parts(kernel, shapes(kernel, step), "EDGE", outside="FACE")
+def test_the_curve_in_a_step_file_is_the_solvers_at_every_arc_length(kernel, step_file) -> None:
+    (edge,) = parts(kernel, shapes(kernel, step_file), "EDGE", outside="FACE")
     from OCP.BRep import BRep_Tool
 
     curve = BRep_Tool.Curve_s(kernel.TopoDS.Edge(edge), 0.0, 0.0)
@@ -209,8 +212,8 @@ def test_the_curve_in_a_step_file_is_the_solvers_at_every_arc_length(kernel, ste
         assert np.linalg.norm(np.array([at.X(), at.Y(), at.Z()]) / 10 - rod(2e4, np.array([s])).position[0]) < 1e-6
 
 
-def test_the_text_of_a_step_file_says_the_same_to_a_reader_without_a_cad_kernel(step) -> None:
-    text = re.sub(r"\s+", "", step.read_text(encoding="ascii"))
+def test_the_text_of_a_step_file_says_the_same_to_a_reader_without_a_cad_kernel(step_file) -> None:
+    text = re.sub(r"\s+", "", step_file.read_text(encoding="ascii"))
     assert "SI_UNIT(.CENTI.,.METRE.)" in text
     assert text.count("MANIFOLD_SOLID_BREP(") == 1
     points = {
@@ -230,7 +233,7 @@ def test_the_text_of_a_step_file_says_the_same_to_a_reader_without_a_cad_kernel(
 
 @pytest.mark.parametrize("length, size", [("nm", 1e-9), ("dm", 0.1), ("in", 0.0254)])
 def test_a_step_file_keeps_the_studys_unit(kernel, tmp_path, length, size) -> None:
-    ds = runner.run(loads(STUDY.format(length=length), default_name="moduli"))
+    ds = in_memory.run(loads(STUDY.format(length=length), default_name="moduli"))
     export(ds, Wish(tmp_path / "rod.step", SOUND, centreline=True))
     (edge,) = parts(kernel, shapes(kernel, tmp_path / "rod.step"), "EDGE")
     properties = kernel.GProp_GProps()
@@ -348,8 +351,8 @@ def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path
 
 def test_a_study_that_varies_the_angle_is_exported_with_the_one_along_the_rod(tmp_path) -> None:
     axis = "[axes.beta]\nvalues = [15.0, 30.0]\nunit = 'deg'\n"
-    varied = runner.run(loads(STUDY.format(length="cm").partition("[axes.E]")[0] + axis, default_name="angles"))
-    export(varied, Wish(tmp_path / "rod.csv", drawing.chosen(varied, ["beta=15deg"])))
+    varied = in_memory.run(loads(STUDY.format(length="cm").partition("[axes.E]")[0] + axis, default_name="angles"))
+    export(varied, Wish(tmp_path / "rod.csv", plot_and_scene.chosen(varied, ["beta=15deg"])))
     with (tmp_path / "rod.csv").open() as file:
         first = next(csv.DictReader(file))
     assert float(first["beta [rad]"]) == pytest.approx(np.radians(15))
@@ -361,8 +364,8 @@ def test_a_study_that_varies_the_angle_is_exported_with_the_one_along_the_rod(tm
 @pytest.fixture(scope="module")
 def folder(ds, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("export")
-    store.write(ds, folder / "moduli.h5")
-    store.write(ds.assign(outcome=ds["outcome"].copy(data=["solved", "the march went astray", "solved"])),
+    writing.write(ds, folder / "moduli.h5")
+    writing.write(ds.assign(outcome=ds["outcome"].copy(data=["solved", "the march went astray", "solved"])),
                 folder / "gap.h5")  # fmt: skip
     (folder / "there.csv").write_text("mine")
     return folder
@@ -424,7 +427,7 @@ def test_a_writer_that_fails_leaves_what_was_there(tmp_path, monkeypatch, at) ->
     if at != "write":
         monkeypatch.setattr(os, at, fails)
     with pytest.raises(InputError, match="No space left"):
-        exporting.put(path, work, force=True)
+        export_rod.put(path, work, force=True)
     monkeypatch.undo()
     assert [p.name for p in tmp_path.iterdir()] == ["rod.csv"]
     assert path.read_text() == "before"

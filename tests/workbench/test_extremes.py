@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 
 from solver.methods import METHODS
-from workbench import store
-from workbench.extreme_cases import extremes, references
-from workbench.extremes import INACCURATE, REFUSED, VERDICTS, at_one, labelled
-from workbench.extremes_map import draw
+from workbench.compare.extreme_cases import extremes, references
+from workbench.compare.extremes import INACCURATE, REFUSED, VERDICTS, at_one, labelled
+from workbench.data import writing
+from workbench.figures.robustness import draw
 
 
 def test_every_extreme_has_a_name_of_its_own_and_a_reference_or_none_said() -> None:
@@ -20,7 +20,7 @@ def test_every_extreme_has_a_name_of_its_own_and_a_reference_or_none_said() -> N
 def test_orbit_is_right_to_its_promise_at_every_extreme_that_a_march_of_25_digits_reaches() -> None:
     """Looser than the promise by ten only where rounding of the case's own numbers is amplified."""
     from solver import solve
-    from workbench.extreme_cases import SHARES
+    from workbench.compare.extreme_cases import SHARES
 
     for one in extremes():
         known = references()[one.name].beta
@@ -35,8 +35,8 @@ def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
     named = [one for one in extremes() if one.name in ("L/ρ = 1e-6", "R = 1e9 a")]
     met = {(one.name, name): row for one in named for name, row in at_one(one, references()[one.name]).items()}
     ds = labelled(named, references(), met)
-    store.write(ds, tmp_path / "extremes.h5")
-    again = store.read(tmp_path / "extremes.h5", study=False)
+    writing.write(ds, tmp_path / "extremes.h5")
+    again = writing.read(tmp_path / "extremes.h5", study=False)
     assert list(again["method"].values) == list(METHODS)
     assert set(again["verdict"].values.flat) <= set(VERDICTS)
     assert not (again["verdict"].sel({"extreme": "L/ρ = 1e-6"}) == INACCURATE).any()

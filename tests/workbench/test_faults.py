@@ -15,12 +15,12 @@ import xarray as xr
 from solver import InputError
 from studies import load
 from tests.workbench import runs
-from workbench import engines, parts, plan, progress, storing
+from workbench.run import local_pool, plan, progress, shard_folder, study_store
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 
 GRID = runs.grid(3, 50)  # 150 cases
-SMALL = "from workbench import plan; plan.BLOCK = 16\n"  # ten blocks of them
+SMALL = "from workbench.run import plan; plan.BLOCK = 16\n"  # ten blocks of them
 
 # A run that takes its time: at each block, and wherever a file is put on the disk.
 SLOW = (
@@ -96,7 +96,7 @@ def test_a_run_killed_at_twenty_random_moments_ends_with_every_bit_of_one_that_w
 
 
 WAYS = {
-    "while the file is assembled": ("workbench.slabs.write", []),
+    "while the file is assembled": ("workbench.data.grid_io.write", []),
     "while the parts are removed": ("pathlib.Path.rmdir", []),
     "while a shard is renamed": ("os.replace", [pytest.mark.slow]),
     "while a shard is put on the disk": ("os.fsync", [pytest.mark.slow]),
@@ -198,9 +198,9 @@ def test_a_chunk_that_kills_workers_twice_is_recorded_as_failed_case_by_case(tmp
     done = runs.run(tmp_path, "many.toml", "--workers", 2, "--chunk", 48, before=DEADLY)
     assert done.returncode == 1, done.stderr
     assert (tmp_path / "deaths").read_text() == "xx"
-    assert f"150 cases, 16 unsolved\n  16 x {storing.KILLED}" in done.stdout
+    assert f"150 cases, 16 unsolved\n  16 x {study_store.KILLED}" in done.stdout
     with xr.open_dataset(tmp_path / "many.h5") as ds:
-        failed = (ds["outcome"] == storing.KILLED).values.ravel()
+        failed = (ds["outcome"] == study_store.KILLED).values.ravel()
         assert failed.nonzero()[0].tolist() == list(range(48, 64))  # the block of the deadly case, and no more
         assert ds["kappa_max"].isnull().values.ravel().tolist() == failed.tolist()
         assert ds["beta"].isnull().any("u").values.ravel().tolist() == failed.tolist()
@@ -227,7 +227,7 @@ def test_a_worker_of_other_code_or_without_the_method_is_refused() -> None:
 
 
 def test_the_cores_that_may_be_used_are_counted() -> None:
-    assert 1 <= engines.cores() <= (os.cpu_count() or 1)
+    assert 1 <= local_pool.cores() <= (os.cpu_count() or 1)
 
 
 # Ctrl-C
@@ -290,7 +290,7 @@ def test_a_file_system_that_is_full_is_told_and_what_is_finished_is_kept(size, w
         pytest.skip("this machine does not let itself mount a tmpfs")
     try:
         runs.study(small, GRID)
-        believing = SMALL + "from workbench import parts; parts.free = lambda folder: 10**12\n"
+        believing = SMALL + "from workbench.run import shard_folder; shard_folder.free = lambda folder: 10**12\n"
         done = runs.run(small, "many.toml", "--workers", 1, "--chunk", 16, before=believing)
         assert done.returncode == 2, done.stderr
         assert re.fullmatch(r"workbench: cannot write many\.h5: .*; what is finished is kept, and .*\n", done.stderr)
@@ -333,10 +333,10 @@ def test_of_two_runs_on_one_output_the_second_refuses_until_the_first_is_gone(wh
 
 def test_a_lock_that_its_owner_removed_is_not_held(tmp_path) -> None:
     folder = tmp_path / "x.h5.parts"
-    with parts.locked(folder):
-        parts.clear(folder)
+    with shard_folder.locked(folder):
+        shard_folder.clear(folder)
         assert not folder.exists()
-        with parts.locked(folder):  # a new one
+        with shard_folder.locked(folder):  # a new one
             assert folder.exists()
 
 

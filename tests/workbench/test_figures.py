@@ -5,15 +5,17 @@ import pytest
 import xarray as xr
 
 from solver import Ends, solve
-from solver.branch import follow
+from solver.boundary.end_angle import follow
 from studies import READINGS, TABLE_1, load, names
 from studies.laws import VERDICTS as VERDICTS_OF_LAWS
-from workbench import check, readings_run, runner
+from workbench.data import law_verdicts
+from workbench.run import in_memory
+from workbench.web.report import readings_table
 
 
 @pytest.fixture(scope="module")
 def readings() -> xr.Dataset:
-    return readings_run.run()
+    return readings_table.run()
 
 
 VERDICTS = {  # of the laws of each figure under the default reading
@@ -33,21 +35,21 @@ VERDICTS = {  # of the laws of each figure under the default reading
 def test_no_law_of_the_paper_fails_under_the_default_reading_and_those_that_hold_with_a_reserve_say_so(
     name: str,
 ) -> None:
-    ds = runner.run(load(name))
-    assert check.unsolved(ds) == 0
-    rows = check.verdicts(ds)
+    ds = in_memory.run(load(name))
+    assert law_verdicts.unsolved(ds) == 0
+    rows = law_verdicts.verdicts(ds)
     assert [(row["verdict"], row["qualifications"]) for row in rows] == VERDICTS[name]
     assert all(row["reason"] for row in rows if row["verdict"] == "qualified")
-    assert check.all_well(ds) == all(verdict == "holds" for verdict, _ in VERDICTS[name])
-    assert not check.refuted(0, rows)
+    assert law_verdicts.all_well(ds) == all(verdict == "holds" for verdict, _ in VERDICTS[name])
+    assert not law_verdicts.refuted(0, rows)
 
 
 def test_the_reasons_of_figure_7_are_those_of_its_numbers() -> None:
-    radius, angle = runner.run(load("fig7_2_radius")), runner.run(load("fig7_4_end_angle"))
+    radius, angle = in_memory.run(load("fig7_2_radius")), in_memory.run(load("fig7_4_end_angle"))
     assert (np.diff(radius["amplitude"]) > 0).all()
-    assert "amplitude rises instead at 8 of 8 steps" in check.verdicts(radius)[0]["reason"]
+    assert "amplitude rises instead at 8 of 8 steps" in law_verdicts.verdicts(radius)[0]["reason"]
     assert angle["turns"].values.tolist() == [6] * 9
-    assert "turns stays at 6, where the sentence says that it rises" in check.verdicts(angle)[0]["reason"]
+    assert "turns stays at 6, where the sentence says that it rises" in law_verdicts.verdicts(angle)[0]["reason"]
 
 
 def test_each_law_of_the_paper_says_whether_its_rule_was_fixed_in_advance() -> None:
@@ -80,7 +82,7 @@ def test_ranges_and_observables_are_those_fixed_beforehand() -> None:
 
 def test_the_end_angle_is_followed_from_the_base_rod_to_its_fold() -> None:
     study = load("fig7_4_end_angle")
-    ds = runner.run(study)
+    ds = in_memory.run(study)
     base = solve(study.case())
     assert ds["betaL"][0] == pytest.approx(base.beta[-1], abs=1e-8)  # the tolerance of the base rod
     np.testing.assert_allclose(ds["beta"][0], base.beta, atol=1e-6)  # 1e-8 times the growth along the rod

@@ -6,25 +6,25 @@ import sys
 
 import pytest
 
-from workbench import gl
+from workbench.scene import opengl
 
 
 @pytest.fixture(autouse=True)
 def _forget(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setenv(gl.WINDOW, os.environ.get(gl.WINDOW, ""))  # what the probe sets is taken back afterwards
-    monkeypatch.delenv(gl.WINDOW)
-    gl.probe.cache_clear()
+    monkeypatch.setenv(opengl.WINDOW, os.environ.get(opengl.WINDOW, ""))  # what the probe sets is taken back afterwards
+    monkeypatch.delenv(opengl.WINDOW)
+    opengl.probe.cache_clear()
     yield
-    gl.probe.cache_clear()
+    opengl.probe.cache_clear()
 
 
 def child(monkeypatch: pytest.MonkeyPatch, code: str) -> None:
-    monkeypatch.setattr(gl, "COMMAND", (sys.executable, "-c", code))
+    monkeypatch.setattr(opengl, "COMMAND", (sys.executable, "-c", code))
 
 
 def test_a_child_killed_by_a_signal_means_no_opengl_and_what_to_install(monkeypatch) -> None:
     child(monkeypatch, "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
-    able, advice = gl.probe()
+    able, advice = opengl.probe()
     assert not able
     assert "signal 11" in advice
     assert "libegl1 libgl1-mesa-dri" in advice
@@ -33,42 +33,42 @@ def test_a_child_killed_by_a_signal_means_no_opengl_and_what_to_install(monkeypa
 
 def test_a_child_that_fails_is_quoted(monkeypatch) -> None:
     child(monkeypatch, "raise ImportError('libXrender.so.1 is not there')")
-    assert "libXrender.so.1 is not there" in gl.probe()[1]
+    assert "libXrender.so.1 is not there" in opengl.probe()[1]
 
 
 def test_a_child_that_draws_nothing_means_no_opengl(monkeypatch) -> None:
     child(monkeypatch, "print('empty')")
-    able, advice = gl.probe()
+    able, advice = opengl.probe()
     assert not able
     assert "empty" in advice
 
 
 def test_a_child_that_never_ends_is_not_waited_for(monkeypatch) -> None:
     def never(*args, **kwargs):
-        raise subprocess.TimeoutExpired("child", gl.SECONDS)
+        raise subprocess.TimeoutExpired("child", opengl.SECONDS)
 
     monkeypatch.setattr(subprocess, "run", never)
-    assert f"more than {gl.SECONDS} s" in gl.probe()[1]
+    assert f"more than {opengl.SECONDS} s" in opengl.probe()[1]
 
 
 def test_the_answer_is_asked_for_once(monkeypatch) -> None:
     child(monkeypatch, "print('drawn')")
-    assert gl.probe() == (True, "")
+    assert opengl.probe() == (True, "")
     child(monkeypatch, "raise SystemExit(1)")
-    assert gl.probe() == (True, "")
+    assert opengl.probe() == (True, "")
 
 
 def test_the_first_kind_of_window_that_works_is_left_in_the_environment(monkeypatch) -> None:
-    monkeypatch.setattr(gl, "_windows", lambda: ["vtkFirst", "vtkSecond", "vtkThird"])
-    child(monkeypatch, f"import os; print('drawn' if os.environ['{gl.WINDOW}'] == 'vtkSecond' else 'empty')")
-    assert gl.probe() == (True, "")
-    assert os.environ[gl.WINDOW] == "vtkSecond"
+    monkeypatch.setattr(opengl, "_windows", lambda: ["vtkFirst", "vtkSecond", "vtkThird"])
+    child(monkeypatch, f"import os; print('drawn' if os.environ['{opengl.WINDOW}'] == 'vtkSecond' else 'empty')")
+    assert opengl.probe() == (True, "")
+    assert os.environ[opengl.WINDOW] == "vtkSecond"
 
 
 def test_what_the_user_chose_is_the_only_one_tried(monkeypatch) -> None:
-    monkeypatch.setenv(gl.WINDOW, "vtkMine")
-    child(monkeypatch, f"import os; print('drawn' if os.environ['{gl.WINDOW}'] != 'vtkMine' else 'empty')")
-    assert not gl.probe()[0]
+    monkeypatch.setenv(opengl.WINDOW, "vtkMine")
+    child(monkeypatch, f"import os; print('drawn' if os.environ['{opengl.WINDOW}'] != 'vtkMine' else 'empty')")
+    assert not opengl.probe()[0]
 
 
 class File:
@@ -84,31 +84,34 @@ class File:
 
 def test_the_libraries_of_the_wheel_are_loaded_each_after_what_it_needs(monkeypatch) -> None:
     libs = [f"some.libs/lib{name}-f6a8.so.1" for name in ("OSMesa", "zstd", "LLVM-17", "other", "glapi")]
-    monkeypatch.setattr(gl, "files", lambda name: [File(path) for path in (*libs, "some/OSMesa.py")])
-    names = [path.rpartition("/lib")[2].partition("-")[0] for path in gl.in_wheel()]
+    monkeypatch.setattr(opengl, "files", lambda name: [File(path) for path in (*libs, "some/OSMesa.py")])
+    names = [path.rpartition("/lib")[2].partition("-")[0] for path in opengl.in_wheel()]
     assert names == ["zstd", "glapi", "LLVM", "OSMesa"]
 
 
 def test_without_any_library_the_wheels_are_tried_and_kept_where_they_draw(monkeypatch) -> None:
     loaded: list[list[str]] = []
-    monkeypatch.setattr(gl, "in_wheel", lambda: ["/here/libOSMesa.so"])
-    monkeypatch.setattr(gl, "_load", loaded.append)
+    monkeypatch.setattr(opengl, "in_wheel", lambda: ["/here/libOSMesa.so"])
+    monkeypatch.setattr(opengl, "_load", loaded.append)
     child(monkeypatch, "import sys; print('drawn' if sys.argv[1:] == ['/here/libOSMesa.so'] else 'empty')")
-    assert gl.probe() == (True, "")
-    assert os.environ[gl.WINDOW] == gl.OSMESA
+    assert opengl.probe() == (True, "")
+    assert os.environ[opengl.WINDOW] == opengl.OSMESA
     assert loaded == [["/here/libOSMesa.so"]]
 
 
 def test_where_no_wheel_is_installed_it_is_named_among_what_to_install(monkeypatch) -> None:
     def none(name):
-        raise gl.PackageNotFoundError(name)
+        raise opengl.PackageNotFoundError(name)
 
-    monkeypatch.setattr(gl, "files", none)
+    monkeypatch.setattr(opengl, "files", none)
     child(monkeypatch, "print('empty')")
-    assert gl.in_wheel() == []
-    assert gl.PIP in gl.probe()[1]
+    assert opengl.in_wheel() == []
+    assert opengl.PIP in opengl.probe()[1]
 
 
-@pytest.mark.skipif(not gl.in_wheel(), reason=f"the wheel with OSMesa is not here: {gl.PIP}")
+@pytest.mark.skipif(not opengl.in_wheel(), reason=f"the wheel with OSMesa is not here: {opengl.PIP}")
 def test_the_wheel_draws() -> None:
-    assert gl._try({**os.environ, gl.WINDOW: gl.OSMESA}, gl.in_wheel()) == (True, "a trial picture came out empty")
+    assert opengl._try({**os.environ, opengl.WINDOW: opengl.OSMESA}, opengl.in_wheel()) == (
+        True,
+        "a trial picture came out empty",
+    )

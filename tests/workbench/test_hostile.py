@@ -20,8 +20,12 @@ from solver import InputError
 from studies import load
 from studies.loader import loads
 from tests.workbench import runs, small
-from workbench import cli, dataset, gl, letters, plots, runner, store, there
-from workbench.storing import run_to_file
+from workbench import cli
+from workbench.data import dataset, safe_text, writing
+from workbench.figures import trends
+from workbench.run import existing_output, in_memory
+from workbench.run.study_store import run_to_file
+from workbench.scene import opengl
 
 ROOT = Path(__file__).parents[2]
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
@@ -30,7 +34,7 @@ HEAD = 'observables = ["turns"]\noutputs = ["beta", "alpha", "z", "contact"]'
 
 
 def stored(path: Path, values: str = "[1e4, 2e4]") -> Path:
-    return store.write(runner.run(small.study(AXES.format(values) + LAW, HEAD)), path)
+    return writing.write(in_memory.run(small.study(AXES.format(values) + LAW, HEAD)), path)
 
 
 @pytest.fixture(scope="module")
@@ -327,7 +331,7 @@ BASES = {
 def altered_files_end_in_a_sentence(base: str, stride: int, tmp_path: Path, *commands: str) -> None:
     paths = tmp_path / "base.h5", tmp_path / "good.h5"
     for path, study in zip(paths, (BASES[base], small.study(ONE_AXIS.format("[3e4]"), HEAD)), strict=True):
-        store.write(runner.run(study), path)
+        writing.write(in_memory.run(study), path)
     words = [sys.executable, "-m", "tests.workbench.altered", *map(str, (*paths, tmp_path)), str(stride), "0"]
     run = subprocess.run([*words, *commands], cwd=ROOT, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr[-2000:]
@@ -341,7 +345,7 @@ def test_a_study_that_is_altered_in_one_place_is_read_or_refused_in_a_sentence(t
 @pytest.mark.slow
 @pytest.mark.parametrize("base", BASES)
 def test_every_alteration_of_a_study_ends_in_a_sentence(base: str, tmp_path: Path) -> None:
-    if not gl.probe()[0]:
+    if not opengl.probe()[0]:
         pytest.skip("scenes cannot be drawn here")
     altered_files_end_in_a_sentence(base, 1, tmp_path)
 
@@ -358,7 +362,7 @@ def test_a_dollar_in_a_units_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path
             file[name].attrs["units"] = file[name].attrs["long_name"] = text
         file.attrs["title"] = text
     out = tmp_path / "out.png"
-    plots.figure(store.read(path), out, 50)
+    trends.figure(writing.read(path), out, 50)
     assert out.exists()
 
 
@@ -386,7 +390,7 @@ def test_numbers_that_cannot_be_are_refused_on_reading_and_named(whole: bytes, t
     with h5py.File(path, "a") as file:
         file[variable][(0,) * file[variable].ndim] = value
     with pytest.raises(InputError, match=sentence):
-        store.read(path)
+        writing.read(path)
 
 
 @pytest.mark.parametrize("name", ["outcome", "caution"])
@@ -394,7 +398,7 @@ def test_numbers_in_place_of_words_are_refused(whole: bytes, tmp_path: Path, nam
     with xr.open_dataset(BytesIO(whole), engine="h5netcdf") as ds:
         ds.assign({name: xr.zeros_like(ds["error"])}).to_netcdf(tmp_path / "numbers.h5", engine="h5netcdf")
     with pytest.raises(InputError, match=f"'{name}' holds no text, but float64"):
-        store.read(tmp_path / "numbers.h5")
+        writing.read(tmp_path / "numbers.h5")
 
 
 @pytest.mark.parametrize(
@@ -413,16 +417,16 @@ def test_numbers_that_are_stored_as_others_are_refused(
     with h5py.File(path, "a") as file:
         file[name].attrs[key] = value
     with pytest.raises(InputError, match=sentence):
-        store.read(path)
+        writing.read(path)
 
 
 COMMANDS = "\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
 
 
 def test_what_commands_a_terminal_is_written_as_python_writes_it() -> None:
-    assert letters.line(COMMANDS) == r"\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
-    assert letters.lines("é 漢 🙂 β\n\tplain") == "é 漢 🙂 β\n\tplain"
-    packed = letters.in_json(json.dumps({"a": COMMANDS, "é": "🙂\n"}, ensure_ascii=False))
+    assert safe_text.line(COMMANDS) == r"\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
+    assert safe_text.lines("é 漢 🙂 β\n\tplain") == "é 漢 🙂 β\n\tplain"
+    packed = safe_text.in_json(json.dumps({"a": COMMANDS, "é": "🙂\n"}, ensure_ascii=False))
     assert packed.isprintable()
     assert "🙂" in packed
     assert json.loads(packed) == {"a": COMMANDS, "é": "🙂\n"}
@@ -441,12 +445,12 @@ def test_an_output_that_is_there_is_looked_at_with_the_same_care(tmp_path: Path)
     path, other = tmp_path / "many.h5", tmp_path / "other.h5"
     study = load(str(runs.study(tmp_path, runs.grid(2, 2))))
     run_to_file(study, path)
-    assert there.look(path) is not None
+    assert existing_output.look(path) is not None
     shutil.copy(path, other)
     with h5py.File(path, "a") as file:
         del file["E"]
         file["E"] = h5py.ExternalLink("other.h5", "/E")  # the very same values
-    assert there.look(path) is None
+    assert existing_output.look(path) is None
 
 
 def test_a_run_into_a_pipe_is_refused_and_waits_for_nobody(tmp_path: Path) -> None:
@@ -460,7 +464,7 @@ def test_a_run_into_a_pipe_is_refused_and_waits_for_nobody(tmp_path: Path) -> No
 def test_a_study_given_for_a_dataset_is_told_how_to_become_one(tmp_path: Path) -> None:
     path = runs.study(tmp_path, runs.grid(2, 2))
     with pytest.raises(InputError, match=r"many\.toml is a study, not a dataset: workbench run makes one of it"):
-        store.read(path)
+        writing.read(path)
 
 
 AS_NOBODY = """
@@ -491,7 +495,7 @@ def test_a_file_of_a_newer_format_is_refused_with_both_numbers(whole: bytes, tmp
         assert file.attrs["format"] == dataset.FORMAT
         file.attrs["format"] = 7
     with pytest.raises(InputError, match=f"is of format 7, but this version reads up to format {dataset.FORMAT}"):
-        store.read(path)
+        writing.read(path)
 
 
 ATTRIBUTES = ("study", "reading", "tolerance", "method", "stiffness", "length_unit", "side")

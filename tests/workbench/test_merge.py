@@ -12,7 +12,8 @@ import xarray as xr
 from solver import InputError
 from studies.loader import loads
 from tests.workbench import small
-from workbench import dataset, joining, merge, runner, store, storing
+from workbench.data import concatenation, dataset, writing
+from workbench.run import in_memory, merge, study_store
 
 RADII = "[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "E"\ndirection = "falls"\nsource = "s"\n'
@@ -47,16 +48,16 @@ def one_by_one(text: str) -> xr.Dataset:
 
 @cache
 def _by_marching(text: str) -> xr.Dataset:
-    return runner.run(small.study(text, HEAD), tol=1e-3, method="verlet")
+    return in_memory.run(small.study(text, HEAD), tol=1e-3, method="verlet")
 
 
 def counted(text: str) -> xr.Dataset:
     """A study's dataset by the method that knows the orbit: a march with so few stations cannot count the bends."""
-    return runner.run(small.study(text, HEAD))
+    return in_memory.run(small.study(text, HEAD))
 
 
 def stored(tmp_path, *datasets: xr.Dataset):
-    return [store.write(ds, tmp_path / f"{i}.h5", force=True) for i, ds in enumerate(datasets)]
+    return [writing.write(ds, tmp_path / f"{i}.h5", force=True) for i, ds in enumerate(datasets)]
 
 
 def assert_same(merged: xr.Dataset, whole: xr.Dataset) -> None:
@@ -93,7 +94,7 @@ def test_an_axis_of_any_field_can_be_joined_first_or_last(name: str, tmp_path) -
     parts, union = AXES[name]
     other = axis("F3", [5.0, 10.0])
     before, after = ("", other) if name in "ER" else (other, "")
-    solved = [runner.run(small.study(before + axis(name, row) + after, HEAD)) for row in (*parts, union)]
+    solved = [in_memory.run(small.study(before + axis(name, row) + after, HEAD)) for row in (*parts, union)]
     merge.merge(stored(tmp_path, *solved[:-1]), tmp_path / "all.h5", force=True)
     with xr.open_dataset(tmp_path / "all.h5") as merged:
         # the tolerance of 1e-8 times condition: a case is not solved with the same neighbours in all of them
@@ -105,7 +106,7 @@ def test_the_text_of_the_study_has_all_values_and_makes_the_same_case(tmp_path) 
     degrees = "[axes.beta]\nvalues = [{}]\nunit = 'deg'\n"
     files = stored(tmp_path, *(one_by_one(degrees.format(v)) for v in ("15, 30", "20")))
     merge.merge(files, tmp_path / "all.h5")
-    ds = store.read(tmp_path / "all.h5")
+    ds = writing.read(tmp_path / "all.h5")
     again = loads(ds.attrs["study"])
     np.testing.assert_array_equal(again.coordinates()["beta"], ds["beta"])
     np.testing.assert_allclose(ds["beta"], np.deg2rad([15, 20, 30]), rtol=1e-15)  # rounding
@@ -117,7 +118,7 @@ def test_values_that_are_evenly_spaced_are_told_so(tmp_path) -> None:
     halves = "[axes.E]\nfrom = {}\nto = {}\ncount = 4\n"
     files = stored(tmp_path, *(one_by_one(halves.format(a, b)) for a, b in ((1e4, 1.75e4), (2e4, 2.75e4))))
     merge.merge(files, tmp_path / "all.h5")
-    text = store.read(tmp_path / "all.h5").attrs["study"]
+    text = writing.read(tmp_path / "all.h5").attrs["study"]
     assert "from = 10000.0\nto = 27500.0\ncount = 8" in text
 
 
@@ -135,7 +136,7 @@ def test_unsolved_cases_of_one_file_make_whole_numbers_of_the_other_real(tmp_pat
     bad["turns"] = bad["turns"].astype(float) * np.nan
     done = merge.merge(stored(tmp_path, good, bad), tmp_path / "all.h5")
     assert (done["unsolved"], done["status"]) == (1, 1)
-    assert np.isnan(store.read(tmp_path / "all.h5")["turns"].values).tolist() == [False, True]
+    assert np.isnan(writing.read(tmp_path / "all.h5")["turns"].values).tolist() == [False, True]
 
 
 E1, E2 = axis("E", [1e4, 2e4]), axis("E", [3e4])
@@ -159,7 +160,7 @@ DIFFERENT = {
 @cache
 def different(text: str, reading=None, tol=1e-3, method="verlet", stations=None, head="") -> xr.Dataset:
     study = small.study(text, head or HEAD).under(reading)
-    return runner.run(study.model_copy(update={"stations": stations or study.stations}), tol, method)
+    return in_memory.run(study.model_copy(update={"stations": stations or study.stations}), tol, method)
 
 
 @pytest.mark.parametrize("sentence", DIFFERENT)
@@ -194,7 +195,7 @@ def test_one_file_a_followed_study_and_a_place_that_is_taken_are_refused(tmp_pat
     with pytest.raises(InputError, match="there is no folder"):
         merge.merge(files, tmp_path / "absent" / "all.h5")
     follow = '[axes.betaL]\nfollow = true\nto = {}\ncount = 3\nunit = "deg"\n'
-    followed = [runner.run(small.study(follow.format(to))) for to in (50, 60)]
+    followed = [in_memory.run(small.study(follow.format(to))) for to in (50, 60)]
     with pytest.raises(InputError, match="follows an equilibrium up to its fold"):
         merge.merge(stored(tmp_path, *followed), tmp_path / "all.h5")
 
@@ -202,7 +203,7 @@ def test_one_file_a_followed_study_and_a_place_that_is_taken_are_refused(tmp_pat
 def test_a_file_may_be_joined_into_itself(tmp_path) -> None:
     files = stored(tmp_path, one_by_one(E1), one_by_one(E2))
     merge.merge(files, files[0])
-    assert store.read(files[0])["E"].values.tolist() == [1e4, 2e4, 3e4]
+    assert writing.read(files[0])["E"].values.tolist() == [1e4, 2e4, 3e4]
 
 
 def test_small_blocks_write_the_same_bits_as_large_ones(tmp_path, monkeypatch) -> None:
@@ -210,7 +211,7 @@ def test_small_blocks_write_the_same_bits_as_large_ones(tmp_path, monkeypatch) -
     files = stored(tmp_path, *parts)
     merge.merge(files, tmp_path / "large.h5")
     for most in (7, 50):
-        monkeypatch.setattr(joining, "BLOCK", most)
+        monkeypatch.setattr(concatenation, "BLOCK", most)
         merge.merge(files, tmp_path / "small.h5")
         with xr.open_dataset(tmp_path / "large.h5") as large, xr.open_dataset(tmp_path / "small.h5") as little:
             xr.testing.assert_identical(large.drop_attrs(deep=False), little.drop_attrs(deep=False))
@@ -229,11 +230,11 @@ def test_versions_that_differ_are_both_kept(tmp_path) -> None:
 def test_a_run_goes_on_from_what_was_joined(tmp_path) -> None:
     files = [tmp_path / "a.h5", tmp_path / "b.h5"]
     for path, values in zip(files, ([1e4, 2e4], [3e4]), strict=True):
-        storing.run_to_file(small.study(axis("E", values) + RADII, HEAD), path)
+        study_store.run_to_file(small.study(axis("E", values) + RADII, HEAD), path)
     joined = tmp_path / "small.h5"
     merge.merge(files, joined)
-    again = storing.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), joined)
+    again = study_store.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), joined)
     assert again.finished_before
     assert again.told["outcomes"] == {"solved": 9}
-    grown = storing.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4, 4e4]) + RADII, HEAD), joined)
+    grown = study_store.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4, 4e4]) + RADII, HEAD), joined)
     assert grown.solved == 3

@@ -6,13 +6,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solver.errors import InputError
-from workbench import drawing, gl, kinds, needed, runner, store
+from solver.problem.errors import InputError
+from tests.workbench import small
+from tests.workbench.pictures import pixels
+from workbench.commands import needed_cases, plot_and_scene
+from workbench.data import writing
+from workbench.run import in_memory
+from workbench.scene import kinds, opengl
 
-from . import small
-from .pictures import pixels
-
-draws = pytest.mark.skipif(not gl.probe()[0], reason=gl.probe()[1])
+draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 AXES = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n[axes.F1]\nvalues = [4.0, 5.0]\n"
 
 
@@ -27,27 +29,33 @@ def file(tmp_path) -> Path:
 def solved(monkeypatch) -> list:
     """The studies that are solved."""
     found: list = []
-    run = runner.run
-    monkeypatch.setattr(runner, "run", lambda study, *more: (found.append(study), run(study, *more))[1])
+    run = in_memory.run
+    monkeypatch.setattr(in_memory, "run", lambda study, *more: (found.append(study), run(study, *more))[1])
     return found
 
 
 def test_only_the_cases_that_are_shown_and_what_their_kind_reads_are_solved(file) -> None:
-    study, ds = needed.rough(file)
-    one = needed.only(study, ds, kinds.KINDS["curvature"], {"E": 2e4}, [])
+    study, ds = needed_cases.rough(file)
+    one = needed_cases.only(study, ds, kinds.KINDS["curvature"], {"E": 2e4}, [])
     assert (one.size, one.axes["E"].values) == (1, [2e4])
     assert set(one.outputs) == {"beta", "dbeta", "alpha", "z"}
     assert one.wanted == []
-    assert set(needed.only(study, ds, kinds.KINDS["twist"], {}, []).outputs) == {"beta", "dbeta", "alpha", "z", "gamma"}
-    row = needed.only(study, ds, kinds.KINDS["ghosts"], {"F1": 4.0}, ["E"])
+    assert set(needed_cases.only(study, ds, kinds.KINDS["twist"], {}, []).outputs) == {
+        "beta",
+        "dbeta",
+        "alpha",
+        "z",
+        "gamma",
+    }
+    row = needed_cases.only(study, ds, kinds.KINDS["ghosts"], {"F1": 4.0}, ["E"])
     assert {name: axis.values for name, axis in row.axes.items()} == {"E": [1e4, 2e4, 3e4], "F1": [4.0]}
 
 
 def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
     pytest.importorskip("vtkmodules")
-    from workbench.taking import TooFew
+    from workbench.scene.composition import TooFew
 
-    study, _ = needed.rough(file)
+    study, _ = needed_cases.rough(file)
     solved.clear()
 
     def draw(ds, exactly):
@@ -56,20 +64,20 @@ def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
             raise TooFew("too few", 3 * n)
         return SimpleNamespace(off=0.5)
 
-    _, stations = needed.at_need(study, draw)
-    assert [s.stations for s in solved] == [needed.FIRST, 3 * needed.FIRST, 9 * needed.FIRST]
-    assert stations == 9 * needed.FIRST
+    _, stations = needed_cases.at_need(study, draw)
+    assert [s.stations for s in solved] == [needed_cases.FIRST, 3 * needed_cases.FIRST, 9 * needed_cases.FIRST]
+    assert stations == 9 * needed_cases.FIRST
 
 
 @draws
 def test_a_study_is_drawn_as_its_file_is_and_finer_takes_more_stations(file, solved, tmp_path, capsys) -> None:
     def draw(what: Path, name: str, error: float) -> np.ndarray:
         out = tmp_path / name
-        assert drawing.scene_file(what, ["E=2e4", "F1=4"], out, kind="plain", pixel_error=error, dpi=60) == 0
+        assert plot_and_scene.scene_file(what, ["E=2e4", "F1=4"], out, kind="plain", pixel_error=error, dpi=60) == 0
         return (255 * pixels(out)).round().astype(int)
 
     stored = tmp_path / "stored.h5"
-    store.write(runner.run(needed.load(file)), stored)
+    writing.write(in_memory.run(needed_cases.load(file)), stored)
     solved.clear()
     one, other = draw(file, "one.png", 1.0), draw(stored, "other.png", 1.0)
     assert len(solved) <= 3  # the ends of all, and the one that is shown once or twice
@@ -82,23 +90,23 @@ def test_a_study_is_drawn_as_its_file_is_and_finer_takes_more_stations(file, sol
 
 def test_a_file_goes_before_a_study_of_its_name(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert needed.is_study(Path("fig6"))
+    assert needed_cases.is_study(Path("fig6"))
     Path("fig6").write_text("")
-    assert not needed.is_study(Path("fig6"))
-    assert not needed.is_study(Path("mine.h5"))
+    assert not needed_cases.is_study(Path("fig6"))
+    assert not needed_cases.is_study(Path("mine.h5"))
 
 
 def test_a_study_of_too_many_cases_is_refused_before_it_is_solved(tmp_path, solved) -> None:
     path = tmp_path / "many.toml"
     path.write_text(small.study("[axes.E]\nfrom = 1e4\nto = 2e4\ncount = 10001\n", "").text)
     with pytest.raises(InputError, match=r"10001 cases.*workbench run"):
-        needed.rough(path)
+        needed_cases.rough(path)
     assert not solved
 
 
 def test_a_name_that_is_no_study_is_told_the_studies(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match="no study 'fig7_1', did you mean 'fig7_1_modulus'; choose from fig6, "):
-        drawing.scene_file(Path("fig7_1"), [], None)
+        plot_and_scene.scene_file(Path("fig7_1"), [], None)
     with pytest.raises(InputError, match=r"there is no file fig7_1\.h5"):
-        drawing.scene_file(Path("fig7_1.h5"), [], None)
+        plot_and_scene.scene_file(Path("fig7_1.h5"), [], None)

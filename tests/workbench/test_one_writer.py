@@ -11,9 +11,11 @@ from typer.testing import CliRunner
 
 from solver import InputError
 from studies import READINGS
-from workbench import gl, readings_run, reproduce
 from workbench.cli import app
-from workbench.running import run_study
+from workbench.commands import reproduce
+from workbench.commands.run import run_study
+from workbench.scene import opengl
+from workbench.web.report import readings_table
 
 STUDIES = ["fig6", "fig7_2_radius", "fig7_4_end_angle"]  # a single case, an axis, and one that is followed
 
@@ -21,13 +23,13 @@ STUDIES = ["fig6", "fig7_2_radius", "fig7_4_end_angle"]  # a single case, an axi
 @pytest.fixture
 def fast(monkeypatch: pytest.MonkeyPatch) -> Any:
     """`reproduce` of three studies, without scenes, and the readings of one panel."""
-    found = readings_run.run(readings_run.panels()[1:2], readings=tuple(READINGS)[:2])
-    monkeypatch.setattr(gl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
+    found = readings_table.run(readings_table.panels()[1:2], readings=tuple(READINGS)[:2])
+    monkeypatch.setattr(opengl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
     monkeypatch.setattr(reproduce, "names", lambda: STUDIES)
     monkeypatch.setattr(reproduce.readings_run, "run", lambda panels, step: found)
-    gl.probe.cache_clear()
+    opengl.probe.cache_clear()
     yield
-    gl.probe.cache_clear()
+    opengl.probe.cache_clear()
 
 
 def content(path: Path) -> dict[str, Any]:

@@ -10,24 +10,25 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from solver.errors import InputError
+from solver.problem.errors import InputError
 from studies import load, names
 from studies.reasons import DOES
-from workbench import check, picking, plots, profile, runner, style
-from workbench.stretch import stretch
-
-from .pictures import pixels, share_of_ink
-from .small import grid, study
+from tests.workbench.pictures import pixels, share_of_ink
+from tests.workbench.small import grid, study
+from workbench.data import case_selection, law_verdicts
+from workbench.figures import single_rod, style, trends
+from workbench.figures.scales import stretch
+from workbench.run import in_memory
 
 
 @pytest.fixture(scope="module")
 def forces() -> xr.Dataset:
-    return runner.run(load("fig7_5_forces"))
+    return in_memory.run(load("fig7_5_forces"))
 
 
 @pytest.fixture(scope="module")
 def angles() -> xr.Dataset:
-    return runner.run(load("fig7_3_start_angle"))
+    return in_memory.run(load("fig7_3_start_angle"))
 
 
 def axes():
@@ -41,7 +42,7 @@ def said(ax) -> str:
 @pytest.mark.parametrize("name", names())
 def test_every_shipped_study_has_a_figure_that_is_not_empty(name: str, tmp_path) -> None:
     path = tmp_path / f"{name}.png"
-    plots.figure(runner.run(load(name)), path)
+    trends.figure(in_memory.run(load(name)), path)
     picture = pixels(path)
     assert picture.shape[1] >= 1800
     assert 0.02 < share_of_ink(picture) < 0.6
@@ -52,44 +53,44 @@ def test_every_shipped_study_has_a_figure_that_is_not_empty(name: str, tmp_path)
 @pytest.mark.parametrize("suffix", [".pdf", ".svg"])
 def test_a_figure_is_also_a_drawing(suffix: str, tmp_path) -> None:
     path = tmp_path / f"figure{suffix}"
-    plots.figure(runner.run(grid()), path)
+    trends.figure(in_memory.run(grid()), path)
     assert path.read_bytes()[:5] in (b"%PDF-", b"<?xml")
 
 
 def test_another_ending_is_refused(tmp_path) -> None:
     with pytest.raises(InputError, match=r"figure\.txt.*\.png, \.pdf, \.svg"):
-        plots.figure(runner.run(grid()), tmp_path / "figure.txt")
+        trends.figure(in_memory.run(grid()), tmp_path / "figure.txt")
 
 
 def test_a_panel_shows_the_stored_numbers(angles) -> None:
-    ax = plots.panel(angles, axes(), 0)
+    ax = trends.panel(angles, axes(), 0)
     drawn = np.vstack([points.get_offsets() for points in ax.collections if len(points.get_offsets()) == 9])
     np.testing.assert_allclose(drawn[:, 0], np.rad2deg(angles["beta"]))
     np.testing.assert_array_equal(drawn[:, 1], angles["turns"])
 
 
 def test_a_panel_tells_the_verdict_and_marks_each_step_the_wrong_way(angles) -> None:
-    holds, trend = plots.panel(angles, axes(), 0), plots.panel(angles, axes(), 1)
+    holds, trend = trends.panel(angles, axes(), 0), trends.panel(angles, axes(), 1)
     assert "holds" in said(holds)
     assert "qualified" in said(trend)
     assert holds.get_legend() is None
     (label,) = [text.get_text() for text in trend.get_legend().get_texts()]
     assert label == "a step the wrong way"
-    row = check.verdicts(angles)[1]
+    row = law_verdicts.verdicts(angles)[1]
     marked = [line.get_ydata().tolist() for line in trend.lines if line.get_linewidth() == 3]
     assert marked == [step["values"] for step in row["exceptions"]]
 
 
 def test_a_panel_tells_what_became_of_the_other_observables_of_the_sentence(angles) -> None:
-    for i, row in enumerate(check.verdicts(angles)):
-        told = said(plots.panel(angles, axes(), i))
+    for i, row in enumerate(law_verdicts.verdicts(angles)):
+        told = said(trends.panel(angles, axes(), i))
         for also in row["also"]:
             assert f"{style.short(angles[also['observable']])} {DOES[also['verdict']][0]}" in told
 
 
 def test_a_qualified_law_stands_in_orange_with_its_reason_beside_it_in_symbols(angles) -> None:
-    ax = plots.panel(angles, axes(), 1)
-    row = check.verdicts(angles)[1]
+    ax = trends.panel(angles, axes(), 1)
+    row = law_verdicts.verdicts(angles)[1]
     written = {text.get_text().replace("\n", " "): text.get_color() for text in ax.texts}
     assert written["qualified"] == style.VERDICT_COLOURS["qualified"]
     (reason,) = [text for text in written if text.startswith("depends on the observable (mean κ rises as a trend")]
@@ -99,7 +100,7 @@ def test_a_qualified_law_stands_in_orange_with_its_reason_beside_it_in_symbols(a
 
 
 def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:
-    ax = plots.panel(forces, axes(), 0)
+    ax = trends.panel(forces, axes(), 0)
     faint = [line for line in ax.lines if line.get_color() == style.FAINT]
     (strong,) = [line for line in ax.lines if line.get_color() == style.SOFT and len(line.get_xdata()) == 9]
     assert len(faint) == 9
@@ -109,13 +110,13 @@ def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:
 
 def test_there_is_no_panel_for_a_law_that_is_not_there(angles) -> None:
     with pytest.raises(InputError, match="no law number 2: the study has 2"):
-        plots.panel(angles, axes(), 2)
+        trends.panel(angles, axes(), 2)
     with pytest.raises(InputError, match="'bends'"):
-        plots.trend(angles, axes(), "bends", "beta")
+        trends.trend(angles, axes(), "bends", "beta")
 
 
 def test_unrolled_curves_keep_their_shape_and_do_not_touch(angles) -> None:
-    ax = plots.developed(angles, axes(), "beta")
+    ax = trends.developed(angles, axes(), "beta")
     assert ax.get_aspect() == 1
     curves = [line for line in ax.lines if len(line.get_xdata()) == angles.sizes["u"]]
     assert len(curves) == 9
@@ -130,41 +131,41 @@ def test_unrolled_curves_keep_their_shape_and_do_not_touch(angles) -> None:
 
 
 def test_an_unsolved_case_is_said_to_be_so() -> None:
-    ds = runner.run(study("[axes.E]\nvalues = [1e4, 2e4, 4e4]\n", 'observables = ["kappa_mean"]'))
+    ds = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4, 4e4]\n", 'observables = ["kappa_mean"]'))
     for name in ("kappa_mean", "alpha", "z"):
         ds[name][1] = np.nan
-    assert "unsolved" in said(plots.developed(ds, axes(), "E"))
-    ax = plots.trend(ds, axes(), "kappa_mean", "E")
+    assert "unsolved" in said(trends.developed(ds, axes(), "E"))
+    ax = trends.trend(ds, axes(), "kappa_mean", "E")
     assert "unsolved" in ax.get_legend_handles_labels()[1]
 
 
 def test_lift_off_is_shaded_where_the_cylinder_would_have_to_pull() -> None:
-    ds = runner.run(load("fig6"))
-    assert (profile.pushes(ds) == ds["contact"].values).all()
-    assert (profile.pushes(ds.assign_attrs(side="inside")) == -ds["contact"].values).all()
-    labels = profile.contact(ds, axes()).get_legend_handles_labels()[1]
+    ds = in_memory.run(load("fig6"))
+    assert (single_rod.pushes(ds) == ds["contact"].values).all()
+    assert (single_rod.pushes(ds.assign_attrs(side="inside")) == -ds["contact"].values).all()
+    labels = single_rod.contact(ds, axes()).get_legend_handles_labels()[1]
     assert any("lift off" in label for label in labels)
 
 
 @pytest.mark.parametrize("side", ["outside", "inside"])
 def test_a_push_is_drawn_upward_on_either_side(side: str) -> None:
-    ds = runner.run(load("fig6")).assign_attrs(side=side)
-    ax = profile.contact(ds, axes())
-    np.testing.assert_array_equal(ax.lines[0].get_ydata(), profile.pushes(ds))
+    ds = in_memory.run(load("fig6")).assign_attrs(side=side)
+    ax = single_rod.contact(ds, axes())
+    np.testing.assert_array_equal(ax.lines[0].get_ydata(), single_rod.pushes(ds))
     assert "outward" not in ax.get_title("left")
 
 
 def test_where_a_law_decides_is_where_a_picture_is_taken(forces) -> None:
-    for row in check.verdicts(forces):
+    for row in law_verdicts.verdicts(forces):
         for name, value in row["at"].items():
-            assert float(forces[name][picking.case(forces)[name]]) == pytest.approx(value)
+            assert float(forces[name][case_selection.case(forces)[name]]) == pytest.approx(value)
 
 
 def test_drawing_leaves_no_state_behind(tmp_path) -> None:
     import matplotlib
 
     before = dict(matplotlib.rcParams)
-    plots.figure(runner.run(grid()), tmp_path / "figure.png")
+    trends.figure(in_memory.run(grid()), tmp_path / "figure.png")
     assert dict(matplotlib.rcParams) == before
     assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()
 
@@ -196,7 +197,7 @@ def of_user(kind: str) -> xr.Dataset:
     laws = LAW if kind in ("wide verdict", "thin beside a law") else ""
     if kind == "wide verdict":
         values = "values = [1e4, 1.1e4, 1.2e4, 2e4, 5e4, 3.7e5]\n[axes.F3]\nvalues = [5.0, 20.0, 80.0]"
-    ds = runner.run(study(f"[axes.E]\n{values}\n{laws}"))
+    ds = in_memory.run(study(f"[axes.E]\n{values}\n{laws}"))
     if kind == "wide verdict":
         ds = ds.assign_attrs(title="A title that goes on for longer than a page of this width can hold, " * 2)
     if kind.startswith("thin"):
@@ -208,7 +209,7 @@ def of_user(kind: str) -> xr.Dataset:
 
 @pytest.mark.parametrize("kind", ["one value", "large numbers", "wide verdict", "thin beside a law", "flat"])
 def test_whatever_a_study_asks_for_no_word_is_cut_off_and_no_two_ticks_meet(kind: str, tmp_path) -> None:
-    fig = plots.figure(of_user(kind), tmp_path / "figure.png")
+    fig = trends.figure(of_user(kind), tmp_path / "figure.png")
     page, across, outside = fig.bbox, [], []
     for ax in fig.axes:
         for labels, k, limits in ((ax.get_xticklabels(), 0, ax.get_xlim()), (ax.get_yticklabels(), 1, ax.get_ylim())):
@@ -228,7 +229,7 @@ def test_whatever_a_study_asks_for_no_word_is_cut_off_and_no_two_ticks_meet(kind
 def test_curves_too_thin_to_see_are_drawn_at_two_scales_and_the_axis_says_so(kind: str, said: str | None) -> None:
     ds = of_user(kind)
     fig = Figure(figsize=(9, 6))
-    ax = plots.developed(ds, fig.add_subplot(), "E")
+    ax = trends.developed(ds, fig.add_subplot(), "E")
     if said is None:
         assert ax.get_aspect() == 1
         assert "times larger" not in ax.get_ylabel()
@@ -251,15 +252,15 @@ def test_one_scale_is_left_only_where_the_curves_would_be_a_hair() -> None:
 def test_what_differs_by_rounding_is_drawn_as_level() -> None:
     ds = of_user("large numbers")
     ds["wraps"] = ds["wraps"] * 0 + 3.5 + 1e-13 * np.arange(9)
-    low, high = plots.trend(ds, axes(), "wraps", "E").get_ylim()
+    low, high = trends.trend(ds, axes(), "wraps", "E").get_ylim()
     assert (low, high) == pytest.approx((3.15, 3.85))
 
 
 def test_a_rod_that_bends_between_its_stations_is_dotted_and_said_to_be_and_else_a_line() -> None:
     for stations, dotted in ((21, True), (401, False)):
-        one = runner.run(study("").at_stations(stations))
-        two = runner.run(study("[axes.E]\nvalues = [1e4, 2e4]").at_stations(stations))
-        for ax in (profile.angle(one, axes()), profile.curve(one, axes()), plots.developed(two, axes(), "E")):
+        one = in_memory.run(study("").at_stations(stations))
+        two = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]").at_stations(stations))
+        for ax in (single_rod.angle(one, axes()), single_rod.curve(one, axes()), trends.developed(two, axes(), "E")):
             title = ax.get_title(loc="left").replace("\n", " ")
             assert ("dots" in title) == (f"{stations} stations" in title) == dotted
             assert any(line.get_marker() == "." for line in ax.lines) == dotted

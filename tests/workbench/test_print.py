@@ -10,18 +10,21 @@ from PIL import Image
 
 from studies import load
 from studies.loader import loads
-from workbench import drawing, gallery, gl, plots, runner, store
-from workbench import equilibria as command
+from tests.workbench import small
+from workbench.commands import list_equilibria as command
+from workbench.commands import plot_and_scene
+from workbench.data import writing
+from workbench.figures import equilibria_gallery, trends
+from workbench.run import in_memory
+from workbench.scene import opengl
 
-from . import small
-
-draws = pytest.mark.skipif(not gl.probe()[0], reason=gl.probe()[1])
+draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 
 
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
     axes = "[axes.E]\nvalues = [1e4, 2e4]\n"
-    return runner.run(loads(small.HEAD.replace("[units]", 'observables = ["wraps"]\n[units]') + axes))
+    return in_memory.run(loads(small.HEAD.replace("[units]", 'observables = ["wraps"]\n[units]') + axes))
 
 
 def equilibria(path: Path) -> None:
@@ -29,14 +32,14 @@ def equilibria(path: Path) -> None:
     case = command.ends_of(study)
     from solver import equilibria as every
 
-    gallery.figure(gallery.dataset_of(study, case, every(case)[:2]), path)
+    equilibria_gallery.figure(equilibria_gallery.dataset_of(study, case, every(case)[:2]), path)
 
 
 @pytest.mark.parametrize("name", ["plot", "equilibria"])
 def test_a_diagram_for_print_is_vectors_with_its_letters_inside(ds, tmp_path, name: str) -> None:
     for kind in ("pdf", "svg"):
         path = tmp_path / f"one.{kind}"
-        plots.figure(ds, path) if name == "plot" else equilibria(path)
+        trends.figure(ds, path) if name == "plot" else equilibria(path)
         said = path.read_bytes()
         assert b"/Subtype /Image" not in said
         assert b"<image" not in said
@@ -49,10 +52,10 @@ def test_a_diagram_for_print_is_vectors_with_its_letters_inside(ds, tmp_path, na
 
 
 def test_the_dots_an_inch_of_a_plot_change_its_pixels_and_not_its_inches(ds, tmp_path) -> None:
-    file = store.write(ds, tmp_path / "one.h5")
+    file = writing.write(ds, tmp_path / "one.h5")
     sizes = {}
     for dpi in (100, 300):
-        drawing.plot_file(file, tmp_path / f"{dpi}.png", dpi=dpi)
+        plot_and_scene.plot_file(file, tmp_path / f"{dpi}.png", dpi=dpi)
         with Image.open(tmp_path / f"{dpi}.png") as picture:
             assert picture.info["dpi"] == pytest.approx((dpi, dpi), abs=0.1)  # stored in dots a metre
             sizes[dpi] = np.array(picture.size) / dpi
@@ -61,12 +64,12 @@ def test_the_dots_an_inch_of_a_plot_change_its_pixels_and_not_its_inches(ds, tmp
 
 @draws
 def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
-    from workbench import scenes, taking
+    from workbench.scene import composition, layout
 
     pages = []
     for dpi in (50, 75, 110):
         path = tmp_path / f"{dpi}.png"
-        scenes.render(ds, path, kind="plain", look=taking.Look(1.0, dpi))
+        layout.render(ds, path, kind="plain", look=composition.Look(1.0, dpi))
         with Image.open(path) as picture:
             assert picture.size == (8 * dpi, 6 * dpi)
             assert picture.info["dpi"] == pytest.approx((dpi, dpi), abs=0.1)
@@ -77,19 +80,19 @@ def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
 
 @draws
 def test_a_picture_too_large_to_be_taken_twice_as_fine_is_the_same_picture(ds, tmp_path, monkeypatch) -> None:
-    from workbench import scenes, stage, taking
+    from workbench.scene import composition, layout, rendering
 
     taken = []
-    for most in (stage.MOST_PIXELS, 1):
-        monkeypatch.setattr(stage, "MOST_PIXELS", most)
-        taken.append(scenes.take(ds, kind="plain", look=taking.Look(1.0, 60)).sheet.pixels.astype(float))
+    for most in (rendering.MOST_PIXELS, 1):
+        monkeypatch.setattr(rendering, "MOST_PIXELS", most)
+        taken.append(layout.take(ds, kind="plain", look=composition.Look(1.0, 60)).sheet.pixels.astype(float))
     assert taken[0].shape == taken[1].shape
     assert not np.array_equal(taken[0], taken[1])
     assert (np.abs(taken[0] - taken[1]).max(axis=-1) > 60).mean() < 0.06  # edges are rough where nothing is averaged
 
 
 def test_the_pages_of_a_pdf_are_as_wide_as_the_pictures(ds, tmp_path) -> None:
-    plots.figure(ds, tmp_path / "one.pdf")
+    trends.figure(ds, tmp_path / "one.pdf")
     box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ([0-9.]+) ?\]", (tmp_path / "one.pdf").read_bytes())
     assert box is not None
-    assert float(box[1]) == pytest.approx(72 * plots.WIDTH, abs=0.5)  # points
+    assert float(box[1]) == pytest.approx(72 * trends.WIDTH, abs=0.5)  # points

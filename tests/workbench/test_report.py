@@ -21,12 +21,17 @@ import pytest
 import xarray as xr
 from matplotlib import image
 
-from solver.errors import InputError
+from solver.problem.errors import InputError
 from studies import READINGS, load, names
 from tests.workbench.pictures import share_of_hue
-from workbench import browser, check, gl, readings_run, report, report_measured, report_view, runner, store, style
-from workbench.errata import ERRATA
-from workbench.runner import StudyResult
+from workbench.data import law_verdicts, writing
+from workbench.figures import style
+from workbench.run import in_memory
+from workbench.run.in_memory import StudyResult
+from workbench.scene import opengl
+from workbench.web import browser_assets
+from workbench.web.report import document, measured_runs, readings_table, turning_view
+from workbench.web.report.errata import ERRATA
 
 ADVICE = "OpenGL does not work here, so no scenes are drawn; install libegl1 libgl1-mesa-dri"
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
@@ -86,7 +91,7 @@ class Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def readings() -> xr.Dataset:
-    return readings_run.run()
+    return readings_table.run()
 
 
 @pytest.fixture(scope="module")
@@ -94,22 +99,22 @@ def results(tmp_path_factory) -> list[StudyResult]:
     folder = tmp_path_factory.mktemp("pictures")
     found = []
     for name in names():
-        ds = runner.run(load(name))
+        ds = in_memory.run(load(name))
         pictures = {part: folder / f"{name}_{part}.png" for part in ("figure", "scene")}
         for path in pictures.values():
             path.write_bytes(DOT)
-        found.append(replace(runner.result(load(name), ds, folder / f"{name}.h5"), pictures=pictures))
+        found.append(replace(in_memory.result(load(name), ds, folder / f"{name}.h5"), pictures=pictures))
     return found
 
 
 @pytest.fixture(scope="module")
-def measured(tmp_path_factory) -> list[report_measured.Measured]:
-    return report_measured.both(tmp_path_factory.mktemp("nothing"))
+def measured(tmp_path_factory) -> list[measured_runs.Measured]:
+    return measured_runs.both(tmp_path_factory.mktemp("nothing"))
 
 
 @pytest.fixture(scope="module")
 def text(results, readings, measured) -> str:
-    return report.html(results, readings, measured=measured)
+    return document.html(results, readings, measured=measured)
 
 
 def without_scenes(results: list[StudyResult]) -> list[StudyResult]:
@@ -155,10 +160,10 @@ def test_tables_are_complete(text, results) -> None:
 
 
 def test_verdicts_are_words_and_colours(text, readings) -> None:
-    kinds = "|".join(report.CLASSES.values())
+    kinds = "|".join(document.CLASSES.values())
     cells = re.findall(rf'<td class="({kinds})"[^>]*><span class="mark (\w+)">([^<]+)</span>', text)
     assert len(cells) == 12 * 5
-    assert all(outer == inner == report.CLASSES[word] for outer, inner, word in cells)
+    assert all(outer == inner == document.CLASSES[word] for outer, inner, word in cells)
     assert [word for *_, word in cells] == readings["claim_verdict"].values.ravel().tolist()
 
 
@@ -176,12 +181,12 @@ def test_each_claim_stands_on_top_with_the_words_and_values_of_its_laws(text, re
     top = Page(text).text.partition("Sections")[0].partition("The tube has")[0]
     for result in results:
         for row in result.verdicts:
-            assert f": {check.measured(row)}, {row['verdict']}" in top
-            assert style.reason(row, check.detail(row)) in top
+            assert f": {law_verdicts.measured(row)}, {row['verdict']}" in top
+            assert style.reason(row, law_verdicts.detail(row)) in top
             if row["lines"] > 1:
                 assert f"of {row['lines']} lines {row['lines_hold']} hold, " in top
     rows = [row for result in results for row in result.verdicts]
-    assert check.tallied(rows) in top
+    assert law_verdicts.tallied(rows) in top
     level = [r for result in results for r in result.verdicts if r["direction"] == "not-falling"]
     assert level  # claim (4), whose sentence says increase
     for row in level:
@@ -225,7 +230,7 @@ SEEN = {
 @pytest.mark.parametrize("eye", SEEN)
 def test_the_colours_of_verdicts_are_told_apart_by_every_eye_and_read_on_white(eye: str) -> None:
     colours = {verdict: linear(colour) for verdict, colour in style.VERDICT_COLOURS.items()}
-    assert list(colours) == list(report.CLASSES)
+    assert list(colours) == list(document.CLASSES)
     for light in colours.values():
         assert 1.05 / (light @ [0.2126, 0.7152, 0.0722] + 0.05) >= 4.5  # what WCAG asks of text
     shown = [lab(np.array(SEEN[eye]) @ light) for light in colours.values()]
@@ -253,52 +258,52 @@ def test_versions_and_errata_are_told(text) -> None:
 
 
 def test_without_opengl_a_note_says_what_to_install(results, readings) -> None:
-    page = Page(report.html(without_scenes(results), readings, ADVICE))
+    page = Page(document.html(without_scenes(results), readings, ADVICE))
     assert page.text.count("No picture of the scene.") == len(results)
     assert "libegl1 libgl1-mesa-dri" in page.text
     assert len(page.pictures) == len(results)
 
 
 def test_without_readings_the_report_says_so(results) -> None:
-    assert "The readings were not run." in report.html(results[:1])
+    assert "The readings were not run." in document.html(results[:1])
 
 
 def test_a_study_that_a_reading_does_not_admit_is_named_with_its_reason(results, readings) -> None:
-    told = report.html(results, readings, refusals=["Fig. 7 (4): its own end angle lies beyond 60 degrees"])
+    told = document.html(results, readings, refusals=["Fig. 7 (4): its own end angle lies beyond 60 degrees"])
     assert "Fig. 7 (4): its own end angle lies beyond 60 degrees" in Page(told).text
-    assert "Left out." not in Page(report.html(results, readings)).text
+    assert "Left out." not in Page(document.html(results, readings)).text
 
 
 def test_what_a_study_says_is_text_and_not_markup(results) -> None:
     ds = results[0].ds.assign_attrs(title="<script>alert(1)</script>")
-    text = report.html([replace(results[0], ds=ds)])
+    text = document.html([replace(results[0], ds=ds)])
     assert "<script>alert" not in text
 
 
 def test_the_report_replaces_the_old_one_whole(results, measured, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(report_measured, "both", lambda folder: measured if folder == tmp_path else [])
-    assert report.write(results[:1], tmp_path) == tmp_path / "report.html"
+    monkeypatch.setattr(measured_runs, "both", lambda folder: measured if folder == tmp_path else [])
+    assert document.write(results[:1], tmp_path) == tmp_path / "report.html"
     assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
     assert 'id="extremes"' in (tmp_path / "report.html").read_text(encoding="utf-8")
     with pytest.raises(InputError, match="cannot write"):
-        report.write(results[:1], tmp_path / "nowhere")
+        document.write(results[:1], tmp_path / "nowhere")
     with pytest.raises(InputError, match="at least one study"):
-        report.html([])
+        document.html([])
 
 
 @pytest.mark.slow
 def test_on_a_machine_without_opengl_everything_else_is_done(readings, monkeypatch, tmp_path: Path, capsys) -> None:
-    from workbench import reproduce
+    from workbench.commands import reproduce
 
     # VTK would end this very process, as it does there
-    monkeypatch.setattr(gl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
-    monkeypatch.setitem(sys.modules, "workbench.scenes", None)
+    monkeypatch.setattr(opengl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
+    monkeypatch.setitem(sys.modules, "workbench.scene.layout", None)
     monkeypatch.setattr(reproduce.readings_run, "run", lambda panels, step: readings)  # seconds saved
-    gl.probe.cache_clear()
+    opengl.probe.cache_clear()
     try:
         assert reproduce.reproduce(tmp_path, None) == 0
     finally:
-        gl.probe.cache_clear()
+        opengl.probe.cache_clear()
     assert "libegl1 libgl1-mesa-dri" in capsys.readouterr().out
     for name in names():
         assert (tmp_path / f"{name}.h5").exists()
@@ -310,14 +315,14 @@ def test_on_a_machine_without_opengl_everything_else_is_done(readings, monkeypat
 def test_a_drawing_is_packed_without_loss(tmp_path) -> None:
     dots = np.random.default_rng(5).integers(0, 256, (20, 30, 3), dtype=np.uint8)
     image.imsave(tmp_path / "dots.png", dots)
-    packed = report._picture(tmp_path / "dots.png", "dots", report.DRAWING)["src"].partition(",")[2]
+    packed = document._picture(tmp_path / "dots.png", "dots", document.DRAWING)["src"].partition(",")[2]
     np.testing.assert_array_equal(image.imread(BytesIO(base64.b64decode(packed)), format="webp")[..., :3], dots)
 
 
 @needs_explore
 def test_the_scene_that_turns_is_the_stored_rod(text, results) -> None:
     packed = {name: gzip.decompress(base64.b64decode(data)).decode() for name, data in Page(text).packed.items()}
-    for name, path in browser.scripts().items():
+    for name, path in browser_assets.scripts().items():
         assert packed[name] == path.read_text(encoding="utf-8")
     (ds,) = [result.ds for result in results if result.study.name == "fig6"]
     parts = {part["name"]: part for part in json.loads(packed["scene"])["parts"]}
@@ -339,8 +344,8 @@ def test_the_scene_that_turns_is_the_stored_rod(text, results) -> None:
 
 
 def test_without_the_extra_the_still_picture_stays_and_the_report_says_so(results, readings, monkeypatch) -> None:
-    monkeypatch.setattr(browser, "FILES", {"vtk.js": ("no_such_package", "vtk.js")})
-    page = Page(report.html(results, readings))
+    monkeypatch.setattr(browser_assets, "FILES", {"vtk.js": ("no_such_package", "vtk.js")})
+    page = Page(document.html(results, readings))
     assert "still picture only: vtk.js is not here: pip install 'rod-workbench[explore]'" in page.text
     assert page.packed == {}
     assert len(page.pictures) == sum(len(result.pictures) for result in results)
@@ -351,7 +356,7 @@ def test_a_rod_without_a_shape_does_not_turn(results) -> None:
     ds = one.ds.assign(outcome=one.ds["outcome"].copy(data=np.array("failed: for the test")))
     if find_spec("trame_vtk"):
         with pytest.raises(InputError, match="failed: for the test"):
-            report_view.view(ds)
+            turning_view.view(ds)
 
 
 def test_paper_gets_the_still_picture_and_whole_tables(text) -> None:
@@ -367,10 +372,10 @@ def test_a_run_beside_the_report_is_drawn_and_a_broken_one_gives_way(tmp_path, m
     for one in measured:
         assert "a run that comes with the workbench" in one.source
         assert re.search(r"Measured 20\d\d-\d\d-\d\d [\d:]+ UTC on \S+", one.source)
-    ds = store.read(report_measured.SHIPPED / "trade.h5", study=False)
-    store.write(ds.isel(case=[0, 1]).assign_attrs(machine="a test"), tmp_path / "trade.h5")
+    ds = writing.read(measured_runs.SHIPPED / "trade.h5", study=False)
+    writing.write(ds.isel(case=[0, 1]).assign_attrs(machine="a test"), tmp_path / "trade.h5")
     (tmp_path / "extremes.h5").write_bytes(b"no dataset")
-    trade, extremes = report_measured.both(tmp_path)
+    trade, extremes = measured_runs.both(tmp_path)
     assert "on 2 rods" in trade.shows
     assert "on a test, with" in trade.source
     assert trade.source.endswith("trade.h5 beside this report")

@@ -10,12 +10,13 @@ from solver.methods import METHODS
 from solver.methods.base import Trajectory
 from studies.loader import loads
 from tests.workbench import small
-from workbench import check, dataset, runner
+from workbench.data import dataset, law_verdicts
+from workbench.run import in_memory
 
 
 def test_the_grid_is_solved_as_its_cases_are_one_by_one() -> None:
     study = small.grid()
-    ds = runner.run(study)
+    ds = in_memory.run(study)
     for E in (1e4, 2e4):
         for R in (0.5, 0.75, 1.0):
             one = solve(small.study(f"[base]\nE = {E}\nR = {R}").case(), stations=21)
@@ -27,13 +28,13 @@ def test_the_grid_is_solved_as_its_cases_are_one_by_one() -> None:
 
 
 def small_turns(sol) -> int:
-    from solver.observables import observe
+    from solver.observe.observables import observe
 
     return int(observe(sol, ["turns"])["turns"])
 
 
 def test_axes_are_labelled_dimensions_in_the_order_of_the_study() -> None:
-    ds = runner.run(small.grid())
+    ds = in_memory.run(small.grid())
     assert dict(ds.sizes) == {"E": 2, "R": 3, "u": 21}
     assert ds["beta"].dims == ("E", "R", "u")
     assert ds["turns"].dims == ("E", "R")
@@ -42,7 +43,7 @@ def test_axes_are_labelled_dimensions_in_the_order_of_the_study() -> None:
 
 
 def test_everything_has_a_unit_and_a_long_name() -> None:
-    ds = runner.run(small.grid())
+    ds = in_memory.run(small.grid())
     for name, variable in ds.variables.items():
         assert {"units", "long_name"} <= set(variable.attrs), name
     assert ds["E"].attrs["units"] == "N/cm^2"
@@ -51,13 +52,13 @@ def test_everything_has_a_unit_and_a_long_name() -> None:
 
 
 def test_only_what_was_asked_for_is_stored() -> None:
-    ds = runner.run(small.study(head='observables = ["wraps"]\noutputs = ["z"]'))
+    ds = in_memory.run(small.study(head='observables = ["wraps"]\noutputs = ["z"]'))
     always = {"outcome", "caution", "error", "condition", "R", "a", "L", "rho", "E", "nu", "FZ", "MZ", "M3"}
     assert set(ds.data_vars) == {"wraps", "wraps_error", "z"} | always
 
 
 def test_what_is_needed_to_draw_is_there_and_varies_with_its_axis_only() -> None:
-    ds = runner.run(small.grid())
+    ds = in_memory.run(small.grid())
     assert (ds["a"].item(), ds["L"].item(), ds["nu"].item()) == (0.25, 20.0, 0.25)
     assert ds["rho"].dims == ("R",)
     np.testing.assert_allclose(ds["rho"], ds["R"] + 0.25, rtol=1e-15)  # rounding
@@ -66,14 +67,14 @@ def test_what_is_needed_to_draw_is_there_and_varies_with_its_axis_only() -> None
 
 
 def test_arc_length_is_shared_unless_the_length_varies() -> None:
-    assert runner.run(small.grid())["s"].dims == ("u",)
-    varied = runner.run(small.study("[axes.L]\nvalues = [10, 20]"))
+    assert in_memory.run(small.grid())["s"].dims == ("u",)
+    varied = in_memory.run(small.study("[axes.L]\nvalues = [10, 20]"))
     assert varied["s"].dims == ("L", "u")
     assert varied["s"][:, -1].values.tolist() == [10.0, 20.0]
 
 
 def test_an_output_with_the_name_of_an_axis_is_kept_beside_it() -> None:
-    ds = runner.run(small.study("[axes.beta]\nvalues = [15, 30]\nunit = 'deg'"))
+    ds = in_memory.run(small.study("[axes.beta]\nvalues = [15, 30]\nunit = 'deg'"))
     np.testing.assert_allclose(ds["beta"], np.deg2rad([15, 30]), rtol=1e-15)  # rounding
     assert ds["beta"].attrs["long_name"].startswith("angle from the axis at the start")
     assert ds["beta_along"].dims == ("beta", "u")
@@ -85,17 +86,17 @@ def test_an_output_with_the_name_of_an_axis_is_kept_beside_it() -> None:
 
 def test_an_axis_says_what_the_reading_makes_of_it() -> None:
     forces = small.study("[axes.F1]\nvalues = [2.5, 10]\n[axes.F3]\nvalues = [5, 20]")
-    shear = runner.run(forces.under("shear/compression"))
+    shear = in_memory.run(forces.under("shear/compression"))
     assert "in-surface shear" in shear["F1"].attrs["long_name"]
     assert "compression" in shear["F3"].attrs["long_name"]
-    dropped = runner.run(forces.under("twist-first"))
+    dropped = in_memory.run(forces.under("twist-first"))
     assert "no effect" in dropped["F1"].attrs["long_name"]
     assert bool((dropped["alpha"][0] == dropped["alpha"][1]).all())
 
 
 def test_where_it_came_from_is_kept_as_attributes() -> None:
     study = small.grid()
-    ds = runner.run(study.under("compression"), tol=1e-7, method="verlet")
+    ds = in_memory.run(study.under("compression"), tol=1e-7, method="verlet")
     assert ds.attrs["study"] == study.text
     assert ds.attrs["study_name"] == "small"
     assert ds.attrs["reading"] == "force-first/compression/paper"
@@ -113,32 +114,32 @@ def test_a_case_that_fails_keeps_its_outcome_and_leaves_its_neighbours_alone(mon
         return path
 
     monkeypatch.setitem(METHODS, "verlet", type(method)(**{**vars(method), "run": failing}))
-    ds = runner.run(small.grid(), method="verlet")
+    ds = in_memory.run(small.grid(), method="verlet")
     bad = ds.isel(E=0, R=2)
     assert bad["outcome"].item() == "failed: on purpose"
     assert np.isnan(bad["beta"]).all()
     assert np.isnan(bad["turns"])
-    assert check.unsolved(ds) == 1
+    assert law_verdicts.unsolved(ds) == 1
     assert not np.isnan(ds["beta"]).where(ds["outcome"] == "solved").sum() > 0
-    (row,) = check.verdicts(ds)
+    (row,) = law_verdicts.verdicts(ds)
     assert row["verdict"] == "not decided"
     assert "1 of 3 cases unsolved" in row["reason"]
-    assert not check.all_well(ds)
-    assert not check.all_well(ds.assign_attrs(laws="[]"))  # an unsolved case is enough
+    assert not law_verdicts.all_well(ds)
+    assert not law_verdicts.all_well(ds.assign_attrs(laws="[]"))  # an unsolved case is enough
 
 
 def test_verdicts_are_those_of_the_stored_numbers() -> None:
-    ds = runner.run(small.grid())
-    (row,) = check.verdicts(ds)
+    ds = in_memory.run(small.grid())
+    (row,) = law_verdicts.verdicts(ds)
     assert (row["claim"], row["verdict"], row["lines_hold"]) == ("(2)", "holds", 2)
     swapped = ds.assign(kappa_max=ds["kappa_max"].copy(data=ds["kappa_max"].values[:, ::-1]))
-    assert check.verdicts(swapped)[0]["verdict"] == "fails"
+    assert law_verdicts.verdicts(swapped)[0]["verdict"] == "fails"
 
 
 @pytest.mark.parametrize("change", [{"method": "rk5"}, {"tol": 2.0}, {"tol": 0.0}])
 def test_an_unknown_method_or_a_senseless_tolerance_is_refused(change: dict) -> None:
     with pytest.raises(InputError):
-        runner.run(small.grid(), **change)
+        in_memory.run(small.grid(), **change)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -148,5 +149,5 @@ def test_it_is_told_whether_the_error_covers_the_observables(method: str) -> Non
     ends = "beta0 = 0.1\nbetaL = 0.2\n" if kind else ""
     study = loads(f'method = "{method}"\ntol = 0.1\n{text}{ends}')
     sol = solve(study.case(), method=method, tol=0.1)
-    resolved = runner.run(study).attrs["observed"] == dataset.RESOLVED
+    resolved = in_memory.run(study).attrs["observed"] == dataset.RESOLVED
     assert resolved == (sol.trajectory.orbit is not None)

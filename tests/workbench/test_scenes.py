@@ -9,15 +9,19 @@ import pytest
 import xarray as xr
 from matplotlib.colors import to_rgb
 
-from solver import frames
-from solver.errors import InputError
+from solver.mechanics import frames
+from solver.problem.errors import InputError
 from studies import load
 from studies.loader import loads
-from workbench import captions, detail, drawing, gl, lines, picking, runner, sheet, style, tube
-from workbench.centreline import Centreline
-from workbench.kinds import KINDS, kind_of
-
-from .pictures import pixels, share_of_hue, share_of_ink
+from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
+from workbench.commands import plot_and_scene
+from workbench.data import case_selection
+from workbench.figures import style
+from workbench.geometry import refinement, tube
+from workbench.geometry.centreline import Centreline
+from workbench.run import in_memory
+from workbench.scene import captions, line_breaks, opengl, page_layout
+from workbench.scene.kinds import KINDS, kind_of
 
 HEAD = 'title = "a rod"\nstations = %d\n[units]\nlength = "cm"\nforce = "N"\n'
 BASE = """[base]
@@ -33,7 +37,7 @@ F3 = %s
 dgamma = 0.5
 """
 
-draws = pytest.mark.skipif(not gl.probe()[0], reason=gl.probe()[1])
+draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 
 
 def dataset(
@@ -43,12 +47,12 @@ def dataset(
     varied = {line.removeprefix("[axes.").removesuffix("]") for line in axes.splitlines()}
     base = "\n".join(line for line in base.splitlines() if line.partition(" ")[0] not in varied)
     text = f"{outputs}{HEAD % stations}{base}\n{axes}"
-    return runner.run(loads(text, default_name="rod"))
+    return in_memory.run(loads(text, default_name="rod"))
 
 
 @pytest.fixture(scope="module")
 def fig6() -> xr.Dataset:
-    return runner.run(load("fig6"))
+    return in_memory.run(load("fig6"))
 
 
 def body(ds: xr.Dataset, kind: str = "contact", **where: int) -> tube.Body:
@@ -87,7 +91,7 @@ def test_the_tube_is_closed_and_its_faces_look_outward(fig6) -> None:
 
 
 def test_a_study_that_varies_the_angle_is_drawn_with_its_stored_tangents() -> None:
-    ds = runner.run(load("fig7_3_start_angle"))
+    ds = in_memory.run(load("fig7_3_start_angle"))
     first, last = (body(ds, beta=i).line.at(np.zeros(1))[1] for i in (0, 8))
     assert np.rad2deg(np.concatenate([first, last])) == pytest.approx([15, 60])
 
@@ -133,31 +137,31 @@ def test_what_is_not_stored_is_named() -> None:
 def test_a_long_rod_is_set_in_lines_that_show_all_of_it() -> None:
     rod = body(dataset(stations=20_001, L=2000.0))
     room = (1400, 960)
-    found = lines.lines_for([rod], room)
+    found = line_breaks.lines_for([rod], room)
     pieces = found.cut(rod)
-    assert lines.is_long([rod])
-    assert not lines.is_long([body(dataset())])
+    assert line_breaks.is_long([rod])
+    assert not line_breaks.is_long([body(dataset())])
     assert [piece.span[0] for piece in pieces] == pytest.approx([0.0, *(piece.span[1] for piece in pieces[:-1])])
     assert pieces[-1].span[1] == pytest.approx(2000.0)
     assert all(found.ends[0] < piece.z.min() and piece.z.max() < found.ends[1] for piece in pieces)
     assert (found.ends[1] - found.ends[0]) * found.per_unit <= room[0] * (1 + 1e-9)
     assert found.count * 2 * rod.reach * found.per_unit <= room[1]  # no line reaches into the next
-    assert 2 * rod.reach * found.per_unit > 4 * lines.THINNEST  # in one row it would be a hair of two pixels
+    assert 2 * rod.reach * found.per_unit > 4 * line_breaks.THINNEST  # in one row it would be a hair of two pixels
     assert found.cells(pieces, "cm")[0].before == "s = 0 cm"
 
 
 def test_with_far_too_few_stations_a_long_rod_is_no_taller_than_it_is_long_and_more_are_asked_for() -> None:
     rod = body(dataset(stations=21, L=2000.0))
-    found = lines.lines_for([rod], (1400, 960))
+    found = line_breaks.lines_for([rod], (1400, 960))
     assert np.ptp(found.ends) <= 2 * (2000.0 / found.count + rod.a + 0.3 * rod.R) * (1 + 1e-9)
-    assert detail.stations_for(rod.line, 0.5 / found.per_unit) > 21
+    assert refinement.stations_for(rod.line, 0.5 / found.per_unit) > 21
 
 
 def test_of_a_rod_too_long_for_the_page_stretches_are_set_and_the_rest_is_told() -> None:
     rod = body(dataset(stations=20_001, L=2000.0))
-    found = lines.lines_for([rod], (60, 40))
+    found = line_breaks.lines_for([rod], (60, 40))
     pieces = found.cut(rod)
-    assert 2 * rod.reach * found.per_unit > 0.9 * lines.THINNEST  # swings at the ends of a line may take a little
+    assert 2 * rod.reach * found.per_unit > 0.9 * line_breaks.THINNEST  # swings at the ends of a line may take a little
     assert (pieces[0].span[0], pieces[-1].span[1]) == (0.0, pytest.approx(2000.0))
     assert sum(piece.span[1] - piece.span[0] for piece in pieces) < 2000.0
     assert found.told(pieces, "cm")[0].startswith(f"only {found.count} stretches")
@@ -227,33 +231,33 @@ def test_lift_off_is_told_from_every_push_whatever_the_eyes(eyes: str) -> None:
 
 
 def test_a_row_runs_along_its_axis_with_the_others_at_table_1() -> None:
-    ds = runner.run(load("fig7_5_forces"))
-    cases = picking.line(ds, "F1")
+    ds = in_memory.run(load("fig7_5_forces"))
+    cases = case_selection.line(ds, "F1")
     assert [case["F1"] for case in cases] == list(range(9))
     assert float(ds["F3"][cases[0]["F3"]]) == pytest.approx(10.0)
-    assert [case["F3"] for case in picking.line(ds, "F3", {"F1": 10.0})] == list(range(9))
-    assert {case["F1"] for case in picking.line(ds, "F3", {"F1": 10.0})} == {8}
+    assert [case["F3"] for case in case_selection.line(ds, "F3", {"F1": 10.0})] == list(range(9))
+    assert {case["F1"] for case in case_selection.line(ds, "F3", {"F1": 10.0})} == {8}
 
 
 def test_an_axis_or_value_that_is_not_there_is_answered_with_what_is() -> None:
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n")
     with pytest.raises(InputError, match=r"'R'.*E"):
-        picking.case(ds, {"R": 1.0})
+        case_selection.case(ds, {"R": 1.0})
     with pytest.raises(InputError, match="its values are 10000, 20000"):
-        picking.case(ds, {"E": 3e4})
-    assert picking.case(ds, {"E": 1.9e4}) == {"E": 1}
+        case_selection.case(ds, {"E": 3e4})
+    assert case_selection.case(ds, {"E": 1.9e4}) == {"E": 1}
 
 
 def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
-    ds = runner.run(load("fig7_1_modulus").at_stations(2))
+    ds = in_memory.run(load("fig7_1_modulus").at_stations(2))
     for i in range(ds.sizes["E"]):
         said = captions.described(ds, {"E": i}).partition(" = ")[2].partition(" ")[0]
-        assert drawing.chosen(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
+        assert plot_and_scene.chosen(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
 
 
 def test_at_most_so_many_are_chosen_and_both_ends_among_them() -> None:
     cases = [{"E": i} for i in range(200)]
-    chosen = [case["E"] for case in picking.spread(cases, 9)]
+    chosen = [case["E"] for case in case_selection.spread(cases, 9)]
     assert len(chosen) == 9
     assert (chosen[0], chosen[-1]) == (0, 199)
     assert np.ptp(np.diff(chosen)) <= 1
@@ -261,16 +265,16 @@ def test_at_most_so_many_are_chosen_and_both_ends_among_them() -> None:
 
 def test_a_scale_bar_is_a_round_length_that_fits() -> None:
     targets = np.geomspace(1e-3, 1e6, 200)
-    bars = np.array([sheet.round_length(target) for target in targets])
+    bars = np.array([page_layout.round_length(target) for target in targets])
     assert ((bars <= targets * (1 + 1e-9)) & (bars > targets / 2.6)).all()
     assert {f"{bar:.0e}"[0] for bar in bars} == {"1", "2", "5"}
 
 
 @draws
 def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> None:
-    from workbench import scenes
+    from workbench.scene import layout
 
-    taken = scenes.render(fig6, tmp_path / "fig6.png")
+    taken = layout.render(fig6, tmp_path / "fig6.png")
     assert taken.off <= 0.5 * (1 + 1e-9)
     picture = pixels(tmp_path / "fig6.png")
     assert picture.shape == (1200, 1600, 3)
@@ -283,14 +287,16 @@ def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> N
 
 @draws
 def test_a_row_has_one_scale_and_one_camera() -> None:
-    from workbench import stage
-    from workbench.sheet import Cell
+    from workbench.scene import rendering
+    from workbench.scene.page_layout import Cell
 
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n")
     rods = [body(ds, E=i) for i in (0, 1, 0, 1)]
-    ends = stage.ends_of(rods)
-    view = stage.view_of(rods, ends, (160, 300), lying=False)
-    picture = stage.photograph([[stage.Shot([rod], Cell("")) for rod in rods]], ends, view, 0.5, 76)[0].astype(int)
+    ends = rendering.ends_of(rods)
+    view = rendering.view_of(rods, ends, (160, 300), lying=False)
+    picture = rendering.photograph([[rendering.Shot([rod], Cell("")) for rod in rods]], ends, view, 0.5, 76)[0].astype(
+        int
+    )
     first, second, third, fourth = np.split(picture, 4, axis=1)
     # the same rod in another cell, even of another part of the picture: the ambient shading is random in places
     assert (np.abs(first - third).max(axis=-1) > 24).mean() < 0.002
@@ -300,57 +306,57 @@ def test_a_row_has_one_scale_and_one_camera() -> None:
 
 @draws
 def test_the_cylinder_is_as_wide_as_the_scale_bar_says() -> None:
-    from workbench import stage
-    from workbench.sheet import Cell
+    from workbench.scene import rendering
+    from workbench.scene.page_layout import Cell
 
     rod = body(dataset())
-    ends = stage.ends_of([rod])
-    view = stage.view_of([rod], ends, (300, 600), lying=False)
-    picture, _ = stage.photograph([[stage.Shot([rod], Cell(""))]], ends, view, 0.5, 76)
+    ends = rendering.ends_of([rod])
+    view = rendering.view_of([rod], ends, (300, 600), lying=False)
+    picture, _ = rendering.photograph([[rendering.Shot([rod], Cell(""))]], ends, view, 0.5, 76)
     top = picture[:40].min(axis=-1) < 250  # only the cylinder reaches up there
     assert top.sum(axis=1).max() == pytest.approx(2 * 0.75 * view.per_unit, abs=2)  # a pixel on either side
 
 
 @draws
 def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
-    from workbench import scenes
+    from workbench.scene import layout
 
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4, 3e4]\n")
     ds["outcome"] = ("E", ["solved", "no solution", "solved"])
     ds["alpha"][1] = np.nan
-    picture = pixels(scenes.render_row(ds, tmp_path / "row.png", "E"))
+    picture = pixels(layout.render_row(ds, tmp_path / "row.png", "E"))
     assert share_of_hue(picture, style.LIFTED) > 0.01
     with pytest.raises(InputError, match="nothing to draw at E = 20000 N/cm²: no solution"):
-        scenes.render(ds, tmp_path / "one.png", {"E": 2e4})
+        layout.render(ds, tmp_path / "one.png", {"E": 2e4})
     ds["outcome"] = ("E", ["no solution"] * 3)
-    assert share_of_ink(pixels(scenes.render_row(ds, tmp_path / "none.png", "E"))) > 0.001
+    assert share_of_ink(pixels(layout.render_row(ds, tmp_path / "none.png", "E"))) > 0.001
 
 
 @draws
 def test_inside_the_rod_is_seen_through_the_near_wall(tmp_path) -> None:
-    from workbench import scenes
+    from workbench.scene import layout
 
-    scenes.render(dataset("inside"), tmp_path / "inside.png", kind="plain")
+    layout.render(dataset("inside"), tmp_path / "inside.png", kind="plain")
     assert share_of_hue(pixels(tmp_path / "inside.png"), style.PUSHED, 0.12) > 0.02
 
 
 @draws
 def test_only_pictures_can_be_asked_for(fig6, tmp_path) -> None:
-    from workbench import scenes
+    from workbench.scene import layout
 
     with pytest.raises(InputError, match=r"scene\.txt.*\.png"):
-        scenes.render(fig6, tmp_path / "scene.txt")
+        layout.render(fig6, tmp_path / "scene.txt")
 
 
 @draws
 def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
-    from workbench import scenes, taking
+    from workbench.scene import composition, layout
 
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    scenes.render(dataset(stations=20_001, L=2000.0), tmp_path / "long.png")
+    layout.render(dataset(stations=20_001, L=2000.0), tmp_path / "long.png")
     long = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n", stations=2001, L=2000.0)
     with pytest.raises(InputError, match="pixels wide in the picture: give a shorter stretch"):
-        scenes.take(long, kind="ghosts", look=taking.Look(span=(0.0, 2000.0)))
+        layout.take(long, kind="ghosts", look=composition.Look(span=(0.0, 2000.0)))
     # kilobytes; a process of its own takes 0.9e6 for it, of which 0.8e6 for any picture
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1.2e6
 
@@ -364,9 +370,9 @@ def test_what_no_real_rod_could_do_is_said_of_one_rod_or_counted() -> None:
 
 @draws
 def test_a_table_of_two_axes_says_how_many_values_it_shows(tmp_path) -> None:
-    from workbench import scenes, taking
+    from workbench.scene import composition, layout
 
     axes = "[axes.E]\nfrom = 1e4\nto = 4e4\ncount = 11\n[axes.R]\nfrom = 0.5\nto = 1.5\ncount = 7\n"
-    taken = scenes.take(dataset(axes=axes), None, "grid", ["E", "R"], look=taking.Look(2.0, 60))
+    taken = layout.take(dataset(axes=axes), None, "grid", ["E", "R"], look=composition.Look(2.0, 60))
     assert taken.sheet.notes[:2] == ["9 of 11 values of E", "5 of 7 values of R"]
     assert [len(row) for row in taken.sheet.cells] == [9] * 5

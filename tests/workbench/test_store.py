@@ -13,26 +13,27 @@ import xarray as xr
 
 from solver import InputError
 from tests.workbench import small
-from workbench import runner, store
+from workbench.data import writing
+from workbench.run import in_memory
 
 
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
-    return runner.run(small.grid())
+    return in_memory.run(small.grid())
 
 
 def test_what_is_stored_is_what_is_read(ds, tmp_path) -> None:
-    path = store.write(ds, tmp_path / "small.h5")
-    xr.testing.assert_identical(store.read(path), ds)
+    path = writing.write(ds, tmp_path / "small.h5")
+    xr.testing.assert_identical(writing.read(path), ds)
 
 
 def test_a_single_case_goes_through_too(tmp_path) -> None:
-    single = runner.run(small.study())
-    xr.testing.assert_identical(store.read(store.write(single, tmp_path / "one.h5")), single)
+    single = in_memory.run(small.study())
+    xr.testing.assert_identical(writing.read(writing.write(single, tmp_path / "one.h5")), single)
 
 
 def test_a_bare_open_dataset_reads_it_without_a_warning(ds, tmp_path) -> None:
-    path = store.write(ds, tmp_path / "small.h5")
+    path = writing.write(ds, tmp_path / "small.h5")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with xr.open_dataset(path) as opened:
@@ -40,7 +41,7 @@ def test_a_bare_open_dataset_reads_it_without_a_warning(ds, tmp_path) -> None:
 
 
 def test_h5py_reads_numbers_units_and_texts(ds, tmp_path) -> None:
-    with h5py.File(store.write(ds, tmp_path / "small.h5")) as file:
+    with h5py.File(writing.write(ds, tmp_path / "small.h5")) as file:
         assert file["outcome"].asstr()[0, 0] == "solved"
         assert file["E"].attrs["units"] == "N/cm^2"
         assert file.attrs["study"].startswith('\ntitle = "two moduli')
@@ -53,7 +54,7 @@ def test_h5py_reads_numbers_units_and_texts(ds, tmp_path) -> None:
 
 
 def test_missing_truncated_and_foreign_files_are_refused_in_one_sentence(ds, tmp_path) -> None:
-    whole = store.write(ds, tmp_path / "small.h5").read_bytes()
+    whole = writing.write(ds, tmp_path / "small.h5").read_bytes()
     files = {
         "text.h5": b"title = 1",
         "empty.h5": b"",
@@ -67,47 +68,47 @@ def test_missing_truncated_and_foreign_files_are_refused_in_one_sentence(ds, tmp
         file["x"] = [1.0, 2.0]
     for name in [*files, "foreign.h5", "plain.h5", "absent.h5", "."]:
         with pytest.raises(InputError) as refusal:
-            store.read(tmp_path / name)
+            writing.read(tmp_path / name)
         assert "\n" not in str(refusal.value)
         assert str(tmp_path) in str(refusal.value)
 
 
 def test_a_file_that_is_damaged_inside_is_refused(ds, tmp_path) -> None:
-    path = store.write(ds, tmp_path / "small.h5")
+    path = writing.write(ds, tmp_path / "small.h5")
     with h5py.File(path) as file:
         chunk = file["beta"].id.get_chunk_info(0)
     content = bytearray(path.read_bytes())
     content[chunk.byte_offset : chunk.byte_offset + chunk.size] = bytes(chunk.size)
     path.write_bytes(content)
     with pytest.raises(InputError, match="cannot be read as HDF5"):
-        store.read(path)
+        writing.read(path)
 
 
 def test_a_result_replaces_one_of_the_same_study_and_nothing_else(ds, tmp_path) -> None:
-    path = store.write(ds, tmp_path / "small.h5")
-    store.write(ds.assign_attrs(title="again"), path)
-    assert store.read(path).attrs["title"] == "again"
+    path = writing.write(ds, tmp_path / "small.h5")
+    writing.write(ds.assign_attrs(title="again"), path)
+    assert writing.read(path).attrs["title"] == "again"
     with pytest.raises(InputError, match="holds the study 'small', not 'other'; give --force"):
-        store.write(ds.assign_attrs(study_name="other"), path)
+        writing.write(ds.assign_attrs(study_name="other"), path)
     (tmp_path / "notes.txt").write_text("mine")
     with pytest.raises(InputError, match="no dataset of a study; give --force"):
-        store.write(ds, tmp_path / "notes.txt")
+        writing.write(ds, tmp_path / "notes.txt")
     assert (tmp_path / "notes.txt").read_text() == "mine"
-    store.write(ds, tmp_path / "notes.txt", force=True)
-    xr.testing.assert_identical(store.read(tmp_path / "notes.txt"), ds)
+    writing.write(ds, tmp_path / "notes.txt", force=True)
+    xr.testing.assert_identical(writing.read(tmp_path / "notes.txt"), ds)
 
 
 def test_whoever_reads_the_old_file_while_it_is_replaced_reads_it_whole(ds, tmp_path) -> None:
-    path = store.write(ds, tmp_path / "small.h5")
+    path = writing.write(ds, tmp_path / "small.h5")
     with path.open("rb") as reading:
         before = path.read_bytes()
-        store.write(ds.assign_attrs(title="new"), path)
+        writing.write(ds.assign_attrs(title="new"), path)
         assert reading.read() == before
-    assert store.read(path).attrs["title"] == "new"
+    assert writing.read(path).attrs["title"] == "new"
 
 
 def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monkeypatch) -> None:
-    path = store.write(ds, tmp_path / "small.h5")
+    path = writing.write(ds, tmp_path / "small.h5")
     before = path.read_bytes()
 
     def full_disk(handle: int) -> None:
@@ -115,7 +116,7 @@ def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monk
 
     monkeypatch.setattr(os, "fsync", full_disk)
     with pytest.raises(InputError, match=r"cannot write .*small.h5: No space left on device"):
-        store.write(ds.assign_attrs(title="new"), path)
+        writing.write(ds.assign_attrs(title="new"), path)
     assert path.read_bytes() == before
     assert [p.name for p in tmp_path.iterdir()] == ["small.h5"]
 
@@ -132,21 +133,21 @@ store.write(ds, sys.argv[1])
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 def test_a_killed_run_leaves_the_good_file_whole(ds, tmp_path) -> None:
-    path = store.write(ds, tmp_path / "small.h5")
+    path = writing.write(ds, tmp_path / "small.h5")
     before = path.read_bytes()
     root = Path(__file__).parents[2]
     run = subprocess.run([sys.executable, "-c", KILLED, str(path)], cwd=root, capture_output=True, check=False)
     assert run.returncode == -signal.SIGKILL, run.stderr
     assert path.read_bytes() == before
-    xr.testing.assert_identical(store.read(path), ds)
+    xr.testing.assert_identical(writing.read(path), ds)
 
 
 def test_a_folder_that_cannot_be_written_is_refused(ds, tmp_path) -> None:
     (tmp_path / "file").write_text("not a folder")
     for path in (tmp_path / "file" / "small.h5", tmp_path / "file" / "deeper" / "small.h5"):
         with pytest.raises(InputError, match="cannot write"):
-            store.write(ds, path)
+            writing.write(ds, path)
         with pytest.raises(InputError, match="cannot write into the folder"):
-            store.check_folder(path.parent)
+            writing.check_folder(path.parent)
     with pytest.raises(InputError, match="is a folder"):
-        store.write(ds, tmp_path)
+        writing.write(ds, tmp_path)

@@ -17,8 +17,9 @@ from solver import InputError, solve
 from studies import load
 from studies.model import OUTPUTS
 from tests.workbench import runs
-from workbench import assembly, chunks, dataset, parts, plan, runner, slabs, storing
-from workbench.storing import Options, run_to_file
+from workbench.data import dataset, grid_io
+from workbench.run import assembly, block_solver, in_memory, plan, shard_folder, study_store
+from workbench.run.study_store import Options, run_to_file
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
 
@@ -49,19 +50,19 @@ def kept(path: Path, monkeypatch) -> Path:
         patch.setattr(assembly, "assemble", stopped)
         with pytest.raises(KeyboardInterrupt):
             run_to_file(load(path), path.with_suffix(".h5"), Options(workers=1, chunk=64))
-    return parts.folder_of(path.with_suffix(".h5"))
+    return shard_folder.folder_of(path.with_suffix(".h5"))
 
 
 def counted(monkeypatch) -> list[int]:
     """How many cases each block has that is solved from now on."""
     found: list[int] = []
-    block_of = chunks.block_of
+    block_of = block_solver.block_of
 
-    def counting(study: Any, part: chunks.Chunk) -> chunks.Columns:
+    def counting(study: Any, part: block_solver.Chunk) -> block_solver.Columns:
         found.append(part.cases)
         return block_of(study, part)
 
-    monkeypatch.setattr(chunks, "block_of", counting)
+    monkeypatch.setattr(block_solver, "block_of", counting)
     return found
 
 
@@ -73,7 +74,7 @@ def test_every_bit_is_the_same_whatever_the_chunks_and_the_workers(whole, tmp_pa
 
 
 def test_a_study_in_memory_has_the_bits_of_the_stored_one(whole) -> None:
-    ds = runner.run(load(whole.with_suffix(".toml")))
+    ds = in_memory.run(load(whole.with_suffix(".toml")))
     with xr.open_dataset(whole) as stored:
         assert list(stored.dims) == list(ds.dims) == ["E", "F1", "u"]
         xr.testing.assert_identical(stored.drop_attrs().load(), ds.drop_attrs())
@@ -88,17 +89,17 @@ def test_any_stretch_of_a_grid_is_written_and_read_as_it_was(shape: list[int], d
     stop = data.draw(st.integers(start + 1, size))
     rows = np.arange(2.0 * size).reshape(size, 2)
     written = np.full((*shape, 2), -1.0)
-    slabs.write(written, tuple(shape), start, rows[start:stop])
+    grid_io.write(written, tuple(shape), start, rows[start:stop])
     expected = np.full((size, 2), -1.0)
     expected[start:stop] = rows[start:stop]
     np.testing.assert_array_equal(written.reshape(size, 2), expected)
-    np.testing.assert_array_equal(slabs.read(rows.reshape(*shape, 2), tuple(shape), start, stop), rows[start:stop])
+    np.testing.assert_array_equal(grid_io.read(rows.reshape(*shape, 2), tuple(shape), start, stop), rows[start:stop])
 
 
 def test_what_is_packed_together_lies_together() -> None:
-    assert slabs.packing((7, 100, 3)) == (7, 100, 3)
-    assert slabs.packing((1000, 1000)) == (65, 1000)
-    assert slabs.packing((4, 50, 10**6)) == (1, 1, 2**16)
+    assert grid_io.packing((7, 100, 3)) == (7, 100, 3)
+    assert grid_io.packing((1000, 1000)) == (65, 1000)
+    assert grid_io.packing((4, 50, 10**6)) == (1, 1, 2**16)
 
 
 # what is asked for, and nothing else
@@ -119,8 +120,8 @@ class Watched:
 def test_nothing_is_computed_along_the_rod_but_the_outputs(outputs, computed, monkeypatch) -> None:
     study = load("fig7_1_modulus").model_copy(update={"outputs": outputs, "observables": [], "laws": []})
     read: set[str] = set()
-    monkeypatch.setattr(chunks, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
-    ds = runner.run(study)
+    monkeypatch.setattr(block_solver, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
+    ds = in_memory.run(study)
     assert read & set(OUTPUTS) == computed
     assert set(ds.data_vars) & set(OUTPUTS) == computed
 
@@ -129,7 +130,7 @@ def test_nothing_is_computed_along_the_rod_but_the_outputs(outputs, computed, mo
 
 
 def test_a_finished_study_is_answered_at_once(whole, monkeypatch) -> None:
-    monkeypatch.setattr(storing, "_solve", lambda *_: pytest.fail("solved again"))
+    monkeypatch.setattr(study_store, "_solve", lambda *_: pytest.fail("solved again"))
     before = whole.read_bytes()
     ran = run_to_file(load(whole.with_suffix(".toml")), whole)
     assert (ran.finished_before, ran.solved, sum(ran.told["outcomes"].values())) == (True, 0, 150)
@@ -138,7 +139,7 @@ def test_a_finished_study_is_answered_at_once(whole, monkeypatch) -> None:
 
 def test_a_finished_study_is_answered_without_xarray(whole) -> None:
     told = runs.run(whole.parent, whole.with_suffix(".toml"), before="import atexit, sys\n"
-                    "from workbench import plan; plan.BLOCK = 64\n"
+                    "from workbench.run import plan; plan.BLOCK = 64\n"
                     "atexit.register(lambda: print('xarray' in sys.modules))")  # fmt: skip
     assert told.returncode == 0, told.stderr
     assert "finished before; --restart solves it again" in told.stdout
@@ -170,7 +171,7 @@ DAMAGE = {
     "a byte flipped in the middle": lambda content: _flipped(content, len(content) // 2),
     "a byte flipped in the digest": lambda content: _flipped(content, 3),
     "the last bit flipped": lambda content: _flipped(content, len(content) - 1),
-    "another shard's": lambda content: chunks.encode({"outcome": np.array(["solved"])}),
+    "another shard's": lambda content: block_solver.encode({"outcome": np.array(["solved"])}),
 }
 
 
@@ -192,7 +193,7 @@ def test_a_damaged_shard_is_found_and_solved_again(damage, whole, tmp_path, monk
 def test_a_shard_damaged_after_it_was_looked_at_is_solved_again(whole, tmp_path, monkeypatch) -> None:
     path = runs.study(tmp_path, GRID)
     shard = kept(path, monkeypatch) / "000000000064-000000000128.shard"
-    solve_missing, times = storing._solve, []
+    solve_missing, times = study_store._solve, []
 
     def damaging(*args: Any) -> None:
         solve_missing(*args)
@@ -200,7 +201,7 @@ def test_a_shard_damaged_after_it_was_looked_at_is_solved_again(whole, tmp_path,
             shard.write_bytes(_flipped(shard.read_bytes(), 1000))
         times.append(1)
 
-    monkeypatch.setattr(storing, "_solve", damaging)
+    monkeypatch.setattr(study_store, "_solve", damaging)
     ran = run_to_file(load(path), tmp_path / "many.h5", Options(workers=1))
     assert len(times) == 2
     assert sum(ran.told["outcomes"].values()) == 150
@@ -262,7 +263,7 @@ def test_a_file_of_a_newer_version_is_not_replaced(tmp_path) -> None:
 
 def test_a_study_that_does_not_fit_the_disk_is_refused_with_both_numbers(tmp_path, monkeypatch) -> None:
     path = runs.study(tmp_path, runs.grid(100, 1000))
-    monkeypatch.setattr(parts, "free", lambda folder: 10_000_000)
+    monkeypatch.setattr(shard_folder, "free", lambda folder: 10_000_000)
     needed = r"needs up to 40\.1 MB for the file and 35\.2 MB for its parts until it is whole, but .* has 10 MB left"
     with pytest.raises(InputError, match=needed):
         run_to_file(load(path), tmp_path / "many.h5")
@@ -273,7 +274,7 @@ def test_more_than_memory_holds_is_refused_in_memory() -> None:
     study = load("fig7_1_modulus").model_copy(update={"stations": 100_001, "outputs": list(OUTPUTS)})
     axes = {"E": study.axes["E"].model_copy(update={"count": 1000})}
     with pytest.raises(InputError, match=r"1000 cases take 13\.6 GB in memory, more than the limit of 2 GB"):
-        runner.run(study.model_copy(update={"axes": axes}))
+        in_memory.run(study.model_copy(update={"axes": axes}))
 
 
 def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path) -> None:
@@ -287,10 +288,10 @@ def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path)
 
 
 def test_outcomes_are_counted_without_their_numbers() -> None:
-    assert chunks.kind_of("solved; condition 1.0e+02 costs digits: error 1.7e-08") == (
+    assert block_solver.kind_of("solved; condition 1.0e+02 costs digits: error 1.7e-08") == (
         "solved; condition ... costs digits: error ..."
     )
-    assert chunks.kind_of("solved") == "solved"
+    assert block_solver.kind_of("solved") == "solved"
 
 
 # growing
@@ -333,7 +334,7 @@ def test_values_added_to_an_axis_are_solved_alone_and_the_others_copied(half, ax
     again = new.sel(E=old["E"], F1=old["F1"])  # by the very values: none has moved
     for name in old.data_vars:
         np.testing.assert_array_equal(again[name].values, old[name].values, err_msg=str(name))
-    fresh = runner.run(load(half))
+    fresh = in_memory.run(load(half))
     for name in ("beta", "kappa_max", "turns", "FZ", "error"):
         # other neighbours, other rounding, and no more
         np.testing.assert_allclose(new[name], fresh[name], rtol=1e-6, atol=1e-9, err_msg=name)
@@ -373,7 +374,7 @@ def test_a_study_of_fewer_values_is_another_one(half, monkeypatch) -> None:
 def test_importing_a_worker_loads_no_xarray() -> None:
     import subprocess
 
-    code = "import sys, workbench.engines; print('xarray' in sys.modules)"
+    code = "import sys, workbench.run.local_pool; print('xarray' in sys.modules)"
     told = subprocess.run([sys.executable, "-c", code], cwd=runs.ROOT, capture_output=True, text=True, check=True)
     assert told.stdout == "False\n"
 

@@ -7,7 +7,10 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.workbench import small
-from workbench import cli, joining, runner, store, summary
+from workbench import cli
+from workbench.commands import summary
+from workbench.data import concatenation, writing
+from workbench.run import in_memory
 
 AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
@@ -16,13 +19,13 @@ LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection 
 @pytest.fixture
 def file(tmp_path):
     """A file of six cases, one of them unsolved and one with a large error."""
-    ds = runner.run(small.study(AXES + LAW, 'observables = ["wraps"]\noutputs = ["beta", "z"]'))
+    ds = in_memory.run(small.study(AXES + LAW, 'observables = ["wraps"]\noutputs = ["beta", "z"]'))
     ds["outcome"] = ds["outcome"].astype(object)
     ds["outcome"][0, 1] = "failed: on purpose"
     for name in ("wraps", "kappa_max"):
         ds[name][0, 1] = np.nan
     ds["error"][1, 2] = 0.5
-    return store.write(ds, tmp_path / "small.h5"), ds
+    return writing.write(ds, tmp_path / "small.h5"), ds
 
 
 def test_it_tells_axes_observables_outcomes_the_worst_case_and_laws(file) -> None:
@@ -58,7 +61,7 @@ def test_small_blocks_tell_the_same(file, most: int, monkeypatch) -> None:
 @pytest.mark.parametrize("most", [1, 5, 12, 100])
 def test_blocks_cover_an_array_once_and_in_order(shape: tuple[int, ...], most: int) -> None:
     array = np.arange(np.prod(shape, dtype=int)).reshape(shape)
-    parts = [array[where].ravel() for where in joining.blocks(shape, most)]
+    parts = [array[where].ravel() for where in concatenation.blocks(shape, most)]
     np.testing.assert_array_equal(np.concatenate(parts), array.ravel())
     assert max(part.size for part in parts) <= most
 
@@ -67,13 +70,13 @@ def test_many_kinds_of_failure_are_told_together(file, tmp_path, monkeypatch) ->
     _, ds = file
     ds["outcome"][:] = [["solved", "failed: 1", "failed: 2"], ["failed: 3", "failed: 1", "solved, barely"]]
     monkeypatch.setattr(summary, "DISTINCT", 2)
-    told = summary.summary(store.write(ds, tmp_path / "many.h5"))
+    told = summary.summary(writing.write(ds, tmp_path / "many.h5"))
     assert told["unsolved"] == 4
     assert told["outcomes"] == {"failed: 1": 2, "failed (others)": 2, "solved": 1, "solved (others)": 1}
 
 
 def test_a_single_case_is_told_too(tmp_path) -> None:
-    told = summary.summary(store.write(runner.run(small.study()), tmp_path / "one.h5"))
+    told = summary.summary(writing.write(in_memory.run(small.study()), tmp_path / "one.h5"))
     assert (told["axes"], told["cases"], told["worst"][0]["at"]) == ([], 1, {})
 
 

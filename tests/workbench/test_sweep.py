@@ -9,9 +9,13 @@ import xarray as xr
 from solver import Case, Ends, InputError, solve
 from studies.laws import FAILS, UNDECIDED
 from studies.loader import loads
-from workbench import branch_numbers, check, chunks, cli, kinds, merge, needed, plan, runner, sweep_order
-from workbench.chunks import solved
-from workbench.storing import Options, run_to_file
+from workbench import cli
+from workbench.commands import needed_cases
+from workbench.data import branch_numbers, law_verdicts
+from workbench.run import block_solver, in_memory, merge, plan, sweep_order
+from workbench.run.block_solver import solved
+from workbench.run.study_store import Options, run_to_file
+from workbench.scene import kinds
 
 TEXT = """
 title = "A pipe pushed down its hole"
@@ -79,7 +83,7 @@ def test_blocks_cut_the_grid_into_stretches_of_lines(shape) -> None:
 
 @pytest.fixture(scope="module")
 def line() -> xr.Dataset:
-    return runner.run(study())
+    return in_memory.run(study())
 
 
 def test_a_sweep_keeps_its_branch_and_says_how_its_first_case_was_taken(line) -> None:
@@ -98,16 +102,16 @@ def test_each_case_is_an_equilibrium_of_its_own_loads(line) -> None:
 
 
 def test_the_first_case_is_the_one_that_equilibrium_chooses() -> None:
-    index = runner.run(study(more="", axes=FORCES + "[equilibrium]\nindex = 2\n"))
+    index = in_memory.run(study(more="", axes=FORCES + "[equilibrium]\nindex = 2\n"))
     assert index["index"].sel(FZ=-50.0) == 2
     assert (index["branch"] == 0).all()
     assert "of those of index 2" in index.attrs["equilibria"]
-    low = runner.run(study(axes=FORCES.replace("21", "3") + '[equilibrium]\nchoose = "lowest"\n'))
+    low = in_memory.run(study(axes=FORCES.replace("21", "3") + '[equilibrium]\nchoose = "lowest"\n'))
     assert "the one of lowest energy" in low.attrs["equilibria"]
     named = float(solve(study().case_of({"FZ": -50.0}), choose=1, stations=3).dbeta[0])
     energy = 1e3
     text = FORCES.replace("21", "3") + f"[equilibrium]\ndbeta0 = {named!r}\nenergy = {energy!r}\n"
-    assert "the one next to beta'(0)" in runner.run(study(axes=text)).attrs["equilibria"]
+    assert "the one next to beta'(0)" in in_memory.run(study(axes=text)).attrs["equilibria"]
 
 
 # the same bits
@@ -124,10 +128,10 @@ def test_workers_chunks_and_memory_give_the_same_bits(tmp_path, axes, base) -> N
     run_to_file(one, tmp_path / "one.h5", Options(workers=1))
     run_to_file(one, tmp_path / "two.h5", Options(workers=2, chunk=1))
     assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
-    in_memory = runner.run(one)
+    held = in_memory.run(one)
     with xr.open_dataset(tmp_path / "one.h5") as ds:
         for name in ("beta", "amplitude", "branch", "error"):
-            assert ds[name].values.tobytes() == in_memory[name].values.tobytes()
+            assert ds[name].values.tobytes() == held[name].values.tobytes()
 
 
 def test_a_chunk_is_the_same_alone_as_among_others() -> None:
@@ -146,7 +150,7 @@ def test_a_chunk_is_the_same_alone_as_among_others() -> None:
 
 
 def test_an_interrupted_sweep_goes_on_to_the_same_bits(tmp_path, monkeypatch) -> None:
-    one, usual, count = study(), chunks.block_of, []
+    one, usual, count = study(), block_solver.block_of, []
 
     def interrupted(study_, part):
         count.append(part.start)
@@ -155,10 +159,10 @@ def test_an_interrupted_sweep_goes_on_to_the_same_bits(tmp_path, monkeypatch) ->
         return usual(study_, part)
 
     run_to_file(one, tmp_path / "one.h5", Options(workers=1))
-    monkeypatch.setattr(chunks, "block_of", interrupted)
+    monkeypatch.setattr(block_solver, "block_of", interrupted)
     with pytest.raises(KeyboardInterrupt, match="8 of 21 cases are kept"):
         run_to_file(one, tmp_path / "two.h5", Options(workers=1, chunk=8))
-    monkeypatch.setattr(chunks, "block_of", usual)
+    monkeypatch.setattr(block_solver, "block_of", usual)
     assert run_to_file(one, tmp_path / "two.h5", Options(workers=1)).solved == 13
     assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
 
@@ -189,10 +193,10 @@ def test_a_stored_sweep_is_solved_again_on_its_branch(tmp_path) -> None:
 def test_a_picture_of_a_study_shows_the_branch_that_the_study_is_on(tmp_path) -> None:
     path = tmp_path / "pipe.toml"
     path.write_text(TEXT.format(base="L = 20.0", more="") + FORCES.replace("21", "5") + "[equilibrium]\nindex = 2\n")
-    whole, rough = needed.rough(path)
-    some = needed.only(whole, rough, kinds.kind_of("plain"), {"FZ": -60.0}, [])
-    ds = runner.run(some.at_stations(51))
-    np.testing.assert_array_equal(ds["beta"].values[0], runner.run(whole)["beta"].values[0])
+    whole, rough = needed_cases.rough(path)
+    some = needed_cases.only(whole, rough, kinds.kind_of("plain"), {"FZ": -60.0}, [])
+    ds = in_memory.run(some.at_stations(51))
+    np.testing.assert_array_equal(ds["beta"].values[0], in_memory.run(whole)["beta"].values[0])
 
 
 def test_run_check_and_summary_say_how_many_branches_there_are(tmp_path, capsys) -> None:
@@ -267,8 +271,8 @@ axis = "betaL"
 direction = "rises"
 source = "made up"
 """
-    from solver.branch import follow
-    from solver.observables import observe
+    from solver.boundary.end_angle import follow
+    from solver.observe.observables import observe
     from tests.cases import table_1
 
     start = table_1("force-first", "tension", "paper")
@@ -285,7 +289,7 @@ source = "made up"
 def test_a_branch_that_loses_its_stability_says_so() -> None:
     """The straight pipe of 20 m buckles at A (pi/L)^2 = 30.2 kN; its branch goes on, unstable."""
     one = study("[axes.FZ]\nfrom = -40.0\nto = -5.0\ncount = 11\n")
-    ds = runner.run(one)
+    ds = in_memory.run(one)
     critical = float(one.case().rod.bending_stiffness) * (np.pi / 20.0) ** 2
     assert (ds["branch"] == 0).all()
     lost = -ds["FZ"].values > critical
@@ -297,7 +301,7 @@ def test_a_branch_that_loses_its_stability_says_so() -> None:
 
 def test_a_buckled_branch_ends_where_the_pipe_straightens() -> None:
     one = study("[axes.FZ]\nfrom = -60.0\nto = -10.0\ncount = 11\n")
-    ds = runner.run(one)
+    ds = in_memory.run(one)
     critical = float(one.case().rod.bending_stiffness) * (np.pi / 20.0) ** 2
     straight = -ds["FZ"].values < critical
     np.testing.assert_array_equal(ds["branch"], straight)
@@ -308,7 +312,7 @@ def test_a_buckled_branch_ends_where_the_pipe_straightens() -> None:
 @pytest.mark.slow
 def test_the_long_pipe_lies_in_lubinskis_helix_at_every_load() -> None:
     one = study("[axes.FZ]\nfrom = -300.0\nto = -50.0\ncount = 30\n", "L = 300.0")
-    ds = runner.run(one)
+    ds = in_memory.run(one)
     assert (ds["branch"] == 0).all()
     assert (ds["outcome"] == "solved").all()
     A, rho = one.case().rod.bending_stiffness, float(ds["rho"])
@@ -322,7 +326,7 @@ def test_the_long_pipe_lies_in_lubinskis_helix_at_every_load() -> None:
 
 def test_past_a_fold_the_cases_are_of_another_branch_and_say_so() -> None:
     one, branch = beyond_the_fold()
-    ds = runner.run(one)
+    ds = in_memory.run(one)
     beyond = np.rad2deg(branch.fold)
     assert 35 < beyond < 36
     np.testing.assert_array_equal(ds["branch"], np.where(np.rad2deg(ds["betaL"]) < beyond, 0, 1))
@@ -331,6 +335,6 @@ def test_past_a_fold_the_cases_are_of_another_branch_and_say_so() -> None:
     assert set(words[:8]) | set(words[9:]) == {"solved"}
     before = ds["index"].values[:8]
     assert (before == before[0]).all()
-    (law,) = check.verdicts(ds)
+    (law,) = law_verdicts.verdicts(ds)
     assert law["verdict"] in (UNDECIDED, FAILS)
     assert "crosses to another branch of equilibria" in law["reason"]

@@ -12,11 +12,14 @@ import pytest
 import xarray as xr
 
 from solver import InputError
-from solver.observables import OBSERVABLES
+from solver.observe.observables import OBSERVABLES
 from studies.model import OUTPUTS
 from tests.workbench import small
-from workbench import cli, runner, store, trade_plots
-from workbench.fidelity import FIDELITIES, fidelity
+from workbench import cli
+from workbench.data import writing
+from workbench.figures import work_precision
+from workbench.run import in_memory
+from workbench.run.fidelity import FIDELITIES, fidelity
 
 ROOT = Path(__file__).parents[2]
 NUMBERS = (
@@ -44,7 +47,7 @@ def ran(tmp_path_factory) -> tuple[Path, dict]:
 
 @pytest.fixture(scope="module")
 def ds(ran) -> xr.Dataset:
-    return store.read(ran[0] / "trade.h5", study=False)
+    return writing.read(ran[0] / "trade.h5", study=False)
 
 
 def test_the_dataset_is_labelled(ds) -> None:
@@ -92,7 +95,7 @@ def test_a_diagram_draws_every_rung_that_was_tried_failures_as_crosses(ds) -> No
     failed["outcome"] = ds["outcome"].astype(object)
     failed["outcome"].loc[{"case": "elliptic", "ladder": "orbit"}] = "failed: made up"
     for data, crosses in ((ds, 0), (failed, 8)):
-        ax = trade_plots.panel(data, Figure().add_subplot(), "elliptic")
+        ax = work_precision.panel(data, Figure().add_subplot(), "elliptic")
         drawn = {line.get_marker(): line for line in ax.lines if len(line.get_xdata()) and line.get_marker() in "ox"}
         assert len(drawn["x"].get_xdata() if "x" in drawn else ()) == crosses
         assert len(drawn["o"].get_xdata() if "o" in drawn else ()) == 8 - crosses
@@ -100,11 +103,11 @@ def test_a_diagram_draws_every_rung_that_was_tried_failures_as_crosses(ds) -> No
 
 def test_a_diagram_needs_no_more_than_the_file(ds, tmp_path) -> None:
     for cost in ("seconds", "evaluations"):
-        assert trade_plots.figure(ds, cost, tmp_path / f"{cost}.svg").stat().st_size > 10_000
+        assert work_precision.figure(ds, cost, tmp_path / f"{cost}.svg").stat().st_size > 10_000
     with pytest.raises(InputError, match="no cost 'joules'; choose from seconds, evaluations"):
-        trade_plots.figure(ds, "joules", tmp_path / "x.svg")
+        work_precision.figure(ds, "joules", tmp_path / "x.svg")
     with pytest.raises(InputError, match="no case 'long'; choose from elliptic"):
-        trade_plots.panel(ds, None, "long")  # type: ignore[arg-type]
+        work_precision.panel(ds, None, "long")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -137,7 +140,7 @@ def test_each_fidelity_is_tighter_and_computes_no_less_than_the_one_before() -> 
 
 def test_a_study_at_a_fidelity_has_its_tolerance_its_stations_and_what_it_computes() -> None:
     study = small.grid()
-    found = {name: runner.run(level.of(study)) for name, level in FIDELITIES.items()}
+    found = {name: in_memory.run(level.of(study)) for name, level in FIDELITIES.items()}
     for name, ds in found.items():
         assert ds.attrs["tolerance"] == FIDELITIES[name].tol
         assert (ds["error"] <= FIDELITIES[name].tol * np.maximum(1, ds["condition"])).all()

@@ -9,7 +9,9 @@ from typer.testing import CliRunner
 
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 from tests.workbench import small
-from workbench import check, cli, merge, runner, store
+from workbench import cli
+from workbench.data import law_verdicts, writing
+from workbench.run import in_memory, merge
 
 AXES = "[axes.E]\nvalues = [1e4, 2e4, 4e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0, 1.25]\n"
 LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
@@ -17,7 +19,7 @@ LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection 
 
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
-    return runner.run(small.study(AXES + LAW + 'alternatives = ["amplitude"]\n'))
+    return in_memory.run(small.study(AXES + LAW + 'alternatives = ["amplitude"]\n'))
 
 
 def with_branch(ds: xr.Dataset, branch: object) -> xr.Dataset:
@@ -36,33 +38,33 @@ def with_branch(ds: xr.Dataset, branch: object) -> xr.Dataset:
     ],
 )
 def test_steps_between_two_numbers_of_a_branch_cross(ds: xr.Dataset, branch: list[int], crosses: list[bool]) -> None:
-    found = check.crossings(with_branch(ds, branch), "R")
+    found = law_verdicts.crossings(with_branch(ds, branch), "R")
     assert found is not None
     assert found.tolist() == [crosses] * 3
-    across = check.crossings(with_branch(ds, branch), "E")
+    across = law_verdicts.crossings(with_branch(ds, branch), "E")
     assert across is not None
     assert across.shape == (2, 4)
     assert not across.any()
-    assert check.crossings(ds, "R") is None
+    assert law_verdicts.crossings(ds, "R") is None
 
 
 def test_steps_are_those_of_the_rising_axis_however_it_is_stored(ds: xr.Dataset) -> None:
     turned = with_branch(ds, [0, 0, 0, 1]).isel(R=[3, 1, 0, 2])
-    found = check.crossings(turned, "R")
+    found = law_verdicts.crossings(turned, "R")
     assert found is not None
     assert found.tolist() == [[False, False, True]] * 3
 
 
 def test_a_law_is_not_decided_where_its_steps_cross_branches_and_fails_where_the_others_say_so(ds: xr.Dataset) -> None:
-    (row,) = check.verdicts(ds)
+    (row,) = law_verdicts.verdicts(ds)
     assert row["verdict"] == QUALIFIED
-    (row,) = check.verdicts(with_branch(ds, [0, 0, 1, 1]))
+    (row,) = law_verdicts.verdicts(with_branch(ds, [0, 0, 1, 1]))
     assert (row["verdict"], row["exceptions"]) == (UNDECIDED, [])
     assert row["reason"] == "1 of 3 steps crosses to another branch of equilibria"
     mask = {"R": np.broadcast_to([False, True, False], (3, 3))}
-    assert check.verdicts(ds, mask) == check.verdicts(with_branch(ds, [0, 0, 1, 1]))
+    assert law_verdicts.verdicts(ds, mask) == law_verdicts.verdicts(with_branch(ds, [0, 0, 1, 1]))
     rising = with_branch(ds.assign(kappa_max=-ds["kappa_max"]), [0, 0, 1, 1])
-    assert check.verdicts(rising)[0]["verdict"] == FAILS
+    assert law_verdicts.verdicts(rising)[0]["verdict"] == FAILS
 
 
 @pytest.mark.parametrize(
@@ -71,13 +73,13 @@ def test_a_law_is_not_decided_where_its_steps_cross_branches_and_fails_where_the
 )
 def test_the_exit_status_is_0_where_every_law_holds_in_full(verdict: str, status: int, refuted: bool) -> None:
     rows = [{"verdict": HOLDS}, {"verdict": verdict}]
-    assert check.status(0, rows) == status
-    assert check.refuted(0, rows) == refuted
-    assert (check.status(1, []), check.refuted(1, [])) == (1, True)
+    assert law_verdicts.status(0, rows) == status
+    assert law_verdicts.refuted(0, rows) == refuted
+    assert (law_verdicts.status(1, []), law_verdicts.refuted(1, [])) == (1, True)
 
 
 def test_every_command_tells_a_qualified_law_with_its_reason_and_counts_it(ds: xr.Dataset, tmp_path) -> None:
-    path = store.write(ds, tmp_path / "small.h5")
+    path = writing.write(ds, tmp_path / "small.h5")
     reason = "depends on the observable (kappa_max falls; amplitude rises instead at 9 of 9 steps)"
     for command in ("check", "summary"):
         shown = CliRunner().invoke(cli.app, [command, str(path)])

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from workbench import cli, gl
-
-from . import small
+from tests.workbench import small
+from workbench import cli
+from workbench.scene import opengl
 
 SAID = "libegl1 libgl1-mesa-dri"
 
@@ -16,15 +16,15 @@ SAID = "libegl1 libgl1-mesa-dri"
 def bare(tmp_path, monkeypatch) -> Path:
     """A folder on such a machine, with a study stored in it; drawing would end the process there, and fails here."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(gl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
-    monkeypatch.setattr(gl, "in_wheel", list)
-    for name in ("workbench.scenes", "workbench.stage"):
+    monkeypatch.setattr(opengl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
+    monkeypatch.setattr(opengl, "in_wheel", list)
+    for name in ("workbench.scene.layout", "workbench.scene.rendering"):
         monkeypatch.setitem(sys.modules, name, None)
-    gl.probe.cache_clear()
+    opengl.probe.cache_clear()
     Path("mine.toml").write_text(small.study("[axes.E]\nvalues = [2e4, 4e4]\n").text)
     assert status("run", "mine.toml", "--out", "mine.h5", "--stations", "201") == 0
     yield tmp_path
-    gl.probe.cache_clear()
+    opengl.probe.cache_clear()
 
 
 def status(*args: str) -> int:
@@ -52,5 +52,5 @@ def test_what_cannot_be_drawn_is_said_once_with_what_to_install(words: str, bare
     assert status(*words.split()) == 1
     told = capsys.readouterr()
     assert (told.out + told.err).count(SAID) == 1
-    assert (told.out + told.err).count(gl.PIP) == 1
+    assert (told.out + told.err).count(opengl.PIP) == 1
     assert {path for path in bare.rglob("*") if path.is_file()} == before

@@ -1,0 +1,207 @@
+"""Coordinates on the equilibria of one path, in which an equilibrium can be followed.
+
+The level of an orbit is measured from a saddle or from one of the two ends (`Path`). Next to a saddle log|gap| is the
+coordinate, as times are linear in it; where beta_t at an end is small, that is, with its sign.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..mechanics.potential import TAU, slope
+from ..problem.reduced import Array, Reduced
+from .levels import bounded, floor_of, helix_of
+from .search import Way
+from .transit import DOWN, UP, Boundary, Levels, Paths, fall, transit, wrapped
+
+
+@dataclass(frozen=True)
+class Path:
+    """One equilibrium of an ends problem, by its orbit.
+
+    pin: the angle, in [-pi, pi), from whose height the level is measured: a saddle of G, or one of the two ends.
+    sign, y: the gap eta - G(pin) = sign exp(y). leaving: UP or DOWN, the direction at the start. turns: how many
+    turning points the rod passes.
+    """
+
+    pin: float
+    sign: float
+    y: float
+    leaving: int
+    turns: int
+    helix: bool = False  # a rod that lies as a helix from end to end: it has no level, and its angle is the pin
+
+    @property
+    def arriving(self) -> int:
+        """UP or DOWN, the direction at the far end."""
+        return self.leaving if self.turns % 2 == 0 else -self.leaving
+
+    @property
+    def way(self) -> Way:
+        """The same as `search.Way` of one."""
+        numbers = self.pin, self.sign, self.y, self.leaving, self.arriving, self.turns // 2, self.helix
+        return Way(*(np.array([number]) for number in numbers))
+
+
+def path_of(way: Way, i: int) -> Path:
+    """Equilibrium i of a search."""
+    turns = 2 * int(way.swings[i]) + int(way.leaving[i] != way.arriving[i])
+    return Path(float(way.pin[i]), float(way.sign[i]), float(way.y[i]), int(way.leaving[i]), turns, bool(way.helix[i]))
+
+
+class Place:
+    """One ends problem between the first and the last, with what every look at it needs."""
+
+    def __init__(self, problem: Reduced) -> None:
+        assert problem.betaL is not None
+        self.problem = problem
+        self.blank = bounded(problem)
+        found = self.blank.found
+        self.angles = found.beta[0, : found.count[0]]
+        self.saddles = self.angles[~found.centre[0, : found.count[0]]]
+        self.start, self.end = (self.blank.low, self.blank.high)[:: 1 if self.blank.rising else -1]
+
+    @property
+    def helix(self) -> Path | None:
+        """The rod that lies as a helix from end to end, where there is one."""
+        found = helix_of(self.problem, self.blank.found)
+        return None if found is None else Path(found[0], 1.0, -np.inf, 0, 0, True)
+
+    def fall(self, pin: float, beta: float) -> float:
+        """G(pin) - G(beta)."""
+        return fall(self.problem, pin, beta, bool((self.angles == pin).any()))
+
+    def boundary(self, pin: float) -> Boundary:
+        """The problem with its levels measured from one angle."""
+        falls = [[self.fall(pin, end) for end in (self.blank.low, self.blank.high)]]
+        return replace(self.blank, pins=np.array([pin]), falls=np.array(falls))
+
+    def joined_at(self, path: Path) -> bool:
+        """Whether the level lies above all that is between the two ends."""
+        highest, _ = floor_of(self.blank, self.angles, self.saddles)
+        gap = path.sign * float(np.exp(max(path.y, self.blank.deepest)))
+        return (path.pin == highest and path.sign > 0) or gap + self.fall(path.pin, highest) >= 0
+
+    def lengths(self, some: list[Path]) -> Array:
+        """Lengths of paths of one pin, (M,)."""
+        boundary = self.boundary(some[0].pin)
+        y, sign = np.array([path.y for path in some]), np.full(len(some), some[0].sign)
+        columns = np.array([(path.leaving, path.arriving, path.turns // 2) for path in some])
+        seen = transit(boundary, Levels(np.zeros(y.size, dtype=np.int64), sign, y))
+        return seen.lengths_along(Paths(*columns.T).counts(boundary.rising))
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A coordinate x on the equilibria of one path near `at`.
+
+    kind: what the level is measured from, a "saddle", the "start" or the "end". scale: by how much x may change before
+    the orbit is another. logarithmic: x is log|gap|; else it is beta_t at that end, with its sign.
+    """
+
+    kind: str
+    at: Path
+    scale: float
+    logarithmic: bool
+
+
+def charts(place: Place, path: Path) -> list[Chart]:
+    """Coordinates in which the equilibrium can be followed, the best first.
+
+    The others are for where the best one ends though the branch does not, as where its saddle meets a centre.
+    """
+    gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
+    angles, gaps, reached = _saddles(place, path, gap)
+    nearest = float(np.abs(gaps).min())
+    signed, logarithmic = [], []
+    for kind, angle in (("start", place.start), ("end", place.end)):
+        own = max(gap + place.fall(path.pin, angle), 0.0)
+        known = path.pin == angle and path.sign > 0
+        at = Path(angle, 1.0, path.y if known else float(np.log(max(own, 1e-300))), path.leaving, path.turns)
+        signed.append((own, Chart(kind, at, float(np.sqrt(nearest)), False)))
+        logarithmic.append((own, Chart(kind, at, _scale(at.y), True)))
+    for angle, level in zip(angles[reached], gaps[reached], strict=True):
+        known = path.sign == np.sign(level) and abs(path.pin - angle) < 1e-9
+        y = path.y if known else float(np.log(max(abs(level), 1e-300)))
+        at = Path(float(angle), float(np.sign(level)), y, path.leaving, path.turns)
+        logarithmic.append((abs(level), Chart("saddle", at, _scale(y), True)))
+    first, second = (sorted(some, key=lambda one: one[0]) for some in (signed, logarithmic))
+    both = [*first, *second] if first[0][0] < 0.5 * nearest else [*second, *first]
+    return [chart for _, chart in both]
+
+
+def _scale(y: float) -> float:
+    """By how much log|gap| may change: far down the length is linear in it."""
+    return max(1.0, 0.2 * abs(y))
+
+
+def _saddles(place: Place, path: Path, gap: float) -> tuple[Array, Array, Any]:
+    """The saddles that the orbit passes or turns before: angles, the orbit's level above each, and which of them the
+    rod itself, from end to end, reaches."""
+    problem, angles, m = place.problem, place.angles, place.angles.size
+    assert problem.betaL is not None
+    level = np.array([gap + place.fall(path.pin, float(b)) for b in angles])
+    shift = float(problem.beta0[0]) - wrapped(float(problem.beta0[0]))
+    behind, far = (_behind(angles, float(b[0]) - shift) for b in (problem.beta0, problem.betaL))
+    stops = [int(k) for k in np.flatnonzero(level <= 0)]
+    if stops:
+        highest = min(k + m * -((k - behind - 1) // m) for k in stops)
+        lowest = max(k - m * -((behind - k) // m) for k in stops)
+    else:
+        lowest, highest = behind + 1, behind + m
+    if path.turns > 1:
+        low, high = lowest, highest
+    elif path.turns == 1:
+        low = min(behind, far) + 1 if path.leaving == UP else lowest
+        high = highest if path.leaving == UP else max(behind, far)
+    else:
+        low, high = min(behind, far) + 1, max(behind, far)
+    whole, reached = (np.unique(np.arange(i, j + 1) % m) for i, j in ((lowest, highest), (low, high)))
+    saddles = whole[np.isin(angles[whole], place.saddles)]
+    return angles[saddles], level[saddles], np.isin(saddles, reached)
+
+
+def _behind(angles: Array, angle: float) -> int:
+    """The number of the last critical point not above an angle, counted on through whole turns."""
+    rounds = int(np.floor((angle + np.pi) / TAU))
+    return int(np.count_nonzero(angles <= angle - TAU * rounds)) - 1 + angles.size * rounds
+
+
+def coordinate(chart: Chart) -> float:
+    """x of the path that the chart was made at."""
+    if chart.logarithmic:
+        return chart.at.y
+    way = chart.at.leaving if chart.kind == "start" else chart.at.arriving
+    return way * float(np.exp(chart.at.y / 2))
+
+
+def path_at(place: Place, chart: Chart, x: float) -> Path | None:
+    """The path at x; None where its saddle is no more."""
+    at = chart.at
+    if chart.kind == "saddle":
+        apart = np.abs((place.saddles - at.pin + np.pi) % TAU - np.pi)
+        near = int(np.argmin(apart))
+        return None if apart[near] > 0.3 else replace(at, pin=float(place.saddles[near]), y=x)
+    problem, pin = place.problem, (place.start if chart.kind == "start" else place.end)
+    if chart.logarithmic:
+        return replace(at, pin=pin, y=x)
+    y = 2 * float(np.log(max(abs(x), 1e-150)))
+    way, was = (UP if x > 0 else DOWN), (at.leaving if chart.kind == "start" else at.arriving)
+    if way == was:
+        return replace(at, pin=pin, y=y)
+    # one turning point more where the rod now goes on through it, one fewer where it no longer does
+    lower = float(slope(problem, np.array([pin]))[0]) < 0
+    if chart.kind == "end":
+        more = 1 if lower == (way == UP) else -1
+        return Path(pin, 1.0, y, at.leaving, at.turns + more)
+    more = 1 if lower == (way == DOWN) else -1
+    both = problem.beta0[0] == problem.betaL[0] and at.turns % 2 == 1  # type: ignore[index]
+    return Path(pin, 1.0, y, way, at.turns + (2 * more if both else more))
+
+
+def excess(place: Place, chart: Chart, x: Array) -> Array:
+    """Length of the orbit less the rod's at each x, (M,); NaN where there is no such orbit."""
+    every = [path_at(place, chart, float(one)) for one in x]
+    some = [path for path in every if path is not None and path.turns >= 0]
+    return place.lengths(some) - place.problem.span[0] if len(some) == x.size else np.full(x.size, np.nan)

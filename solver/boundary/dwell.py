@@ -1,0 +1,47 @@
+"""A rod that stays at a saddle for longer than a float gap can say: the same orbit with panels where it is at rest."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..methods.orbit import Orbit, assembled
+from ..orbit.panels import Panels, joined
+from ..problem.reduced import Array
+from .transit import half_passages
+
+
+def dwelling(brief: Orbit, span: Array, gap: Array, excess: Array) -> Orbit:
+    """The orbits, of length span (B,), with panels in which the rod dwells at the saddle that pins its level.
+
+    gap, excess: (B,), the gap of the level and by how much the log of the true gap is smaller. There beta is the
+    saddle's angle to within the root of the gap, and alpha, z and the swirl grow evenly.
+    """
+    pieces = brief.course.pieces
+    stay = half_passages(pieces, gap) * excess[pieces.part // 2]
+    end, piece = np.nonzero(stay)
+    panels = brief.panels
+    series = panels.series.copy()
+    near = series.copy()
+    near[..., 1::2] *= -1
+    series[:, 2:, 0] -= near[:, 2:].sum(axis=2)  # integrals from each panel's own near end
+    duration = stay[end, piece]
+    rest = _still(panels, pieces.base[piece], duration)
+    still = Panels(pieces.part[piece], pieces.rank[piece], duration, *rest)
+    every = joined([replace(panels, series=series), still])
+    place = np.concatenate([np.zeros(panels.part.size), np.where(end == 0, -1, 1)])
+    number = np.concatenate([np.arange(panels.part.size), np.arange(piece.size)])
+    every = every.take(np.lexsort((number, place, every.rank, every.part)))
+    return assembled(replace(brief.problem, span=span), brief.course, every)
+
+
+def _still(panels: Panels, angle: Array, duration: Array) -> tuple[Any, ...]:
+    """Series and errors of panels at rest at the angles (P,), in the shape of the others."""
+    P = angle.size
+    series = np.zeros((P, *panels.series.shape[1:]))
+    s, c = np.sin(angle), np.cos(angle)
+    series[:, 0, 0] = angle
+    for k, rate in enumerate((s, c, s * c)):
+        series[:, 2 + k, 0] = series[:, 2 + k, 1] = rate * duration / 2
+    none = np.zeros(P)
+    return series, none, none, none, none, np.zeros(P, dtype=panels.calls.dtype)

@@ -1,0 +1,109 @@
+"""One equilibrium followed while its far end is turned, the loads held, up to the fold where it ceases to exist."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from ..methods.orbit import solve_orbit
+from ..problem.case import Case, Ends, Start
+from ..problem.errors import InputError
+from ..problem.reduced import Array, Reduced, reduce
+
+_STEP, _STEPS, _CHUNK = 2e-3, 5000, 50  # in beta_t(0); the walk ends after at most 10
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """Equilibria with the same beta(0) and loads. betaL [rad], dbeta0 [rad/length]: (count,), from the start's own end.
+
+    fold: the largest beta(L) [rad] that the branch reaches, and fold_dbeta0 there; None where the limit comes first.
+    ends: the ends problems, one case a value.
+    """
+
+    betaL: Array
+    dbeta0: Array
+    fold: float | None
+    fold_dbeta0: float | None
+    ends: Case
+
+
+def follow(case: Case, limit: float, count: int = 9, tol: float = 1e-12) -> Branch:
+    """Follow a start problem's own equilibrium while beta(L) rises to `limit` [rad] or to the fold, `count` values.
+
+    At the fold d beta(L)/d beta'(0) = 0: the two ways of reaching an end angle meet there and both end.
+    `limit` is met on the rod's own turn of beta: whole turns are added to it. Raises `InputError` for an ends
+    problem, a grid of cases, or a limit below the rod's own beta(L).
+    """
+    if not isinstance(case.given, Start) or case.shape:
+        raise InputError("follow takes one start problem at a time")
+    if count < 2:
+        raise InputError(f"count must be at least 2, got {count}")
+    problem = reduce(case)
+    assert problem.dbeta0 is not None
+    first = float(problem.dbeta0[0])
+    own = float(_far(problem, np.array([first]), tol)[0])
+    limit += 2 * np.pi * np.round(own / (2 * np.pi))
+    if limit <= own:
+        raise InputError(f"the rod itself already ends at beta(L) = {own:.6g} rad, beyond the limit of {limit:.6g} rad")
+    way = float(np.sign(_rate(problem, first, tol)))
+    slopes, ends = _walk(problem, first, way, limit, tol)
+    falls = np.flatnonzero(np.diff(ends) <= 0)
+    over = np.flatnonzero(ends >= limit)
+    fold: tuple[float, float] | None = None
+    if falls.size and (not over.size or falls[0] < over[0]):
+        k = int(falls[0])
+        at = scipy.optimize.brentq(lambda v: _rate(problem, v, tol), slopes[max(k - 1, 0)], slopes[k + 1], xtol=1e-13)
+        fold = float(_far(problem, np.array([at]), tol)[0]), float(at)
+    elif not over.size:
+        raise InputError(f"beta(L) stays below the limit {limit:.6g} rad and shows no fold; choose a lower limit")
+    last = fold[0] if fold and fold[0] < limit else limit
+    wanted = np.linspace(own, last, count)
+    top = fold[1] if fold else float(slopes[over[0]])
+    found = np.array([first, *(_reach(problem, target, first, top, tol) for target in wanted[1:-1])])
+    final = top if fold else _reach(problem, last, first, top, tol)
+    rho = float(case.rho)
+    FZ, MZ, M3 = (float(load) for load in case.loads)
+    given = Ends(case.given.beta, wanted, FZ, MZ, M3, case.given.alpha, case.given.gamma)
+    return Branch(
+        wanted,
+        np.append(found, final) / rho,
+        fold[0] if fold else None,
+        fold[1] / rho if fold else None,
+        Case(case.rod, case.cylinder, given),
+    )
+
+
+def _walk(problem: Reduced, first: float, way: float, limit: float, tol: float) -> tuple[Array, Array]:
+    """beta_t(0) in small steps and beta(L) there, until it falls or passes the limit."""
+    slopes, ends = np.array([first]), _far(problem, np.array([first]), tol)
+    while slopes.size <= _STEPS and ends[-1] < limit and (np.diff(ends[-_CHUNK - 1 :]) > 0).all():
+        more = slopes[-1] + way * _STEP * np.arange(1, _CHUNK + 1)
+        slopes, ends = np.append(slopes, more), np.append(ends, _far(problem, more, tol))
+    return slopes, ends
+
+
+def _far(problem: Reduced, slopes: Array, tol: float) -> Array:
+    """beta(L) of rods that start with these beta_t(0), (K,)."""
+    lam, mu, phi, span, beta0 = (np.repeat(v, slopes.size) for v in _fixed(problem))
+    wide = Reduced(lam, mu, phi, span, beta0, dbeta0=slopes)
+    return solve_orbit(wide, tol).at(wide.span[:, None])[0][:, 0]
+
+
+def _fixed(problem: Reduced) -> tuple[Array, ...]:
+    return problem.lam, problem.mu, problem.phi, problem.span, problem.beta0
+
+
+def _rate(problem: Reduced, slope: float, tol: float, nudge: float = 1e-4) -> float:
+    """d beta(L)/d beta_t(0), by differences of order four."""
+    e = _far(problem, slope + nudge * np.array([-2.0, -1.0, 1.0, 2.0]), tol)
+    return float((e[0] - 8 * e[1] + 8 * e[2] - e[3]) / (12 * nudge))
+
+
+def _reach(problem: Reduced, target: float, low: float, high: float, tol: float) -> float:
+    """beta_t(0) that ends at `target`, between two that end below and above it."""
+    return float(
+        scipy.optimize.brentq(
+            lambda v: float(_far(problem, np.array([v]), tol)[0]) - target, low, high, xtol=1e-14, rtol=1e-14
+        )
+    )

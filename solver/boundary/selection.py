@@ -1,0 +1,98 @@
+"""Which of the equilibria between two ends is meant.
+
+Under dead loads the lowest energy of a long compressed rod is turned round: beta passes pi, which shortens the path of
+the load. What a user means is mostly the stable equilibrium that stays near its end angles. So the default is: of the
+stable equilibria the one whose beta strays least from the interval between its two end angles; of equal ones the one of
+lower energy, then the one with positive beta'(0); where none is stable, the one that strays least of all.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..problem.errors import InputError
+from ..problem.reduced import Array
+
+NEAREST, LOWEST = "nearest", "lowest"
+RULES = (NEAREST, LOWEST)
+
+Choose = str | int  # "nearest", "lowest", or a Morse index
+
+_EQUAL = 1e-9  # relative difference below which two strays or two energies are equal: mirror images differ by rounding
+_FINEST = 1e-12  # rad: the same for strays next to nothing
+
+
+@dataclass(frozen=True)
+class Selection:
+    """How one equilibrium was taken from those found.
+
+    count: equilibria found. stable: how many of them have Morse index 0. choose: the rule asked for. complete: whether
+    nothing says that one is missing (`equilibria.Equilibria`).
+    """
+
+    count: int
+    stable: int
+    choose: Choose
+    complete: bool
+
+    def __str__(self) -> str:
+        found = f"{self.count} equilibri{'um' if self.count == 1 else 'a'}{'' if self.complete else ' found'}"
+        known = f"{found}, {self.stable} stable" + ("" if self.complete else ", the list is incomplete")
+        return f"{known}; {self.rule}"
+
+    @property
+    def rule(self) -> str:
+        """Which equilibrium the rule takes, in words."""
+        if self.choose == LOWEST:
+            return "taken: the one of lowest energy"
+        if self.choose == NEAREST:
+            of = "stable one" if self.stable else "one"
+            return f"taken: the {of} whose beta strays least from between its end angles"
+        return f"taken: of those of index {self.choose} the one whose beta strays least from between its end angles"
+
+
+def checked(choose: Any) -> Choose:
+    """The rule as given; raises `InputError` unless it is one of `RULES` or a Morse index."""
+    if isinstance(choose, str) and choose in RULES:
+        return choose
+    if isinstance(choose, (int, np.integer)) and not isinstance(choose, bool) and choose >= 0:
+        return int(choose)
+    raise InputError(f"choose must be 'nearest', 'lowest' or a Morse index (0, 1, 2, ...), got {choose!r}")
+
+
+def select(choose: Choose, index: Array, energy: Array, strays: Array, slope: Array) -> int | None:
+    """Which of K equilibria the rule takes; None where no equilibrium has the index asked for, or K is 0.
+
+    index: Morse indices. energy: in any unit. strays: how far beta leaves the interval between its two end angles.
+    slope: beta'(0), in any unit. (K,) each.
+    """
+    if choose == LOWEST:
+        among: NDArray[np.intp] = np.arange(index.size)
+    elif choose == NEAREST:
+        among = np.flatnonzero(index == 0) if (index == 0).any() else np.arange(index.size)
+    else:
+        among = np.flatnonzero(index == choose)
+    if not among.size:
+        return None
+    if choose != LOWEST:
+        least = strays[among].min()
+        among = among[strays[among] <= least + _EQUAL * least + _FINEST]
+    lowest = energy[among].min()
+    among = among[energy[among] <= lowest + _EQUAL * np.abs(energy[among]).max()]
+    positive = among[slope[among] > 0]
+    among = positive if positive.size else among
+    return int(among[np.argmax(slope[among])])
+
+
+def selection(choose: Choose, index: Array, total: int, complete: bool) -> Selection:
+    """What is said of a selection among `total` equilibria; index: Morse indices, of the stable ones at least, (K,)."""
+    return Selection(total, int(np.count_nonzero(index == 0)), choose, complete)
+
+
+def none_of(choose: Choose, index: Array, total: int) -> str:
+    """The outcome of a case none of whose equilibria the rule admits; index: Morse indices of those solved, (K,)."""
+    known = sorted({int(i) for i in index})
+    shown = ", ".join(map(str, known[:8])) + (f", ... up to {known[-1]}" if len(known) > 8 else "")
+    return f"failed: none of the {total} equilibria found has index {choose}; their indices: {shown}"

@@ -1,0 +1,238 @@
+"""How long an orbit takes between two end angles, as a function of its level: what an ends problem comes down to.
+
+Let low and high be the two end angles in order. At the level eta three times say everything: `crossing`, from low to
+high; `above`, from high to the upper turning point; `below`, from low to the lower one. A path that passes k turning
+points is a sum of whole multiples of the three, all of them positive, so no digits cancel.
+
+A level is given by a pin p (a saddle of G, or one of the ends), a sign and y: eta = G(p) + sign exp(y). Next to a
+saddle o, G(o + x) = G(o) - r^2 x^2 with r^2 = -H'(o), so each half passage (from the saddle's neighbourhood to the
+saddle or to the turning point before it) adds 1/(2 r) to the time for every unit that y falls; corrections are of the
+order of exp(y). Below y = `Boundary.deepest` the three times are continued by this law: y has no lower limit.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mechanics.potential import TAU, Extrema, Well, slope
+from ..numerics.chebyshev import basis
+from ..orbit.panels import panelled
+from ..orbit.pieces import CENTRE, ROTATION, Pieces, _apart, _start_variable, course
+from ..problem.reduced import Array, Reduced
+
+UP, DOWN = 1, -1
+_SAME = 4e-16  # of the size of G: heights that differ by less are one
+STRETCH = 4.0  # panels along saddles, where time is next to linear in u, are so much longer
+_BLOCK = 2048  # levels worked on at once
+
+
+def many(problem: Reduced, count: int, **changed: Array) -> Reduced:
+    """One problem, `count` times over, with some fields changed."""
+    fields: dict[str, Any] = {k: v if v is None else np.repeat(v, count) for k, v in vars(problem).items()}
+    return Reduced(**{**fields, **changed})
+
+
+def wrapped(angle: float) -> float:
+    """The angle in [-pi, pi), as `course` wraps it."""
+    angle = float(angle - TAU * np.round(angle / TAU))
+    return angle - TAU if angle >= np.pi else angle
+
+
+@dataclass(frozen=True, eq=False)
+class Boundary:
+    """One ends problem (of size 1) and the critical points of its G.
+
+    low, high: the end angles in order, in [-pi, pi). rounds: whole turns between them. passed: extrema of G between low
+    and high, without those of whole rounds. rising: whether beta(0) is the lower one.
+    pins: (P,) angles in [-pi, pi); falls: (P, 2), G(pin) less G at low and high. deepest: log gap below which times
+    are linear in it.
+    """
+
+    problem: Reduced
+    found: Extrema
+    low: float
+    high: float
+    rounds: int
+    passed: int
+    rising: bool
+    pins: Array
+    falls: Array
+    deepest: float
+
+    def start_speed2(self, pin: Any, gap: Array) -> Array:
+        """beta_t(0)^2 at levels G(pins[pin]) + gap."""
+        return gap + self.falls[pin, 0 if self.rising else 1]
+
+
+def height_scale(problem: Reduced) -> float:
+    """A bound on the size of G."""
+    return float(1 + (np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi))[0])
+
+
+def fall(problem: Reduced, pin: float, beta: float, extremum: bool) -> float:
+    """G(pin) - G(beta) to relative accuracy in beta - pin; 0 for angles far apart where it is less than rounding."""
+    x = float(_apart(np.array([beta]), np.array([pin]))[0])
+    at = np.array([pin])
+    value = float(Well.about(problem, at).drop(np.array([[x]]))[0, 0])
+    if not extremum:
+        value -= 2 * float(slope(problem, at)[0]) * np.sin(x)
+    return 0.0 if abs(x) > 1e-3 and abs(value) < _SAME * height_scale(problem) else value
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """M levels: pin (M,), index into the boundary's pins; sign (M,), +1 or -1; y (M,), log of the gap's size."""
+
+    pin: NDArray[np.int64]
+    sign: Array
+    y: Array
+
+    def take(self, index: Any) -> "Levels":
+        return Levels(self.pin[index], self.sign[index], self.y[index])
+
+
+@dataclass(frozen=True, eq=False)
+class Paths:
+    """N ways from one end to the other, (N,) each: direction at beta(0) and at beta(L), UP or DOWN, whole periods."""
+
+    leaving: NDArray[np.int64]
+    arriving: NDArray[np.int64]
+    swings: NDArray[np.int64]
+
+    @property
+    def turns(self) -> NDArray[np.int64]:
+        """Turning points passed, (N,)."""
+        return 2 * self.swings + (self.leaving != self.arriving)
+
+    def counts(self, rising: bool) -> NDArray[np.int64]:
+        """How often the path takes the times crossing, above and below, (N, 3)."""
+        turns, half = self.turns, (self.turns + 1) // 2
+        up = self.leaving == UP
+        inward = up == rising
+        crossing = 2 * ((turns - ~inward) // 2) + 1
+        return np.stack([crossing, 2 * np.where(up, half, turns // 2), 2 * np.where(up, turns // 2, half)], axis=1)
+
+    def take(self, index: Any) -> "Paths":
+        return Paths(self.leaving[index], self.arriving[index], self.swings[index])
+
+
+def paths(boundary: Boundary, most_turns: int) -> Paths:
+    """Every path of at most so many turning points, but that of no length."""
+    turns = np.arange(most_turns + 1)
+    leaving = np.repeat([UP, DOWN], turns.size)
+    turns = np.tile(turns, 2)
+    way = boundary.low != boundary.high or boundary.rounds > 0
+    plain = (leaving == (UP if boundary.rising else DOWN)) & way
+    kept = (turns > 0) | plain
+    leaving, turns = leaving[kept], turns[kept]
+    return Paths(leaving, np.where(turns % 2 == 0, leaving, -leaving), turns // 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Transit:
+    """At M levels the times crossing, above and below, (3, M); NaN where the level does not join the ends.
+
+    rate: (3, M), what a unit of falling y adds to each. rotates: (M,), whether beta turns all the way: then there is
+    the crossing alone. calls: evaluations of G.
+    """
+
+    time: Array
+    rate: Array
+    rotates: NDArray[np.bool_]
+    calls: int
+
+    def lengths(self, counts: Array) -> Array:
+        """Lengths of paths with these counts (N, 3) at every level, (N, M); NaN where there is no such orbit."""
+        return self._sum(self.time, counts[:, :, None])
+
+    def rates(self, counts: Array) -> Array:
+        """What a unit of falling y adds to the lengths, (N, M)."""
+        return self._sum(self.rate, counts[:, :, None])
+
+    def lengths_along(self, counts: Array) -> Array:
+        """Length of path i at level i, (M,), counts (M, 3)."""
+        return self._sum(self.time, counts)
+
+    def rates_along(self, counts: Array) -> Array:
+        """Rate of path i at level i, (M,), counts (M, 3)."""
+        return self._sum(self.rate, counts)
+
+    def _sum(self, value: Array, counts: Array) -> Array:
+        total = counts[:, 0] * value[0] + counts[:, 1] * value[1] + counts[:, 2] * value[2]
+        return np.where(self.rotates & (counts[:, 1] + counts[:, 2] > 0), np.nan, total)
+
+
+def transit(boundary: Boundary, levels: Levels, deep: bool = True) -> Transit:
+    """The times at M levels. deep: continue them below `boundary.deepest`; else as at `deepest`."""
+    if levels.y.size > _BLOCK:
+        blocks = [transit(boundary, levels.take(slice(k, k + _BLOCK)), deep) for k in range(0, levels.y.size, _BLOCK)]
+        time, rate = (np.concatenate([getattr(b, name) for b in blocks], axis=1) for name in ("time", "rate"))
+        return Transit(time, rate, np.concatenate([b.rotates for b in blocks]), sum(b.calls for b in blocks))
+    M = levels.y.size
+    gap = levels.sign * np.exp(np.maximum(levels.y, boundary.deepest))
+    v2 = gap + boundary.falls[levels.pin].T
+    joins = (v2 > 0).all(axis=0)
+    v_low, v_high = np.sqrt(np.where(joins, v2, 1.0))
+    start = many(boundary.problem, M, beta0=np.full(M, boundary.low), betaL=None, dbeta0=v_low)  # type: ignore[arg-type]
+    same = boundary.found
+    found = Extrema(np.repeat(same.beta, M, axis=0), np.repeat(same.centre, M, axis=0), np.repeat(same.count, M))
+    way = course(start, (boundary.pins[levels.pin], gap), found)
+    pieces = _three(boundary, way.pieces, v_high, M)
+    twice = many(boundary.problem, 2 * M, betaL=None, dbeta0=np.tile(v_low, 2))  # type: ignore[arg-type]
+    cut = type(way)(way.kind, way.direction, pieces)
+    panels = panelled(twice, cut, basis(22), 0.7, 1e-15, times_only=True, stretch=STRETCH)
+    time = _by_part(panels.part, panels.duration, M)
+    rate = _by_part(pieces.part, half_passages(pieces, np.tile(gap, 2)).sum(axis=0), M)
+    rotates = joins & (way.kind == ROTATION)
+    for value in (time, rate):
+        value[0, rotates] += boundary.rounds * (value[0] + value[1])[rotates]
+        value[1:, rotates] = 0
+    if deep:
+        time += rate * np.maximum(boundary.deepest - levels.y, 0)
+    joins &= rotates | (boundary.rounds == 0)
+    return Transit(np.where(joins, time, np.nan), np.where(joins, rate, np.nan), rotates, int(panels.calls.sum()))
+
+
+def _by_part(part: Any, values: Array, M: int) -> Array:
+    """Sums over the parts that `_three` numbers, (3, M): crossing, above, below."""
+    total = np.bincount(part, weights=values, minlength=4 * M).astype(float)
+    return np.stack([total[: 2 * M : 2], total[2 * M :: 2], total[1 : 2 * M : 2]])
+
+
+def _three(boundary: Boundary, pieces: Pieces, v_high: Array, M: int) -> Pieces:
+    """The pieces of courses from low, the upward ones cut at high: part 2 b up to high, 2 (M + b) beyond it, 2 b + 1
+    below low."""
+    upward = pieces.part % 2 == 0
+    holds = np.flatnonzero(upward & (pieces.rank == boundary.passed))
+    cut = pieces.take(holds)
+    x = _apart(np.array([boundary.high]), cut.well.o[:, 0])
+    from_low = cut.displacement(cut.u1[:, None])[:, 0] > 0
+    x = np.where(from_low & (x < 0), x + TAU, np.where(~from_low & (x > 0), x - TAU, x))
+    u, _ = _start_variable(cut.kind, cut.scale, x, v_high[cut.part // 2], np.zeros(x.size, dtype=bool), cut.well)
+    u = np.clip(u, np.minimum(cut.u0, cut.u1), np.maximum(cut.u0, cut.u1))
+    part = np.where(upward & (pieces.rank >= boundary.passed), pieces.part + 2 * M, pieces.part)
+    u0 = pieces.u0.copy()
+    u0[holds] = u
+    index = np.concatenate([np.arange(part.size), holds])
+    part = np.concatenate([part, cut.part])
+    u0, u1 = np.concatenate([u0, cut.u0]), np.concatenate([pieces.u1, u])
+    rank = pieces.rank[index]
+    order = np.lexsort((rank, part))
+    order = order[u0[order] != u1[order]]
+    kept = pieces.take(index[order])
+    return Pieces(part[order], rank[order], kept.kind, kept.base, kept.scale, u0[order], u1[order], kept.well)
+
+
+def half_passages(pieces: Pieces, gap: Array) -> Array:
+    """What a unit of falling log gap adds to the time at the near and at the far end of each piece, (2, P).
+
+    1/(2 r) where the piece ends at the saddle on whose height the level is pinned, or at the turning point before it.
+    gap: (B,), of the problem of each piece, part // 2.
+    """
+    level = pieces.well.level[:, 0]
+    own = (pieces.kind != CENTRE) & (np.abs(np.abs(level) - np.abs(gap[pieces.part // 2])) < 1e-9 * np.abs(level))
+    bend = np.maximum(pieces.well.steepness(np.zeros((level.size, 1)))[:, 0] / 4, 1e-30)
+    share = np.where(own, 0.5 / np.sqrt(bend), 0.0)
+    return np.stack([np.where(pieces.u0 == 0, share, 0.0), np.where(pieces.u1 == 0, share, 0.0)])

@@ -1,0 +1,1 @@
+"""Mechanics of the rod on a cylinder: potential, statics, frames."""

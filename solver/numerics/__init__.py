@@ -1,0 +1,1 @@
+"""Numerical tools: Chebyshev series, bracketed roots."""

@@ -1,0 +1,1 @@
+"""Observables of a solution, their quadrature and errors, and self-contact."""

@@ -1,0 +1,86 @@
+"""What the observables are integrals and extremes of, in units of A and rho, at nodes of pieces of the rod.
+
+Each function takes pieces, whose angles are read once for all of them, and returns a `Density`.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..mechanics.potential import slope_rate_of, slope_terms
+from ..problem.reduced import Array, Reduced
+from .sampling import Pieces
+
+
+@dataclass(frozen=True, eq=False)
+class Density:
+    """values; size: of the terms that they are the sum of; spread: how much a change of beta by one, and of beta_t by
+    what comes with it, can change them; (Q, m) each."""
+
+    values: Array
+    size: Array
+    spread: Array
+
+
+def angle(pieces: Pieces) -> Density:
+    """beta itself."""
+    beta = pieces.angles.beta
+    return Density(beta, np.abs(beta), np.ones_like(beta))
+
+
+def curvature(pieces: Pieces) -> Density:
+    """kappa rho = hypot(beta_t, sin^2)."""
+    s, c, v = pieces.angles.sin, pieces.angles.cos, np.abs(pieces.angles.speed)
+    kappa = np.hypot(v, s * s)
+    share = np.divide(v, kappa, out=np.ones_like(kappa), where=kappa > 0)
+    return Density(kappa, v + s * s, share * rate(pieces) + 2 * np.abs(s * c))
+
+
+def bending(pieces: Pieces) -> Density:
+    """kappa^2 rho^2/2: bending energy per length in A/rho^2."""
+    speed, s, c = pieces.angles.speed, pieces.angles.sin, pieces.angles.cos
+    s2 = s * s
+    found = (speed * speed + s2 * s2) / 2
+    return Density(found, found, np.abs(speed) * rate(pieces) + 2 * s2 * np.abs(s * c))
+
+
+def potential(pieces: Pieces) -> Density:
+    """Energy per length less the work of the dead loads, in A/rho^2, but for the constant -M3^2/(2C)."""
+    loads, speed, s, c = _loads(pieces), pieces.angles.speed, pieces.angles.sin, pieces.angles.cos
+    s2 = s * s
+    bent, twisted, pulled, turned = (speed * speed + s2 * s2) / 2, loads.mu * s * c, loads.phi * c, loads.lam * s
+    size = bent + np.abs(twisted) + np.abs(pulled) + np.abs(turned)
+    moved = 2 * s2 * s * c + loads.mu * (c - s) * (c + s) + loads.phi * s - loads.lam * c
+    return Density(bent + twisted - pulled - turned, size, np.abs(speed) * rate(pieces) + np.abs(moved))
+
+
+def outward(pieces: Pieces) -> Density:
+    """f rho^3/A, the contact per length, positive outward; eq. (34), corrected."""
+    loads, speed, s, c = _loads(pieces), pieces.angles.speed, pieces.angles.sin, pieces.angles.cos
+    v2, s3, cos2 = speed * speed, s * s * s, (c - s) * (c + s)
+    across, lever = loads.lam - loads.mu * c - s3, 3 * s * c - loads.mu
+    even, twist, rest = slope_terms(loads, s, c)
+    H = even + twist - rest
+    size = np.abs(s) * (np.abs(loads.lam) + np.abs(loads.mu * c) + np.abs(s3)) + 3 * v2 * np.abs(cos2)
+    size = size + (np.abs(even) + np.abs(twist) + np.abs(rest)) * (3 * np.abs(s * c) + np.abs(loads.mu))
+    moved = c * across + s * (loads.mu * s - 3 * s * s * c) + slope_rate_of(loads, s, c) * lever + 3 * H * cos2
+    spread = np.abs(moved + 12 * v2 * s * c) + 6 * np.abs(speed * cos2) * rate(pieces)
+    return Density(s * across + H * lever - 3 * v2 * cos2, size, spread)
+
+
+def push(pieces: Pieces, sign: Array) -> Density:
+    """The contact counted positive where the cylinder pushes; sign: 1 outside, -1 inside, (B,)."""
+    found = outward(pieces)
+    return replace(found, values=found.values * sign[pieces.case, None])
+
+
+def rate(pieces: Pieces) -> Array:
+    """How much faster beta_t changes than beta, at most, (Q, 1)."""
+    loads = _loads(pieces)
+    return np.sqrt(np.abs(loads.lam) + 2 * np.abs(loads.mu) + np.abs(loads.phi) + 2)
+
+
+def _loads(pieces: Pieces) -> Reduced:
+    """The loads of each piece as columns, (Q, 1)."""
+    p, case = pieces.problem, pieces.case
+    return Reduced(*(v[case, None] for v in (p.lam, p.mu, p.phi, p.span, p.beta0)))

@@ -1,0 +1,193 @@
+"""What is measured along a rod, in units of A and rho: each number and its error, (B,) each.
+
+On the orbit's own panels where the method knows the orbit. Elsewhere polynomials between the stations have to do, and
+the error is what every other station changes; NaN where the stations do not show every bend or cover only a stretch.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..problem.reduced import Array, flat
+from ..solution import Solution
+from . import densities
+from .quadrature import EPS, Resolved, means, primitive, resolve, series_at
+from .sampling import Pieces, blocks, of_stations, resolved
+
+_FINEST = 1e-14  # of what is measured: no series is asked to end below
+_SPREAD = 10  # of the error that `swing` states, a standard deviation: the true one was never seen to be more
+_SHARE = 1e-3  # of the tolerance, left to the series of what is measured
+_SAFETY = 2.0
+BARELY = 64 * EPS  # of the size of its terms: what a push must exceed to be one
+
+Pair = tuple[Any, Any]  # values and their errors, (B,)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Numbers that come from one density: from pieces, the factor of push, the error of beta (B,) and a goal, to name
+    -> values and errors (B,) in units of A and rho."""
+
+    names: tuple[str, ...]
+    measured: Callable[[Pieces, Array, Array, float], dict[str, Pair]]
+
+
+def _angles(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+    beta = resolve(pieces, densities.angle, np.inf)
+    return {"low": (beta.smallest(), error), "high": (beta.largest(), error)}
+
+
+def _curvatures(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+    kappa = resolve(pieces, densities.curvature, goal)
+    doubt = _doubt(kappa, error)
+    return {
+        "curvature": (kappa.integral, kappa.left_out + kappa.integral_of(doubt)),
+        "tightest": (kappa.largest(), _worst(kappa, doubt)),
+    }
+
+
+def _energy(density: Callable[..., densities.Density], name: str) -> Group:
+    def measured(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+        found = resolve(pieces, density, goal, extremes=False)
+        return {name: (found.integral, found.left_out + found.integral_of(_doubt(found, error)))}
+
+    return Group((name,), measured)
+
+
+def _pushes(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+    push = resolve(pieces, lambda some: densities.push(some, sign), goal, signs=True)
+    doubt = _doubt(push, error) + 2 * push.tail[:, None] + BARELY * push.size
+    wrong, worst = push.integral_of(doubt), _worst(push, doubt)
+    pushed, pulled, share, unsure = _parted(push, doubt)
+    return {
+        "pushed": (pushed, wrong),
+        "pulled": (pulled, wrong),
+        "share": (share, unsure),
+        "least": (push.smallest(), worst),
+        "most": (push.largest(), worst),
+    }
+
+
+def _parted(push: Resolved, doubt: Array) -> tuple[Array, Array, Array, Array]:
+    """Integrals of push alone and of pull alone, the length on which the cylinder pushes, and its error, (B,) each."""
+    beyond = push.less(BARELY * push.size)
+    q, x, way = beyond.crossings()
+    first, Q = beyond.values[:, 0] > 0, push.values.shape[0]
+    whole, mine = push.coefficients @ means(push.values.shape[1]), primitive(push.coefficients)[q]
+    left = series_at(mine, np.ones(q.size)) - series_at(mine, x)
+    area = np.where(first, whole, 0) + np.bincount(q, weights=way * left, minlength=Q) / 2
+    share = np.where(first, 1.0, 0) + np.bincount(q, weights=way * (1 - x), minlength=Q) / 2
+    # a doubtful push moves its zeros, or may be none throughout
+    moved = doubt.max(axis=1)[q] / np.abs(beyond.rate_at(q, x))
+    moved = np.bincount(q, weights=np.where(moved < 1, moved, 1), minlength=Q)
+    faint = ((np.abs(push.values) < doubt) & (push.values != 0)).mean(axis=1)
+    unsure = np.minimum(np.maximum(moved, faint), 1) + EPS
+    return push.over(area), push.over(area - whole), push.over(np.clip(share, 0, 1)), push.over(unsure)
+
+
+def _doubt(found: Resolved, error: Array) -> Array:
+    """What the error of beta (B,) may make of the values at the nodes, (Q, m)."""
+    return found.spread * (_SAFETY * error[found.pieces.case, None])
+
+
+def _worst(found: Resolved, doubt: Array) -> Array:
+    return found.most(doubt.max(axis=1) + 2 * found.tail + EPS * found.size.max(axis=1))
+
+
+GROUPS = (
+    Group(("low", "high"), _angles),
+    Group(("curvature", "tightest"), _curvatures),
+    _energy(densities.bending, "bending"),
+    _energy(densities.potential, "potential"),
+    Group(("pushed", "pulled", "share", "least", "most"), _pushes),
+)
+
+
+def _of_groups(groups: list[Group], pieces: Pieces, *given: Any) -> dict[str, Pair]:
+    found: dict[str, Pair] = {}
+    with np.errstate(all="ignore"):  # rods that stand in place of others, and numbers next to what a float holds
+        for group in groups:
+            found |= group.measured(pieces, *given)
+    return found
+
+
+class Reading:
+    """A solution and what was measured on it, each density once for all observables."""
+
+    def __init__(self, sol: Solution) -> None:
+        self.sol = sol
+        self._known: dict[str, Pair] = {}
+
+    def measure(self, wanted: Iterable[str]) -> None:
+        """Measure every group of numbers that some of the names are of, on the same pieces."""
+        missing = {name for name in wanted if name not in self._known}
+        groups = [group for group in GROUPS if missing & set(group.names)]
+        if not groups:
+            return
+        sol = self.sol
+        sign = flat(sol.case.outward, sol.case.shape)
+        error = np.where(np.isfinite(sol.trajectory.error), sol.trajectory.error, 1.0)
+        error = np.maximum(error, 4 * EPS) * (_SPREAD if hasattr(sol.trajectory.orbit, "lost") else 1)
+        goal = max(_SHARE * sol.tol, _FINEST)
+        names = [name for group in groups for name in group.names]
+        found = {name: (np.full(sol.problem.size, np.nan), np.full(sol.problem.size, np.nan)) for name in names}
+        for some, pieces in blocks(sol):
+            told = _of_groups(groups, pieces, sign[some], error[some], goal)
+            if sol.trajectory.orbit is None:
+                coarse = _of_groups(groups, of_stations(sol, some, 2), sign[some], error[some], goal)
+                dense = resolved(sol)[some]
+                for name, (value, doubt) in told.items():
+                    told[name] = value, np.where(dense, doubt + np.abs(value - coarse[name][0]), np.nan)
+            for name, pair in told.items():
+                for whole, part in zip(found[name], pair, strict=True):
+                    whole[some] = part
+        self._known.update(found)
+
+    def get(self, name: str) -> Pair:
+        """A number measured along the rod and its error, (B,) each."""
+        self.measure([name])
+        return self._known[name]
+
+    def value(self, name: str) -> Array:
+        """A number measured along the rod, (B,)."""
+        found: Array = self.get(name)[0]
+        return found
+
+    def error_of(self, name: str) -> Array:
+        """Its error, (B,)."""
+        found: Array = self.get(name)[1]
+        return found
+
+    def scaled(self, name: str, factor: Array) -> Pair:
+        """A number and its error in other units, (B,) each."""
+        value, error = self.get(name)
+        with np.errstate(over="ignore", invalid="ignore"):
+            return value * factor, error * factor
+
+    def each(self, values: Any) -> Any:
+        """Values (B,) in the shape of the cases."""
+        return self.sol._each(values)
+
+    @cached_property
+    def error(self) -> Array:
+        """Estimated error of beta, and of alpha and z over max(1, L/rho), (B,)."""
+        return np.asarray(self.sol.trajectory.error)
+
+    @cached_property
+    def rho(self) -> Array:
+        return flat(self.sol.case.rho, self.sol.case.shape)
+
+    @cached_property
+    def A(self) -> Array:
+        return flat(self.sol.case.rod.bending_stiffness, self.sol.case.shape)
+
+    @cached_property
+    def length(self) -> Array:
+        """Length of the rod in t, (B,): of its stretch between the stations where nothing else is known."""
+        t = self.sol.t
+        if self.sol.trajectory.orbit is not None or t.shape[1] < 2:
+            return self.sol.problem.span
+        return t[:, -1] - t[:, 0]

@@ -1,0 +1,90 @@
+"""Where the rod would pass through itself: turns whose centrelines come closer than two radii.
+
+Points pi a apart or less along the rod are close because they are neighbours: an arc no tighter than the rod itself
+(radius a) keeps its ends two radii apart from there on. More is known (Schur): points less than
+2/kappa (pi - asin(kappa a)) apart, kappa the largest curvature, cannot meet, so only farther ones are looked at.
+Bounds on beta decide many rods; of the others stretches of the curve are halved where they might meet (`strands`). All
+lengths here are in units of rho.
+"""
+
+from typing import Any
+
+import numpy as np
+import scipy
+
+from ..problem.reduced import Array, flat
+from ..solution import Solution
+from .strands import apart as apart_along
+from .strands import meets, strands
+
+_COARSE, _DENSE, _MOST = 0.5, 0.125, 200_000  # of the radius: stations apart; points made of them, and how many
+_BLOCK = 128  # rods looked at together
+
+
+def overlaps(sol: Solution, kappa_max: Any, low: Any, high: Any) -> Any:
+    """1 where the rod would pass through itself, else 0, NaN where that cannot be told, (*cases).
+
+    It does where two points farther apart along the rod than pi a come closer in space than 2 a, or where kappa a is 1
+    or more. kappa_max: the largest curvature, (*cases) [1/length]; low, high: the smallest and largest beta, (*cases).
+    Rods that keep their way along the axis, or about it for less than a turn, are told by these alone. Of the others
+    points are taken from the orbit, as dense as the rod is thick; where the method knows none, from the stations, and
+    where these are farther apart than a/2 a rod that does not meet itself at them might between them. A case that is
+    not solved cannot be told either.
+    """
+    case, orbit = sol.case, sol.trajectory.orbit
+    rho = flat(case.rho, case.shape)
+    a = flat(case.rod.a, case.shape) / rho
+    tightest = flat(kappa_max, case.shape) * rho
+    found = np.full(case.size, np.nan)
+    known = np.reshape(sol.solved, -1) & np.isfinite(tightest)
+    thick = a * tightest >= 1
+    apart = apart_along(a, tightest)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        range_ = flat(low, case.shape), flat(high, case.shape)
+        free = (sol.problem.span <= apart) | _climbs(*range_, a, apart)
+        free |= _goes_round_once(*range_, a, apart, sol.problem.span)
+    found[known & thick], found[known & ~thick & free] = 1, 0
+    left = np.flatnonzero(known & ~thick & ~free)
+    for rows in (left[k : k + _BLOCK] for k in range(0, left.size, _BLOCK)):
+        if orbit is None:
+            found[rows] = [_at_stations(sol, int(i), a[i]) for i in rows]
+        else:
+            found[rows] = meets(strands(orbit.pick(rows), sol.problem.span[rows], a[rows], tightest[rows]))
+    whole = found if np.isnan(found).any() else found.astype(np.int64)
+    return whole.reshape(case.shape)[()]
+
+
+def _climbs(low: Array, high: Array, a: Array, apart: Array) -> Any:
+    """Whether the rod keeps its way along the axis, and gains two radii there on any stretch long enough to meet."""
+    way = np.round((low + high) / (2 * np.pi))
+    ahead = np.maximum(np.abs(low - np.pi * way), np.abs(high - np.pi * way))
+    return (ahead < np.pi / 2) & (np.cos(ahead) * apart > 2 * a)
+
+
+def _goes_round_once(low: Array, high: Array, a: Array, apart: Array, span: Array) -> Any:
+    """Whether the rod keeps its way about the axis, is less than a turn long, and gains two radii there likewise."""
+    aside = np.floor((low + high) / (2 * np.pi)) + 0.5
+    off = np.maximum(np.abs(low - np.pi * aside), np.abs(high - np.pi * aside))
+    thick = 2 * np.arcsin(np.minimum(a, 1))
+    return (off < np.pi / 2) & (np.cos(off) * apart > thick) & (span < 2 * np.pi - thick) & (a < 1)
+
+
+def _at_stations(sol: Solution, i: int, a: float) -> float:
+    """The same from the stations of case i alone."""
+    t, told = sol.t[i], sol.trajectory
+    alpha, z, beta = told.alpha[i], told.z[i], told.beta[i]
+    points = np.stack([np.cos(alpha), np.sin(alpha), z], axis=-1)
+    dense = np.diff(t).max() <= _COARSE * a
+    if dense:
+        s, c = np.sin(beta), np.cos(beta)
+        tangent = np.stack([-s * np.sin(alpha), s * np.cos(alpha), c], axis=-1)
+        kept = np.append(True, np.diff(t) > 0)
+        count = int(min((t[-1] - t[0]) / (_DENSE * a), _MOST)) + 2
+        even = np.linspace(t[0], t[-1], count)
+        t, points = even, scipy.interpolate.CubicHermiteSpline(t[kept], points[kept], tangent[kept])(even)
+    if t.size > _MOST:
+        return np.nan
+    pairs = scipy.spatial.cKDTree(points).query_pairs(2 * a, output_type="ndarray")
+    met = bool((np.abs(t[pairs[:, 0]] - t[pairs[:, 1]]) > np.pi * a).any())
+    whole = t[0] == 0 and t[-1] >= sol.problem.span[i] * (1 - 1e-12)
+    return 1.0 if met else 0.0 if dense and whole else np.nan

@@ -1,0 +1,224 @@
+"""Stretches of a rod that come near stretches of the same rod: many rods at a time, by halving. Units of rho.
+
+beta repeats, so the curve repeats but for a screw: a turn and a rise, each period the same. Whatever two points meet,
+so do the two that lie whole periods before them, the first of them in the first period. So the first period is held
+against itself and against each later one that the rises bring near; stretches of both are halved where they might
+meet. The pairs of all rods are worked on together; what is found of one rod depends on no other.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..problem.reduced import Array
+
+PARTS = 16  # of a period, to begin with
+FINEST = 2.0**-8  # of the radius: stretches no longer than that are points, which a thousandth of 2 a may escape
+_GRID = 4 * PARTS  # of a period: the middles of the parts and of their halves are among them
+_ROUNDS, PAIRS = 10_000_000, 300_000  # periods and pairs of stretches of a rod looked at before giving up
+_WINDOW, TOGETHER, _FEW = 2**16, 8, 64  # periods listed at once; looked at together; of a rod that needs no list
+_ROWS, _MANY = 128, 2**20  # periods held against the first, and pairs of all rods, worked on at once
+
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Strands:
+    """B rods: their orbits, (B,) of what alpha and z gain each period; length; radius a; how far apart along the rod
+    points that meet must be; alpha and z of the first period, (B, _GRID + 1)."""
+
+    orbit: Any
+    period: Array
+    turn: Array
+    rise: Array
+    length: Array
+    a: Array
+    apart: Array
+    alpha: Array
+    z: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Pairs of stretches, (N,) each: of which rod, rising; stretch i of the first period and stretch j of the k-th
+    after it, where each period is cut into PARTS 2^level."""
+
+    rod: Integers
+    k: Integers
+    i: Integers
+    j: Integers
+    level: int = 0
+
+    def take(self, index: Any) -> "Pairs":
+        """The pairs that an index picks."""
+        return Pairs(self.rod[index], self.k[index], self.i[index], self.j[index], self.level)
+
+    def halves(self) -> "Pairs":
+        """The four pairs of halves of each pair."""
+        rod, k, i, j = (np.repeat(v, 4) for v in (self.rod, self.k, self.i, self.j))
+        child = np.arange(k.size) % 4
+        return Pairs(rod, k, 2 * i + child // 2, 2 * j + child % 2, self.level + 1)
+
+
+def strands(orbit: Any, length: Array, a: Array, tightest: Array) -> Strands:
+    """The rods of an `Orbit` or a `Swing`; length, a, largest curvature: (B,), in units of rho."""
+    with np.errstate(divide="ignore"):  # a helix is its own image at any step
+        period = np.where(np.isfinite(orbit.period), orbit.period, 1 / tightest)
+    _, _, alpha, z = orbit.at((period / _GRID)[:, None] * np.arange(_GRID + 1))
+    return Strands(orbit, period, alpha[:, -1], z[:, -1], length, a, apart(a, tightest), alpha, z)
+
+
+def apart(a: Array, tightest: Array) -> Any:
+    """How far apart along the rod two points that meet must be, (B,)."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(tightest > 0, 2 / tightest * (np.pi - np.arcsin(np.minimum(a * tightest, 1))), np.inf)
+
+
+def meets(rods: Strands) -> Array:
+    """1 or 0, or NaN where more would have to be looked at than is bearable, (B,). Never 0 for a rod of which a
+    shorter one gives 1: the points looked at do not depend on the length."""
+    rounds = np.minimum(rods.length // rods.period, _ROUNDS).astype(np.int64)
+    # no point between two of the grid is farther from both than half their distance
+    margin = rods.a + rods.period / _GRID
+    high = np.ptp(rods.z, axis=1) + 2 * margin
+    wide = np.ptp(rods.alpha, axis=1) + 2 * np.arcsin(np.minimum(1.0, margin))
+    enough = (rounds < _ROUNDS) | (np.abs(rounds * rods.rise) > high)
+    met, left = np.zeros(rounds.size, dtype=bool), np.full(rounds.size, PAIRS)
+    rod, k, lists = _near_periods(rods, rounds, high, wide)
+    while k.size:
+        here, used = _searched(rods, rod, k, left)
+        met, left = met | here, left - used
+        lists = {i: ks for i, ks in lists.items() if left[i] > 0 and not met[i]}
+        rod, k = _next(lists)
+    return np.where(met, 1.0, np.where(enough & (left > 0), 0.0, np.nan))
+
+
+def _near_periods(rods: Strands, rounds: Integers, high: Array, wide: Array) -> tuple[Integers, Integers, Any]:
+    """Which periods k come near the first one of which rod, (R,) each: the first of them; and lists of more."""
+    k = np.arange(min(int(rounds.max()), _FEW - 1) + 1)
+    near = _comes_near(k, rods.turn[:, None], rods.rise[:, None], high[:, None], wide[:, None])
+    near &= k <= rounds[:, None]
+    simple = (rounds < _FEW) & (np.count_nonzero(near, axis=1) <= TOGETHER)
+    lists = {
+        int(i): _listed(int(rounds[i]), float(rods.turn[i]), float(rods.rise[i]), float(high[i]), float(wide[i]))
+        for i in np.flatnonzero(~simple)
+    }
+    rod, k = np.nonzero(near & simple[:, None])
+    more = _next(lists)
+    rod, k = np.concatenate([rod, more[0]]), np.concatenate([k, more[1]])
+    order = np.argsort(rod, kind="stable")
+    return rod[order], k[order], lists
+
+
+def _comes_near(k: Any, turn: Any, rise: Any, high: Any, wide: Any) -> Any:
+    around = np.abs(np.mod(k * turn + np.pi, 2 * np.pi) - np.pi)
+    return (np.abs(k * rise) <= high) & (around <= wide)
+
+
+def _listed(rounds: int, turn: float, rise: float, high: float, wide: float) -> Iterator[Integers]:
+    """The periods that come near the first one of a rod, some at a time."""
+    last = min(rounds, int(min(high / abs(rise), float(_ROUNDS))) + 1) if rise else rounds
+    for begin in range(0, last + 1, _WINDOW):
+        k = np.arange(begin, min(begin + _WINDOW, last + 1))
+        k = k[_comes_near(k, turn, rise, high, wide)]
+        for block in range(0, k.size, TOGETHER):
+            yield k[block : block + TOGETHER]
+
+
+def _next(lists: dict[int, Iterator[Integers]]) -> tuple[Integers, Integers]:
+    """Rods and the next periods of each list, (R,) each."""
+    parts = [(i, ks) for i, some in lists.items() for ks in [next(some, None)] if ks is not None]
+    none = np.empty(0, dtype=np.int64)
+    rod = np.repeat([i for i, _ in parts], [ks.size for _, ks in parts]) if parts else none
+    return rod.astype(np.int64), np.concatenate([none, *(ks for _, ks in parts)])
+
+
+def _searched(rods: Strands, rod: Integers, k: Integers, left: Integers) -> tuple[NDArray[np.bool_], Integers]:
+    """Whether stretches of the first period meet those k periods on of the same rod, (R,), and how many pairs were
+    looked at, hardly more than `left`; (B,) each."""
+    met, used = np.zeros(left.size, dtype=bool), np.zeros(left.size, dtype=np.int64)
+    waiting = [_whole(rods, rod, k, used)]
+    while waiting:
+        pairs = waiting.pop()
+        pairs = pairs.take(used[pairs.rod] <= left[pairs.rod])
+        if not pairs.k.size:
+            continue
+        size = rods.period / PARTS * 0.5**pairs.level
+        near, here = _near(rods, pairs, size)
+        met[pairs.rod[here]] = True
+        pairs = pairs.take(near & ~met[pairs.rod] & (size > FINEST * rods.a)[pairs.rod])
+        for some in _split(pairs):
+            finer = some.halves()
+            finer = finer.take(_possible(rods, finer, size / 2))
+            used += np.bincount(finer.rod, minlength=used.size)
+            waiting.append(finer)
+    return met, used
+
+
+def _split(pairs: Pairs) -> list[Pairs]:
+    """The pairs, those of whole rods together, in as many lots as their memory asks for."""
+    if 4 * pairs.k.size <= _MANY or pairs.rod[0] == pairs.rod[-1]:
+        return [pairs]
+    counts = np.bincount(pairs.rod)
+    lot = np.cumsum(counts) // (_MANY // 4)
+    edges = np.flatnonzero(np.diff(lot[pairs.rod])) + 1
+    return [pairs.take(slice(a, b)) for a, b in zip([0, *edges], [*edges, pairs.k.size], strict=True)]
+
+
+def _whole(rods: Strands, rod: Integers, k: Integers, used: Integers) -> Pairs:
+    """The pairs of parts of the first and the k-th periods that may meet, by their heights; adds to `used` (B,) how
+    many are on the rod, in order, and far enough apart along it."""
+    part, middle = np.arange(PARTS), slice(2, None, 4)
+    found: list[tuple[Integers, ...]] = []
+    for block in (slice(b, b + _ROWS) for b in range(0, rod.size, _ROWS)):
+        r, n = rod[block], k[block]
+        size, length = (rods.period[r] / PARTS)[:, None], rods.length[r, None]
+        before, begins = part * size, (n * rods.period[r])[:, None] + part * size
+        some = (begins[:, None] >= before[:, :, None]) & (before < length)[:, :, None] & (begins < length)[:, None]
+        some &= (begins + size)[:, None] - before[:, :, None] >= rods.apart[r, None, None]
+        used += np.bincount(r, weights=np.count_nonzero(some, axis=(1, 2)), minlength=used.size).astype(np.int64)
+        z = rods.z[r, middle]
+        most = (2 * rods.a[r, None] + size) * (1 + 1e-12)
+        later = z + (n * rods.rise[r])[:, None]
+        some &= np.abs(later[:, None] - z[:, :, None]) <= most[:, :, None]
+        row, i, j = np.nonzero(some)
+        found.append((r[row], n[row], i, j))
+    of, k, i, j = (np.concatenate(v) for v in zip(*found, strict=True))
+    return Pairs(of, k, i, j)
+
+
+def _possible(rods: Strands, pairs: Pairs, size: Array) -> Any:
+    """Whether two stretches are on the rod, in order, and anywhere far enough apart along it, (N,)."""
+    size, length = size[pairs.rod], rods.length[pairs.rod]
+    begins, before = pairs.k * rods.period[pairs.rod] + pairs.j * size, pairs.i * size
+    some = (before < length) & (begins < length) & (begins >= before)
+    return some & (begins + size - before >= rods.apart[pairs.rod])
+
+
+def _near(rods: Strands, pairs: Pairs, size: Array) -> tuple[Any, Any]:
+    """Whether the stretches might meet, and whether their middles do, (N,) each."""
+    rod, k = pairs.rod, pairs.k
+    (alpha_i, alpha_j), (z_i, z_j) = _middles(rods, pairs, size)
+    chord = 2 * np.sin((alpha_j + k * rods.turn[rod] - alpha_i) / 2)
+    distance = np.hypot(chord, z_j + k * rods.rise[rod] - z_i)
+    size, thick = size[rod], 2 * rods.a[rod]
+    first, later = (pairs.i + 0.5) * size, k * rods.period[rod] + (pairs.j + 0.5) * size
+    met = (distance < thick) & (later <= rods.length[rod]) & (later - first > np.pi * rods.a[rod])
+    return distance <= thick + size, met
+
+
+def _middles(rods: Strands, pairs: Pairs, size: Array) -> Any:
+    """alpha and z in the middles of stretches i and j, ((N,), (N,)) each: each point of a rod is read once."""
+    step = 2 >> pairs.level
+    if step:  # of the grid
+        places = [(pairs.rod, step * (2 * v + 1)) for v in (pairs.i, pairs.j)]
+        return [[values[place] for place in places] for values in (rods.alpha, rods.z)]
+    parts = PARTS << pairs.level
+    key = np.concatenate([pairs.rod * parts + pairs.i, pairs.rod * parts + pairs.j])
+    points, place = np.unique(key, return_inverse=True)
+    rod = points // parts
+    both = rods.orbit.along(rod, (points % parts + 0.5) * size[rod])
+    return [np.split(values[place], 2) for values in both]

@@ -1,0 +1,1 @@
+"""The periodic orbit of beta: pieces between turning points, panels, action, conditioning."""

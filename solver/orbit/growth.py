@@ -1,0 +1,76 @@
+"""The growth of a small change of the start: the condition number of a shape, section 6 of the physics notes."""
+
+import numpy as np
+
+from ..mechanics.potential import slope_rate
+from ..problem.reduced import Array, Reduced
+from .conditioning import slope_weight
+
+_BLOCK = 2**18  # stations worked on at once
+_MOST = 2**22  # stations that are worth their memory
+
+
+def growth(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
+    """Largest |d beta(t)/d beta(0)| and w |d beta(t)/d beta_t(0)| over the stations t, at least 1; w: `slope_weight`.
+
+    t, beta, rate (beta_t): (B, n) -> (B,). Order 4 in the distance of the stations, so a digit or two can be trusted
+    where these resolve beta; but not after a rest near a saddle, where what grew has to cancel.
+    """
+    worst, weight = np.ones(problem.size), slope_weight(problem)
+    share = max(1, _BLOCK // t.shape[1])
+    for first in range(0, problem.size, share):
+        some = slice(first, first + share)
+        product = _transfers(problem.take(some), t[some], beta[some], rate[some])
+        for reach in (2**k for k in range((t.shape[1] - 1).bit_length())):  # of all steps from the start: doubling
+            product[..., reach:] = _after(product[..., reach:], product[..., :-reach])
+        grown = np.abs(product[:2])
+        grown[1] *= weight[some, None]
+        largest = np.fmax.reduce(grown, axis=(0, 2), initial=1.0)
+        worst[some] = np.where(np.isfinite(product).any(axis=(0, 2)) | (t.shape[1] < 2), largest, np.inf)
+    return worst
+
+
+def _after(late: Array, early: Array) -> Array:
+    """Products of matrices [[a, b], [c, d]] held as (4, ...): late times early."""
+    a, b, c, d = late
+    e, f, g, h = early
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.stack([a * e + b * g, a * f + b * h, c * e + d * g, c * f + d * h])
+
+
+def _transfers(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
+    """What each step makes of (eta, eta_t) where eta'' = -H'(beta) eta, the four entries (4, B, n - 1).
+
+    Magnus' exponential of order 4, H' by Simpson's rule with Hermite's cubic for beta between the stations; its
+    determinant is 1, and a long step at a steep saddle does it no harm.
+    """
+    column = Reduced(*(v[:, None] for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
+    dt = np.diff(t, axis=1)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        middle = (beta[:, :-1] + beta[:, 1:]) / 2 + dt / 8 * (rate[:, :-1] - rate[:, 1:])
+        first, last = slope_rate(column, beta[:, :-1]), slope_rate(column, beta[:, 1:])
+        mean = (first + 4 * slope_rate(column, middle) + last) / 6
+        tilt = (last - first) * dt * dt / 12
+        square = tilt * tilt - mean * dt * dt  # of the exponent, a matrix without trace
+        root = np.sqrt(np.abs(square))
+        grows = square > 0
+        even = np.where(grows, np.cosh(np.minimum(root, 700)), np.cos(root))
+        odd = np.where(grows, np.sinh(np.minimum(root, 700)), np.sin(root)) / np.where(root > 0, root, 1)
+        odd = np.where(root > 0, odd, 1.0)
+        return np.stack([even + tilt * odd, dt * odd, -mean * dt * odd, even - tilt * odd])
+
+
+def refined(problem: Reduced, t: Array, most: int) -> tuple[Array, int]:
+    """The stations with k - 1 more on equal steps between neighbours, (B, (n - 1) k + 1), and k: a power of two that
+    divides `most`, at most 16, and no larger than `growth` needs to see how the field turns between them (or than is
+    bearable where there are very many problems)."""
+    steepest = np.abs(problem.lam) + 2 * np.abs(problem.mu) + np.abs(problem.phi) + 2  # |H'| is nowhere larger
+    with np.errstate(over="ignore"):
+        angle = np.max(np.sqrt(steepest) * np.diff(t, axis=1).max(axis=1, initial=0.0), initial=0.0)
+    k = 1
+    while k < 16 and angle > k / 4 and most % (2 * k) == 0 and 2 * k * t.size <= _MOST:
+        k *= 2
+    if k == 1:
+        return t, 1
+    parts = t[:, :-1, None] + np.diff(t, axis=1)[:, :, None] * (np.arange(k) / k)
+    return np.concatenate([parts.reshape(t.shape[0], -1), t[:, -1:]], axis=1), k

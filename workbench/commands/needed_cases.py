@@ -1,0 +1,89 @@
+"""A scene of a study that is not stored: solved at as many stations as the picture needs, and nothing else is computed.
+
+The rods are solved at a few stations, the camera is set up, and if its pixels ask for more, again at as many as they
+ask for. What is solved is a dataset like any other, and drawing reads it like any other.
+"""
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
+
+from solver.problem.errors import InputError
+from studies import Study, load
+from studies.axes import Axis
+from studies.model import MAX_STATIONS, OUTPUTS
+
+from ..data import case_selection
+from ..run import in_memory
+from ..run.plan import plan
+from ..scene.kinds import Kind
+
+if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
+    from ..scene.composition import Taken
+
+FIRST = 21  # stations that are tried
+ROUNDS = 12  # each finds some six times as many stations where the first missed the bends
+MOST_CASES = 10_000
+
+
+def is_study(file: Path) -> bool:
+    """Whether a study is meant, by its name or its TOML file, and not a stored dataset."""
+    return file.suffix == ".toml" or not (file.exists() or file.suffix)
+
+
+def rough(file: Path) -> tuple[Study, xr.Dataset]:
+    """The study, and its cases at their two ends only, from which those that are drawn are chosen.
+
+    Raises `InputError`, also for more cases than are solved for one picture.
+    """
+    study = load(file)
+    if study.size > MOST_CASES:
+        raise InputError(
+            f"{study.name} has {study.size} cases, and at most {MOST_CASES} are solved for a picture: store it with "
+            "workbench run, and draw the file"
+        )
+    ds = in_memory.run(_lean(study, ()).at_stations(2))
+    laws = json.dumps([law.model_dump() for law in study.laws])  # they say where an axis is held
+    return study, ds.assign_attrs(laws=laws)
+
+
+def only(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: Sequence[str]) -> Study:
+    """The study with the cases that a scene shows, and the outputs that its kind reads.
+
+    ds: as of `rough`. shown: the axes of which all cases are shown.
+    """
+    lean = _lean(study, kind.reads | {"dbeta"})
+    if study.follow is not None:
+        return lean
+    where = case_selection.case(ds, at)
+    axes = {
+        name: axis if name in shown else Axis.model_validate({"values": [float(ds[name].values[where[name]])]})
+        for name, axis in study.axes.items()
+    }
+    part = lean.model_copy(update={"axes": axes})
+    return part.part_of(plan(study).spine) if study.sweeps else part
+
+
+def at_need(study: Study, draw: Callable[[xr.Dataset, bool], "Taken"]) -> tuple["Taken", int]:
+    """What `draw` makes of the study's dataset at the stations that it asks for, and how many these are.
+
+    draw: takes the dataset, and whether it shall raise `taking.TooFew` rather than draw less well than asked.
+    """
+    from ..scene.composition import TooFew
+
+    stations = FIRST
+    for _ in range(ROUNDS):
+        try:
+            return draw(in_memory.run(study.at_stations(stations)), stations < MAX_STATIONS), stations
+        except TooFew as error:
+            stations = min(max(error.stations, stations + 1), MAX_STATIONS)
+    return draw(in_memory.run(study.at_stations(MAX_STATIONS)), False), MAX_STATIONS
+
+
+def _lean(study: Study, outputs: Any) -> Study:
+    return study.model_copy(
+        update={"outputs": [name for name in OUTPUTS if name in outputs], "observables": [], "laws": []}
+    )

@@ -1,0 +1,75 @@
+"""The command gallery: one picture of every kind of scene, small enough for a page of documentation."""
+
+from pathlib import Path
+
+from solver import equilibria
+from studies import load
+from studies.loader import loads
+
+from ..data import writing
+from ..run import in_memory
+from ..scene import kinds
+from . import console
+from .plot_and_scene import free_picture
+
+DPI = 100  # 800 x 600 for one case: what half of the usual size is
+INSIDE = """
+title = "A soft rod inside a tube, pushed"
+outputs = ["beta", "alpha", "z"]
+[units]
+length = "cm"
+force = "N"
+[base]
+E = 1.07e4
+nu = 0.25
+a = 0.25
+L = 20.0
+R = 0.75
+side = "inside"
+beta = 0.5
+dbeta = 0.1
+dgamma = 0.5
+F3 = -10.0
+"""
+LONG = """
+title = "The rod of Table 1, forty times as long"
+reading = "force-first/tension/paper"
+outputs = ["beta", "alpha", "z"]
+stations = 8001
+[units]
+length = "cm"
+force = "N"
+[base]
+L = 800.0
+"""
+LONGEST = LONG.replace("forty", "two thousand").replace("8001", "100001").replace("800.0", "40000.0")
+
+
+def draw_all(out: Path, force: bool) -> int:
+    """Solve what is shown and draw it into a folder; 0, or 1 where this machine cannot. Raises `InputError`."""
+    from ..scene import opengl
+
+    writing.check_folder(out)
+    names = [*kinds.KINDS, "inside", "long", "longest"]
+    paths = {name: free_picture(out / f"{name}.png", (".png",), force) for name in names}
+    able, advice = opengl.probe()
+    if not able:
+        console.warn(advice)
+        return 1
+    from ..figures import equilibria_gallery
+    from ..scene import composition, layout
+    from .list_equilibria import ends_of
+
+    one, row, table = (in_memory.run(load(name)) for name in ("fig6", "fig7_1_modulus", "fig7_5_forces"))
+    own = {"inside": INSIDE, "long": LONG, "longest": LONGEST}
+    solved = {name: in_memory.run(loads(text, default_name="rod")) for name, text in own.items()}
+    study = load("fig7_4_end_angle")
+    case = ends_of(study)
+    shapes = equilibria_gallery.dataset_of(study, case, equilibria(case))
+    solved |= {"ghosts": row, "grid": table, "equilibria": shapes}
+    for name, path in paths.items():
+        axes = ["F1", "F3"] if name == "grid" else []
+        look = composition.Look(dpi=150 if name == "longest" else DPI)
+        layout.render(solved.get(name, one), path, None, "contact" if name in own else name, axes, look=look)
+        console.say(str(path))
+    return 0

@@ -1,0 +1,1 @@
+"""Comparisons of the methods: accuracy against cost, and robustness at extreme parameters."""

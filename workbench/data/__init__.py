@@ -1,0 +1,1 @@
+"""Stored studies: the schema of the file, construction, validated reading, writing, selection, verdicts, cautions."""

@@ -1,0 +1,173 @@
+"""Arrays along the rod of a stored dataset: read, or computed from what is stored, or of its cases solved again.
+
+Computed arrays are lazy where the stored ones are.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver import Case, Rod, Solution
+from solver.mechanics import frames, statics
+from solver.mechanics.potential import potential
+from studies import Study
+from studies.model import OUTPUTS
+
+from ..run.stored_case import axes_of
+from . import dataset, reading
+
+_VECTOR, _FRAME = ("xyz",), ("director", "xyz")
+INNER = {"position": _VECTOR, "tangent": _VECTOR, "normal": _VECTOR, "material_frame": _FRAME}
+COMPONENTS = {"xyz": ["x", "y", "z"], "director": ["d1", "d2", "d3"]}
+ARRAYS = (*OUTPUTS, "push", "tangent", "normal", "material_frame")
+_LONG_NAMES = {
+    "push": "push of the cylinder per length, positive where it pushes",
+    "tangent": "unit tangent",
+    "normal": "unit inward normal of the cylinder",
+    "material_frame": "directors of the section as rows",
+}
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A dataset, or a selection of one, with its study; case and solution are asked for only at need."""
+
+    ds: xr.Dataset
+    study: Study
+    case: Callable[[], Case]
+    solution: Callable[[], Solution]
+
+    def array(self, name: str) -> xr.DataArray:
+        """The array of one of `ARRAYS`, (axes, u) and its components, with units. Raises `InputError`."""
+        found = self.implied(name, ())
+        if found is None:
+            found = self._solved(name)
+        order = [*axes_of(self.ds, self.study), "u", *INNER.get(name, ())]
+        kept = {dim: COMPONENTS[dim] for dim in INNER.get(name, ())}
+        result = found.transpose(*(dim for dim in order if dim in found.dims)).assign_coords(kept)
+        return result.rename(name).assign_attrs(self._labels(name))
+
+    def implied(self, name: str, above: tuple[str, ...]) -> Any:
+        """The array as stored, or from stored ones; None where they do not suffice. above: what asks for it."""
+        key = f"{name}_along" if name in self.study.axes else name
+        if key in self.ds.data_vars:
+            return self.ds[key]
+        if name not in RULES or name in above:
+            return None
+        needs, rule = RULES[name]
+        parts = [self.implied(need, (*above, name)) for need in needs]
+        return None if any(part is None for part in parts) else rule(self, *parts)
+
+    def _solved(self, name: str) -> xr.DataArray:
+        """The array of the cases solved again, NaN where they are not solved."""
+        sol = self.solution()
+        values = np.asarray(getattr(sol, name))
+        solved = np.asarray(sol.solved)
+        values = np.where(solved.reshape(solved.shape + (1,) * (values.ndim - solved.ndim)), values, np.nan)
+        dims = [*axes_of(self.ds, self.study), "u", *INNER.get(name, ())]
+        coords = {key: value for key, value in self.ds.coords.items() if set(value.dims) <= set(dims)}
+        if "u" in self.ds.dims or "u" not in self.ds.coords:
+            return xr.DataArray(values, coords, dims)
+        return xr.DataArray(values, {k: v for k, v in coords.items() if k != "u"}, dims).isel(u=0)
+
+    def _labels(self, name: str) -> dict[str, str]:
+        units = self.study.unit_system
+        if name in OUTPUTS:
+            return dataset.labels(name, units)
+        told = dataset.labels("contact" if name == "push" else "u", units)
+        return {"units": told["units"], "long_name": _LONG_NAMES[name]}
+
+    # what of a case does not vary along the rod, over the axes
+
+    def constant(self, name: str) -> xr.DataArray:
+        """E, a, rho, FZ, MZ or M3: read, or from the case."""
+        if name in self.ds.variables:
+            return self.ds[name]
+        case = self.case()
+        loads = dict(zip(("FZ", "MZ", "M3"), case.loads, strict=True))
+        value = {**loads, "rho": case.rho}.get(name, getattr(case.rod, name, None))
+        axes = axes_of(self.ds, self.study)
+        return xr.DataArray(np.broadcast_to(np.asarray(value, dtype=float), case.shape), dims=axes)
+
+    @cached_property
+    def rho(self) -> xr.DataArray:
+        """Distance from the axis [length]."""
+        return self.constant("rho")
+
+    @cached_property
+    def A(self) -> xr.DataArray:
+        """Bending stiffness [force length^2]."""
+        unit = Rod(1.0, 0.0, 1.0, 1.0, reading.text(self.ds, "stiffness"))
+        return unit.bending_stiffness * self.constant("E") * self.constant("a") ** 4
+
+    @property
+    def lmp(self) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
+        """The loads over A: l = MZ/A, m = M3/A [1/length], p = FZ/A [1/length^2]."""
+        return self.constant("MZ") / self.A, self.constant("M3") / self.A, self.constant("FZ") / self.A
+
+    # the problem without dimensions, as `solver.mechanics.potential.potential` reads it
+
+    @property
+    def lam(self) -> xr.DataArray:
+        """l rho."""
+        return self.lmp[0] * self.rho
+
+    @property
+    def mu(self) -> xr.DataArray:
+        """m rho."""
+        return self.lmp[1] * self.rho
+
+    @property
+    def phi(self) -> xr.DataArray:
+        """p rho^2."""
+        return self.lmp[2] * self.rho**2
+
+
+def _contact(at: Stored, FY: Any, beta: Any, dbeta: Any) -> Any:
+    l, m, p = at.lmp
+    H = statics.slope(l, m, p, at.rho, beta)
+    return statics.contact(at.A, m, at.rho, FY, H, beta, dbeta)
+
+
+def _FY(at: Stored, beta: Any) -> Any:
+    l, m, _ = at.lmp
+    return statics.circumferential_force(at.A, l, m, at.rho, beta)
+
+
+def _push(at: Stored, contact: Any) -> Any:
+    return -contact if reading.text(at.ds, "side") == "inside" else contact
+
+
+def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:
+    """A function of arrays to vectors in the last axes, block by block where they are lazy."""
+    inner = INNER[name]
+    sizes = {"output_sizes": dict.fromkeys(inner, 3)}
+    return xr.apply_ufunc(function, *arrays, output_core_dims=[list(inner)], dask="parallelized",
+                          output_dtypes=[float], dask_gufunc_kwargs=sizes)  # fmt: skip
+
+
+# name -> what it is made of, and how; each formula is the solver's own.
+RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
+    "dbeta": (("M1",), lambda at, M1: M1 / at.A),
+    "kappa": (("beta", "dbeta"), lambda at, b, db: statics.curvature(at.rho, b, db)),
+    "FY": (("beta",), _FY),
+    "F1": (("beta", "dbeta"), lambda at, b, db: statics.normal_force(at.A, at.lmp[1], at.rho, b, db)),
+    "F2": (("FY", "beta"), lambda at, FY, b: statics.surface_forces(FY, at.constant("FZ"), b)[0]),
+    "F3": (("FY", "beta"), lambda at, FY, b: statics.surface_forces(FY, at.constant("FZ"), b)[1]),
+    "contact": (("FY", "beta", "dbeta"), _contact),
+    "push": (("contact",), _push),
+    "M1": (("dbeta",), lambda at, db: at.A * db),
+    "M2": (("beta",), lambda at, b: at.A * np.sin(b) ** 2 / at.rho),
+    "h": (("beta", "dbeta"), lambda at, b, db: db**2 + potential(at, b) / at.rho**2),
+    "position": (("alpha", "z"), lambda at, a, z: _vectors(frames.position, "position", at.rho, a, z)),
+    "tangent": (("alpha", "beta"), lambda at, a, b: _vectors(frames.tangent, "tangent", a, b)),
+    "normal": (("alpha",), lambda at, a: -_vectors(frames.outward, "normal", a)),
+    "material_frame": (
+        ("alpha", "beta", "gamma"),
+        lambda at, a, b, g: _vectors(frames.material, "material_frame", a, b, g),
+    ),
+}

@@ -1,0 +1,170 @@
+"""From a solution to a labelled dataset: one dimension an axis, units and long names on everything."""
+
+import json
+import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from solver import Case
+from solver.observe.sampling import ORBITS
+from solver.problem.quantities import quantity, unit_of
+from studies import Study
+from studies.axes import quantity_of
+
+from ..run.block_solver import LOADS, Columns
+from ..run.plan import FORMAT as FORMAT
+from . import cautions
+
+PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
+INNER = {"position": ("xyz",)}  # dimensions after u, of what is not one number a station
+# How exact the observables are.
+RESOLVED = "the observables are those of the whole rod, taken from its orbit: each has its own error"
+AT_STATIONS = (
+    "this method knows the rod at its stations only, and the observables are those of polynomials between them: their "
+    "errors are what every other station changes, NaN where there are too few"
+)
+SCALARS = ("R", "a", "L", "rho", "E", "nu")
+
+
+@dataclass(frozen=True)
+class Stored:
+    """One variable over the axes: which column it is, the name in the file, its dimensions and its quantity."""
+
+    column: str
+    name: str
+    dims: tuple[str, ...]
+    row: str
+
+
+def stored(study: Study, axes: Sequence[str]) -> list[Stored]:
+    """Every variable that is stored of each case, in order.
+
+    An output along the rod whose name is an axis's is stored as that name and `_along` (see `along`).
+    """
+    rows = []
+    for name in study.outputs:
+        rows.append(Stored(name, f"{name}_along" if name in axes else name, (*axes, "u", *INNER.get(name, ())), name))
+    for name in (
+        *study.recorded,
+        "outcome",
+        "caution",
+        *(["branch"] if study.sweeps else []),
+        "error",
+        "condition",
+        *(load for load in LOADS if load not in axes),
+    ):
+        rows.append(Stored(name, name, tuple(axes), name))
+    return rows
+
+
+def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], columns: Columns, first: str = "") -> xr.Dataset:
+    """The dataset of a study as it was run, from its columns (`chunks.columns`) in the order of the grid.
+
+    coordinates: the values of each axis. first: how the equilibrium of a sweep's first case was taken.
+    """
+    ds = frame(study, coordinates, first)
+    shape = tuple(values.size for values in coordinates.values())
+    for row in stored(study, tuple(coordinates)):
+        values = columns[row.column]
+        values = values.reshape((*shape, *values.shape[1:]))
+        ds[row.name] = xr.Variable(row.dims, values, labels(row.row, study.unit_system))
+    return ds.assign_attrs(caution=cautions.sentence(ds))
+
+
+def frame(study: Study, coordinates: Mapping[str, NDArray[np.float64]], first: str = "") -> xr.Dataset:
+    """The dataset without what is stored of each case: coordinates, what varies with its own axis only, attributes."""
+    axes = tuple(coordinates)
+    units = study.unit_system
+    case = study.case() if study.follow else study.case_of(_open(coordinates))
+    data = {}
+    for name in SCALARS:
+        if name not in axes:
+            owner = {"R": case.cylinder, "rho": case}.get(name, case.rod)
+            data[name] = xr.Variable(*_own_dims(getattr(owner, name), axes), labels(name, units))
+    u = np.linspace(0.0, 1.0, study.stations)
+    coords: dict[str, Any] = {
+        name: xr.Variable((name,), values, _axis_labels(study, name)) for name, values in coordinates.items()
+    }
+    coords["u"] = xr.Variable(("u",), u, labels("u", units))
+    dims, length = _own_dims(case.rod.L, axes)
+    coords["s"] = xr.Variable((*dims, "u"), length[..., None] * u, labels("s", units))
+    if any(name in INNER for name in study.outputs):
+        coords["xyz"] = xr.Variable(("xyz",), ["x", "y", "z"], {"long_name": "component; z is the axis"})
+    ds = xr.Dataset(coords=coords, attrs=_attributes(study, case) | ({"equilibria": first} if first else {}))
+    return ds.assign(data)  # the axes come first, in order
+
+
+def _open(coordinates: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
+    """Each axis along its own dimension: together they broadcast to the grid."""
+    return dict(zip(coordinates, np.ix_(*coordinates.values()), strict=True))
+
+
+def along(ds: xr.Dataset, name: str) -> xr.DataArray:
+    """An output along the rod, whether or not an axis has taken its name."""
+    return ds[f"{name}_along"] if f"{name}_along" in ds else ds[name]
+
+
+def axes_of(ds: xr.Dataset) -> list[str]:
+    """The study's axes, in order."""
+    return [str(dim) for dim in ds["outcome"].dims]
+
+
+def versions() -> dict[str, str]:
+    """Python and the packages that numbers and files depend on."""
+    found = {"python": platform.python_version()}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found
+
+
+def labels(name: str, units: Mapping[str, str]) -> dict[str, str]:
+    """The attributes that a variable of that quantity carries: units, long_name, symbol."""
+    row = quantity(name)
+    return {"units": unit_of(name, units), "long_name": row.long_name, "symbol": row.symbol}
+
+
+def _axis_labels(study: Study, name: str) -> dict[str, str]:
+    row = quantity_of(name)
+    told = labels(row.name, study.unit_system)
+    if meaning := study.meaning(name):
+        told["long_name"] += f" ({meaning})"
+        told["reading"] = meaning
+    return told
+
+
+def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
+    """The dimensions along which a field varies, and its values there."""
+    array = np.asarray(value, dtype=float)
+    dims = axes[len(axes) - array.ndim :]
+    kept = tuple(dim for dim, size in zip(dims, array.shape, strict=True) if size > 1)
+    return kept, array.reshape([size for size in array.shape if size > 1])
+
+
+def _attributes(study: Study, case: Case) -> dict[str, Any]:
+    return {
+        "format": FORMAT,
+        "title": study.title,
+        "study_name": study.name,
+        "study": study.text,
+        "reading": study.reading or "",
+        "side": case.cylinder.side,
+        "stiffness": case.rod.stiffness,
+        "length_unit": study.units.length,
+        "force_unit": study.units.force,
+        "tolerance": study.tol,
+        "method": study.method,
+        "observed": RESOLVED if study.method in ORBITS else AT_STATIONS,
+        "laws": json.dumps([law.model_dump() for law in study.laws], ensure_ascii=False),
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "versions": json.dumps(versions()),
+    }

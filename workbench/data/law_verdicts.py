@@ -1,0 +1,130 @@
+"""Do the laws of a stored dataset hold? Reads datasets and never solves."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from studies import reasons
+from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, Law, decide
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+
+WORDS = {"not-falling": "does not fall", "not-rising": "does not rise"}
+
+
+def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None" = None) -> list[dict[str, Any]]:
+    """One row a law of the dataset, in the study's order; see `studies.laws.decide`.
+
+    crossing: axis -> the steps along it, in its rising order, between equilibria of two branches; by default, those
+    between which the dataset's variable `branch` (a number a case, negative where it has none) changes.
+    """
+    rows = []
+    for law in laws(ds):
+        axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
+        observed = {name: ds[name].values for name in law.observables if name in ds}
+        steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
+        rows.append(decide(law, observed, axes, steps))
+    return rows
+
+
+def crossings(ds: "xr.Dataset", axis: str) -> "NDArray[np.bool_] | None":
+    """The steps along an axis, in its rising order, between which the number of the branch changes: bools over the
+    grid, but one fewer along the axis. None where the dataset tells of no branches."""
+    if "branch" not in ds or set(ds["branch"].dims) != set(ds["outcome"].dims):
+        return None
+    order = np.argsort(ds[axis].values, kind="stable")
+    dims = [*(dim for dim in ds["outcome"].dims if dim != axis), axis]
+    branch = ds["branch"].transpose(*dims).isel({axis: order}).values
+    known = branch >= 0  # an unsolved case has none: the branch before it is held until the next
+    last = np.maximum.accumulate(np.where(known, np.arange(order.size), 0), axis=-1)
+    held = np.take_along_axis(branch, last, axis=-1)
+    changes = (np.diff(held, axis=-1) != 0) & np.logical_or.accumulate(known, axis=-1)[..., :-1]
+    return np.moveaxis(changes, -1, list(ds["outcome"].dims).index(axis))
+
+
+def laws(ds: "xr.Dataset") -> list[Law]:
+    """The laws that the dataset's study states. Raises `InputError` where they are none."""
+    from . import reading
+
+    return reading.laws(ds)
+
+
+def unsolved(ds: "xr.Dataset") -> int:
+    """How many cases were not solved."""
+    outcomes = np.atleast_1d(ds["outcome"].values).ravel()
+    return sum(not str(text).startswith("solved") for text in outcomes)
+
+
+def counted(count: int, word: str) -> str:
+    """``1 case``, ``9 cases``."""
+    return f"{count} {word}{'s' * (count != 1)}"
+
+
+def status(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> int:
+    """The exit status: 0 where every case was solved and every law holds, at least as a trend; else 1."""
+    return int(unsolved > 0 or any(row["verdict"] not in (HOLDS, TREND) for row in rows))
+
+
+def refuted(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether a case is unsolved, or a law fails or is not decided; a qualified one is not refuted."""
+    return unsolved > 0 or any(row["verdict"] in (UNDECIDED, FAILS) for row in rows)
+
+
+def all_well(ds: "xr.Dataset") -> bool:
+    """Whether every case was solved and every law holds, at least as a trend."""
+    return status(unsolved(ds), verdicts(ds)) == 0
+
+
+def tally(rows: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    """How many laws have each verdict, those of no law included."""
+    found = [row["verdict"] for row in rows]
+    return {verdict: found.count(verdict) for verdict in VERDICTS}
+
+
+def tallied(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The tally in words: ``7 laws: 3 hold, 4 are qualified``."""
+    return f"{counted(len(rows), 'law')}: {reasons.counted(tally(rows))}"
+
+
+def stated(row: Mapping[str, Any]) -> str:
+    """The law in words: ``turns falls along E``."""
+    return f"{row['observable']} {WORDS.get(row['direction'], row['direction'])} along {row['axis']}"
+
+
+def measured(row: Mapping[str, Any]) -> str:
+    """What was measured at the two ends of the axis: ``8 → 5``, or ranges over the lines of a grid."""
+    return f"{_span(row['first'])} → {_span(row['last'])}"
+
+
+def said(row: Mapping[str, Any]) -> str:
+    """The verdict with what qualifies it: ``fails: 4 of 8 steps the wrong way; tau -0.33``."""
+    notes = detail(row)
+    return f"{row['verdict']}: {notes}" if notes else str(row["verdict"])
+
+
+def detail(row: Mapping[str, Any]) -> str:
+    """What qualifies a verdict: the reason, the line that decides, lines of a grid, exceptions; or nothing."""
+    notes = [row["reason"]] if row["reason"] else []
+    if reasons.ON_PART not in row["qualifications"]:  # whose reason says the next two
+        if row["at"]:
+            notes.append(f"at {', '.join(f'{name} = {value:.4g}' for name, value in row['at'].items())}")
+        if row["lines"] > 1:
+            notes.append(f"of {row['lines']} lines {reasons.counted(row['line_verdicts'])}")
+    if row["verdict"] == QUALIFIED:
+        return "; ".join(notes)
+    if row["exceptions"]:
+        notes.append(f"{len(row['exceptions'])} of {row['steps']} steps the wrong way")
+    if row["tau"] is not None and row["verdict"] != HOLDS:
+        notes.append(f"tau {row['tau']:.2f}")
+    return "; ".join(notes)
+
+
+def _span(ends: list[float] | None) -> str:
+    if ends is None:
+        return "?"
+    low, high = ends
+    return f"{low:.4g}" if low == high else f"{low:.4g}..{high:.4g}"

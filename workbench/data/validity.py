@@ -1,0 +1,171 @@
+"""Whether the texts and numbers of a stored dataset can be what they are said to be: looked at before they are used.
+
+Nothing is changed. `opening` calls `texts`, `fields` and `each` of every file, which read no array along the rod, and
+`store.read` calls `curves` of what is then in memory. All raise `InputError`, which names the file and the variable.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from solver.problem.case import SIDES, STIFFNESS
+from solver.problem.errors import InputError, choices
+from studies.axes import FORCES, LENGTHS
+from studies.model import OUTPUTS
+
+from ..run.block_solver import LOADS, is_solved
+from . import safe_text
+from .concatenation import blocks
+from .file_checks import shown
+
+LINE, LABEL = 10_000, 1000  # characters of an attribute of the file, and of a variable
+LONG = ("study", "laws", "versions", "recipe", "told", "branches", "rows")  # of many lines, or JSON; never printed
+TOLD, JUDGED = ("outcome", "caution"), ("error", "condition")  # of each case
+BLOCK = 100_000  # cases that are read at a time
+LABELS = ("units", "long_name", "symbol", "reading")
+WORDS: Mapping[str, Any] = {"side": SIDES, "stiffness": STIFFNESS, "length_unit": LENGTHS, "force_unit": FORCES}
+POSITIVE = ("E", "a", "R", "L", "rho")
+# Of fields in their own units, and of loads and lengths in those of the problem without dimensions: beyond, squares and
+# fourth powers leave what a float can hold.
+SMALLEST, LARGEST, MOST = 1e-50, 1e50, 1e30
+MOST_ANGLE = 1e12  # rad: beyond, a float no longer says which way it points to a ten-thousandth
+SAME = 1e-9  # of itself that a number may differ from what others say it is
+STRAIGHT = 1e-6  # of the arc by which a chord may exceed it, for rounding and for the error of the method
+
+
+def texts(ds: xr.Dataset, path: str | Path) -> None:
+    """That every text is of letters, in a line that can be shown, and names what it is to name."""
+    for key, value in ds.attrs.items():
+        longest = None if key in LONG else LINE
+        _text(str(key), LABEL, f"{path}: the name of an attribute")
+        if isinstance(value, str):
+            _text(value, longest, f"{path}: the attribute {key}")
+    for key, known in WORDS.items():
+        if key in ds.attrs and ds.attrs[key] not in (*known,):
+            raise InputError(f"{path}: the attribute {key} is {shown(ds.attrs[key])}; it can be {choices(known)}")
+    for name, variable in ds.variables.items():
+        _text(str(name), LABEL, f"{path}: the name of a variable")
+        for key, value in variable.attrs.items():
+            what = f"{path}: the attribute {shown(key)} of {shown(name)}"
+            if isinstance(value, str):
+                _text(value, LABEL, what)
+            elif key in LABELS:
+                raise InputError(f"{what} is no text")
+
+
+def _text(text: str, longest: int | None, what: str) -> None:
+    """Raise `InputError` unless it is a line of at most so many characters; None: lines without control characters."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise InputError(f"{what} is no text in UTF-8: {shown(text)}") from None
+    if longest is None:
+        if any(ord(one) < 32 and one not in "\n\r\t" for one in text) or any("\x7f" <= one <= "\x9f" for one in text):
+            raise InputError(f"{what} holds control characters")
+    elif not safe_text.is_line(text, longest):
+        raise InputError(f"{what} is no line of text, but {shown(text)}")
+
+
+def fields(ds: xr.Dataset, path: str | Path) -> None:
+    """That the rod, its cylinder and the places along it can be: finite, positive, in order and in accord."""
+    number = {name: ds[name] for name in (*POSITIVE, "nu") if name in ds.variables}
+    for name, variable in number.items():
+        if variable.dtype.kind != "f":
+            raise InputError(f"{path}: {name} is no floating-point number, but {variable.dtype}")
+        values = variable.values.astype(float)
+        if not np.isfinite(values).all():
+            raise InputError(f"{path}: {name} is not finite, but {_worst(values, np.isfinite(values))}")
+        low, high = (SMALLEST, LARGEST) if name in POSITIVE else (np.nextafter(-1.0, 0.0), 0.5)
+        good = (values >= low) & (values <= high)
+        if not good.all():
+            raise InputError(f"{path}: {name} must be from {low:g} to {high:g}, got {_worst(values, good)}")
+    if {"R", "a", "rho"} <= set(number) and ds.attrs.get("side") in SIDES:
+        expected = number["R"] + SIDES[ds.attrs["side"]] * number["a"]
+        if bool((np.abs(number["rho"] - expected) > SAME * (number["R"] + number["a"])).any()):
+            raise InputError(f"{path}: rho is not R {'+-'[ds.attrs['side'] == 'inside']} a")
+    if {"L", "rho"} <= set(number) and not bool((number["L"] / number["rho"] < MOST).all()):
+        raise InputError(f"{path}: L is more than {MOST:g} times rho")
+    _places(ds, number.get("L"), path)
+
+
+def _places(ds: xr.Dataset, L: xr.DataArray | None, path: str | Path) -> None:
+    """u rises from 0 to 1, and s as L u."""
+    if "u" not in ds.variables or ds["u"].dims != ("u",):
+        return
+    u = ds["u"].values
+    if u.dtype.kind != "f" or not np.isfinite(u).all() or u.min() < 0 or u.max() > 1 or not (np.diff(u) > 0).all():
+        raise InputError(f"{path}: u does not rise from 0 to 1")
+    if "s" not in ds.variables or L is None:
+        return
+    expected = L * ds["u"]
+    missing = {*expected.dims} - {*ds["s"].dims}  # an axis of one value is none of a field's
+    fits = {*ds["s"].dims} <= {*expected.dims} and all(expected.sizes[dim] == 1 for dim in missing)
+    if not fits or not bool((np.abs(ds["s"] - expected) <= SAME * L).all()):
+        raise InputError(f"{path}: s is not the share u of L")
+
+
+def each(ds: xr.Dataset, path: str | Path) -> None:
+    """That what is one number or text a case can be: a line, an error of what was solved, loads that a float holds."""
+    for name in (*JUDGED, *LOADS):
+        if name in ds.variables and ds[name].dtype.kind not in "iuf":
+            raise InputError(f"{path}: {name} holds no numbers, but {ds[name].dtype}")
+    names = [name for name in (*TOLD, *JUDGED, *LOADS, "E", "a", "rho") if name in ds.variables]
+    for where in blocks(ds["outcome"].shape, BLOCK):
+        _block(ds[names].isel(dict(zip(ds["outcome"].dims, where, strict=True))).load(), path)
+
+
+def _block(ds: xr.Dataset, path: str | Path) -> None:
+    solved = is_solved(ds["outcome"].values)
+    for name in TOLD:
+        if name in ds.data_vars:
+            for text in set(ds[name].values.ravel().tolist()):
+                _text(str(text), LABEL, f"{path}: one of {name}")
+    for name in JUDGED:
+        if name in ds.data_vars and not (ds[name].values[solved] >= 0).all():
+            raise InputError(f"{path}: {name} of a solved case is no number, or negative")
+    sizes = {name: ds[name] for name in ("E", "a", "rho") if name in ds.variables}
+    if len(sizes) < 3:
+        return
+    unit = sizes["E"] * sizes["a"] ** 4 / sizes["rho"]  # of moment, but for a number
+    with np.errstate(all="ignore"):
+        for name in LOADS:
+            if name in ds.variables:
+                size = abs(ds[name]) / (unit / sizes["rho"] if name == "FZ" else unit)
+                if not (_over(size, ds).values[solved] < MOST).all():
+                    raise InputError(f"{path}: {name} of a solved case is not finite, or far too large for its rod")
+
+
+def curves(ds: xr.Dataset, path: str | Path) -> None:
+    """That the curves of solved cases are finite, and move along and about the cylinder no farther than their arc."""
+    solved = xr.DataArray(is_solved(ds["outcome"].values), dims=ds["outcome"].dims)
+    for name in OUTPUTS:
+        key = f"{name}_along" if f"{name}_along" in ds.data_vars else name
+        if key in ds.data_vars and "u" in ds[key].dims:
+            if ds[key].dtype.kind not in "iuf" or ds[key].dims[: solved.ndim] != solved.dims:
+                raise InputError(f"{path}: {shown(key)} is no array of numbers along each rod")
+            most = MOST_ANGLE if name in ("beta", "alpha", "gamma") else MOST
+            if not (np.abs(ds[key].values[solved.values]) < most).all():
+                raise InputError(f"{path}: {shown(key)} of a solved case is not finite, or beyond {most:g}")
+    if not {"s", "rho"} <= set(ds.variables) or "u" not in ds.dims:
+        return
+    arc = ds["s"].diff("u")
+    for name, scale in (("alpha", ds["rho"]), ("z", 1.0)):
+        key = f"{name}_along" if f"{name}_along" in ds.data_vars else name
+        if key in ds.data_vars and "u" in ds[key].dims:
+            with np.errstate(all="ignore"):
+                far = np.abs(ds[key].diff("u") * scale) > arc * (1 + STRAIGHT) + STRAIGHT * ds["rho"]
+            if bool((far & solved).any()):
+                raise InputError(f"{path}: {shown(key)} of a solved case moves farther than the rod is long")
+
+
+def _over(values: xr.DataArray, ds: xr.Dataset) -> xr.DataArray:
+    """The values over all axes of the cases, in their order."""
+    return values.broadcast_like(ds["outcome"]).transpose(*ds["outcome"].dims)
+
+
+def _worst(values: NDArray[Any], good: NDArray[np.bool_]) -> str:
+    return f"{values[~good].flat[0]:g}"

@@ -1,0 +1,1 @@
+"""Rods as files of other programs: STEP, meshes, tables."""

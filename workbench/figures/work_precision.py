@@ -1,0 +1,123 @@
+"""Work-precision diagrams of a stored trade: error against seconds or evaluations, a panel a case."""
+
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
+
+from solver.problem.errors import no_such
+
+from . import style
+
+COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
+LOST = 1.0  # an error of this and more has no digit left
+FLOOR, TOP = 1e-16, 1e1  # what is shown; rounding's zero is drawn on the floor
+COLUMNS, PANEL = 3, (3.2, 1.8)  # inches
+LOOKS: dict[str, tuple[str, str]] = {  # colour and marker; a march and the method for ends of its kind look alike
+    "euler": ("#8a8f98", "v"),
+    "rk4": ("#a0522d", "s"),
+    "verlet": ("#56b4e9", "o"),
+    "verlet extrapolated": ("#0072b2", "o"),
+    "dop853": ("#e69f00", "D"),
+    "lsoda": ("#cc79a7", "^"),
+    "heyoka": ("#6a3d9a", "P"),
+    "orbit": ("#00704f", "o"),
+    "swing": ("#000000", "X"),
+    "difference": ("#56b4e9", "o"),
+    "difference extrapolated": ("#0072b2", "o"),
+    "collocation": ("#e69f00", "D"),
+    "shooting": ("#00704f", "o"),
+}
+
+
+def figure(ds: xr.Dataset, cost: str, path: Path) -> Path:
+    """Draw all cases of a trade against one cost and save it as PNG, PDF or SVG by the name's ending."""
+    style.picture_kind(path, (".png", ".pdf", ".svg"))
+    if cost not in COSTS:
+        raise no_such("cost", cost, COSTS)
+    cases = [str(case) for case in ds["case"].values]
+    columns = min(COLUMNS, len(cases))
+    lines = -(-len(cases) // columns)
+    with rc_context(style.RC):
+        fig = Figure(figsize=(COLUMNS * PANEL[0], lines * PANEL[1] + 1.5), layout="constrained")
+        FigureCanvasAgg(fig)
+        inch = 1 / fig.get_size_inches()[1]
+        axes = fig.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
+        for case, ax in zip(cases, axes.flat, strict=False):
+            panel(ds, ax, case, cost)
+        for ax in axes.flat[len(cases) :]:
+            ax.remove()
+        for i, ax in enumerate(axes.flat[: len(cases)]):
+            ax.tick_params(labelbottom=i + columns >= len(cases))
+        fig.supxlabel(COSTS[cost], size=style.NORMAL, color=style.INK)
+        told = "error achieved: of angle [rad], or of position over max(ρ, L)"
+        fig.supylabel(told if lines > 2 else fill(told, 34), size=style.NORMAL)
+        fig.text(
+            0.012, 1 - 0.1 * inch, f"{ds.attrs['title']}: {COSTS[cost]}", va="top", weight="bold", size=style.LARGE
+        )
+        for i, (title, handles) in enumerate(_legends(ds)):
+            top = 1 - (0.33 + 0.19 * i) * inch
+            fig.text(0.012, top - 0.1 * inch, title, va="center", size=style.SMALL, color=style.SOFT)
+            fig.legend(handles=handles, loc="center left", bbox_to_anchor=(0.12, top - 0.1 * inch), ncols=len(handles),
+                       borderaxespad=0, columnspacing=1.2, handlelength=1.8, handletextpad=0.5)  # fmt: skip
+        fig.get_layout_engine().set(rect=(0, 0, 1, 1 - 1.0 * inch))  # type: ignore[union-attr, call-arg]
+        fig.savefig(path)
+    return path
+
+
+def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
+    """One case: a line a method from its cheapest rung to its dearest; what came to nothing is a cross at the top."""
+    if case not in ds["case"].values:
+        raise no_such("case", case, [str(name) for name in ds["case"].values])
+    here = ds.sel(case=case)
+    for method in ds["ladder"].values:
+        one = here.sel(ladder=method)
+        outcome = one["outcome"].values.astype(str)
+        error, spent = one["error"].values, one[cost].values
+        tried = np.isfinite(spent)
+        good = tried & np.char.startswith(outcome, "solved") & (error < LOST)
+        colour, marker = LOOKS[str(method)]
+        own = str(method) in ("orbit", "shooting")
+        ax.plot(spent[good], np.maximum(error[good], FLOOR), color=colour, marker=marker, markersize=3.4,
+                linewidth=1.8 if own else 1.1, markeredgewidth=0, zorder=4 if own else 3)  # fmt: skip
+        bad = tried & ~good
+        ax.plot(spent[bad], np.full(bad.sum(), TOP / 2), "x", color=colour, markersize=4, markeredgewidth=1.1, zorder=3)
+        if np.char.startswith(outcome, "not run").any() and good.any():
+            last = np.flatnonzero(good)[-1]
+            ax.plot(spent[last], max(error[last], FLOOR), ">", color=colour, markersize=7, markerfacecolor="none",
+                    markeredgewidth=0.9, zorder=5)  # fmt: skip
+    ax.axhline(LOST, color=style.FAINT, linewidth=1, zorder=1)
+    ax.set(xscale="log", yscale="log", ylim=(FLOOR / 2, TOP))
+    ax.set_yticks([10.0**k for k in range(-15, 1, 3)])
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_formatter(style.power)
+        axis.set_minor_formatter(NullFormatter())
+    ax.set_title(case, loc="left", size=style.SMALL, pad=3)
+    return style.quiet(ax)
+
+
+def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
+    """A row of handles for each kind of problem, and one for the marks."""
+    rows = []
+    for kind, title in (("start", "given the start"), ("ends", "given both ends")):
+        here = ds.isel(case=np.flatnonzero(ds["kind"].values == kind))
+        tried = [str(m) for m in ds["ladder"].values if np.isfinite(here["seconds"].sel(ladder=m)).any()]
+        handles: list[Any] = [
+            Line2D([], [], color=LOOKS[m][0], marker=LOOKS[m][1], markersize=4, linewidth=1.4, label=m) for m in tried
+        ]
+        if handles:
+            rows.append((title, handles))
+    plain: dict[str, Any] = {"color": style.SOFT, "linestyle": ""}
+    lost = Line2D([], [], marker="x", markersize=4, label="failed, or no digit left", **plain)
+    more = Line2D(
+        [], [], marker=">", markersize=7, markerfacecolor="none", label="its next rung takes too long", **plain
+    )
+    return [*rows, ("marks", [lost, more])]

@@ -1,0 +1,180 @@
+"""The centreline of one stored case as a smooth curve, and how well its stations fix it. NumPy and SciPy only.
+
+Nothing is solved. What the stations leave open follows from what is stored: the tangent from beta, its turning from
+beta'' = -H(beta), which needs the stored loads, and beta' from either side of a station.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.interpolate import BPoly
+
+from solver import Rod
+from solver.mechanics import frames, statics
+from solver.problem.errors import InputError
+
+from ..data import dataset
+
+Array = NDArray[np.float64]
+
+NEEDED = ("beta", "alpha", "z", "R", "a", "rho", "L", "E", "nu", "FZ", "MZ", "M3")
+GAUSS, WEIGHT = (0.5 * (v + k) for v, k in zip(np.polynomial.legendre.leggauss(5), (1.0, 0.0), strict=True))
+ROUNDS = 6  # each brings beta' nearer by some (step x largest frequency)^2 / 10
+ORDER = 6  # of what the curve misses between stations, in their distance
+
+
+@dataclass(frozen=True, eq=False)
+class Centreline:
+    """A rod's centreline r(s), 0 <= s <= L, in the dataset's own units.
+
+    s, alpha, beta, dbeta, z: at the stations, (n,). A: bending stiffness; l, m, p: MZ/A, M3/A, FZ/A.
+    """
+
+    s: Array
+    alpha: Array
+    beta: Array
+    dbeta: Array
+    z: Array
+    R: float
+    a: float
+    rho: float
+    A: float
+    l: float
+    m: float
+    p: float
+    side: str
+
+    @property
+    def L(self) -> float:
+        return float(self.s[-1] - self.s[0])
+
+    @property
+    def bend(self) -> Array:
+        """beta'' at the stations, (n,) [1/length^2]."""
+        return -statics.slope(self.l, self.m, self.p, self.rho, self.beta)
+
+    @cached_property
+    def _angle(self) -> Any:
+        return through(self.s, np.stack([self.beta, self.dbeta, self.bend], axis=-1))
+
+    @cached_property
+    def _curve(self) -> Any:
+        """alpha and z, each with three derivatives known at every station."""
+        sin, cos = np.sin(self.beta), np.cos(self.beta)
+        around = np.stack([sin, cos * self.dbeta, cos * self.bend - sin * self.dbeta**2], axis=-1) / self.rho
+        up = np.stack([cos, -sin * self.dbeta, -sin * self.bend - cos * self.dbeta**2], axis=-1)
+        known = np.stack([np.column_stack([self.alpha, around]), np.column_stack([self.z, up])], axis=-1)
+        return through(self.s, known)
+
+    def at(self, s: Array) -> tuple[Array, Array, Array]:
+        """alpha, beta [rad] and z [length] at s, (k,) each."""
+        alpha, z = self._curve(s).T
+        return alpha, self._angle(s), z
+
+    def frame(self, s: Array) -> tuple[Array, Array, Array, Array]:
+        """Position, tangent, outward normal and the normal in the surface at s, (k, 3) each."""
+        alpha, beta, z = self.at(s)
+        place = frames.position(self.rho, alpha, z)
+        return place, frames.tangent(alpha, beta), frames.outward(alpha), frames.binormal(alpha, beta)
+
+    def kappa(self, s: Array) -> Array:
+        """Curvature at s, (k,) [1/length]."""
+        return statics.curvature(self.rho, self._angle(s), self._angle(s, 1))
+
+    def contact(self, s: Array) -> Array:
+        """The cylinder's push per length at s, (k,) [force/length], positive outward; eq. (34), corrected."""
+        beta, dbeta = self._angle(s), self._angle(s, 1)
+        around = statics.circumferential_force(self.A, self.l, self.m, self.rho, beta)
+        H = statics.slope(self.l, self.m, self.p, self.rho, beta)
+        return statics.contact(self.A, self.m, self.rho, around, H, beta, dbeta)
+
+    @cached_property
+    def error(self) -> float:
+        """By how much the curve may miss the rod between stations [length].
+
+        The curve through the angles, integrated from one station, misses the next by this much at most.
+        """
+        h = np.diff(self.s)[:, None]
+        beta = self._angle(self.s[:-1, None] + h * GAUSS)
+        across = self.rho * np.diff(self.alpha) - (h * np.sin(beta)) @ WEIGHT
+        up = np.diff(self.z) - (h * np.cos(beta)) @ WEIGHT
+        return float(np.hypot(across, up).max())
+
+    def stations_for(self, tolerance: float) -> int:
+        """About how many stations would bring `error` down to the tolerance [length]."""
+        n = self.s.size - 1
+        return int(np.ceil(1.1 * n * max(self.error / tolerance, 1.0) ** (1 / ORDER))) + 1
+
+    def check(self, tolerance: float) -> None:
+        """Raise `InputError`, with the number of stations that would do, where `error` is above the tolerance."""
+        if self.error > tolerance:
+            more = self.stations_for(tolerance)
+            raise InputError(
+                f"{self.s.size} stations fix the rod between them to {self.error:.1e} only, and {tolerance:.1e} is "
+                f"asked for: store about {more} (stations = {more} in the study), or give a larger --tolerance"
+            )
+
+
+def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
+    """The centreline of one case, by its indices along the axes.
+
+    Raises `InputError` where the dataset lacks what it is made of, or the case is not solved.
+    """
+    missing = [name for name in NEEDED if name not in ds and f"{name}_along" not in ds]
+    if missing:
+        raise InputError(f"the dataset stores no {', '.join(missing)}, which the rod's curve is made of")
+    one = ds.isel(dict(where))
+    outcome = str(one["outcome"].values)
+    along = {name: np.asarray(dataset.along(one, name), dtype=float) for name in ("alpha", "beta", "z")}
+    if not outcome.startswith("solved") or not np.isfinite(list(along.values())).all():
+        raise InputError(f"this case has no shape: {outcome}")
+    number = {name: float(one[name]) for name in NEEDED[3:]}
+    rod = Rod(number["E"], number["nu"], number["a"], number["L"], str(ds.attrs["stiffness"]))
+    A = float(rod.bending_stiffness)
+    loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
+    s = np.asarray(one["s"].values, dtype=float)
+    if "dbeta" in ds or "dbeta_along" in ds:
+        dbeta = np.asarray(dataset.along(one, "dbeta"), dtype=float)
+    else:
+        dbeta = _slopes(s, along["beta"], number["rho"], *loads)
+    R, a, rho = (number[name] for name in ("R", "a", "rho"))
+    l, m, p = loads
+    side = str(ds.attrs["side"])
+    return Centreline(s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side)
+
+
+def through(s: Array, known: Array) -> Any:
+    """The piecewise polynomial with the derivatives `known`, (n, k, ...), at s, (n,): all its pieces at once.
+
+    SciPy's `BPoly.from_derivatives` makes one after the other, in seconds for a hundred thousand; but what it makes of
+    each derivative alone on a piece of length 1 says what every piece is.
+    """
+    k = known.shape[1]
+    unit = BPoly.from_derivatives([0.0, 1.0], np.eye(2 * k).reshape(2, k, 2 * k)).c[:, 0]
+    h = np.diff(s).reshape(-1, 1, *[1] * (known.ndim - 2)) ** np.arange(k).reshape(k, *[1] * (known.ndim - 2))
+    ends = np.concatenate([known[:-1] * h, known[1:] * h], axis=1)
+    return BPoly(np.tensordot(unit, ends, axes=(1, 1)), s)
+
+
+def _slopes(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> Array:
+    """beta' at the stations from beta there and beta'' = -H(beta) between them, (n,).
+
+    On each stretch beta' at its two ends follows from the two angles and the integral of beta''; what two
+    neighbouring stretches say of their common station is averaged.
+    """
+    h = np.diff(s)
+    bend = -statics.slope(l, m, p, rho, beta)
+    dbeta = np.gradient(beta, s)
+    for _ in range(ROUNDS):
+        angle = through(s, np.stack([beta, dbeta, bend], axis=-1))
+        inside = -statics.slope(l, m, p, rho, angle(s[:-1, None] + h[:, None] * GAUSS))
+        chord = np.diff(beta) / h
+        leaving = chord - h * (inside @ (WEIGHT * (1 - GAUSS)))
+        arriving = chord + h * (inside @ (WEIGHT * GAUSS))
+        dbeta = np.concatenate([leaving[:1], (leaving[1:] + arriving[:-1]) / 2, arriving[-1:]])
+    return dbeta

@@ -1,0 +1,67 @@
+"""Whether a rod can be a solid body: no bend tighter than its own radius, and no two turns in one place."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
+
+from solver.problem.errors import InputError
+
+from .centreline import Array, Centreline
+
+MOST = 400_000  # points along the rod; some 300 MB of pairs
+APART = np.pi  # radii along the rod: nearer points of a bend of radius a are close as neighbours, not as turns
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What keeps a rod from being a solid.
+
+    tight: whether kappa a >= 1 somewhere, which no tube survives; else turns meet, which only a body minds. said: a
+    sentence with the place.
+    """
+
+    tight: bool
+    said: str
+
+
+def findings(line: Centreline, unit: str) -> list[Finding]:
+    """What keeps the rod from being a solid, nothing where it is one; `InputError` for a rod too long to tell."""
+    step = line.a / 4
+    count = int(np.ceil(line.L / step)) + 1
+    if count > MOST:
+        longest = MOST * step
+        raise InputError(
+            f"a rod of length {line.L:g} {unit} and radius {line.a:g} {unit} is too long to look for turns that meet; "
+            f"at most {longest:g} {unit} of it can be exported as a body"
+        )
+    s = np.linspace(line.s[0], line.s[-1], max(count, 8 * line.s.size))
+    kappa = line.kappa(s)
+    found = []
+    k = int(np.argmax(kappa))
+    if kappa[k] * line.a >= 1:
+        bend = f"the rod bends with a radius of {1 / kappa[k]:.4g} {unit} at s = {s[k]:.4g} {unit}"
+        found.append(Finding(True, f"{bend}, less than its own radius a = {line.a:g} {unit} (kappa a >= 1)"))
+    nearest = _nearest(line, np.linspace(line.s[0], line.s[-1], count))
+    if nearest is not None:
+        gap, one, other = nearest
+        turns = f"the rod passes through itself: at s = {one:.4g} and s = {other:.4g} {unit} its centreline is"
+        found.append(Finding(False, f"{turns} {gap:.4g} {unit} apart, less than 2 a = {2 * line.a:g} {unit}"))
+    return found
+
+
+def _nearest(line: Centreline, s: Array) -> tuple[float, float, float] | None:
+    """The least distance of two turns and where they are, where it is less than 2 a; else None."""
+    points = line.frame(s)[0]
+    h = s[1] - s[0]
+    pairs = cKDTree(points).query_pairs(2 * line.a + h, output_type="ndarray")  # a pair may lie between two samples
+    pairs = pairs[np.abs(s[pairs[:, 0]] - s[pairs[:, 1]]) > APART * line.a]
+    if not len(pairs):
+        return None
+    gaps = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=-1)
+    i, j = np.sort(pairs[np.argmin(gaps)])
+    near = [np.linspace(max(s[k] - h, s[0]), min(s[k] + h, s[-1]), 201) for k in (i, j)]
+    gap = cdist(line.frame(near[0])[0], line.frame(near[1])[0])
+    p, q = np.unravel_index(np.argmin(gap), gap.shape)
+    return (float(gap[p, q]), float(near[0][p]), float(near[1][q])) if gap[p, q] < 2 * line.a * (1 - 1e-9) else None

@@ -1,0 +1,1 @@
+"""Study runs: plan, shards, resume, workers, assembly, fidelity, merge."""

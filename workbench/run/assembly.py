@@ -1,0 +1,186 @@
+"""From shards to the final file: streamed, so that memory stays small, and renamed when it is whole."""
+
+import json
+import os
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import h5netcdf
+import h5py
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..data import branch_numbers, cautions, dataset, grid_io, law_verdicts, writing
+from . import shard_folder
+from .block_solver import Columns
+from .existing_output import There, places, told_of
+from .plan import Plan, bytes_a_case, bytes_of_file, first_of, recipe
+
+WINDOW = 2**25  # bytes of results held while they are copied
+
+
+def assemble(
+    plan: Plan, folder: Path, output: Path, there: There | None, tally: Mapping[str, Counter[Any]]
+) -> dict[str, Any]:
+    """Write the dataset of all shards, and of the cases that the file there holds already, in place of that file.
+
+    tally: how often each outcome, caution and branch stands, of all cases. Returns these and the verdicts.
+    Raises `chunks.Damaged` where a shard is not whole, and `OSError` where the disk is full; the file there then stays
+    as it was.
+    """
+    aside = folder / f".{output.name}"
+    try:
+        frame = dataset.frame(plan.study, plan.coordinates, first_of(plan))
+        frame = frame.assign_attrs(caution=cautions.told(tally["caution"]))
+        shard_folder.reserve(aside, bytes_of_file(plan))
+        frame.to_netcdf(aside, engine="h5netcdf", encoding=writing.encoding(frame), invalid_netcdf=False)
+        shard_folder.reserve(aside, bytes_of_file(plan))
+        with h5netcdf.File(aside, "a") as file:
+            _write_cases(file, plan, _rows(plan, folder, output, there), all(_solved(tally["outcome"])), tally)
+        told = _told(aside, tally)
+        with h5py.File(aside, "a") as file:
+            file.attrs["recipe"] = json.dumps(recipe(plan))
+            file.attrs["told"] = json.dumps(told)
+        shard_folder.flush(aside)
+        os.replace(aside, output)
+        shard_folder.flush(output.parent)
+        return told
+    except RuntimeError as error:  # HDF5 closing a file for which the disk has no room
+        raise OSError(f"HDF5: {error}") from None
+    finally:
+        aside.unlink(missing_ok=True)
+
+
+def _solved(outcomes: Mapping[str, int]) -> Iterator[bool]:
+    return (text.startswith("solved") for text in outcomes)
+
+
+def _told(path: Path, tally: Mapping[str, Counter[Any]]) -> dict[str, Any]:
+    """What `run` says of a file at once, without reading its cases."""
+    with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
+        verdicts, first = law_verdicts.verdicts(ds), str(ds.attrs.get("equilibria", ""))
+    branches = branch_numbers.sentence(tally["branch"]) if tally["branch"] else ""
+    return {**told_of(tally, verdicts), "equilibria": first, "branches": branches}
+
+
+def _write_cases(
+    file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], all_solved: bool, tally: Mapping[str, Counter[Any]]
+) -> None:
+    """Every variable over the axes, window by window. Whole numbers stay whole where all cases are solved."""
+    variables: dict[str, Any] = {}
+    for start, columns in rows:
+        for row in dataset.stored(plan.study, tuple(plan.coordinates)):
+            values = columns[row.column]
+            if row.name == "branch":
+                values = branch_numbers.numbered(values, tally["branch"])
+            elif values.dtype.kind == "i" and not all_solved:
+                values = values.astype(float)
+            if row.name not in variables:
+                variables[row.name] = _created(file, plan, row, values)
+            if values.dtype.kind == "U":
+                values = values.astype(object)
+            grid_io.write(variables[row.name], plan.shape, start, values)
+
+
+def _created(file: Any, plan: Plan, row: dataset.Stored, values: NDArray[Any]) -> Any:
+    shape = plan.shape + values.shape[1:]
+    kind: dict[str, Any] = {"dtype": h5py.string_dtype()} if values.dtype.kind == "U" else {"dtype": values.dtype}
+    if values.dtype.kind == "f":
+        kind["fillvalue"] = np.nan
+    if shape:
+        kind["chunks"] = grid_io.packing(shape)
+        if values.dtype.kind != "U":
+            kind |= {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+    variable = file.create_variable(row.name, row.dims, **kind)
+    for key, text in dataset.labels(row.row, plan.study.unit_system).items():
+        variable.attrs[key] = text
+    return variable
+
+
+def _rows(plan: Plan, folder: Path, output: Path, there: There | None) -> Iterator[tuple[int, Columns]]:
+    """The columns of all cases in flat order, a window at a time: its first case, and its columns."""
+    window = max(1, WINDOW // bytes_a_case(plan.study))
+    shards = _Shards(folder, plan.todo)
+    if plan.new is None:
+        for start in range(0, plan.size, window):
+            yield start, shards.rows(start, min(start + window, plan.size))
+        return
+    assert there is not None
+    with h5py.File(output, "r") as file:
+        held = _Held(file, plan, there)
+        for start in range(0, plan.size, window):
+            stop = min(start + window, plan.size)
+            a, b = np.searchsorted(plan.new, [start, stop])
+            yield start, _merged(shards.rows(int(a), int(b)) if a < b else {}, plan.new[a:b] - start, held, start, stop)
+
+
+def _merged(new: Columns, at: NDArray[np.int64], held: "_Held", start: int, stop: int) -> Columns:
+    """New rows at their places in a window, and those of the file at the others."""
+    other = np.setdiff1d(np.arange(stop - start), at, assume_unique=True)
+    if not other.size:
+        return new
+    old = held.rows(start + other)
+    if not at.size:
+        return old
+    merged: Columns = {}
+    for name, rows in old.items():
+        both = np.concatenate([rows, new[name]])
+        merged[name] = np.empty_like(both)
+        merged[name][np.concatenate([other, at])] = both
+    return merged
+
+
+class _Shards:
+    """The results of the cases that were to be solved, in order; one shard is held at a time."""
+
+    def __init__(self, folder: Path, cases: int) -> None:
+        self._folder = folder
+        self._there = shard_folder.stretches(folder, cases)
+        self._held: tuple[int, int] = (0, 0)
+        self._columns: Columns = {}
+
+    def rows(self, start: int, stop: int) -> Columns:
+        """The columns of the cases `start` to `stop`. Raises `Damaged`."""
+        pieces: list[Columns] = []
+        for a, b in self._there:
+            if a < stop and b > start:
+                if (a, b) != self._held:
+                    self._columns, self._held = shard_folder.read_shard(self._folder, a, b), (a, b)
+                mine = slice(max(start - a, 0), stop - a)
+                pieces.append({name: values[mine] for name, values in self._columns.items()})
+        return {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
+
+
+class _Held:
+    """The cases of the file that grows."""
+
+    def __init__(self, file: h5py.File, plan: Plan, there: There) -> None:
+        self._file, self._plan = file, plan
+        self._places = places(there, plan)
+        self._shape = tuple(values.size for values in there.coordinates.values())
+        self._stored = dataset.stored(plan.study, tuple(plan.coordinates))
+
+    def rows(self, flat: NDArray[np.int64]) -> Columns:
+        """The columns of cases of the new grid that the file holds."""
+        at = np.unravel_index(flat, self._plan.shape)
+        old = np.ravel_multi_index([place[i] for place, i in zip(self._places, at, strict=True)], self._shape)
+        return {row.column: self._read(self._file[row.name], old) for row in self._stored}
+
+    def _read(self, variable: h5py.Dataset, old: NDArray[np.int64]) -> NDArray[Any]:
+        """Rows at flat places of the file: one stretch where they lie close together, else each run of neighbours."""
+        if h5py.check_string_dtype(variable.dtype):
+            variable = variable.asstr()
+        low, high = int(old.min()), int(old.max()) + 1
+        if high - low <= 4 * old.size:
+            return self._text(grid_io.read(variable, self._shape, low, high))[old - low]
+        runs = np.split(old, np.flatnonzero(np.diff(old) != 1) + 1)
+        return self._text(
+            np.concatenate([grid_io.read(variable, self._shape, int(run[0]), int(run[-1]) + 1) for run in runs])
+        )
+
+    @staticmethod
+    def _text(values: NDArray[Any]) -> NDArray[Any]:
+        return values.astype(str) if values.dtype.kind == "O" else values

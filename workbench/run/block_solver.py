@@ -1,0 +1,190 @@
+"""What a worker does: arrays of axis values in, arrays of results out. Imports nothing that only files need.
+
+A study's cases are counted along its axes, the last fastest. They are solved in blocks of a fixed size, which the study
+alone decides: products of matrices round a case's last bits differently among other neighbours, so a case always has
+the same. A chunk is any number of whole blocks, and whoever solves it, the bits are the same.
+"""
+
+import hashlib
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver import Case, Solution, equilibria, solve
+from solver.boundary.selection import NEAREST
+from solver.equilibria import nearest
+from solver.observe.observables import observe
+from studies import Study
+from studies.axes import Which
+
+from ..data import cautions
+from ..data.branch_numbers import NONE
+from .sweep import State, walked
+from .sweep_order import Grid
+from .sweep_solutions import shown
+
+Columns = dict[str, NDArray[Any]]  # name -> (cases, ...), as named in `Solution` and `OBSERVABLES`
+
+LOADS = ("FZ", "MZ", "M3")
+WIDTH = {"position": 3}  # numbers a station, where that is not one
+_DIGEST = 32
+_NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?")
+
+
+@dataclass(frozen=True, eq=False)
+class Chunk:
+    """Cases `start` to `stop` of those to be solved. values: of each axis, (cases,). deaths: of workers at it.
+
+    shape, states: of a sweep, the grid and the cases that its blocks begin with (`sweep.Spine`).
+    """
+
+    start: int
+    stop: int
+    values: Mapping[str, NDArray[np.float64]]
+    deaths: int = 0
+    shape: tuple[int, ...] = ()
+    states: Mapping[int, State] = field(default_factory=dict)
+
+    @property
+    def cases(self) -> int:
+        return self.stop - self.start
+
+    def blocks(self, size: int, deaths: int = 0) -> Iterator["Chunk"]:
+        """The chunk in blocks of `size` cases."""
+        for a in range(0, self.cases, size):
+            b = min(a + size, self.cases)
+            values = {name: numbers[a:b] for name, numbers in self.values.items()}
+            states = {i: state for i, state in self.states.items() if a <= i - self.start < b}
+            yield Chunk(self.start + a, self.start + b, values, deaths, self.shape, states)
+
+
+def solved(study: Study, chunk: Chunk, block: int) -> bytes:
+    """The chunk's results, as `encode` packs them. Raises `InputError` for what cannot be asked."""
+    return encode(joined([block_of(study, part) for part in chunk.blocks(block)]))
+
+
+def joined(parts: list[Columns]) -> Columns:
+    """Columns one after the other."""
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def block_of(study: Study, part: Chunk) -> Columns:
+    """The columns of one block."""
+    if study.sweeps:
+        states = walked(study, Grid(part.shape), part.values, part.start, part.states)
+        return joined([_columns_of(study, state) for state in states])
+    case = study.case_of(part.values)
+    return columns(study, solve_one(case, study.equilibrium, study.tol, study.method, study.stations))
+
+
+def _columns_of(study: Study, state: State) -> Columns:
+    """What is stored of one case of a sweep: as of `columns`, and its branch."""
+    found = columns(study, shown(study, state))
+    if state.remark:
+        found["outcome"] = np.array([f"{found['outcome'][0]}; {state.remark}"])
+    return {**found, "branch": np.array([state.branch])}
+
+
+def solve_one(case: Case, which: Which | None, tol: float, method: str, stations: int) -> Solution:
+    """The solution of a case, or of several; where a study says which equilibrium, that one. Raises `InputError`."""
+    if which is None or which.dbeta0 is None or which.energy is None:
+        rule = NEAREST if which is None or which.rule is None else which.rule
+        return solve(case, tol=tol, method=method, stations=stations, choose=rule)
+    found = nearest(equilibria(case, tol, stations), which.dbeta0, which.energy).solution
+    return found if method in ("auto", found.method) else solve(case, tol, method, stations, seed=found)
+
+
+def columns(study: Study, sol: Solution) -> Columns:
+    """What is stored of each case, (cases, ...): outputs, observables, loads, how well it was solved, and the caution.
+
+    Whether a real rod can take the shape is looked at for every case, whatever is stored of it.
+    Numbers of a case that was not solved are NaN, but for its loads.
+    """
+    cases = sol.case.size
+    mine = np.asarray(sol.solved).reshape(-1)
+    found: Columns = {}
+    for name in study.outputs:
+        found[name] = _where(mine, np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *_inner(name)))
+    # all in one call: what several are measured from is measured once
+    observed = observe(sol, dict.fromkeys((*study.wanted, *cautions.JUDGED)), errors=True)
+    for name in study.recorded:
+        found[name] = _where(mine, np.asarray(observed[name]).reshape(-1))
+    found["outcome"] = np.asarray(sol.outcome).astype(str).reshape(-1)
+    caution = cautions.of_cases(sol, observed)
+    found["caution"] = np.asarray(caution).reshape(-1)
+    for name in ("error", "condition", *(name for name in LOADS if name not in study.axes)):
+        found[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)
+    return found
+
+
+def unsolved(study: Study, cases: int, outcome: str) -> Columns:
+    """The columns of cases of which nothing is known but why."""
+    found = {name: np.full((cases, study.stations, *_inner(name)), np.nan) for name in study.outputs}
+    for name in (*study.recorded, *(name for name in LOADS if name not in study.axes)):
+        found[name] = np.full(cases, np.nan)
+    found |= {name: np.full(cases, np.inf) for name in ("error", "condition")}
+    found |= {"branch": np.full(cases, NONE)} if study.sweeps else {}
+    return {**found, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
+
+
+def is_solved(outcomes: NDArray[Any]) -> NDArray[np.bool_]:
+    """Whether an outcome says solved, perhaps with a remark after it."""
+    return np.strings.startswith(outcomes.astype(str), "solved")
+
+
+def kind_of(outcome: str) -> str:
+    """An outcome without its numbers, which differ from case to case: what is counted."""
+    return _NUMBER.sub("...", outcome)
+
+
+def _inner(name: str) -> tuple[int, ...]:
+    return (WIDTH[name],) if name in WIDTH else ()
+
+
+def _where(mine: NDArray[np.bool_], values: NDArray[Any]) -> NDArray[Any]:
+    """The values, NaN where the case is not solved; whole numbers stay whole where all are."""
+    if values.dtype.kind == "b":
+        values = values.astype(np.int64)
+    if mine.all():
+        return values
+    return np.where(mine.reshape(-1, *(1,) * (values.ndim - 1)), values.astype(float), np.nan)
+
+
+class Damaged(Exception):
+    """A shard whose bytes are not those that were written."""
+
+
+def encode(found: Columns) -> bytes:
+    """Arrays as a digest and NumPy's own archive; texts as a short list and each case's place in it."""
+    packed: Columns = {}
+    for name, values in found.items():
+        if values.dtype.kind == "U":
+            packed[f"{name}:texts"], packed[f"{name}:which"] = np.unique(values, return_inverse=True)
+        else:
+            packed[name] = values
+    body = BytesIO()
+    np.savez(body, allow_pickle=False, **packed)
+    content = body.getbuffer()
+    return hashlib.blake2b(content, digest_size=_DIGEST).digest() + content
+
+
+def decode(content: bytes) -> Columns:
+    """What `encode` packed; raises `Damaged` where a byte of it has changed. Nothing in it is executed."""
+    body = memoryview(content)[_DIGEST:]
+    if hashlib.blake2b(body, digest_size=_DIGEST).digest() != content[:_DIGEST]:
+        raise Damaged
+    with np.load(BytesIO(body), allow_pickle=False) as archive:
+        packed = {name: archive[name] for name in archive.files}
+    found: Columns = {}
+    for name, values in packed.items():
+        plain, _, part = name.partition(":")
+        if not part:
+            found[name] = values
+        elif part == "texts":
+            found[plain] = values[packed[f"{plain}:which"]]
+    return found

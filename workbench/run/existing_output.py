@@ -1,0 +1,135 @@
+"""The output that is already there: is it this study finished, or a part of it that grows? Read without xarray."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.problem.errors import InputError
+
+from ..data import file_checks
+from .plan import FORMAT, Coordinates, Plan, axis_line, differences, recipe
+
+VERSIONS = ("code", "numpy", "scipy", "numba", "heyoka", "block")  # of a recipe: what is not the study
+_ROUNDING = 8 * 2.0**-52  # values of an axis closer than this share are the same
+
+
+@dataclass(frozen=True, eq=False)
+class There:
+    """A finished file: its study's name, its recipe, the values of its axes, and what its run said of it
+    (`storing.Ran`)."""
+
+    name: str
+    recipe: dict[str, Any]
+    coordinates: Coordinates
+    told: dict[str, Any]
+
+
+def look(path: Path) -> There | None:
+    """What the file says of itself; None where there is none, or one that was not stored by a run.
+
+    Raises `InputError` for a file of a newer version.
+    """
+    try:
+        with file_checks.looked_at(path) as file:
+            found = np.asarray(file.attrs["format"]).item()
+            there = _read(file) if found <= FORMAT else None
+    except InputError:
+        return None
+    if found > FORMAT:
+        raise InputError(f"{path} is of format {found}, but this version reads up to format {FORMAT}")
+    return there
+
+
+def _read(file: h5py.File) -> There | None:
+    made, told = (json.loads(file.attrs[name]) for name in ("recipe", "told"))
+    axes = {name: np.asarray(file[name][...], dtype=float) for name in made["order"]}
+    if any(made["axes"][name] != axis_line(values) for name, values in axes.items()):
+        return None  # joined or cut by another hand since
+    return There(str(file.attrs["study_name"]), made, axes, told)
+
+
+def told_of(tally: Mapping[str, Mapping[str, int]], laws: list[dict[str, Any]]) -> dict[str, Any]:
+    """What a file says of itself, beside its recipe: how often each outcome and caution stands, and the verdicts."""
+    outcomes, cautions = (dict(sorted(tally[name].items())) for name in ("outcome", "caution"))
+    return {"outcomes": outcomes, "cautions": cautions, "laws": laws}
+
+
+def is_finished(there: There, plan: Plan) -> bool:
+    """Whether the file is what the plan would make."""
+    return not differences(there.recipe, _plain(recipe(plan)))
+
+
+def grown(there: There, plan: Plan) -> Plan | None:
+    """The plan with only the cases left that the file does not hold; None where it is of another study.
+
+    Raises `InputError` where only the code or a library has changed since: old and new cases would not be alike.
+    """
+    now = _plain(recipe(plan))
+    if there.recipe.get("order") != now["order"] or not plan.shape:
+        return None
+    matched = _matched(there.coordinates, plan.coordinates)
+    if matched is None:
+        return None
+    coordinates, _ = matched
+    plan = Plan(plan.study, coordinates)
+    now = _plain(recipe(plan))
+    changed = [key for key in {**there.recipe, **now} if there.recipe.get(key) != now.get(key) and key != "axes"]
+    if any(key not in VERSIONS for key in changed):
+        return None
+    if there.recipe["axes"] == now["axes"]:
+        return plan
+    if plan.study.sweeps:  # new cases would continue from others than in the file
+        return None
+    if changed:
+        was = {key: there.recipe.get(key) for key in changed}
+        told = "; ".join(differences(was, {key: now.get(key) for key in changed}))
+        raise InputError(f"the file there holds part of this study, but {told}; --restart solves all of it again")
+    return Plan(plan.study, coordinates, _new(there, plan))
+
+
+def places(there: There, plan: Plan) -> list[NDArray[np.int64]]:
+    """For each axis the place of each value in the file, -1 where it has none."""
+    matched = _matched(there.coordinates, plan.coordinates)
+    assert matched is not None
+    return matched[1]
+
+
+def _new(there: There, plan: Plan) -> NDArray[np.int64]:
+    """The flat places of the cases that the file does not hold."""
+    held = np.ones(plan.shape, dtype=bool)
+    for i, place in enumerate(places(there, plan)):
+        held &= (place >= 0).reshape([-1 if i == k else 1 for k in range(len(plan.shape))])
+    return np.flatnonzero(~held)
+
+
+def _matched(old: Coordinates, new: Coordinates) -> tuple[dict[str, NDArray[np.float64]], list[Any]] | None:
+    """The new axes, with the old ones' values to the last digit, and each value's place among the old.
+
+    None where an old value is not among the new.
+    """
+    coordinates, found = {}, []
+    for name, values in new.items():
+        before = old[name]
+        order = np.argsort(before)
+        right = np.searchsorted(before[order], values)
+        pick = np.stack([order[np.clip(right + shift, 0, before.size - 1)] for shift in (-1, 0)])
+        off = np.abs(before[pick] - values)
+        nearest = np.take_along_axis(pick, off.argmin(axis=0)[None], axis=0)[0]
+        same = off.min(axis=0) <= _ROUNDING * np.abs(values)
+        if np.unique(nearest[same]).size < before.size:
+            return None
+        coordinates[name] = np.where(same, before[nearest], values)
+        found.append(np.where(same, nearest, -1))
+    return coordinates, found
+
+
+def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
+    """As JSON gives it back."""
+    plain: dict[str, Any] = json.loads(json.dumps(data))
+    return plain

@@ -1,0 +1,65 @@
+"""The dial in plain words: each setting is a tolerance, a number of stations, and what is computed."""
+
+from dataclasses import dataclass
+
+from solver.observe.observables import OBSERVABLES
+from solver.problem.errors import no_such
+from studies import Study
+from studies.model import OUTPUTS
+
+SHAPE = ("beta", "alpha", "z", "contact")
+FORCES = ("F1", "F2", "F3", "M1", "M2")
+
+
+@dataclass(frozen=True)
+class Fidelity:
+    """One setting.
+
+    tol: the error allowed. stations: along the rod; None leaves the study's own. computes: "shape" (angle, azimuth,
+    height and contact, and of the observables those that a law needs), "asked" (what the study names) or "all" (every
+    array along the rod and every observable).
+    """
+
+    name: str
+    tol: float
+    stations: int | None
+    computes: str
+
+    def of(self, study: Study) -> Study:
+        """The study with this setting's tolerance, stations and what it computes."""
+        changes: dict[str, object] = {"tol": self.tol}
+        if self.stations is not None:
+            changes["stations"] = self.stations
+        if self.computes == "shape":
+            changes |= {"outputs": [name for name in study.outputs if name in SHAPE], "observables": []}
+        if self.computes == "all":
+            changes |= {"outputs": list(OUTPUTS), "observables": list(OBSERVABLES)}
+        return study.model_copy(update=changes)
+
+    @property
+    def along(self) -> tuple[str, ...]:
+        """What `solve` prints along the rod."""
+        return ("s", "beta", "dbeta", "alpha", "z", "contact", *(FORCES if self.computes == "all" else ()))
+
+    @property
+    def observables(self) -> tuple[str, ...]:
+        """What `solve` prints of the rod as a whole."""
+        return () if self.computes == "shape" else tuple(OBSERVABLES)
+
+
+FIDELITIES: dict[str, Fidelity] = {
+    row.name: row
+    for row in (
+        Fidelity("draft", 1e-3, 51, "shape"),
+        Fidelity("standard", 1e-8, None, "asked"),
+        Fidelity("fine", 1e-11, 801, "all"),
+        Fidelity("exact", 1e-13, 1601, "all"),
+    )
+}
+
+
+def fidelity(name: str) -> Fidelity:
+    """The setting of that name; `InputError` with the choices for another."""
+    if name not in FIDELITIES:
+        raise no_such("fidelity", name, FIDELITIES)
+    return FIDELITIES[name]

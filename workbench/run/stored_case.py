@@ -1,0 +1,124 @@
+"""The study and the case that a stored dataset came from, and a case of it solved again or next to it."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver import Case, Ends, Solution, Start, solve
+from solver.problem.errors import InputError, no_such
+from studies import Study
+from studies.axes import WORDS
+from studies.loader import loads
+
+from ..data import reading
+from ..data.axis_values import SAME, real
+from . import sweep_solutions
+from .block_solver import solve_one
+
+MOST_SOLVED = 10_000  # cases that are solved again without being asked twice: seconds
+
+
+def study_of(ds: xr.Dataset) -> Study:
+    """The study that a dataset was made by, under its reading; `InputError` where it says none."""
+    if not ds.attrs.get("study"):
+        raise InputError("the dataset does not say which study it is of: it has no attribute study")
+    study = loads(reading.text(ds, "study"), "the dataset's study", reading.text(ds, "study_name"))
+    return study.under(reading.text(ds, "reading") or None)
+
+
+def axes_of(ds: xr.Dataset, study: Study) -> list[str]:
+    """The study's axes that the dataset still has; those on which one value was selected have gone."""
+    return [name for name in study.axes if name in ds.dims]
+
+
+def case_of(ds: xr.Dataset, study: Study, values: Mapping[str, float] | None = None) -> Case:
+    """The case of a dataset's coordinates, of the shape of its axes, at other values of some fields.
+
+    An axis that is given a value has no dimension. Raises `InputError`.
+    """
+    values = dict(values or {})
+    axes = [name for name in axes_of(ds, study) if name not in values]
+    placed: dict[str, Any] = {}
+    for name in study.axes:
+        if name not in values and name not in ds.coords:
+            raise InputError(f"the dataset has lost its axis {name!r}")
+        if name not in values:
+            placed[name] = ds[name].values.reshape([-1 if name == other else 1 for other in axes if name in axes])
+    placed |= values
+    if study.follow is None:
+        return study.case_of(placed)
+    base = study.case()
+    assert isinstance(base.given, Start)
+    given = Ends(base.given.beta, placed["betaL"], *base.loads, base.given.alpha, base.given.gamma)
+    return Case(base.rod, base.cylinder, given)
+
+
+def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solution:
+    """The dataset's cases, at other values of some fields, solved with its tolerance, method and stations.
+
+    Raises `InputError` for a field that the study has not, or for more than `MOST_SOLVED` cases.
+    """
+    fields = ["betaL"] if study.follow else [name for name in study.fields if name not in WORDS]
+    for name in values:
+        if name not in fields:
+            raise no_such("field", name, fields)
+    case = case_of(ds, study, {name: real(name, value) for name, value in values.items()})
+    if case.size > MOST_SOLVED:
+        asked = f"{case.size} cases would have to be solved again, more than {MOST_SOLVED}"
+        raise InputError(f"{asked}; select some first, as ds.rod.sel({axes_of(ds, study)[0]}=...).rod")
+    tol, method = reading.number(ds, "tolerance"), reading.text(ds, "method")
+    stations = _stations(ds, study, case)
+    if study.sweeps:
+        as_run = study.model_copy(update={"tol": tol, "method": method})
+        return _swept(as_run, case, stations, _places(ds, study, values))
+    if study.follow is None:
+        return solve_one(case, study.equilibrium, tol, method, stations)
+    return solve(case, tol=tol, method=method, stations=stations, seed=_slope(ds, case))
+
+
+def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of the study's axes, each along its own dimension as in `case_of`."""
+    axes = [name for name in axes_of(ds, study) if name not in values]
+    return {
+        name: real(name, values[name])
+        if name in values
+        else ds[name].values.reshape([-1 if name == other else 1 for other in axes if name in axes])
+        for name in study.axes
+    }
+
+
+def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -> Solution:
+    """Cases of a sweep or next to it, each continued from the sweep's nearest."""
+    from .plan import plan
+
+    work = plan(study)
+    rows = {name: np.broadcast_to(value, case.shape).ravel() for name, value in places.items()}
+    found = []
+    for i in range(case.size):
+        near = work.spine.nearest({name: float(row[i]) for name, row in rows.items()})
+        at = stations if isinstance(stations, int) else np.broadcast_to(stations, (*case.shape, np.shape(stations)[-1]))
+        mine = at if isinstance(at, int) else at.reshape(case.size, -1)[i]
+        found.append(sweep_solutions.continued(work.study, sweep_solutions.single(case, i), near, mine))
+    return found[0] if not case.shape else sweep_solutions.together(case, found)
+
+
+def _stations(ds: xr.Dataset, study: Study, case: Case) -> Any:
+    """How many stations; or where they are, if the dataset's are not spread evenly from end to end."""
+    if "u" not in ds.coords:
+        return study.stations
+    u = np.atleast_1d(ds["u"].values)
+    if np.array_equal(u, np.linspace(0.0, 1.0, u.size)):
+        return u.size
+    return np.broadcast_to(np.asarray(case.rod.L), case.shape)[..., None] * u
+
+
+def _slope(ds: xr.Dataset, case: Case) -> Any:
+    """beta'(0) near that of the followed equilibrium, of the shape of the case. Raises `InputError` past the fold."""
+    assert isinstance(case.given, Ends)
+    wanted, fold = np.asarray(case.given.betaL), float(ds["fold"])
+    beyond = wanted > fold + SAME * abs(fold)  # never where there is no fold, as that is stored as NaN
+    if beyond.any():
+        raise InputError(f"betaL = {wanted.max():.10g} lies beyond the fold at {fold:.10g}, where the equilibrium ends")
+    return np.interp(wanted, np.atleast_1d(ds["betaL"].values), np.atleast_1d(ds["dbeta0"].values))

@@ -1,0 +1,189 @@
+"""A sweep over ends problems: each case continues from its neighbour, so that a study stays on one branch.
+
+The order is that of `sweep_order`. Where a branch ends, the case takes the equilibrium that the study's rule takes
+there, its branch has another number, and its own neighbours continue from it.
+
+The process of the run follows the cases from which others continue (`Spine`), with nothing along the rod; whoever
+solves a block begins at the cases that came with it, so every bit is the same whoever that is.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver import Case, Solution, equilibria, solve
+from solver.boundary.selection import NEAREST, Choose
+from solver.equilibria import nearest
+from solver.observe.observables import observe
+from studies import Study
+from studies.axes import Which, is_angle
+
+from ..data.branch_numbers import NONE
+from .sweep_order import Grid
+
+LOST = "unstable here, stable where its branch begins"
+MOST_KEPT = 2000  # cases of a single line that are all followed by the run itself
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """The equilibrium of one case, with stations at its two ends only.
+
+    branch: 0 for that of the first case, else 1 + the place in the grid of the case that took it up; `NONE` where the
+    case is not solved. stable: whether the branch was stable where it was taken up. remark: what the case's outcome
+    says besides: where the branch begins, or that it is no longer stable.
+    """
+
+    solution: Solution
+    branch: int
+    stable: bool
+    remark: str = ""
+
+    @property
+    def solved(self) -> bool:
+        return self.branch != NONE
+
+
+@dataclass(frozen=True, eq=False)
+class Spine:
+    """The cases from which blocks begin, each followed from the first case when it is first asked for."""
+
+    study: Study
+    coordinates: Mapping[str, NDArray[np.float64]]
+    block: int
+    known: dict[int, State] = field(default_factory=dict)
+
+    @property
+    def grid(self) -> Grid:
+        return Grid(tuple(values.size for values in self.coordinates.values()))
+
+    def first(self) -> State:
+        """The state of the first case."""
+        return self.state(self.grid.place(self.grid.first))
+
+    def handed(self, start: int, stop: int) -> dict[int, State]:
+        """The states that the blocks of the cases `start` to `stop` begin with."""
+        wanted: list[int] = []
+        for a in range(start, stop, self.block):
+            b = min(a + self.block, stop)
+            wanted += range(a, b) if self._keeps_all else [entry for _, _, entry in self.grid.pieces(a, b)]
+        return {place: self.state(place) for place in wanted}
+
+    def nearest(self, values: Mapping[str, float]) -> State:
+        """The state of the case nearest to these values of the axes."""
+        rows = self.coordinates.items()
+        return self.state(self.grid.place(tuple(int(np.abs(row - values[name]).argmin()) for name, row in rows)))
+
+    def state(self, place: int) -> State:
+        """The state of one case."""
+        way: list[tuple[int, tuple[int, int] | None]] = []
+        at: int | None = place
+        while at is not None and at not in self.known:
+            parent = self.grid.parent(at)
+            way.append((at, parent))
+            at = None if parent is None else parent[0]
+        state = None if at is None else self.known[at]
+        for here, parent in reversed(way):
+            state = self._solved(here, parent, state)
+            if self._keeps(here):
+                self.known[here] = state
+        assert state is not None
+        return state
+
+    def _solved(self, place: int, parent: tuple[int, int] | None, before: State | None) -> State:
+        case = self.study.case_of(self._values(place))
+        if parent is None or before is None:
+            return begun(self.study, case)
+        name = list(self.coordinates)[parent[1]]
+        return stepped(self.study, case, before, place, told(name, self._values(parent[0])[name]))
+
+    def _values(self, place: int) -> dict[str, float]:
+        cell = self.grid.cell(place)
+        return {name: float(values[i]) for (name, values), i in zip(self.coordinates.items(), cell, strict=True)}
+
+    @property
+    def _keeps_all(self) -> bool:
+        shape = self.grid.shape
+        return math.prod(shape) == shape[-1] <= MOST_KEPT
+
+    def _keeps(self, place: int) -> bool:
+        grid = self.grid
+        if self._keeps_all or grid.cell(place)[-1] == grid.first[-1]:
+            return True
+        start = place // self.block * self.block
+        stop = min(start + self.block, math.prod(grid.shape))
+        return any(place == entry for _, _, entry in grid.pieces(start, stop))
+
+
+def rule_of(which: Which | None) -> Choose:
+    """The rule by which a study takes an equilibrium where a branch ends."""
+    return NEAREST if which is None or which.rule is None else which.rule
+
+
+def begun(study: Study, case: Case) -> State:
+    """The state of the first case: the equilibrium that the study means. Raises `InputError` where it names one of
+    none."""
+    which = study.equilibrium
+    if which is not None and which.dbeta0 is not None and which.energy is not None:
+        return state_of(nearest(equilibria(case, study.tol, 2), which.dbeta0, which.energy).solution, 0)
+    return state_of(solve(case, tol=study.tol, stations=2, choose=rule_of(which)), 0)
+
+
+def stepped(study: Study, case: Case, before: State, place: int, neighbour: str) -> State:
+    """The state of a case that continues from its neighbour's, or takes up another branch where that one ends.
+
+    neighbour: where it is, in words.
+    """
+    if before.solved:
+        continued = solve(case, tol=study.tol, stations=2, seed=before.solution)
+        if continued.solved:
+            return state_of(continued, before.branch, before.stable)
+    taken = solve(case, tol=study.tol, stations=2, choose=rule_of(study.equilibrium))
+    why = f"another branch than at {neighbour}" if before.solved else f"taken anew, as none was found at {neighbour}"
+    return state_of(taken, 1 + place, remark=why)
+
+
+def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str = "") -> State:
+    """A state that another process can be sent. stable: of its branch where that was taken up; None for here."""
+    light = replace(sol, trajectory=replace(sol.trajectory, swirl=_not_kept))
+    if not sol.solved:
+        return State(light, NONE, False)
+    here = float(observe(light, ["index"])["index"]) == 0
+    if stable and not here:
+        remark = LOST
+    return State(light, branch, here if stable is None else stable, remark)
+
+
+def _not_kept() -> NDArray[np.float64]:
+    raise NotImplementedError("the state of a sweep keeps no shape")
+
+
+def told(name: str, value: float) -> str:
+    """``FZ = -150``; angles in degrees."""
+    return f"{name} = {np.rad2deg(value):.6g} deg" if is_angle(name) else f"{name} = {value:.6g}"
+
+
+def walked(
+    study: Study, grid: Grid, values: Mapping[str, NDArray[np.float64]], start: int, known: Mapping[int, State]
+) -> list[State]:
+    """The states of the cases from `start` on, in order, continued from those known.
+
+    values: of each axis, (cases,).
+    """
+    cases = next(iter(values.values())).size
+    name = list(values)[-1]
+    found: dict[int, State] = {}
+    for a, b, entry in grid.pieces(start, start + cases):
+        found[entry] = known[entry]
+        for way, last in ((1, b), (-1, a - 1)):
+            for place in range(entry + way, last, way):
+                if place in known:
+                    found[place] = known[place]
+                    continue
+                case = study.case_of({axis: row[place - start] for axis, row in values.items()})
+                neighbour = told(name, float(values[name][place - way - start]))
+                found[place] = stepped(study, case, found[place - way], place, neighbour)
+    return [found[start + i] for i in range(cases)]

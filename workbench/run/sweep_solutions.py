@@ -1,0 +1,82 @@
+"""The solutions of a sweep: a case's state read at the stations that are wanted, and cases next to the sweep's."""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver import Case, Solution, solve
+from solver.methods.base import Trajectory
+from solver.problem.reduced import flat, reduce
+from studies import Study
+
+from .sweep import State, state_of
+
+_DENSE = 2001  # points of a shape that is handed to a method which knows it by its points
+
+
+def shown(study: Study, state: State, stations: Any = None) -> Solution:
+    """The solution of a state by the study's method, at the study's stations or at others: a number, or values of s."""
+    stations = study.stations if stations is None else stations
+    method = study.method if study.method != "auto" else "shooting"
+    if not state.solved:
+        return _nothing(state, stations)
+    if method == state.solution.method and state.solution.trajectory.orbit is not None:
+        return read(state.solution, stations)
+    return solve(state.solution.case, study.tol, method, stations, seed=read(state.solution, _DENSE))
+
+
+def continued(study: Study, case: Case, near: State, stations: Any) -> Solution:
+    """A case next to one of a sweep, on its branch, at so many stations."""
+    state = near
+    if near.solved:
+        state = state_of(solve(case, tol=study.tol, stations=2, seed=near.solution), near.branch, near.stable)
+    return shown(study, state, stations)
+
+
+def together(case: Case, found: list[Solution]) -> Solution:
+    """Solutions of single cases as the one solution of their grid."""
+    names = ("beta", "dbeta", "alpha", "z", "outcome", "error", "condition", "evaluations")
+    columns: dict[str, Any] = {name: np.concatenate([getattr(one.trajectory, name) for one in found]) for name in names}
+    swirl = np.concatenate([one.trajectory.swirl() for one in found])
+    t = np.concatenate([one.t for one in found])
+    return Solution(case, reduce(case), Trajectory(**columns, swirl=lambda: swirl), t, found[0].method, found[0].tol)
+
+
+def single(case: Case, i: int) -> Case:
+    """Case i of a grid, counted along its axes, the last fastest."""
+    parts: list[Any] = []
+    part: Any
+    for part in (case.rod, case.cylinder, case.given):
+        values = {name: value for name, value in vars(part).items() if isinstance(value, np.ndarray)}
+        parts.append(replace(part, **{name: float(flat(value, case.shape)[i]) for name, value in values.items()}))
+    return Case(*parts)
+
+
+def _nothing(state: State, stations: Any) -> Solution:
+    """A case without a solution: NaN, with the reason."""
+    sol, was = state.solution, state.solution.trajectory
+    t = _times(sol, stations)
+    nothing = np.full(t.shape, np.nan)
+    judged = was.outcome, was.error, was.condition, was.evaluations
+    answer = Trajectory(nothing, nothing, nothing, nothing, lambda: nothing, *judged)
+    return replace(sol, trajectory=answer, t=t)
+
+
+def _times(sol: Solution, stations: Any) -> NDArray[np.float64]:
+    """Stations, a number or values of s, in units of rho, (1, n)."""
+    span = sol.problem.span[:, None]
+    if isinstance(stations, int):
+        return np.asarray(span * np.linspace(0, 1, stations))
+    return np.minimum(np.reshape(np.asarray(stations, dtype=float) / float(sol.case.rho), (1, -1)), span)
+
+
+def read(sol: Solution, stations: Any) -> Solution:
+    """The same equilibrium at so many stations, or at these values of s, from its orbit."""
+    t, was = _times(sol, stations), sol.trajectory
+    orbit: Any = was.orbit
+    beta, dbeta, alpha, z = orbit.at(t)
+    judged = was.outcome, was.error, was.condition, was.evaluations
+    return replace(sol, trajectory=Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *judged, orbit), t=t)

@@ -1,0 +1,1 @@
+"""PyVista scenes: a cylinder and the tube of a rod on it."""

@@ -1,0 +1,68 @@
+"""The rod that the live page begins with where a file or options give one, in its own units."""
+
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from solver import Case
+from studies.axes import quantity_of
+from studies.readings import TABLE_1
+
+from ...commands.solve import Asked, read_case
+from .presets import Preset
+
+NAME = "own"
+HIDDEN = ("alpha", "gamma")  # they turn the whole rod; 0 need not be said
+
+
+def preset(file: Path | None, options: dict[str, Any], units: dict[str, str]) -> Preset | None:
+    """A rod for the page to begin with, as `workbench solve` understands the same words; None where nothing is given.
+
+    file: a TOML study without axes. options: fields of the case, name -> value, which change it or, without a file, say
+    all of it. units: of length and force, for a rod of options alone. Raises `InputError`.
+    """
+    if file is None and not options and not units:
+        return None
+    rod = read_case(file, options, False, None, units)
+    title = rod.study.title if rod.study is not None else "A rod of the command line's options"
+    assumed = ", ".join(f"{name} = {value}" for name, value in rod.assumed.items())
+    source = f"From {rod.source}.{f' Assumed: {assumed}.' if assumed else ''} {_units(rod)}."
+    return Preset(NAME, title, source, _state(rod, title, not options), _spans(rod.case))
+
+
+def _units(rod: Asked) -> str:
+    return f"{rod.units['length']} and {rod.units['force']}"
+
+
+def _state(rod: Asked, title: str, as_printed: bool) -> dict[str, Any]:
+    """The state of `explore_model.study_of`; as_printed: values of Table 1 stay as a reading has them."""
+    state: dict[str, Any] = {"title": title, "units": rod.units}
+    study = rod.study
+    if study is not None and study.reading is not None and as_printed:
+        return state | {"reading": study.reading, "base": {**TABLE_1, "side": "outside", **study.base.given}}
+    if study is not None and study.equilibrium is not None:
+        state["equilibrium"] = study.equilibrium.model_dump(exclude_none=True)
+    return state | {"base": _fields(rod.case)}
+
+
+def _fields(case: Case) -> dict[str, Any]:
+    """The fields of a case by name, those left out of a start not among them."""
+    found = {}
+    for part in (case.rod, case.cylinder, case.given):
+        for field in fields(part):
+            value = getattr(part, field.name)
+            if value is not None and not (field.name in HIDDEN and value == 0):
+                found[field.name] = value if isinstance(value, str) else float(value)
+    return found
+
+
+def _spans(case: Case) -> dict[str, float | tuple[float, float]]:
+    """How far the slider of a quantity that is 0 goes to either side: what rho, L and the bending stiffness A make.
+
+    A force to A/(rho L), a moment to A/sqrt(rho L), a rate to 1/sqrt(rho L): the same rod in other units has the same.
+    """
+    rho, L, A = (float(value) for value in (case.rho, case.rod.L, case.rod.bending_stiffness))
+    length = (rho * L) ** 0.5
+    size = {(0, 1): A / length**2, (1, 1): A / length, "rad/length": 1 / length}
+    zero = {name: quantity_of(name).dimension for name, value in _fields(case).items() if value == 0}
+    return {name: size[dimension] for name, dimension in zero.items() if dimension in size}

@@ -1,0 +1,201 @@
+"""What the live page shows, without the page: from a state (a study of one case as plain data) to shape, curves, words.
+
+Nothing is kept between calls but what the caller hands back; a state that cannot be raises `InputError`.
+"""
+
+import re
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomli_w
+
+from solver import Ends, Solution, equilibria, solve
+from solver.equilibria import Equilibrium
+from solver.mechanics.potential import potential
+from solver.observe.observables import OBSERVABLES, observe
+from solver.problem.case import TWISTS
+from solver.problem.errors import InputError, choices
+from solver.problem.quantities import quantity, unit_of
+from studies import Study
+from studies.axes import WORDS, quantity_of
+from studies.loader import loads
+from studies.readings import parse
+from studies.writer import dumps
+
+from ...commands import export_rod
+from ...commands.list_equilibria import ends_of
+from ...commands.list_equilibria import row as equilibrium_row
+from ...commands.list_equilibria import told as case_fields
+from ...data import cautions, dataset
+from ...figures import style
+from ...run.block_solver import columns
+from .page_shape import STATIONS, TOL, Shape, refuse_many
+
+KEYS = ("title", "units", "reading", "base", "equilibrium")
+HIDDEN = ("alpha", "gamma")  # fields that turn the whole rod and change nothing that is shown
+POSITIVE = ("E", "a", "L", "R")
+COUNTS = ("turns", "bend_number")
+LEVELS = 361  # points of the potential
+
+
+def study_of(state: Any) -> Study:
+    """The study that a state says. Raises `InputError`, for a value without the file and line that it has not."""
+    if not isinstance(state, dict):
+        raise InputError("the state must be a table")
+    for key in state:
+        if key not in KEYS:
+            raise InputError(f"no key {str(key)[:40]!r} in the state; choose from {choices(KEYS)}")
+    said = {key: value for key, value in state.items() if value is not None}
+    said.setdefault("title", "From the live page")
+    base = said.get("base")
+    if isinstance(base, dict):
+        said["base"] = {str(name): _plain(name, value) for name, value in base.items()}
+    try:
+        text = tomli_w.dumps(said)
+    except (TypeError, ValueError, AttributeError):
+        raise InputError("the state must be numbers, words and tables of them") from None
+    try:
+        return loads(text, "page", "live")
+    except InputError as error:
+        raise InputError(re.sub(r"^page(, line \d+)?: ", "", str(error))) from None
+
+
+def _plain(name: object, value: Any) -> Any:
+    """A field's value as TOML has it: whole numbers are numbers too, and nothing is no number."""
+    if name in WORDS:
+        return value
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        got = "nothing" if value is None or value == "" else f"{value!r:.40}"
+        raise InputError(f"{str(name)[:40]} must be a number, got {got}")
+    return float(value)
+
+
+def blamed(message: str) -> str:
+    """The field that a refusal is about, or nothing: ``Rod.E must be ...`` is E."""
+    found = re.match(r"(?:Rod|Cylinder|Start|Ends|base)\.(\w+)", message) or re.match(
+        r"(\w+) must be a number", message
+    )
+    return found[1] if found else ""
+
+
+def curves(one: Shape) -> dict[str, Any]:
+    """What is drawn beside the rod, in the units of the study and degrees: arrays by name.
+
+    s, beta, push: along the rod. across, up: its curve on the unrolled cylinder. angle, potential: G over one turn of
+    beta; level: h.
+    """
+    sol = one.sol
+    rho = float(sol.case.rho)
+    angle = np.linspace(-180.0, 180.0, LEVELS)
+    return {
+        "s": sol.s, "beta": np.degrees(sol.beta), "push": sol.push,
+        "across": rho * (sol.alpha - sol.alpha[0]), "up": sol.z,
+        "angle": angle, "potential": potential(sol.problem, np.radians(angle)) / rho**2, "level": sol.h[:1],
+    }  # fmt: skip
+
+
+def told(one: Shape) -> dict[str, Any]:
+    """What is said of a shape, as plain data: how well it is solved, its loads, and what is odd about it."""
+    sol, study = one.sol, one.study
+    units = study.unit_system
+    notes = []
+    if not one.whole:
+        notes.append(
+            f"Only the first {style.number(one.shown)} {units['length']} are shown: the rod bends too often for more."
+        )
+    reading = parse(study.reading) if study.reading else None
+    return {
+        "outcome": str(sol.outcome), "error": float(sol.error), "condition": float(sol.condition),
+        "method": sol.method, "stations": sol.s.size, "notes": notes,
+        "loads": [_row(name, float(getattr(sol, name)), units) for name in ("FZ", "MZ", "M3")],
+        "meaning": {name: reading.meaning(name) for name in study.fields if reading and reading.meaning(name)},
+        "which": _which(sol) if sol.problem.kind == "ends" else None,
+    }  # fmt: skip
+
+
+def _which(sol: Solution) -> dict[str, float]:
+    return {"dbeta0": float(sol.dbeta[0]), "energy": float(observe(sol, ["energy"])["energy"])}
+
+
+def numbers(one: Shape) -> dict[str, Any]:
+    """Every observable as a row, and what a real rod could not do, in words."""
+    found = observe(one.sol, list(OBSERVABLES))
+    keys = str(cautions.of_cases(one.sol))
+    if one.sol.method == "difference":  # followed to 1e-6 only: where beta is level its bends are the error's
+        found |= dict.fromkeys(COUNTS, np.nan)
+    warnings = [f"The rod {cautions.phrase(key)}." for key in cautions.keys(keys)]
+    units = one.study.unit_system
+    return {
+        "rows": [_row(name, np.asarray(value).item(), units) for name, value in found.items()],
+        "warnings": warnings,
+    }
+
+
+def _row(name: str, value: float, units: dict[str, str]) -> dict[str, Any]:
+    q = quantity(name)
+    unit, shown = style.unit(unit_of(name, units)), value
+    if unit == "rad":
+        unit, shown = "°", float(np.degrees(value))
+    text = "not known" if not np.isfinite(shown) else style.number(shown).replace("-", "−")
+    return {"name": name, "symbol": q.symbol, "words": q.long_name, "unit": unit, "value": value, "text": text}
+
+
+def every(study: Study) -> list[dict[str, Any]]:
+    """All equilibria of a rod between two ends, lowest energy first, each as its numbers. Raises `InputError`."""
+    case = study.case()
+    if not isinstance(case.given, Ends):
+        raise InputError("a rod given by its start has one shape only; give it by its two ends")
+    refuse_many(case)
+    found: list[Equilibrium] = equilibria(case, TOL, STATIONS)
+    return [equilibrium_row(one) for one in found]
+
+
+def by_ends(study: Study) -> dict[str, Any]:
+    """The same rod given by its two ends and loads, as a state that names its own shape. Raises `InputError`."""
+    case = ends_of(study)
+    base = {name: value for name, value in case_fields(case).items() if name not in HIDDEN}
+    sol = solve(study.case(), TOL, stations=STATIONS)
+    return {"title": study.title, "units": study.unit_system, "base": base, "equilibrium": _which(sol)}
+
+
+def fields(study: Study) -> list[dict[str, Any]]:
+    """The inputs of a state, in order: name, symbol, words, unit as shown, and what kind of slider each has."""
+    rows = []
+    for name in study.fields:
+        if name in (*HIDDEN, *WORDS) or (name in TWISTS and not study.reading and name not in study.base.given):
+            continue
+        q = quantity_of(name)
+        unit = style.unit(unit_of(q.name, study.unit_system))
+        kind = "positive" if name in POSITIVE else "ratio" if name == "nu" else "angle" if unit == "rad" else "signed"
+        shown = "°" if kind == "angle" else unit
+        rows.append({"name": name, "symbol": q.symbol, "words": q.long_name, "unit": shown, "kind": kind})
+    return rows
+
+
+def text(study: Study) -> str:
+    """The study file that `workbench run` and `solve` take."""
+    return dumps(study)
+
+
+def stored(one: Shape) -> Any:
+    """The dataset of a shape, as `workbench run` would store it; `InputError` for a part of a rod."""
+    if not one.whole:
+        raise InputError("only a part of this rod is shown: run it as a study to export it")
+    study = one.study.model_copy(
+        update={"stations": one.sol.s.size, "outputs": ["beta", "dbeta", "alpha", "z", "contact"]}
+    )
+    return dataset.make(study, {}, columns(study, one.sol))
+
+
+def file(one: Shape, kind: str) -> bytes:
+    """The bytes of a file of that kind, made in a folder of its own. Raises `InputError` as `exporting.export`."""
+    ds = stored(one)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"rod.{kind}"
+        try:
+            export_rod.export(ds, export_rod.Wish(path, {}))
+        except InputError as error:
+            raise InputError(str(error).partition("; --")[0]) from None  # the page has no such options
+        return path.read_bytes()

@@ -1,0 +1,189 @@
+"""The report: one HTML file that needs nothing else, made from stored datasets and drawn pictures."""
+
+import base64
+import json
+import os
+from collections.abc import Sequence
+from importlib.resources import files
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from jinja2 import Environment, StrictUndefined
+from matplotlib import image
+
+from solver.problem.errors import InputError
+
+from ...data import law_verdicts
+from ...data.dataset import axes_of
+from ...figures import style
+from ...run.in_memory import StudyResult
+from ...scene import opengl
+from . import measured_runs, turning_view
+from .errata import ERRATA
+from .law_cards import CLASSES, claims_of, law_of, of_readings, sentence
+from .measured_runs import Measured
+
+NAME = "report.html"
+TEMPLATE = "report.html.j2"
+SINGLE = (
+    "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_size_mean", "push_min",
+    "push_max", "attached", "overlaps", "energy", "index",
+)  # fmt: skip
+TITLES = {"trade": "Accuracy against cost", "extremes": "The extremes"}
+SCENE, DRAWING = {"quality": 90}, {"lossless": True}  # of WebP: shaded bodies, and lines and letters
+
+
+def write(
+    results: Sequence[StudyResult],
+    out: Path,
+    readings: xr.Dataset | None = None,
+    advice: str = "",
+    refusals: Sequence[str] = (),
+) -> Path:
+    """Write `report.html` into the folder `out` and return it.
+
+    readings: the dataset of `readings_run`. advice: what to install where scenes could not be drawn. refusals:
+    studies that could not be run under this reading, and why. Raises `InputError` where it cannot be written.
+    """
+    text = html(results, readings, advice, refusals, measured_runs.both(Path(out)))
+    path = Path(out) / NAME
+    aside = path.with_name(f".{NAME}.{os.getpid()}.part")
+    try:
+        aside.write_text(text, encoding="utf-8")
+        os.replace(aside, path)
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror or error}") from None
+    finally:
+        aside.unlink(missing_ok=True)
+    return path
+
+
+def html(
+    results: Sequence[StudyResult],
+    readings: xr.Dataset | None = None,
+    advice: str = "",
+    refusals: Sequence[str] = (),
+    measured: Sequence[Measured] = (),
+) -> str:
+    """The report as text; every picture inside it, and where the extra `explore` is installed a view that turns."""
+    if not results:
+        raise InputError("a report needs at least one study")
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    template = environment.from_string((files(__package__) / TEMPLATE).read_text(encoding="utf-8"))
+    sections = [_section(result, advice) for result in results]
+    turning, view, unturned = _view(results)
+    return template.render(
+        reading=str(results[0].ds.attrs["reading"]),
+        colours={CLASSES[verdict]: colour for verdict, colour in style.VERDICT_COLOURS.items()},
+        claims=claims_of(sections),
+        tally=law_verdicts.tallied([row for result in results for row in result.verdicts]),
+        sections=sections,
+        laws=[row for section in sections for row in section["laws"]],
+        readings=of_readings(readings),
+        errata=ERRATA,
+        sources=[_source(result) for result in results],
+        versions=_versions(results, readings),
+        created=max(str(result.ds.attrs["created"]) for result in results),
+        packages=opengl.PACKAGES,
+        advice=advice,
+        refusals=[style.typeset(refusal) for refusal in refusals],
+        turning=turning,
+        view=view,
+        unturned=unturned,
+        pushed=style.PUSHED,
+        lifted=style.LIFTED,
+        measured=[_measured(one) for one in measured],
+    )
+
+
+def _view(results: Sequence[StudyResult]) -> tuple[str, turning_view.View | None, str]:
+    """The first study of one case, its view that turns, and why there is none."""
+    for ds in (result.ds for result in results):
+        if not axes_of(ds):
+            try:
+                return str(ds.attrs["study_name"]), turning_view.view(ds), ""
+            except (InputError, ImportError) as error:
+                return str(ds.attrs["study_name"]), None, str(error)
+    return "", None, ""
+
+
+def _measured(one: Measured) -> dict[str, Any]:
+    picture = _picture(BytesIO(one.picture), f"{TITLES[one.name]}: {one.shows}", DRAWING)
+    return {"name": one.name, "title": TITLES[one.name], "shows": one.shows, "source": one.source, "picture": picture}
+
+
+def _section(result: StudyResult, advice: str) -> dict[str, Any]:
+    """What the report shows of one study."""
+    ds = result.ds
+    scenes = [(name, path) for name, path in result.pictures.items() if name.startswith("scene")]
+    others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
+    laws = [law_of(ds, row) for row in result.verdicts]
+    return {
+        "id": str(ds.attrs["study_name"]),
+        "title": str(ds.attrs["title"]),
+        "sentences": list(dict.fromkeys(row["source"] for row in result.verdicts)),
+        "laws": laws,
+        "single": _single(ds) if not axes_of(ds) else [],
+        "note": sentence(str(ds.attrs.get("fold_note", ""))),
+        "caution": style.typeset(str(ds.attrs.get("caution", ""))),
+        "unsolved": law_verdicts.unsolved(ds),
+        "cases": int(ds["outcome"].size),
+        "scenes": [_picture(path, f"{ds.attrs['title']}: {_of(ds, name)}", SCENE) for name, path in scenes],
+        "others": [_picture(path, f"{ds.attrs['title']}: curves and laws", DRAWING) for _, path in others],
+        "no_scene": bool(advice) and not scenes,
+    }
+
+
+def _of(ds: xr.Dataset, name: str) -> str:
+    axis = name.removeprefix("scene").strip()
+    return f"the rod along {style.axis_label(axis, ds[axis])}" if axis in ds.dims else "the rod on its cylinder"
+
+
+def _single(ds: xr.Dataset) -> list[tuple[str, str]]:
+    """Words and value of each observable of a study of one case."""
+    rows = []
+    for name in SINGLE:
+        if name in ds and np.isfinite(ds[name]):
+            units = style.unit(str(ds[name].attrs["units"]))
+            value = f"{style.minus(style.number(float(ds[name])))} {units}".strip()
+            if name == "overlaps":
+                rows.append(("passes through itself", "yes" if float(ds[name]) else "no"))
+            elif name == "index":
+                rows.append(("Morse index, 0 where stable", value))
+            else:
+                rows.append((style.words(ds[name]), value))
+    return rows
+
+
+def _source(result: StudyResult) -> dict[str, Any]:
+    """Where a study's numbers are and how well they were solved."""
+    ds = result.ds
+    error, condition = (np.asarray(ds[name].values, dtype=float) for name in ("error", "condition"))
+    return {
+        "name": str(ds.attrs["study_name"]),
+        "file": result.path.name if result.path else "",
+        "cases": int(ds["outcome"].size),
+        "unsolved": law_verdicts.unsolved(ds),
+        "method": str(ds.attrs["method"]),
+        "tolerance": f"{float(ds.attrs['tolerance']):g}",
+        "error": f"{np.nanmax(error):.1e}" if np.isfinite(error).any() else "–",
+        "condition": f"{np.nanmax(condition):.3g}" if np.isfinite(condition).any() else "–",
+    }
+
+
+def _versions(results: Sequence[StudyResult], readings: xr.Dataset | None) -> list[tuple[str, str]]:
+    """Every package version that the datasets name."""
+    found: dict[str, str] = {}
+    for ds in [*(result.ds for result in results), *([readings] if readings is not None else [])]:
+        found |= json.loads(ds.attrs["versions"])
+    return list(found.items())
+
+
+def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, str]:
+    """A PNG as a data URL of WebP, which needs a fifth of the bytes."""
+    packed = BytesIO()
+    image.imsave(packed, image.imread(file), format="webp", pil_kwargs=how)
+    return {"src": f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}", "alt": alt}

@@ -1,0 +1,104 @@
+"""What the report says of laws: words, verdicts with their reasons, the claims, and the table of all readings."""
+
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import xarray as xr
+
+from solver.problem.quantities import quantity
+from studies import reasons
+from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
+
+from ...data import law_verdicts
+from ...figures import style
+
+CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
+
+
+def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
+    """One law and the others that its sentence admits, in words."""
+    words = style.words(ds[row["observable"]])
+    return {
+        "claim": row["claim"],
+        "stated": f"{words} {style.DIRECTIONS[row['direction']]} {style.symbol(row['axis'])}",
+        "name": row["observable"],
+        **_verdict(row),
+        "fixed": row["fixed"] or "not stated",
+        "fixed_note": row["fixed_note"] or "",
+        "also": [
+            {
+                "stated": style.words(ds[also["observable"]]),
+                "name": also["observable"],
+                "role": "as plausible:" if also["alternative"] else "or",
+                **_verdict(also),
+            }
+            for also in row["also"]
+        ],
+    }
+
+
+def _verdict(row: Mapping[str, Any]) -> dict[str, str]:
+    return {
+        "verdict": row["verdict"],
+        "class": CLASSES[row["verdict"]],
+        "measured": style.minus(law_verdicts.measured(row)),
+        "detail": style.reason(row, law_verdicts.detail(row)),
+    }
+
+
+def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Each claim with the worst verdict of its laws, these laws, and where it is shown."""
+    found: dict[str, dict[str, Any]] = {}
+    for section in sections:
+        for law in section["laws"]:
+            claim = found.setdefault(law["claim"], {**law, "id": section["id"], "title": section["title"], "laws": []})
+            claim["laws"].append(law)
+            verdict = worst([law["verdict"], claim["verdict"]])
+            claim |= {"verdict": verdict, "class": CLASSES[verdict]}
+    return list(found.values())
+
+
+def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
+    """The table reading x claim: in each cell the verdict and what was measured."""
+    if readings is None:
+        return None
+    claims = [str(claim) for claim in readings["claim"].values]
+    found = json.loads(readings.attrs["rows"])
+    table = []
+    for reading, verdicts in zip(readings["reading"].values, readings["claim_verdict"].values, strict=True):
+        cells = []
+        for claim, verdict in zip(claims, verdicts, strict=True):
+            laws = [row for row in found[str(reading)] if row["claim"] == claim]
+            measured = [
+                f"{quantity(row['observable']).symbol} {style.minus(law_verdicts.measured(row))}"
+                for row in laws
+                if row["first"]
+            ]
+            cells.append(
+                {
+                    "verdict": str(verdict),
+                    "class": CLASSES[str(verdict)],
+                    "measured": measured,
+                    "reason": sentence(_short(str(verdict), laws)),
+                    "why": style.typeset("; ".join(f"{row['observable']}: {law_verdicts.said(row)}" for row in laws)),
+                }
+            )
+        counts = reasons.counted(Counter(str(verdict) for verdict in verdicts))
+        table.append({"name": str(reading), "words": str(reading).split("/"), "cells": cells, "counts": counts})
+    return {"claims": claims, "rows": table}
+
+
+def sentence(text: str) -> str:
+    """A remark as a sentence of its own; what begins with a letter of physics keeps it."""
+    typeset = style.typeset(text)
+    return f"{typeset[0].upper() if typeset[0].isascii() else typeset[0]}{typeset[1:]}." if typeset else ""
+
+
+def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
+    """Why a claim was not put to the test, or how it is qualified."""
+    if untested := [row["reason"] for row in laws if not row["first"]]:
+        return str(untested[0])
+    kinds = dict.fromkeys(kind for row in laws for kind in row["qualifications"])
+    return ", ".join(kinds) if verdict == QUALIFIED else ""

@@ -1,0 +1,106 @@
+"""Accuracy against cost and the extremes in the report: measured runs, read and drawn and never measured anew here."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import xarray as xr
+
+from solver.methods import METHODS
+from solver.problem.errors import InputError
+
+from ...data import writing
+from ...figures import robustness, work_precision
+
+SHIPPED = Path(__file__).parents[2] / "compare" / "measured"  # made with benchmarks/make_measured.py
+CASES = (
+    "force-first/tension",
+    "gap 1e-02",
+    "gap 1e-08",
+    "long",
+    "ends table 1",
+    "ends stable 1",
+)  # of 21, for one page
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A diagram (PNG), what it shows in a sentence, and of which run and machine it is."""
+
+    name: str
+    picture: bytes
+    shows: str
+    source: str
+
+
+def both(folder: Path) -> list[Measured]:
+    """Trade and extremes: of the runs stored in the folder, or else of those that are shipped."""
+    return [one(folder, "trade", _draw_trade, _trade), one(folder, "extremes", robustness.draw, _extremes)]
+
+
+def one(
+    folder: Path, name: str, draw: Callable[[xr.Dataset, Path], Path], shows: Callable[[xr.Dataset], str]
+) -> Measured:
+    """The diagram of `name`.h5; a file that is none gives way to the shipped one, and the page says why."""
+    beside, why = Path(folder) / f"{name}.h5", ""
+    try:
+        if beside.is_file():
+            return _made(writing.read(beside, study=False), name, draw, shows, f"{name}.h5 beside this report")
+    except (InputError, KeyError, ValueError) as error:  # a readable file may still lack what is drawn
+        why = f" ({beside.name} beside this report cannot be drawn: {error})"
+    shipped = writing.read(SHIPPED / f"{name}.h5", study=False)
+    return _made(shipped, name, draw, shows, f"a run that comes with the workbench{why}")
+
+
+def _made(
+    ds: xr.Dataset,
+    name: str,
+    draw: Callable[[xr.Dataset, Path], Path],
+    shows: Callable[[xr.Dataset], str],
+    whence: str,
+) -> Measured:
+    with TemporaryDirectory() as folder:
+        picture = draw(ds, Path(folder) / f"{name}.png").read_bytes()
+    return Measured(name, picture, shows(ds), f"{_run(ds)}; {whence}")
+
+
+def _run(ds: xr.Dataset) -> str:
+    versions = json.loads(ds.attrs["versions"])
+    told = ", ".join(f"{name} {versions[name]}" for name in ("python", "numpy", "scipy") if name in versions)
+    day = str(ds.attrs["created"]).replace("T", " ").removesuffix("+00:00")
+    return f"Measured {day} UTC on {ds.attrs.get('machine', 'a machine that was not stored')}, with {told}"
+
+
+def _draw_trade(ds: xr.Dataset, path: Path) -> Path:
+    """The cases of `CASES` that were measured; of a run with none of them the first few."""
+    there = [str(case) for case in ds["case"].values]
+    chosen = [case for case in CASES if case in there] or there[: len(CASES)]
+    return work_precision.figure(ds.sel(case=chosen), "seconds", path)
+
+
+def _trade(ds: xr.Dataset) -> str:
+    shown = min(ds.sizes["case"], len(CASES))
+    return (
+        f"{ds.sizes['ladder']} ladders of methods on {ds.sizes['case']} rods, {shown} of them shown: the error that is "
+        "achieved against the seconds of the whole call, as each method’s own knob is turned"
+    )
+
+
+def _extremes(ds: xr.Dataset) -> str:
+    verdict = ds["verdict"]
+    solved = [
+        f"{name} {int((verdict.sel({'method': name}) == 'solved').sum())}"
+        for name in ("orbit", "swing")
+        if name in ds["method"].values
+    ]
+    wrong = int((verdict == "inaccurate").sum())
+    honest = (
+        "no answer that is called solved is wrong" if wrong == 0 else f"answers called solved that are wrong: {wrong}"
+    )
+    counts = f"Solved by {', by '.join(solved)}; {honest}"
+    left = [name for name in METHODS if name not in ds["method"].values]
+    without = f" (not in this run: {', '.join(left)})" if left else ""
+    methods = f"{ds.sizes['method']} methods{without}"
+    return f"{ds.sizes['extreme']} named extremes by {methods}. {counts}, and what is not solved says why"

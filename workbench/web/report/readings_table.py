@@ -1,0 +1,106 @@
+"""Every panel of Fig. 7 under every reading of Table 1: which of the five claims hold in which."""
+
+import json
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver.problem.errors import InputError
+from studies import READINGS, Study, load, names
+from studies.laws import refused, worst
+
+from ...data import dataset, law_verdicts
+from ...run import in_memory
+
+NAME = "readings"
+
+
+def panels() -> list[Study]:
+    """The studies of Fig. 7, one a panel."""
+    return [load(name) for name in names() if name.startswith("fig7_")]
+
+
+def run(
+    studies: Sequence[Study] | None = None,
+    readings: Sequence[str] = tuple(READINGS),
+    step: Callable[[str], None] = lambda text: None,
+) -> xr.Dataset:
+    """Run the panels under the readings; `step` is called with a text as each run begins.
+
+    Over (reading, law): `verdict`, `reason`, `tau`, `first` and `last` (the observable at the ends of its axis, the
+    mean over the lines of a grid), `lines`, `lines_hold`, `exceptions`. Over (reading, claim):
+    `claim_verdict`, the worst of its laws. Over (reading, panel): `unsolved` cases. Attribute `rows`: for
+    each reading, each law's row as `check.verdicts` gives it, as JSON.
+    """
+    studies = panels() if studies is None else list(studies)
+    rows: list[list[dict[str, Any]]] = []
+    unsolved = []
+    for reading in readings:
+        found: list[dict[str, Any]] = []
+        missing = []
+        for study in studies:
+            step(f"{study.name} {reading}")
+            try:
+                ds = in_memory.run(study.under(reading))
+            except InputError as error:  # as where the base rod already ends beyond a followed axis's limit
+                found += [refused(law, str(error)) for law in study.laws]
+                missing.append(study.size)
+                continue
+            found += law_verdicts.verdicts(ds)
+            missing.append(law_verdicts.unsolved(ds))
+        rows.append(found)
+        unsolved.append(missing)
+    return _labelled(studies, readings, rows, unsolved)
+
+
+def _labelled(
+    studies: Sequence[Study],
+    readings: Sequence[str],
+    rows: list[list[dict[str, Any]]],
+    unsolved: list[list[int]],
+) -> xr.Dataset:
+    both = ("reading", "law")
+    laws = [f"{row['claim']} {row['observable']} {row['direction']} along {row['axis']}" for row in rows[0]]
+    claims = list(dict.fromkeys(row["claim"] for row in rows[0]))
+
+    def table(key: str, of: Callable[[Any], Any] = lambda value: value) -> Any:
+        return [[of(row[key]) for row in line] for line in rows]
+
+    def middle(ends: list[float] | None) -> float:
+        return float(np.mean(ends)) if ends else np.nan
+
+    data = {
+        "verdict": (both, table("verdict"), {"long_name": "verdict of the law"}),
+        "reason": (both, table("reason"), {"long_name": "why it is qualified, not decided or fails"}),
+        "tau": (both, np.array(table("tau"), dtype=float), _number("Kendall's tau in the law's direction")),
+        "lines": (both, table("lines"), _number("lines of the grid along the law's axis")),
+        "lines_hold": (both, table("lines_hold"), _number("lines on which the law holds")),
+        "exceptions": (both, table("exceptions", len), _number("steps the wrong way")),
+        "first": (both, table("first", middle), {"long_name": "observable at the axis's start"}),
+        "last": (both, table("last", middle), {"long_name": "observable at the axis's end"}),
+        "claim_verdict": (
+            ("reading", "claim"),
+            [[worst([r["verdict"] for r in line if r["claim"] == c]) for c in claims] for line in rows],
+            {"long_name": "verdict of the claim, the worst of its laws"},
+        ),
+        "unsolved": (("reading", "panel"), unsolved, _number("cases that were not solved")),
+    }
+    coords = {
+        "reading": ("reading", list(readings), {"long_name": "reading of Table 1"}),
+        "law": ("law", laws, {"long_name": "claim, observable, direction, axis"}),
+        "claim": ("claim", claims, {"long_name": "claim of the text on Fig. 7"}),
+        "panel": ("panel", [study.name for study in studies], {"long_name": "study"}),
+    }
+    attrs = {
+        "title": "Which claims of Fig. 7 hold under which reading of Table 1",
+        "study_name": NAME,
+        "rows": json.dumps(dict(zip(readings, rows, strict=True)), ensure_ascii=False),
+        "versions": json.dumps(dataset.versions()),
+    }
+    return xr.Dataset(data, coords, attrs)
+
+
+def _number(long_name: str) -> dict[str, str]:
+    return {"units": "1", "long_name": long_name}
