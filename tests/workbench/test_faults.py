@@ -27,15 +27,15 @@ SLOW = (
     SMALL
     + """
 import os, time
-from workbench import chunks
-block_of, fsync = chunks.block_of, os.fsync
+from workbench.run import block_solver
+block_of, fsync = block_solver.block_of, os.fsync
 def slowly(study, part):
     time.sleep(0.03)
     return block_of(study, part)
 def slow_disk(handle):
     time.sleep(0.01)
     return fsync(handle)
-chunks.block_of, os.fsync = slowly, slow_disk
+block_solver.block_of, os.fsync = slowly, slow_disk
 """
 )
 
@@ -122,14 +122,14 @@ TELLING = (
     + """
 import os, time
 from pathlib import Path
-from workbench import chunks
-def telling(study, part, block_of=chunks.block_of):
+from workbench.run import block_solver
+def telling(study, part, block_of=block_solver.block_of):
     if part.start == 32 and not Path("worker").exists():
         Path("worker.part").write_text(str(os.getpid()))
         os.replace("worker.part", "worker")
         time.sleep(60)
     return block_of(study, part)
-chunks.block_of = telling
+block_solver.block_of = telling
 """
 )
 
@@ -180,15 +180,15 @@ DEADLY = (
     SMALL
     + """
 import os, signal
-from workbench import chunks
-def deadly(study, part, block_of=chunks.block_of):
+from workbench.run import block_solver
+def deadly(study, part, block_of=block_solver.block_of):
     with open("deaths", "a") as file:
         if (part.values["F1"] == 9.0).any() and (part.values["E"] == 5e3).any():
             file.write("x")
             file.flush()
             os.kill(os.getpid(), signal.SIGKILL)
     return block_of(study, part)
-chunks.block_of = deadly
+block_solver.block_of = deadly
 """
 )
 

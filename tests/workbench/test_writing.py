@@ -124,10 +124,10 @@ def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monk
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from workbench import store
-ds = store.read(sys.argv[1])
-store._flush = lambda path: os.kill(os.getpid(), signal.SIGKILL)  # written, not renamed
-store.write(ds, sys.argv[1])
+from workbench.data import writing
+ds = writing.read(sys.argv[1])
+writing._flush = lambda path: os.kill(os.getpid(), signal.SIGKILL)  # written, not renamed
+writing.write(ds, sys.argv[1])
 """
 
 

@@ -39,10 +39,10 @@ def test_what_workers_are_copies_of_has_read_all_that_a_block_needs(tmp_path) ->
 import sys, workbench.run.preload
 from pathlib import Path
 from studies import load
-from workbench import chunks, plan
+from workbench.run import block_solver, plan
 before = set(sys.modules)
 work = plan.plan(load({str(path)!r}))
-chunks.solved(work.light, work.chunk(0, 4), work.block)
+block_solver.solved(work.light, work.chunk(0, 4), work.block)
 print("read", *sorted(set(sys.modules) - before))
 """
     assert told(code) == ["read"]
@@ -73,10 +73,10 @@ def test_a_worker_whose_model_ends_is_told_in_one_sentence_and_not_taken_for_an_
     (tmp_path / "deadly.py").write_text("import os\nos._exit(1)\n")
     code = """
 from solver import InputError
-from workbench import crew
-crew._READ_FIRST = "deadly"
+from workbench.run import worker_processes
+worker_processes._READ_FIRST = "deadly"
 try:
-    crew.Worker(None)
+    worker_processes.Worker(None)
 except InputError as error:
     print(str(error).replace(" ", "_"))
 """
@@ -91,9 +91,9 @@ def test_a_process_that_keeps_memory_does_not_fetch_it_anew_for_every_array() ->
     code = """
 import resource
 import numpy as np
-from workbench import memory
+from workbench.run import allocator
 if {keep}:
-    memory.keep()
+    allocator.keep()
 def faults():
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt
 np.ones(2**20)
