@@ -149,7 +149,7 @@ def module_of(file: Path) -> str:
 
 
 def arrows(top: str) -> set[tuple[str, str]]:
-    """What each module of a package imports of the same package, imports inside functions included: pairs of modules."""
+    """Pairs of modules: each module of a package and what it imports of the same package, inside functions too."""
     files = files_of(f"{top}/**/*.py")
     modules = {module_of(file) for file in files}
     found = set()
