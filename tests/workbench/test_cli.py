@@ -405,12 +405,13 @@ def test_an_interrupted_run_says_so_and_leaves_no_half_file(crowded, tmp_path) -
 INTERRUPTIBLE = """
 import signal
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
-from workbench import cli, storing
-solve = storing._solve
+from workbench import cli
+from workbench.run import study_store
+solve = study_store._solve
 def told(*args, **kwargs):
     print("solving", flush=True)
     return solve(*args, **kwargs)
-storing._solve = told
+study_store._solve = told
 if __name__ == "__main__":
     cli.main()
 """
