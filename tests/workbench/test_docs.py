@@ -115,9 +115,10 @@ def test_every_command_is_listed() -> None:
 def test_the_python_of_the_tutorial_prints_what_the_page_says(capsys) -> None:
     exec(compile("".join(code(DOCS / "tutorial" / "solve-from-python.md", "python")), "tutorial", "exec"), {})
     shown = capsys.readouterr().out
-    for part in ("solved\n", "(201,)\n7.075", "'turns': np.int64(6)", "(9, 201)\n[8 7 6 6 6 5 5 5 5]\nTrue", "\n21 True\n"):
+    for part in ("solved\n", "(201,)\n7.075", "'turns': np.int64(6)", "(9, 201)\n[8 7 6 6 6 5 5 5 5]\nTrue"):
         assert part in shown
-    assert "61 equilibria, 4 stable" in shown
+    for part in ("61 equilibria, 4 stable", "\n21 True\n"):
+        assert part in shown
 
 
 @pytest.mark.slow
