@@ -1,4 +1,4 @@
-"""docs/studies.md shows only what works, and all of it."""
+"""The pages on studies show only what works, and list everything."""
 
 import re
 from pathlib import Path
@@ -6,14 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver import solve
-from solver.observe.observables import OBSERVABLES, observe
+from solver import observe, solve
+from solver.observe.observables import OBSERVABLES
 from studies.axes import FORCES, LENGTHS
 from studies.loader import load, loads
 from studies.model import OUTPUTS
 
-TEXT = (Path(__file__).parents[2] / "docs" / "studies.md").read_text(encoding="utf-8")
-EXAMPLES = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
+DOCS = Path(__file__).parents[2] / "docs"
+GUIDE = (DOCS / "how-to" / "write-a-study.md").read_text(encoding="utf-8")
+KEYS = (DOCS / "reference" / "study-file.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
 WHOLE = [example for example in EXAMPLES if "title" in example]
 
 
@@ -45,16 +47,16 @@ def test_the_example_of_following_is_a_study_with_a_head() -> None:
 
 @pytest.mark.parametrize("heading, known", [("Observables: ", OBSERVABLES), ("Outputs: ", OUTPUTS)])
 def test_every_name_that_can_be_asked_for_is_listed(heading: str, known) -> None:
-    listed = TEXT.split(heading)[1].split("\n\n")[0]
+    listed = KEYS.split(heading)[1].split("\n\n")[0]
     assert re.findall(r"`(\w+)`", listed) == list(known)
 
 
 def test_every_unit_is_listed() -> None:
-    lengths, forces = TEXT.split("Units of length: ")[1].split(". Of force: ")
+    lengths, forces = KEYS.split("Units of length: ")[1].split(". Of force: ")
     assert tuple(lengths.split(", ")) == LENGTHS
     assert tuple(forces.split(".\n")[0].split(", ")) == FORCES
 
 
 def test_the_million_rods_of_the_docs_are_a_study_that_stores_no_curves() -> None:
-    study = load(Path(__file__).parents[2] / "docs" / "million.toml")
+    study = load(DOCS / "million.toml")
     assert (study.size, study.stations, study.outputs) == (1_000_000, 101, [])

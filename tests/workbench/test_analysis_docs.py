@@ -1,4 +1,4 @@
-"""docs/analysis.md: its studies, commands and Python run as they stand."""
+"""docs/how-to/analyse-stored-studies.md: its studies, commands and Python run as they stand."""
 
 import re
 import shlex
@@ -8,7 +8,7 @@ import pytest
 
 from workbench import cli
 
-DOCS = (Path(__file__).parents[2] / "docs" / "analysis.md").read_text(encoding="utf-8")
+DOCS = (Path(__file__).parents[2] / "docs" / "how-to" / "analyse-stored-studies.md").read_text(encoding="utf-8")
 STATUS = {"run stiff.toml": 1}  # as the page says
 
 
@@ -37,5 +37,5 @@ def test_the_page_runs_as_it_stands(tmp_path, monkeypatch, capsys) -> None:
         assert row in DOCS
         assert row in shown
     names: dict[str, object] = {}
-    exec(compile(blocks("python")[0], "docs/analysis.md", "exec"), names)
+    exec(compile(blocks("python")[0], "analyse-stored-studies.md", "exec"), names)
     assert names["one"]["u"].size == 201  # type: ignore[index]

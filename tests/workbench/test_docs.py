@@ -1,0 +1,147 @@
+"""The pages: their links resolve, the index lists them all, their tables agree with the code, the tutorials run."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from solver.methods import METHODS
+from solver.observe.observables import COUNTED, OBSERVABLES
+from solver.problem.quantities import unit_of
+from studies.model import OUTPUTS
+from workbench import cli
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = sorted([*DOCS.rglob("*.md"), *ROOT.glob("*.md")])
+KINDS = ("tutorial", "how-to", "reference", "explanation")
+FENCED = re.compile(r"^```.*?^```$", re.DOTALL | re.MULTILINE)
+# of the vocabulary: the wrong word, which no page may use
+WRONG = (
+    "where left out", "slab", "unrolled curve", "asked wrongly", "meets itself",
+    "at the door", "the dial", "crew", "landscape", "half a swing",
+)  # fmt: skip
+
+
+def text(page: Path) -> str:
+    return page.read_text(encoding="utf-8")
+
+
+def anchors(page: Path) -> set[str]:
+    """The anchors of a page's headings, as GitHub and MyST make them."""
+    headings = re.findall(r"^#+ (.*)$", FENCED.sub("", text(page)), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def rows(page: str, heading: str = "") -> list[list[str]]:
+    """The cells of the first table of a page, or of the first after a heading."""
+    body = text(DOCS / "reference" / page).split(f"\n{heading}\n", 1)[1] if heading else text(DOCS / "reference" / page)
+    table = re.search(r"(?:^\|.*\n)+", body, re.MULTILINE)
+    assert table
+    lines = table[0].replace(r"\|", "¦").splitlines()[2:]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+def code(page: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", text(page), re.DOTALL)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_every_link_of_a_page_resolves(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)\s]+)\)", FENCED.sub("", text(page))):
+        if target.startswith("http"):
+            continue
+        name, _, anchor = target.partition("#")
+        found = (page.parent / name).resolve() if name else page
+        assert found.exists(), target
+        assert not anchor or anchor in anchors(found), target
+    for named in re.findall(r"`(docs/[\w/.-]+\.(?:md|toml|png))`", text(page)):
+        assert (ROOT / named).exists(), named
+
+
+def test_the_index_lists_every_page_and_each_page_has_one_kind() -> None:
+    listed = re.findall(r"^- \[.*?\]\(([^)#]+)\)", text(DOCS / "index.md"), re.MULTILINE)
+    more = re.findall(r"\]\(([^)#]+\.md)\)", text(DOCS / "index.md"))
+    pages = {page.relative_to(DOCS).as_posix() for page in DOCS.rglob("*.md")} - {"index.md"}
+    assert set(listed) | set(more) == pages
+    assert {page.partition("/")[0] for page in pages} == {*KINDS, "decisions.md"}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_a_page_uses_the_terms_of_the_glossary(page: Path) -> None:
+    found = re.sub(r"\s+", " ", text(page)).lower()
+    assert not [word for word in WRONG if word in found]
+
+
+def test_the_readme_has_a_picture_and_no_more_than_120_lines() -> None:
+    readme = text(ROOT / "README.md").splitlines()
+    assert len(readme) <= 120
+    assert readme[2].startswith("![")
+
+
+def test_the_table_of_observables_is_that_of_the_code() -> None:
+    table = rows("observables.md")
+    assert [row[0].strip("`") for row in table] == list(OBSERVABLES)
+    for name, unit, sign, *_ in table:
+        assert unit_of(name.strip("`"), {"length": "[L]", "force": "[F]"}) == unit, name
+        assert ("whole" in sign or sign == "0 or 1") == (name.strip("`") in COUNTED), name
+
+
+def test_the_table_of_methods_is_that_of_the_code() -> None:
+    pytest.importorskip("numba")
+    pytest.importorskip("heyoka")
+    table = {row[0].strip("`"): row for row in rows("methods.md")}
+    assert set(table) == set(METHODS)
+    for name, method in METHODS.items():
+        assert table[name][1] == ", ".join(method.kinds)
+        assert re.findall(r"`(\w+)`", table[name][5]) == list(method.knobs)
+
+
+def test_the_outputs_are_marked_in_the_table_of_arrays() -> None:
+    table = rows("quantities.md", "## Arrays along the rod")
+    marked = [name for cell, *_ in table if "*" in cell for name in re.findall(r"`(\w+)`", cell)]
+    assert marked == list(OUTPUTS)
+
+
+def test_every_command_is_listed() -> None:
+    import typer.main
+
+    table = [re.match(r"`(\w+)", row[0]) for row in rows("commands.md")]
+    commands = typer.main.get_command(cli.app).commands  # type: ignore[attr-defined]
+    assert {found[1] for found in table if found} == set(commands)
+
+
+def test_the_python_of_the_tutorial_prints_what_the_page_says(capsys) -> None:
+    exec(compile("".join(code(DOCS / "tutorial" / "solve-from-python.md", "python")), "tutorial", "exec"), {})
+    shown = capsys.readouterr().out
+    for part in ("solved\n", "(201,)\n7.075", "'turns': np.int64(6)", "(9, 201)\n[8 7 6 6 6 5 5 5 5]\nTrue"):
+        assert part in shown
+    for part in ("61 equilibria, 4 stable", "\n21 True\n"):
+        assert part in shown
+
+
+@pytest.mark.slow
+def test_the_commands_of_the_tutorial_run_as_they_stand(tmp_path, monkeypatch, capsys) -> None:
+    page = DOCS / "tutorial" / "reproduce-a-figure.md"
+    monkeypatch.chdir(tmp_path)
+    Path("radius.toml").write_text(code(page, "toml")[0], encoding="utf-8")
+    lines = [line for block in code(page, "sh") for line in block.splitlines() if line.startswith("workbench ")]
+    for line in lines:
+        if line.startswith("workbench scene"):
+            continue  # needs OpenGL
+        with pytest.raises(SystemExit) as end:
+            cli.main(shlex.split(line.removeprefix("workbench ")))
+        assert not end.value.code, line
+    shown = capsys.readouterr().out
+    for part in ("8 → 5", "6 → 3", "9 cases, 0 unsolved"):
+        assert part in shown
+
+
+def test_the_table_of_fidelities_is_that_of_the_code() -> None:
+    from workbench.run.fidelity import FIDELITIES
+
+    for name, tolerance, stations, _ in rows("methods.md", "## `--fidelity`"):
+        told = FIDELITIES[name.strip("`")]
+        assert float(tolerance) == told.tol
+        assert told.stations is None or int(stations) == told.stations
