@@ -1,4 +1,4 @@
-"""Writes workbench/compare/extremes.json: beta of the named extremes by Taylor series to 25 digits, where a march arrives.
+"""Write workbench/compare/extremes.json: beta of the named extremes by Taylor series to 25 digits, where possible.
 
 Run from the root: python -m benchmarks.make_extremes
 """

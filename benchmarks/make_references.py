@@ -22,7 +22,7 @@ FILE = Path(__file__).resolve().parents[1] / "tests" / "references.json"
 
 
 def numbers(case: Case) -> dict[str, Any]:
-    """rho, lam, mu, phi, span, beta0, beta_t0 in 40 digits; sections 1 and 3 of docs/physics.md."""
+    """rho, lam, mu, phi, span, beta0, beta_t0 in 40 digits; sections 1 and 3 of docs/explanation/physics.md."""
     rod, given = case.rod, case.given
     E, nu, a, L, R = (mpf(float(v)) for v in (rod.E, rod.nu, rod.a, rod.L, case.cylinder.R))
     beta, dbeta, F2, F3 = (mpf(float(v)) for v in (given.beta, given.dbeta, given.F2, given.F3))

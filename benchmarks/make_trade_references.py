@@ -50,7 +50,7 @@ def march(at: dict[str, Any], parts: int) -> tuple[list[list[Any]], Any]:
 
 
 def contact(at: dict[str, Any], beta: Any, v: Any) -> Any:
-    """f rho^3/A; section 2 of docs/physics.md."""
+    """f rho^3/A; section 2 of docs/explanation/physics.md."""
     s, c = mpmath.sin(beta), mpmath.cos(beta)
     FY = at["lam"] - at["mu"] * c - s**3
     H = at["lam"] * c - at["mu"] * mpmath.cos(2 * beta) - (at["phi"] + 2 * c * s**2) * s

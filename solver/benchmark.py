@@ -20,8 +20,8 @@ from .solve import solve
 STATIONS = 201
 REPEATS = 5
 _ENOUGH = 0.06  # seconds of repeats, after which no further one is made
-# Evaluations beyond which a ladder is left: what some 0.4 s allow on the machine of docs/trade.md. Not seconds, so that
-# a busy machine climbs the same rungs. Methods that call Python for each evaluation, and those that do not.
+# Evaluations beyond which a ladder is left: what some 0.4 s allow on the machine of docs/reference/trade.md. Not
+# seconds, so that a busy machine climbs the same rungs. Methods that call Python for each evaluation, and the others.
 MOST_CALLED, MOST_COMPILED = 20_000, 1_000_000
 _TRIED = 0.9  # the tolerance that a rung is judged by where its knob is not the tolerance: only the lost ones fail
 

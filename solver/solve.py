@@ -16,7 +16,7 @@ from .problem.limits import OUT_OF_RANGE, TOO_LARGE, dimensionless, representabl
 from .problem.reduced import Array, Reduced, flat, reduce
 from .solution import Solution
 
-AUTO = {"start": "swing" if "swing" in METHODS else "orbit", "ends": "shooting"}  # as measured: docs/trade.md
+AUTO = {"start": "swing" if "swing" in METHODS else "orbit", "ends": "shooting"}  # as measured: docs/reference/trade.md
 
 
 def solve(

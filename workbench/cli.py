@@ -235,7 +235,7 @@ def gallery(
     out: Annotated[Path, typer.Option(help="The folder for the pictures.")] = Path("gallery"),
     force: Replace = False,
 ) -> None:
-    """One picture of every kind of scene, as in docs/scenes.md."""
+    """One picture of every kind of scene, as in docs/reference/scenes.md."""
     from .commands.showcase import draw_all
 
     raise typer.Exit(draw_all(out, force))

@@ -115,7 +115,7 @@ def test_the_centreline_is_a_radius_off_the_surface() -> None:
     assert table_1("shear", "tension", "paper", side="inside").rho == 0.75 - 0.25
 
 
-# docs/physics.md, section 6: as many figures as it prints
+# docs/explanation/physics.md, section 6: as many figures as it prints
 @pytest.mark.parametrize("stiffness, F1, dgamma", [("paper", -2.268, 2.714), ("solid", -9.071, 1.572)])
 def test_table_1_contradicts_itself(stiffness: str, F1: float, dgamma: float) -> None:
     """gamma0' = 0.5 gives F10 = -2.268 N, not the 5 N beside it; 5 N need gamma0' = 2.714; no stiffness helps."""

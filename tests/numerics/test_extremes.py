@@ -111,7 +111,8 @@ def test_nearly_every_random_case_that_can_be_is_solved(kind: str, side: str, me
     assert all(text.startswith("failed: ") for text in sol.outcome[~sol.solved])
 
 
-# The bar over the whole range: pytest -m slow -s tests/numerics/test_extremes.py; its figures are in docs/extremes.md.
+# The bar over the whole range: pytest -m slow -s tests/numerics/test_extremes.py.
+# Its figures are in docs/reference/extremes.md.
 
 BATCH, BATCHES = 1400, 6  # times kinds and sides: 100,800 cases
 CHECKED = 340  # of each kind, 2,040 in all
