@@ -8,9 +8,10 @@ import numpy as np
 
 from .mechanics import frames, statics
 from .mechanics.potential import potential
-from .methods.base import Trajectory
+from .numerics.arrays import Array
 from .problem.case import Case
-from .problem.reduced import Array, Reduced, flat
+from .problem.reduced import Reduced, flat
+from .problem.trajectory import Trajectory
 
 _quiet = np.errstate(all="ignore")  # cases that were refused carry numbers that no float holds
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..problem.reduced import Array
+from ..numerics.arrays import Array
 from .levels import Chain
 from .transit import Boundary, Levels, Paths, Transit, transit
 

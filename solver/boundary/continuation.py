@@ -20,9 +20,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..methods.orbit import Orbit, solve_orbit
+from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..orbit.pieces import HELIX
-from ..problem.reduced import Array, Reduced
+from ..problem.reduced import Reduced
 from .coordinates import Chart, Path, Place, charts, coordinate, excess, path_at, path_of
 from .levels import chained
 from .search import roots_on, solved, ways_of

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.potential import TAU, slope
-from ..problem.reduced import Array, Reduced
+from ..numerics.arrays import Array
+from ..problem.reduced import Reduced
 from .levels import bounded, floor_of, helix_of
 from .search import Way
 from .transit import DOWN, UP, Boundary, Levels, Paths, fall, transit, wrapped

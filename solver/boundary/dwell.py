@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ..methods.orbit import Orbit, assembled
+from ..numerics.arrays import Array
 from ..orbit.panels import Panels, joined
-from ..problem.reduced import Array
+from ..orbit.periodic_orbit import Orbit, assembled
 from .transit import half_passages
 
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from ..methods.orbit import solve_orbit
+from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import solve_orbit
 from ..problem.case import Case, Ends, Start
 from ..problem.errors import InputError
-from ..problem.reduced import Array, Reduced, reduce
+from ..problem.reduced import Reduced, reduce
 
 _STEP, _STEPS, _CHUNK = 2e-3, 5000, 50  # in beta_t(0); the walk ends after at most 10
 

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mechanics.potential import TAU, Extrema, extrema, slope, slope_bends, slope_rate
+from ..numerics.arrays import Array
 from ..orbit.pieces import _apart
-from ..problem.reduced import Array, Reduced
+from ..problem.reduced import Reduced
 from .transit import Boundary, Levels, fall, height_scale, wrapped
 from .transit import many as many
 

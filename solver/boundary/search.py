@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mechanics.potential import potential
-from ..methods.orbit import Orbit, solve_orbit
+from ..numerics.arrays import Array
 from ..orbit.action import energies
-from ..problem.reduced import Array, Reduced
+from ..orbit.periodic_orbit import Orbit, solve_orbit
+from ..problem.reduced import Reduced
 from .brackets import closed_in, joined_brackets, on_chain
 from .dwell import dwelling
 from .levels import Chain, bounded, chained, helix_of

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.arrays import Array
 from ..problem.errors import InputError
-from ..problem.reduced import Array
 
 NEAREST, LOWEST = "nearest", "lowest"
 RULES = (NEAREST, LOWEST)

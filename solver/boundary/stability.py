@@ -15,13 +15,14 @@ import numpy as np
 import scipy
 
 from ..mechanics.potential import slope, slope_rate
+from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
 from ..orbit.action import accumulated
 from ..orbit.conditioning import _flow as flow
 from ..orbit.conditioning import shear
 from ..orbit.panels import running
 from ..orbit.pieces import HELIX, LIBRATION
-from ..problem.reduced import Array, Reduced
+from ..problem.reduced import Reduced
 
 _MOST = 40_000  # steps of a mesh
 

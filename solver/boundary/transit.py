@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mechanics.potential import TAU, Extrema, Well, slope
+from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
 from ..orbit.panels import panelled
 from ..orbit.pieces import CENTRE, ROTATION, Pieces, _apart, _start_variable, course
-from ..problem.reduced import Array, Reduced
+from ..problem.reduced import Reduced
 
 UP, DOWN = 1, -1
 _SAME = 4e-16  # of the size of G: heights that differ by less are one

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.arrays import Array
 from ..numerics.roots import bracketed
-from ..problem.reduced import Array, Reduced
+from ..problem.reduced import Reduced
 
 TAU = 2 * np.pi
 

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ..problem.reduced import Array, Reduced
-from .base import Method, Trajectory
-from .orbit import Orbit
-from .swing import Swing
+from ..numerics.arrays import Array
+from ..orbit.marched_orbit import MarchedOrbit
+from ..orbit.periodic_orbit import Orbit
+from ..problem.reduced import Reduced
+from ..problem.trajectory import Trajectory
+from .base import Method
 
 BLOCK = 2048  # cases: 512 take `orbit` 1.4 times as long; a study's own blocks (`workbench.run.plan`) are no larger
 BLOCK_VALUES = 2**20  # stations of all cases of a block, at most: 8 MB an array
@@ -48,7 +50,7 @@ def run_in_blocks(method: Method, problem: Reduced, t: Array, tol: float, **knob
 
 
 class _Orbits:
-    """The orbits of blocks, gathered as one: an `Orbit`, a `Swing`, or None where the method knows none."""
+    """The orbits of blocks, gathered as one: an `Orbit`, a `MarchedOrbit`, or None where the method knows none."""
 
     def __init__(self, share: float) -> None:
         self.cases, self.panels, self.share = 0, 0, share
@@ -57,7 +59,7 @@ class _Orbits:
 
     def add(self, orbit: Any) -> None:
         """The orbits of the next block."""
-        if isinstance(orbit, Swing):
+        if isinstance(orbit, MarchedOrbit):
             if orbit.rest is not None:
                 self.rest = self.rest or _Orbits(self.share)
                 self.rest.add(orbit.rest)

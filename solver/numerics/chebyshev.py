@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import chebyshev as C
 
-from ..problem.reduced import Array
+from .arrays import Array
 
 _ROWS = 384  # OpenBLAS takes threads from 2^18 products on
 

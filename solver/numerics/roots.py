@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..problem.reduced import Array
+from .arrays import Array
 
 
 def bracketed(

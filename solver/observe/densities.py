@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..mechanics.potential import slope_rate_of, slope_terms
-from ..problem.reduced import Array, Reduced
+from ..numerics.arrays import Array
+from ..problem.reduced import Reduced
 from .sampling import Pieces
 
 

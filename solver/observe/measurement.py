@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ..problem.reduced import Array, flat
+from ..numerics.arrays import Array
+from ..problem.reduced import flat
 from ..solution import Solution
 from . import densities
 from .quadrature import EPS, Resolved, means, primitive, resolve, series_at

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from ..boundary.stability import index_at_stations, jacobi_zeros
+from ..numerics.arrays import Array
 from ..orbit.pieces import LIBRATION, ROTATION
 from ..problem.errors import no_such
-from ..problem.reduced import Array, flat
+from ..problem.reduced import flat
 from ..solution import Solution
 from .measurement import Pair, Reading
 from .sampling import resolved

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from ..numerics.arrays import Array
 from ..numerics.chebyshev import Basis, basis, polynomials, through
 from ..numerics.roots import bracketed
-from ..problem.reduced import Array
 from .densities import Density
 from .sampling import NODES, Pieces
 

@@ -15,9 +15,11 @@ from numpy.polynomial import chebyshev as C
 from numpy.typing import NDArray
 
 from ..mechanics.potential import slope, slope_rate
+from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis, polynomials, through
+from ..orbit.marched_orbit import march_orbit
 from ..orbit.pieces import LIBRATION
-from ..problem.reduced import Array, Reduced
+from ..problem.reduced import Reduced
 from ..solution import Solution
 
 ORBITS = ("orbit", "swing", "shooting")  # the methods that know the orbit
@@ -136,11 +138,9 @@ def _of_panels(orbit: Any, own: Array, case: Array, some: slice, whole: Any = No
 
 def _of_steps(swing: Any, some: slice, case: Array) -> Pieces:
     """The pieces of the problems `case` of a block of a `Swing`: its steps, marched again."""
-    from ..methods.swing import _march
-
     own = some.start + case
     problem = swing.problem.take(own)
-    _, (_, count, since, width, taylor) = _march(problem, swing.tol)
+    _, (_, count, since, width, taylor) = march_orbit(problem, swing.tol)
     part = np.repeat(np.arange(2 * case.size), count.reshape(-1))
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
         order = np.arange(taylor.shape[2])

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..problem.reduced import Array, flat
+from ..numerics.arrays import Array
+from ..problem.reduced import flat
 from ..solution import Solution
 from .strands import apart as apart_along
 from .strands import meets, strands

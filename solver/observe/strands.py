@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..problem.reduced import Array
+from ..numerics.arrays import Array
 
 PARTS = 16  # of a period, to begin with
 FINEST = 2.0**-8  # of the radius: stretches no longer than that are points, which a thousandth of 2 a may escape

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
-from ..problem.reduced import Array
 from .panels import running
 from .pieces import HELIX, LIBRATION
 

@@ -16,13 +16,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..mechanics.potential import slope, slope_bends, slope_rate, slope_size
+from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
-from ..problem.reduced import Array, Reduced
+from ..problem.reduced import Reduced
 from .panels import EPS, Panels, running
 from .pieces import HELIX, LIBRATION
 
 if TYPE_CHECKING:
-    from ..methods.orbit import Orbit
+    from .periodic_orbit import Orbit
 
 
 def slope_weight(problem: Reduced) -> Array:

@@ -3,7 +3,8 @@
 import numpy as np
 
 from ..mechanics.potential import slope_rate
-from ..problem.reduced import Array, Reduced
+from ..numerics.arrays import Array
+from ..problem.reduced import Reduced
 from .conditioning import slope_weight
 
 _BLOCK = 2**18  # stations worked on at once

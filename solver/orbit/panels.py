@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.arrays import Array
 from ..numerics.chebyshev import Basis, polynomials
-from ..problem.reduced import Array, Reduced
+from ..problem.reduced import Reduced
 from .pieces import Course, Pieces
 
 EPS = 2.0**-52

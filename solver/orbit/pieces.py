@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mechanics.potential import TAU, Extrema, Well, extrema, slope
-from ..problem.reduced import Array, Reduced
+from ..numerics.arrays import Array
+from ..problem.reduced import Reduced
 
 PASS, SADDLE, CENTRE = 0, 1, 2
 HELIX, LIBRATION, ROTATION = 0, 1, 2

@@ -1,0 +1,74 @@
+"""The one equilibrium of an ends problem that a seed or a rule selects, as a trajectory or as a seed."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import Orbit
+from ..problem.reduced import Reduced
+from ..problem.trajectory import Seed, Trajectory, verdicts
+from .search import Found, search
+from .selection import NEAREST, Choose, none_of, select, selection
+from .stability import end_response
+
+NO_EQUILIBRIUM = "failed: the search met no equilibrium, though there always is one"
+
+
+def equilibrium_trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float) -> Trajectory:
+    """The orbits of K ends problems at stations t (K, n), with how far they miss beta(L) as their error."""
+    assert problem.betaL is not None
+    beta, dbeta, alpha, z = orbit.at(t)
+    condition = end_response(orbit) if orbit.response is None else orbit.response
+    miss = np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
+    error = (2 * miss + 1e-14) * condition
+    calls = np.bincount(orbit.panels.part // 2, weights=orbit.panels.calls, minlength=t.shape[0]).astype(np.int64)
+    outcome = verdicts(beta, error, condition, tol)
+    return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), outcome, error, condition, calls, orbit)
+
+
+def selected(problem: Reduced, t: Array, tol: float, slope: float | None, choose: Choose = NEAREST) -> Trajectory | str:
+    """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or the one that the rule takes; else the
+    outcome that says why there is none."""
+    found = _searched(problem, slope, choose)
+    if found is None:
+        return NO_EQUILIBRIUM
+    if slope is not None:
+        return equilibrium_trajectory(problem, found.orbit.take(int(np.argmin(np.abs(found.slope - slope)))), t, tol)
+    i = select(choose, found.index, found.energy, found.stray, found.slope)
+    if i is None:
+        return none_of(choose, found.index, found.total)
+    if not isinstance(choose, int) and found.index[i] != 0 and found.remark:  # by degree there is a stable one
+        return f"failed: {found.remark}"
+    how = np.array([selection(choose, found.index, found.total, not found.remark)], dtype=object)
+    return replace(equilibrium_trajectory(problem, found.orbit.take(i), t, tol), selection=how)
+
+
+def _searched(problem: Reduced, slope: float | None, choose: Choose) -> Found | None:
+    """As many of the equilibria as the rule needs: a stable one has one turning point at most, one of index K at most
+    K + 1, and the lowest is stable."""
+    if slope is not None:
+        return search(problem)
+    found = search(problem, most_turns=choose + 1 if isinstance(choose, int) else 1)
+    needs_stable = found is None or not (found.index == 0).any()
+    return search(problem) if not isinstance(choose, int) and needs_stable else found
+
+
+def selected_seed(
+    problem: Reduced, choose: Choose = NEAREST, points: int = 2001
+) -> tuple[Seed, NDArray[np.object_], list[str]]:
+    """The equilibrium of each problem that the rule takes, as a seed, NaN where there is none; how each was taken; and
+    the outcome that says why there is none, or nothing."""
+    u = np.linspace(0, 1, points)
+    taken, why = np.full(problem.size, None, dtype=object), [""] * problem.size
+    slopes, shapes = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)
+    for i in range(problem.size):
+        one = problem.take(slice(i, i + 1))
+        found = selected(one, one.span[:, None] * u, 1e-8, None, choose)
+        if isinstance(found, str):
+            why[i] = found
+            continue
+        slopes[i], shapes[i] = found.dbeta[0, 0], found.beta[0]
+        taken[i] = None if found.selection is None else found.selection[0]
+    return Seed(slopes, np.tile(u, (problem.size, 1)), shapes), taken, why
