@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .boundary.levels import many
+from .boundary.level_grid import many
 from .boundary.search import Way, search
 from .boundary.selected_equilibrium import equilibrium_trajectory
 from .boundary.selection import NEAREST, Choose, select

@@ -24,11 +24,11 @@ from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..orbit.pieces import HELIX
 from ..problem.reduced import Reduced
-from .coordinates import Chart, Path, Place, charts, coordinate, excess, path_at, path_of
-from .levels import chained
+from .branch_coordinates import Chart, Path, Place, charts, coordinate, excess, path_at, path_of
+from .level_grid import chained
 from .search import roots_on, solved, ways_of
 from .stability import jacobi_zeros
-from .transit import DOWN, UP, Paths
+from .transit_times import DOWN, UP, Paths
 
 FOLD, LEFT = "a fold", "no orbit of its path joins the two ends there"
 _NUDGE = 1e-5  # of the unknown's scale, for differences

@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from ..mechanics.potential import potential
 from ..numerics.arrays import Array
-from ..orbit.action import energies
+from ..orbit.orbit_energy import energies
 from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..problem.reduced import Reduced
-from .brackets import closed_in, joined_brackets, on_chain
-from .dwell import dwelling
-from .levels import Chain, bounded, chained, helix_of
+from .level_brackets import closed_in, joined_brackets, on_chain
+from .level_grid import Chain, bounded, chained, helix_of
+from .saddle_panels import dwelling
 from .stability import end_response, jacobi_zeros
-from .transit import STRETCH, Boundary, Levels, Paths, many, paths, transit
+from .transit_times import STRETCH, Boundary, Levels, Paths, many, paths, transit
 
 _TIGHT = 1e-13
 BUDGET = 3e7  # evaluations of G, some ten to twenty seconds
@@ -248,7 +248,7 @@ def solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) -> 
 def _blur(orbit: Orbit) -> Array:
     """How far the rounding of the rod's length may move beta at its far end, (K,)."""
     fastest = np.zeros(orbit.problem.size)
-    np.maximum.at(fastest, orbit.panels.part // 2, orbit.panels.fastest)
+    np.maximum.at(fastest, orbit.panels.arc // 2, orbit.panels.fastest)
     return np.asarray(64 * np.finfo(float).eps * orbit.problem.span * fastest)
 
 
@@ -258,7 +258,7 @@ def _range(orbit: Orbit) -> tuple[Array, Array]:
     assert problem.betaL is not None
     lowest, highest = np.minimum(problem.beta0, problem.betaL), np.maximum(problem.beta0, problem.betaL)
     tip = np.repeat(problem.beta0, 2)
-    tip[orbit.panels.part] = orbit.panels.series[:, 0].sum(axis=1)  # the last panel of each part is written last
+    tip[orbit.panels.arc] = orbit.panels.series[:, 0].sum(axis=1)  # the last panel of each part is written last
     tip = np.reshape(tip, (-1, 2))
     for passed, end in zip((orbit.turns > 0, orbit.turns > 1), tip.T, strict=True):
         lowest = np.where(passed, np.minimum(lowest, end), lowest)

@@ -23,7 +23,7 @@ def equilibrium_trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float)
     condition = end_response(orbit) if orbit.response is None else orbit.response
     miss = np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
     error = (2 * miss + 1e-14) * condition
-    calls = np.bincount(orbit.panels.part // 2, weights=orbit.panels.calls, minlength=t.shape[0]).astype(np.int64)
+    calls = np.bincount(orbit.panels.arc // 2, weights=orbit.panels.calls, minlength=t.shape[0]).astype(np.int64)
     outcome = verdicts(beta, error, condition, tol)
     return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), outcome, error, condition, calls, orbit)
 

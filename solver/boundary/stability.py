@@ -17,9 +17,9 @@ import scipy
 from ..mechanics.potential import slope, slope_rate
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
-from ..orbit.action import accumulated
 from ..orbit.conditioning import _flow as flow
 from ..orbit.conditioning import shear
+from ..orbit.orbit_energy import accumulated
 from ..orbit.panels import running
 from ..orbit.pieces import HELIX, LIBRATION
 from ..problem.reduced import Reduced
@@ -102,7 +102,7 @@ def jacobi_end(orbit: Any) -> Array:
         unit = np.where(swings, np.pi / (orbit.ahead + orbit.back), 1.0)  # in which a small swing has no shear
         series = shear(problem, panels, unit)
         ends = series.sum(axis=1)
-        total = np.bincount(panels.part, weights=ends, minlength=2 * problem.size).reshape(-1, 2)
+        total = np.bincount(panels.arc, weights=ends, minlength=2 * problem.size).reshape(-1, 2)
         series[:, 0] += running(ends[:, None], orbit.first, orbit.count)[:, 0]
         where = orbit.locate(problem.span[:, None])
         a = orbit.read(series[:, None], where)[:, 0, 0]
@@ -126,16 +126,16 @@ def end_response(orbit: Any) -> Array:
     """
     problem, panels = orbit.problem, orbit.panels
     worst = np.where(orbit.kind == HELIX, _helix_response(problem), 1.0)
-    if not panels.part.size:
+    if not panels.arc.size:
         return worst
-    points, b, second = basis(panels.series.shape[2] - 1), panels.part // 2, panels.part % 2 == 1
+    points, b, second = basis(panels.series.shape[2] - 1), panels.arc // 2, panels.arc % 2 == 1
     folded = orbit.kind == LIBRATION
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         unit = np.sqrt(np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1)
         v, H, _ = flow(problem, panels, unit)
         series = shear(problem, panels, unit)
         ends = series.sum(axis=1)
-        total = np.bincount(panels.part, weights=ends, minlength=2 * problem.size).reshape(-1, 2)
+        total = np.bincount(panels.arc, weights=ends, minlength=2 * problem.size).reshape(-1, 2)
         grown = series @ points.values + running(ends[:, None], orbit.first, orbit.count)
         v0, H0 = problem.dbeta0 / unit, slope(problem, problem.beta0) / unit**2
         fixed = -H0 / (v0 * v0 + H0 * H0)
@@ -145,7 +145,7 @@ def end_response(orbit: Any) -> Array:
         limit = np.where(late, total[b, 1:], there)
         rounds = np.floor(problem.span / orbit.period)[b, None]
         a_round = np.where(folded, 2 * total.sum(axis=1), total[:, 0])[b, None]
-        sign = (orbit.course.direction[b] * np.where(second, -1, 1))[:, None]
+        sign = (orbit.arcs.direction[b] * np.where(second, -1, 1))[:, None]
         largest = np.zeros(b.size)
         for time, a, way in (
             (np.where(late, 2 * ahead, 0) + clock, np.where(late, 2 * there, 0) + grown, sign),

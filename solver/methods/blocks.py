@@ -65,7 +65,7 @@ class _Orbits:
                 self.rest.add(orbit.rest)
             orbit = replace(orbit, rest=None)
         else:
-            cases, panels = orbit.problem.size, orbit.panels.part.size
+            cases, panels = orbit.problem.size, orbit.panels.arc.size
             orbit = _moved(orbit, self.cases, self.panels)
             self.cases, self.panels = self.cases + cases, self.panels + panels
         self.rows.add(orbit)
@@ -77,11 +77,11 @@ class _Orbits:
 
 def _moved(orbit: Orbit, cases: int, panels: int) -> Orbit:
     """The orbits as they are counted after so many cases, with so many panels, before them."""
-    way, own = orbit.course, orbit.panels
+    way, own = orbit.arcs, orbit.panels
     return replace(
         orbit,
-        course=replace(way, pieces=replace(way.pieces, part=way.pieces.part + 2 * cases)),
-        panels=replace(own, part=own.part + 2 * cases),
+        arcs=replace(way, pieces=replace(way.pieces, arc=way.pieces.arc + 2 * cases)),
+        panels=replace(own, arc=own.arc + 2 * cases),
         first=orbit.first + panels,
     )
 

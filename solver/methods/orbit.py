@@ -29,9 +29,9 @@ def _run(problem: Reduced, t: Array, tol: float) -> Trajectory:
     growth = condition(orbit)
     error = estimated_error(orbit, growth)
     outcome = verdicts(beta, error, growth, tol)
-    spent = np.bincount(orbit.panels.part // 2, minlength=problem.size) > MOST
+    spent = np.bincount(orbit.panels.arc // 2, minlength=problem.size) > MOST
     outcome[spent & (error > tol * growth)] = SPENT
-    calls = np.bincount(orbit.panels.part // 2, weights=orbit.panels.calls, minlength=problem.size).astype(np.int64)
+    calls = np.bincount(orbit.panels.arc // 2, weights=orbit.panels.calls, minlength=problem.size).astype(np.int64)
     return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), outcome, error, growth, calls, orbit)
 
 

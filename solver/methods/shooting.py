@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from ..boundary.branch_coordinates import path_of
 from ..boundary.continuation import FOLD, Ended, continued, orbit_of, path_from_start
-from ..boundary.coordinates import path_of
 from ..boundary.search import search
 from ..boundary.selected_equilibrium import NO_EQUILIBRIUM, equilibrium_trajectory, selected
 from ..numerics.arrays import Array

@@ -10,7 +10,7 @@ import numpy as np
 from ..mechanics.potential import slope_rate_of, slope_terms
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
-from .sampling import Pieces
+from .rod_pieces import Pieces
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from ..problem.reduced import flat
 from ..solution import Solution
 from . import densities
 from .quadrature import EPS, Resolved, means, primitive, resolve, series_at
-from .sampling import Pieces, blocks, of_stations, resolved
+from .rod_pieces import Pieces, blocks, of_stations, resolved
 
 _FINEST = 1e-14  # of what is measured: no series is asked to end below
 _SPREAD = 10  # of the error that `swing` states, a standard deviation: the true one was never seen to be more

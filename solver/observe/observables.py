@@ -16,7 +16,7 @@ from ..problem.errors import no_such
 from ..problem.reduced import flat
 from ..solution import Solution
 from .measurement import Pair, Reading
-from .sampling import resolved
+from .rod_pieces import resolved
 from .self_contact import overlaps
 
 

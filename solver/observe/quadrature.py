@@ -15,7 +15,7 @@ from ..numerics.arrays import Array
 from ..numerics.chebyshev import Basis, basis, polynomials, through
 from ..numerics.roots import bracketed
 from .densities import Density
-from .sampling import NODES, Pieces
+from .rod_pieces import NODES, Pieces
 
 EPS = 2.0**-52
 _ROUNDS, _PATIENCE = 48, 3  # halvings; those that may leave the series as long as it was

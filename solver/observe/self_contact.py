@@ -15,8 +15,8 @@ import scipy
 from ..numerics.arrays import Array
 from ..problem.reduced import flat
 from ..solution import Solution
-from .strands import apart as apart_along
-from .strands import meets, strands
+from .strand_pairs import apart as apart_along
+from .strand_pairs import meets, strands
 
 _COARSE, _DENSE, _MOST = 0.5, 0.125, 200_000  # of the radius: stations apart; points made of them, and how many
 _BLOCK = 128  # rods looked at together

@@ -40,7 +40,7 @@ def slope_weight(problem: Reduced) -> Array:
 def condition(orbit: "Orbit") -> Array:
     """Largest |d beta/d beta(0)| and w |d beta/d beta_t(0)| along the rod, at least 1, (B,); w as in `slope_weight`."""
     weight, (steady, worst) = slope_weight(orbit.problem), beside_helix(orbit.problem)
-    moves = (orbit.course.kind != HELIX) & (orbit.count.reshape(-1, 2).sum(axis=1) > 0) & ~steady
+    moves = (orbit.arcs.kind != HELIX) & (orbit.count.reshape(-1, 2).sum(axis=1) > 0) & ~steady
     if moves.any():
         largest = np.where(moves, 1.0, worst)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -86,7 +86,7 @@ class _Flow:
 
 def _flow_of(orbit: "Orbit", unit: Array, speed: Array) -> _Flow:
     problem, panels = orbit.problem, orbit.panels
-    points, b = basis(panels.series.shape[2] - 1), panels.part // 2
+    points, b = basis(panels.series.shape[2] - 1), panels.arc // 2
     at, one = problem.take(b), unit[b, None]
     loads = Reduced(*(x[:, None] for x in (at.lam, at.mu, at.phi, at.span, at.beta0)))
     beta, v = panels.series[:, 0] @ points.values, panels.series[:, 1] @ points.values / speed[b, None]
@@ -100,12 +100,12 @@ def _flow_of(orbit: "Orbit", unit: Array, speed: Array) -> _Flow:
     gain = series.sum(axis=1)
     jump = _jumps(orbit, v, h, c)
     closing = np.zeros(2 * problem.size)
-    rotates = np.flatnonzero((orbit.count > 0) & (np.repeat(orbit.course.kind, 2) != LIBRATION))
+    rotates = np.flatnonzero((orbit.count > 0) & (np.repeat(orbit.arcs.kind, 2) != LIBRATION))
     if rotates.size:
         start = orbit.first[rotates]
         closing[rotates] = _jump(v[start, 0], h[start, 0], c[start + orbit.count[rotates] - 1], c[start])
     series[:, 0] += running((gain + jump)[:, None], orbit.first, orbit.count)[:, 0] + jump
-    total = np.bincount(panels.part, weights=gain + jump, minlength=2 * problem.size) + closing
+    total = np.bincount(panels.arc, weights=gain + jump, minlength=2 * problem.size) + closing
     return _Flow(v, h, c, series, total)
 
 
@@ -116,7 +116,7 @@ def _slope_along(orbit: "Orbit", loads: Reduced, beta: Array, v: Array, half: Ar
     that which loses less.
     """
     points, panels = basis(v.shape[1]), orbit.panels
-    way = orbit.course.direction[panels.part // 2] * np.where(panels.part % 2 == 1, -1, 1)
+    way = orbit.arcs.direction[panels.arc // 2] * np.where(panels.arc % 2 == 1, -1, 1)
     turns = v.min(axis=1) < v.max(axis=1) / 2
     lost = EPS * v.shape[1] ** 2 * np.where(turns, 1, v.max(axis=1)) / half[:, 0]
     direct = EPS * slope_size(loads, beta).max(axis=1) / unit[:, 0] < lost
@@ -148,7 +148,7 @@ def _jump(v: Array, h: Array, old: Array, new: Array) -> Array:
 def _jumps(orbit: "Orbit", v: Array, h: Array, c: Array) -> Array:
     """What a gains on entering each panel from the one before, (P,); a backward course follows the forward one."""
     panel = np.arange(c.size)
-    part = orbit.panels.part
+    part = orbit.panels.arc
     starts = panel == orbit.first[part]
     out = orbit.first[part - part % 2]
     before = np.where(starts, np.where((part % 2 == 1) & (orbit.count[part - part % 2] > 0), out, panel), panel - 1)
@@ -158,7 +158,7 @@ def _jumps(orbit: "Orbit", v: Array, h: Array, c: Array) -> Array:
 def _along(orbit: "Orbit", weight: Array, worst: Array) -> None:
     """Raise `worst` (B,) to the largest growth at the panels' nodes that the rod meets, and at its far end."""
     problem, panels = orbit.problem, orbit.panels
-    part = panels.part
+    part = panels.arc
     b = part // 2
     # in a time in which the orbit's own rates are near one, and with speeds of at most one
     unit = np.sqrt(np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1)
@@ -221,7 +221,7 @@ def _start(orbit: "Orbit", flow: _Flow, weight: Array) -> tuple[Array, Array]:
 
 def _flow(problem: Reduced, panels: Panels, unit: Array) -> tuple[Array, Array, Array]:
     """|beta_t|, H and H' at the panels' nodes, (P, n) each, in a unit of time for each problem: 1/unit, (B,)."""
-    b = panels.part // 2
+    b = panels.arc // 2
     at, one = problem.take(b), unit[b, None]
     loads = Reduced(*(v[:, None] for v in (at.lam, at.mu, at.phi, at.span, at.beta0)))
     points = basis(panels.series.shape[2] - 1)
@@ -235,7 +235,7 @@ def shear(problem: Reduced, panels: Panels, unit: Array) -> Array:
     v, H, rate = _flow(problem, panels, unit)
     size = v * v + H * H
     pace = (1 - rate) * ((v - H) * (v + H) / size) / size
-    scale: Array = (panels.duration / 2 * unit[panels.part // 2])[:, None]
+    scale: Array = (panels.duration / 2 * unit[panels.arc // 2])[:, None]
     return (pace * scale) @ points.analyse @ points.integrate
 
 

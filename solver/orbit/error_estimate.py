@@ -17,7 +17,7 @@ def estimated_error(orbit: Orbit, growth: Array) -> Array:
     """
     problem, panels = orbit.problem, orbit.panels
     assert problem.dbeta0 is not None
-    b, back = panels.part // 2, panels.part % 2 == 1
+    b, back = panels.arc // 2, panels.arc % 2 == 1
     stay = problem.span[b] - orbit.since - np.where(back, 2 * orbit.ahead[b], 0)
     met = stay > 0
     b, stay = b[met], np.minimum(stay, panels.duration)[met]
@@ -28,7 +28,7 @@ def estimated_error(orbit: Orbit, growth: Array) -> Array:
     heights = np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 2
     fastest = np.minimum(fastest, np.abs(problem.dbeta0) + heights * problem.span)
     late: Array = np.bincount(b, weights=stay * (panels.drift + panels.noise)[met], minlength=problem.size)
-    librates = orbit.course.kind == LIBRATION
+    librates = orbit.arcs.kind == LIBRATION
     with np.errstate(divide="ignore", invalid="ignore"):  # a swing too short for a float
         rounds = np.maximum(1, problem.span / orbit.period)
     late = late * np.where(librates, 2, 1) * rounds + EPS * problem.span

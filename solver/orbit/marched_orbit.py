@@ -11,7 +11,7 @@ from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
 from .conditioning import slope_weight
 from .periodic_orbit import Orbit, solve_orbit
-from .phase import Where, located
+from .phase import Phase, located
 from .pieces import HELIX, LIBRATION, ROTATION
 
 _STEPS = 28  # of an orbit, to begin with
@@ -54,7 +54,7 @@ class MarchedOrbit:
         swings = np.where(self.kind == LIBRATION, 2.0, 1.0)
         return np.where(self.kind == HELIX, np.inf, swings * (self.ahead + self.back))
 
-    def locate(self, t: Array) -> Where:
+    def locate(self, t: Array) -> Phase:
         """Where t (B, n) are on the legs."""
         return located(t, self.kind, self.ahead, self.back, self.period)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import Basis, polynomials
 from ..problem.reduced import Reduced
-from .pieces import Course, Pieces
+from .pieces import Arcs, Pieces
 
 EPS = 2.0**-52
 MOST = 10_000  # panels made for one orbit: beyond it none is halved any more
@@ -33,7 +33,7 @@ class Panels:
     evaluations, (P,).
     """
 
-    part: NDArray[np.int64]
+    arc: NDArray[np.int64]
     rank: NDArray[np.int64]
     duration: Array
     series: Array
@@ -49,7 +49,7 @@ class Panels:
 
 def panelled(
     problem: Reduced,
-    way: Course,
+    way: Arcs,
     points: Basis,
     length: float,
     goal: float,
@@ -79,7 +79,7 @@ def panelled(
         problem.dbeta0**2 + 4 * (2 * np.abs(problem.lam) + 2 * np.abs(problem.phi) + np.abs(problem.mu) + 1)
     )
     repeats = np.maximum(1, problem.span * fastest)
-    leads = np.diff(pieces.part, prepend=-1) != 0
+    leads = np.diff(pieces.arc, prepend=-1) != 0
     done: list[tuple[Any, Array, Panels]] = []
     made = np.zeros(problem.size, dtype=np.int64)
     for round_ in range(_ROUNDS + 1):
@@ -87,17 +87,17 @@ def panelled(
         with np.errstate(over="ignore", invalid="ignore"):  # told by the slack
             panels = _in_blocks(batch, near, far, points, _times if times_only else _series)
         enough = (panels.slack <= max(goal, 20 * EPS)) & (
-            panels.drift <= np.maximum(goal / repeats[batch.part // 2], 40 * EPS)
+            panels.drift <= np.maximum(goal / repeats[batch.arc // 2], 40 * EPS)
         )
         # a rod that ends long before its first panel needs a shorter one: sums over the long one would swamp its own
-        span = problem.span[batch.part // 2]
+        span = problem.span[batch.arc // 2]
         lingers = (order == 0) & leads[piece] & (panels.duration > _LINGERS * np.maximum(1, span))
         enough &= ~lingers
         # panels beside a singularity are few; many that halving does not help are at the end of what rounding allows
-        left = np.bincount(batch.part[~enough], minlength=2 * problem.size)
-        made = made + np.bincount(batch.part // 2, minlength=problem.size)
-        spent = (round_ >= _PATIENCE) & (left[batch.part] > _CROWD) | (round_ == _ROUNDS) | ~np.isfinite(panels.slack)
-        enough |= spent | (made > MOST)[batch.part // 2]
+        left = np.bincount(batch.arc[~enough], minlength=2 * problem.size)
+        made = made + np.bincount(batch.arc // 2, minlength=problem.size)
+        spent = (round_ >= _PATIENCE) & (left[batch.arc] > _CROWD) | (round_ == _ROUNDS) | ~np.isfinite(panels.slack)
+        enough |= spent | (made > MOST)[batch.arc // 2]
         done.append((piece[enough], order[enough], panels.take(enough)))
         if enough.all():
             break
@@ -168,7 +168,7 @@ def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
     noise = EPS / 2 * pieces.well.weight(np.abs(x).max(axis=1)) * pace.max(axis=1) ** 2
     calls = np.full(near.size, 2 * points.nodes.size)
     return Panels(
-        pieces.part,
+        pieces.arc,
         pieces.rank,
         duration,
         series,
@@ -193,7 +193,7 @@ def _times(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
     none = np.zeros(near.size)
     beta = (pieces.base + x[:, -1])[:, None, None]
     calls = np.full(near.size, points.nodes.size)
-    return Panels(pieces.part, pieces.rank, duration, beta, none, none, drift, none, calls)
+    return Panels(pieces.arc, pieces.rank, duration, beta, none, none, drift, none, calls)
 
 
 def _inverted(clock: Array, rate: Array, duration: Array, points: Basis) -> tuple[Array, NDArray[np.bool_]]:

@@ -18,8 +18,8 @@ from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis, polynomials
 from ..problem.reduced import Reduced
 from .panels import Panels, joined, panelled, running
-from .phase import Where, located
-from .pieces import HELIX, LIBRATION, Course, course
+from .phase import Phase, located
+from .pieces import HELIX, LIBRATION, Arcs, arcs_of
 
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
 
@@ -37,7 +37,7 @@ class Orbit:
     """
 
     problem: Reduced
-    course: Course
+    arcs: Arcs
     panels: Panels
     since: Array
     first: NDArray[np.int64]
@@ -52,7 +52,7 @@ class Orbit:
     @property
     def kind(self) -> NDArray[np.int64]:
         """HELIX, LIBRATION or ROTATION, (B,)."""
-        return self.course.kind
+        return self.arcs.kind
 
     @property
     def ahead(self) -> Array:
@@ -64,8 +64,8 @@ class Orbit:
 
     @cached_property
     def period(self) -> Array:
-        swings = np.where(self.course.kind == LIBRATION, 2.0, 1.0)
-        return np.where(self.course.kind == HELIX, np.inf, swings * (self.ahead + self.back))
+        swings = np.where(self.arcs.kind == LIBRATION, 2.0, 1.0)
+        return np.where(self.arcs.kind == HELIX, np.inf, swings * (self.ahead + self.back))
 
     @cached_property
     def turns(self) -> Array:
@@ -90,8 +90,8 @@ class Orbit:
         count = self.count[parts]
         first = np.cumsum(count) - count
         mine = np.repeat(self.first[parts] - first, count) + np.arange(count.sum())
-        panels = replace(self.panels.take(mine), part=np.repeat(np.arange(parts.size), count))
-        way = Course(self.course.kind[rows], self.course.direction[rows], self.course.pieces)
+        panels = replace(self.panels.take(mine), arc=np.repeat(np.arange(parts.size), count))
+        way = Arcs(self.arcs.kind[rows], self.arcs.direction[rows], self.arcs.pieces)
         known = [None if v is None else v[rows] for v in (self.lengthens, self.response, self.passed)]
         known.append(None if self.path is None else self.path.take(rows))
         some, since = self.problem.take(rows), self.since[mine]
@@ -100,7 +100,7 @@ class Orbit:
     def along(self, case: NDArray[np.int64], t: Array) -> tuple[Array, Array]:
         """alpha and z at single points of the rods: at t (N,) of the problems `case` (N,), (N,) each."""
         where = located(t[:, None], self.kind[case], self.ahead[case], self.back[case], self.period[case])
-        where = replace(where, part=2 * case[:, None] + where.second)
+        where = replace(where, arc=2 * case[:, None] + where.second)
         values, beta0 = self.read(self.panels.series[:, 2:4], where), self.problem.beta0
         alpha = self._repeat(values[..., 0], where, 2, np.sin(beta0), case)
         z = self._repeat(values[..., 1], where, 3, np.cos(beta0), case)
@@ -118,17 +118,17 @@ class Orbit:
         """What the index asks for."""
         return self
 
-    def locate(self, t: Array) -> "Where":
+    def locate(self, t: Array) -> "Phase":
         """Where t (B, n) are on the courses."""
         return located(t, self.kind, self.ahead, self.back, self.period)
 
-    def read(self, series: Array, where: "Where") -> Array:
+    def read(self, series: Array, where: "Phase") -> Array:
         """Series of the panels (P, k, n + 1) at the located times, (B, n, k)."""
-        part, local = where.part.reshape(-1), where.local.reshape(-1)
+        part, local = where.arc.reshape(-1), where.local.reshape(-1)
         out = np.empty((part.size, series.shape[1]))
-        if not self.panels.part.size:
+        if not self.panels.arc.size:
             out[:] = 0
-            return out.reshape(*where.part.shape, -1)
+            return out.reshape(*where.arc.shape, -1)
         since, duration = self.since, self.panels.duration
         for k in range(0, part.size, _BLOCK):
             p, x = part[k : k + _BLOCK], local[k : k + _BLOCK]
@@ -143,10 +143,10 @@ class Orbit:
             out[k : k + _BLOCK] = np.einsum(
                 "pcn,np->pc", series[panel], polynomials(x, series.shape[2]), optimize=False
             )
-        return out.reshape(*where.part.shape, -1)
+        return out.reshape(*where.arc.shape, -1)
 
-    def _unfold(self, values: Array, where: "Where") -> tuple[Array, Array, Array, Array]:
-        kind, direction = self.course.kind[:, None], self.course.direction[:, None]
+    def _unfold(self, values: Array, where: "Phase") -> tuple[Array, Array, Array, Array]:
+        kind, direction = self.arcs.kind[:, None], self.arcs.direction[:, None]
         way = np.where(where.second, -direction, direction) * np.where(where.mirrored, -1.0, 1.0)
         helix = kind == HELIX
         around = np.where(kind == LIBRATION, 0.0, 2 * np.pi) * direction * where.rounds
@@ -156,10 +156,10 @@ class Orbit:
         z = self._repeat(values[..., 3], where, 3, np.cos(self.problem.beta0))
         return beta, dbeta, alpha, z
 
-    def _repeat(self, value: Array, where: "Where", column: int, straight: Array, case: Any = slice(None)) -> Array:
+    def _repeat(self, value: Array, where: "Phase", column: int, straight: Array, case: Any = slice(None)) -> Array:
         """A mean + periodic quantity of the problems `case` from its value within a course; `straight`: its rate on
         a helix, (B,)."""
-        kind = self.course.kind[case, None]
+        kind = self.arcs.kind[case, None]
         gain = self.gain[:, column - 2].reshape(-1, 2)[case]
         there, after = gain[:, :1], gain[:, 1:]
         limit = np.where(where.second, after, there)
@@ -172,7 +172,7 @@ def joined_orbits(orbits: list[Orbit]) -> Orbit:
     """The orbits of several batches as one."""
     sizes = np.array([orbit.problem.size for orbit in orbits])
     before = np.cumsum(sizes) - sizes
-    panels = joined([replace(o.panels, part=o.panels.part + 2 * k) for o, k in zip(orbits, before, strict=True)])
+    panels = joined([replace(o.panels, arc=o.panels.arc + 2 * k) for o, k in zip(orbits, before, strict=True)])
 
     def column(name: str) -> Any:
         values = [getattr(orbit, name) for orbit in orbits]
@@ -182,8 +182,8 @@ def joined_orbits(orbits: list[Orbit]) -> Orbit:
         name: None if value is None else np.concatenate([getattr(o.problem, name) for o in orbits])
         for name, value in vars(orbits[0].problem).items()
     }
-    kind, direction = (np.concatenate([getattr(o.course, n) for o in orbits]) for n in ("kind", "direction"))
-    way = Course(kind, direction, orbits[0].course.pieces)
+    kind, direction = (np.concatenate([getattr(o.arcs, n) for o in orbits]) for n in ("kind", "direction"))
+    way = Arcs(kind, direction, orbits[0].arcs.pieces)
     count = column("count")
     rest = (column(name) for name in ("duration", "gain", "lengthens", "response", "passed"))
     return Orbit(Reduced(**fields), way, panels, column("since"), np.cumsum(count) - count, count, *rest)
@@ -191,19 +191,19 @@ def joined_orbits(orbits: list[Orbit]) -> Orbit:
 
 def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None, stretch: float = 1.0) -> Orbit:
     """The orbits of B start problems with finite numbers; `pin` as in `course`, `stretch` as in `panelled`."""
-    way = course(problem, pin)
+    way = arcs_of(problem, pin)
     n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
     return assembled(problem, way, panelled(problem, way, basis(n), length, 0.05 * tol, stretch=stretch))
 
 
-def assembled(problem: Reduced, way: Course, panels: Panels) -> Orbit:
+def assembled(problem: Reduced, way: Arcs, panels: Panels) -> Orbit:
     """Orbits from their panels, each with integrals from its own near end; the panels' series are changed in place."""
     parts = 2 * problem.size
-    count = np.bincount(panels.part, minlength=parts)
+    count = np.bincount(panels.arc, minlength=parts)
     first = np.cumsum(count) - count
-    duration = np.bincount(panels.part, weights=panels.duration, minlength=parts)
+    duration = np.bincount(panels.arc, weights=panels.duration, minlength=parts)
     ends = panels.series[:, 2:].sum(axis=2)
-    gain = np.stack([np.bincount(panels.part, weights=ends[:, k], minlength=parts) for k in range(3)], axis=1)
+    gain = np.stack([np.bincount(panels.arc, weights=ends[:, k], minlength=parts) for k in range(3)], axis=1)
     # times and integrals of each panel count from the start of its course
     before = running(np.column_stack([ends, panels.duration]), first, count)
     panels.series[:, 2:, 0] += before[:, :3]

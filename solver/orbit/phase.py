@@ -11,14 +11,14 @@ from .pieces import LIBRATION
 
 
 @dataclass(frozen=True, eq=False)
-class Where:
+class Phase:
     """Times folded into courses, all (B, n): which part, how far along it, after how many rounds.
 
     mirrored: on the way back; second: on the backward course; folded: (B, 1), whether there is a way back at all.
     """
 
     t: Array
-    part: NDArray[np.int64]
+    arc: NDArray[np.int64]
     local: Array
     mirrored: NDArray[np.bool_]
     second: NDArray[np.bool_]
@@ -31,7 +31,7 @@ class Where:
         return np.where(self.folded, 2 * self.rounds + self.second + self.mirrored, 0.0)
 
 
-def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Where:
+def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Phase:
     """Fold t (B, n) into courses of lengths ahead and back (B,) in time."""
     ahead, back, period = ahead[:, None], back[:, None], period[:, None]
     with np.errstate(invalid="ignore"):
@@ -44,4 +44,4 @@ def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Wh
     mirrored = folded & (local > limit)
     local = np.where(mirrored, np.maximum(2 * limit - local, 0), local)
     part = 2 * np.arange(t.shape[0])[:, None] + second
-    return Where(t, part, local, mirrored, second, rounds, folded)
+    return Phase(t, part, local, mirrored, second, rounds, folded)

@@ -30,7 +30,7 @@ class Pieces:
     kind: PASS, SADDLE or CENTRE. scale: a or x1 (signed). u0, u1: ends in u, along the travel.
     """
 
-    part: NDArray[np.int64]
+    arc: NDArray[np.int64]
     rank: NDArray[np.int64]
     kind: NDArray[np.int64]
     base: Array
@@ -40,7 +40,7 @@ class Pieces:
     well: Well
 
     def take(self, index: Any) -> "Pieces":
-        fields = (self.part, self.rank, self.kind, self.base, self.scale, self.u0, self.u1)
+        fields = (self.arc, self.rank, self.kind, self.base, self.scale, self.u0, self.u1)
         part, rank, kind, base, scale, u0, u1 = (v[index] for v in fields)
         return Pieces(part, rank, kind, base, scale, u0, u1, self.well.take(index))
 
@@ -86,7 +86,7 @@ def _by_kind(kind: Any, u: Array, functions: tuple[Any, Any, Any]) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class Arcs:
     """B orbits: kind (B,): HELIX, LIBRATION or ROTATION; direction (B,): sign of beta_t just after the start."""
 
     kind: NDArray[np.int64]
@@ -94,7 +94,7 @@ class Course:
     pieces: Pieces
 
 
-def course(problem: Reduced, pin: tuple[Array, Array] | None = None, found: Extrema | None = None) -> Course:
+def arcs_of(problem: Reduced, pin: tuple[Array, Array] | None = None, found: Extrema | None = None) -> Arcs:
     """Where each orbit goes, and the pieces of its way; the problems' numbers must be finite. found: the extrema, where
     they are known.
 
@@ -124,7 +124,7 @@ def course(problem: Reduced, pin: tuple[Array, Array] | None = None, found: Extr
     counts[:, 0] = np.where(still, 0, np.where(blocked, forward + 1, m + 1))
     counts[:, 1] = np.where(still | ~blocked | rest, 0, backward + 1)
     pieces = _pieces(problem, found, level, start, behind, direction, kind, counts.reshape(-1))
-    return Course(kind, direction, pieces)
+    return Arcs(kind, direction, pieces)
 
 
 def _levels(problem: Reduced, found: Extrema, pinned: Array, gap: Array) -> Array:

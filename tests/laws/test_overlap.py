@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.methods import METHODS
-from solver.observe import strands
+from solver.observe import strand_pairs
 from solver.observe.observables import observe
 from tests.cases import cylinder_of, helix_moment, in_units_of_rho, rod_of_unit_stiffness, start_of, table_1
 
@@ -150,12 +150,12 @@ def test_a_rod_that_lies_along_itself_is_given_up_and_its_neighbours_are_not(mon
     case = Case(rod, cylinder_of(1.0, a, "outside"), start_of(rod, 1.0, lam, 0.9, -0.4, 1.4, 0.0))
     sol = solve(case, tol=1e-7, stations=2)
     assert observe(sol, ["overlaps"])["overlaps"].tolist() == [0, 0, 0, 1]
-    monkeypatch.setattr(strands, "PAIRS", 1500)
+    monkeypatch.setattr(strand_pairs, "PAIRS", 1500)
     np.testing.assert_array_equal(observe(sol, ["overlaps"])["overlaps"], [0, np.nan, 0, 1])
 
 
 def test_how_many_periods_are_looked_at_together_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
     sol = solve(many(200, seed=2), tol=1e-7, stations=2)
     told = observe(sol, ["overlaps"])["overlaps"]
-    monkeypatch.setattr(strands, "TOGETHER", 1)
+    monkeypatch.setattr(strand_pairs, "TOGETHER", 1)
     np.testing.assert_array_equal(observe(sol, ["overlaps"])["overlaps"], told)

@@ -8,9 +8,9 @@ import pytest
 from scipy.integrate import solve_bvp, solve_ivp
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
-from solver.boundary.levels import bounded, chained
+from solver.boundary.level_grid import bounded, chained
 from solver.boundary.search import search
-from solver.boundary.transit import Levels, paths, transit
+from solver.boundary.transit_times import Levels, paths, transit
 from solver.mechanics.potential import extrema
 from solver.observe.observables import observe
 from solver.problem.reduced import Reduced, reduce

@@ -8,8 +8,8 @@ import pytest
 from scipy.linalg import solve_banded
 
 from solver import Case, Ends, Start, equilibria, solve
-from solver.boundary.end_angle import follow
-from solver.boundary.levels import many
+from solver.boundary.end_angle_branch import follow
+from solver.boundary.level_grid import many
 from solver.boundary.search import search
 from solver.boundary.stability import jacobi_zeros, morse_index
 from solver.equilibria import Equilibrium

@@ -20,7 +20,7 @@ from ..mechanics.potential import TAU, Extrema, Well, slope
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
 from ..orbit.panels import panelled
-from ..orbit.pieces import CENTRE, ROTATION, Pieces, _apart, _start_variable, course
+from ..orbit.pieces import CENTRE, ROTATION, Pieces, _apart, _start_variable, arcs_of
 from ..problem.reduced import Reduced
 
 UP, DOWN = 1, -1
@@ -179,13 +179,13 @@ def transit(boundary: Boundary, levels: Levels, deep: bool = True) -> Transit:
     start = many(boundary.problem, M, beta0=np.full(M, boundary.low), betaL=None, dbeta0=v_low)  # type: ignore[arg-type]
     same = boundary.found
     found = Extrema(np.repeat(same.beta, M, axis=0), np.repeat(same.centre, M, axis=0), np.repeat(same.count, M))
-    way = course(start, (boundary.pins[levels.pin], gap), found)
+    way = arcs_of(start, (boundary.pins[levels.pin], gap), found)
     pieces = _three(boundary, way.pieces, v_high, M)
     twice = many(boundary.problem, 2 * M, betaL=None, dbeta0=np.tile(v_low, 2))  # type: ignore[arg-type]
     cut = type(way)(way.kind, way.direction, pieces)
     panels = panelled(twice, cut, basis(22), 0.7, 1e-15, times_only=True, stretch=STRETCH)
-    time = _by_part(panels.part, panels.duration, M)
-    rate = _by_part(pieces.part, half_passages(pieces, np.tile(gap, 2)).sum(axis=0), M)
+    time = _by_part(panels.arc, panels.duration, M)
+    rate = _by_part(pieces.arc, half_passages(pieces, np.tile(gap, 2)).sum(axis=0), M)
     rotates = joins & (way.kind == ROTATION)
     for value in (time, rate):
         value[0, rotates] += boundary.rounds * (value[0] + value[1])[rotates]
@@ -205,19 +205,19 @@ def _by_part(part: Any, values: Array, M: int) -> Array:
 def _three(boundary: Boundary, pieces: Pieces, v_high: Array, M: int) -> Pieces:
     """The pieces of courses from low, the upward ones cut at high: part 2 b up to high, 2 (M + b) beyond it, 2 b + 1
     below low."""
-    upward = pieces.part % 2 == 0
+    upward = pieces.arc % 2 == 0
     holds = np.flatnonzero(upward & (pieces.rank == boundary.passed))
     cut = pieces.take(holds)
     x = _apart(np.array([boundary.high]), cut.well.o[:, 0])
     from_low = cut.displacement(cut.u1[:, None])[:, 0] > 0
     x = np.where(from_low & (x < 0), x + TAU, np.where(~from_low & (x > 0), x - TAU, x))
-    u, _ = _start_variable(cut.kind, cut.scale, x, v_high[cut.part // 2], np.zeros(x.size, dtype=bool), cut.well)
+    u, _ = _start_variable(cut.kind, cut.scale, x, v_high[cut.arc // 2], np.zeros(x.size, dtype=bool), cut.well)
     u = np.clip(u, np.minimum(cut.u0, cut.u1), np.maximum(cut.u0, cut.u1))
-    part = np.where(upward & (pieces.rank >= boundary.passed), pieces.part + 2 * M, pieces.part)
+    part = np.where(upward & (pieces.rank >= boundary.passed), pieces.arc + 2 * M, pieces.arc)
     u0 = pieces.u0.copy()
     u0[holds] = u
     index = np.concatenate([np.arange(part.size), holds])
-    part = np.concatenate([part, cut.part])
+    part = np.concatenate([part, cut.arc])
     u0, u1 = np.concatenate([u0, cut.u0]), np.concatenate([pieces.u1, u])
     rank = pieces.rank[index]
     order = np.lexsort((rank, part))
@@ -233,7 +233,7 @@ def half_passages(pieces: Pieces, gap: Array) -> Array:
     gap: (B,), of the problem of each piece, part // 2.
     """
     level = pieces.well.level[:, 0]
-    own = (pieces.kind != CENTRE) & (np.abs(np.abs(level) - np.abs(gap[pieces.part // 2])) < 1e-9 * np.abs(level))
+    own = (pieces.kind != CENTRE) & (np.abs(np.abs(level) - np.abs(gap[pieces.arc // 2])) < 1e-9 * np.abs(level))
     bend = np.maximum(pieces.well.steepness(np.zeros((level.size, 1)))[:, 0] / 4, 1e-30)
     share = np.where(own, 0.5 / np.sqrt(bend), 0.0)
     return np.stack([np.where(pieces.u0 == 0, share, 0.0), np.where(pieces.u1 == 0, share, 0.0)])

@@ -15,8 +15,8 @@ from ..mechanics.potential import TAU, Extrema, extrema, slope, slope_bends, slo
 from ..numerics.arrays import Array
 from ..orbit.pieces import _apart
 from ..problem.reduced import Reduced
-from .transit import Boundary, Levels, fall, height_scale, wrapped
-from .transit import many as many
+from .transit_times import Boundary, Levels, fall, height_scale, wrapped
+from .transit_times import many as many
 
 _ON = 1e-110  # an end this near to a saddle lies on it
 _ROUNDING = 4e-16  # of H, in units of the size of G

@@ -14,7 +14,7 @@ def accumulated(orbit: Any, series: Array, t: Array) -> Array:
     """The value at t (B, n) of integrals from the start, whose series on each panel from its near end are `series`,
     (P, n + 1); 0 on a helix."""
     ends = series.sum(axis=1)
-    total = np.bincount(orbit.panels.part, weights=ends, minlength=2 * orbit.problem.size).reshape(-1, 2)
+    total = np.bincount(orbit.panels.arc, weights=ends, minlength=2 * orbit.problem.size).reshape(-1, 2)
     series = series.copy()
     series[:, 0] += running(ends[:, None], orbit.first, orbit.count)[:, 0]
     where = orbit.locate(t)

@@ -12,9 +12,9 @@ import numpy as np
 from ..mechanics.potential import TAU, slope
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
-from .levels import bounded, floor_of, helix_of
+from .level_grid import bounded, floor_of, helix_of
 from .search import Way
-from .transit import DOWN, UP, Boundary, Levels, Paths, fall, transit, wrapped
+from .transit_times import DOWN, UP, Boundary, Levels, Paths, fall, transit, wrapped
 
 
 @dataclass(frozen=True)

@@ -124,9 +124,9 @@ def of_orbit(orbit: Any, some: slice) -> Pieces:
 def _of_panels(orbit: Any, own: Array, case: Array, some: slice, whole: Any = None) -> Pieces:
     """The pieces of the problems `own` of an `Orbit`, which are the problems `case` of the block."""
     panels = orbit.panels
-    first, last = np.searchsorted(panels.part, [2 * own[0], 2 * own[-1] + 2])
+    first, last = np.searchsorted(panels.arc, [2 * own[0], 2 * own[-1] + 2])
     mine = slice(int(first), int(last))
-    part = panels.part[mine]
+    part = panels.arc[mine]
     local = part // 2 - own[0]
     problem = orbit.problem.take(own)
     times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.arrays import Array
-from .levels import Chain
-from .transit import Boundary, Levels, Paths, Transit, transit
+from .level_grid import Chain
+from .transit_times import Boundary, Levels, Paths, Transit, transit
 
 _ZOOM, _ROUNDS = 17, 6  # rungs of a closer look at a dip, and how often it is made closer
 _NOISE = 1e-14  # of the rod's length, what the rounding of a sum of times may come to

@@ -8,7 +8,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..orbit.panels import Panels, joined
 from ..orbit.periodic_orbit import Orbit, assembled
-from .transit import half_passages
+from .transit_times import half_passages
 
 
 def dwelling(brief: Orbit, span: Array, gap: Array, excess: Array) -> Orbit:
@@ -17,8 +17,8 @@ def dwelling(brief: Orbit, span: Array, gap: Array, excess: Array) -> Orbit:
     gap, excess: (B,), the gap of the level and by how much the log of the true gap is smaller. There beta is the
     saddle's angle to within the root of the gap, and alpha, z and the swirl grow evenly.
     """
-    pieces = brief.course.pieces
-    stay = half_passages(pieces, gap) * excess[pieces.part // 2]
+    pieces = brief.arcs.pieces
+    stay = half_passages(pieces, gap) * excess[pieces.arc // 2]
     end, piece = np.nonzero(stay)
     panels = brief.panels
     series = panels.series.copy()
@@ -27,12 +27,12 @@ def dwelling(brief: Orbit, span: Array, gap: Array, excess: Array) -> Orbit:
     series[:, 2:, 0] -= near[:, 2:].sum(axis=2)  # integrals from each panel's own near end
     duration = stay[end, piece]
     rest = _still(panels, pieces.base[piece], duration)
-    still = Panels(pieces.part[piece], pieces.rank[piece], duration, *rest)
+    still = Panels(pieces.arc[piece], pieces.rank[piece], duration, *rest)
     every = joined([replace(panels, series=series), still])
-    place = np.concatenate([np.zeros(panels.part.size), np.where(end == 0, -1, 1)])
-    number = np.concatenate([np.arange(panels.part.size), np.arange(piece.size)])
-    every = every.take(np.lexsort((number, place, every.rank, every.part)))
-    return assembled(replace(brief.problem, span=span), brief.course, every)
+    place = np.concatenate([np.zeros(panels.arc.size), np.where(end == 0, -1, 1)])
+    number = np.concatenate([np.arange(panels.arc.size), np.arange(piece.size)])
+    every = every.take(np.lexsort((number, place, every.rank, every.arc)))
+    return assembled(replace(brief.problem, span=span), brief.arcs, every)
 
 
 def _still(panels: Panels, angle: Array, duration: Array) -> tuple[Any, ...]:
