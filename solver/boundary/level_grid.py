@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mechanics.potential import TAU, Extrema, extrema, slope, slope_bends, slope_rate
+from ..mechanics.potential import TAU, slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array
+from ..orbit.critical_points import CriticalPoints, critical_points
 from ..orbit.pieces import _apart
 from ..problem.reduced import Reduced
 from .transit_times import Boundary, Levels, fall, height_scale, wrapped
@@ -43,7 +44,7 @@ class Chain:
 def bounded(problem: Reduced) -> Boundary:
     """The ends problem (of size 1) with what its search needs; ends within rounding of a helix are moved onto it."""
     assert problem.betaL is not None
-    found = extrema(problem)
+    found = critical_points(problem)
     angles = found.beta[0, : found.count[0]]
     helix = helix_of(problem, found)
     ends = [float(problem.beta0[0]), float(problem.betaL[0])]
@@ -60,7 +61,7 @@ def bounded(problem: Reduced) -> Boundary:
     return Boundary(problem, found, low, high, rounds, passed, rising, np.empty(0), np.empty((0, 2)), _LOWEST)
 
 
-def helix_of(problem: Reduced, found: Extrema) -> tuple[float, float] | None:
+def helix_of(problem: Reduced, found: CriticalPoints) -> tuple[float, float] | None:
     """The rod that lies as a helix from end to end, which has no level to close in on: its angle in [-pi, pi), and
     counted on to beta(0); None where the ends are no helix's, to rounding."""
     assert problem.betaL is not None
@@ -178,7 +179,7 @@ def _features(problem: Reduced, pin: float, angles: Array, ends: tuple[float, fl
     if extremum:
         at = np.array([pin])
         bend = abs(float(slope_rate(problem, at)[0]))
-        second, third = (abs(float(v[0])) for v in slope_bends(problem, at))
+        second, third = (abs(float(v[0])) for v in slope_higher_rates(problem, at))
         reach = min(bend / max(second, 1e-300), np.sqrt(bend / max(third, 1e-300)), 1.0)
         apart.append(bend * reach**2)
     apart = [a for a in apart if a > 0]

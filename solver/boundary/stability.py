@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..mechanics.potential import slope, slope_rate
+from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
 from ..orbit.conditioning import _flow as flow
@@ -45,7 +45,7 @@ def index_at_stations(problem: Reduced, t: Array, beta: Array, rate: Array) -> A
     NaN where the stations are too few to tell: fewer than twelve to the quickest wave that H' allows, or every other
     one of them gives another number.
     """
-    column = Reduced(*(v[:, None] for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
+    column = Loads.columns(problem)
     index = np.full(problem.size, np.nan)
     with np.errstate(invalid="ignore", over="ignore"):
         quickest = np.sqrt(np.abs(slope_rate(column, beta)).max(axis=1))
@@ -195,5 +195,5 @@ def response(problem: Reduced, h: Array, beta: Array) -> Array:
 
 
 def _diagonal(problem: Reduced, h: Array, beta: Array) -> Array:
-    column = Reduced(*(v[:, None] for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
+    column = Loads.columns(problem)
     return 2 - h[:, None] ** 2 * slope_rate(column, beta[:, 1:-1])

@@ -16,9 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mechanics.potential import TAU, Extrema, Well, slope
+from ..mechanics.potential import TAU, slope
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
+from ..orbit.critical_points import CriticalPoints
+from ..orbit.local_potential import LocalPotential
 from ..orbit.panels import panelled
 from ..orbit.pieces import CENTRE, ROTATION, Pieces, _apart, _start_variable, arcs_of
 from ..problem.reduced import Reduced
@@ -52,7 +54,7 @@ class Boundary:
     """
 
     problem: Reduced
-    found: Extrema
+    found: CriticalPoints
     low: float
     high: float
     rounds: int
@@ -76,7 +78,7 @@ def fall(problem: Reduced, pin: float, beta: float, extremum: bool) -> float:
     """G(pin) - G(beta) to relative accuracy in beta - pin; 0 for angles far apart where it is less than rounding."""
     x = float(_apart(np.array([beta]), np.array([pin]))[0])
     at = np.array([pin])
-    value = float(Well.about(problem, at).drop(np.array([[x]]))[0, 0])
+    value = float(LocalPotential.about(problem, at).drop(np.array([[x]]))[0, 0])
     if not extremum:
         value -= 2 * float(slope(problem, at)[0]) * np.sin(x)
     return 0.0 if abs(x) > 1e-3 and abs(value) < _SAME * height_scale(problem) else value
@@ -178,7 +180,7 @@ def transit(boundary: Boundary, levels: Levels, deep: bool = True) -> Transit:
     v_low, v_high = np.sqrt(np.where(joins, v2, 1.0))
     start = many(boundary.problem, M, beta0=np.full(M, boundary.low), betaL=None, dbeta0=v_low)  # type: ignore[arg-type]
     same = boundary.found
-    found = Extrema(np.repeat(same.beta, M, axis=0), np.repeat(same.centre, M, axis=0), np.repeat(same.count, M))
+    found = CriticalPoints(np.repeat(same.beta, M, axis=0), np.repeat(same.centre, M, axis=0), np.repeat(same.count, M))
     way = arcs_of(start, (boundary.pins[levels.pin], gap), found)
     pieces = _three(boundary, way.pieces, v_high, M)
     twice = many(boundary.problem, 2 * M, betaL=None, dbeta0=np.tile(v_low, 2))  # type: ignore[arg-type]

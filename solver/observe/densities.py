@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..mechanics.potential import slope_rate_of, slope_terms
+from ..mechanics.potential import Loads, slope_rate_of, slope_terms
 from ..numerics.arrays import Array
-from ..problem.reduced import Reduced
 from .rod_pieces import Pieces
 
 
@@ -81,7 +80,6 @@ def rate(pieces: Pieces) -> Array:
     return np.sqrt(np.abs(loads.lam) + 2 * np.abs(loads.mu) + np.abs(loads.phi) + 2)
 
 
-def _loads(pieces: Pieces) -> Reduced:
+def _loads(pieces: Pieces) -> Loads:
     """The loads of each piece as columns, (Q, 1)."""
-    p, case = pieces.problem, pieces.case
-    return Reduced(*(v[case, None] for v in (p.lam, p.mu, p.phi, p.span, p.beta0)))
+    return Loads.columns(pieces.problem, pieces.case)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import chebyshev as C
 from numpy.typing import NDArray
 
-from ..mechanics.potential import slope, slope_rate
+from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis, polynomials, through
 from ..orbit.marched_orbit import march_orbit
@@ -212,7 +212,7 @@ def of_stations(sol: Solution, some: slice, step: int = 1) -> Pieces:
     t, beta, rate = (v[some][:, kept] for v in (sol.t, sol.trajectory.beta, sol.trajectory.dbeta))
     B, case = t.shape[0], np.repeat(np.arange(t.shape[0]), max(t.shape[1] - 1, 0))
     time = np.diff(t, axis=1).reshape(-1)
-    at = Reduced(*(v[:, None] for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
+    at = Loads.columns(problem)
     with np.errstate(over="ignore", invalid="ignore"):
         second = -slope(at, beta)
         third = -slope_rate(at, beta) * rate
@@ -236,7 +236,7 @@ _ENDS = (slice(None, -1), slice(1, None))
 def resolved(sol: Solution) -> NDArray[np.bool_]:
     """Whether the stations of each case cover its rod and show every bend that the loads allow, (B,)."""
     t, beta, span = sol.t, sol.trajectory.beta, sol.problem.span
-    column = Reduced(*(v[:, None] for v in (sol.problem.lam, sol.problem.mu, sol.problem.phi, span, span)))
+    column = Loads.columns(sol.problem)
     with np.errstate(invalid="ignore", over="ignore"):
         quickest = np.sqrt(np.abs(slope_rate(column, beta)).max(axis=1))
         swift = np.abs(sol.trajectory.dbeta).max(axis=1)

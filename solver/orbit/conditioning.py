@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..mechanics.potential import slope, slope_bends, slope_rate, slope_size
+from ..mechanics.potential import Loads, slope, slope_higher_rates, slope_rate, slope_size
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
 from ..problem.reduced import Reduced
@@ -60,7 +60,7 @@ def beside_helix(problem: Reduced) -> tuple[Any, Array]:
     assert problem.dbeta0 is not None
     beta, span = problem.beta0, problem.span
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        rate, (second, _) = slope_rate(problem, beta), slope_bends(problem, beta)
+        rate, (second, _) = slope_rate(problem, beta), slope_higher_rates(problem, beta)
         even, odd = _fields(rate, span)
         strays = np.abs(problem.dbeta0) * odd + 2 * np.abs(slope(problem, beta)) * _fields(rate, span / 2)[1] ** 2
         third = np.abs(problem.lam) + 8 * np.abs(problem.mu) + np.abs(problem.phi) + 20  # nowhere larger
@@ -87,8 +87,7 @@ class _Flow:
 def _flow_of(orbit: "Orbit", unit: Array, speed: Array) -> _Flow:
     problem, panels = orbit.problem, orbit.panels
     points, b = basis(panels.series.shape[2] - 1), panels.arc // 2
-    at, one = problem.take(b), unit[b, None]
-    loads = Reduced(*(x[:, None] for x in (at.lam, at.mu, at.phi, at.span, at.beta0)))
+    loads, one = Loads.columns(problem, b), unit[b, None]
     beta, v = panels.series[:, 0] @ points.values, panels.series[:, 1] @ points.values / speed[b, None]
     half = (panels.duration / 2)[:, None] * one
     h = _slope_along(orbit, loads, beta, v, half, speed[b, None] * one)
@@ -109,7 +108,7 @@ def _flow_of(orbit: "Orbit", unit: Array, speed: Array) -> _Flow:
     return _Flow(v, h, c, series, total)
 
 
-def _slope_along(orbit: "Orbit", loads: Reduced, beta: Array, v: Array, half: Array, unit: Array) -> Array:
+def _slope_along(orbit: "Orbit", loads: Loads, beta: Array, v: Array, half: Array, unit: Array) -> Array:
     """H at the panels' nodes, (P, n), as one travels away from the start.
 
     Of H at beta no digit may be left, next to a helix; of the derivative of the speed none, in a very short panel. So
@@ -222,8 +221,7 @@ def _start(orbit: "Orbit", flow: _Flow, weight: Array) -> tuple[Array, Array]:
 def _flow(problem: Reduced, panels: Panels, unit: Array) -> tuple[Array, Array, Array]:
     """|beta_t|, H and H' at the panels' nodes, (P, n) each, in a unit of time for each problem: 1/unit, (B,)."""
     b = panels.arc // 2
-    at, one = problem.take(b), unit[b, None]
-    loads = Reduced(*(v[:, None] for v in (at.lam, at.mu, at.phi, at.span, at.beta0)))
+    loads, one = Loads.columns(problem, b), unit[b, None]
     points = basis(panels.series.shape[2] - 1)
     beta, v = panels.series[:, 0] @ points.values, panels.series[:, 1] @ points.values
     return v / one, slope(loads, beta) / one**2, slope_rate(loads, beta) / one**2

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..mechanics.potential import slope_bends, slope_rate, slope_size
+from ..mechanics.potential import slope_higher_rates, slope_rate, slope_size
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
 from .panels import EPS
@@ -49,7 +49,7 @@ def _blur(problem: Reduced, time: Array) -> Array:
     |third derivative| x^3/6 = d. Two of these may work against each other up to twice the smallest x.
     """
     beta = problem.beta0
-    second, third = slope_bends(problem, beta)
+    second, third = slope_higher_rates(problem, beta)
     added = EPS * slope_size(problem, beta)
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         bounds = (

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..mechanics.potential import slope_rate
+from ..mechanics.potential import Loads, slope_rate
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
 from .conditioning import slope_weight
@@ -45,7 +45,7 @@ def _transfers(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
     Magnus' exponential of order 4, H' by Simpson's rule with Hermite's cubic for beta between the stations; its
     determinant is 1, and a long step at a steep saddle does it no harm.
     """
-    column = Reduced(*(v[:, None] for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
+    column = Loads.columns(problem)
     dt = np.diff(t, axis=1)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         middle = (beta[:, :-1] + beta[:, 1:]) / 2 + dt / 8 * (rate[:, :-1] - rate[:, 1:])

@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mechanics.potential import TAU, Extrema, Well, extrema, slope
+from ..mechanics.potential import TAU, slope
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
+from .critical_points import CriticalPoints, critical_points
+from .local_potential import LocalPotential
 
 PASS, SADDLE, CENTRE = 0, 1, 2
 HELIX, LIBRATION, ROTATION = 0, 1, 2
@@ -37,7 +39,7 @@ class Pieces:
     scale: Array
     u0: Array
     u1: Array
-    well: Well
+    well: LocalPotential
 
     def take(self, index: Any) -> "Pieces":
         fields = (self.arc, self.rank, self.kind, self.base, self.scale, self.u0, self.u1)
@@ -69,7 +71,7 @@ class Pieces:
         return _turning(self.well, x, scale)
 
 
-def _turning(well: Well, x: Array, scale: Array) -> Array:
+def _turning(well: LocalPotential, x: Array, scale: Array) -> Array:
     """beta_t over sqrt(x1^2 - x^2); never zero, as where the turning point is next to a helix it would be."""
     return np.sqrt(np.maximum(np.abs(well.ratio(x, scale)), well.faintest))
 
@@ -94,7 +96,7 @@ class Arcs:
     pieces: Pieces
 
 
-def arcs_of(problem: Reduced, pin: tuple[Array, Array] | None = None, found: Extrema | None = None) -> Arcs:
+def arcs_of(problem: Reduced, pin: tuple[Array, Array] | None = None, found: CriticalPoints | None = None) -> Arcs:
     """Where each orbit goes, and the pieces of its way; the problems' numbers must be finite. found: the extrema, where
     they are known.
 
@@ -102,7 +104,7 @@ def arcs_of(problem: Reduced, pin: tuple[Array, Array] | None = None, found: Ext
     the orbit hugs a saddle r; without them the start does, r = beta(0) and the gap beta_t(0)^2.
     """
     assert problem.dbeta0 is not None
-    found = extrema(problem) if found is None else found
+    found = critical_points(problem) if found is None else found
     m, B = found.count, problem.size
     start = problem.beta0 - TAU * np.round(problem.beta0 / TAU)
     start = np.where(start >= np.pi, start - TAU, start)
@@ -127,14 +129,14 @@ def arcs_of(problem: Reduced, pin: tuple[Array, Array] | None = None, found: Ext
     return Arcs(kind, direction, pieces)
 
 
-def _levels(problem: Reduced, found: Extrema, pinned: Array, gap: Array) -> Array:
+def _levels(problem: Reduced, found: CriticalPoints, pinned: Array, gap: Array) -> Array:
     """eta - G at every extremum, (B, K), kept to relative accuracy where both parts of it are small; NaN beyond."""
     drop, x = _falls(problem, found, pinned)
     nearest = np.nanargmin(np.abs(x), axis=1)
     beside = np.take_along_axis(x, nearest[:, None], axis=1)[:, 0]
     rows = np.flatnonzero((np.abs(beside) < 1e-3) & (beside != 0))
     if rows.size:  # seen from next to an extremum, those of its height must be as high as it is
-        some = Extrema(found.beta[rows], found.centre[rows], found.count[rows])
+        some = CriticalPoints(found.beta[rows], found.centre[rows], found.count[rows])
         close = nearest[rows]
         about, _ = _falls(problem.take(rows), some, some.beta[np.arange(rows.size), close])
         drop[rows] = about + drop[rows, close][:, None]
@@ -144,15 +146,15 @@ def _levels(problem: Reduced, found: Extrema, pinned: Array, gap: Array) -> Arra
     return np.where(np.abs(level) < floor, np.where(level > 0, floor, -floor), level)
 
 
-def _falls(problem: Reduced, found: Extrema, angle: Array) -> tuple[Array, Array]:
+def _falls(problem: Reduced, found: CriticalPoints, angle: Array) -> tuple[Array, Array]:
     """G at every extremum less G at an angle (B,), and how far the angle lies from there, (B, K) each.
 
-    Extrema as high as the angle and far from it, which symmetry makes common, must share its height.
+    CriticalPoints as high as the angle and far from it, which symmetry makes common, must share its height.
     """
     B, K = found.beta.shape
     wide = problem.take(np.repeat(np.arange(B), K))
     x = _apart(angle[:, None], found.beta)
-    drop = Well.about(wide, found.beta.reshape(-1)).drop(x.reshape(-1, 1)).reshape(B, K)
+    drop = LocalPotential.about(wide, found.beta.reshape(-1)).drop(x.reshape(-1, 1)).reshape(B, K)
     heights = np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1
     return np.where((np.abs(drop) < 4e-16 * heights[:, None]) & (np.abs(x) > 1e-3), 0.0, drop), x
 
@@ -163,7 +165,7 @@ def _apart(a: Array, b: Array) -> Array:
     return np.where(x >= np.pi, (a - TAU) - b, np.where(x < -np.pi, (a + TAU) - b, x))
 
 
-def _blocked(found: Extrema, level: Array, behind: Any, direction: Array) -> tuple[Any, Any]:
+def _blocked(found: CriticalPoints, level: Array, behind: Any, direction: Array) -> tuple[Any, Any]:
     """How many extrema are passed before the one that blocks, and whether any does, (B,), (B,)."""
     K = found.beta.shape[1]
     rank = np.arange(K)[None, :]
@@ -176,7 +178,7 @@ def _blocked(found: Extrema, level: Array, behind: Any, direction: Array) -> tup
 
 def _pieces(
     problem: Reduced,
-    found: Extrema,
+    found: CriticalPoints,
     level: Array,
     start: Array,
     behind: Any,
@@ -208,12 +210,12 @@ def _pieces(
     at_rest = np.abs(problem.dbeta0[b]) < TINY  # type: ignore[index]
     passes = g_saddle > 0
     # the origin of x: the saddle, or the centre where the orbit turns on its half of the interval
-    well = Well.about(problem.take(b), np.where(saddle_low, c_low, c_high), g_saddle)
+    well = LocalPotential.about(problem.take(b), np.where(saddle_low, c_low, c_high), g_saddle)
     limit = np.where(saddle_low, width, -width)
     near_centre = ~passes & (well.speed2(limit[:, None] / 2)[:, 0] < 0)
     on_low = saddle_low ^ near_centre
     if near_centre.any():
-        well = Well.about(problem.take(b), np.where(on_low, c_low, c_high), np.where(on_low, g_low, g_high))
+        well = LocalPotential.about(problem.take(b), np.where(on_low, c_low, c_high), np.where(on_low, g_low, g_high))
     x_start = np.where(on_low, x_low, x_high)
     scale = _scales(well, passes, np.where(on_low, width, -width))
     # a rod that starts without slope starts at its turning point
@@ -236,7 +238,7 @@ def _pieces(
     return Pieces(part, rank, form, base, scale, u0, u1, well).take(moving)
 
 
-def _scales(well: Well, passes: Any, limit: Array) -> Array:
+def _scales(well: LocalPotential, passes: Any, limit: Array) -> Array:
     """x1 where the orbit turns; where it passes, how far from the saddle the speed starts to grow, (P,)."""
     scale = np.empty(limit.size)
     turn = np.flatnonzero(~passes)
@@ -248,7 +250,7 @@ def _scales(well: Well, passes: Any, limit: Array) -> Array:
     return scale
 
 
-def _passing_scale(well: Well, limit: Array) -> Array:
+def _passing_scale(well: LocalPotential, limit: Array) -> Array:
     """a of x = a sinh(u), (P,)."""
     level = well.level[:, 0]
     bend = well.steepness(np.zeros((limit.size, 1)))[:, 0] / 4
@@ -271,7 +273,9 @@ def _variable(form: Any, scale: Array, x: Array) -> Array:
     )
 
 
-def _start_variable(form: Any, scale: Array, x: Array, v: Array, first: Any, well: Well) -> tuple[Array, Array]:
+def _start_variable(
+    form: Any, scale: Array, x: Array, v: Array, first: Any, well: LocalPotential
+) -> tuple[Array, Array]:
     """u at the start, from the slope, which loses no digits next to a turning point; and the scale, (P,) each.
 
     Where G is so flat that its rounding blurs the turning point of a `first` piece, that is moved to agree with angle

@@ -11,8 +11,8 @@ from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
 from solver.boundary.level_grid import bounded, chained
 from solver.boundary.search import search
 from solver.boundary.transit_times import Levels, paths, transit
-from solver.mechanics.potential import extrema
 from solver.observe.observables import observe
+from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import Reduced, reduce
 from tests.cases import ends_in_units_of_rho, in_units_of_rho
 
@@ -243,7 +243,7 @@ def test_a_list_of_at_most_so_many_periods_says_so() -> None:
 def random_on_the_axis(rng: np.random.Generator) -> tuple[float, ...]:
     """Ends exactly on a saddle of a random problem, or a little beside it, of length up to r L of a million."""
     lam, mu, phi = rng.uniform(-2, 2, 3) * rng.choice([0, 1, 1, 10], 3)
-    b = extrema(Reduced(*(np.array([v]) for v in (lam, mu, phi, 1.0, 0.0))))
+    b = critical_points(Reduced(*(np.array([v]) for v in (lam, mu, phi, 1.0, 0.0))))
     saddles = b.beta[0, : b.count[0]][~b.centre[0, : b.count[0]]]
     first = rng.choice(saddles) + rng.choice([0, 0, 1e-3, -1e-6, 1e-9])
     last = rng.choice(saddles) if rng.random() < 0.3 else rng.uniform(-4, 4)

@@ -4,7 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solver.mechanics.potential import extrema, potential, slope, slope_rate
+from solver.mechanics.potential import potential, slope, slope_rate
+from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import Reduced
 
 loads = st.floats(-3, 3).map(lambda x: round(x, 6))
@@ -34,7 +35,7 @@ def helices(lam: float, mu: float, phi: float) -> np.ndarray:
 @settings(max_examples=150)
 @given(lam=loads, mu=loads, phi=loads)
 def test_no_helix_is_missed(lam: float, mu: float, phi: float) -> None:
-    found = extrema(problem(lam, mu, phi))
+    found = critical_points(problem(lam, mu, phi))
     angles = found.beta[0, : found.count[0]]
     expected = helices(lam, mu, phi)
     flat = np.abs(slope_rate(problem(lam, mu, phi), np.append(expected, angles))).min(initial=1.0)
@@ -50,7 +51,7 @@ def test_no_helix_is_missed(lam: float, mu: float, phi: float) -> None:
 @given(lam=loads, mu=loads, phi=loads)
 def test_hills_and_valleys_alternate_and_valleys_are_centres(lam: float, mu: float, phi: float) -> None:
     one = problem(lam, mu, phi)
-    found = extrema(one)
+    found = critical_points(one)
     n = int(found.count[0])
     centre = found.centre[0, :n]
     assert n >= 2
@@ -75,4 +76,4 @@ def test_the_slope_is_half_the_derivative_of_the_potential(lam: float, mu: float
 @given(lam=loads, mu=loads, phi=loads)
 def test_h_minus_g_has_eight_turning_points_at_most(lam: float, mu: float, phi: float) -> None:
     """G is of degree 4 in exp(i beta), so a level is met at most eight times and G has at most eight extrema."""
-    assert extrema(problem(lam, mu, phi)).count[0] <= 8
+    assert critical_points(problem(lam, mu, phi)).count[0] <= 8
