@@ -5,14 +5,13 @@ saddle: there a march loses the digits that say where the orbit goes, and `swing
 is measured, not hoped: the covariance of what its steps leave out and round off is carried along with them.
 """
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..core.loader import INSTALLED as INSTALLED
 from ..numerics.arrays import Array
-from ..orbit.marched_orbit import joined, march_orbit, read_orbit, room_for
+from ..orbit.marched_orbit import joined, march_orbit, memory_for, read_orbit
 from ..orbit.pieces import LIBRATION
 from ..problem.limits import TOO_LARGE, dimensionless
 from ..problem.reduced import Reduced
@@ -30,31 +29,24 @@ def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
     fit = dimensionless(problem)
     problem = stood_in(problem, fit)
     t = np.where(fit[:, None], t, 0)
-    whole, done, store = np.empty((4, *t.shape)), [], room_for(min(_BLOCK, problem.size))
+    whole, blocks, memory = np.empty((4, *t.shape)), [], memory_for(min(_BLOCK, problem.size))
     for block in (slice(k, k + _BLOCK) for k in range(0, problem.size, _BLOCK)):
-        swing, steps = march_orbit(problem.take(block), tol, store)
-        read_orbit(swing.lost, swing.kind == LIBRATION, swing.told, steps, t[block], whole[:, block])
-        done.append(swing)
-    swing = joined(done, problem, slice(None))
-    outcome = verdicts(whole[0], swing.error, swing.condition, tol)
+        some, steps = march_orbit(problem.take(block), tol, memory)
+        read_orbit(some.lost, some.kind == LIBRATION, some.arcs, steps, t[block], whole[:, block])
+        blocks.append(some)
+    found = joined(blocks, problem)
+    outcome = verdicts(whole[0], found.error, found.condition, tol)
     # promised or not, digits that only a march loses are worth a quadrature
-    swing.lost[:] |= np.array([not text.startswith(SOLVED) for text in outcome]) | (swing.error > _DIGITS * tol)
-    swing.lost[:] |= ~np.isfinite(swing.condition)
-    if swing.lost.any():
-        lost = swing.lost
-        told = orbit.run(problem.take(lost), t[lost], tol)
-        whole[:, lost] = told.beta, told.dbeta, told.alpha, told.z
-        outcome[lost] = told.outcome
-        swing.error[lost], swing.condition[lost], swing.evaluations[lost] = told.error, told.condition, told.evaluations
-        swing.kind[lost] = told.orbit.kind
-        swing.told[lost, 0, 0], swing.told[lost, 1, 0] = told.orbit.ahead, told.orbit.back
-        swing = replace(swing, rest=told.orbit)
-    found = swing
+    failed = np.array([not text.startswith(SOLVED) for text in outcome])
+    lost = found.lost | failed | (found.error > _DIGITS * tol) | ~np.isfinite(found.condition)
+    if lost.any():
+        answer = orbit.run(problem.take(lost), t[lost], tol)
+        whole[:, lost] = answer.beta, answer.dbeta, answer.alpha, answer.z
+        outcome[lost] = answer.outcome
+        found = found.completed(lost, answer)
     beta, dbeta, alpha, z = whole
-    told = Trajectory(
-        beta, dbeta, alpha, z, lambda: found.swirl(t), outcome, found.error, found.condition, found.evaluations, found
-    )
-    return blanked(told, fit, TOO_LARGE)
+    rest = (outcome, found.error, found.condition, found.evaluations, found)
+    return blanked(Trajectory(beta, dbeta, alpha, z, lambda: found.swirl(t), *rest), fit, TOO_LARGE)
 
 
 SWING = Method(

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
+from ..orbit.marched_orbit import MarchedOrbit
 from ..problem.reduced import flat
 from ..solution import Solution
 from . import densities
@@ -131,7 +132,7 @@ class Reading:
         sol = self.sol
         sign = flat(sol.case.outward, sol.case.shape)
         error = np.where(np.isfinite(sol.trajectory.error), sol.trajectory.error, 1.0)
-        error = np.maximum(error, 4 * EPS) * (_SPREAD if hasattr(sol.trajectory.orbit, "lost") else 1)
+        error = np.maximum(error, 4 * EPS) * (_SPREAD if isinstance(sol.trajectory.orbit, MarchedOrbit) else 1)
         goal = max(_SHARE * sol.tol, _FINEST)
         names = [name for group in groups for name in group.names]
         found = {name: (np.full(sol.problem.size, np.nan), np.full(sol.problem.size, np.nan)) for name in names}

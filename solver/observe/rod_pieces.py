@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis, polynomials, through
-from ..orbit.marched_orbit import march_orbit
+from ..orbit.marched_orbit import MarchedOrbit, march_orbit
 from ..orbit.pieces import LIBRATION
 from ..problem.reduced import Reduced
 from ..solution import Solution
@@ -111,7 +111,7 @@ def blocks(sol: Solution) -> Iterator[tuple[slice, Pieces]]:
 
 def of_orbit(orbit: Any, some: slice) -> Pieces:
     """The pieces of some of the problems of an `Orbit` or a `Swing`."""
-    if not hasattr(orbit, "lost"):
+    if not isinstance(orbit, MarchedOrbit):
         return _of_panels(orbit, np.arange(some.start, some.stop), np.arange(some.stop - some.start), some)
     lost = orbit.lost[some]
     found = [_of_steps(orbit, some, np.flatnonzero(~lost))] if not lost.all() else []
@@ -136,12 +136,13 @@ def _of_panels(orbit: Any, own: Array, case: Array, some: slice, whole: Any = No
     return replace(found, problem=block, case=np.asarray(case)[found.case])
 
 
-def _of_steps(swing: Any, some: slice, case: Array) -> Pieces:
-    """The pieces of the problems `case` of a block of a `Swing`: its steps, marched again."""
+def _of_steps(orbit: MarchedOrbit, some: slice, case: Array) -> Pieces:
+    """The pieces of the problems `case` of a block of a marched orbit: its steps, marched again."""
     own = some.start + case
-    problem = swing.problem.take(own)
-    _, (_, count, since, width, taylor) = march_orbit(problem, swing.tol)
-    part = np.repeat(np.arange(2 * case.size), count.reshape(-1))
+    problem = orbit.problem.take(own)
+    _, steps = march_orbit(problem, orbit.tol)
+    width, taylor = steps.width, steps.series
+    part = np.repeat(np.arange(2 * case.size), steps.number.reshape(-1))
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
         order = np.arange(taylor.shape[2])
         power = width[:, None] ** order
@@ -150,9 +151,9 @@ def _of_steps(swing: Any, some: slice, case: Array) -> Pieces:
     series = np.zeros((width.size, 2, order.size))
     series[:, 0] = through(angle, _from_powers(order.size))
     series[:, 1, :-1] = through(rate, _from_powers(order.size - 1))
-    times = swing.ahead[own], swing.back[own], swing.period[own], swing.kind[own]
-    found = _covered(problem, series, part // 2, part % 2 == 1, since, width, *times)
-    return replace(found, problem=swing.problem.take(some), case=case[found.case])
+    times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
+    found = _covered(problem, series, part // 2, part % 2 == 1, steps.since, width, *times)
+    return replace(found, problem=orbit.problem.take(some), case=case[found.case])
 
 
 def _covered(
