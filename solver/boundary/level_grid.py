@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ..mechanics.potential import TAU, slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array
+from ..orbit.arcs import apart
 from ..orbit.critical_points import CriticalPoints, critical_points
-from ..orbit.pieces import _apart
 from ..problem.reduced import Reduced
 from .transit_times import Boundary, Levels, fall, height_scale, wrapped
 from .transit_times import many as many
@@ -51,7 +51,7 @@ def bounded(problem: Reduced) -> Boundary:
     rising = ends[0] <= ends[1]
     around = [wrapped(b) for b in sorted(ends)]
     for i, b in enumerate(around):
-        near = angles[np.abs(_apart(np.full(angles.size, b), angles)) < _ON]
+        near = angles[np.abs(apart(np.full(angles.size, b), angles)) < _ON]
         around[i] = float(near[0]) if near.size else b
     low, high = around if helix is None else (helix[0], helix[0])
     rest = high - low + (TAU if high < low else 0.0)

@@ -11,10 +11,11 @@ from ..numerics.arrays import Array
 from ..orbit.orbit_energy import energies
 from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..problem.reduced import Reduced
+from .end_conditioning import end_response
 from .level_brackets import closed_in, joined_brackets, on_chain
 from .level_grid import Chain, bounded, chained, helix_of
 from .saddle_panels import dwelling
-from .stability import end_response, jacobi_zeros
+from .stability import jacobi_zeros
 from .transit_times import STRETCH, Boundary, Levels, Paths, many, paths, transit
 
 _TIGHT = 1e-13

@@ -9,9 +9,9 @@ from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
 from ..problem.reduced import Reduced
 from ..problem.trajectory import Seed, Trajectory, verdicts
+from .end_conditioning import end_response
 from .search import Found, search
 from .selection import NEAREST, Choose, none_of, select, selection
-from .stability import end_response
 
 NO_EQUILIBRIUM = "failed: the search met no equilibrium, though there always is one"
 

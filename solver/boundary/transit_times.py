@@ -16,13 +16,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mechanics.potential import TAU, slope
+from ..mechanics.potential import TAU, load_size, slope
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
+from ..orbit.arcs import apart, arcs_of
 from ..orbit.critical_points import CriticalPoints
 from ..orbit.local_potential import LocalPotential
 from ..orbit.panels import panelled
-from ..orbit.pieces import CENTRE, ROTATION, Pieces, _apart, _start_variable, arcs_of
+from ..orbit.pieces import CENTRE, ROTATION, Pieces, start_variable
 from ..problem.reduced import Reduced
 
 UP, DOWN = 1, -1
@@ -71,12 +72,12 @@ class Boundary:
 
 def height_scale(problem: Reduced) -> float:
     """A bound on the size of G."""
-    return float(1 + (np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi))[0])
+    return float(1 + load_size(problem)[0])
 
 
 def fall(problem: Reduced, pin: float, beta: float, extremum: bool) -> float:
     """G(pin) - G(beta) to relative accuracy in beta - pin; 0 for angles far apart where it is less than rounding."""
-    x = float(_apart(np.array([beta]), np.array([pin]))[0])
+    x = float(apart(np.array([beta]), np.array([pin]))[0])
     at = np.array([pin])
     value = float(LocalPotential.about(problem, at).drop(np.array([[x]]))[0, 0])
     if not extremum:
@@ -210,10 +211,10 @@ def _three(boundary: Boundary, pieces: Pieces, v_high: Array, M: int) -> Pieces:
     upward = pieces.arc % 2 == 0
     holds = np.flatnonzero(upward & (pieces.rank == boundary.passed))
     cut = pieces.take(holds)
-    x = _apart(np.array([boundary.high]), cut.well.o[:, 0])
+    x = apart(np.array([boundary.high]), cut.local.o[:, 0])
     from_low = cut.displacement(cut.u1[:, None])[:, 0] > 0
     x = np.where(from_low & (x < 0), x + TAU, np.where(~from_low & (x > 0), x - TAU, x))
-    u, _ = _start_variable(cut.kind, cut.scale, x, v_high[cut.arc // 2], np.zeros(x.size, dtype=bool), cut.well)
+    u, _ = start_variable(cut.kind, cut.scale, x, v_high[cut.arc // 2], np.zeros(x.size, dtype=bool), cut.local)
     u = np.clip(u, np.minimum(cut.u0, cut.u1), np.maximum(cut.u0, cut.u1))
     part = np.where(upward & (pieces.rank >= boundary.passed), pieces.arc + 2 * M, pieces.arc)
     u0 = pieces.u0.copy()
@@ -225,7 +226,7 @@ def _three(boundary: Boundary, pieces: Pieces, v_high: Array, M: int) -> Pieces:
     order = np.lexsort((rank, part))
     order = order[u0[order] != u1[order]]
     kept = pieces.take(index[order])
-    return Pieces(part[order], rank[order], kept.kind, kept.base, kept.scale, u0[order], u1[order], kept.well)
+    return Pieces(part[order], rank[order], kept.kind, kept.base, kept.scale, u0[order], u1[order], kept.local)
 
 
 def half_passages(pieces: Pieces, gap: Array) -> Array:
@@ -234,8 +235,8 @@ def half_passages(pieces: Pieces, gap: Array) -> Array:
     1/(2 r) where the piece ends at the saddle on whose height the level is pinned, or at the turning point before it.
     gap: (B,), of the problem of each piece, part // 2.
     """
-    level = pieces.well.level[:, 0]
+    level = pieces.local.level[:, 0]
     own = (pieces.kind != CENTRE) & (np.abs(np.abs(level) - np.abs(gap[pieces.arc // 2])) < 1e-9 * np.abs(level))
-    bend = np.maximum(pieces.well.steepness(np.zeros((level.size, 1)))[:, 0] / 4, 1e-30)
+    bend = np.maximum(pieces.local.steepness(np.zeros((level.size, 1)))[:, 0] / 4, 1e-30)
     share = np.where(own, 0.5 / np.sqrt(bend), 0.0)
     return np.stack([np.where(pieces.u0 == 0, share, 0.0), np.where(pieces.u1 == 0, share, 0.0)])

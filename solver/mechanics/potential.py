@@ -105,6 +105,11 @@ def slope_higher_rates(loads: HasLoads, beta: Any) -> tuple[Any, Any]:
     return second, third
 
 
+def load_size(loads: HasLoads) -> Any:
+    """|lam| + |mu| + |phi|; with 1 added a bound of |G|/2 and of |H| up to a factor."""
+    return np.abs(loads.lam) + np.abs(loads.mu) + np.abs(loads.phi)
+
+
 def steepest(loads: HasLoads) -> Any:
     """An upper bound of |H'| over all angles."""
     return np.abs(loads.lam) + 2 * np.abs(loads.mu) + np.abs(loads.phi) + 2

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import scipy
 
+from ..boundary.end_conditioning import response
 from ..boundary.selected_equilibrium import selected_seed
-from ..boundary.stability import response
 from ..mechanics.potential import slope, slope_rate
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..mechanics.potential import Loads, slope_rate_of, slope_terms
+from ..mechanics.potential import Loads, slope_rate_of, slope_terms, steepest
 from ..numerics.arrays import Array
 from .rod_pieces import Pieces
 
@@ -77,7 +77,7 @@ def push(pieces: Pieces, sign: Array) -> Density:
 def rate(pieces: Pieces) -> Array:
     """How much faster beta_t changes than beta, at most, (Q, 1)."""
     loads = _loads(pieces)
-    return np.sqrt(np.abs(loads.lam) + 2 * np.abs(loads.mu) + np.abs(loads.phi) + 2)
+    return np.sqrt(steepest(loads))
 
 
 def _loads(pieces: Pieces) -> Loads:

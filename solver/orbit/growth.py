@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ..mechanics.potential import Loads, slope_rate
+from ..mechanics.potential import Loads, slope_rate, steepest
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
-from .conditioning import slope_weight
+from .linearised_growth import slope_weight
 
 _BLOCK = 2**18  # stations worked on at once
 _MOST = 2**22  # stations that are worth their memory
@@ -65,9 +65,9 @@ def refined(problem: Reduced, t: Array, most: int) -> tuple[Array, int]:
     """The stations with k - 1 more on equal steps between neighbours, (B, (n - 1) k + 1), and k: a power of two that
     divides `most`, at most 16, and no larger than `growth` needs to see how the field turns between them (or than is
     bearable where there are very many problems)."""
-    steepest = np.abs(problem.lam) + 2 * np.abs(problem.mu) + np.abs(problem.phi) + 2  # |H'| is nowhere larger
+    bound = steepest(problem)
     with np.errstate(over="ignore"):
-        angle = np.max(np.sqrt(steepest) * np.diff(t, axis=1).max(axis=1, initial=0.0), initial=0.0)
+        angle = np.max(np.sqrt(bound) * np.diff(t, axis=1).max(axis=1, initial=0.0), initial=0.0)
     k = 1
     while k < 16 and angle > k / 4 and most % (2 * k) == 0 and 2 * k * t.size <= _MOST:
         k *= 2

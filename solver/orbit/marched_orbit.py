@@ -10,7 +10,7 @@ import numpy as np
 from ..mechanics.potential import steepest
 from ..numerics.arrays import Array, Booleans, Integers
 from ..problem.reduced import Reduced
-from .conditioning import slope_weight
+from .linearised_growth import slope_weight
 from .periodic_orbit import Orbit, solve_orbit
 from .phase import Phase, located
 from .pieces import HELIX, LIBRATION, ROTATION

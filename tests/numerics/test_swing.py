@@ -169,7 +169,7 @@ def test_where_it_is_not_installed_it_is_refused_with_how_to_get_it(monkeypatch)
 @compiled
 def test_its_linearised_growth_is_that_of_the_arrays() -> None:
     from solver.core.orbit_condition import beside_helix as of_one
-    from solver.orbit.conditioning import beside_helix, slope_weight
+    from solver.orbit.linearised_growth import beside_helix, slope_weight
 
     some = 0
     for kind in (*KINDS, *NEAR):
