@@ -4,10 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .boundary.level_grid import many
-from .boundary.search import Way, search
+from .boundary.paths import LevelPaths
+from .boundary.search import search
 from .boundary.selected_equilibrium import equilibrium_trajectory
 from .boundary.selection import NEAREST, Choose, select
+from .boundary.transit_times import repeated
 from .numerics.arrays import Array
 from .observe.observables import observe
 from .orbit.periodic_orbit import Orbit
@@ -27,7 +28,7 @@ class Equilibrium:
     index: Morse index, 0 for a stable one, both end angles held and the loads dead. energy: bending energy less the
     work of the loads [force length]. dbeta0: beta'(0) [rad/length]. turns: number of bends. attached: share of the
     length where the cylinder pushes. stray: how far beta goes beyond the interval between its end angles [rad].
-    path: its level and its path (`search.Way` of one), which tell it from every other equilibrium of the case.
+    path: its level and its path (`paths.LevelPaths` of one), which tell it from every other equilibrium of the case.
     """
 
     solution: Solution
@@ -37,7 +38,7 @@ class Equilibrium:
     turns: int
     attached: float
     stray: float
-    path: Way
+    path: LevelPaths
 
 
 class Equilibria(list[Equilibrium]):
@@ -74,7 +75,7 @@ def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: 
     if all_of_them is None:
         return Equilibria([], NONE)
     slopes, orbit, K = all_of_them.slope, all_of_them.orbit, all_of_them.slope.size
-    wide, index, stray = many(problem, K), all_of_them.index, all_of_them.stray
+    wide, index, stray = repeated(problem, K), all_of_them.index, all_of_them.stray
     t = wide.span[:, None] * np.linspace(0, 1, stations)
     together = equilibrium_trajectory(wide, orbit, t, tol)
     seen = observe(Solution(_repeated(case, K), wide, together, t, "shooting", tol), ("energy", "turns", "attached"))

@@ -1,1 +1,1 @@
-"""Two ends: transit times, search of all equilibria, stability, continuation, selection."""
+"""Two ends: transit_times times, search of all equilibria, stability, continuation, selection."""

@@ -12,9 +12,9 @@ import numpy as np
 from ..mechanics.potential import TAU, slope
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
-from .level_grid import bounded, floor_of, helix_of
-from .search import Way
-from .transit_times import DOWN, UP, Boundary, Levels, Paths, fall, transit, wrapped
+from .level_grid import boundary_of, floor_of, helix_of
+from .paths import DOWN, UP, LevelPaths, Levels, Paths
+from .transit_times import Boundary, fall, transit_times, wrapped
 
 
 @dataclass(frozen=True)
@@ -39,25 +39,25 @@ class Path:
         return self.leaving if self.turns % 2 == 0 else -self.leaving
 
     @property
-    def way(self) -> Way:
-        """The same as `search.Way` of one."""
+    def way(self) -> LevelPaths:
+        """The same as `search.LevelPaths` of one."""
         numbers = self.pin, self.sign, self.y, self.leaving, self.arriving, self.turns // 2, self.helix
-        return Way(*(np.array([number]) for number in numbers))
+        return LevelPaths(*(np.array([number]) for number in numbers))
 
 
-def path_of(way: Way, i: int) -> Path:
+def path_of(way: LevelPaths, i: int) -> Path:
     """Equilibrium i of a search."""
-    turns = 2 * int(way.swings[i]) + int(way.leaving[i] != way.arriving[i])
+    turns = 2 * int(way.periods[i]) + int(way.leaving[i] != way.arriving[i])
     return Path(float(way.pin[i]), float(way.sign[i]), float(way.y[i]), int(way.leaving[i]), turns, bool(way.helix[i]))
 
 
-class Place:
+class LinePoint:
     """One ends problem between the first and the last, with what every look at it needs."""
 
     def __init__(self, problem: Reduced) -> None:
         assert problem.betaL is not None
         self.problem = problem
-        self.blank = bounded(problem)
+        self.blank = boundary_of(problem)
         found = self.blank.found
         self.angles = found.beta[0, : found.count[0]]
         self.saddles = self.angles[~found.centre[0, : found.count[0]]]
@@ -89,7 +89,7 @@ class Place:
         boundary = self.boundary(some[0].pin)
         y, sign = np.array([path.y for path in some]), np.full(len(some), some[0].sign)
         columns = np.array([(path.leaving, path.arriving, path.turns // 2) for path in some])
-        seen = transit(boundary, Levels(np.zeros(y.size, dtype=np.int64), sign, y))
+        seen = transit_times(boundary, Levels(np.zeros(y.size, dtype=np.int64), sign, y))
         return seen.lengths_along(Paths(*columns.T).counts(boundary.rising))
 
 
@@ -107,7 +107,7 @@ class Chart:
     logarithmic: bool
 
 
-def charts(place: Place, path: Path) -> list[Chart]:
+def charts(place: LinePoint, path: Path) -> list[Chart]:
     """Coordinates in which the equilibrium can be followed, the best first.
 
     The others are for where the best one ends though the branch does not, as where its saddle meets a centre.
@@ -137,7 +137,7 @@ def _scale(y: float) -> float:
     return max(1.0, 0.2 * abs(y))
 
 
-def _saddles(place: Place, path: Path, gap: float) -> tuple[Array, Array, Any]:
+def _saddles(place: LinePoint, path: Path, gap: float) -> tuple[Array, Array, Any]:
     """The saddles that the orbit passes or turns before: angles, the orbit's level above each, and which of them the
     rod itself, from end to end, reaches."""
     problem, angles, m = place.problem, place.angles, place.angles.size
@@ -177,7 +177,7 @@ def coordinate(chart: Chart) -> float:
     return way * float(np.exp(chart.at.y / 2))
 
 
-def path_at(place: Place, chart: Chart, x: float) -> Path | None:
+def path_at(place: LinePoint, chart: Chart, x: float) -> Path | None:
     """The path at x; None where its saddle is no more."""
     at = chart.at
     if chart.kind == "saddle":
@@ -201,7 +201,7 @@ def path_at(place: Place, chart: Chart, x: float) -> Path | None:
     return Path(pin, 1.0, y, way, at.turns + (2 * more if both else more))
 
 
-def excess(place: Place, chart: Chart, x: Array) -> Array:
+def excess(place: LinePoint, chart: Chart, x: Array) -> Array:
     """Length of the orbit less the rod's at each x, (M,); NaN where there is no such orbit."""
     every = [path_at(place, chart, float(one)) for one in x]
     some = [path for path in every if path is not None and path.turns >= 0]

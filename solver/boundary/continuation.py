@@ -24,17 +24,20 @@ from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..orbit.pieces import HELIX
 from ..problem.reduced import Reduced
-from .branch_coordinates import Chart, Path, Place, charts, coordinate, excess, path_at, path_of
-from .level_grid import chained
-from .search import roots_on, solved, ways_of
+from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate, excess, path_at, path_of
+from .level_grid import level_grid_of
+from .paths import DOWN, UP, Paths
+from .search import level_paths_of, roots_on, solved_orbits
 from .stability import jacobi_zeros
-from .transit_times import DOWN, UP, Paths
 
 FOLD, LEFT = "a fold", "no orbit of its path joins the two ends there"
 _NUDGE = 1e-5  # of the unknown's scale, for differences
 _SHORTEST = 1e-6  # share of the way below which a step is given up
 _LEAPS = (1e-3, 1e-4, 1e-5)  # shares of the way after which the neighbouring paths are looked up
-_NEAR, _CLEAR = 0.05, 4.0  # rad between two shapes of one branch after a leap; how many times as far the next must be
+_NEAR, _CLEAR = (
+    0.05,
+    4.0,
+)  # rad between two shapes of one branch after a leap; how many times as far the next must be
 _EASY = 1e-3  # steps above which the best coordinate alone is tried
 _MOST_STEPS = 4000
 _CORRECTIONS = 12
@@ -62,11 +65,11 @@ class _Line:
         """Whether the two are one problem."""
         return all(np.array_equal(getattr(self.first, n), getattr(self.last, n)) for n in _FIELDS)
 
-    def at(self, share: float) -> Place:
+    def at(self, share: float) -> LinePoint:
         if share >= 1:
-            return Place(self.last)
+            return LinePoint(self.last)
         mixed = {n: (1 - share) * getattr(self.first, n) + share * getattr(self.last, n) for n in _FIELDS}
-        return Place(Reduced(**mixed))
+        return LinePoint(Reduced(**mixed))
 
 
 def continued(first: Reduced, path: Path, last: Reduced) -> Path | Ended:
@@ -89,10 +92,10 @@ def continued(first: Reduced, path: Path, last: Reduced) -> Path | Ended:
     shapes, index = [_shape(orbit) for orbit in orbits], [jacobi_zeros(orbit)[0] for orbit in orbits]
     if np.abs(shapes[0] - shapes[1]).max() < _NEAR and index[0] == index[1]:
         return target.helix
-    return _followed(_Line(before.last, last), Place(before.last), near)
+    return _followed(_Line(before.last, last), LinePoint(before.last), near)
 
 
-def _followed(line: _Line, place: Place, path: Path) -> Path | Ended:
+def _followed(line: _Line, place: LinePoint, path: Path) -> Path | Ended:
     """The path step by step along the line; it begins as a helix or ends as an orbit that moves."""
     share, step, here = 0.0, 1.0, path
     if path.helix:
@@ -132,7 +135,7 @@ def path_from_start(problem: Reduced, slope: float) -> Path | None:
     orbit = solve_orbit(replace(problem, betaL=None, dbeta0=np.array([slope])), 1e-13)
     if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > 1e-6:
         return None
-    place = Place(problem)
+    place = LinePoint(problem)
     if orbit.kind[0] == HELIX:
         return place.helix
     y = 2 * float(np.log(max(abs(slope), 1e-150)))
@@ -141,18 +144,20 @@ def path_from_start(problem: Reduced, slope: float) -> Path | None:
 
 def orbit_of(problem: Reduced, path: Path) -> Orbit:
     """The orbit of one equilibrium, with what its index and its condition number need."""
-    place = Place(problem)
+    place = LinePoint(problem)
     if path.helix:
-        return solved(problem, place.boundary(path.pin), path.way, np.array([np.nan]))[0]
+        return solved_orbits(problem, place.boundary(path.pin), path.way, np.array([np.nan]))[0]
     length = place.lengths([replace(path, y=path.y - 1e-4), replace(path, y=path.y + 1e-4)])
     lengthens = np.array([float(path.sign * (length[1] - length[0]) > 0)])
-    return solved(problem, place.boundary(path.pin), path.way, lengthens)[0]
+    return solved_orbits(problem, place.boundary(path.pin), path.way, lengthens)[0]
 
 
 # steps
 
 
-def _advanced(line: _Line, place: Place, path: Path, share: float, step: float) -> tuple[Place, Path, float] | str:
+def _advanced(
+    line: _Line, place: LinePoint, path: Path, share: float, step: float
+) -> tuple[LinePoint, Path, float] | str:
     """The equilibrium up to a step on, and how far; else why the step failed, in the best coordinate."""
     first = ""
     for chart in charts(place, path):
@@ -165,7 +170,9 @@ def _advanced(line: _Line, place: Place, path: Path, share: float, step: float) 
     return first
 
 
-def _advance(line: _Line, place: Place, chart: Chart, share: float, step: float) -> tuple[Place, Path, float] | str:
+def _advance(
+    line: _Line, place: LinePoint, chart: Chart, share: float, step: float
+) -> tuple[LinePoint, Path, float] | str:
     x, nudge = coordinate(chart), _NUDGE * chart.scale
     off = excess(place, chart, np.array([x - nudge, x, x + nudge]))
     rate = float(off[2] - off[0]) / (2 * nudge)
@@ -183,7 +190,7 @@ def _advance(line: _Line, place: Place, chart: Chart, share: float, step: float)
     return found if isinstance(found, str) else (there, found, step)
 
 
-def _corrected(place: Place, chart: Chart, guess: float, rate: float) -> Path | str:
+def _corrected(place: LinePoint, chart: Chart, guess: float, rate: float) -> Path | str:
     """The root of length - span next to a guess; `rate` is the derivative one step before."""
     nudge, x, best = _NUDGE * chart.scale, guess, np.inf
     for round_ in range(_CORRECTIONS):
@@ -210,7 +217,7 @@ def _corrected(place: Place, chart: Chart, guess: float, rate: float) -> Path | 
     return path
 
 
-def _settled(place: Place, path: Path) -> Path | str:
+def _settled(place: LinePoint, path: Path) -> Path | str:
     """The path with its level corrected on its own problem."""
     reason = ""
     for chart in charts(place, path):
@@ -225,7 +232,7 @@ def _settled(place: Place, path: Path) -> Path | str:
     return reason or LEFT
 
 
-def _leapt(line: _Line, place: Place, path: Path, share: float) -> tuple[Place, Path, float] | None:
+def _leapt(line: _Line, place: LinePoint, path: Path, share: float) -> tuple[LinePoint, Path, float] | None:
     """The equilibrium a little farther on whose shape is next to this one's and whose index is the same; None where
     there is none, or more than one."""
     before = orbit_of(place.problem, path)
@@ -251,10 +258,10 @@ def _leapt(line: _Line, place: Place, path: Path, share: float) -> tuple[Place, 
     return None
 
 
-def _neighbours(place: Place, turns: int) -> tuple[list[Path], Orbit | None]:
+def _neighbours(place: LinePoint, turns: int) -> tuple[list[Path], Orbit | None]:
     """Every equilibrium whose path passes up to two turning points more or fewer."""
     problem = place.problem
-    boundary, chain = chained(place.blank)
+    boundary, chain = level_grid_of(place.blank)
     near = np.arange(max(turns - 2, 0), turns + 3)
     leaving = np.repeat([UP, DOWN], near.size)
     near = np.tile(near, 2)
@@ -267,8 +274,8 @@ def _neighbours(place: Place, turns: int) -> tuple[list[Path], Orbit | None]:
     roots = roots_on(boundary, chain, some)
     if not roots.lengthens.size:
         return [], None
-    way, lengthens = ways_of(boundary, roots, None)
-    orbit, _ = solved(problem, boundary, way, lengthens)
+    way, lengthens = level_paths_of(boundary, roots, None)
+    orbit, _ = solved_orbits(problem, boundary, way, lengthens)
     return [path_of(way, i) for i in range(way.y.size)], orbit
 
 

@@ -1,20 +1,20 @@
 """Pairs of neighbouring levels between which the length of a path passes the rod's, and the levels inside them.
 
 The sign of the length less the rod's, read along the chain of levels, shows every bracket but those of two roots
-between two rungs; these are looked for wherever the length comes near the rod's without passing it.
+between two points; these are looked for wherever the length comes near the rod's without passing it.
 """
 
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..numerics.arrays import Array
-from .level_grid import Chain
-from .transit_times import Boundary, Levels, Paths, Transit, transit
+from ..numerics.arrays import Array, Booleans, Integers
+from .level_grid import LevelGrid
+from .paths import Levels, Paths
+from .transit_times import Boundary, TransitTimes, transit_times
 
-_ZOOM, _ROUNDS = 17, 6  # rungs of a closer look at a dip, and how often it is made closer
+_ZOOM, _ROUNDS = 17, 6  # points of a closer look at a dip, and how often it is made closer
 _NOISE = 1e-14  # of the rod's length, what the rounding of a sum of times may come to
 
 
@@ -23,12 +23,12 @@ class Brackets:
     """K pairs of levels between which the length of a path passes the rod's, (K,) each: pin, sign, y of both; the same
     y twice where it is known already. path: its number. rises: whether the length grows with the level."""
 
-    pin: NDArray[np.int64]
+    pin: Integers
     sign: Array
     first: Array
     second: Array
-    path: NDArray[np.int64]
-    rises: NDArray[np.bool_]
+    path: Integers
+    rises: Booleans
 
     def take(self, index: Any) -> "Brackets":
         return Brackets(**{name: v[index] for name, v in vars(self).items()})
@@ -40,7 +40,9 @@ def joined_brackets(parts: list[Brackets]) -> Brackets:
     return Brackets(**columns)
 
 
-def on_chain(boundary: Boundary, chain: Chain, seen: Transit, some: Paths, before: int) -> tuple[Brackets, int]:
+def brackets_on_grid(
+    boundary: Boundary, chain: LevelGrid, seen: TransitTimes, some: Paths, before: int
+) -> tuple[Brackets, int]:
     """The brackets of N paths, the first of which is number `before` of all; and evaluations."""
     levels, counts = chain.levels, some.counts(boundary.rising)
     if not levels.y.size:  # no level joins the ends but a helix's own
@@ -71,7 +73,7 @@ def on_chain(boundary: Boundary, chain: Chain, seen: Transit, some: Paths, befor
     return joined_brackets([direct, replace(dips, path=dips.path + before)]), calls
 
 
-def _above(off: Array, span: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _above(off: Array, span: float) -> tuple[Booleans, Booleans]:
     """Where lengths are known, and where they are not below the rod's, (N, M); what differs from the rod's by rounding
     alone goes with the rung before it, so that noise brackets nothing."""
     known = ~np.isnan(off)
@@ -83,7 +85,7 @@ def _above(off: Array, span: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_
     return known, np.take_along_axis(above, last, axis=1)
 
 
-def closed_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array, int]:
+def roots_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array, int]:
     """y of the root in each bracket, (K,), NaN where there turned out to be none; and evaluations."""
     y = some.second.copy()
     open_ = np.flatnonzero(some.first != some.second)
@@ -97,7 +99,7 @@ def closed_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array,
     def off(y: Array, which: Array) -> Array:
         nonlocal calls
         i = which.astype(int)
-        seen = transit(boundary, Levels(some.pin[i], some.sign[i], y))
+        seen = transit_times(boundary, Levels(some.pin[i], some.sign[i], y))
         calls += seen.calls
         return seen.lengths_along(counts[i]) - boundary.problem.span[0]
 
@@ -115,8 +117,8 @@ def closed_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array,
     return y, calls
 
 
-def _dips(boundary: Boundary, chain: Chain, some: Paths, off: Array) -> tuple[Brackets, int]:
-    """Brackets of the two roots between rungs where the length comes near the rod's, passes it and returns."""
+def _dips(boundary: Boundary, chain: LevelGrid, some: Paths, off: Array) -> tuple[Brackets, int]:
+    """Brackets of the two roots between points where the length comes near the rod's, passes it and returns."""
     counts, size = some.counts(boundary.rising), np.abs(off)
     with np.errstate(invalid="ignore"):
         same = (off[:, 1:-1] * off[:, :-2] > 0) & (off[:, 1:-1] * off[:, 2:] > 0)
@@ -146,7 +148,7 @@ def _dip(boundary: Boundary, cells: Any, counts: Array, above: bool) -> tuple[li
     for _ in range(_ROUNDS):
         y = np.stack([np.linspace(a, b, _ZOOM) for _, _, a, b in cells])
         pin, sign = (np.repeat([cell[j] for cell in cells], _ZOOM) for j in (0, 1))
-        seen = transit(boundary, Levels(pin, sign, y.reshape(-1)))
+        seen = transit_times(boundary, Levels(pin, sign, y.reshape(-1)))
         calls += seen.calls
         length = seen.lengths_along(np.broadcast_to(counts, (pin.size, 3))).reshape(2, _ZOOM)
         off = length - boundary.problem.span[0]

@@ -1,7 +1,7 @@
-"""The levels at which two end angles can be joined, as a chain of rungs from the lowest to beyond the highest.
+"""The levels at which two end angles can be joined, as a chain of points from the lowest to beyond the highest.
 
 The lowest is the height of G at an end, or of a saddle between the ends; the heights of the saddles above it divide the
-rest. Next to each of these the rungs are even in log gap, as the times are smooth in it; between two they meet in the
+rest. Next to each of these the points are even in log gap, as the times are smooth in it; between two they meet in the
 middle. So the sign of an orbit's length less the rod's, read from rung to rung, shows every level where it is zero.
 """
 
@@ -9,15 +9,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..mechanics.potential import TAU, slope, slope_higher_rates, slope_rate
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Booleans
 from ..orbit.arcs import apart
 from ..orbit.critical_points import CriticalPoints, critical_points
 from ..problem.reduced import Reduced
-from .transit_times import Boundary, Levels, fall, height_scale, wrapped
-from .transit_times import many as many
+from .paths import Levels
+from .transit_times import Boundary, fall, height_scale, wrapped
+from .transit_times import repeated as repeated
 
 _ON = 1e-110  # an end this near to a saddle lies on it
 _ROUNDING = 4e-16  # of H, in units of the size of G
@@ -25,12 +25,12 @@ _LOWEST = -575.0  # log of the smallest gap that a float can hold with what is m
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
+class LevelGrid:
     """Rungs in order of rising level. place: (M,), True where the rung stands for the height of a saddle itself, of gap
     zero: its pin and sign are those of the rung after it (before it, for the last)."""
 
     levels: Levels
-    place: NDArray[np.bool_]
+    place: Booleans
     at_end: bool  # whether the first rung is pinned at an end of the rod, where beta_t is 0
 
     def cell(self, k: int) -> tuple[int, float, float, float] | None:
@@ -41,7 +41,7 @@ class Chain:
         return int(one.pin[k + 1]), float(one.sign[k + 1]), float(y[k]), float(y[k + 1])
 
 
-def bounded(problem: Reduced) -> Boundary:
+def boundary_of(problem: Reduced) -> Boundary:
     """The ends problem (of size 1) with what its search needs; ends within rounding of a helix are moved onto it."""
     assert problem.betaL is not None
     found = critical_points(problem)
@@ -74,8 +74,8 @@ def helix_of(problem: Reduced, found: CriticalPoints) -> tuple[float, float] | N
     return float(angles[k]), float(angles[k] + TAU * turns[k])
 
 
-def chained(blank: Boundary, step: float = 0.25) -> tuple[Boundary, Chain]:
-    """The boundary with its pins, and the chain of its levels with rungs of `step` in log gap where they are dense."""
+def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelGrid]:
+    """The boundary with its pins, and the chain of its levels with points of `step` in log gap where they are dense."""
     problem, angles = blank.problem, blank.found.beta[0, : blank.found.count[0]]
     saddles = angles[~blank.found.centre[0, : angles.size]]
     floor, at_end = floor_of(blank, angles, saddles)
@@ -105,7 +105,7 @@ def chained(blank: Boundary, step: float = 0.25) -> tuple[Boundary, Chain]:
     return boundary, _chain(tops, features, deepest, step, len(groups), at_end)
 
 
-def _chain(tops: list[float], features: list[Any], deepest: float, step: float, groups: int, at_end: bool) -> Chain:
+def _chain(tops: list[float], features: list[Any], deepest: float, step: float, groups: int, at_end: bool) -> LevelGrid:
     """Up from the floor, through the saddles above it, to the top."""
     rows: list[tuple[Any, ...]] = []
 
@@ -115,23 +115,23 @@ def _chain(tops: list[float], features: list[Any], deepest: float, step: float, 
     here = np.array([deepest])
     for k, top in enumerate(tops):
         add(k, 1.0, here, True)
-        up = rungs(top, features[k], deepest, step)[::-1]
+        up = grid_levels(top, features[k], deepest, step)[::-1]
         if at_end and k == 0:  # from rest on the times are linear in beta_t at that end
             law = min([top, *features[0]]) - 36
             up = up[(up == deepest) | (up >= law)]
         add(k, 1.0, up)
         if k < groups:
-            add(k + 1, -1.0, rungs(top, features[k + 1], deepest, step)[1:])
+            add(k + 1, -1.0, grid_levels(top, features[k + 1], deepest, step)[1:])
     if len(tops) == groups and groups:
         add(groups, -1.0, here, True)
     if not rows:  # no level joins the ends but a helix's own
         empty = np.empty(0)
-        return Chain(Levels(empty.astype(int), empty, empty), empty.astype(bool), at_end)
+        return LevelGrid(Levels(empty.astype(int), empty, empty), empty.astype(bool), at_end)
     pin, sign, y, place = (np.concatenate(column) for column in zip(*rows, strict=True))
-    return Chain(Levels(pin, sign, y), place, at_end)
+    return LevelGrid(Levels(pin, sign, y), place, at_end)
 
 
-def rungs(top: float, features: Array, deepest: float, step: float) -> Array:
+def grid_levels(top: float, features: Array, deepest: float, step: float) -> Array:
     """Values of log gap from `top` down to `deepest`: dense below the top and about the features, where the times
     change their law, and sparse between, where they are linear."""
     parts = [top - np.arange(0, 8, step), np.arange(top - 8, deepest, -8 * step), np.array([deepest])]

@@ -11,7 +11,7 @@ from ..orbit.periodic_orbit import Orbit, assembled
 from .transit_times import half_passages
 
 
-def dwelling(brief: Orbit, span: Array, gap: Array, excess: Array) -> Orbit:
+def with_saddle_panels(brief: Orbit, span: Array, gap: Array, excess: Array) -> Orbit:
     """The orbits, of length span (B,), with panels in which the rod dwells at the saddle that pins its level.
 
     gap, excess: (B,), the gap of the level and by how much the log of the true gap is smaller. There beta is the

@@ -4,19 +4,19 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..mechanics.potential import potential
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Booleans
 from ..orbit.orbit_energy import energies
 from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..problem.reduced import Reduced
 from .end_conditioning import end_response
-from .level_brackets import closed_in, joined_brackets, on_chain
-from .level_grid import Chain, bounded, chained, helix_of
-from .saddle_panels import dwelling
+from .level_brackets import brackets_on_grid, joined_brackets, roots_in
+from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
+from .paths import LevelPaths, Levels, Paths, paths
+from .saddle_panels import with_saddle_panels
 from .stability import jacobi_zeros
-from .transit_times import STRETCH, Boundary, Levels, Paths, many, paths, transit
+from .transit_times import STRETCH, Boundary, repeated, transit_times
 
 _TIGHT = 1e-13
 BUDGET = 3e7  # evaluations of G, some ten to twenty seconds
@@ -31,7 +31,7 @@ class Found:
     """K solutions of one ends problem and their orbits.
 
     slope: beta_t(0), (K,). path: pin (angle in [-pi, pi)), sign and y = log gap of the level, direction at both ends
-    and whole periods, (K,) each; see `transit`. helix: (K,), a rod that is a helix from end to end and has no path.
+    and whole periods, (K,) each; see `transit_times`. helix: (K,), a rod that is a helix from end to end and has no path.
     index: Morse index, (K,). energy: in units of A/rho, (K,). lowest, highest: smallest and largest beta along the
     rod [rad], (K,). total: how many solutions there are, those that were not solved among them. remark: why the list
     is a part of all only; empty where it is complete. evaluations: of G.
@@ -39,7 +39,7 @@ class Found:
 
     slope: Array
     orbit: Orbit
-    path: "Way"
+    path: LevelPaths
     index: Array
     energy: Array
     lowest: Array
@@ -59,22 +59,6 @@ class Found:
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
-    """The level and the path of K solutions, (K,) each: eta = G(pin) + sign exp(y); see `transit.Paths`."""
-
-    pin: Array
-    sign: Array
-    y: Array
-    leaving: NDArray[np.int64]
-    arriving: NDArray[np.int64]
-    swings: NDArray[np.int64]
-    helix: NDArray[np.bool_]
-
-    def take(self, index: Any) -> "Way":
-        return Way(**{name: v[index] for name, v in vars(self).items()})
-
-
-@dataclass(frozen=True, eq=False)
 class Roots:
     """K levels at which the length of a path is the rod's; lengthens: (K,), whether it grows with the level.
 
@@ -84,14 +68,14 @@ class Roots:
 
     levels: Levels
     paths: Paths
-    lengthens: NDArray[np.bool_]
+    lengthens: Booleans
     total: int
     signed: int
     lost: int
     calls: int
 
 
-def search(problem: Reduced, most_swings: int = 200, most_turns: int | None = None) -> Found | None:
+def search(problem: Reduced, most_periods: int = 200, most_turns: int | None = None) -> Found | None:
     """Every solution of one ends problem with at most so many whole periods, or None where none is found.
 
     most_turns: leave out those of more turning points, which are counted and not solved. A solution of index 0 has one
@@ -101,7 +85,7 @@ def search(problem: Reduced, most_swings: int = 200, most_turns: int | None = No
     if not _fits(problem):
         return None
     for step in (0.25, 0.0625):
-        found = _searched(problem, most_swings, most_turns, step)
+        found = _searched(problem, most_periods, most_turns, step)
         if found is not None and not found.remark.startswith(_COUNT):
             break
     return found
@@ -119,16 +103,16 @@ def _fits(problem: Reduced) -> bool:
         return bool((np.abs(np.stack([*numbers, reach, 1 / problem.span])) < _LARGEST).all())
 
 
-def _searched(problem: Reduced, most_swings: int, most_turns: int | None, step: float) -> Found | None:
-    """One search, with rungs of `step` in log gap."""
+def _searched(problem: Reduced, most_periods: int, most_turns: int | None, step: float) -> Found | None:
+    """One search, with points of `step` in log gap."""
     assert problem.betaL is not None
-    boundary, chain = chained(bounded(problem), step)
-    roots, said = _roots(boundary, chain, most_swings, most_turns)
+    boundary, chain = level_grid_of(boundary_of(problem), step)
+    roots, said = _roots(boundary, chain, most_periods, most_turns)
     helix = helix_of(problem, boundary.found)
-    way, lengthens = ways_of(boundary, roots, helix)
+    way, lengthens = level_paths_of(boundary, roots, helix)
     if not lengthens.size:
         return None
-    orbit, level = solved(problem, boundary, way, lengthens)
+    orbit, level = solved_orbits(problem, boundary, way, lengthens)
     far = orbit.at(orbit.problem.span[:, None])[0][:, 0]
     good = np.abs(far - problem.betaL[0]) < np.maximum(_MISSED, np.minimum(_blur(orbit), 0.1))
     lost = roots.lost + int(np.count_nonzero(~good))
@@ -136,7 +120,7 @@ def _searched(problem: Reduced, most_swings: int, most_turns: int | None, step: 
         return None
     if not good.all():
         way, lengthens = way.take(good), lengthens[good]
-        orbit, level = solved(problem, boundary, way, lengthens)
+        orbit, level = solved_orbits(problem, boundary, way, lengthens)
     index, energy = jacobi_zeros(orbit), energies(orbit, level)
     lowest, highest = _range(orbit)
     assert orbit.problem.dbeta0 is not None
@@ -160,19 +144,19 @@ def _remark(index: Array, energy: Array, signed: int, lost: int) -> str:
     return ""
 
 
-def _roots(boundary: Boundary, chain: Chain, most_swings: int, most_turns: int | None) -> tuple[Roots, str]:
-    """Every level on the chain at which a path has the rod's length, and what `most_swings` or `BUDGET` leaves out."""
+def _roots(boundary: Boundary, chain: LevelGrid, most_periods: int, most_turns: int | None) -> tuple[Roots, str]:
+    """Every level on the chain at which a path has the rod's length, and what `most_periods` or `BUDGET` leaves out."""
     span, size = float(boundary.problem.span[0]), chain.levels.y.size
-    seen = transit(boundary, chain.levels)
+    seen = transit_times(boundary, chain.levels)
     period = 2 * seen.time.sum(axis=0)[~seen.rotates & ~chain.place]
     shortest = float(np.nanmin(period, initial=np.inf))
     needed = int(min(span / shortest, 1e9)) + 1 if np.isfinite(shortest) else 0
-    said = f"only equilibria of at most {most_swings} whole periods of beta were searched for"
-    said = said if needed - 1 > most_swings else ""
-    every = paths(boundary, 2 * min(needed, most_swings) + 1)
+    said = f"only equilibria of at most {most_periods} whole periods of beta were searched for"
+    said = said if needed - 1 > most_periods else ""
+    every = paths(boundary, 2 * min(needed, most_periods) + 1)
     parts = [
-        on_chain(boundary, chain, seen, every.take(slice(k, k + _PATHS)), k)
-        for k in range(0, every.swings.size if size else 1, _PATHS)
+        brackets_on_grid(boundary, chain, seen, every.take(slice(k, k + _PATHS)), k)
+        for k in range(0, every.periods.size if size else 1, _PATHS)
     ]
     brackets, calls = joined_brackets([p for p, _ in parts]), seen.calls + sum(more for _, more in parts)
     turns = every.turns[brackets.path]
@@ -184,37 +168,37 @@ def _roots(boundary: Boundary, chain: Chain, most_swings: int, most_turns: int |
         said = f"only equilibria of at most {most} bends were solved: all {turns.size} would take too many evaluations"
     odd = (turns - brackets.rises) % 2 == 1
     some = brackets.take(kept)
-    y, more = closed_in(boundary, some, every.counts(boundary.rising)[some.path])
+    y, more = roots_in(boundary, some, every.counts(boundary.rising)[some.path])
     found = ~np.isnan(y)
     levels = Levels(some.pin[found], some.sign[found], y[found])
     total, signed, lost = turns.size, int(np.where(odd, -1, 1).sum()), int(np.count_nonzero(~found))
     return Roots(levels, every.take(some.path[found]), some.rises[found], total, signed, lost, calls + more), said
 
 
-def roots_on(boundary: Boundary, chain: Chain, some: Paths) -> Roots:
+def roots_on(boundary: Boundary, chain: LevelGrid, some: Paths) -> Roots:
     """Every level on the chain at which one of these paths has the rod's length."""
-    brackets, calls = on_chain(boundary, chain, transit(boundary, chain.levels), some, 0)
-    y, more = closed_in(boundary, brackets, some.counts(boundary.rising)[brackets.path])
+    brackets, calls = brackets_on_grid(boundary, chain, transit_times(boundary, chain.levels), some, 0)
+    y, more = roots_in(boundary, brackets, some.counts(boundary.rising)[brackets.path])
     found = ~np.isnan(y)
     levels = Levels(brackets.pin[found], brackets.sign[found], y[found])
     path, rises = brackets.path[found], brackets.rises[found]
     return Roots(levels, some.take(path), rises, path.size, 0, int(np.count_nonzero(~found)), calls + more)
 
 
-def ways_of(boundary: Boundary, roots: Roots, helix: Any) -> tuple[Way, Array]:
+def level_paths_of(boundary: Boundary, roots: Roots, helix: Any) -> tuple[LevelPaths, Array]:
     """Level and path of each root, the helix last; and whether the length grows with the level, NaN for the helix."""
     levels, some = roots.levels, roots.paths
     columns: list[Any] = [boundary.pins[levels.pin], levels.sign, levels.y]
-    columns += [some.leaving, some.arriving, some.swings, np.zeros(levels.y.size, dtype=bool)]
+    columns += [some.leaving, some.arriving, some.periods, np.zeros(levels.y.size, dtype=bool)]
     lengthens = roots.lengthens.astype(float)
     if helix is not None:
         mark = (helix[0], 1.0, -np.inf, 0, 0, 0, True)
         columns = [np.append(c, np.asarray(v, dtype=c.dtype)) for c, v in zip(columns, mark, strict=True)]
         lengthens = np.append(lengthens, np.nan)
-    return Way(*columns), lengthens
+    return LevelPaths(*columns), lengthens
 
 
-def solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) -> tuple[Orbit, Array]:
+def solved_orbits(problem: Reduced, boundary: Boundary, way: LevelPaths, lengthens: Array) -> tuple[Orbit, Array]:
     """The orbits and their levels eta, (K,)."""
     K = way.y.size
     moves = ~way.helix
@@ -224,25 +208,25 @@ def solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) -> 
     slope[moves] = way.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
     excess[moves] = np.maximum(boundary.deepest - way.y[moves], 0)
     first = boundary.low if boundary.rising else boundary.high
-    start = many(problem, K, beta0=np.full(K, first), dbeta0=slope)
+    start = repeated(problem, K, beta0=np.full(K, first), dbeta0=slope)
     level = potential(start, way.pin) + gap
     falls = np.ones((K, 2))  # of the ends from the pin
     falls[moves] = boundary.falls[pin]
     deep = excess > 0
     span = start.span.copy()
     if deep.any():
-        some = Paths(way.leaving[moves], way.arriving[moves], way.swings[moves])
-        seen = transit(boundary, Levels(pin, way.sign[moves], way.y[moves]), deep=False)
+        some = Paths(way.leaving[moves], way.arriving[moves], way.periods[moves])
+        seen = transit_times(boundary, Levels(pin, way.sign[moves], way.y[moves]), deep=False)
         span[moves] = np.where(deep[moves], seen.lengths_along(some.counts(boundary.rising)), span[moves])
     orbit = solve_orbit(replace(start, span=span), _TIGHT, (way.pin, gap), STRETCH)
     # between two ends on saddles of this height eta(L) stays as it is while eta between grows as the gap's root falls
     growth = end_response(orbit) * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
     if deep.any():
-        orbit = dwelling(orbit, start.span, gap, excess)
+        orbit = with_saddle_panels(orbit, start.span, gap, excess)
     turns = problem.beta0[0] - first
     orbit.panels.series[:, 0, 0] += turns
     start = replace(start, beta0=np.full(K, problem.beta0[0]))
-    passed = np.where(way.helix, 0.0, Paths(way.leaving, way.arriving, way.swings).turns)
+    passed = np.where(way.helix, 0.0, Paths(way.leaving, way.arriving, way.periods).turns)
     return replace(orbit, problem=start, lengthens=lengthens, response=growth, passed=passed, path=way), level
 
 

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Integers
 from ..problem.errors import InputError
 
 NEAREST, LOWEST = "nearest", "lowest"
@@ -69,7 +68,7 @@ def select(choose: Choose, index: Array, energy: Array, strays: Array, slope: Ar
     slope: beta'(0), in any unit. (K,) each.
     """
     if choose == LOWEST:
-        among: NDArray[np.intp] = np.arange(index.size)
+        among: Integers = np.arange(index.size)
     elif choose == NEAREST:
         among = np.flatnonzero(index == 0) if (index == 0).any() else np.arange(index.size)
     else:

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..mechanics.potential import TAU, load_size, slope
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Booleans
 from ..numerics.chebyshev import basis
 from ..orbit.arcs import apart, arcs_of
 from ..orbit.critical_points import CriticalPoints
@@ -25,14 +24,14 @@ from ..orbit.local_potential import LocalPotential
 from ..orbit.panels import panelled
 from ..orbit.pieces import CENTRE, ROTATION, Pieces, start_variable
 from ..problem.reduced import Reduced
+from .paths import Levels
 
-UP, DOWN = 1, -1
 _SAME = 4e-16  # of the size of G: heights that differ by less are one
 STRETCH = 4.0  # panels along saddles, where time is next to linear in u, are so much longer
 _BLOCK = 2048  # levels worked on at once
 
 
-def many(problem: Reduced, count: int, **changed: Array) -> Reduced:
+def repeated(problem: Reduced, count: int, **changed: Array) -> Reduced:
     """One problem, `count` times over, with some fields changed."""
     fields: dict[str, Any] = {k: v if v is None else np.repeat(v, count) for k, v in vars(problem).items()}
     return Reduced(**{**fields, **changed})
@@ -86,56 +85,7 @@ def fall(problem: Reduced, pin: float, beta: float, extremum: bool) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Levels:
-    """M levels: pin (M,), index into the boundary's pins; sign (M,), +1 or -1; y (M,), log of the gap's size."""
-
-    pin: NDArray[np.int64]
-    sign: Array
-    y: Array
-
-    def take(self, index: Any) -> "Levels":
-        return Levels(self.pin[index], self.sign[index], self.y[index])
-
-
-@dataclass(frozen=True, eq=False)
-class Paths:
-    """N ways from one end to the other, (N,) each: direction at beta(0) and at beta(L), UP or DOWN, whole periods."""
-
-    leaving: NDArray[np.int64]
-    arriving: NDArray[np.int64]
-    swings: NDArray[np.int64]
-
-    @property
-    def turns(self) -> NDArray[np.int64]:
-        """Turning points passed, (N,)."""
-        return 2 * self.swings + (self.leaving != self.arriving)
-
-    def counts(self, rising: bool) -> NDArray[np.int64]:
-        """How often the path takes the times crossing, above and below, (N, 3)."""
-        turns, half = self.turns, (self.turns + 1) // 2
-        up = self.leaving == UP
-        inward = up == rising
-        crossing = 2 * ((turns - ~inward) // 2) + 1
-        return np.stack([crossing, 2 * np.where(up, half, turns // 2), 2 * np.where(up, turns // 2, half)], axis=1)
-
-    def take(self, index: Any) -> "Paths":
-        return Paths(self.leaving[index], self.arriving[index], self.swings[index])
-
-
-def paths(boundary: Boundary, most_turns: int) -> Paths:
-    """Every path of at most so many turning points, but that of no length."""
-    turns = np.arange(most_turns + 1)
-    leaving = np.repeat([UP, DOWN], turns.size)
-    turns = np.tile(turns, 2)
-    way = boundary.low != boundary.high or boundary.rounds > 0
-    plain = (leaving == (UP if boundary.rising else DOWN)) & way
-    kept = (turns > 0) | plain
-    leaving, turns = leaving[kept], turns[kept]
-    return Paths(leaving, np.where(turns % 2 == 0, leaving, -leaving), turns // 2)
-
-
-@dataclass(frozen=True, eq=False)
-class Transit:
+class TransitTimes:
     """At M levels the times crossing, above and below, (3, M); NaN where the level does not join the ends.
 
     rate: (3, M), what a unit of falling y adds to each. rotates: (M,), whether beta turns all the way: then there is
@@ -144,7 +94,7 @@ class Transit:
 
     time: Array
     rate: Array
-    rotates: NDArray[np.bool_]
+    rotates: Booleans
     calls: int
 
     def lengths(self, counts: Array) -> Array:
@@ -168,23 +118,25 @@ class Transit:
         return np.where(self.rotates & (counts[:, 1] + counts[:, 2] > 0), np.nan, total)
 
 
-def transit(boundary: Boundary, levels: Levels, deep: bool = True) -> Transit:
+def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> TransitTimes:
     """The times at M levels. deep: continue them below `boundary.deepest`; else as at `deepest`."""
     if levels.y.size > _BLOCK:
-        blocks = [transit(boundary, levels.take(slice(k, k + _BLOCK)), deep) for k in range(0, levels.y.size, _BLOCK)]
+        blocks = [
+            transit_times(boundary, levels.take(slice(k, k + _BLOCK)), deep) for k in range(0, levels.y.size, _BLOCK)
+        ]
         time, rate = (np.concatenate([getattr(b, name) for b in blocks], axis=1) for name in ("time", "rate"))
-        return Transit(time, rate, np.concatenate([b.rotates for b in blocks]), sum(b.calls for b in blocks))
+        return TransitTimes(time, rate, np.concatenate([b.rotates for b in blocks]), sum(b.calls for b in blocks))
     M = levels.y.size
     gap = levels.sign * np.exp(np.maximum(levels.y, boundary.deepest))
     v2 = gap + boundary.falls[levels.pin].T
     joins = (v2 > 0).all(axis=0)
     v_low, v_high = np.sqrt(np.where(joins, v2, 1.0))
-    start = many(boundary.problem, M, beta0=np.full(M, boundary.low), betaL=None, dbeta0=v_low)  # type: ignore[arg-type]
+    start = repeated(boundary.problem, M, beta0=np.full(M, boundary.low), betaL=None, dbeta0=v_low)  # type: ignore[arg-type]
     same = boundary.found
     found = CriticalPoints(np.repeat(same.beta, M, axis=0), np.repeat(same.centre, M, axis=0), np.repeat(same.count, M))
     way = arcs_of(start, (boundary.pins[levels.pin], gap), found)
     pieces = _three(boundary, way.pieces, v_high, M)
-    twice = many(boundary.problem, 2 * M, betaL=None, dbeta0=np.tile(v_low, 2))  # type: ignore[arg-type]
+    twice = repeated(boundary.problem, 2 * M, betaL=None, dbeta0=np.tile(v_low, 2))  # type: ignore[arg-type]
     cut = type(way)(way.kind, way.direction, pieces)
     panels = panelled(twice, cut, basis(22), 0.7, 1e-15, times_only=True, stretch=STRETCH)
     time = _by_part(panels.arc, panels.duration, M)
@@ -196,7 +148,7 @@ def transit(boundary: Boundary, levels: Levels, deep: bool = True) -> Transit:
     if deep:
         time += rate * np.maximum(boundary.deepest - levels.y, 0)
     joins &= rotates | (boundary.rounds == 0)
-    return Transit(np.where(joins, time, np.nan), np.where(joins, rate, np.nan), rotates, int(panels.calls.sum()))
+    return TransitTimes(np.where(joins, time, np.nan), np.where(joins, rate, np.nan), rotates, int(panels.calls.sum()))
 
 
 def _by_part(part: Any, values: Array, M: int) -> Array:

@@ -81,7 +81,7 @@ def largest_solutions(rate: float, span: float) -> tuple[float, float]:
 
 @compiled
 def beside_helix(lam: float, mu: float, phi: float, span: float, beta: float, v: float, weight: float) -> float:
-    """The condition number of a rod along which H' hardly changes, else 0: `linearised_growth.beside_helix` of one rod."""
+    """The condition number where H' hardly changes, else 0: `linearised_growth.beside_helix` of one rod."""
     s, c = np.sin(beta), np.cos(beta)
     s2, c2 = 2 * s * c, (c - s) * (c + s)
     size = abs(c)
