@@ -1,1 +1,1 @@
-"""Two ends: transit_times times, search of all equilibria, stability, continuation, selection."""
+"""Problems of two ends: transit times, search of all equilibria, stability, continuation, selection."""

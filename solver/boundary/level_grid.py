@@ -1,8 +1,9 @@
-"""The levels at which two end angles can be joined, as a chain of points from the lowest to beyond the highest.
+"""A grid over the levels at which an orbit can join two end angles.
 
-The lowest is the height of G at an end, or of a saddle between the ends; the heights of the saddles above it divide the
-rest. Next to each of these the points are even in log gap, as the times are smooth in it; between two they meet in the
-middle. So the sign of an orbit's length less the rod's, read from rung to rung, shows every level where it is zero.
+The lowest level is the height of G at an end, or at a saddle between the ends; the heights of the higher saddles divide
+the rest. Next to each of these heights the grid is even in log gap, as the transit times are smooth in it; between two
+heights the grids from either side meet in the middle. So the sign of an orbit's length less the rod's, compared from
+point to point, shows every level where the two are equal.
 """
 
 from dataclasses import dataclass, replace
@@ -26,15 +27,18 @@ _LOWEST = -575.0  # log of the smallest gap that a float can hold with what is m
 
 @dataclass(frozen=True, eq=False)
 class LevelGrid:
-    """Rungs in order of rising level. place: (M,), True where the rung stands for the height of a saddle itself, of gap
-    zero: its pin and sign are those of the rung after it (before it, for the last)."""
+    """M levels in rising order.
+
+    place: (M,), whether the point stands for the height of a saddle itself, of gap zero; its pin and sign are those of
+    the next point (of the one before, for the last).
+    """
 
     levels: Levels
     place: Booleans
-    at_end: bool  # whether the first rung is pinned at an end of the rod, where beta_t is 0
+    at_end: bool  # whether the lowest level is measured from an end of the rod, where beta_t is 0
 
     def cell(self, k: int) -> tuple[int, float, float, float] | None:
-        """Pin, sign and the two y of the levels between rung k and the next; None beside a saddle's own height."""
+        """Pin, sign and the two y of the levels between point k and the next; None beside a saddle's own height."""
         if self.place[k] or self.place[k + 1]:
             return None
         one, y = self.levels, self.levels.y
@@ -42,7 +46,10 @@ class LevelGrid:
 
 
 def boundary_of(problem: Reduced) -> Boundary:
-    """The ends problem (of size 1) with what its search needs; ends within rounding of a helix are moved onto it."""
+    """The ends problem (of size 1) with the critical points of G; ends within rounding of a helix are moved onto it.
+
+    `pins`, `falls` and `deepest` are left to `level_grid_of`.
+    """
     assert problem.betaL is not None
     found = critical_points(problem)
     angles = found.beta[0, : found.count[0]]
@@ -62,8 +69,11 @@ def boundary_of(problem: Reduced) -> Boundary:
 
 
 def helix_of(problem: Reduced, found: CriticalPoints) -> tuple[float, float] | None:
-    """The rod that lies as a helix from end to end, which has no level to close in on: its angle in [-pi, pi), and
-    counted on to beta(0); None where the ends are no helix's, to rounding."""
+    """The rod that is a helix from end to end, which has no level to search for.
+
+    Its angle in [-pi, pi), and the same plus the whole turns of beta(0); None where the ends are those of no helix, to
+    rounding.
+    """
     assert problem.betaL is not None
     beta = problem.beta0
     if problem.betaL[0] != beta[0] or np.abs(slope(problem, beta))[0] > _ROUNDING * height_scale(problem):
@@ -75,7 +85,7 @@ def helix_of(problem: Reduced, found: CriticalPoints) -> tuple[float, float] | N
 
 
 def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelGrid]:
-    """The boundary with its pins, and the chain of its levels with points of `step` in log gap where they are dense."""
+    """The boundary with its pins, and the grid of its levels, in steps of `step` in log gap where it is dense."""
     problem, angles = blank.problem, blank.found.beta[0, : blank.found.count[0]]
     saddles = angles[~blank.found.centre[0, : angles.size]]
     floor, at_end = floor_of(blank, angles, saddles)
@@ -95,18 +105,19 @@ def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelG
                 for k, p in enumerate(pins)]  # fmt: skip
     width = np.diff(height)
     tops = [np.log(w / 2) for w in width]
-    way = blank.rounds > 0 or blank.high != blank.low
-    if way:
+    if blank.rounds > 0 or blank.high != blank.low:
         reach = abs(float(problem.betaL[0] - problem.beta0[0])) / float(problem.span[0])  # type: ignore[index]
         tops.append(np.log((2 * reach) ** 2 + 1e-3 * height_scale(problem)))
     lowest = min([*tops, *(f for some in features for f in some)])
     deepest = max(_LOWEST, lowest - (80 if at_end else 40))
     boundary = replace(blank, pins=pins, falls=falls, deepest=deepest)
-    return boundary, _chain(tops, features, deepest, step, len(groups), at_end)
+    return boundary, _levels_between(tops, features, deepest, step, len(groups), at_end)
 
 
-def _chain(tops: list[float], features: list[Any], deepest: float, step: float, groups: int, at_end: bool) -> LevelGrid:
-    """Up from the floor, through the saddles above it, to the top."""
+def _levels_between(
+    tops: list[float], features: list[Any], deepest: float, step: float, groups: int, at_end: bool
+) -> LevelGrid:
+    """The levels from the lowest, past the heights of the saddles, to the highest."""
     rows: list[tuple[Any, ...]] = []
 
     def add(pin: int, sign: float, y: Array, place: bool = False) -> None:
@@ -116,7 +127,7 @@ def _chain(tops: list[float], features: list[Any], deepest: float, step: float, 
     for k, top in enumerate(tops):
         add(k, 1.0, here, True)
         up = grid_levels(top, features[k], deepest, step)[::-1]
-        if at_end and k == 0:  # from rest on the times are linear in beta_t at that end
+        if at_end and k == 0:  # next to rest the times are linear in beta_t at that end
             law = min([top, *features[0]]) - 36
             up = up[(up == deepest) | (up >= law)]
         add(k, 1.0, up)
@@ -132,8 +143,11 @@ def _chain(tops: list[float], features: list[Any], deepest: float, step: float, 
 
 
 def grid_levels(top: float, features: Array, deepest: float, step: float) -> Array:
-    """Values of log gap from `top` down to `deepest`: dense below the top and about the features, where the times
-    change their law, and sparse between, where they are linear."""
+    """Values of log gap from `top` down to `deepest`.
+
+    They are dense below the top and about the `features`, where the transit times change their law, and sparse between,
+    where the times are linear in log gap.
+    """
     parts = [top - np.arange(0, 8, step), np.arange(top - 8, deepest, -8 * step), np.array([deepest])]
     parts += [f + np.arange(-8, 5, 2 * step) for f in np.unique(np.round(features))]
     y = np.unique(np.concatenate(parts))[::-1]
@@ -148,8 +162,8 @@ def grid_levels(top: float, features: Array, deepest: float, step: float) -> Arr
 
 
 def floor_of(blank: Boundary, angles: Array, saddles: Array) -> tuple[float, bool]:
-    """The highest of both ends and of the saddles from one to the other: its angle, and whether it is an end and no
-    critical point."""
+    """The highest of both ends and of the saddles between them: its angle, and whether it is an end that is no critical
+    point."""
     problem = blank.problem
     low, high = blank.low, blank.high
     best = low
@@ -172,8 +186,10 @@ def _between(angle: Array, low: float, high: float) -> Any:
 
 
 def _features(problem: Reduced, pin: float, angles: Array, ends: tuple[float, float], extremum: bool) -> Array:
-    """Values of log gap about which the times change their law, seen from a pin: the heights of the other critical
-    points and of the ends from there, and where G ceases to be a parabola."""
+    """Values of log gap about which the transit times change their law, measured from a pin.
+
+    They are the heights of the other critical points and of the ends above the pin, and where G stops being a parabola.
+    """
     apart = [abs(fall(problem, a, pin, True)) for a in angles]
     apart += [abs(fall(problem, pin, b, extremum)) for b in ends]
     if extremum:

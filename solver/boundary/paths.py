@@ -31,7 +31,7 @@ class Levels:
 
 @dataclass(frozen=True, eq=False)
 class Paths:
-    """N ways from one end to the other, (N,) each: direction at beta(0) and at beta(L), UP or DOWN, whole periods."""
+    """N paths from one end to the other, (N,) each: direction at beta(0) and at beta(L), UP or DOWN; whole periods."""
 
     leaving: Integers
     arriving: Integers
@@ -43,7 +43,7 @@ class Paths:
         return 2 * self.periods + (self.leaving != self.arriving)
 
     def counts(self, rising: bool) -> Integers:
-        """How often the path takes the times crossing, above and below, (N, 3)."""
+        """How many times crossing, above and below (`transit_times`) each path contains, (N, 3)."""
         turns, half = self.turns, (self.turns + 1) // 2
         up = self.leaving == UP
         inward = up == rising
@@ -56,7 +56,7 @@ class Paths:
 
 @dataclass(frozen=True, eq=False)
 class LevelPaths:
-    """The level and the path of K solutions, (K,) each: eta = G(pin) + sign exp(y); see `transit_times.Paths`."""
+    """The level and the path of K solutions, (K,) each: eta = G(pin) + sign exp(y); see `Paths`."""
 
     pin: Array
     sign: Array
@@ -71,12 +71,12 @@ class LevelPaths:
 
 
 def paths(boundary: "Boundary", most_turns: int) -> Paths:
-    """Every path of at most so many turning points, but that of no length."""
+    """Every path of at most so many turning points, but for that of no length."""
     turns = np.arange(most_turns + 1)
     leaving = np.repeat([UP, DOWN], turns.size)
     turns = np.tile(turns, 2)
-    way = boundary.low != boundary.high or boundary.rounds > 0
-    plain = (leaving == (UP if boundary.rising else DOWN)) & way
+    apart = boundary.low != boundary.high or boundary.rounds > 0
+    plain = (leaving == (UP if boundary.rising else DOWN)) & apart
     kept = (turns > 0) | plain
     leaving, turns = leaving[kept], turns[kept]
     return Paths(leaving, np.where(turns % 2 == 0, leaving, -leaving), turns // 2)

@@ -1,4 +1,4 @@
-"""A rod that stays at a saddle for longer than a float gap can say: the same orbit with panels where it is at rest."""
+"""Orbits that stay at a saddle for longer than a gap in floating point can express: panels at rest are inserted."""
 
 from dataclasses import replace
 from typing import Any
@@ -12,10 +12,11 @@ from .transit_times import half_passages
 
 
 def with_saddle_panels(brief: Orbit, span: Array, gap: Array, excess: Array) -> Orbit:
-    """The orbits, of length span (B,), with panels in which the rod dwells at the saddle that pins its level.
+    """The orbits with panels in which the rod stays at the saddle from which its level is measured.
 
-    gap, excess: (B,), the gap of the level and by how much the log of the true gap is smaller. There beta is the
-    saddle's angle to within the root of the gap, and alpha, z and the swirl grow evenly.
+    brief: the orbits of a level with the float `gap` (B,). span: (B,), their true lengths. excess: (B,), by how much
+    the log of the true gap is smaller. On the new panels beta is the angle of the saddle, to within the root of the
+    gap, and alpha, z and the swirl grow evenly.
     """
     pieces = brief.arcs.pieces
     stay = half_passages(pieces, gap) * excess[pieces.arc // 2]

@@ -13,11 +13,11 @@ from .end_conditioning import end_response
 from .search import Found, search
 from .selection import NEAREST, Choose, none_of, select, selection
 
-NO_EQUILIBRIUM = "failed: the search met no equilibrium, though there always is one"
+NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one exists"
 
 
 def equilibrium_trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float) -> Trajectory:
-    """The orbits of K ends problems at stations t (K, n), with how far they miss beta(L) as their error."""
+    """The orbits of K ends problems at stations t (K, n); their error is that of beta(L)."""
     assert problem.betaL is not None
     beta, dbeta, alpha, z = orbit.at(t)
     condition = end_response(orbit) if orbit.response is None else orbit.response
@@ -29,8 +29,10 @@ def equilibrium_trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float)
 
 
 def selected(problem: Reduced, t: Array, tol: float, slope: float | None, choose: Choose = NEAREST) -> Trajectory | str:
-    """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or the one that the rule takes; else the
-    outcome that says why there is none."""
+    """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or without `slope` the one of the rule.
+
+    Returns the outcome, a sentence, where there is none.
+    """
     found = _searched(problem, slope, choose)
     if found is None:
         return NO_EQUILIBRIUM
@@ -39,15 +41,17 @@ def selected(problem: Reduced, t: Array, tol: float, slope: float | None, choose
     i = select(choose, found.index, found.energy, found.stray, found.slope)
     if i is None:
         return none_of(choose, found.index, found.total)
-    if not isinstance(choose, int) and found.index[i] != 0 and found.remark:  # by degree there is a stable one
+    if not isinstance(choose, int) and found.index[i] != 0 and found.remark:  # by degree there is a stable equilibrium
         return f"failed: {found.remark}"
     how = np.array([selection(choose, found.index, found.total, not found.remark)], dtype=object)
     return replace(equilibrium_trajectory(problem, found.orbit.take(i), t, tol), selection=how)
 
 
 def _searched(problem: Reduced, slope: float | None, choose: Choose) -> Found | None:
-    """As many of the equilibria as the rule needs: a stable one has one turning point at most, one of index K at most
-    K + 1, and the lowest is stable."""
+    """The equilibria that the rule needs.
+
+    A stable one has one turning point at most, one of index K at most K + 1, and that of lowest energy is stable.
+    """
     if slope is not None:
         return search(problem)
     found = search(problem, most_turns=choose + 1 if isinstance(choose, int) else 1)
@@ -58,8 +62,11 @@ def _searched(problem: Reduced, slope: float | None, choose: Choose) -> Found | 
 def selected_seed(
     problem: Reduced, choose: Choose = NEAREST, points: int = 2001
 ) -> tuple[Seed, NDArray[np.object_], list[str]]:
-    """The equilibrium of each problem that the rule takes, as a seed, NaN where there is none; how each was taken; and
-    the outcome that says why there is none, or nothing."""
+    """The equilibrium of each of B ends problems that the rule takes, as a seed at `points` stations.
+
+    Returns the seed, NaN where there is no equilibrium; (B,) how each was selected; and the outcomes that say why there
+    is none, empty where there is one.
+    """
     u = np.linspace(0, 1, points)
     taken, why = np.full(problem.size, None, dtype=object), [""] * problem.size
     slopes, shapes = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)

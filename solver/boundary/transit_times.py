@@ -1,16 +1,17 @@
-"""How long an orbit takes between two end angles, as a function of its level: what an ends problem comes down to.
+"""The time that an orbit takes between two end angles, as a function of its level.
 
-Let low and high be the two end angles in order. At the level eta three times say everything: `crossing`, from low to
-high; `above`, from high to the upper turning point; `below`, from low to the lower one. A path that passes k turning
-points is a sum of whole multiples of the three, all of them positive, so no digits cancel.
+An ends problem reduces to this function. Let low and high be the two end angles in order. At the level eta three times
+determine the length of every path: `crossing`, from low to high; `above`, from high to the upper turning point;
+`below`, from low to the lower one. The length of a path that passes k turning points is a sum of whole multiples of the
+three, all of them positive, so no digits cancel.
 
-A level is given by a pin p (a saddle of G, or one of the ends), a sign and y: eta = G(p) + sign exp(y). Next to a
-saddle o, G(o + x) = G(o) - r^2 x^2 with r^2 = -H'(o), so each half passage (from the saddle's neighbourhood to the
-saddle or to the turning point before it) adds 1/(2 r) to the time for every unit that y falls; corrections are of the
-order of exp(y). Below y = `Boundary.deepest` the three times are continued by this law: y has no lower limit.
+Next to a saddle o, G(o + x) = G(o) - r^2 x^2 with r^2 = -H'(o). So where the level is eta = G(o) + sign exp(y), each
+half passage (from the neighbourhood of the saddle to the saddle or to the turning point before it) adds 1/(2 r) to the
+time for every unit that y falls; corrections are of the order of exp(y). Below y = `Boundary.deepest` the three times
+are continued by this law, so y has no lower limit.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,19 +27,19 @@ from ..orbit.pieces import CENTRE, ROTATION, Pieces, start_variable
 from ..problem.reduced import Reduced
 from .paths import Levels
 
-_SAME = 4e-16  # of the size of G: heights that differ by less are one
-STRETCH = 4.0  # panels along saddles, where time is next to linear in u, are so much longer
-_BLOCK = 2048  # levels worked on at once
+_SAME = 4e-16  # of the size of G: heights that differ by less are equal
+STRETCH = 4.0  # factor of the panels along saddles, where time is almost linear in u
+_BLOCK = 2048  # levels computed at once
 
 
 def repeated(problem: Reduced, count: int, **changed: Array) -> Reduced:
-    """One problem, `count` times over, with some fields changed."""
+    """`count` copies of one problem, with some fields changed."""
     fields: dict[str, Any] = {k: v if v is None else np.repeat(v, count) for k, v in vars(problem).items()}
     return Reduced(**{**fields, **changed})
 
 
 def wrapped(angle: float) -> float:
-    """The angle in [-pi, pi), as `course` wraps it."""
+    """The angle in [-pi, pi), as `arcs.arcs_of` wraps it."""
     angle = float(angle - TAU * np.round(angle / TAU))
     return angle - TAU if angle >= np.pi else angle
 
@@ -47,10 +48,10 @@ def wrapped(angle: float) -> float:
 class Boundary:
     """One ends problem (of size 1) and the critical points of its G.
 
-    low, high: the end angles in order, in [-pi, pi). rounds: whole turns between them. passed: extrema of G between low
-    and high, without those of whole rounds. rising: whether beta(0) is the lower one.
-    pins: (P,) angles in [-pi, pi); falls: (P, 2), G(pin) less G at low and high. deepest: log gap below which times
-    are linear in it.
+    low, high: the end angles in order, in [-pi, pi). rounds: whole turns of beta between them. passed: critical points
+    between low and high, without those of the whole turns. rising: whether beta(0) is the lower one. pins: (P,), angles
+    in [-pi, pi) from whose heights levels are measured. falls: (P, 2), G(pin) less G at low and high. deepest: log gap
+    below which times are linear in it.
     """
 
     problem: Reduced
@@ -119,7 +120,7 @@ class TransitTimes:
 
 
 def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> TransitTimes:
-    """The times at M levels. deep: continue them below `boundary.deepest`; else as at `deepest`."""
+    """The times at M levels. deep: continue them below `boundary.deepest`, else take those at `deepest`."""
     if levels.y.size > _BLOCK:
         blocks = [
             transit_times(boundary, levels.take(slice(k, k + _BLOCK)), deep) for k in range(0, levels.y.size, _BLOCK)
@@ -134,14 +135,14 @@ def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> Tran
     start = repeated(boundary.problem, M, beta0=np.full(M, boundary.low), betaL=None, dbeta0=v_low)  # type: ignore[arg-type]
     same = boundary.found
     found = CriticalPoints(np.repeat(same.beta, M, axis=0), np.repeat(same.centre, M, axis=0), np.repeat(same.count, M))
-    way = arcs_of(start, (boundary.pins[levels.pin], gap), found)
-    pieces = _three(boundary, way.pieces, v_high, M)
+    arcs = arcs_of(start, (boundary.pins[levels.pin], gap), found)
+    pieces = _three(boundary, arcs.pieces, v_high, M)
     twice = repeated(boundary.problem, 2 * M, betaL=None, dbeta0=np.tile(v_low, 2))  # type: ignore[arg-type]
-    cut = type(way)(way.kind, way.direction, pieces)
+    cut = replace(arcs, pieces=pieces)
     panels = panelled(twice, cut, basis(22), 0.7, 1e-15, times_only=True, stretch=STRETCH)
-    time = _by_part(panels.arc, panels.duration, M)
-    rate = _by_part(pieces.arc, half_passages(pieces, np.tile(gap, 2)).sum(axis=0), M)
-    rotates = joins & (way.kind == ROTATION)
+    time = _by_arc(panels.arc, panels.duration, M)
+    rate = _by_arc(pieces.arc, half_passages(pieces, np.tile(gap, 2)).sum(axis=0), M)
+    rotates = joins & (arcs.kind == ROTATION)
     for value in (time, rate):
         value[0, rotates] += boundary.rounds * (value[0] + value[1])[rotates]
         value[1:, rotates] = 0
@@ -151,15 +152,17 @@ def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> Tran
     return TransitTimes(np.where(joins, time, np.nan), np.where(joins, rate, np.nan), rotates, int(panels.calls.sum()))
 
 
-def _by_part(part: Any, values: Array, M: int) -> Array:
-    """Sums over the parts that `_three` numbers, (3, M): crossing, above, below."""
-    total = np.bincount(part, weights=values, minlength=4 * M).astype(float)
+def _by_arc(arc: Any, values: Array, M: int) -> Array:
+    """Sums over the arcs that `_three` numbers, (3, M): crossing, above, below."""
+    total = np.bincount(arc, weights=values, minlength=4 * M).astype(float)
     return np.stack([total[: 2 * M : 2], total[2 * M :: 2], total[1 : 2 * M : 2]])
 
 
 def _three(boundary: Boundary, pieces: Pieces, v_high: Array, M: int) -> Pieces:
-    """The pieces of courses from low, the upward ones cut at high: part 2 b up to high, 2 (M + b) beyond it, 2 b + 1
-    below low."""
+    """The pieces of the arcs from low, the upward ones cut at high.
+
+    They are numbered as arcs: 2 b from low to high, 2 (M + b) beyond high, 2 b + 1 below low.
+    """
     upward = pieces.arc % 2 == 0
     holds = np.flatnonzero(upward & (pieces.rank == boundary.passed))
     cut = pieces.take(holds)
@@ -168,24 +171,24 @@ def _three(boundary: Boundary, pieces: Pieces, v_high: Array, M: int) -> Pieces:
     x = np.where(from_low & (x < 0), x + TAU, np.where(~from_low & (x > 0), x - TAU, x))
     u, _ = start_variable(cut.kind, cut.scale, x, v_high[cut.arc // 2], np.zeros(x.size, dtype=bool), cut.local)
     u = np.clip(u, np.minimum(cut.u0, cut.u1), np.maximum(cut.u0, cut.u1))
-    part = np.where(upward & (pieces.rank >= boundary.passed), pieces.arc + 2 * M, pieces.arc)
+    arc = np.where(upward & (pieces.rank >= boundary.passed), pieces.arc + 2 * M, pieces.arc)
     u0 = pieces.u0.copy()
     u0[holds] = u
-    index = np.concatenate([np.arange(part.size), holds])
-    part = np.concatenate([part, cut.arc])
+    index = np.concatenate([np.arange(arc.size), holds])
+    arc = np.concatenate([arc, cut.arc])
     u0, u1 = np.concatenate([u0, cut.u0]), np.concatenate([pieces.u1, u])
     rank = pieces.rank[index]
-    order = np.lexsort((rank, part))
+    order = np.lexsort((rank, arc))
     order = order[u0[order] != u1[order]]
     kept = pieces.take(index[order])
-    return Pieces(part[order], rank[order], kept.kind, kept.base, kept.scale, u0[order], u1[order], kept.local)
+    return Pieces(arc[order], rank[order], kept.kind, kept.base, kept.scale, u0[order], u1[order], kept.local)
 
 
 def half_passages(pieces: Pieces, gap: Array) -> Array:
     """What a unit of falling log gap adds to the time at the near and at the far end of each piece, (2, P).
 
-    1/(2 r) where the piece ends at the saddle on whose height the level is pinned, or at the turning point before it.
-    gap: (B,), of the problem of each piece, part // 2.
+    1/(2 r) where the piece ends at the saddle from whose height the level is measured, or at the turning point before
+    it, else 0. gap: (B,), of the problem of each piece, arc // 2.
     """
     level = pieces.local.level[:, 0]
     own = (pieces.kind != CENTRE) & (np.abs(np.abs(level) - np.abs(gap[pieces.arc // 2])) < 1e-9 * np.abs(level))
