@@ -169,8 +169,8 @@ def _saddles(place: LinePoint, path: Path, gap: float) -> tuple[Array, Array, An
 
 def _behind(angles: Array, angle: float) -> int:
     """The number of the last critical point not above an angle, counted on through whole turns."""
-    rounds = int(np.floor((angle + np.pi) / TAU))
-    return int(np.count_nonzero(angles <= angle - TAU * rounds)) - 1 + angles.size * rounds
+    whole_turns = int(np.floor((angle + np.pi) / TAU))
+    return int(np.count_nonzero(angles <= angle - TAU * whole_turns)) - 1 + angles.size * whole_turns
 
 
 def coordinate(chart: Chart) -> float:

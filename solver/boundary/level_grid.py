@@ -62,10 +62,10 @@ def boundary_of(problem: Reduced) -> Boundary:
         around[i] = float(near[0]) if near.size else b
     low, high = around if helix is None else (helix[0], helix[0])
     rest = high - low + (TAU if high < low else 0.0)
-    rounds = round((max(ends) - min(ends) - rest) / TAU)
+    whole_turns = round((max(ends) - min(ends) - rest) / TAU)
     behind = [int(np.count_nonzero(angles <= b)) - 1 for b in (low, high)]
     passed = behind[1] - behind[0] + (angles.size if high < low else 0)
-    return Boundary(problem, found, low, high, rounds, passed, rising, np.empty(0), np.empty((0, 2)), _LOWEST)
+    return Boundary(problem, found, low, high, whole_turns, passed, rising, np.empty(0), np.empty((0, 2)), _LOWEST)
 
 
 def helix_of(problem: Reduced, found: CriticalPoints) -> tuple[float, float] | None:
@@ -105,7 +105,7 @@ def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelG
                 for k, p in enumerate(pins)]  # fmt: skip
     width = np.diff(height)
     tops = [np.log(w / 2) for w in width]
-    if blank.rounds > 0 or blank.high != blank.low:
+    if blank.whole_turns > 0 or blank.high != blank.low:
         reach = abs(float(problem.betaL[0] - problem.beta0[0])) / float(problem.span[0])  # type: ignore[index]
         tops.append(np.log((2 * reach) ** 2 + 1e-3 * height_scale(problem)))
     lowest = min([*tops, *(f for some in features for f in some)])
@@ -170,7 +170,7 @@ def floor_of(blank: Boundary, angles: Array, saddles: Array) -> tuple[float, boo
     if fall(problem, low, high, bool((angles == low).any())) < 0:
         best = high
     extremum = bool((angles == best).any())
-    inside = saddles if blank.rounds else saddles[_between(saddles, low, high)]
+    inside = saddles if blank.whole_turns else saddles[_between(saddles, low, high)]
     for s in inside:
         rise = fall(problem, s, best, True)
         if rise > 0 or (rise == 0 and not extremum):

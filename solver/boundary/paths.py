@@ -75,8 +75,8 @@ def paths(boundary: "Boundary", most_turns: int) -> Paths:
     turns = np.arange(most_turns + 1)
     leaving = np.repeat([UP, DOWN], turns.size)
     turns = np.tile(turns, 2)
-    apart = boundary.low != boundary.high or boundary.rounds > 0
-    plain = (leaving == (UP if boundary.rising else DOWN)) & apart
+    separate = boundary.low != boundary.high or boundary.whole_turns > 0
+    plain = (leaving == (UP if boundary.rising else DOWN)) & separate
     kept = (turns > 0) | plain
     leaving, turns = leaving[kept], turns[kept]
     return Paths(leaving, np.where(turns % 2 == 0, leaving, -leaving), turns // 2)

@@ -118,7 +118,7 @@ def _searched(problem: Reduced, most_periods: int, most_turns: int | None, step:
     """One search, on a level grid of steps of `step` in log gap."""
     assert problem.betaL is not None
     boundary, grid = level_grid_of(boundary_of(problem), step)
-    roots, said = _roots(boundary, grid, most_periods, most_turns)
+    roots, reason = _roots(boundary, grid, most_periods, most_turns)
     helix = helix_of(problem, boundary.found)
     path, lengthens = level_paths_of(boundary, roots, helix)
     if not lengthens.size:
@@ -137,7 +137,7 @@ def _searched(problem: Reduced, most_periods: int, most_turns: int | None, step:
     assert orbit.problem.dbeta0 is not None
     helices = index[path.helix]
     signed = roots.signed + int(np.where(helices % 2 == 0, 1, -1).sum())
-    remark = said or _remark(index, energy, signed, lost)
+    remark = reason or _remark(index, energy, signed, lost)
     total, calls = roots.total + helices.size, roots.calls + int(orbit.panels.calls.sum())
     return Found(orbit.problem.dbeta0, orbit, path, index, energy, lowest, highest, total, remark, calls)
 
@@ -164,8 +164,8 @@ def _roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_turns: i
     period = 2 * seen.time.sum(axis=0)[~seen.rotates & ~grid.place]
     shortest = float(np.nanmin(period, initial=np.inf))
     needed = int(min(span / shortest, 1e9)) + 1 if np.isfinite(shortest) else 0
-    said = f"only equilibria of at most {most_periods} whole periods of beta were searched for"
-    said = said if needed - 1 > most_periods else ""
+    reason = f"only equilibria of at most {most_periods} whole periods of beta were searched for"
+    reason = reason if needed - 1 > most_periods else ""
     every = paths(boundary, 2 * min(needed, most_periods) + 1)
     parts = [
         brackets_on_grid(boundary, grid, seen, every.take(slice(k, k + _PATHS)), k)
@@ -178,14 +178,16 @@ def _roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_turns: i
     if np.count_nonzero(kept) > afford:
         most = int(np.sort(turns[kept])[afford]) - 1
         kept = kept & (turns <= most)
-        said = f"only equilibria of at most {most} bends were solved: all {turns.size} would take too many evaluations"
+        reason = (
+            f"only equilibria of at most {most} bends were solved: all {turns.size} would take too many evaluations"
+        )
     odd = (turns - brackets.rises) % 2 == 1
     some = brackets.take(kept)
     y, more = roots_in(boundary, some, every.counts(boundary.rising)[some.path])
     found = ~np.isnan(y)
     levels = Levels(some.pin[found], some.sign[found], y[found])
     total, signed, lost = turns.size, int(np.where(odd, -1, 1).sum()), int(np.count_nonzero(~found))
-    return Roots(levels, every.take(some.path[found]), some.rises[found], total, signed, lost, calls + more), said
+    return Roots(levels, every.take(some.path[found]), some.rises[found], total, signed, lost, calls + more), reason
 
 
 def roots_on(boundary: Boundary, grid: LevelGrid, some: Paths) -> Roots:

@@ -48,7 +48,7 @@ def wrapped(angle: float) -> float:
 class Boundary:
     """One ends problem (of size 1) and the critical points of its G.
 
-    low, high: the end angles in order, in [-pi, pi). rounds: whole turns of beta between them. passed: critical points
+    low, high: the end angles in order, in [-pi, pi). whole_turns: whole turns of beta between them. passed: critical points
     between low and high, without those of the whole turns. rising: whether beta(0) is the lower one. pins: (P,), angles
     in [-pi, pi) from whose heights levels are measured. falls: (P, 2), G(pin) less G at low and high. deepest: log gap
     below which times are linear in it.
@@ -58,7 +58,7 @@ class Boundary:
     found: CriticalPoints
     low: float
     high: float
-    rounds: int
+    whole_turns: int
     passed: int
     rising: bool
     pins: Array
@@ -144,11 +144,11 @@ def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> Tran
     rate = _by_arc(pieces.arc, half_passages(pieces, np.tile(gap, 2)).sum(axis=0), M)
     rotates = joins & (arcs.kind == ROTATION)
     for value in (time, rate):
-        value[0, rotates] += boundary.rounds * (value[0] + value[1])[rotates]
+        value[0, rotates] += boundary.whole_turns * (value[0] + value[1])[rotates]
         value[1:, rotates] = 0
     if deep:
         time += rate * np.maximum(boundary.deepest - levels.y, 0)
-    joins &= rotates | (boundary.rounds == 0)
+    joins &= rotates | (boundary.whole_turns == 0)
     return TransitTimes(np.where(joins, time, np.nan), np.where(joins, rate, np.nan), rotates, int(panels.calls.sum()))
 
 

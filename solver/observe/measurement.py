@@ -80,12 +80,12 @@ def _pushes(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str,
 def _parted(push: Resolved, doubt: Array) -> tuple[Array, Array, Array, Array]:
     """Integrals of push alone and of pull alone, the length on which the cylinder pushes, and its error, (B,) each."""
     beyond = push.less(BARELY * push.size)
-    q, x, way = beyond.crossings()
+    q, x, sign = beyond.crossings()
     first, Q = beyond.values[:, 0] > 0, push.values.shape[0]
     whole, mine = push.coefficients @ means(push.values.shape[1]), primitive(push.coefficients)[q]
     left = series_at(mine, np.ones(q.size)) - series_at(mine, x)
-    area = np.where(first, whole, 0) + np.bincount(q, weights=way * left, minlength=Q) / 2
-    share = np.where(first, 1.0, 0) + np.bincount(q, weights=way * (1 - x), minlength=Q) / 2
+    area = np.where(first, whole, 0) + np.bincount(q, weights=sign * left, minlength=Q) / 2
+    share = np.where(first, 1.0, 0) + np.bincount(q, weights=sign * (1 - x), minlength=Q) / 2
     # an uncertain push has uncertain zeros, or may vanish on the whole piece
     moved = doubt.max(axis=1)[q] / np.abs(beyond.rate_at(q, x))
     moved = np.bincount(q, weights=np.where(moved < 1, moved, 1), minlength=Q)

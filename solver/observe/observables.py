@@ -288,8 +288,8 @@ def observe(sol: Solution, names: Iterable[str], errors: bool = False) -> dict[s
     >>> from solver import Case, Cylinder, Rod, Start, observe, solve
     >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0, stiffness="paper")
     >>> sol = solve(Case(rod, Cylinder(R=0.75), Start(beta=pi / 6, dbeta=0.5, F1=5.0, F3=10.0)))
-    >>> {name: float(value) for name, value in observe(sol, ["turns", "index"]).items()}
-    {'turns': 5.0, 'index': 5.0}
+    >>> {name: int(value) for name, value in observe(sol, ["turns", "index"]).items()}
+    {'turns': 6, 'index': 6}
     """
     names = list(names)
     for name in names:

@@ -145,7 +145,7 @@ def _root(series: Array, low: Array, high: Array) -> Array:
         found = np.einsum("kcn,nc->kc", both, polynomials(x, series.shape[1]))
         return found[0], found[1]
 
-    return bracketed(value_and_rate, low, high, rounds=60)
+    return bracketed(value_and_rate, low, high, steps=60)
 
 
 def _most(pieces: Pieces, values: Array) -> Array:

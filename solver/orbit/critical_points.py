@@ -17,7 +17,7 @@ class CriticalPoints:
     """The critical points of G in [-pi, pi) of B problems, rising; padded to (B, K) with NaN.
 
     beta: (B, K). centre: (B, K), whether each is a minimum of G; they alternate. count: (B,), even, at least 2.
-    A saddle and a centre may share an angle, where H only touches zero: with nothing but twist, at an end of the axis.
+    A saddle and a centre may share an angle, where H only touches zero: under twist alone, at beta = 0 or pi.
     """
 
     beta: Array
@@ -30,7 +30,7 @@ def _grid() -> tuple[Array, Array]:
     """Angles and H, H' there as linear functions of (lam - mu, lam + mu, mu, phi, 1): (M,), (5, 2 M).
 
     Even spacing leaves at most one pair of roots of H in a cell; small loads gather three roots about beta = 0 and
-    beta = pi, which points in geometric progression tell apart.
+    beta = pi, which points in geometric progression separate.
     """
     near = 2.0 ** -np.arange(6, 42)
     even = np.linspace(-np.pi, np.pi, 193)[:-1] + 1e-3
@@ -44,7 +44,7 @@ def _grid() -> tuple[Array, Array]:
 
 
 def critical_points(problem: Reduced) -> CriticalPoints:
-    """Every helix: the roots of H, found as sign changes on a grid and polished inside their brackets."""
+    """All critical points of G: the roots of H, found as sign changes on a grid and refined inside their brackets."""
     angles, basis = _grid()
     m = angles.size
     loads = np.array(
@@ -53,7 +53,7 @@ def critical_points(problem: Reduced) -> CriticalPoints:
     both = loads.T @ basis
     value, rate = both[:, :m], both[:, m:]
     right = np.append(angles[1:], angles[0] + TAU)
-    # a root on the grid itself goes with its left neighbour, so that one where H only touches zero is none
+    # a root on the grid has the sign of its left neighbour, so that one where H only touches zero does not count
     rising = np.where(value == 0, np.roll(value, 1, axis=1), value) >= 0
     change = rising != np.roll(rising, -1, axis=1)
     row, cell = np.nonzero(change)
@@ -82,7 +82,7 @@ def critical_points(problem: Reduced) -> CriticalPoints:
 
 
 def _crossing(lo: Array, hi: Array, v0: Array, v1: Array, r0: Array, r1: Array) -> Array:
-    """Where the inverse cubic through two values and rates of opposite sign is zero; the secant's root if outside."""
+    """The root of the inverse cubic through two values of opposite sign and their rates; if outside, of the secant."""
     rise = v1 - v0
     w = -v0 / rise
     secant = lo + (hi - lo) * w
@@ -97,7 +97,7 @@ def _pairs(
     """Brackets of two roots of H that share a cell: row, lo, hi, whether H rises through each."""
     v2, r2 = np.roll(value, -1, axis=1), np.roll(rate, -1, axis=1)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        # H heads for zero from both sides, and its tangents reach it inside the cell
+        # H approaches zero from both sides, and its tangents reach zero inside the cell
         reach = np.abs(value / rate) + np.abs(v2 / r2) < right - angles
     row, cell = np.nonzero(~change & (value * rate < 0) & (v2 * r2 > 0) & reach)
     if not row.size:
@@ -119,12 +119,12 @@ def _pairs(
 
 
 def _touching(problem: Reduced, angles: Array, value: Array, known: Any) -> tuple[Any, Array, Any]:
-    """Rows, angles and whether it is a centre, of pairs of roots too near to 0 or -pi for the grid to tell apart.
+    """Rows, angles and whether each is a centre, of pairs of roots that the grid cannot separate about 0 and -pi.
 
-    Where lam = mu, H = x (3/2 mu x - phi - 2 x^2) for small x = beta: one root is 0, and with hardly any axial force
-    another is next to it; with none H only touches zero, a saddle and a centre in one. An orbit that passes them, and
-    knows G only about some far extremum, would lose every digit. Likewise about pi where lam = -mu; its angles are no
-    finer than a float's. known: rows of which the two roots about pi have been told apart.
+    Where lam = mu, H = x (3/2 mu x - phi - 2 x^2) for small x = beta: one root is 0, and under a small axial force
+    another is next to it; without axial force H only touches zero, a saddle and a centre in one. An orbit that passes
+    them would lose every digit if G were known about a far critical point only. Likewise about pi where lam = -mu,
+    where angles are no finer than a float's. known: rows whose two roots about pi are separated already.
     """
     zero = int(np.searchsorted(angles, 0.0))
     found: list[tuple[Any, Array, Any]] = []

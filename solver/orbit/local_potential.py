@@ -15,7 +15,7 @@ from ..problem.reduced import Reduced
 class LocalPotential:
     """G about critical points o: G(o + x) - G(o) = -q K(x) with q = sin^2(x/2), exact to relative accuracy in x.
 
-    The linear term 2 H(o) sin(x) is left out, so o must be a root of H. All fields (P, 1).
+    The linear term 2 H(o) sin(x) is left out, so o must be a root of H. level: eta - G(o). All fields are (P, 1).
     """
 
     lam: Array
@@ -27,7 +27,7 @@ class LocalPotential:
 
     @classmethod
     def about(cls, problem: Reduced, o: Array, level: Any = 0.0) -> "LocalPotential":
-        """Around o (P,), where eta - G(o) = level (P,)."""
+        """The potential about o (P,), where eta - G(o) = level (P,)."""
         lam, mu, phi, o = (v[:, None] for v in (problem.lam, problem.mu, problem.phi, o))
         level = np.broadcast_to(level, o.shape[0])[:, None]
         s, c = np.sin(o), np.cos(o)
@@ -35,14 +35,14 @@ class LocalPotential:
         return cls(lam, mu, phi, o, level, fixed)
 
     def take(self, index: Any) -> "LocalPotential":
-        """The wells that an index picks."""
+        """The potentials that an index selects."""
         picked = (v[index] for v in (self.lam, self.mu, self.phi, self.o, self.level))
         lam, mu, phi, o, level = picked
         return LocalPotential(lam, mu, phi, o, level, tuple(v[index] for v in self._fixed))
 
     @property
     def faintest(self) -> Array:
-        """What of K no float of these loads can tell from nothing, (P, 1)."""
+        """The rounding of K under these loads, (P, 1)."""
         return 1e-17 * (np.abs(self.lam) + np.abs(self.mu) + np.abs(self.phi) + 1)
 
     def weight(self, reach: Array) -> Array:
@@ -105,8 +105,8 @@ class LocalPotential:
     def turning(self, limit: Array) -> Array:
         """x with speed2(x) = 0 between 0 and `limit`, to relative accuracy, (P,) -> (P,).
 
-        The level must lie below a saddle's o or above a centre's; in log(x) and log(drop) the root is nearly a
-        straight line's, however small it is.
+        The level must lie below a saddle's o or above a centre's; in log(x) and log(drop) the function is
+        nearly linear, however small the root is.
         """
         side = np.sign(limit)[:, None]
         wanted = np.log(np.abs(self.level))
@@ -118,7 +118,7 @@ class LocalPotential:
             return (np.log(np.sin(x / 2) ** 2 * np.abs(K)) - wanted)[:, 0], rate[:, 0]
 
         with np.errstate(divide="ignore", invalid="ignore"):
-            # a first look at eighths of the way, and the parabola's law below the first of them
+            # start: interpolation between eighths of the limit, and the law of a parabola below the first of them
             shares = np.linspace(0.125, 1, 8)
             known = np.log(np.abs(self.drop(limit[:, None] * shares)))
             y = np.log(np.abs(limit))[:, None] + np.log(shares)

@@ -209,7 +209,7 @@ def march_orbit(problem: Reduced, tol: float, memory: Memory | None = None) -> t
 
 
 def memory_for(orbits: int) -> Memory:
-    """Arrays for the steps of so many orbits, as far as can be told before the march."""
+    """Arrays for the steps of so many orbits, estimated before the march."""
     from ..core.arc_march import MOST
     from ..core.taylor_step import ORDER
 
