@@ -48,7 +48,7 @@ def wrapped(angle: float) -> float:
 class Boundary:
     """One ends problem (of size 1) and the critical points of its G.
 
-    low, high: the end angles in order, in [-pi, pi). whole_turns: whole turns of beta between them. passed: critical points
+    low, high: the end angles in order, in [-pi, pi). whole_turns: of beta between them. passed: critical points
     between low and high, without those of the whole turns. rising: whether beta(0) is the lower one. pins: (P,), angles
     in [-pi, pi) from whose heights levels are measured. falls: (P, 2), G(pin) less G at low and high. deepest: log gap
     below which times are linear in it.
