@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Ends, InputError, equilibria, solve
-from solver.boundary.end_angle import follow
+from solver.boundary.end_angle_branch import follow
 from solver.equilibria import nearest
 from solver.observe.observables import observe
 from studies import load

@@ -170,10 +170,11 @@ def _written(
 
 def _push(ds: xr.Dataset, where: dict[str, int], line: Centreline, s: centreline.Array) -> centreline.Array:
     """The cylinder's push at s, negative where it would have to pull."""
+    from solver.mechanics.contact import push_from
+
     from ..export.tables import computed
 
-    sign = -1.0 if line.side == "inside" else 1.0
-    return np.interp(s, line.s, sign * computed(line)["contact"])
+    return np.interp(s, line.s, push_from(computed(line)["contact"], line.side))
 
 
 def _title(ds: xr.Dataset, at: Mapping[str, float]) -> str:

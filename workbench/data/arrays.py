@@ -13,7 +13,8 @@ import xarray as xr
 
 from solver import Case, Rod, Solution
 from solver.mechanics import frames, statics
-from solver.mechanics.potential import potential
+from solver.mechanics.contact import contact_force, push_from
+from solver.mechanics.potential import dimensional_slope, potential
 from studies import Study
 from studies.model import OUTPUTS
 
@@ -129,8 +130,8 @@ class Stored:
 
 def _contact(at: Stored, FY: Any, beta: Any, dbeta: Any) -> Any:
     l, m, p = at.lmp
-    H = statics.slope(l, m, p, at.rho, beta)
-    return statics.contact(at.A, m, at.rho, FY, H, beta, dbeta)
+    H = dimensional_slope(l, m, p, at.rho, beta)
+    return contact_force(at.A, m, at.rho, FY, H, beta, dbeta)
 
 
 def _FY(at: Stored, beta: Any) -> Any:
@@ -139,7 +140,7 @@ def _FY(at: Stored, beta: Any) -> Any:
 
 
 def _push(at: Stored, contact: Any) -> Any:
-    return -contact if reading.text(at.ds, "side") == "inside" else contact
+    return push_from(contact, reading.text(at.ds, "side"))
 
 
 def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:

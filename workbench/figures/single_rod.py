@@ -8,6 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from solver.mechanics.contact import push_from
+
 from ..data import dataset
 from . import style
 from .scales import larger, stretch
@@ -42,8 +44,7 @@ def pushes(ds: xr.Dataset) -> Any:
     """The cylinder's push along one rod, (n,), negative where it would have to pull; None if not stored."""
     if not _has(ds, "contact"):
         return None
-    sign = -1.0 if ds.attrs.get("side") == "inside" else 1.0
-    return sign * dataset.along(ds, "contact").values
+    return push_from(dataset.along(ds, "contact").values, str(ds.attrs.get("side", "outside")))
 
 
 def figure(ds: xr.Dataset) -> Figure:

@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from solver.mechanics.contact import push_from
 from solver.problem.errors import InputError
 
 from ..data import dataset
@@ -93,7 +94,7 @@ class Body:
     def value(self, s: Array) -> Array:
         """What the colour shows at s: push or curvature."""
         if self.tint == "contact":
-            return (-1.0 if self.side == "inside" else 1.0) * self.line.contact(s)
+            return np.asarray(push_from(self.line.contact(s), self.side))
         return self.line.kappa(s)
 
     def extremes(self) -> tuple[float, float]:

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from solver import solve
-from solver.boundary.end_angle import follow
+from solver.boundary.end_angle_branch import follow
 from studies import Study
 
 from ..data import dataset

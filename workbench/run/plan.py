@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 import solver
 import studies
 from solver import Case, Ends, InputError, Start
-from solver.methods import METHODS
 from solver.solve import AUTO
 from studies import Study
 from studies.axes import Axis
@@ -121,6 +120,8 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
 
     Raises `InputError` for a tolerance or method that `solve` refuses.
     """
+    from solver.methods import METHODS
+
     coordinates = study.coordinates()
     first = study.case_of({name: values[0] for name, values in coordinates.items()})
     if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
@@ -203,6 +204,8 @@ def code_version() -> str:
 
 def check_worker(study: Study, code: str) -> None:
     """Raise `InputError` where this process would not give the same numbers: other code, or a method it lacks."""
+    from solver.methods import METHODS
+
     if code_version() != code:
         raise InputError(f"a worker has the code {code_version()}, but the run was started with {code}")
     if study.method not in METHODS:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Solution, solve
-from solver.methods.base import Trajectory
 from solver.problem.reduced import flat, reduce
+from solver.problem.trajectory import Trajectory
 from studies import Study
 
 from .sweep import State, state_of
