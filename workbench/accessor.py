@@ -50,9 +50,17 @@ class RodAccessor:
 
         A value is one of the axis's, to nine digits; angles in rad. Raises `InputError` with the axis's values.
         """
-        from .data.axis_values import indices
+        from solver.problem.errors import InputError
 
-        found = {name: indices(self._ds, name, value) for name, value in values.items()}
+        from .data.selection import axis_of, indices
+
+        found = {}
+        for name, value in values.items():
+            axis = axis_of(self._ds, name)
+            try:
+                found[axis] = indices(self._ds, axis, value)
+            except InputError as error:
+                raise InputError(f"{error}; ds.rod.at({name}=...) solves a case at any value") from None
         return self._ds.isel(found)
 
     def at(self, **values: float) -> "Solution":
@@ -74,21 +82,21 @@ class RodAccessor:
         """An array along the rod by its name; also as an attribute, ``ds.rod.contact``."""
         from solver.problem.errors import no_such
 
-        from .data.arrays import ARRAYS, Stored
+        from .data.derived_arrays import ARRAYS, Stored
 
         if name not in ARRAYS:
             raise no_such("array along the rod", name, ARRAYS)
         return Stored(self._ds, self.study, lambda: self.case, lambda: self._solved).array(name)
 
     def __getattr__(self, name: str) -> xr.DataArray:
-        from .data.arrays import ARRAYS
+        from .data.derived_arrays import ARRAYS
 
         if name not in ARRAYS:
             raise AttributeError(f"ds.rod has no {name!r}; choose from {', '.join(dir(self))}")
         return self.along(name)
 
     def __dir__(self) -> list[str]:
-        from .data.arrays import ARRAYS
+        from .data.derived_arrays import ARRAYS
 
         return sorted({"study", "case", "sel", "at", "along", *ARRAYS})
 

@@ -85,6 +85,7 @@ _ROWS = (
     # how well it was solved
     Quantity("error", "error", _NUMBER, "estimated error of beta, and of alpha and z/rho over max(1, L/rho)"),
     Quantity("condition", "condition", _NUMBER, "growth of a change of the start along the rod"),
+    Quantity("solved", "solved", _NUMBER, "whether the case is solved"),
     Quantity("outcome", "outcome", "text", "solved, or why not"),
     Quantity("caution", "caution", "text", "why no real rod lies so, or what was not checked; empty: none"),
 )

@@ -14,7 +14,7 @@ from studies.loader import loads
 from studies.model import OUTPUTS
 from tests.workbench import small
 from workbench.data import writing
-from workbench.run import block_solver, in_memory
+from workbench.run import block, in_memory
 
 ENDS = """
 title = "between two ends"
@@ -76,7 +76,7 @@ def test_what_suffices_is_not_solved_and_what_does_not_is_solved_once(full, monk
 
     ds, _ = full
     calls = []
-    monkeypatch.setattr(stored_case, "solve_one", lambda *args: calls.append(args) or block_solver.solve_one(*args))
+    monkeypatch.setattr(stored_case, "solve_one", lambda *args: calls.append(args) or block.solve_one(*args))
     kept = ds[["alpha", "beta", "z", "outcome"]]
     for name in ("position", "tangent", "normal", "FY", "F2", "F3", "M2"):
         kept.rod.along(name)

@@ -16,7 +16,7 @@ from solver import InputError
 from studies import load
 from tests.workbench import runs
 from tests.workbench.test_faults import DEADLY, GRID, SMALL, TELLING, whole  # noqa: F401  (a fixture)
-from workbench.run import dask_engine, plan, study_store
+from workbench.run import dask_engine, plan, recipe, study_store
 from workbench.run.study_store import Options, run_to_file
 
 distributed = pytest.importorskip("distributed")
@@ -103,7 +103,7 @@ def test_what_goes_wrong_in_a_worker_can_be_sent(monkeypatch, tmp_path) -> None:
 
     monkeypatch.setattr(dask_engine, "solved", broken)
     with pytest.raises(RuntimeError, match="Unsendable") as caught:
-        dask_engine._solved(work.light, work.chunk(0, 4), work.block, plan.code_version())
+        dask_engine._solved(work.light, work.chunk(0, 4), work.block, recipe.code_version())
     assert "Unsendable" in str(pickle.loads(pickle.dumps(caught.value)))
 
 

@@ -10,7 +10,7 @@ from solver.methods import METHODS
 from solver.methods.base import Trajectory
 from studies.loader import loads
 from tests.workbench import small
-from workbench.data import dataset, law_verdicts
+from workbench.data import dataset, law_verdicts, schema
 from workbench.run import in_memory
 
 
@@ -53,7 +53,7 @@ def test_everything_has_a_unit_and_a_long_name() -> None:
 
 def test_only_what_was_asked_for_is_stored() -> None:
     ds = in_memory.run(small.study(head='observables = ["wraps"]\noutputs = ["z"]'))
-    always = {"outcome", "caution", "error", "condition", "R", "a", "L", "rho", "E", "nu", "FZ", "MZ", "M3"}
+    always = {"solved", "outcome", "caution", "error", "condition", "R", "a", "L", "rho", "E", "nu", "FZ", "MZ", "M3"}
     assert set(ds.data_vars) == {"wraps", "wraps_error", "z"} | always
 
 
@@ -80,8 +80,8 @@ def test_an_output_with_the_name_of_an_axis_is_kept_beside_it() -> None:
     assert ds["beta_along"].dims == ("beta", "u")
     # The shape starts where it is told, but for the rounding of the map to an orbit.
     np.testing.assert_allclose(ds["beta_along"][:, 0], ds["beta"], rtol=1e-12)
-    assert dataset.along(ds, "beta").name == "beta_along"
-    assert dataset.along(ds, "alpha").name == "alpha"
+    assert schema.along(ds, "beta").name == "beta_along"
+    assert schema.along(ds, "alpha").name == "alpha"
 
 
 def test_an_axis_says_what_the_reading_makes_of_it() -> None:

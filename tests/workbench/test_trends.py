@@ -15,7 +15,7 @@ from studies import load, names
 from studies.reasons import DOES
 from tests.workbench.pictures import pixels, share_of_ink
 from tests.workbench.small import grid, study
-from workbench.data import case_selection, law_verdicts
+from workbench.data import law_verdicts, selection
 from workbench.figures import single_rod, style, trends
 from workbench.figures.scales import stretch
 from workbench.run import in_memory
@@ -158,7 +158,7 @@ def test_a_push_is_drawn_upward_on_either_side(side: str) -> None:
 def test_where_a_law_decides_is_where_a_picture_is_taken(forces) -> None:
     for row in law_verdicts.verdicts(forces):
         for name, value in row["at"].items():
-            assert float(forces[name][case_selection.case(forces)[name]]) == pytest.approx(value)
+            assert float(forces[name][selection.case(forces)[name]]) == pytest.approx(value)
 
 
 def test_drawing_leaves_no_state_behind(tmp_path) -> None:

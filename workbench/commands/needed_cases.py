@@ -16,7 +16,7 @@ from studies import Study, load
 from studies.axes import Axis
 from studies.model import MAX_STATIONS, OUTPUTS
 
-from ..data import case_selection
+from ..data import selection
 from ..run import in_memory
 from ..run.plan import plan
 from ..scene.kinds import Kind
@@ -58,7 +58,7 @@ def only(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: 
     lean = _lean(study, kind.reads | {"dbeta"})
     if study.follow is not None:
         return lean
-    where = case_selection.case(ds, at)
+    where = selection.case(ds, at)
     axes = {
         name: axis if name in shown else Axis.model_validate({"values": [float(ds[name].values[where[name]])]})
         for name, axis in study.axes.items()

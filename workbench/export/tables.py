@@ -13,7 +13,7 @@ from solver.mechanics import frames, statics
 from solver.mechanics.potential import potential
 from solver.problem.quantities import QUANTITIES, unit_of
 
-from ..data import dataset
+from ..data import schema
 from ..geometry.centreline import Array, Centreline
 
 # columns before all others, whatever the study stores
@@ -36,7 +36,7 @@ def columns(ds: xr.Dataset, where: dict[str, int], line: Centreline) -> list[Col
     one = ds.isel(where)
     known = computed(line)
     for name in (str(v).removesuffix("_along") for v in one.data_vars):
-        array = dataset.along(one, name)
+        array = schema.along(one, name)
         if array.dims == ("u",) and name in QUANTITIES:
             known[name] = np.asarray(array.values, dtype=float)
     order = [*FIRST, *(name for name in known if name not in FIRST)]

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ..data import dataset
+from ..data import schema
 from . import style
 from .scales import larger, stretch
 
@@ -24,7 +24,7 @@ def has_shape(ds: xr.Dataset) -> bool:
 def unrolled(ds: xr.Dataset, where: dict[str, int]) -> tuple[Any, Any] | None:
     """rho (alpha - alpha(0)) and z of one case, (n,) each; None where it is not solved."""
     one = ds.isel(where)
-    alpha, z = dataset.along(one, "alpha").values, dataset.along(one, "z").values
+    alpha, z = schema.along(one, "alpha").values, schema.along(one, "z").values
     across = float(one["rho"]) * (alpha - alpha[0])
     return (across, z) if np.isfinite([across, z]).all() else None
 
@@ -43,7 +43,7 @@ def pushes(ds: xr.Dataset) -> Any:
     if not _has(ds, "contact"):
         return None
     sign = -1.0 if ds.attrs.get("side") == "inside" else 1.0
-    return sign * dataset.along(ds, "contact").values
+    return sign * schema.along(ds, "contact").values
 
 
 def figure(ds: xr.Dataset) -> Figure:
@@ -70,7 +70,7 @@ def _told(ds: xr.Dataset, title: str) -> str:
 
 def angle(ds: xr.Dataset, ax: Axes) -> Axes:
     """beta against s, in degrees."""
-    ax.plot(ds["s"], np.degrees(dataset.along(ds, "beta")), color=style.PUSHED, **_drawn(ds))
+    ax.plot(ds["s"], np.degrees(schema.along(ds, "beta")), color=style.PUSHED, **_drawn(ds))
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
     ax.set_ylabel("β [°]")
     ax.set_title(_told(ds, "angle from the axis to the tangent"), loc="left")
@@ -79,7 +79,7 @@ def angle(ds: xr.Dataset, ax: Axes) -> Axes:
 
 def contact(ds: xr.Dataset, ax: Axes) -> Axes:
     """The push of the cylinder against s, positive on either side; shaded where the cylinder would have to pull."""
-    push, unit = pushes(ds), str(dataset.along(ds, "contact").attrs.get("units", "1"))
+    push, unit = pushes(ds), str(schema.along(ds, "contact").attrs.get("units", "1"))
     ax.plot(ds["s"], push, color=style.PUSHED, **_drawn(ds))
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
     pulled = push < 0

@@ -18,7 +18,7 @@ from solver import Rod
 from solver.mechanics import frames, statics
 from solver.problem.errors import InputError
 
-from ..data import dataset
+from ..data import schema
 
 Array = NDArray[np.float64]
 
@@ -130,8 +130,8 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
         raise InputError(f"the dataset stores no {', '.join(missing)}, which the rod's curve is made of")
     one = ds.isel(dict(where))
     outcome = str(one["outcome"].values)
-    along = {name: np.asarray(dataset.along(one, name), dtype=float) for name in ("alpha", "beta", "z")}
-    if not outcome.startswith("solved") or not np.isfinite(list(along.values())).all():
+    along = {name: np.asarray(schema.along(one, name), dtype=float) for name in ("alpha", "beta", "z")}
+    if not one["solved"] or not np.isfinite(list(along.values())).all():
         raise InputError(f"this case has no shape: {outcome}")
     number = {name: float(one[name]) for name in NEEDED[3:]}
     rod = Rod(number["E"], number["nu"], number["a"], number["L"], str(ds.attrs["stiffness"]))
@@ -139,7 +139,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
     s = np.asarray(one["s"].values, dtype=float)
     if "dbeta" in ds or "dbeta_along" in ds:
-        dbeta = np.asarray(dataset.along(one, "dbeta"), dtype=float)
+        dbeta = np.asarray(schema.along(one, "dbeta"), dtype=float)
     else:
         dbeta = _slopes(s, along["beta"], number["rho"], *loads)
     R, a, rho = (number[name] for name in ("R", "a", "rho"))

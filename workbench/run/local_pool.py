@@ -11,7 +11,7 @@ from multiprocessing.connection import wait
 
 from studies import Study
 
-from .block_solver import Chunk, solved
+from .block import Chunk, solved
 from .worker_processes import Worker
 
 Results = Iterator[tuple[Chunk, bytes | None]]

@@ -14,7 +14,6 @@ import scipy.spatial  # noqa: F401
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.observe.observables import observe
 
-from .. import cli  # noqa: F401  (cli: what a worker is told to import again as the main module)
-from . import block_solver  # noqa: F401
+from . import block  # noqa: F401
 
 observe(solve(Case(Rod(2e4, 0.3, 0.25, 20.0), Cylinder(1.0), Start(math.pi / 3, 2.0, M3=0.5)), stations=101), ["turns"])

@@ -20,9 +20,9 @@ from typing import Any
 from solver.problem.errors import InputError
 from studies import Study
 
-from . import allocator
-from .block_solver import Chunk, solved
-from .plan import check_worker, code_version
+from . import memory
+from .block import Chunk, solved
+from .recipe import check_worker, code_version
 
 # One thread each: the workers are as many as there are cores to use.
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -118,13 +118,23 @@ def _context() -> ForkServerContext | SpawnContext:
     if not COPIED:
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([_READ_FIRST])
+    context.set_forkserver_preload([_READ_FIRST, *_imported_by_main()])
     return context
+
+
+def _imported_by_main() -> set[str]:
+    """The modules of this package whose functions the main module uses: a worker imports the main module again."""
+    package = __package__.partition(".")[0]
+    owners = {
+        str(getattr(value, "__module__", getattr(value, "__name__", "")))
+        for value in vars(sys.modules["__main__"]).values()
+    }
+    return {name for name in owners if name.startswith(f"{package}.")}
 
 
 def _work(pipe: Connection, study: Study, code: str) -> None:
     """The life of a worker: solve what comes until the pipe ends, as it does when the run is killed."""
-    allocator.keep()
+    memory.keep()
     try:
         check_worker(study, code)
         pipe.send((b"", None, None))

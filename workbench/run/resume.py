@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError
 
 from ..data import file_checks
-from .plan import FORMAT, Coordinates, Plan, axis_line, differences, recipe
+from ..data.schema import FORMAT
+from .plan import Coordinates, Plan
+from .recipe import axis_line, differences, recipe
 
 VERSIONS = ("code", "numpy", "scipy", "numba", "heyoka", "block")  # of a recipe: what is not the study
 _ROUNDING = 8 * 2.0**-52  # values of an axis closer than this share are the same
@@ -54,10 +56,10 @@ def _read(file: h5py.File) -> There | None:
     return There(str(file.attrs["study_name"]), made, axes, told)
 
 
-def told_of(tally: Mapping[str, Mapping[str, int]], laws: list[dict[str, Any]]) -> dict[str, Any]:
+def told_of(tally: Mapping[str, Mapping[Any, int]], laws: list[dict[str, Any]]) -> dict[str, Any]:
     """What a file says of itself, beside its recipe: how often each outcome and caution stands, and the verdicts."""
     outcomes, cautions = (dict(sorted(tally[name].items())) for name in ("outcome", "caution"))
-    return {"outcomes": outcomes, "cautions": cautions, "laws": laws}
+    return {"unsolved": tally["solved"][False], "outcomes": outcomes, "cautions": cautions, "laws": laws}
 
 
 def is_finished(there: There, plan: Plan) -> bool:
