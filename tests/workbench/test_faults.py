@@ -16,7 +16,7 @@ from solver import InputError
 from studies import load
 from tests.workbench import runs
 from workbench.commands import progress
-from workbench.run import local_pool, recipe, shards, study_store
+from workbench.run import local_pool, recipe, shards
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 
@@ -177,6 +177,7 @@ def alive(pid: int) -> bool:
         return False
 
 
+KILLED = f"{local_pool.KILLED} (it was killed by SIGKILL)"
 DEADLY = (
     SMALL
     + """
@@ -199,9 +200,9 @@ def test_a_chunk_that_kills_workers_twice_is_recorded_as_failed_case_by_case(tmp
     done = runs.run(tmp_path, "many.toml", "--workers", 2, "--chunk", 48, before=DEADLY)
     assert done.returncode == 1, done.stderr
     assert (tmp_path / "deaths").read_text() == "xx"
-    assert f"150 cases, 16 unsolved\n  16 x {study_store.KILLED}" in done.stdout
+    assert f"150 cases, 16 unsolved\n  16 x {KILLED}" in done.stdout
     with xr.open_dataset(tmp_path / "many.h5") as ds:
-        failed = (ds["outcome"] == study_store.KILLED).values.ravel()
+        failed = (ds["outcome"] == KILLED).values.ravel()
         assert failed.nonzero()[0].tolist() == list(range(48, 64))  # the block of the deadly case, and no more
         assert ds["kappa_max"].isnull().values.ravel().tolist() == failed.tolist()
         assert ds["beta"].isnull().any("u").values.ravel().tolist() == failed.tolist()

@@ -74,7 +74,7 @@ def test_a_worker_whose_model_ends_is_told_in_one_sentence_and_not_taken_for_an_
     code = """
 from solver import InputError
 from workbench.run import worker_processes
-worker_processes._READ_FIRST = "deadly"
+worker_processes.PRELOAD = "deadly"
 try:
     worker_processes.Worker(None)
 except InputError as error:
@@ -82,7 +82,7 @@ except InputError as error:
 """
     path = os.pathsep.join([str(tmp_path), str(runs.ROOT)])
     assert told(code, PYTHONPATH=path) == [
-        "a_worker_process_cannot_start:_the_process_that_it_would_be_a_copy_of_ended"
+        "a_worker_process_cannot_start:_the_process_from_which_it_is_forked_has_ended"
     ]
 
 

@@ -15,7 +15,7 @@ from studies import Study
 
 from . import memory
 from .block import Chunk, solved
-from .local_pool import DEATHS, Results
+from .local_pool import DEATHS, KILLED, Results
 from .plan import Plan
 from .recipe import check_worker, code_version
 
@@ -117,7 +117,7 @@ def _handed_out(client: Any, work: Plan, chunks: Iterable[Chunk]) -> Results:
                 suspects.extend(chunk.blocks(work.block, chunk.deaths + 1))
                 fill()
                 continue
-            results = None
+            results = KILLED
         except (CancelledError, CommClosedError):
             raise InputError(
                 "the Dask scheduler went away; what is finished is kept, and the same command goes on from there"

@@ -1,22 +1,22 @@
-"""What a process does with memory that an array has left: keep it for the next one."""
+"""Freed memory kept by a process for its next array, in place of returning it to the system."""
 
 import ctypes
 import sys
 
-# Of malloc.h. The sizes are those up to which glibc itself goes, once it has seen such arrays come and go.
+# Of malloc.h. The sizes are the largest that glibc itself would choose after such arrays were freed.
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
 _KEPT, _LARGEST = 64 * 2**20, 32 * 2**20
 
 
 def keep() -> None:
-    """Let this process keep up to 64 MB of what arrays leave, where the C library can be told so (glibc).
+    """Keep up to 64 MB of freed memory in this process, where the C library (glibc) has that setting.
 
-    Otherwise each temporary array of a block is fetched from the system page by page, which costs a sixth of the time;
-    a worker of Dask is even started so that it always does. For processes of our own only: it holds for the whole one.
+    Otherwise the system provides each temporary array of a block page by page, which costs a sixth of the time; Dask
+    starts its workers with that setting off. The setting holds for the whole process, so it is for our own only.
     """
     if sys.platform != "linux":
         return
-    tell = getattr(ctypes.CDLL(None), "mallopt", None)
-    if tell is not None:
-        tell(_MMAP_THRESHOLD, _LARGEST)
-        tell(_TRIM_THRESHOLD, _KEPT)
+    mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
+    if mallopt is not None:
+        mallopt(_MMAP_THRESHOLD, _LARGEST)
+        mallopt(_TRIM_THRESHOLD, _KEPT)

@@ -1,11 +1,11 @@
-"""What workers have read and compiled before they exist: importing this solves one rod, so that the rest is in memory.
+"""Imported once by the process from which workers are forked: importing it loads and compiles all that a block needs.
 
-The process that workers are copies of (`crew`) imports it, once.
+One rod is solved, as some code is loaded or compiled only when it is first used.
 """
 
 import math
 
-import scipy.integrate  # SciPy reads its parts when they are asked for
+import scipy.integrate  # SciPy loads its parts on first use
 import scipy.interpolate
 import scipy.linalg
 import scipy.optimize.elementwise

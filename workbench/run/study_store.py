@@ -24,7 +24,6 @@ from .resume import There, grown, is_finished, look, told_of
 from .shards import Damaged, decode, encode
 
 WORTH, WORTH_TOGETHER = 4, 10  # blocks for which a worker is worth its start
-KILLED = "failed: the process that solved it ended twice without an answer"
 
 Tally = dict[str, Counter[Any]]
 
@@ -210,8 +209,8 @@ def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tall
         return
     try:
         for chunk, results in _engine(work, missing, options):
-            if results is None:
-                results = encode(unsolved(work.study, chunk.cases, KILLED))
+            if isinstance(results, str):
+                results = encode(unsolved(work.study, chunk.cases, results))
             shards.store_shard(folder, chunk.start, chunk.stop, results)
             meter.add(chunk.cases, _count(decode(results), tally))
     except KeyboardInterrupt:
