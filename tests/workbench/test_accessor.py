@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import InputError, solve
 from solver.methods import METHODS
 from studies.loader import loads
 from studies.model import OUTPUTS
 from tests.workbench import small
-from workbench.data import writing
+from workbench.commands import plot_and_scene
+from workbench.data import selection, writing
 from workbench.run import block, in_memory
 
 ENDS = """
@@ -251,14 +253,50 @@ def test_a_dataset_that_is_no_studys_is_refused_when_asked_and_not_before() -> N
 
 
 IMPORTS = {
-    "workbench first": "import workbench; light = not {'numpy', 'solver'} & set(sys.modules); import xarray",
-    "xarray first": "import xarray; import workbench; light = 'solver' not in sys.modules",
+    "accessor first": "import workbench.accessor, xarray",
+    "xarray first": "import xarray, workbench.accessor",
 }
 
 
 @pytest.mark.parametrize("order", IMPORTS)
-def test_importing_the_workbench_is_enough_and_loads_nothing_heavy(order: str) -> None:
-    code = f"import sys; {IMPORTS[order]}; print(xarray.Dataset.rod.__name__, light)"
+def test_importing_the_accessor_registers_it_and_loads_no_solver(order: str) -> None:
+    assert printed(f"{IMPORTS[order]}; print(xarray.Dataset.rod.__name__, 'solver' in sys.modules)") == [
+        "RodAccessor",
+        "False",
+    ]
+
+
+def test_importing_the_workbench_alone_loads_nothing_heavy_and_changes_no_import() -> None:
+    code = "before = list(sys.meta_path); import workbench; print(sys.meta_path == before, 'numpy' in sys.modules)"
+    assert printed(code) == ["True", "False"]
+
+
+def printed(code: str) -> list[str]:
+    """The words that Python prints in a process of its own."""
     root = Path(__file__).parents[2]
-    run = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True)
-    assert run.stdout.split() == ["RodAccessor", "True"]
+    run = subprocess.run(
+        [sys.executable, "-c", f"import sys; {code}"], cwd=root, capture_output=True, text=True, check=True
+    )
+    return run.stdout.split()
+
+
+@pytest.mark.parametrize(
+    "said, index",
+    [(2e4, 1), (2e4 * (1 + 1e-10), 1), ("2e4", 1), ("19999", 1), ("20010", None), (20001.0, None), (1.5e4, None)],
+)
+def test_every_part_of_the_workbench_means_the_same_value_of_an_axis(full, said, index) -> None:
+    ds = full[0].assign_coords(E=("E", [1e4, 19999.0 if said == "19999" else 2e4], full[0]["E"].attrs))
+    stored = None if index is None else float(ds["E"][index])
+
+    def found(choose) -> float | None:
+        if index is not None:
+            return choose()
+        with pytest.raises(InputError, match="is not on the axis; its values are 10000, "):
+            choose()
+        return None
+
+    assert found(lambda: float(ds.rod.sel(E=said)["E"])) == stored
+    assert found(lambda: float(ds["E"][selection.case(ds, {"E": said})["E"]])) == stored
+    assert found(lambda: float(ds["E"][selection.line(ds, "R", {"E": said})[0]["E"]])) == stored
+    if isinstance(said, str):
+        assert found(lambda: plot_and_scene.chosen(ds, [f"E={said}"])["E"]) == stored

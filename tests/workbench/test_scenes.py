@@ -195,7 +195,7 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
     ramp = style.RAMP if KINDS[kind].tint in ("contact", "kappa") else None
     rod = replace(rod, paint=tube.Paint(ramp=ramp, low=low_high[0], high=low_high[1]))
     tube.mesh(rod, rod.detail(0.01, 0.0))
-    assert opened <= KINDS[kind].reads | {"outcome", "caution", "dbeta"}
+    assert opened <= KINDS[kind].reads | {"solved", "outcome", "caution", "dbeta"}
     assert set(counted) == ({KINDS[kind].tint} & {"contact", "kappa"})
 
 
@@ -246,7 +246,8 @@ def test_an_axis_or_value_that_is_not_there_is_answered_with_what_is() -> None:
         selection.case(ds, {"R": 1.0})
     with pytest.raises(InputError, match="its values are 10000, 20000"):
         selection.case(ds, {"E": 3e4})
-    assert selection.case(ds, {"E": 1.9e4}) == {"E": 1}
+    with pytest.raises(InputError, match="E = 19000 is not on the axis; its values are 10000, 20000"):
+        selection.case(ds, {"E": 1.9e4})
 
 
 def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:

@@ -18,7 +18,7 @@ from solver.problem.errors import InputError, choices, no_such
 from studies import TABLE_1
 from studies.axes import in_rad, is_angle
 
-from .schema import axes_of
+from .schema import COMPONENTS, axes_of
 
 SAME = 1e-9  # share by which a number may differ from the stored value that it means
 LISTED = 12  # values of an axis that a message lists
@@ -54,7 +54,8 @@ def spread(found: list[dict[str, int]], count: int) -> list[dict[str, int]]:
 
 def axis_of(ds: xr.Dataset, name: str) -> str:
     """The axis of that name. Raises `InputError` with the dataset's axes."""
-    axes = [str(dim) for dim in (ds["outcome"].dims if "outcome" in ds else ds.dims) if dim in ds.coords]
+    dims = axes_of(ds) if "outcome" in ds else list(map(str, ds.dims))
+    axes = [dim for dim in dims if dim in ds.coords and dim not in ("u", *COMPONENTS)]
     if name in axes:
         return name
     if name in ds.coords and not ds[name].ndim:
