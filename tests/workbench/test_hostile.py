@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
 from studies import load
 from studies.loader import loads

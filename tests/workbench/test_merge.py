@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
 from studies.loader import loads
 from tests.workbench import small

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import Case, Ends, InputError, solve
 from studies.laws import FAILS, UNDECIDED
 from studies.loader import loads
