@@ -15,7 +15,7 @@ from studies.loader import loads
 from studies.model import OUTPUTS
 from tests.workbench import small
 from workbench.commands import plot_and_scene
-from workbench.data import selection, writing
+from workbench.data import schema, selection, writing
 from workbench.run import block, in_memory
 
 ENDS = """
@@ -69,7 +69,7 @@ def test_every_array_is_the_solutions_own_from_what_is_stored(full, name: str) -
 @pytest.mark.parametrize("name", [*OUTPUTS, *FRAMES])
 def test_every_array_is_the_solutions_own_where_nothing_along_the_rod_is_stored(full, name: str) -> None:
     ds, sol = full
-    kept = ds.drop_vars([*OUTPUTS, "xyz"])
+    kept = ds.drop_vars([*schema.CURVES, "xyz"])
     np.testing.assert_array_equal(getattr(kept.rod, name), getattr(sol, name))
 
 
@@ -173,9 +173,11 @@ def test_an_axis_that_has_an_outputs_name_is_not_taken_for_it() -> None:
     np.testing.assert_array_equal(ds.rod.beta, sol.beta)
     np.testing.assert_allclose(ds.rod.kappa, sol.kappa, rtol=1e-14)
     assert "_solved" not in vars(ds.rod), "it was solved again"
-    np.testing.assert_allclose(ds.rod.at(beta=0.4).beta[0], 0.4, rtol=1e-15)  # rounding
-    chosen = ds.rod.sel(beta=0.5)
-    np.testing.assert_array_equal(chosen.rod.beta, sol.beta[1])
+    for name in ("beta", "beta0"):  # the study's field, and the dataset's dimension
+        np.testing.assert_allclose(ds.rod.at(**{name: 0.4}).beta[0], 0.4, rtol=1e-15)  # rounding
+        chosen = ds.rod.sel(**{name: 0.5})
+        np.testing.assert_array_equal(chosen.rod.beta, sol.beta[1])
+        assert selection.case(ds, {name: "0.5"}) == {"beta0": 1}
 
 
 def test_rods_between_two_ends_are_rebuilt_too() -> None:

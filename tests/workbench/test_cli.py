@@ -289,10 +289,10 @@ REFUSED = {
 
 
 def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_written() -> None:
-    values = {"E": [9962.0, 10700.4, 10905.0773], "beta": [0.0, math.radians(27.1875), math.pi / 6]}
+    values = {"E": [9962.0, 10700.4, 10905.0773], "beta0": [0.0, math.radians(27.1875), math.pi / 6]}
     ds = xr.Dataset(
-        {"outcome": (("E", "beta"), np.full((3, 3), "solved"))},
-        {"E": ("E", values["E"], {"units": "N/cm^2"}), "beta": ("beta", values["beta"], {"units": "rad"})},
+        {"outcome": (("E", "beta0"), np.full((3, 3), "solved"))},
+        {"E": ("E", values["E"], {"units": "N/cm^2"}), "beta0": ("beta0", values["beta0"], {"units": "rad"})},
     )
     for text, which in (
         ("1.07e4", 1),
@@ -314,7 +314,7 @@ def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_wr
             with pytest.raises(InputError, match=re.escape("its values are 0deg, 27.1875deg, 30deg")):
                 plot_and_scene.chosen(ds, [f"beta={text}"])
         else:
-            assert plot_and_scene.chosen(ds, [f"beta={text}"]) == {"beta": values["beta"][which]}
+            assert plot_and_scene.chosen(ds, [f"beta={text}"]) == {"beta0": values["beta0"][which]}
 
 
 def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stored, tmp_path, monkeypatch) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -495,8 +496,35 @@ def test_a_file_of_a_newer_format_is_refused_with_both_numbers(whole: bytes, tmp
     with h5py.File(path, "a") as file:
         assert file.attrs["format"] == schema.FORMAT
         file.attrs["format"] = 7
-    with pytest.raises(InputError, match=f"is of format 7, but this version reads up to format {schema.FORMAT}"):
+    with pytest.raises(InputError, match=f"is of format 7, but this version reads format {schema.FORMAT}"):
         writing.read(path)
+
+
+@pytest.mark.parametrize("older", [1, None])
+@pytest.mark.parametrize("name, said", [("small", "STUDY"), ("fig6", "fig6")])
+def test_a_file_of_an_older_format_is_refused_with_the_command_that_makes_it_again(
+    whole: bytes, tmp_path: Path, older: int | None, name: str, said: str
+) -> None:
+    path = tmp_path / "old.h5"
+    path.write_bytes(whole)
+    with h5py.File(path, "a") as file:
+        del file.attrs["format"], file["solved"]
+        file.attrs["study_name"] = name
+        if older is not None:
+            file.attrs["format"] = older
+    again = f"make it again with: workbench run {said} --out {path}"
+    with pytest.raises(InputError, match=re.escape(f"is of format 1, but this version reads format 2; {again}")):
+        writing.read(path)
+
+
+def test_a_run_makes_a_file_of_an_older_format_again(tmp_path: Path) -> None:
+    path = tmp_path / "small.h5"
+    study = small.study(AXES.format("[1e4]"), HEAD)
+    run_to_file(study, path)
+    with h5py.File(path, "a") as file:
+        file.attrs["format"] = 1
+    assert run_to_file(study, path).solved == 3
+    assert writing.read(path).attrs["format"] == schema.FORMAT
 
 
 ATTRIBUTES = ("study", "reading", "tolerance", "method", "stiffness", "length_unit", "side")

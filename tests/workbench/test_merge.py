@@ -110,10 +110,10 @@ def test_the_text_of_the_study_has_all_values_and_makes_the_same_case(tmp_path) 
     merge.merge(files, tmp_path / "all.h5")
     ds = writing.read(tmp_path / "all.h5")
     again = loads(ds.attrs["study"])
-    np.testing.assert_array_equal(again.coordinates()["beta"], ds["beta"])
-    np.testing.assert_allclose(ds["beta"], np.deg2rad([15, 20, 30]), rtol=1e-15)  # rounding
-    np.testing.assert_array_equal(ds.rod.case.given.beta, ds["beta"])
-    assert [row["beta"] for row in json.loads(ds.attrs["merged"])] == [2, 1]
+    np.testing.assert_array_equal(again.coordinates()["beta"], ds["beta0"])
+    np.testing.assert_allclose(ds["beta0"], np.deg2rad([15, 20, 30]), rtol=1e-15)  # rounding
+    np.testing.assert_array_equal(ds.rod.case.given.beta, ds["beta0"])
+    assert [row["beta0"] for row in json.loads(ds.attrs["merged"])] == [2, 1]
 
 
 def test_values_that_are_evenly_spaced_are_told_so(tmp_path) -> None:

@@ -93,7 +93,7 @@ def test_the_tube_is_closed_and_its_faces_look_outward(fig6) -> None:
 
 def test_a_study_that_varies_the_angle_is_drawn_with_its_stored_tangents() -> None:
     ds = in_memory.run(load("fig7_3_start_angle"))
-    first, last = (body(ds, beta=i).line.at(np.zeros(1))[1] for i in (0, 8))
+    first, last = (body(ds, beta0=i).line.at(np.zeros(1))[1] for i in (0, 8))
     assert np.rad2deg(np.concatenate([first, last])) == pytest.approx([15, 60])
 
 

@@ -256,7 +256,7 @@ def test_a_file_of_a_newer_version_is_not_replaced(tmp_path) -> None:
     with h5py.File(tmp_path / "many.h5", "a") as file:
         file.attrs["format"] = schema.FORMAT + 1
     before = (tmp_path / "many.h5").read_bytes()
-    with pytest.raises(InputError, match="is of format 2, but this version reads up to format 1"):
+    with pytest.raises(InputError, match="is of format 3, but this version reads format 2"):
         run_to_file(load(path), tmp_path / "many.h5")
     assert (tmp_path / "many.h5").read_bytes() == before
 

@@ -93,5 +93,5 @@ def test_what_people_are_shown_has_every_part(file, capsys) -> None:
     shown = capsys.readouterr().out
     worst = "largest error: 0.5 at E = 20000, R = 1"
     counts = ("6 cases, 1 unsolved", "1 x failed: on purpose", worst, "kappa_max falls along R")
-    for part in (*counts, "1 law: 1 is not decided", "kappa_max", "N/cm^2", "tolerance 1e-08", "format 1", "numpy"):
+    for part in (*counts, "1 law: 1 is not decided", "kappa_max", "N/cm^2", "tolerance 1e-08", "format 2", "numpy"):
         assert part in shown, part

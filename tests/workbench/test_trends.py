@@ -65,7 +65,7 @@ def test_another_ending_is_refused(tmp_path) -> None:
 def test_a_panel_shows_the_stored_numbers(angles) -> None:
     ax = trends.panel(angles, axes(), 0)
     drawn = np.vstack([points.get_offsets() for points in ax.collections if len(points.get_offsets()) == 9])
-    np.testing.assert_allclose(drawn[:, 0], np.rad2deg(angles["beta"]))
+    np.testing.assert_allclose(drawn[:, 0], np.rad2deg(angles["beta0"]))
     np.testing.assert_array_equal(drawn[:, 1], angles["turns"])
 
 
@@ -112,11 +112,11 @@ def test_there_is_no_panel_for_a_law_that_is_not_there(angles) -> None:
     with pytest.raises(InputError, match="no law number 2: the study has 2"):
         trends.panel(angles, axes(), 2)
     with pytest.raises(InputError, match="'bends'"):
-        trends.trend(angles, axes(), "bends", "beta")
+        trends.trend(angles, axes(), "bends", "beta0")
 
 
 def test_unrolled_curves_keep_their_shape_and_do_not_touch(angles) -> None:
-    ax = trends.developed(angles, axes(), "beta")
+    ax = trends.developed(angles, axes(), "beta0")
     assert ax.get_aspect() == 1
     curves = [line for line in ax.lines if len(line.get_xdata()) == angles.sizes["u"]]
     assert len(curves) == 9

@@ -57,7 +57,7 @@ def animate_file(
         raise InputError(f"{file} has one case and no axis, so nothing changes from frame to frame")
     if axis is None and len(axes) > 1:
         raise InputError(f"{file} has several axes: choose one with --axis from {choices(axes)}")
-    axis = axis or axes[0]
+    axis = selection.axis_of(ds, axis or axes[0])
     where = plot_and_scene.chosen(ds, at)
     if axis in where:
         raise InputError(f"--at {axis}: the film runs along {axis}, so it has no one value")

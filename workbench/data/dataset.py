@@ -18,7 +18,7 @@ from studies import Study
 from studies.axes import quantity_of
 
 from . import cautions
-from .schema import COMPONENTS, FORMAT, INNER, LOADS, Columns, labels
+from .schema import COMPONENTS, FORMAT, INNER, LOADS, Columns, curve_name, dimension, labels, laws_text
 
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
 # How exact the observables are.
@@ -40,14 +40,12 @@ class Stored:
     row: str
 
 
-def stored(study: Study, axes: Sequence[str]) -> list[Stored]:
-    """Every variable that is stored of each case, in order.
-
-    An output along the rod whose name is an axis's is stored as that name and `_along` (see `along`).
-    """
+def stored(study: Study, fields: Sequence[str]) -> list[Stored]:
+    """Every variable that is stored of each case, in order; fields: of the study, that are the axes."""
+    axes = tuple(map(dimension, fields))
     rows = []
     for name in study.outputs:
-        rows.append(Stored(name, f"{name}_along" if name in axes else name, (*axes, "u", *INNER.get(name, ())), name))
+        rows.append(Stored(name, curve_name(name), (*axes, "u", *INNER.get(name, ())), name))
     for name in (
         *study.recorded,
         "solved",
@@ -58,7 +56,7 @@ def stored(study: Study, axes: Sequence[str]) -> list[Stored]:
         "condition",
         *(load for load in LOADS if load not in axes),
     ):
-        rows.append(Stored(name, name, tuple(axes), name))
+        rows.append(Stored(name, name, axes, name))
     return rows
 
 
@@ -78,7 +76,7 @@ def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], columns: 
 
 def frame(study: Study, coordinates: Mapping[str, NDArray[np.float64]], first: str = "") -> xr.Dataset:
     """The dataset without what is stored of each case: coordinates, what varies with its own axis only, attributes."""
-    axes = tuple(coordinates)
+    axes = tuple(map(dimension, coordinates))
     units = study.unit_system
     case = study.case() if study.follow else study.case_of(_open(coordinates))
     data = {}
@@ -88,7 +86,8 @@ def frame(study: Study, coordinates: Mapping[str, NDArray[np.float64]], first: s
             data[name] = xr.Variable(*_own_dims(getattr(owner, name), axes), labels(name, units))
     u = np.linspace(0.0, 1.0, study.stations)
     coords: dict[str, Any] = {
-        name: xr.Variable((name,), values, _axis_labels(study, name)) for name, values in coordinates.items()
+        dimension(field): xr.Variable((dimension(field),), values, _axis_labels(study, field))
+        for field, values in coordinates.items()
     }
     coords["u"] = xr.Variable(("u",), u, labels("u", units))
     dims, length = _own_dims(case.rod.L, axes)
@@ -146,7 +145,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "tolerance": study.tol,
         "method": study.method,
         "observed": RESOLVED if study.method in ORBITS else AT_STATIONS,
-        "laws": json.dumps([law.model_dump() for law in study.laws], ensure_ascii=False),
+        "laws": laws_text(study),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(versions()),
     }

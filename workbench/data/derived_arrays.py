@@ -52,7 +52,7 @@ class Stored:
 
     def implied(self, name: str, above: tuple[str, ...]) -> Any:
         """The array as stored, or from stored ones; None where they do not suffice. above: what asks for it."""
-        key = f"{name}_along" if name in self.study.axes else name
+        key = schema.curve_name(name)
         if key in self.ds.data_vars:
             return self.ds[key]
         if name not in RULES or name in above:

@@ -3,18 +3,17 @@
 import json
 import warnings
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from solver.problem.errors import InputError
+from studies import names
 from studies.laws import Law
-from studies.model import OUTPUTS
 
 from . import escaping, value_checks
 from .file_checks import looked_at, refusing, shown
-from .schema import FORMAT, INNER
+from .schema import CURVES, FORMAT, INNER
 
 # The attributes that say a dataset is a study's, and those that say how to read it.
 NEEDED = ("title", "study_name", "laws")
@@ -56,7 +55,7 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
     missing = [name for name in NEEDED if name not in ds.attrs]
     if missing or "outcome" not in ds:
         raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
-    _check_format(ds.attrs.get("format", FORMAT), path)
+    _check_format(ds, path)
     for name in TEXTS:
         value = ds.attrs.get(name)
         if not isinstance(value, str) or len(value) > MOST_TEXT:
@@ -80,12 +79,18 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
     value_checks.each(ds, path)
 
 
-def _check_format(found: Any, path: str | Path) -> None:
-    value = np.asarray(found)
-    if value.size != 1 or value.dtype.kind not in "iu":
-        raise InputError(f"{path}: the attribute format is no whole number, but {shown(found)}")
-    if value.item() > FORMAT:
-        raise InputError(f"{path} is of format {value.item()}, but this version reads up to format {FORMAT}")
+def _check_format(ds: xr.Dataset, path: str | Path) -> None:
+    """Only the format of this version is read; a study is cheap to solve again."""
+    found = np.asarray(ds.attrs.get("format", 1))
+    if found.size != 1 or found.dtype.kind not in "iu":
+        raise InputError(f"{path}: the attribute format is no whole number, but {shown(ds.attrs['format'])}")
+    if found.item() > FORMAT:
+        raise InputError(f"{path} is of format {found.item()}, but this version reads format {FORMAT}")
+    if found.item() < FORMAT:
+        study = str(ds.attrs["study_name"])
+        study = study if study in names() else "STUDY"
+        again = f"make it again with: workbench run {study} --out {path}"
+        raise InputError(f"{path} is of format {found.item()}, but this version reads format {FORMAT}; {again}")
 
 
 def _check_axis(ds: xr.Dataset, name: str, path: str | Path) -> None:
@@ -100,10 +105,9 @@ def _check_axis(ds: xr.Dataset, name: str, path: str | Path) -> None:
 
 
 def _check_variable(name: str, variable: xr.Variable, axes: list[str], path: str | Path) -> None:
-    plain = name.removesuffix("_along")
-    along = (plain in OUTPUTS and name not in axes) or name in ("u", "s")
+    along = name in CURVES or name in ("u", "s")
     known = [*axes, "u", *dict.fromkeys(dim for dims in INNER.values() for dim in dims)]
-    expected = [*axes, "u", *INNER.get(plain, ())]
+    expected = [*axes, "u", *INNER.get(CURVES.get(name, name), ())]
     dims = [str(dim) for dim in variable.dims]
     fits = dims == [dim for dim in known if dim in dims] and (not along or name in ("u", "s") or dims == expected)
     if not fits or (name in ("u", "s") and dims[-1:] != ["u"]):

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices, no_such
 from studies import TABLE_1
-from studies.axes import in_rad, is_angle
+from studies.axes import FIELDS, in_rad, is_angle
 
-from .schema import COMPONENTS, axes_of
+from .schema import COMPONENTS, axes_of, dimension
 
 SAME = 1e-9  # share by which a number may differ from the stored value that it means
 LISTED = 12  # values of an axis that a message lists
@@ -53,11 +53,12 @@ def spread(found: list[dict[str, int]], count: int) -> list[dict[str, int]]:
 
 
 def axis_of(ds: xr.Dataset, name: str) -> str:
-    """The axis of that name. Raises `InputError` with the dataset's axes."""
+    """The axis of that name, or of that field of the study (`beta` is beta0). Raises `InputError` with the axes."""
     dims = axes_of(ds) if "outcome" in ds else list(map(str, ds.dims))
     axes = [dim for dim in dims if dim in ds.coords and dim not in ("u", *COMPONENTS)]
-    if name in axes:
-        return name
+    for known in (name, dimension(name) if name in FIELDS else name):
+        if known in axes:
+            return known
     if name in ds.coords and not ds[name].ndim:
         raise InputError(f"{name} is selected already: it is {ds[name].item():.10g}")
     raise no_such("axis", name, axes) if axes else InputError(f"no axis {name!r}: the dataset has none")
@@ -161,5 +162,6 @@ def _base(ds: xr.Dataset, name: str) -> int:
     for row in json.loads(ds.attrs.get("laws", "[]")):
         if name in row.get("at", {}):
             return int(np.abs(values - row["at"][name]).argmin())
-    base = TABLE_1.get(name) if ds.attrs.get("reading") else None
+    at_start = {dimension(field): value for field, value in TABLE_1.items() if field in FIELDS}
+    base = at_start.get(name) if ds.attrs.get("reading") else None
     return values.size // 2 if base is None else int(np.abs(values - base).argmin())

@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 from solver.problem.case import SIDES, STIFFNESS
 from solver.problem.errors import InputError, choices
 from studies.axes import FORCES, LENGTHS
-from studies.model import OUTPUTS
 
 from . import escaping
 from .concatenation import blocks
 from .file_checks import shown
-from .schema import LOADS, TEXTS
+from .schema import CURVES, LOADS, TEXTS
 
 LINE, LABEL = 10_000, 1000  # characters of an attribute of the file, and of a variable
 LONG = ("study", "laws", "versions", "recipe", "told", "branches", "rows")  # of many lines, or JSON; never printed
@@ -142,8 +141,7 @@ def _block(ds: xr.Dataset, path: str | Path) -> None:
 def curves(ds: xr.Dataset, path: str | Path) -> None:
     """That the curves of solved cases are finite, and move along and about the cylinder no farther than their arc."""
     solved = ds["solved"].variable
-    for name in OUTPUTS:
-        key = f"{name}_along" if f"{name}_along" in ds.data_vars else name
+    for key, name in CURVES.items():
         if key in ds.data_vars and "u" in ds[key].dims:
             if ds[key].dtype.kind not in "iuf" or ds[key].dims[: solved.ndim] != solved.dims:
                 raise InputError(f"{path}: {shown(key)} is no array of numbers along each rod")
@@ -154,12 +152,11 @@ def curves(ds: xr.Dataset, path: str | Path) -> None:
         return
     arc = ds["s"].diff("u")
     for name, scale in (("alpha", ds["rho"]), ("z", 1.0)):
-        key = f"{name}_along" if f"{name}_along" in ds.data_vars else name
-        if key in ds.data_vars and "u" in ds[key].dims:
+        if name in ds.data_vars and "u" in ds[name].dims:
             with np.errstate(all="ignore"):
-                far = np.abs(ds[key].diff("u") * scale) > arc * (1 + STRAIGHT) + STRAIGHT * ds["rho"]
+                far = np.abs(ds[name].diff("u") * scale) > arc * (1 + STRAIGHT) + STRAIGHT * ds["rho"]
             if bool((far & solved).any()):
-                raise InputError(f"{path}: {shown(key)} of a solved case moves farther than the rod is long")
+                raise InputError(f"{path}: {name} of a solved case moves farther than the rod is long")
 
 
 def _over(values: xr.DataArray, ds: xr.Dataset) -> xr.DataArray:

@@ -55,12 +55,14 @@ def pool(study: Study, chunks: Iterable[Chunk], block: int, workers: int) -> Res
                 worker = busy[pipe]  # type: ignore[index]
                 chunk, results = worker.take()
                 if results is None:
-                    results = f"{KILLED} ({worker.ending()})"
+                    how = worker.ending()
                     worker.replace()
                     if chunk.deaths + 1 < DEATHS:
                         again.extend(chunk.blocks(block, chunk.deaths + 1))
-                        continue
-                elif following := again.popleft() if again else next(waiting, None):
+                    else:
+                        yield chunk, f"{KILLED} ({how})"
+                    continue
+                if following := again.popleft() if again else next(waiting, None):
                     worker.give(following, block)  # before the results are stored
                 yield chunk, results
     finally:

@@ -50,7 +50,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
             frame.assign_attrs(attrs).to_netcdf(aside, engine="h5netcdf", encoding=writing.encoding(frame))
             with h5netcdf.File(aside, "a") as file:
                 concatenation.stream(file, varying, union, names)
-            result = _judged(aside, _recipe(opened, union))
+            result = _judged(aside, _recipe(opened, schema.field_of(studies[0], union.axis), union))
     return {"file": str(out), "axis": union.axis, "values": int(union.values.size), **result}
 
 
@@ -111,9 +111,10 @@ def _attributes(
 ) -> dict[str, Any]:
     """Those of the first file; the study's text has the axis's values of all, and is read again to be sure of it."""
     attrs = {key: value for key, value in files[0].attrs.items() if key not in OF_ONE_RUN}
-    text = dumps(study, {union.axis: told(union.values)})
+    field = schema.field_of(study, union.axis)
+    text = dumps(study, {field: told(union.values)})
     again = loads(text, "the merged study", study.name)
-    assert np.array_equal(np.sort(again.coordinates()[union.axis]), union.values)
+    assert np.array_equal(np.sort(again.coordinates()[field]), union.values)
     versions = [reading.versions(ds, name) for ds, name in zip(files, names, strict=True)]
     sources = [
         {"file": Path(name).name, "created": str(ds.attrs.get("created", "")), union.axis: ds.sizes[union.axis]}
@@ -152,7 +153,7 @@ def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
     return {**counts, "laws": verdicts, "caution": caution}
 
 
-def _recipe(files: Sequence[xr.Dataset], union: concatenation.Union) -> dict[str, Any] | None:
+def _recipe(files: Sequence[xr.Dataset], field: str, union: concatenation.Union) -> dict[str, Any] | None:
     """What a run of all values would call its recipe, so that a later one goes on from here; None where it may not.
 
     It may where every file was stored by a run, and nothing but the values differ: the code and the libraries neither.
@@ -160,7 +161,7 @@ def _recipe(files: Sequence[xr.Dataset], union: concatenation.Union) -> dict[str
     try:
         recipes = [json.loads(ds.attrs["recipe"]) for ds in files]
         for recipe in recipes:
-            recipe["axes"][union.axis] = axis_line(union.values)
+            recipe["axes"][field] = axis_line(union.values)
     except (KeyError, TypeError, ValueError, RecursionError):
         return None
     return dict(recipes[0]) if all(recipe == recipes[0] for recipe in recipes) else None

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError
 
 from ..data import file_checks
-from ..data.schema import FORMAT
+from ..data.schema import FORMAT, dimension
 from .plan import Coordinates, Plan
 from .recipe import axis_line, differences, recipe
 
@@ -40,17 +40,17 @@ def look(path: Path) -> There | None:
     try:
         with file_checks.looked_at(path) as file:
             found = np.asarray(file.attrs["format"]).item()
-            there = _read(file) if found <= FORMAT else None
+            there = _read(file) if found == FORMAT else None
     except InputError:
         return None
     if found > FORMAT:
-        raise InputError(f"{path} is of format {found}, but this version reads up to format {FORMAT}")
+        raise InputError(f"{path} is of format {found}, but this version reads format {FORMAT}")
     return there
 
 
 def _read(file: h5py.File) -> There | None:
     made, told = (json.loads(file.attrs[name]) for name in ("recipe", "told"))
-    axes = {name: np.asarray(file[name][...], dtype=float) for name in made["order"]}
+    axes = {name: np.asarray(file[dimension(name)][...], dtype=float) for name in made["order"]}
     if any(made["axes"][name] != axis_line(values) for name, values in axes.items()):
         return None  # joined or cut by another hand since
     return There(str(file.attrs["study_name"]), made, axes, told)

@@ -10,7 +10,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.observe.observables import OBSERVABLES
-from studies.model import OUTPUTS
 
 from ..data import branch_numbers, file_checks, law_verdicts, reading, schema
 from ..data.concatenation import blocks
@@ -35,7 +34,7 @@ def summary(path: Path) -> dict[str, Any]:
         told["versions"] = reading.versions(ds, path)
         told["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
         told["stations"] = ds.sizes.get("u", 0)
-        told["along"] = [name for name in OUTPUTS if name in ds.data_vars or f"{name}_along" in ds]
+        told["along"] = [name for name in schema.CURVES if name in ds.data_vars]
         told["cases"] = ds["outcome"].size
         outcomes = counted(ds["outcome"], ds["solved"])
         told["unsolved"] = unsolved(ds)

@@ -87,7 +87,7 @@ def take(
     why.
     Raises `InputError` for what is not there, for one case without a shape, and where the stations are far too few.
     """
-    chosen = kind_of(kind)
+    chosen, along = kind_of(kind), along and selection.axis_of(ds, along)
     _check(look)
     if chosen.cells == "one":
         if axes:
@@ -95,7 +95,7 @@ def take(
         return _one(ds, chosen, selection.case(ds, at), along, look)
     if along:
         raise InputError(f"a scene of kind {kind} shows a whole axis already: it takes no --along")
-    names = list(axes) or axes_of(ds)[:1]
+    names = [selection.axis_of(ds, name) for name in axes] or axes_of(ds)[:1]
     if kind == "equilibria" and axes_of(ds) != ["equilibrium"]:
         raise InputError("a scene of kind equilibria takes a dataset that `workbench equilibria --out FILE` stored")
     if not names:

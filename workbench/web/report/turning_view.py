@@ -13,7 +13,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import to_rgb
 
-from ...data import schema
 from ...figures import style
 from ...geometry import centreline
 from ...geometry.centreline import Array, Centreline
@@ -41,7 +40,7 @@ def view(ds: xr.Dataset) -> View:
     line = centreline.read(ds, {})
     sign = -1.0 if ds.attrs["side"] == "inside" else 1.0
     s = np.linspace(0.0, float(ds["L"]), RINGS)
-    push = sign * np.interp(s, ds["s"].values, schema.along(ds, "contact").values)
+    push = sign * np.interp(s, ds["s"].values, ds["contact"].values)
     told = json.dumps(
         scene(line, s, push, float(ds["R"]), float(ds["a"]), str(ds.attrs["side"])), separators=(",", ":")
     )
