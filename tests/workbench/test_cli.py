@@ -233,8 +233,11 @@ REFUSED = {
     "an unknown command": (["frobnicate"], "No such command 'frobnicate'; choose from reproduce, list"),
     "an unknown study": (["run", "fig7_1"], "did you mean 'fig7_1_modulus'; choose from fig6"),
     "an unknown reading": (["run", "fig6", "--reading", "torsion"], "no reading 'torsion'; choose one word"),
-    "a missing file": (["check", "absent.h5"], "there is no file absent.h5"),
-    "a study for a dataset": (["check", "small.toml"], "small.toml is a study, not a dataset: workbench run makes"),
+    "a missing file": (["check", "absent.h5"], "file not found: absent.h5"),
+    "a study for a dataset": (
+        ["check", "small.toml"],
+        "small.toml is a study, not a dataset; make the dataset with: wo",
+    ),
     "half a file": (["check", "half.h5"], "half.h5 cannot be read as HDF5"),
     "half a file to draw": (["scene", "half.h5"], "half.h5 cannot be read as HDF5"),
     "an axis that is not there": (["scene", "small.h5", "--at", "Q=1"], "no axis 'Q'; choose from E, R"),
@@ -250,7 +253,7 @@ REFUSED = {
     "a picture that is there": (["plot", "small.h5", "--out", "there.png"], "there.png exists; give --force to"),
     "a scene that is there": (["scene", "small.h5", "--out", "there.png"], "there.png exists; give --force to"),
     "a picture of equilibria that is there": (["equilibria", "--plot", "there.png"], "there.png exists; give --force"),
-    "a picture in no folder": (["plot", "small.h5", "--out", "no/x.png"], "there is no folder no"),
+    "a picture in no folder": (["plot", "small.h5", "--out", "no/x.png"], "folder not found: no"),
     "a value that is none": (["scene", "small.h5", "--at", "E=x"], "E must be a finite number, got 'x'"),
     "a picture of no kind": (
         ["plot", "small.h5", "--out", "x.doc"],
@@ -258,11 +261,11 @@ REFUSED = {
     ),
     "a place that cannot be written": (
         ["run", "fig6", "--out", "small.toml/x.h5"],
-        "cannot write small.toml/x.h5: there is no folder small.toml",
+        "cannot write small.toml/x.h5: folder not found: small.toml",
     ),
     "a folder that is not there": (
         ["run", "fig6", "--out", "not/here.h5"],
-        "cannot write not/here.h5: there is no folder not",
+        "cannot write not/here.h5: folder not found: not",
     ),
     "an empty method": (["run", "fig6", "--out", "x.h5", "--method", ""], "no method ''; choose from auto, orbit"),
     "an empty method for one case": (["solve", "--method", ""], "no method ''; choose from auto, orbit"),

@@ -81,7 +81,7 @@ def run_study(
     say = (lambda text: None) if json else console.say
     ran = run_to_file(study, path, options, say, partial(progress.shown, as_json=json))
     told = {"title": study.title, "study": study.name, "reading": study.reading or "", "file": str(path)}
-    return _print({**told, **ran.told}, json, ran)
+    return _print({**told, **ran.statistics}, json, ran)
 
 
 def _check_free(path: Path, name: str, force: bool) -> None:

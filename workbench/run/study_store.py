@@ -1,4 +1,4 @@
-"""A study stored as it is solved: in chunks, by as many workers as there are, going on where an earlier run stopped."""
+"""Run a study into a file: in chunks, by several workers, continuing where an earlier run stopped."""
 
 import json
 import time
@@ -20,10 +20,10 @@ from .block import kind_of, unsolved
 from .plan import TOGETHER, Plan, bytes_a_case, bytes_of_file, plan
 from .progress import Meter, Progress, unshown
 from .recipe import recipe
-from .resume import There, grown, is_finished, look, told_of
+from .resume import StoredRun, grown, is_finished, look, statistics_of
 from .shards import Damaged, decode, encode
 
-WORTH, WORTH_TOGETHER = 4, 10  # blocks for which a worker is worth its start
+WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker
 
 Tally = dict[str, Counter[Any]]
 
@@ -32,9 +32,9 @@ Tally = dict[str, Counter[Any]]
 class Options:
     """How a study is run; none of these changes a bit of what is stored.
 
-    workers: processes on this machine, None for as many as are of use. scheduler: of a Dask cluster, instead.
-    chunk: cases a chunk, None for a few seconds' work. restart: drop what an earlier run has kept, and solve a complete
-    study again.
+    workers: processes on this machine; None: chosen automatically. scheduler: address of a Dask cluster, instead.
+    chunk: cases in a chunk; None: a few seconds' work. restart: discard what an earlier run has kept, and solve a
+    complete study again.
     """
 
     workers: int | None = None
@@ -48,9 +48,9 @@ DEFAULT = Options()
 
 @dataclass(frozen=True)
 class Ran:
-    """What a run did. told: outcomes, cautions and verdicts of the file. solved: cases this run solved itself."""
+    """What a run did. statistics: of the file (`resume.statistics_of`). solved: cases that this run solved itself."""
 
-    told: dict[str, Any]
+    statistics: dict[str, Any]
     solved: int
     seconds: float
     finished_before: bool = False
@@ -85,7 +85,7 @@ def run_to_file(
     folder = shards.folder_of(output)
     with _refusing_disk(output), shards.locked(folder):
         try:
-            if (finished := _finished(work, output, options)) is not None:  # by the run that held it
+            if (finished := _finished(work, output, options)) is not None:  # by the run that held the lock
                 return finished
             there, work = _growing(work, output, options)
             if options.restart:
@@ -95,11 +95,11 @@ def run_to_file(
             return _run(work, output, folder, there, options, say, progress)
         finally:
             if shards.is_empty(folder):
-                shards.clear(folder)  # nothing was kept that a later run could use
+                shards.clear(folder)  # there is nothing that a later run could use
 
 
 def _follow(work: Plan, output: Path) -> Ran:
-    """A study along one branch is one line: it cannot be cut, and is solved in memory."""
+    """A study that follows one equilibrium cannot be cut into chunks, and is solved in memory."""
     from ..data import law_verdicts, writing
     from .following import run_followed
 
@@ -108,7 +108,7 @@ def _follow(work: Plan, output: Path) -> Ran:
     ds = run_followed(work.study, work.study.tol, work.study.method)
     tally = _of_file(None)
     _count({name: ds[name].values for name in ("solved", *TEXTS)}, tally)
-    told = told_of(tally, law_verdicts.verdicts(ds))
+    told = statistics_of(tally, law_verdicts.verdicts(ds))
     writing.write(ds.assign_attrs(recipe=json.dumps(recipe(work)), told=json.dumps(told)), output, force=True)
     return Ran(told, ds["outcome"].size, time.monotonic() - began)
 
@@ -118,11 +118,11 @@ def _finished(work: Plan, output: Path, options: Options) -> Ran | None:
     if there is None:
         return None
     work = grown(there, work) or work
-    return Ran(there.told, 0, 0.0, True) if is_finished(there, work) else None
+    return Ran(there.statistics, 0, 0.0, True) if is_finished(there, work) else None
 
 
 def _tidy(work: Plan, output: Path) -> None:
-    """Remove what a run left that was killed after its file was whole."""
+    """Remove what is left of a run that was killed after its file was complete."""
     folder = shards.folder_of(output)
     if not folder.is_dir():
         return
@@ -131,14 +131,14 @@ def _tidy(work: Plan, output: Path) -> None:
             shards.clear(folder)
 
 
-def _growing(work: Plan, output: Path, options: Options) -> tuple[There | None, Plan]:
-    """The file there that the study extends, if any, and the plan of what is left."""
+def _growing(work: Plan, output: Path, options: Options) -> tuple[StoredRun | None, Plan]:
+    """The existing file that the study extends, if any, and the plan of the remaining cases."""
     there = None if options.restart else look(output)
     larger = grown(there, work) if there is not None else None
     return (there, larger) if larger is not None and larger.new is not None else (None, work)
 
 
-def _grows(there: There | None) -> dict[str, Any]:
+def _grows(there: StoredRun | None) -> dict[str, Any]:
     return {} if there is None else {"grows": there.recipe["axes"]}
 
 
@@ -146,7 +146,7 @@ def _run(
     work: Plan,
     output: Path,
     folder: Path,
-    there: There | None,
+    there: StoredRun | None,
     options: Options,
     say: Callable[[str], None],
     progress: Progress,
@@ -162,24 +162,27 @@ def _run(
             _solve(work, folder, options, meter, tally)
             try:
                 told = assemble(work, folder, output, there, tally)
-            except Damaged:  # between the two, by another hand: what is left is solved again
+            except Damaged:  # by another program since it was read: its cases are solved again
                 tally = _of_file(there)
                 meter.done = work.size - work.todo + _verified(work, folder, tally)
     shards.clear(folder)
     return Ran(told, work.todo - kept, meter.seconds)
 
 
-def _of_file(there: There | None) -> Tally:
+def _of_file(there: StoredRun | None) -> Tally:
+    """The tally of the existing file; a sweep is never extended, so it has no branches."""
     if there is None:
-        return {"solved": Counter(), "outcome": Counter(), "caution": Counter(), "branch": Counter()}
-    texts = {"outcome": Counter(there.told["outcomes"]), "caution": Counter(there.told["cautions"])}
-    return {"solved": Counter({False: there.told["unsolved"]}), **texts, "branch": Counter()}  # a sweep does not grow
+        return {name: Counter() for name in ("solved", *TEXTS, "branch")}
+    found = there.statistics
+    unsolved = Counter({False: found["unsolved"]})
+    return {"solved": unsolved, "outcome": Counter(found["outcomes"]), "caution": Counter(found["cautions"]),
+            "branch": Counter()}  # fmt: skip
 
 
 def _verified(work: Plan, folder: Path, tally: Tally) -> int:
-    """Count the cases of the shards that are there, each looked at; damaged ones are removed."""
+    """Count the cases of the existing shards, each verified; damaged ones are removed."""
     kept = 0
-    for start, stop in shards.stretches(folder, work.todo):
+    for start, stop in shards.stored_ranges(folder, work.todo):
         try:
             _count(shards.read_shard(folder, start, stop), tally)
         except Damaged:
@@ -203,8 +206,8 @@ def _count(columns: dict[str, Any], tally: Tally) -> int:
 
 
 def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tally) -> None:
-    """Solve what is missing, and keep it."""
-    missing = shards.missing(shards.stretches(folder, work.todo), work.todo)
+    """Solve the missing cases and store their shards."""
+    missing = shards.missing_ranges(shards.stored_ranges(folder, work.todo), work.todo)
     if not missing:
         return
     try:
@@ -218,11 +221,11 @@ def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tall
 
 
 def _kept(work: Plan, folder: Path) -> str:
-    """How to go on; counted from the shards, as the interruption may come between a shard and the meter."""
-    missing = shards.missing(shards.stretches(folder, work.todo), work.todo)
+    """How to continue; counted from the shards, as the interruption may come between a shard and the meter."""
+    missing = shards.missing_ranges(shards.stored_ranges(folder, work.todo), work.todo)
     done = work.size - sum(stop - start for start, stop in missing)
-    kept = f"{done} of {work.size} cases are kept in {folder}; the same command goes on from there"
-    return f"interrupted; {kept if done else 'nothing was finished yet'}"
+    kept = f"{done} of {work.size} cases are kept in {folder}; run the same command again to continue"
+    return f"interrupted; {kept if done else 'no case was finished yet'}"
 
 
 def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> local_pool.Results:
@@ -239,7 +242,7 @@ def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> loc
 
 
 def _workers(work: Plan, left: int, options: Options) -> int:
-    """Processes for so many cases; the first worker takes a second to start, or some blocks' time."""
+    """How many workers are worth starting for so many cases."""
     if options.workers is not None:
         return options.workers
     blocks = WORTH_TOGETHER if work.study.method in TOGETHER else WORTH
@@ -247,19 +250,19 @@ def _workers(work: Plan, left: int, options: Options) -> int:
 
 
 def _chunk_size(work: Plan, workers: int, asked: int | None) -> int:
-    """In whole blocks."""
+    """Cases in a chunk, whole blocks."""
     return work.chunk_size(workers) if asked is None else work.block * max(1, round(asked / work.block))
 
 
 def _room(work: Plan, folder: Path, kept: int) -> str:
-    """What the run takes, in words; raises `InputError` where the disk has less."""
+    """The disk space that the run needs, in words; raises `InputError` where there is less."""
     case = bytes_a_case(work.study)
     final, parts = bytes_of_file(work), (work.todo - kept) * case
     there = shards.free(folder)
     if final + parts > there:
         needed = f"{_bytes(final)} for the file and {_bytes(parts)} for its parts until it is whole"
         raise InputError(f"the study needs up to {needed}, but {folder.parent} has {_bytes(there)} left")
-    new = f", {work.size - work.todo} of them there already" if work.todo < work.size else ""
+    new = f", {work.size - work.todo} of them already stored" if work.todo < work.size else ""
     going = f", {kept} kept from an earlier run" if kept else ""
     room = f"a file of at most {_bytes(final)}, and {_bytes(parts)} more while it runs"
     return f"{work.size} case{'s' * (work.size != 1)}{new}{going}: {room}"
@@ -274,10 +277,10 @@ def _bytes(count: int) -> str:
 
 @contextmanager
 def _refusing_disk(output: Path) -> Iterator[None]:
-    """What the disk refuses is told in one sentence; what is kept stays."""
+    """An `OSError` of the body becomes an `InputError` of one sentence; finished shards stay."""
     try:
         yield
     except OSError as error:
         why = error.strerror or str(error).partition(",")[0]
-        kept = "what is finished is kept, and the same command goes on from there"
+        kept = "finished cases are kept; run the same command again to continue"
         raise InputError(f"cannot write {output}: {why}; {kept}") from None
