@@ -274,7 +274,7 @@ REFUSED = {
         ["run", "fig6", "--out", "small.h5"],
         "holds the study 'small', not 'fig6'; give --force",
     ),
-    "a file of another kind": (["run", "fig6", "--out", "small.toml"], "small.toml exists and is no dataset"),
+    "a file of another kind": (["run", "fig6", "--out", "small.toml"], "small.toml exists and is not a study"),
     "a grid without end": (
         ["run", "huge.toml"],
         "the grid has 1000000000000 cases, more than the limit of 1000000000",

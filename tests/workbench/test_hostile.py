@@ -213,16 +213,16 @@ REASONS = {
     "a view of another file": "is stored in another file; links are not followed",
     "a filter to be loaded": "is compressed with filter 32001",
     "references": "must hold numbers or text, got object",
-    "records": "holds neither numbers nor text",
-    "a folder": "is no array",
-    "a size that is not there": "should hold 1008000000000 bytes, but only 0 packed ones are there",
+    "records": "must hold numbers or text, got [(",
+    "a folder": "is not an array",
+    "a size that is not there": "claims 1008000000000 bytes, but only 0 compressed bytes are stored",
     "no values": "is empty: its shape is (0, 3)",
     "NaN on an axis": "the axis 'E' holds values that are not finite",
     "a value twice on an axis": "the axis 'E' holds a value twice",
     "laws nested without end": "the attribute laws is not a list of laws in JSON",
-    "a title that clears the terminal": "the attribute title is no line of text",
-    "a label that is no text": "is no text in UTF-8",
-    "a newer format": "is of format 99, but this version reads up to format",
+    "a title that clears the terminal": "the attribute title must be one line of text",
+    "a label that is no text": "is not UTF-8 text",
+    "a newer format": "is of format 99, but this version reads format",
     "a real folder": "is a folder",
     "a pipe": "is not a regular file",
     "a link in a circle": "Too many levels of symbolic links",
@@ -369,7 +369,7 @@ def test_a_dollar_in_a_units_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path
 
 
 NUMBERS = {
-    "no radius": ("rho", np.nan, "rho is not finite, but nan"),
+    "no radius": ("rho", np.nan, "rho must be finite, got nan"),
     "a radius of nothing": ("rho", 0.0, r"rho must be from 1e-50 to 1e\+50, got 0"),
     "a radius that is another": ("rho", 17.0, r"rho is not R \+ a"),
     "no load": ("FZ", np.nan, "FZ of a solved case is not finite, or far too large for its rod"),
@@ -379,7 +379,7 @@ NUMBERS = {
     "an arc the other way": ("s", -1.0, "s must be u L"),
     "one station": ("u", 0.5, "u must rise from 0 to 1"),
     "an angle that is none": ("beta", np.nan, "'beta' of a solved case is not finite"),
-    "a leap along the cylinder": ("z", 1e3, "'z' of a solved case moves farther than the rod is long"),
+    "a leap along the cylinder": ("z", 1e3, "z of a solved case moves farther than the rod is long"),
     "an error that is none": ("error", np.nan, "error of a solved case must be a number and not negative"),
 }
 
@@ -408,7 +408,7 @@ def test_numbers_in_place_of_words_are_refused(whole: bytes, tmp_path: Path, nam
     [
         ("turns", "add_offset", "x", "'turns' has the attribute add_offset, which the format does not allow"),
         ("E", "scale_factor", 2.0, "'E' has the attribute scale_factor, which the format does not allow"),
-        ("nu", "_FillValue", "$", "the attribute _FillValue of 'nu' is no number"),
+        ("nu", "_FillValue", "$", "the attribute _FillValue of 'nu' must be a number"),
     ],
 )
 def test_numbers_that_are_stored_as_others_are_refused(

@@ -156,7 +156,7 @@ DIFFERENT = {
     "the stations: 21 and 11": (E1, E2, {"stations": 11}),
     "what is stored: a has beta, which b has not": (E1, E2, {"head": HEAD.replace("beta", "h")}),
     "laws: ": (E1 + LAW, E2 + LAW.replace("falls", "rises"), {}),
-    "the files differ along E and R; join along one": (E1 + axis("R", [0.5]), E2 + axis("R", [0.6]), {}),
+    "the files differ along E and R; merge along one": (E1 + axis("R", [0.5]), E2 + axis("R", [0.6]), {}),
     "there is nothing to merge: .* have the same values of E": (E1, E1, {}),
     "there is nothing to merge: .* have one case each, and no axis": ("", "", {}),
     "E = 20000.0 and 20000.00000000002 differ in their last digits only": (E1, axis("E", [20000.00000000002]), {}),
@@ -196,7 +196,7 @@ def test_one_file_a_followed_study_and_a_place_that_is_taken_are_refused(tmp_pat
     with pytest.raises(InputError, match="two files or more, got 1"):
         merge.merge(files[:1], tmp_path / "all.h5")
     (tmp_path / "mine.txt").write_text("mine")
-    with pytest.raises(InputError, match="is no dataset of a study; give --force"):
+    with pytest.raises(InputError, match="is not a study's dataset; give --force"):
         merge.merge(files, tmp_path / "mine.txt")
     with pytest.raises(InputError, match="folder not found:"):
         merge.merge(files, tmp_path / "absent" / "all.h5")
