@@ -19,7 +19,7 @@ from workbench.commands import list_equilibria as command
 from workbench.data import writing
 from workbench.figures import bifurcation, equilibria_gallery
 from workbench.run import in_memory
-from workbench.run.block_solver import solve_one
+from workbench.run.block import solve_one
 
 MANY = -0.3655, 0.7464, -0.7506
 

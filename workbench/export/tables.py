@@ -13,7 +13,7 @@ from solver.mechanics.contact import contact_force
 from solver.mechanics.potential import Loads, potential
 from solver.problem.quantities import QUANTITIES, unit_of
 
-from ..data import dataset
+from ..data import schema
 from ..geometry.centreline import Array, Centreline
 
 # columns before all others, whatever the study stores
@@ -35,8 +35,8 @@ def columns(ds: xr.Dataset, where: dict[str, int], line: Centreline) -> list[Col
     units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
     one = ds.isel(where)
     known = computed(line)
-    for name in (str(v).removesuffix("_along") for v in one.data_vars):
-        array = dataset.along(one, name)
+    for stored, array in one.data_vars.items():
+        name = schema.CURVES.get(str(stored), str(stored))
         if array.dims == ("u",) and name in QUANTITIES:
             known[name] = np.asarray(array.values, dtype=float)
     order = [*FIRST, *(name for name in known if name not in FIRST)]

@@ -15,7 +15,6 @@ from matplotlib.colors import to_rgb
 
 from solver.mechanics.contact import push_from
 
-from ...data import dataset
 from ...figures import style
 from ...geometry import centreline
 from ...geometry.centreline import Array, Centreline
@@ -42,8 +41,7 @@ def view(ds: xr.Dataset) -> View:
     scripts = browser_assets.scripts()
     line = centreline.read(ds, {})
     s = np.linspace(0.0, float(ds["L"]), RINGS)
-    contact = np.interp(s, ds["s"].values, dataset.along(ds, "contact").values)
-    push = push_from(contact, str(ds.attrs["side"]))
+    push = push_from(np.interp(s, ds["s"].values, ds["contact"].values), str(ds.attrs["side"]))
     told = json.dumps(
         scene(line, s, push, float(ds["R"]), float(ds["a"]), str(ds.attrs["side"])), separators=(",", ":")
     )

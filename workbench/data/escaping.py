@@ -1,0 +1,33 @@
+"""Escape untrusted text for terminals, messages and JSON. Imports nothing heavy."""
+
+import json
+import re
+
+LONGEST = 4000  # characters of a printed line; the rest is cut
+_COMMANDS = re.compile(r"[^\n\t\x20-\x7e]")  # control sequences of terminals are among these
+
+
+def lines(text: str) -> str:
+    """The text with control characters, direction marks and line separators escaped as by `repr`.
+
+    Line breaks stay; a line beyond `LONGEST` is cut.
+    """
+    safe = _COMMANDS.sub(lambda found: found[0] if found[0].isprintable() else repr(found[0])[1:-1], text)
+    if len(safe) <= LONGEST:
+        return safe
+    return "\n".join(line if len(line) <= LONGEST else f"{line[:LONGEST]}..." for line in safe.split("\n"))
+
+
+def line(text: str) -> str:
+    """As `lines`, in one line."""
+    return lines(text.replace("\n", "\\n").replace("\t", " "))
+
+
+def is_line(text: str, longest: int) -> bool:
+    """Whether it is one line of at most so many printable characters."""
+    return len(text) <= longest and text.isprintable()
+
+
+def in_json(text: str) -> str:
+    """JSON text in which unprintable characters are escaped; letters of every language stay."""
+    return _COMMANDS.sub(lambda found: found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1], text)
