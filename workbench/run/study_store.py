@@ -104,9 +104,11 @@ def _follow(work: Plan, output: Path) -> Ran:
     ds = run_followed(work.study, work.study.tol, work.study.method)
     tally = tally_of(None)
     count({name: ds[name].values for name in ("solved", *TEXTS)}, tally)
-    told = statistics_of(tally, law_verdicts.verdicts(ds))
-    writing.write(ds.assign_attrs(recipe=json.dumps(recipe(work)), told=json.dumps(told)), output, force=True)
-    return Ran(told, ds["outcome"].size, time.monotonic() - began)
+    statistics = statistics_of(tally, law_verdicts.verdicts(ds))
+    writing.write(
+        ds.assign_attrs(recipe=json.dumps(recipe(work)), statistics=json.dumps(statistics)), output, force=True
+    )
+    return Ran(statistics, ds["outcome"].size, time.monotonic() - began)
 
 
 def _finished(work: Plan, output: Path, options: Options) -> Ran | None:
