@@ -130,7 +130,7 @@ def test_nothing_is_computed_along_the_rod_but_the_outputs(outputs, computed, mo
 
 
 def test_a_finished_study_is_answered_at_once(whole, monkeypatch) -> None:
-    monkeypatch.setattr(study_store, "_solve", lambda *_: pytest.fail("solved again"))
+    monkeypatch.setattr(block, "block_of", lambda *_: pytest.fail("solved again"))
     before = whole.read_bytes()
     ran = run_to_file(load(whole.with_suffix(".toml")), whole)
     assert (ran.finished_before, ran.solved, sum(ran.statistics["outcomes"].values())) == (True, 0, 150)

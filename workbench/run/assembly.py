@@ -1,8 +1,7 @@
 """Assemble the shards into the output file, window by window, so that memory stays small."""
 
 import json
-from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +16,13 @@ from ..data.schema import Columns
 from . import shards
 from .plan import Plan, bytes_a_case, bytes_of_file, first_of
 from .recipe import recipe
-from .resume import StoredRun, places, statistics_of
+from .resume import StoredRun, places
+from .tally import Tally, statistics_of
 
 WINDOW = 2**25  # bytes of results held while they are copied
 
 
-def assemble(
-    plan: Plan, folder: Path, output: Path, there: StoredRun | None, tally: Mapping[str, Counter[Any]]
-) -> dict[str, Any]:
+def assemble(plan: Plan, folder: Path, output: Path, there: StoredRun | None, tally: Tally) -> dict[str, Any]:
     """Write the dataset of all shards, and of the cases of the existing file, in place of that file.
 
     tally: counts of solved, outcome, caution and branch over all cases. Returns the statistics of the file. Raises
@@ -51,7 +49,7 @@ def assemble(
         aside.unlink(missing_ok=True)
 
 
-def _statistics(path: Path, tally: Mapping[str, Counter[Any]]) -> dict[str, Any]:
+def _statistics(path: Path, tally: Tally) -> dict[str, Any]:
     """The statistics of the file, from which `run` reports without reading its cases again."""
     with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
         verdicts, first = law_verdicts.verdicts(ds), str(ds.attrs.get("equilibria", ""))
@@ -59,7 +57,7 @@ def _statistics(path: Path, tally: Mapping[str, Counter[Any]]) -> dict[str, Any]
     return {**statistics_of(tally, verdicts), "equilibria": first, "branches": branches}
 
 
-def _write_cases(file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], tally: Mapping[str, Counter[Any]]) -> None:
+def _write_cases(file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], tally: Tally) -> None:
     """Every variable over the axes, window by window. Whole numbers stay whole where all cases are solved."""
     all_solved = not tally["solved"][False]
     variables: dict[str, Any] = {}

@@ -44,8 +44,7 @@ def cluster(work: Plan, missing: Iterable[tuple[int, int]], address: str, asked:
     try:
         _check_workers(client, work.light)
         threads = sum(client.nthreads().values())
-        size = work.chunk_size(threads) if asked is None else work.block * max(1, round(asked / work.block))
-        yield from _handed_out(client, work, work.chunks(missing, size))
+        yield from _handed_out(client, work, work.chunks(missing, work.chunk_size(threads, asked)))
     finally:
         client.close(timeout=2)
 

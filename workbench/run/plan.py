@@ -100,8 +100,10 @@ class Plan:
             for a in range(start, stop, most):
                 yield self.chunk(a, min(a + most, stop))
 
-    def chunk_size(self, workers: int = 1) -> int:
-        """Cases in a chunk: a few seconds' work, and enough chunks to occupy all workers."""
+    def chunk_size(self, workers: int = 1, asked: int | None = None) -> int:
+        """Cases in a chunk, whole blocks: as asked, else a few seconds' work and enough chunks for all workers."""
+        if asked is not None:
+            return self.block * max(1, round(asked / self.block))
         fair = -(-self.todo // self.block) // (4 * workers)
         held = MOST_BYTES // (self.block * bytes_a_case(self.study))
         return self.block * max(1, min(MOST_BLOCKS, fair, held))

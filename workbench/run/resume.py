@@ -23,7 +23,7 @@ _ROUNDING = 8 * 2.0**-52  # relative; values of an axis that differ by less are 
 
 @dataclass(frozen=True, eq=False)
 class StoredRun:
-    """A complete file: its study's name, its recipe, the values of its axes, and its statistics (`study_store.Ran`)."""
+    """A complete file: its study's name, its recipe, the values of its axes, and its statistics."""
 
     name: str
     recipe: dict[str, Any]
@@ -53,12 +53,6 @@ def _read(file: h5py.File) -> StoredRun | None:
     if any(made["axes"][name] != axis_line(values) for name, values in axes.items()):
         return None  # changed since by another program
     return StoredRun(str(file.attrs["study_name"]), made, axes, told)
-
-
-def statistics_of(tally: Mapping[str, Mapping[Any, int]], laws: list[dict[str, Any]]) -> dict[str, Any]:
-    """The statistics of a file: how many cases are unsolved, have each outcome, each caution, and the verdicts."""
-    outcomes, cautions = (dict(sorted(tally[name].items())) for name in ("outcome", "caution"))
-    return {"unsolved": tally["solved"][False], "outcomes": outcomes, "cautions": cautions, "laws": laws}
 
 
 def is_finished(there: StoredRun, plan: Plan) -> bool:

@@ -2,30 +2,26 @@
 
 import json
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from solver.problem.errors import InputError
 from studies import Study
 
 from ..data.schema import TEXTS
 from . import local_pool, shards, worker_processes
-from .block import kind_of, unsolved
+from .block import unsolved
 from .plan import TOGETHER, Plan, bytes_a_case, bytes_of_file, plan
 from .progress import Meter, Progress, unshown
 from .recipe import recipe
-from .resume import StoredRun, grown, is_finished, look, statistics_of
+from .resume import StoredRun, grown, is_finished, look
 from .shards import Damaged, decode, encode
+from .tally import Tally, count, statistics_of, tally_of
 
 WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker
-
-Tally = dict[str, Counter[Any]]
 
 
 @dataclass(frozen=True)
@@ -48,7 +44,7 @@ DEFAULT = Options()
 
 @dataclass(frozen=True)
 class Ran:
-    """What a run did. statistics: of the file (`resume.statistics_of`). solved: cases that this run solved itself."""
+    """What a run did. statistics: of the file (`tally.statistics_of`). solved: cases that this run solved itself."""
 
     statistics: dict[str, Any]
     solved: int
@@ -106,11 +102,13 @@ def _follow(work: Plan, output: Path) -> Ran:
     writing.check_parent(output)
     began = time.monotonic()
     ds = run_followed(work.study, work.study.tol, work.study.method)
-    tally = _of_file(None)
-    _count({name: ds[name].values for name in ("solved", *TEXTS)}, tally)
-    told = statistics_of(tally, law_verdicts.verdicts(ds))
-    writing.write(ds.assign_attrs(recipe=json.dumps(recipe(work)), told=json.dumps(told)), output, force=True)
-    return Ran(told, ds["outcome"].size, time.monotonic() - began)
+    tally = tally_of(None)
+    count({name: ds[name].values for name in ("solved", *TEXTS)}, tally)
+    statistics = statistics_of(tally, law_verdicts.verdicts(ds))
+    writing.write(
+        ds.assign_attrs(recipe=json.dumps(recipe(work)), statistics=json.dumps(statistics)), output, force=True
+    )
+    return Ran(statistics, ds["outcome"].size, time.monotonic() - began)
 
 
 def _finished(work: Plan, output: Path, options: Options) -> Ran | None:
@@ -153,7 +151,7 @@ def _run(
 ) -> Ran:
     from .assembly import assemble
 
-    tally = _of_file(there)
+    tally = tally_of(there)
     kept = _verified(work, folder, tally)
     say(_room(work, folder, kept))
     with progress(work.size, work.size - work.todo + kept) as meter:
@@ -163,20 +161,10 @@ def _run(
             try:
                 told = assemble(work, folder, output, there, tally)
             except Damaged:  # by another program since it was read: its cases are solved again
-                tally = _of_file(there)
+                tally = tally_of(there)
                 meter.done = work.size - work.todo + _verified(work, folder, tally)
     shards.clear(folder)
     return Ran(told, work.todo - kept, meter.seconds)
-
-
-def _of_file(there: StoredRun | None) -> Tally:
-    """The tally of the existing file; a sweep is never extended, so it has no branches."""
-    if there is None:
-        return {name: Counter() for name in ("solved", *TEXTS, "branch")}
-    found = there.statistics
-    unsolved = Counter({False: found["unsolved"]})
-    return {"solved": unsolved, "outcome": Counter(found["outcomes"]), "caution": Counter(found["cautions"]),
-            "branch": Counter()}  # fmt: skip
 
 
 def _verified(work: Plan, folder: Path, tally: Tally) -> int:
@@ -184,25 +172,11 @@ def _verified(work: Plan, folder: Path, tally: Tally) -> int:
     kept = 0
     for start, stop in shards.stored_ranges(folder, work.todo):
         try:
-            _count(shards.read_shard(folder, start, stop), tally)
+            count(shards.read_shard(folder, start, stop), tally)
         except Damaged:
             continue
         kept += stop - start
     return kept
-
-
-def _count(columns: dict[str, Any], tally: Tally) -> int:
-    """Add the columns to the tally; how many of their cases are not solved."""
-    for branch in columns.get("branch", ()):
-        tally["branch"][int(branch)] += 1
-    for name in TEXTS:
-        counts = tally[name]
-        texts, times = np.unique(columns[name].astype(str), return_counts=True)
-        for text, count in zip(texts.tolist(), times.tolist(), strict=True):
-            counts[kind_of(text)] += count
-    unsolved = int(np.count_nonzero(~columns["solved"]))
-    tally["solved"][False] += unsolved
-    return unsolved
 
 
 def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tally) -> None:
@@ -215,7 +189,7 @@ def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tall
             if isinstance(results, str):
                 results = encode(unsolved(work.study, chunk.cases, results))
             shards.store_shard(folder, chunk.start, chunk.stop, results)
-            meter.add(chunk.cases, _count(decode(results), tally))
+            meter.add(chunk.cases, count(decode(results), tally))
     except KeyboardInterrupt:
         raise KeyboardInterrupt(_kept(work, folder)) from None
 
@@ -235,7 +209,7 @@ def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> loc
 
         return cluster(work, missing, options.scheduler, options.chunk)
     workers = _workers(work, left, options)
-    chunks = work.chunks(missing, _chunk_size(work, workers, options.chunk))
+    chunks = work.chunks(missing, work.chunk_size(workers, options.chunk))
     if workers == 1:
         return local_pool.serial(work.light, chunks, work.block)
     return local_pool.pool(work.light, chunks, work.block, workers)
@@ -247,11 +221,6 @@ def _workers(work: Plan, left: int, options: Options) -> int:
         return options.workers
     blocks = WORTH_TOGETHER if work.study.method in TOGETHER else WORTH
     return max(1, min(local_pool.cores(), left // (blocks * work.block)))
-
-
-def _chunk_size(work: Plan, workers: int, asked: int | None) -> int:
-    """Cases in a chunk, whole blocks."""
-    return work.chunk_size(workers) if asked is None else work.block * max(1, round(asked / work.block))
 
 
 def _room(work: Plan, folder: Path, kept: int) -> str:
