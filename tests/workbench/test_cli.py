@@ -125,13 +125,13 @@ def test_solve_of_nothing_is_the_rod_of_table_1_and_says_so(here) -> None:
     assert told["source"] == "Table 1, read force-first/tension/paper"
     assert (told["case"]["E"], told["case"]["F1"], told["case"]["stiffness"]) == (1.07e4, 5.0, "paper")
     assert len(told["along"]["beta"]) == 201
-    assert "the rod of Table 1, read force-first/tension/paper" in here("solve")
+    assert "rod: Table 1, read force-first/tension/paper" in here("solve")
 
 
 def test_solve_changes_table_1_only_where_that_is_asked_for(here) -> None:
     told = here("solve", "--table1", "--F3", "-10", "--json")
     assert told["case"]["F3"] == -10.0
-    assert told["source"] == "Table 1, read force-first/tension/paper, but for F3"
+    assert told["source"] == "Table 1, read force-first/tension/paper, except F3"
     assert told["observables"]["turns"] == 11  # the paper's stiffness, compression
     assert re.search(r"^turns +11 ", here("solve", "--reading", "compression"), re.M)
     for change in ("--dgamma=0.5", "--M3=0"):
@@ -152,7 +152,7 @@ def test_solve_of_ones_own_rod_takes_nothing_from_table_1_and_tells_what_was_ass
 def test_solve_takes_a_rod_by_its_ends_and_says_which_of_its_equilibria_it_is(here) -> None:
     shown = here("solve", *OWN, "--side", "inside", "--beta0", "pi/90", "--betaL", "2deg", "--FZ", -50)
     assert "taken: the stable one whose beta strays least from between its end angles" in shown
-    assert "assumed: stiffness = solid, MZ = 0.0, M3 = 0.0, alpha = 0.0, gamma = 0.0" in shown
+    assert "defaults: stiffness = solid, MZ = 0.0, M3 = 0.0, alpha = 0.0, gamma = 0.0" in shown
     assert "axial force" in shown
 
 
@@ -170,7 +170,7 @@ def test_solve_tells_how_many_equilibria_there_are_and_takes_the_one_that_is_ask
     assert refused.returncode == 2
     assert "--choose must be nearest, lowest or a Morse index (0, 1, 2, ...), got 'near'" in refused.stderr
     refused = workbench("solve", "--table1", "--choose", "lowest")
-    assert "a rod given by its start has one" in refused.stderr
+    assert "a start problem has one solution" in refused.stderr
 
 
 def test_solve_reads_a_case_from_a_file_and_options_change_it(tmp_path) -> None:
@@ -192,18 +192,27 @@ def test_a_case_that_is_not_solved_gives_status_1() -> None:
 REFUSED = {
     "half a rod": (
         ["solve", "--E", "1e4", "--L", "20", "--beta", "0.5"],
-        "a rod given by its start also needs nu, a, R, dbeta and one of F1, dgamma, M3; --table1 takes",
+        "a start problem also needs nu, a, R, dbeta and one of F1, dgamma, M3; --table1 takes",
     ),
     "half a rod by its ends": (
         ["solve", "--E", "1e4", "--nu", "0.3", "--a", "1", "--R", "2", "--beta0", "0"],
-        "a rod given by its ends also needs L and betaL; --table1 takes the rod of Table 1",
+        "an ends problem also needs L and betaL; --table1 takes the rod of Table 1",
     ),
     "one load without a rod": (["solve", "--F3", "3"], "also needs E, nu, a, L, R, beta, dbeta and one of"),
-    "a start and an end": (["solve", "--beta", "1", "--betaL", "1"], "beta is of a start, betaL is of the ends"),
-    "ends of Table 1": (["solve", "--table1", "--betaL", "1"], "given by its start, which have no betaL; choose from"),
-    "units of Table 1": (["solve", "--table1", "--length-unit", "m"], "Table 1 is in cm and N: leave out the units"),
-    "units of a file": (["solve", "one.toml", "--force-unit", "kN"], "the units are those of one.toml"),
-    "a file and Table 1": (["solve", "one.toml", "--table1"], "--table1 and one.toml exclude each other"),
+    "a start and an end": (
+        ["solve", "--beta", "1", "--betaL", "1"],
+        "not both: beta is a field of the start, betaL of the ends",
+    ),
+    "ends of Table 1": (
+        ["solve", "--table1", "--betaL", "1"],
+        "this case is a start problem, which has no betaL; choose from",
+    ),
+    "units of Table 1": (["solve", "--table1", "--length-unit", "m"], "Table 1 is in cm and N: omit the units"),
+    "units of a file": (
+        ["solve", "one.toml", "--force-unit", "kN"],
+        "one.toml states its own units: change them in the file",
+    ),
+    "a file and Table 1": (["solve", "one.toml", "--table1"], "one.toml and --table1 exclude each other"),
     "an unknown unit": (
         ["solve", *map(str, OWN), "--beta=0", "--dbeta=0", "--M3=0", "--length-unit", "parsec"],
         "no unit of length 'parsec'; choose from nm, um",
@@ -279,7 +288,7 @@ REFUSED = {
     "a misspelt key": (["run", "typo.toml"], "typo.toml, line 2: no key 'readin', did you mean 'reading'"),
     "several cases at once": (
         ["solve", "small.toml"],
-        "small.toml has the axes E, R: workbench run solves it",
+        "small.toml has the axes E, R: use workbench run to solve it",
     ),
     "a folder that is a file": (
         ["reproduce", "--out", "small.toml"],

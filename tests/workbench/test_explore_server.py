@@ -310,8 +310,8 @@ def test_it_listens_to_this_machine_alone_unless_told() -> None:
     with pytest.raises(InputError, match=f"cannot listen at 127.0.0.1:{port}: Address already in use"):
         explore.bound("127.0.0.1", port)
     listener.close()
-    assert explore.called("127.0.0.1", 80, []) >= {"127.0.0.1", "127.0.0.1:80", "localhost"}
-    assert explore.called("lab", 81, ["x.example", "y.example:9"]) == {"lab:81", "x.example:81", "y.example:9"}
+    assert explore.host_names("127.0.0.1", 80, []) >= {"127.0.0.1", "127.0.0.1:80", "localhost"}
+    assert explore.host_names("lab", 81, ["x.example", "y.example:9"]) == {"lab:81", "x.example:81", "y.example:9"}
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent otherwise there")

@@ -1,7 +1,9 @@
 """Text from files and from anyone, as a terminal and as a line of a message may have it. Imports nothing heavy."""
 
 import json
+import math
 import re
+from typing import Any
 
 LONGEST = 4000  # characters of a line that is printed; what is longer is cut
 _COMMANDS = re.compile(r"[^\n\t\x20-\x7e]")  # what may command a terminal is among these
@@ -31,3 +33,14 @@ def is_line(text: str, longest: int) -> bool:
 def in_json(text: str) -> str:
     """JSON in which strings keep the letters of every language, but what would command a terminal is escaped."""
     return _COMMANDS.sub(lambda found: found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1], text)
+
+
+def finite(data: Any) -> Any:
+    """Plain data as JSON can hold it: NaN and infinity become None, keys become text."""
+    if isinstance(data, dict):
+        return {str(key): finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [finite(value) for value in data]
+    if isinstance(data, float) and not math.isfinite(data):
+        return None
+    return data

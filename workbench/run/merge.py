@@ -1,4 +1,4 @@
-"""The command merge: studies that extend one another along an axis become one file, streamed and renamed when whole."""
+"""Merge: studies that extend one another along an axis become one file, streamed and renamed when whole."""
 
 import contextlib
 import json
@@ -18,10 +18,9 @@ from studies import TABLE_1, Study
 from studies.loader import loads
 from studies.writer import dumps, told
 
-from ..commands import console, summary
 from ..data import cautions, concatenation, dataset, law_verdicts, reading, writing
 from ..data.axis_values import SAME
-from . import stored_case
+from . import stored_case, summary
 from .plan import axis_line
 
 # Attributes in which files that are joined may not differ, and what they are called.
@@ -32,29 +31,6 @@ ALIKE = {
 # Of a study: what a file says better itself, or what does not change a number.
 APART = {"name", "title", "axes", "base", "observables", "outputs", "stations", "tol", "method"}
 OF_ONE_RUN = ("recipe", "told", "caution")  # attributes that are of one run alone
-
-
-def merge_files(files: Sequence[Path], out: Path, force: bool, json: bool) -> int:
-    """Join the files into `out` and print its verdicts; the exit status is that of `check.status`.
-
-    Raises `InputError` where they are not one study along one axis; nothing is stored then.
-    """
-    done = merge(files, out, force)
-    if json:
-        console.print_json(done)
-        return int(done["status"])
-    if done["laws"]:
-        rows = [
-            [row["claim"], law_verdicts.stated(row), law_verdicts.measured(row), law_verdicts.said(row)]
-            for row in done["laws"]
-        ]
-        console.print_table(["claim", "law", "measured", "verdict"], rows)
-        console.say(law_verdicts.tallied(done["laws"]))
-    console.say(f"{out}: {done['values']} values of {done['axis']} from {len(files)} files")
-    console.say(f"{done['cases']} cases, {done['unsolved']} unsolved")
-    if done["caution"]:
-        console.say(f"caution: {done['caution']}")
-    return int(done["status"])
 
 
 def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, Any]:

@@ -62,11 +62,11 @@ def metered(total: int, done: int, as_json: bool, quiet: bool = False) -> Iterat
     if quiet:
         yield Meter(total, done, lambda meter: None)
         return
-    if as_json or not console.err.is_terminal:
+    if as_json or not console.err().is_terminal:
         yield Meter(total, done, _make_lines(as_json))
         return
     columns = (BarColumn(), TextColumn("{task.completed} of {task.total} cases, {task.description}"))
-    with Progress(*columns, console=console.err, transient=True) as bar:
+    with Progress(*columns, console=console.err(), transient=True) as bar:
         task = bar.add_task("starting", total=total, completed=done)
         yield Meter(total, done, lambda meter: bar.update(task, completed=meter.done, description=meter.text()))
 

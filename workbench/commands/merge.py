@@ -1,0 +1,40 @@
+"""The command merge: join stored studies and print the verdicts of the whole."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import console
+from .options import ForceStudy, Json
+from .study_result import print_verdicts
+
+
+def merge(
+    files: Annotated[
+        list[Path],
+        typer.Argument(metavar="FILE...", help="Two or more stored datasets of one study.", show_default=False),
+    ],
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="File to store.", show_default=False)],
+    force: ForceStudy = False,
+    json: Json = False,
+) -> int:
+    """Join stored studies that extend each other along one axis.
+
+    Exit status 1 if a law does not hold in full or a case is unsolved.
+    """
+    from ..data import law_verdicts
+    from ..run.merge import merge as join
+
+    done = join(files, out, force)
+    status = law_verdicts.status(done["unsolved"], done["laws"])
+    if json:
+        console.print_json({**done, "status": status})
+        return status
+    if done["laws"]:
+        print_verdicts(done["laws"])
+    console.say(f"{out}: {done['values']} values of {done['axis']} from {len(files)} files")
+    console.say(f"{done['cases']} cases, {done['unsolved']} unsolved")
+    if done["caution"]:
+        console.say(f"caution: {done['caution']}")
+    return status
