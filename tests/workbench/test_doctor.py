@@ -5,7 +5,6 @@ import shutil
 from collections.abc import Callable
 from typing import Any
 
-import pytest
 from typer.testing import CliRunner
 
 from workbench import cli

@@ -307,7 +307,7 @@ def test_it_listens_to_this_machine_alone_unless_told() -> None:
     listener = explore.bound("127.0.0.1", 0)
     assert listener.getsockname()[0] == "127.0.0.1"
     port = listener.getsockname()[1]
-    with pytest.raises(InputError, match=f"cannot listen at 127.0.0.1:{port}: Address already in use"):
+    with pytest.raises(InputError, match=f"cannot listen on 127.0.0.1:{port}: Address already in use"):
         explore.bound("127.0.0.1", port)
     listener.close()
     assert explore.host_names("127.0.0.1", 80, []) >= {"127.0.0.1", "127.0.0.1:80", "localhost"}
@@ -331,8 +331,8 @@ def test_the_command_says_where_the_page_is_and_ends_quietly_when_interrupted() 
 @pytest.mark.parametrize(
     "args, sentence",
     [
-        (["--host", "0.0.0.0"], "say with --name by which name"),
-        (["--host", "no.such.host.invalid"], "cannot listen at no.such.host.invalid"),
+        (["--host", "0.0.0.0"], "give the name of this machine with --name"),
+        (["--host", "no.such.host.invalid"], "cannot listen on no.such.host.invalid"),
         (["--port", "70000"], "less than or equal to 65535"),
     ],
 )

@@ -122,7 +122,7 @@ def _print(found: dict[str, Any]) -> None:
 
     console.say(f"rod: {found['source']}")
     if found["assumed"]:
-        console.say(f"defaults: {', '.join(f'{name} = {value}' for name, value in found['assumed'].items())}")
+        console.say(f"assumed: {', '.join(f'{name} = {value}' for name, value in found['assumed'].items())}")
     console.say("")
     rows = []
     for name, value in found["case"].items():

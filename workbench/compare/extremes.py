@@ -76,7 +76,7 @@ def attempts_at(one: Extreme, reference: Reference) -> dict[str, Attempt]:
         if "start" in method.kinds:
             rows[name] = _attempt(one.case, name, known)
         elif not np.isfinite(best.beta).all():
-            rows[name] = Attempt(REFUSED, "failed: not tried, no shape to look near", *[np.nan] * 5)
+            rows[name] = Attempt(REFUSED, "failed: not tried, no finite solution as seed", *[np.nan] * 5)
         else:
             given = Ends(best.problem.beta0[0], known[-1], best.FZ, best.MZ, best.M3)
             rows[name] = _attempt(Case(one.case.rod, one.case.cylinder, given), name, known, best)
