@@ -112,7 +112,7 @@ def gallery(
     out: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder for the pictures.")] = Path("gallery"),
     force: ForcePicture = False,
 ) -> int:
-    """Draw one picture of every kind of scene."""
+    """Draw one picture of every kind of scene, as in docs/reference/scenes.md."""
     from .showcase import draw_all
 
     return draw_all(out, force)
@@ -147,7 +147,7 @@ def export(
 ) -> int:  # fmt: skip
     """Export one stored rod to CAD, mesh or table formats.
 
-    Exit status 1 if the rod in the file intersects itself.
+    Exit status 1 if the rod intersects itself or is bent tighter than its own radius.
     """
     from .export_rod import export_file
 

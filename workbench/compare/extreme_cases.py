@@ -129,7 +129,8 @@ def _helices() -> list[Extreme]:
 
 
 def _separatrices() -> list[Extreme]:
-    rows = [Extreme("on a separatrix", "separatrix", _reduced(0, 0, 1.0, 15.0, 0.5, -float(np.sqrt(2 - _potential(0.5)))))]
+    speed = -float(np.sqrt(2 - _potential(0.5)))
+    rows = [Extreme("on a separatrix", "separatrix", _reduced(0, 0, 1.0, 15.0, 0.5, speed))]
     for gap in (1e-4, 1e-8, 1e-12, 1e-16, 1e-100):
         name = f"turns {gap:.0e} before a saddle".replace("e-0", "e-")
         rows.append(Extreme(name, "separatrix", _reduced(0, 0, 1.0, 25.0, gap, 0.0)))

@@ -72,7 +72,9 @@ def _cases() -> dict[str, Named]:
     return {
         **_table_1(),
         "elliptic": Named(in_units_of_rho(0, 0, 0, 20.0, b, 0.0), "no load, beta'(0) = 0: exact"),
-        "catenary": Named(in_units_of_rho(0, 0, 0, 20.0, b, float(np.sin(b) ** 2)), "no load, beta never turns back: exact"),
+        "catenary": Named(
+            in_units_of_rho(0, 0, 0, 20.0, b, float(np.sin(b) ** 2)), "no load, beta is monotonic: exact"
+        ),
         **{
             f"gap {gap:.0e}": Named(in_units_of_rho(0, 0, 1.0, 60.0, gap, 0.0), "beta'(0) = 0, that near to a saddle")
             for gap in GAPS
