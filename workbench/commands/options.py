@@ -58,7 +58,7 @@ Fidelity = Annotated[
         "--fidelity",
         metavar="LEVEL",
         help="draft, standard, fine or exact: sets the tolerance, the stations and what is computed. --tol overrides "
-        "its tolerance.",
+        "its tolerance; default: the study's settings, else standard.",
     ),
 ]
 Method = Annotated[

@@ -27,8 +27,8 @@ def trade(
 ) -> int:
     """Measure accuracy against cost of every method.
 
-    Each method climbs a ladder of its own knob (steps, nodes or a tolerance) on cases whose solution is known. The
-    folder receives trade.h5, trade_seconds.png and trade_evaluations.png.
+    Each method solves cases with a known solution, at several values of its own setting of accuracy (steps, nodes or
+    a tolerance). The folder receives trade.h5, trade_seconds.png and trade_evaluations.png.
 
     When interrupted, the command stores and draws the finished cases as trade_interrupted; trade.h5 stays unchanged.
     """
@@ -82,7 +82,7 @@ def _print(found: Mapping[str, Any], files: Sequence[Path]) -> None:
     levels = [f"{best['level']:.0e}" for best in found["table"][0]["cheapest"]]
     console.print_table(["cheapest method for", *levels], rows)
     console.say("")
-    counts = f"{found['solved']} rungs solved, {found['failed']} failed, {found['not run']} too slow to run"
+    counts = f"{found['solved']} runs solved, {found['failed']} failed, {found['not run']} omitted as too slow"
     console.say(f"{counts}; {found['machine']}")
     for file in files:
         console.say(str(file))
