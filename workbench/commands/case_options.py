@@ -10,9 +10,7 @@ from dataclasses import dataclass
 from functools import wraps
 from typing import Annotated, Any
 
-import typer
-
-from .options import angle, numbered
+from .options import angle, numbered, option
 
 
 @dataclass(frozen=True)
@@ -110,33 +108,25 @@ def takes_case(names: Sequence[str] = tuple(FIELDS)) -> Callable[[Callable[..., 
 
 def _options(names: Sequence[str], whole: bool) -> list[inspect.Parameter]:
     """The parameters of the units and the fields; whole: of both problems, so that the help names the problem."""
-    units = {
-        f"{kind}_unit": typer.Option(metavar="UNIT", help=f"Unit of {kind} of the options below; {note}.")
-        for kind, note in (
-            (("length", "default: cm"), ("force", "default: N"))
-            if whole
-            else ((kind, "excludes Table 1") for kind in ("length", "force"))
-        )
+    notes = ("default: cm", "default: N") if whole else ("excludes Table 1", "excludes Table 1")
+    types: dict[str, Any] = {
+        f"{kind}_unit": Annotated[str | None, option("UNIT", f"Unit of {kind} of the options below; {note}.")]
+        for kind, note in zip(("length", "force"), notes, strict=True)
     }
-    options = units | {name: _option(FIELDS[name], whole) for name in names}
+    types |= {name: _type(FIELDS[name], help_of(FIELDS[name], whole)) for name in names}
     return [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=_type(name, option))
-        for name, option in options.items()
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
+        for name, kind in types.items()
     ]
 
 
-def _type(name: str, option: Any) -> Any:
-    is_word = name not in FIELDS or bool(FIELDS[name].choices)
-    return Annotated[str | None, option] if is_word else Annotated[float | None, option]
-
-
-def _option(field: CaseField, whole: bool) -> Any:
-    flag, text = f"--{field.name}", help_of(field, whole)
+def _type(field: CaseField, help: str) -> Any:
+    flag = f"--{field.name}"
     if field.choices:
-        return typer.Option(flag, metavar="|".join(field.choices), help=text)
+        return Annotated[str | None, option("|".join(field.choices), help, flag)]
     if field.unit == "rad":
-        return typer.Option(flag, metavar="ANGLE", parser=angle, help=text)
-    return numbered(text, flag)
+        return Annotated[float | None, option("ANGLE", help, flag, parser=angle)]
+    return Annotated[float | None, numbered(help, flag)]
 
 
 def help_of(field: CaseField, whole: bool) -> str:

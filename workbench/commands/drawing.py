@@ -3,19 +3,13 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from .options import At, File, ForcePicture, Json, PixelError, numbered
+from .options import At, File, ForcePicture, Json, PixelError, argument, flag, numbered, option
 
 
 def plot(
     file: File,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Picture, .png, .pdf or .svg; default: FILE.png.")
-    ] = None,
-    dpi: Annotated[
-        int, typer.Option(metavar="DPI", min=50, max=1200, help="Resolution of a .png [pixels/inch].")
-    ] = 200,
+    out: Annotated[Path | None, option("FILE", "Picture, .png, .pdf or .svg; default: FILE.png.")] = None,
+    dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
     force: ForcePicture = False,
 ) -> int:
     """Draw the developed curves and observables of a stored study.
@@ -31,38 +25,32 @@ def plot(
 def scene(
     file: Annotated[
         Path,
-        typer.Argument(
-            metavar="FILE|STUDY",
-            help="Stored study; or TOML file or name of a study, which is solved with the stations that the picture "
-            "needs.",
-            show_default=False,
+        argument(
+            "FILE|STUDY",
+            "Stored study; or TOML file or name of a study, which is solved with the stations that the picture needs.",
         ),
     ],
     at: At = None,
     kind: Annotated[
         str | None,
-        typer.Option(
-            metavar="KIND",
-            help="plain, contact, curvature, twist, ghosts, grid or equilibria; default: contact, or equilibria for a "
-            "dataset of equilibria.",
+        option(
+            "KIND",
+            "plain, contact, curvature, twist, ghosts, grid or equilibria; default: contact, or equilibria "
+            "for a dataset of equilibria.",
         ),
     ] = None,
-    axis: Annotated[
-        list[str] | None, typer.Option(metavar="AXIS", help="Axis shown by ghosts, or one or two axes shown by grid.")
-    ] = None,
+    axis: Annotated[list[str] | None, option("AXIS", "Axis shown by ghosts, or one or two axes shown by grid.")] = None,
     along: Annotated[
         str | None,
-        typer.Option(metavar="AXIS", help="Fit camera and colours to all cases along this axis, as animate does."),
+        option("AXIS", "Fit camera and colours to all cases along this axis, as animate does."),
     ] = None,
     low: Annotated[float | None, numbered("First arc length drawn [length]; default: 0.", "--from")] = None,
     high: Annotated[float | None, numbered("Last arc length drawn [length]; default: L.", "--to")] = None,
     pixel_error: PixelError = 0.5,
-    dpi: Annotated[
-        int, typer.Option(metavar="DPI", help="Resolution [pixels/inch]; 200 gives 1600 x 1200 pixels for one case.")
-    ] = 200,
+    dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 200 gives 1600 x 1200 pixels for one case.")] = 200,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Picture, .png or .jpg; default: FILE_scene.png or FILE_scene_E=10905.png."),
+        option("FILE", "Picture, .png or .jpg; default: FILE_scene.png or FILE_scene_E=10905.png."),
     ] = None,
     force: ForcePicture = False,
 ) -> int:
@@ -77,26 +65,20 @@ def scene(
 
 def animate(
     file: File,
-    axis: Annotated[
-        str | None, typer.Option(metavar="AXIS", help="Axis of the film; required if the study has several.")
-    ] = None,
+    axis: Annotated[str | None, option("AXIS", "Axis of the film; required if the study has several.")] = None,
     at: At = None,
-    kind: Annotated[str, typer.Option(metavar="KIND", help="plain, contact, curvature or twist.")] = "contact",
+    kind: Annotated[str, option("KIND", "plain, contact, curvature or twist.")] = "contact",
     show: Annotated[
         str | None,
-        typer.Option(
-            metavar="OBSERVABLE", help="Observable drawn beside the rod; default: that of the axis's first law."
-        ),
+        option("OBSERVABLE", "Observable drawn beside the rod; default: that of the axis's first law."),
     ] = None,
     out: Annotated[
         list[Path] | None,
-        typer.Option("--out", "-o", metavar="FILE", help="Film, .mp4 or .gif; repeatable; default: FILE_AXIS.mp4."),
+        option("FILE", "Film, .mp4 or .gif; repeatable; default: FILE_AXIS.mp4.", "--out", "-o"),
     ] = None,
     fps: Annotated[float, numbered("Frames per second; each stored case is one frame.")] = 3.0,
     pixel_error: PixelError = 0.5,
-    dpi: Annotated[
-        int, typer.Option(metavar="DPI", help="Resolution [pixels/inch]; 120 gives 1488 x 720 pixels.")
-    ] = 120,
+    dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 120 gives 1488 x 720 pixels.")] = 120,
     force: ForcePicture = False,
 ) -> int:
     """Make a film of the cases along an axis.
@@ -109,7 +91,7 @@ def animate(
 
 
 def gallery(
-    out: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder for the pictures.")] = Path("gallery"),
+    out: Annotated[Path, option("FOLDER", "Folder for the pictures.")] = Path("gallery"),
     force: ForcePicture = False,
 ) -> int:
     """Draw one picture of every kind of scene, as in docs/reference/scenes.md."""
@@ -122,13 +104,7 @@ def export(
     file: File,
     out: Annotated[
         Path,
-        typer.Option(
-            "--out",
-            "-o",
-            metavar="FILE",
-            help="File to write: .step .stl .obj .glb .gltf .vtp .csv.",
-            show_default=False,
-        ),
+        option("FILE", "File to write: .step .stl .obj .glb .gltf .vtp .csv.", "--out", "-o"),
     ],
     at: At = None,
     tolerance: Annotated[
@@ -137,12 +113,12 @@ def export(
                  "meshes."),
     ] = None,
     centreline: Annotated[
-        bool, typer.Option("--centreline", help="Write the centreline to STEP, without a solid.")
+        bool, flag("Write the centreline to STEP, without a solid.", "--centreline")
     ] = False,
     overlap: Annotated[
-        bool, typer.Option("--overlap", help="Write a solid to STEP even if the rod intersects itself.")
+        bool, flag("Write a solid to STEP even if the rod intersects itself.", "--overlap")
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
     json: Json = False,
 ) -> int:  # fmt: skip
     """Export one stored rod to CAD, mesh or table formats.

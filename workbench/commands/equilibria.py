@@ -5,11 +5,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from . import console
 from .case_options import ENDS_FIELDS, FIELDS, Given, takes_case
-from .options import Choose, Json
+from .options import Choose, Json, argument, flag, option
 from .solve import parse_choose
 
 if TYPE_CHECKING:
@@ -29,29 +27,27 @@ COLUMNS = ("dbeta0", "energy", "turns", "index", "stray", "attached")
 def equilibria(
     file: Annotated[
         Path | None,
-        typer.Argument(metavar="FILE|STUDY", help="TOML file or name of a study of one case; default: Table 1."),
+        argument("FILE|STUDY", "TOML file or name of a study of one case; default: Table 1."),
     ] = None,
     *,
     given: Given,
     axis: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME=FROM:TO:COUNT",
-            help="Follow all equilibria over a field, such as betaL=-90deg:60deg:41, and print their branches.",
+        option(
+            "NAME=FROM:TO:COUNT",
+            "Follow all equilibria over a field, such as betaL=-90deg:60deg:41, and print their branches.",
         ),
     ] = None,
     plot: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Picture of the curves and their energies, or with --axis of branches and folds."
-        ),
+        option("FILE", "Picture of the curves and their energies, or with --axis of branches and folds."),
     ] = None,
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="File for the dataset.")] = None,
+    out: Annotated[Path | None, option("FILE", "File for the dataset.")] = None,
     export: Annotated[
         Path | None,
-        typer.Option(metavar="FOLDER", help="Folder for one TOML case of each equilibrium, for the command solve."),
+        option("FOLDER", "Folder for one TOML case of each equilibrium, for the command solve."),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Annotated[bool, flag("Replace existing files.", "--force")] = False,
     choose: Choose = None,
     json: Json = False,
 ) -> int:

@@ -6,11 +6,9 @@ import sys
 import threading
 from typing import Annotated, Any
 
-import typer
-
 from . import console
 from .case_options import Given, takes_case
-from .options import CaseFile
+from .options import CaseFile, option
 
 MISSING = "the live page needs aiohttp, trame-client and trame-vtk ({why}): pip install 'rod-workbench[explore]'"
 THIS_MACHINE = ("127.0.0.1", "localhost", "::1")
@@ -20,13 +18,11 @@ EVERYWHERE = ("0.0.0.0", "::", "")
 @takes_case()
 def explore(
     file: CaseFile = None,
-    host: Annotated[str, typer.Option(metavar="ADDRESS", help="Address to listen on.")] = "127.0.0.1",
-    port: Annotated[
-        int, typer.Option(metavar="PORT", help="Port to listen on; 0 takes a free one.", min=0, max=65535)
-    ] = 8765,
+    host: Annotated[str, option("ADDRESS", "Address to listen on.")] = "127.0.0.1",
+    port: Annotated[int, option("PORT", "Port to listen on; 0 takes a free one.", min=0, max=65535)] = 8765,
     name: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="Another host name under which browsers reach this machine; repeatable."),
+        option("NAME", "Another host name under which browsers reach this machine; repeatable."),
     ] = None,
     *,
     given: Given,

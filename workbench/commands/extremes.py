@@ -5,10 +5,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from . import console
-from .options import Json
+from .options import Json, option
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def extremes(
-    out: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder for extremes.h5 and its map.")] = Path("extremes"),
+    out: Annotated[Path, option("FOLDER", "Folder for extremes.h5 and its map.")] = Path("extremes"),
     json: Json = False,
 ) -> int:
     """Test the robustness of every method at extreme parameters.

@@ -3,19 +3,17 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from . import console
-from .options import ForceStudy, Json
+from .options import ForceStudy, Json, argument, option
 from .study_result import print_verdicts
 
 
 def merge(
     files: Annotated[
         list[Path],
-        typer.Argument(metavar="FILE...", help="Two or more stored datasets of one study.", show_default=False),
+        argument("FILE...", "Two or more stored datasets of one study."),
     ],
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="File to store.", show_default=False)],
+    out: Annotated[Path, option("FILE", "File to store.", "--out", "-o")],
     force: ForceStudy = False,
     json: Json = False,
 ) -> int:

@@ -24,25 +24,33 @@ def angle(text: str) -> float:
         raise typer.BadParameter(str(error)) from None
 
 
+def option(metavar: str, help: str, *names: str, **settings: Any) -> Any:
+    """An option with a value; names: default: that of the parameter. settings: as of `typer.Option`."""
+    return typer.Option(*names, metavar=metavar, help=help, **settings)
+
+
 def numbered(help: str, *names: str) -> Any:
     """An option whose value is a number."""
-    return typer.Option(*names, help=help, parser=number, metavar="NUMBER")
+    return option("NUMBER", help, *names, parser=number)
 
 
-File = Annotated[
-    Path,
-    typer.Argument(
-        metavar="FILE", help="Stored study, as the commands run and reproduce write it.", show_default=False
-    ),
-]
-CaseFile = Annotated[
-    Path | None, typer.Argument(metavar="FILE", help="TOML study without axes; options replace its fields.")
-]
+def flag(help: str, name: str) -> Any:
+    """An option without a value."""
+    return typer.Option(name, help=help)
+
+
+def argument(metavar: str, help: str) -> Any:
+    """A positional argument."""
+    return typer.Argument(metavar=metavar, help=help, show_default=False)
+
+
+File = Annotated[Path, argument("FILE", "Stored study, as the commands run and reproduce write it.")]
+CaseFile = Annotated[Path | None, argument("FILE", "TOML study without axes; options replace its fields.")]
 Reading = Annotated[
     str | None,
-    typer.Option(
-        metavar="WORDS",
-        help="How to read Table 1: words of force-first|twist-first|shear, tension|compression, paper|solid, "
+    option(
+        "WORDS",
+        "How to read Table 1: words of force-first|twist-first|shear, tension|compression, paper|solid, "
         "separated by /. An omitted word keeps the choice of the study.",
     ),
 ]
@@ -54,32 +62,28 @@ Tol = Annotated[
 ]
 Fidelity = Annotated[
     str | None,
-    typer.Option(
+    option(
+        "LEVEL",
+        "draft, standard, fine or exact: sets the tolerance, the stations and what is computed. --tol "
+        "overrides its tolerance; default: the study's settings, else standard.",
         "--fidelity",
-        metavar="LEVEL",
-        help="draft, standard, fine or exact: sets the tolerance, the stations and what is computed. --tol overrides "
-        "its tolerance; default: the study's settings, else standard.",
     ),
 ]
-Method = Annotated[
-    str | None, typer.Option(metavar="NAME", help="Solver method, or auto; default: the study's, else auto.")
-]
+Method = Annotated[str | None, option("NAME", "Solver method, or auto; default: the study's, else auto.")]
 Choose = Annotated[
     str | None,
-    typer.Option(
-        metavar="RULE",
-        help="Which equilibrium of an ends problem: nearest, lowest, or a Morse index (0, 1, 2, ...); default: "
-        "nearest.",
+    option(
+        "RULE",
+        "Which equilibrium of an ends problem: nearest, lowest, or a Morse index (0, 1, 2, ...); default: nearest.",
     ),
 ]
 At = Annotated[
     list[str] | None,
-    typer.Option(
-        metavar="AXIS=VALUE",
-        help="Value of an axis, such as E=10905 or beta=30deg, to as many digits as identify it; repeatable.",
+    option(
+        "AXIS=VALUE", "Value of an axis, such as E=10905 or beta=30deg, to as many digits as identify it; repeatable."
     ),
 ]
 PixelError = Annotated[float, numbered("Largest error of the drawn surface [pixels].")]
-ForcePicture = Annotated[bool, typer.Option("--force", help="Replace existing pictures.")]
-ForceStudy = Annotated[bool, typer.Option("--force", help="Replace a file that does not hold this study.")]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+ForcePicture = Annotated[bool, flag("Replace existing pictures.", "--force")]
+ForceStudy = Annotated[bool, flag("Replace a file that does not hold this study.", "--force")]
+Json = Annotated[bool, flag("Print JSON.", "--json")]

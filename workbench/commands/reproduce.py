@@ -5,10 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from . import console
-from .options import Reading
+from .options import Reading, option
 from .study_result import print_verdicts
 
 if TYPE_CHECKING:
@@ -22,9 +20,7 @@ FIGURES = "fig"  # the shipped studies whose names begin so are figures of the p
 
 
 def reproduce(
-    out: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder for data, pictures and report.")] = Path(
-        "results"
-    ),
+    out: Annotated[Path, option("FOLDER", "Folder for data, pictures and report.")] = Path("results"),
     reading: Reading = None,
 ) -> int:
     """Reproduce Figures 6 and 7 of the paper from Table 1.

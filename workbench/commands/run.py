@@ -3,40 +3,36 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from . import console
-from .options import Fidelity, ForceStudy, Json, Method, Reading, Tol
+from .options import Fidelity, ForceStudy, Json, Method, Reading, Tol, argument, flag, option
 from .study_result import print_result
 
 
 def run(
     study: Annotated[
         str,
-        typer.Argument(metavar="STUDY", help="Name of a shipped study (see list) or TOML file.", show_default=False),
+        argument("STUDY", "Name of a shipped study (see list) or TOML file."),
     ],
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="File to store; default: STUDY.h5.")] = None,
+    out: Annotated[Path | None, option("FILE", "File to store; default: STUDY.h5.")] = None,
     reading: Reading = None,
     tol: Tol = None,
     method: Method = None,
     level: Fidelity = None,
-    stations: Annotated[
-        int | None, typer.Option(metavar="COUNT", help="Stations stored along the rod; default: the study's.")
-    ] = None,
+    stations: Annotated[int | None, option("COUNT", "Stations stored along the rod; default: the study's.")] = None,
     workers: Annotated[
         int | None,
-        typer.Option(min=1, metavar="COUNT", help="Processes on this machine; default: chosen automatically."),
+        option("COUNT", "Processes on this machine; default: chosen automatically.", min=1),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="Solve on the Dask cluster at tcp://host:port instead of this machine."),
+        option("ADDRESS", "Solve on the Dask cluster at tcp://host:port instead of this machine."),
     ] = None,
     chunk: Annotated[
         int | None,
-        typer.Option(min=1, metavar="CASES", help="Cases in one task of a worker; default: a few seconds of work."),
+        option("CASES", "Cases in one task of a worker; default: a few seconds of work.", min=1),
     ] = None,
     restart: Annotated[
-        bool, typer.Option("--restart", help="Discard the results of an earlier run and solve every case again.")
+        bool, flag("Discard the results of an earlier run and solve every case again.", "--restart")
     ] = False,
     force: ForceStudy = False,
     json: Json = False,

@@ -3,11 +3,9 @@
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from . import console
 from .case_options import Given, takes_case
-from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Tol
+from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Tol, flag
 
 if TYPE_CHECKING:
     from solver import Solution
@@ -21,9 +19,7 @@ LOADS = ("FZ", "MZ", "M3")
 @takes_case()
 def solve(
     file: CaseFile = None,
-    table1: Annotated[
-        bool, typer.Option("--table1", help="Start from the rod of Table 1; options replace its fields.")
-    ] = False,
+    table1: Annotated[bool, flag("Start from the rod of Table 1; options replace its fields.", "--table1")] = False,
     reading: Reading = None,
     *,
     given: Given,

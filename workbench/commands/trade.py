@@ -4,10 +4,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from . import console
-from .options import Json
+from .options import Json, option
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -16,13 +14,11 @@ if TYPE_CHECKING:
 
 
 def trade(
-    cases: Annotated[
-        list[str] | None, typer.Option(metavar="NAMES", help="Cases to measure, separated by commas; default: all.")
-    ] = None,
+    cases: Annotated[list[str] | None, option("NAMES", "Cases to measure, separated by commas; default: all.")] = None,
     methods: Annotated[
-        list[str] | None, typer.Option(metavar="NAMES", help="Methods to measure, separated by commas; default: all.")
+        list[str] | None, option("NAMES", "Methods to measure, separated by commas; default: all.")
     ] = None,
-    out: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder for trade.h5 and its pictures.")] = Path("trade"),
+    out: Annotated[Path, option("FOLDER", "Folder for trade.h5 and its pictures.")] = Path("trade"),
     json: Json = False,
 ) -> int:
     """Measure accuracy against cost of every method.
