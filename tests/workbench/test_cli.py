@@ -19,6 +19,7 @@ import xarray as xr
 
 from solver import InputError
 from studies import names
+from tests.test_layers import HEAVY
 from tests.workbench import small
 from workbench import cli
 from workbench.commands import plot_and_scene
@@ -65,6 +66,18 @@ def test_help_lists_the_commands_and_each_has_help_of_its_own() -> None:
     for command in ("reproduce", "list", "run", "check", "plot", "scene", "solve", "doctor"):
         assert f"\n  {command} " in shown.stdout
     assert workbench().stdout == shown.stdout
+
+
+def test_the_help_of_no_command_loads_a_heavy_library() -> None:
+    code = (
+        "import sys\nfrom workbench import cli\n"
+        "for name in cli.COMMANDS:\n"
+        "    try:\n        cli.main([name, '--help'])\n    except SystemExit:\n        pass\n"
+        f"print(*({HEAVY | {'rich', 'solver', 'studies'}} & sys.modules.keys()), file=sys.stderr)"
+    )
+    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert run.stdout.count("Usage: workbench ") == len(cli.COMMANDS)
+    assert run.stderr.split() == []
 
 
 def test_list_names_every_study_also_for_programs(here) -> None:
