@@ -41,16 +41,14 @@ def scene(
     ] = None,
     axis: Annotated[list[str] | None, option("AXIS", "Axis shown by ghosts, or one or two axes shown by grid.")] = None,
     along: Annotated[
-        str | None,
-        option("AXIS", "Fit camera and colours to all cases along this axis, as animate does."),
+        str | None, option("AXIS", "Fit camera and colours to all cases along this axis, as animate does.")
     ] = None,
     low: Annotated[float | None, numbered("First arc length drawn [length]; default: 0.", "--from")] = None,
     high: Annotated[float | None, numbered("Last arc length drawn [length]; default: L.", "--to")] = None,
     pixel_error: PixelError = 0.5,
     dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 200 gives 1600 x 1200 pixels for one case.")] = 200,
     out: Annotated[
-        Path | None,
-        option("FILE", "Picture, .png or .jpg; default: FILE_scene.png or FILE_scene_E=10905.png."),
+        Path | None, option("FILE", "Picture, .png or .jpg; default: FILE_scene.png or FILE_scene_E=10905.png.")
     ] = None,
     force: ForcePicture = False,
 ) -> int:
@@ -69,12 +67,10 @@ def animate(
     at: At = None,
     kind: Annotated[str, option("KIND", "plain, contact, curvature or twist.")] = "contact",
     show: Annotated[
-        str | None,
-        option("OBSERVABLE", "Observable drawn beside the rod; default: that of the axis's first law."),
+        str | None, option("OBSERVABLE", "Observable drawn beside the rod; default: that of the axis's first law.")
     ] = None,
     out: Annotated[
-        list[Path] | None,
-        option("FILE", "Film, .mp4 or .gif; repeatable; default: FILE_AXIS.mp4.", "--out", "-o"),
+        list[Path] | None, option("FILE", "Film, .mp4 or .gif; repeatable; default: FILE_AXIS.mp4.", "--out", "-o")
     ] = None,
     fps: Annotated[float, numbered("Frames per second; each stored case is one frame.")] = 3.0,
     pixel_error: PixelError = 0.5,
@@ -91,8 +87,7 @@ def animate(
 
 
 def gallery(
-    out: Annotated[Path, option("FOLDER", "Folder for the pictures.")] = Path("gallery"),
-    force: ForcePicture = False,
+    out: Annotated[Path, option("FOLDER", "Folder for the pictures.")] = Path("gallery"), force: ForcePicture = False
 ) -> int:
     """Draw one picture of every kind of scene, as in docs/reference/scenes.md."""
     from .showcase import draw_all

@@ -26,8 +26,7 @@ COLUMNS = ("dbeta0", "energy", "turns", "index", "stray", "attached")
 @takes_case(ENDS_FIELDS)
 def equilibria(
     file: Annotated[
-        Path | None,
-        argument("FILE|STUDY", "TOML file or name of a study of one case; default: Table 1."),
+        Path | None, argument("FILE|STUDY", "TOML file or name of a study of one case; default: Table 1.")
     ] = None,
     *,
     given: Given,
@@ -39,15 +38,13 @@ def equilibria(
         ),
     ] = None,
     plot: Annotated[
-        Path | None,
-        option("FILE", "Picture of the curves and their energies, or with --axis of branches and folds."),
+        Path | None, option("FILE", "Picture of the curves and their energies, or with --axis of branches and folds.")
     ] = None,
     out: Annotated[Path | None, option("FILE", "File for the dataset.")] = None,
     export: Annotated[
-        Path | None,
-        option("FOLDER", "Folder for one TOML case of each equilibrium, for the command solve."),
+        Path | None, option("FOLDER", "Folder for one TOML case of each equilibrium, for the command solve.")
     ] = None,
-    force: Annotated[bool, flag("Replace existing files.", "--force")] = False,
+    force: Annotated[bool, flag("Replace an existing picture, or a file that holds no equilibria.", "--force")] = False,
     choose: Choose = None,
     json: Json = False,
 ) -> int:

@@ -21,8 +21,7 @@ def explore(
     host: Annotated[str, option("ADDRESS", "Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, option("PORT", "Port to listen on; 0 takes a free one.", min=0, max=65535)] = 8765,
     name: Annotated[
-        list[str] | None,
-        option("NAME", "Another host name under which browsers reach this machine; repeatable."),
+        list[str] | None, option("NAME", "Another host name under which browsers reach this machine; repeatable.")
     ] = None,
     *,
     given: Given,

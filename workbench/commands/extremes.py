@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 
 
 def extremes(
-    out: Annotated[Path, option("FOLDER", "Folder for extremes.h5 and its map.")] = Path("extremes"),
-    json: Json = False,
+    out: Annotated[Path, option("FOLDER", "Folder for extremes.h5 and its map.")] = Path("extremes"), json: Json = False
 ) -> int:
     """Test the robustness of every method at extreme parameters.
 

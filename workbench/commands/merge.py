@@ -9,10 +9,7 @@ from .study_result import print_verdicts
 
 
 def merge(
-    files: Annotated[
-        list[Path],
-        argument("FILE...", "Two or more stored datasets of one study."),
-    ],
+    files: Annotated[list[Path], argument("FILE...", "Two or more stored datasets of one study.")],
     out: Annotated[Path, option("FILE", "File to store.", "--out", "-o")],
     force: ForceStudy = False,
     json: Json = False,

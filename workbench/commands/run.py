@@ -9,10 +9,7 @@ from .study_result import print_result
 
 
 def run(
-    study: Annotated[
-        str,
-        argument("STUDY", "Name of a shipped study (see list) or TOML file."),
-    ],
+    study: Annotated[str, argument("STUDY", "Name of a shipped study (see list) or TOML file.")],
     out: Annotated[Path | None, option("FILE", "File to store; default: STUDY.h5.")] = None,
     reading: Reading = None,
     tol: Tol = None,
@@ -20,16 +17,13 @@ def run(
     level: Fidelity = None,
     stations: Annotated[int | None, option("COUNT", "Stations stored along the rod; default: the study's.")] = None,
     workers: Annotated[
-        int | None,
-        option("COUNT", "Processes on this machine; default: chosen automatically.", min=1),
+        int | None, option("COUNT", "Processes on this machine; default: chosen automatically.", min=1)
     ] = None,
     scheduler: Annotated[
-        str | None,
-        option("ADDRESS", "Solve on the Dask cluster at tcp://host:port instead of this machine."),
+        str | None, option("ADDRESS", "Solve on the Dask cluster at tcp://host:port instead of this machine.")
     ] = None,
     chunk: Annotated[
-        int | None,
-        option("CASES", "Cases in one task of a worker; default: a few seconds of work.", min=1),
+        int | None, option("CASES", "Cases in one task of a worker; default: a few seconds of work.", min=1)
     ] = None,
     restart: Annotated[
         bool, flag("Discard the results of an earlier run and solve every case again.", "--restart")

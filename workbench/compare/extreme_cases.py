@@ -33,15 +33,7 @@ class Reference:
 
 def extremes() -> list[Extreme]:
     """All extremes, in the order of the map."""
-    return [
-        *_materials(),
-        *_lengths(),
-        *_loads(),
-        *_angles(),
-        *_helices(),
-        *_separatrices(),
-        *_tensions(),
-    ]
+    return [*_materials(), *_lengths(), *_loads(), *_angles(), *_helices(), *_separatrices(), *_tensions()]
 
 
 @cache
