@@ -27,7 +27,7 @@ from .commands import (
     summary,
     trade,
 )
-from .data import safe_text
+from .data import escaping
 
 INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 
@@ -127,7 +127,7 @@ def _sentence(error: typer.TyperException) -> str:
 
 
 def _fail(sentence: str, status: int) -> None:
-    print(f"workbench: {safe_text.line(sentence)}", file=sys.stderr)
+    print(f"workbench: {escaping.line(sentence)}", file=sys.stderr)
     sys.exit(status)
 
 

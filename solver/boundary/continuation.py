@@ -1,40 +1,45 @@
 """Continuation of one equilibrium while its ends, its loads, its length or the cylinder change.
 
-An equilibrium is one orbit: which way it leaves, how many turning points it passes, and its level. With the path held
-fixed, the level follows from one scalar equation, length(level) = span. The unknown is one of
+An equilibrium is one orbit: the direction in which it leaves, the number of turning points that it passes, and its
+level. For a fixed path the level follows from one scalar equation, length(level) = span. The unknown is one of
 
-* log|gap| above or below a saddle that the rod passes or turns before: a rod that hugs a saddle is as easy as any;
+* log|gap| above or below a saddle that the rod passes or turns before: a rod that stays near a saddle is as easy to
+  follow as any other;
 * log beta_t^2 at one of the two ends;
 * beta_t at an end, with its sign, where it is small: there the orbit that leaves upward and the one that leaves
   downward meet, and the path changes by one turning point.
 
-Steps are taken from the given problem to the wanted one, by predictor and corrector. d length/d unknown may not change
-its sign from step to step: it does so at a fold, and between two neighbouring equilibria of one path. So steps
-stop at a fold and before the neighbour; small steps make a jump over both unlikely, which is no proof.
-Where they become small though the branch does not end (an end of the rod
-crosses a saddle, in a range as narrow as exp(-r L)), every equilibrium of the neighbouring paths is looked up a little
-farther on, and the branch goes on with the only one of the same Morse index whose shape is next to the last.
+Steps lead from the given problem to the wanted one, by predictor and corrector. d length/d unknown must keep its sign
+from step to step: it changes at a fold, and between two neighbouring equilibria of one path. So the steps stop at a
+fold and before a neighbour; small steps make a jump over both unlikely, but do not exclude it. Where steps become small
+and the branch does not end (an end of the rod crosses a saddle, in a range as narrow as exp(-r L)), a leap is made: all
+equilibria of the neighbouring paths are computed a little farther on, and the branch continues with the only one of the
+same Morse index whose shape is close to the last.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..methods.orbit import Orbit, solve_orbit
+from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..orbit.pieces import HELIX
-from ..problem.reduced import Array, Reduced
-from .coordinates import Chart, Path, Place, charts, coordinate, excess, path_at, path_of
-from .levels import chained
-from .search import roots_on, solved, ways_of
+from ..problem.reduced import Reduced
+from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate, excess, path_at, path_of
+from .level_grid import level_grid_of
+from .paths import DOWN, UP, Paths
+from .search import level_paths_of, roots_on, solved_orbits
 from .stability import jacobi_zeros
-from .transit import DOWN, UP, Paths
 
 FOLD, LEFT = "a fold", "no orbit of its path joins the two ends there"
 _NUDGE = 1e-5  # of the unknown's scale, for differences
-_SHORTEST = 1e-6  # share of the way below which a step is given up
-_LEAPS = (1e-3, 1e-4, 1e-5)  # shares of the way after which the neighbouring paths are looked up
-_NEAR, _CLEAR = 0.05, 4.0  # rad between two shapes of one branch after a leap; how many times as far the next must be
-_EASY = 1e-3  # steps above which the best coordinate alone is tried
+_SHORTEST = 1e-6  # share of the line below which a step is abandoned
+_LEAPS = (1e-3, 1e-4, 1e-5)  # shares of the line over which a leap is tried
+_NEAR, _CLEAR = (
+    0.05,
+    4.0,
+)  # rad between two shapes of one branch after a leap; factor by which the next shape must be farther
+_EASY = 1e-3  # length of a step above which only the best coordinate is tried
 _MOST_STEPS = 4000
 _CORRECTIONS = 12
 _REACH = 0.25  # largest change of the unknown in a step, in its scales
@@ -43,7 +48,7 @@ _FIELDS = ("lam", "mu", "phi", "span", "beta0", "betaL")
 
 @dataclass(frozen=True)
 class Ended:
-    """Why a branch could not be followed: `share` of the way to the wanted problem was covered."""
+    """Why a branch could not be followed, and the share of the line to the wanted problem that was covered."""
 
     share: float
     reason: str
@@ -51,7 +56,7 @@ class Ended:
 
 @dataclass(frozen=True)
 class _Line:
-    """The problems between two; a share of 0 is the first, of 1 the last."""
+    """The line of problems from the first (share 0) to the last (share 1)."""
 
     first: Reduced
     last: Reduced
@@ -61,23 +66,34 @@ class _Line:
         """Whether the two are one problem."""
         return all(np.array_equal(getattr(self.first, n), getattr(self.last, n)) for n in _FIELDS)
 
-    def at(self, share: float) -> Place:
+    def at(self, share: float) -> LinePoint:
         if share >= 1:
-            return Place(self.last)
+            return LinePoint(self.last)
         mixed = {n: (1 - share) * getattr(self.first, n) + share * getattr(self.last, n) for n in _FIELDS}
-        return Place(Reduced(**mixed))
+        return LinePoint(Reduced(**mixed))
 
 
 def continued(first: Reduced, path: Path, last: Reduced) -> Path | Ended:
-    """The equilibrium of the problem `last` on the branch of `path`, an equilibrium of `first`; one ends problem each.
+    """The equilibrium of the problem `last` on the branch of an equilibrium of `first`.
 
-    All numbers of the two problems are changed together, in proportion. Where the branch ends on the way, `Ended` says
-    where; no other equilibrium is given in its place.
+    All numbers of the two problems change together, in proportion.
+
+    Parameters
+    ----------
+    first, last : Reduced
+        One ends problem each.
+    path : Path
+        The equilibrium of `first`.
+
+    Returns
+    -------
+    Path or Ended
+        `Ended` where the branch ends between the two; no other equilibrium is returned in its place.
     """
     line = _Line(first, last)
     place, target = line.at(0.0), line.at(1.0)
     if path.helix and target.helix is not None and first.beta0[0] == last.beta0[0]:
-        return target.helix  # H is linear in the loads, so it is zero all the way
+        return target.helix  # H is linear in the loads, so it is zero on the whole line
     if target.helix is None:
         return _followed(line, place, path)
     before = _Line(first, line.at(1 - _LEAPS[0]).problem)
@@ -88,11 +104,11 @@ def continued(first: Reduced, path: Path, last: Reduced) -> Path | Ended:
     shapes, index = [_shape(orbit) for orbit in orbits], [jacobi_zeros(orbit)[0] for orbit in orbits]
     if np.abs(shapes[0] - shapes[1]).max() < _NEAR and index[0] == index[1]:
         return target.helix
-    return _followed(_Line(before.last, last), Place(before.last), near)
+    return _followed(_Line(before.last, last), LinePoint(before.last), near)
 
 
-def _followed(line: _Line, place: Place, path: Path) -> Path | Ended:
-    """The path step by step along the line; it begins as a helix or ends as an orbit that moves."""
+def _followed(line: _Line, place: LinePoint, path: Path) -> Path | Ended:
+    """The path followed along the line; not both ends of the line are helices."""
     share, step, here = 0.0, 1.0, path
     if path.helix:
         begun = _leapt(line, place, path, share)
@@ -125,13 +141,15 @@ def _followed(line: _Line, place: Place, path: Path) -> Path | Ended:
 
 
 def path_from_start(problem: Reduced, slope: float) -> Path | None:
-    """The equilibrium of one ends problem that starts with beta_t(0) = slope; None where that orbit does not end at
-    beta(L) within 1e-6 rad."""
+    """The equilibrium of one ends problem that starts with beta_t(0) = slope.
+
+    None where that orbit does not end at beta(L) within 1e-6 rad.
+    """
     assert problem.betaL is not None
     orbit = solve_orbit(replace(problem, betaL=None, dbeta0=np.array([slope])), 1e-13)
     if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > 1e-6:
         return None
-    place = Place(problem)
+    place = LinePoint(problem)
     if orbit.kind[0] == HELIX:
         return place.helix
     y = 2 * float(np.log(max(abs(slope), 1e-150)))
@@ -139,20 +157,22 @@ def path_from_start(problem: Reduced, slope: float) -> Path | None:
 
 
 def orbit_of(problem: Reduced, path: Path) -> Orbit:
-    """The orbit of one equilibrium, with what its index and its condition number need."""
-    place = Place(problem)
+    """The orbit of one equilibrium, with the fields that its Morse index and its condition number need."""
+    place = LinePoint(problem)
     if path.helix:
-        return solved(problem, place.boundary(path.pin), path.way, np.array([np.nan]))[0]
+        return solved_orbits(problem, place.boundary(path.pin), path.level_path, np.array([np.nan]))[0]
     length = place.lengths([replace(path, y=path.y - 1e-4), replace(path, y=path.y + 1e-4)])
     lengthens = np.array([float(path.sign * (length[1] - length[0]) > 0)])
-    return solved(problem, place.boundary(path.pin), path.way, lengthens)[0]
+    return solved_orbits(problem, place.boundary(path.pin), path.level_path, lengthens)[0]
 
 
 # steps
 
 
-def _advanced(line: _Line, place: Place, path: Path, share: float, step: float) -> tuple[Place, Path, float] | str:
-    """The equilibrium up to a step on, and how far; else why the step failed, in the best coordinate."""
+def _advanced(
+    line: _Line, place: LinePoint, path: Path, share: float, step: float
+) -> tuple[LinePoint, Path, float] | str:
+    """The equilibrium after at most one step, and the step taken; else why the step failed in the best coordinate."""
     first = ""
     for chart in charts(place, path):
         advance = _advance(line, place, chart, share, step)
@@ -164,7 +184,9 @@ def _advanced(line: _Line, place: Place, path: Path, share: float, step: float) 
     return first
 
 
-def _advance(line: _Line, place: Place, chart: Chart, share: float, step: float) -> tuple[Place, Path, float] | str:
+def _advance(
+    line: _Line, place: LinePoint, chart: Chart, share: float, step: float
+) -> tuple[LinePoint, Path, float] | str:
     x, nudge = coordinate(chart), _NUDGE * chart.scale
     off = excess(place, chart, np.array([x - nudge, x, x + nudge]))
     rate = float(off[2] - off[0]) / (2 * nudge)
@@ -182,8 +204,8 @@ def _advance(line: _Line, place: Place, chart: Chart, share: float, step: float)
     return found if isinstance(found, str) else (there, found, step)
 
 
-def _corrected(place: Place, chart: Chart, guess: float, rate: float) -> Path | str:
-    """The root of length - span next to a guess; `rate` is the derivative one step before."""
+def _corrected(place: LinePoint, chart: Chart, guess: float, rate: float) -> Path | str:
+    """The root of length - span next to a guess; rate: the derivative one step before."""
     nudge, x, best = _NUDGE * chart.scale, guess, np.inf
     for round_ in range(_CORRECTIONS):
         off = excess(place, chart, np.array([x - nudge, x, x + nudge]))
@@ -209,7 +231,7 @@ def _corrected(place: Place, chart: Chart, guess: float, rate: float) -> Path | 
     return path
 
 
-def _settled(place: Place, path: Path) -> Path | str:
+def _settled(place: LinePoint, path: Path) -> Path | str:
     """The path with its level corrected on its own problem."""
     reason = ""
     for chart in charts(place, path):
@@ -224,9 +246,11 @@ def _settled(place: Place, path: Path) -> Path | str:
     return reason or LEFT
 
 
-def _leapt(line: _Line, place: Place, path: Path, share: float) -> tuple[Place, Path, float] | None:
-    """The equilibrium a little farther on whose shape is next to this one's and whose index is the same; None where
-    there is none, or more than one."""
+def _leapt(line: _Line, place: LinePoint, path: Path, share: float) -> tuple[LinePoint, Path, float] | None:
+    """The equilibrium a little farther on with a close shape and the same Morse index.
+
+    None where there is none, or more than one.
+    """
     before = orbit_of(place.problem, path)
     index, shape = jacobi_zeros(before)[0], _shape(before)
     turns = int(index) if path.helix else path.turns
@@ -250,10 +274,10 @@ def _leapt(line: _Line, place: Place, path: Path, share: float) -> tuple[Place, 
     return None
 
 
-def _neighbours(place: Place, turns: int) -> tuple[list[Path], Orbit | None]:
+def _neighbours(place: LinePoint, turns: int) -> tuple[list[Path], Orbit | None]:
     """Every equilibrium whose path passes up to two turning points more or fewer."""
     problem = place.problem
-    boundary, chain = chained(place.blank)
+    boundary, grid = level_grid_of(place.blank)
     near = np.arange(max(turns - 2, 0), turns + 3)
     leaving = np.repeat([UP, DOWN], near.size)
     near = np.tile(near, 2)
@@ -261,14 +285,14 @@ def _neighbours(place: Place, turns: int) -> tuple[list[Path], Orbit | None]:
     kept = (near > 0) | plain
     leaving, near = leaving[kept], near[kept]
     some = Paths(leaving, np.where(near % 2 == 0, leaving, -leaving), near // 2)
-    if not chain.place.size:
+    if not grid.place.size:
         return [], None
-    roots = roots_on(boundary, chain, some)
+    roots = roots_on(boundary, grid, some)
     if not roots.lengthens.size:
         return [], None
-    way, lengthens = ways_of(boundary, roots, None)
-    orbit, _ = solved(problem, boundary, way, lengthens)
-    return [path_of(way, i) for i in range(way.y.size)], orbit
+    found, lengthens = level_paths_of(boundary, roots, None)
+    orbit, _ = solved_orbits(problem, boundary, found, lengthens)
+    return [path_of(found, i) for i in range(found.y.size)], orbit
 
 
 def _shape(orbit: Orbit) -> Array:

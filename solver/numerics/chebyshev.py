@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import chebyshev as C
 
-from ..problem.reduced import Array
+from .arrays import Array
 
-_ROWS = 384  # OpenBLAS takes threads from 2^18 products on
+_ROWS = 384  # OpenBLAS starts threads from 2^18 products on
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +38,7 @@ def basis(n: int) -> Basis:
 
 
 def through(values: Array, linear: Array) -> Array:
-    """``values @ linear`` for many short rows (Q, n), some at a time: so few that BLAS starts no threads for them,
-    which would cost more than they save."""
+    """``values @ linear`` for many short rows (Q, n), in blocks so small that BLAS starts no threads."""
     out = np.empty((values.shape[0], linear.shape[1]))
     for k in range(0, values.shape[0], _ROWS):
         np.matmul(values[k : k + _ROWS], linear, out=out[k : k + _ROWS])

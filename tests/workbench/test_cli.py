@@ -255,36 +255,39 @@ REFUSED = {
     "an unknown command": (["frobnicate"], "No such command 'frobnicate'; choose from reproduce, list"),
     "an unknown study": (["run", "fig7_1"], "did you mean 'fig7_1_modulus'; choose from fig6"),
     "an unknown reading": (["run", "fig6", "--reading", "torsion"], "no reading 'torsion'; choose one word"),
-    "a missing file": (["check", "absent.h5"], "there is no file absent.h5"),
-    "a study for a dataset": (["check", "small.toml"], "small.toml is a study, not a dataset: workbench run makes"),
+    "a missing file": (["check", "absent.h5"], "file not found: absent.h5"),
+    "a study for a dataset": (
+        ["check", "small.toml"],
+        "small.toml is a study, not a dataset; make the dataset with: wo",
+    ),
     "half a file": (["check", "half.h5"], "half.h5 cannot be read as HDF5"),
     "half a file to draw": (["scene", "half.h5"], "half.h5 cannot be read as HDF5"),
     "an axis that is not there": (["scene", "small.h5", "--at", "Q=1"], "no axis 'Q'; choose from E, R"),
     "a value off the axis": (
         ["scene", "small.h5", "--at", "E=1"],
-        "--at E=1: the axis E has no such value; its values are 10000, 20000",
+        "--at E=1: E = 1 is not on the axis; its values are 10000, 20000",
     ),
     "a value between two of the axis": (
         ["scene", "small.h5", "--at", "E=1.07e4"],
-        "--at E=1.07e4: the axis E has no such value; its values are 10000, 20000",
+        "--at E=1.07e4: E = 1.07e4 is not on the axis; its values are 10000, 20000",
     ),
     "the same axis twice": (["scene", "small.h5", "--at", "E=1e4", "--at", "E=2e4"], "E=2e4: E is given twice"),
     "a picture that is there": (["plot", "small.h5", "--out", "there.png"], "there.png exists; give --force to"),
     "a scene that is there": (["scene", "small.h5", "--out", "there.png"], "there.png exists; give --force to"),
     "a picture of equilibria that is there": (["equilibria", "--plot", "there.png"], "there.png exists; give --force"),
-    "a picture in no folder": (["plot", "small.h5", "--out", "no/x.png"], "there is no folder no"),
-    "a value that is none": (["scene", "small.h5", "--at", "E=x"], "'x' is not a number"),
+    "a picture in no folder": (["plot", "small.h5", "--out", "no/x.png"], "folder not found: no"),
+    "a value that is none": (["scene", "small.h5", "--at", "E=x"], "E must be a finite number, got 'x'"),
     "a picture of no kind": (
         ["plot", "small.h5", "--out", "x.doc"],
         "choose a name that ends in .png, .pdf, .svg",
     ),
     "a place that cannot be written": (
         ["run", "fig6", "--out", "small.toml/x.h5"],
-        "cannot write small.toml/x.h5: there is no folder small.toml",
+        "cannot write small.toml/x.h5: folder not found: small.toml",
     ),
     "a folder that is not there": (
         ["run", "fig6", "--out", "not/here.h5"],
-        "cannot write not/here.h5: there is no folder not",
+        "cannot write not/here.h5: folder not found: not",
     ),
     "an empty method": (["run", "fig6", "--out", "x.h5", "--method", ""], "no method ''; choose from auto, orbit"),
     "an empty method for one case": (["solve", "--method", ""], "no method ''; choose from auto, orbit"),
@@ -293,7 +296,7 @@ REFUSED = {
         ["run", "fig6", "--out", "small.h5"],
         "holds the study 'small', not 'fig6'; give --force",
     ),
-    "a file of another kind": (["run", "fig6", "--out", "small.toml"], "small.toml exists and is no dataset"),
+    "a file of another kind": (["run", "fig6", "--out", "small.toml"], "small.toml exists and is not a study"),
     "a grid without end": (
         ["run", "huge.toml"],
         "the grid has 1000000000000 cases, more than the limit of 1000000000",
@@ -311,10 +314,10 @@ REFUSED = {
 
 
 def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_written() -> None:
-    values = {"E": [9962.0, 10700.4, 10905.0773], "beta": [0.0, math.radians(27.1875), math.pi / 6]}
+    values = {"E": [9962.0, 10700.4, 10905.0773], "beta0": [0.0, math.radians(27.1875), math.pi / 6]}
     ds = xr.Dataset(
-        {"outcome": (("E", "beta"), np.full((3, 3), "solved"))},
-        {"E": ("E", values["E"], {"units": "N/cm^2"}), "beta": ("beta", values["beta"], {"units": "rad"})},
+        {"outcome": (("E", "beta0"), np.full((3, 3), "solved"))},
+        {"E": ("E", values["E"], {"units": "N/cm^2"}), "beta0": ("beta0", values["beta0"], {"units": "rad"})},
     )
     for text, which in (
         ("1.07e4", 1),
@@ -327,7 +330,7 @@ def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_wr
         ("10905.1", 2),
     ):
         if which is None:
-            with pytest.raises(InputError, match=re.escape("its values are 9962, 10700.4, 10905.1")):
+            with pytest.raises(InputError, match=re.escape("its values are 9962, 10700.4, 10905.0773")):
                 plot_and_scene.chosen(ds, [f"E={text}"])
         else:
             assert plot_and_scene.chosen(ds, [f"E={text}"]) == {"E": values["E"][which]}
@@ -336,7 +339,7 @@ def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_wr
             with pytest.raises(InputError, match=re.escape("its values are 0deg, 27.1875deg, 30deg")):
                 plot_and_scene.chosen(ds, [f"beta={text}"])
         else:
-            assert plot_and_scene.chosen(ds, [f"beta={text}"]) == {"beta": values["beta"][which]}
+            assert plot_and_scene.chosen(ds, [f"beta={text}"]) == {"beta0": values["beta0"][which]}
 
 
 def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stored, tmp_path, monkeypatch) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Ends, InputError, equilibria, solve
-from solver.boundary.end_angle import follow
+from solver.boundary.end_angle_branch import follow
 from solver.equilibria import nearest
 from solver.observe.observables import observe
 from studies import load
@@ -21,7 +21,7 @@ from workbench.commands.equilibria import DEFAULT, parse_axis
 from workbench.data import writing
 from workbench.figures import bifurcation, equilibria_gallery
 from workbench.run import in_memory
-from workbench.run.block_solver import solve_one
+from workbench.run.block import solve_one
 from workbench.run.case_input import field_values
 
 MANY = -0.3655, 0.7464, -0.7506

@@ -19,8 +19,7 @@ LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection 
 def file(tmp_path):
     """A file of six cases, one of them unsolved and one with a large error."""
     ds = in_memory.run(small.study(AXES + LAW, 'observables = ["wraps"]\noutputs = ["beta", "z"]'))
-    ds["outcome"] = ds["outcome"].astype(object)
-    ds["outcome"][0, 1] = "failed: on purpose"
+    ds = small.with_outcomes(ds, ["solved", "failed: on purpose", *["solved"] * 4])
     for name in ("wraps", "kappa_max"):
         ds[name][0, 1] = np.nan
     ds["error"][1, 2] = 0.5
@@ -67,7 +66,8 @@ def test_blocks_cover_an_array_once_and_in_order(shape: tuple[int, ...], most: i
 
 def test_many_kinds_of_failure_are_told_together(file, tmp_path, monkeypatch) -> None:
     _, ds = file
-    ds["outcome"][:] = [["solved", "failed: 1", "failed: 2"], ["failed: 3", "failed: 1", "solved, barely"]]
+    words = ["solved", "failed: 1", "failed: 2", "failed: 3", "failed: 1", "solved, barely"]
+    ds = small.with_outcomes(ds, words)
     monkeypatch.setattr(summary, "DISTINCT", 2)
     told = summary.summary(writing.write(ds, tmp_path / "many.h5"))
     assert told["unsolved"] == 4
@@ -91,5 +91,5 @@ def test_what_people_are_shown_has_every_part(file) -> None:
     shown = CliRunner().invoke(cli.app, ["summary", str(path)]).stdout
     worst = "largest error: 0.5 at E = 20000, R = 1"
     counts = ("6 cases, 1 unsolved", "1 x failed: on purpose", worst, "kappa_max falls along R")
-    for part in (*counts, "1 law: 1 is not decided", "kappa_max", "N/cm^2", "tolerance 1e-08", "format 1", "numpy"):
+    for part in (*counts, "1 law: 1 is not decided", "kappa_max", "N/cm^2", "tolerance 1e-08", "format 2", "numpy"):
         assert part in shown, part

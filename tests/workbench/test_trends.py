@@ -15,7 +15,7 @@ from studies import load, names
 from studies.reasons import DOES
 from tests.workbench.pictures import pixels, share_of_ink
 from tests.workbench.small import grid, study
-from workbench.data import case_selection, law_verdicts
+from workbench.data import law_verdicts, selection
 from workbench.figures import single_rod, style, trends
 from workbench.figures.scales import stretch
 from workbench.run import in_memory
@@ -65,7 +65,7 @@ def test_another_ending_is_refused(tmp_path) -> None:
 def test_a_panel_shows_the_stored_numbers(angles) -> None:
     ax = trends.panel(angles, axes(), 0)
     drawn = np.vstack([points.get_offsets() for points in ax.collections if len(points.get_offsets()) == 9])
-    np.testing.assert_allclose(drawn[:, 0], np.rad2deg(angles["beta"]))
+    np.testing.assert_allclose(drawn[:, 0], np.rad2deg(angles["beta0"]))
     np.testing.assert_array_equal(drawn[:, 1], angles["turns"])
 
 
@@ -112,11 +112,11 @@ def test_there_is_no_panel_for_a_law_that_is_not_there(angles) -> None:
     with pytest.raises(InputError, match="no law number 2: the study has 2"):
         trends.panel(angles, axes(), 2)
     with pytest.raises(InputError, match="'bends'"):
-        trends.trend(angles, axes(), "bends", "beta")
+        trends.trend(angles, axes(), "bends", "beta0")
 
 
 def test_unrolled_curves_keep_their_shape_and_do_not_touch(angles) -> None:
-    ax = trends.developed(angles, axes(), "beta")
+    ax = trends.developed(angles, axes(), "beta0")
     assert ax.get_aspect() == 1
     curves = [line for line in ax.lines if len(line.get_xdata()) == angles.sizes["u"]]
     assert len(curves) == 9
@@ -158,7 +158,7 @@ def test_a_push_is_drawn_upward_on_either_side(side: str) -> None:
 def test_where_a_law_decides_is_where_a_picture_is_taken(forces) -> None:
     for row in law_verdicts.verdicts(forces):
         for name, value in row["at"].items():
-            assert float(forces[name][case_selection.case(forces)[name]]) == pytest.approx(value)
+            assert float(forces[name][selection.case(forces)[name]]) == pytest.approx(value)
 
 
 def test_drawing_leaves_no_state_behind(tmp_path) -> None:

@@ -91,7 +91,7 @@ def test_a_result_replaces_one_of_the_same_study_and_nothing_else(ds, tmp_path) 
     with pytest.raises(InputError, match="holds the study 'small', not 'other'; give --force"):
         writing.write(ds.assign_attrs(study_name="other"), path)
     (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(InputError, match="no dataset of a study; give --force"):
+    with pytest.raises(InputError, match="is not a study's dataset; give --force"):
         writing.write(ds, tmp_path / "notes.txt")
     assert (tmp_path / "notes.txt").read_text() == "mine"
     writing.write(ds, tmp_path / "notes.txt", force=True)
@@ -126,7 +126,7 @@ import os, signal, sys
 from pathlib import Path
 from workbench.data import writing
 ds = writing.read(sys.argv[1])
-writing._flush = lambda path: os.kill(os.getpid(), signal.SIGKILL)  # written, not renamed
+os.fsync = lambda handle: os.kill(os.getpid(), signal.SIGKILL)  # written, not renamed
 writing.write(ds, sys.argv[1])
 """
 

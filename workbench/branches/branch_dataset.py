@@ -16,7 +16,7 @@ from studies import Study
 from studies.axes import quantity_of
 from studies.laws import QUALIFIED, Law, decide
 
-from ..data import dataset
+from ..data import schema
 from ..run.case_input import with_fields
 from .equilibria_dataset import EACH, attributes, with_case
 from .folds import fold_at
@@ -57,20 +57,22 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Callable[[str]
     most = max((len(members) for members in found), default=0)
     dims = (name, "member")
     data: dict[str, Any] = {
-        key: xr.Variable(dims, numbers, dataset.labels(key, units))
+        key: xr.Variable(dims, numbers, schema.labels(key, units))
         for key, numbers in _numbers(found, most, laws).items()
     }
     data["branch"] = xr.Variable(dims, _padded(branch, most), {"long_name": "number of the branch, -1 for none"})
     outcome = [[str(f[i].solution.outcome) if i < len(f) else "" for i in range(most)] for f in found]
+    solved = [[i < len(f) and bool(f[i].solution.solved) for i in range(most)] for f in found]
+    data["solved"] = xr.Variable(dims, np.array(solved, dtype=bool).reshape(len(found), most))
     data["outcome"] = xr.Variable(dims, np.array(outcome, dtype=str).reshape(len(found), most))
     folded = [fold_at(at, meeting) for meeting in meetings]
     for i, (key, row) in enumerate((("fold", name), ("fold_dbeta0", "dbeta0"), ("fold_energy", "energy"))):
-        labels = dataset.labels(quantity_of(row).name, units)
+        labels = schema.labels(quantity_of(row).name, units)
         labels["long_name"] += " where two equilibria meet and cease to exist"
         data[key] = xr.Variable(("fold",), np.array([f[i] for f in folded], dtype=float), labels)
     pairs = _branch_pairs(branch, meetings)
     data["fold_branches"] = xr.Variable(("fold", "two"), pairs, {"long_name": "the two branches that meet"})
-    ds = xr.Dataset(data, {name: xr.Variable((name,), values, dataset.labels(quantity_of(name).name, units))})
+    ds = xr.Dataset(data, {name: xr.Variable((name,), values, schema.labels(quantity_of(name).name, units))})
     ds.attrs = attributes(study, case, f"All equilibria over {quantity_of(name).symbol}")
     ds.attrs["branches"] = json.dumps(_rows(ds, name, laws))
     return with_case(ds, case, units, skip=name)

@@ -4,9 +4,8 @@ One frame a stored case; nothing is solved between them. The rod's part of a fra
 case, so a still and a scene agree. MP4 and GIF are written by imageio, the extra `animate`.
 """
 
-import os
 from collections.abc import Iterator
-from contextlib import ExitStack, closing, suppress
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError, choices, no_such
 
-from ..data import case_selection, dataset, law_verdicts, writing
+from ..data import atomic, law_verdicts, schema, selection, writing
 from ..scene import kinds
 from . import console, plot_and_scene
 
@@ -53,12 +52,12 @@ def animate_file(
 ) -> int:  # fmt: skip
     """Write the film of a stored dataset; 0, or 1 where this machine cannot draw. Raises `InputError`."""
     ds = writing.read(file)
-    axes = dataset.axes_of(ds)
+    axes = schema.axes_of(ds)
     if not axes:
         raise InputError(f"{file} has one case and no axis, so nothing changes from frame to frame")
     if axis is None and len(axes) > 1:
         raise InputError(f"{file} has several axes: choose one with --axis from {choices(axes)}")
-    axis = axis or axes[0]
+    axis = selection.axis_of(ds, axis or axes[0])
     where = plot_and_scene.chosen(ds, at)
     if axis in where:
         raise InputError(f"--at {axis}: the film runs along {axis}, so it has no one value")
@@ -99,7 +98,7 @@ def cases_of(ds: xr.Dataset, wish: Wish) -> list[dict[str, int]]:
     single = [kind.name for kind in kinds.KINDS.values() if kind.cells == "one"]
     if kinds.kind_of(wish.kind).name not in single:
         raise InputError(f"a frame shows one case, so --kind is one of {choices(single)}, not {wish.kind!r}")
-    cases = case_selection.line(ds, wish.axis, wish.at)
+    cases = selection.line(ds, wish.axis, wish.at)
     if not LEAST <= len(cases) <= MOST:
         raise InputError(f"a film has {LEAST} to {MOST} frames, and the axis {wish.axis} {len(cases)} values")
     return cases
@@ -120,7 +119,7 @@ def frames(ds: xr.Dataset, wish: Wish, step: Any = None) -> Iterator[NDArray[np.
         if step:
             step(f"{wish.axis} = {value:.4g}")
         outcome = str(ds["outcome"].isel(where).values)
-        if outcome.startswith("solved"):
+        if ds["solved"].isel(where):
             taken = layout.take(ds, {**wish.at, wish.axis: value}, wish.kind, (), wish.axis, look)
             left = _pixels(page_layout.figure(taken.sheet))
         else:
@@ -130,8 +129,8 @@ def frames(ds: xr.Dataset, wish: Wish, step: Any = None) -> Iterator[NDArray[np.
 
 def write(paths: list[Path], made: Iterator[NDArray[np.uint8]], fps: float) -> None:
     """The frames as films, each whole before it takes its name. Raises `InputError` where they cannot be written."""
-    aside = [path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}") for path in paths]
-    try:
+    with atomic.refusing(paths[0].parent), ExitStack() as whole:
+        aside = [whole.enter_context(atomic.replacing(path)) for path in paths]
         with ExitStack() as open_ones:
             # imageio's own context leaves ffmpeg running where something fails inside
             writers = [open_ones.enter_context(closing(_writer(path, fps))) for path in aside]
@@ -142,14 +141,6 @@ def write(paths: list[Path], made: Iterator[NDArray[np.uint8]], fps: float) -> N
             for _ in range(round(HOLD * fps)):
                 for writer in writers:
                     writer.append_data(last)
-        for whole, path in zip(aside, paths, strict=True):
-            writing.replace(whole, path)
-    except OSError as error:
-        raise InputError(f"cannot write {paths[0].parent}: {error.strerror or error}") from None
-    finally:
-        for path in aside:
-            with suppress(OSError):
-                path.unlink(missing_ok=True)
 
 
 def _able(paths: list[Path]) -> None:
@@ -200,7 +191,7 @@ class _Diagram:
             limits = ax.get_xlim(), ax.get_ylim()
             for artist in (*ax.lines, *ax.collections):  # the scales, labels and ticks stay those of the whole curve
                 artist.remove()
-            cases = case_selection.line(ds, wish.axis, wish.at)
+            cases = selection.line(ds, wish.axis, wish.at)
             values = np.array([float(ds[wish.show].isel(where)) for where in cases])
             along = ds[wish.axis].values[[where[wish.axis] for where in cases]].astype(float)
             along = np.degrees(along) if style.is_angle(ds[wish.axis]) else along

@@ -75,8 +75,8 @@ FIELDS: dict[str, CaseField] = {
         CaseField("FZ", "axial force, tension positive", "force", "ends", default=0.0),
         CaseField("MZ", "axial moment", "force length", "ends", default=0.0),
         CaseField("M3", "twisting moment", "force length", "start or ends"),
-        CaseField("alpha", "azimuth at s = 0", "rad", default=0.0),
-        CaseField("gamma", "rotation of the section at s = 0", "rad", default=0.0),
+        CaseField("alpha", "azimuth of the start", "rad", default=0.0),
+        CaseField("gamma", "rotation of the section at the start", "rad", default=0.0),
     )
 }  # fmt: skip
 ENDS_FIELDS = tuple(

@@ -28,10 +28,9 @@ def _found_in(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
     import numpy as np
 
     from ..data import branch_numbers, law_verdicts
-    from ..run.block_solver import kind_of
+    from ..run.block import kind_of
 
-    texts = ["outcome", *(["caution"] if "caution" in ds else [])]
-    outcomes, *caution = ([str(text) for text in np.ravel(ds[name].values)] for name in texts)
+    outcomes, caution = ([str(text) for text in np.ravel(ds[name].values)] for name in ("outcome", "caution"))
     counts = branch_numbers.counted(ds["branch"].values) if "branch" in ds else None
     return {
         "title": ds.attrs["title"],
@@ -40,7 +39,8 @@ def _found_in(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
         "branches": branch_numbers.sentence(counts) if counts else "",
         "reading": ds.attrs["reading"],
         "file": str(path),
+        "unsolved": law_verdicts.unsolved(ds),
         "outcomes": Counter(map(kind_of, outcomes)),
-        "cautions": Counter(*caution),
+        "cautions": Counter(caution),
         "laws": law_verdicts.verdicts(ds),
     }

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..data import safe_text
+from ..data import escaping
 
 if TYPE_CHECKING:  # --help does not import rich
     from rich.console import Console
@@ -37,12 +37,12 @@ def err() -> "Console":
 
 def say(text: str) -> None:
     """Print lines on stdout; control characters are escaped, because text from a file may contain terminal commands."""
-    out().print(safe_text.lines(text), markup=False)
+    out().print(escaping.lines(text), markup=False)
 
 
 def warn(sentence: str) -> None:
     """Print one sentence on stderr, behind the name of the program."""
-    err().print(f"workbench: {safe_text.line(sentence)}", markup=False)
+    err().print(f"workbench: {escaping.line(sentence)}", markup=False)
 
 
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str | None = None) -> None:
@@ -58,14 +58,14 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: st
 def _cell(value: Any) -> Any:
     from rich.text import Text
 
-    text = f"{value:.6g}" if isinstance(value, float) else safe_text.line(str(value))
+    text = f"{value:.6g}" if isinstance(value, float) else escaping.line(str(value))
     word = next((word for word in sorted(COLOURS, key=len, reverse=True) if text.startswith(word)), None)
     return Text(text, style=COLOURS[word] if word else "")
 
 
 def print_json(data: Any) -> None:
     """Print the data as JSON; NaN and infinity become null."""
-    print(safe_text.in_json(json.dumps(safe_text.finite(data), indent=2, ensure_ascii=False)))
+    print(escaping.in_json(json.dumps(escaping.finite(data), indent=2, ensure_ascii=False)))
 
 
 @contextmanager

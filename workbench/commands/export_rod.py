@@ -1,7 +1,5 @@
 """The command export: one stored rod as a file that other programs open. Nothing is solved."""
 
-import contextlib
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +10,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError, choices
 
-from ..data import case_selection, writing
+from ..data import atomic, selection, writing
 from ..geometry import centreline, self_contact
 from ..geometry.centreline import Centreline
 from . import console
@@ -83,7 +81,7 @@ def export(ds: xr.Dataset, wish: Wish) -> Exported:
         raise InputError(f"--centreline is for {choices(CAD)}, got {wish.out.name!r}")
     if wish.tolerance is not None and not 0 < wish.tolerance < np.inf:
         raise InputError(f"--tolerance must be positive and finite, got {wish.tolerance:g}")
-    where = case_selection.case(ds, wish.at)
+    where = selection.case(ds, wish.at)
     line = centreline.read(ds, where)
     at = {name: float(ds[name].values[i]) for name, i in where.items()}
     unit = str(ds.attrs["length_unit"])
@@ -110,15 +108,7 @@ def put(path: Path, work: Callable[[Path], None], force: bool) -> None:
     if path.exists() and not force:
         raise InputError(f"{path} exists; give --force to replace it")
     writing.check_parent(path)
-    aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
-    try:
-        work(aside)
-        writing.replace(aside, path)
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}") from None
-    finally:
-        with contextlib.suppress(OSError):
-            aside.unlink(missing_ok=True)
+    atomic.write(path, work)
 
 
 def _kind(out: Path) -> str:
@@ -170,10 +160,11 @@ def _written(
 
 def _push(ds: xr.Dataset, where: dict[str, int], line: Centreline, s: centreline.Array) -> centreline.Array:
     """The cylinder's push at s, negative where it would have to pull."""
+    from solver.mechanics.contact import push_from
+
     from ..export.tables import computed
 
-    sign = -1.0 if line.side == "inside" else 1.0
-    return np.interp(s, line.s, sign * computed(line)["contact"])
+    return np.interp(s, line.s, push_from(computed(line)["contact"], line.side))
 
 
 def _title(ds: xr.Dataset, at: Mapping[str, float]) -> str:

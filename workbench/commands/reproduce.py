@@ -68,11 +68,10 @@ def _results(
     from ..run import in_memory, study_store
 
     results, refusals = [], []
-    quiet = study_store.Options(quiet=True)  # one bar counts all studies
     for study in studies:
         step(f"solving {study.name}")
         try:
-            study_store.run_to_file(study, files[study.name], quiet)
+            study_store.run_to_file(study, files[study.name])
         except InputError as error:
             refusals.append(f"{study.title}: {error}")
             step("")

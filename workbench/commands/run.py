@@ -1,9 +1,10 @@
 """The command run: solve, store and judge every case of a study."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-from . import console
+from . import console, progress
 from .options import Fidelity, ForceStudy, Json, Method, Reading, Tol, argument, flag, option
 from .study_result import print_result
 
@@ -38,7 +39,7 @@ def run(
     """
     from studies import load
 
-    from ..run import allocator
+    from ..run import memory
     from ..run.fidelity import fidelity
     from ..run.study_store import Options, run_to_file
 
@@ -51,16 +52,17 @@ def run(
     changes = {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}
     chosen = chosen.model_copy(update=changes)
     _check_free(path, chosen.name, force)
-    allocator.keep()
-    options = Options(workers, scheduler, chunk, restart, json)
-    ran = run_to_file(chosen, path, options, say=(lambda text: None) if json else console.say)
+    memory.keep()
+    options = Options(workers, scheduler, chunk, restart)
+    say = (lambda text: None) if json else console.say
+    ran = run_to_file(chosen, path, options, say, partial(progress.shown, as_json=json))
     found = {"title": chosen.title, "study": chosen.name, "reading": chosen.reading or "", "file": str(path)}
-    return print_result({**found, **ran.told}, json, ran)
+    return print_result({**found, **ran.statistics}, json, ran)
 
 
 def _check_free(path: Path, name: str, force: bool) -> None:
     """Raise `InputError` if `path` holds something that may not be replaced; imports xarray only if it must look."""
-    from ..run.existing_output import look
+    from ..run.resume import look
 
     there = look(path)
     if force or (there is not None and there.name == name):

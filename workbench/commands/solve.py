@@ -43,7 +43,7 @@ def solve(
     from solver import Ends, InputError
 
     from ..data import cautions
-    from ..run.block_solver import solve_one
+    from ..run.block import solve_one
     from ..run.case_input import read_case
     from ..run.fidelity import fidelity
 

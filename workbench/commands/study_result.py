@@ -32,8 +32,7 @@ def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None)
     """
     from ..data import cautions, law_verdicts
 
-    outcomes, cases = found["outcomes"], sum(found["outcomes"].values())
-    unsolved = sum(count for text, count in outcomes.items() if not text.startswith("solved"))
+    outcomes, cases, unsolved = found["outcomes"], sum(found["outcomes"].values()), found["unsolved"]
     status = law_verdicts.status(unsolved, found["laws"])
     caution = cautions.told(found["cautions"])
     if as_json:

@@ -1,6 +1,5 @@
-"""Datasets to and from HDF5 (netCDF4-compatible), written aside and renamed: a half file replaces nothing."""
+"""Datasets written to HDF5 (netCDF4-compatible) by an atomic replacement, and read whole into memory."""
 
-import contextlib
 import os
 from pathlib import Path
 from typing import Any
@@ -9,43 +8,28 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from . import file_checks, reading, validity
+from . import atomic, file_checks, reading, schema, value_checks
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
-    """Store a dataset under `path` and return it.
+    """Store a dataset under `path` and return the path.
 
-    A file that is already there gives way only if it is a dataset of the same study, or with `force`. Raises
-    `InputError` where it is something else, or where the folder cannot be written; what was there then stays
-    as it was.
+    An existing file is replaced only if it is a dataset of the same study, or with `force`. Raises `InputError` where
+    it is something else, or where the folder cannot be written; the existing file then stays as it was.
     """
     path = Path(path)
     check_parent(path)
     if not force:
         check_free(path, str(ds.attrs["study_name"]))
-    aside = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        ds.to_netcdf(aside, engine="h5netcdf", encoding=encoding(ds), invalid_netcdf=False)
-        replace(aside, path)
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}") from None
-    finally:
-        with contextlib.suppress(OSError):
-            aside.unlink(missing_ok=True)
-    return path
-
-
-def replace(aside: Path, path: Path) -> None:
-    """Put a file that is whole in the place of another. Raises `OSError`."""
-    _flush(aside)
-    os.replace(aside, path)
-    _flush(path.parent)
+    return atomic.write(
+        path, lambda aside: ds.to_netcdf(aside, engine="h5netcdf", encoding=encoding(ds), invalid_netcdf=False)
+    )
 
 
 def read(path: str | Path, study: bool = True) -> xr.Dataset:
     """A study's dataset (or, where `study` is False, any that the workbench wrote), all in memory.
 
-    Raises `InputError` where the file is missing, cut short, not ours, or too large, or holds what cannot be.
+    Raises `InputError` where the file is missing, damaged, foreign or too large, or holds invalid values.
     """
     with reading.opened(path) if study else reading.raw(path) as ds:
         if ds.nbytes > _memory():
@@ -54,16 +38,16 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
         with file_checks.refusing(path):
             ds.load()
         if not study:
-            validity.texts(ds, path)
-            validity.fields(ds, path)
-        if "outcome" in ds:
-            validity.each(ds, path)
-            validity.curves(ds, path)
+            value_checks.texts(ds, path)
+            value_checks.fields(ds, path)
+        if "solved" in ds:
+            value_checks.each(ds, path)
+            value_checks.curves(ds, path)
         return ds
 
 
 def _memory() -> int:
-    """Of this machine [bytes]."""
+    """The memory of this machine [bytes]."""
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
 
 
@@ -80,16 +64,16 @@ def check_free(path: str | Path, study_name: str) -> None:
     except InputError:
         there = None
     if there is None:
-        raise InputError(f"{path} exists and is no dataset of a study; give --force to replace it")
+        raise InputError(f"{path} exists and is not a study's dataset; give --force to replace it")
     if there != study_name:
         raise InputError(f"{path} holds the study {there!r}, not {study_name!r}; give --force to replace it")
 
 
 def check_parent(path: str | Path) -> None:
-    """Raise `InputError` unless the folder of a file is there and can be written."""
+    """Raise `InputError` unless the folder of a file exists and can be written."""
     folder = Path(path).parent
     if not folder.is_dir():
-        raise InputError(f"cannot write {path}: there is no folder {folder}")
+        raise InputError(f"cannot write {path}: folder not found: {folder}")
     check_folder(folder)
 
 
@@ -107,15 +91,6 @@ def check_folder(folder: str | Path) -> Path:
 
 
 def encoding(ds: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """gzip 1 and shuffle for arrays of numbers; scalars and text cannot be packed."""
-    packed = {"zlib": True, "complevel": 1, "shuffle": True}
-    return {str(name): packed for name, v in ds.variables.items() if v.ndim and v.dtype.kind in "iuf"}
-
-
-def _flush(path: Path) -> None:
-    """Have the system put a file, or the names in a folder, on the disk."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+    """How each variable is packed."""
+    packed = {str(name): schema.packing(v.ndim, v.dtype) for name, v in ds.variables.items()}
+    return {name: options for name, options in packed.items() if options}

@@ -3,17 +3,17 @@
 import csv
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from solver.mechanics import frames, statics
-from solver.mechanics.potential import potential
+from solver.mechanics.contact import contact_force
+from solver.mechanics.potential import Loads, potential
 from solver.problem.quantities import QUANTITIES, unit_of
 
-from ..data import dataset
+from ..data import schema
 from ..geometry.centreline import Array, Centreline
 
 # columns before all others, whatever the study stores
@@ -35,8 +35,8 @@ def columns(ds: xr.Dataset, where: dict[str, int], line: Centreline) -> list[Col
     units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
     one = ds.isel(where)
     known = computed(line)
-    for name in (str(v).removesuffix("_along") for v in one.data_vars):
-        array = dataset.along(one, name)
+    for stored, array in one.data_vars.items():
+        name = schema.CURVES.get(str(stored), str(stored))
         if array.dims == ("u",) and name in QUANTITIES:
             known[name] = np.asarray(array.values, dtype=float)
     order = [*FIRST, *(name for name in known if name not in FIRST)]
@@ -55,12 +55,12 @@ def computed(line: Centreline) -> dict[str, Array]:
     A, l, m, p, rho, beta, dbeta = line.A, line.l, line.m, line.p, line.rho, line.beta, line.dbeta
     FY = statics.circumferential_force(A, l, m, rho, beta)
     F2, F3 = statics.surface_forces(FY, A * p, beta)
-    reduced = SimpleNamespace(lam=l * rho, mu=m * rho, phi=p * rho**2)
+    reduced = Loads(lam=l * rho, mu=m * rho, phi=p * rho**2)
     return {
         "s": line.s, "alpha": line.alpha, "beta": beta, "dbeta": dbeta, "z": line.z,
         "kappa": statics.curvature(rho, beta, dbeta),
         "F1": statics.normal_force(A, m, rho, beta, dbeta), "F2": F2, "F3": F3, "FY": FY,
-        "contact": statics.contact(A, m, rho, FY, -line.bend, beta, dbeta),
+        "contact": contact_force(A, m, rho, FY, -line.bend, beta, dbeta),
         "M1": A * dbeta, "M2": A * np.sin(beta) ** 2 / rho,
         "h": dbeta**2 + potential(reduced, beta) / rho**2,
     }  # fmt: skip

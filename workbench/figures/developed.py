@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from ..data import case_selection
+from ..data import selection
 from . import single_rod, style
 from .scales import larger, stretch
 
@@ -68,7 +68,7 @@ def axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = Tr
 
 def _side_by_side(ds: xr.Dataset, axis: str) -> tuple[list[dict[str, int]], list[float], list[Any], float]:
     """The cases along an axis, where each one's line alpha = 0 stands, its curve or None, and the width of all."""
-    cases = case_selection.spread(case_selection.line(ds, axis), MOST_CURVES)
+    cases = selection.spread(selection.line(ds, axis), MOST_CURVES)
     curves = [single_rod.unrolled(ds, where) for where in cases]
     spans = [(min(c[0].min(), 0.0), max(c[0].max(), 0.0)) if c is not None else (0.0, 0.0) for c in curves]
     gap = 0.35 * float(np.mean([high - low for low, high in spans])) or 1.0

@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ..data import dataset
+from solver.mechanics.contact import push_from
+
 from . import style
 from .scales import larger, stretch
 
@@ -18,13 +19,13 @@ SHORT = 0.9  # of the arc: a shorter chord has turned by a right angle or more i
 
 def has_shape(ds: xr.Dataset) -> bool:
     """Whether the dataset stores what the unrolled curve is made of."""
-    return all(_has(ds, name) for name in ("alpha", "z", "rho"))
+    return all(name in ds.data_vars for name in ("alpha", "z", "rho"))
 
 
 def unrolled(ds: xr.Dataset, where: dict[str, int]) -> tuple[Any, Any] | None:
     """rho (alpha - alpha(0)) and z of one case, (n,) each; None where it is not solved."""
     one = ds.isel(where)
-    alpha, z = dataset.along(one, "alpha").values, dataset.along(one, "z").values
+    alpha, z = one["alpha"].values, one["z"].values
     across = float(one["rho"]) * (alpha - alpha[0])
     return (across, z) if np.isfinite([across, z]).all() else None
 
@@ -40,15 +41,14 @@ def too_coarse(ds: xr.Dataset, where: dict[str, int]) -> bool:
 
 def pushes(ds: xr.Dataset) -> Any:
     """The cylinder's push along one rod, (n,), negative where it would have to pull; None if not stored."""
-    if not _has(ds, "contact"):
+    if "contact" not in ds.data_vars:
         return None
-    sign = -1.0 if ds.attrs.get("side") == "inside" else 1.0
-    return sign * dataset.along(ds, "contact").values
+    return push_from(ds["contact"].values, str(ds.attrs.get("side", "outside")))
 
 
 def figure(ds: xr.Dataset) -> Figure:
     """The angle, the contact and the unrolled curve of a dataset of one case; what is not stored is left out."""
-    parts = [part for part, name in ((angle, "beta"), (contact, "contact")) if _has(ds, name)]
+    parts = [part for part, name in ((angle, "beta"), (contact, "contact")) if name in ds.data_vars]
     parts += [curve] if has_shape(ds) else []
     fig = Figure(figsize=(SIZE[0], SIZE[1] * max(len(parts), 1) / 3), layout="constrained")
     FigureCanvasAgg(fig)
@@ -70,7 +70,7 @@ def _told(ds: xr.Dataset, title: str) -> str:
 
 def angle(ds: xr.Dataset, ax: Axes) -> Axes:
     """beta against s, in degrees."""
-    ax.plot(ds["s"], np.degrees(dataset.along(ds, "beta")), color=style.PUSHED, **_drawn(ds))
+    ax.plot(ds["s"], np.degrees(ds["beta"]), color=style.PUSHED, **_drawn(ds))
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
     ax.set_ylabel("β [°]")
     ax.set_title(_told(ds, "angle from the axis to the tangent"), loc="left")
@@ -79,7 +79,7 @@ def angle(ds: xr.Dataset, ax: Axes) -> Axes:
 
 def contact(ds: xr.Dataset, ax: Axes) -> Axes:
     """The push of the cylinder against s, positive on either side; shaded where the cylinder would have to pull."""
-    push, unit = pushes(ds), str(dataset.along(ds, "contact").attrs.get("units", "1"))
+    push, unit = pushes(ds), str(ds["contact"].attrs.get("units", "1"))
     ax.plot(ds["s"], push, color=style.PUSHED, **_drawn(ds))
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
     pulled = push < 0
@@ -107,7 +107,7 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
         return ax
     across, up = found
     ax.set_title(_told(ds, "unrolled cylinder, seen from outside"), loc="left")
-    pulled = pushes(ds) < 0 if _has(ds, "contact") else np.zeros(across.size, dtype=bool)
+    pulled = pushes(ds) < 0 if "contact" in ds.data_vars else np.zeros(across.size, dtype=bool)
     thick = {"linewidth": 2.4, **_drawn(ds)} if "marker" in _drawn(ds) else {"linewidth": 2.4}
     ax.plot(up, across, color=style.LIFTED, solid_capstyle="round", **thick)
     ax.plot(np.where(pulled, np.nan, up), across, color=style.PUSHED, solid_capstyle="butt", **thick)
@@ -129,7 +129,3 @@ def _along(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_xlabel(f"s [{style.unit(str(ds.attrs['length_unit']))}]")
     ax.margins(x=0)
     return style.quiet(ax)
-
-
-def _has(ds: xr.Dataset, name: str) -> bool:
-    return name in ds.data_vars or f"{name}_along" in ds

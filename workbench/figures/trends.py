@@ -16,7 +16,7 @@ from solver.problem.errors import InputError, no_such
 from studies.laws import COUNTS, FAILS, NOISE
 from studies.reasons import DOES
 
-from ..data import case_selection, dataset, law_verdicts
+from ..data import law_verdicts, schema, selection
 from . import single_rod, style
 from .developed import axis_label, developed, strip_height
 
@@ -35,7 +35,7 @@ def figure(ds: xr.Dataset, path: str | Path, dpi: int = style.DPI) -> Figure:
     """
     path = Path(path)
     style.picture_kind(path, KINDS)
-    axes = dataset.axes_of(ds)
+    axes = schema.axes_of(ds)
     with rc_context(style.RC):
         fig = _trends(ds, axes) if axes else single_rod.figure(ds)
         style.entitle(fig, ds)
@@ -101,7 +101,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     """
     if observable not in ds:
         raise no_such("observable", observable, [str(name) for name in ds.data_vars])
-    order = case_selection.line(ds, axis, at)
+    order = selection.line(ds, axis, at)
     along = _shown(ds[axis], ds[axis].values[[where[axis] for where in order]])
     lines = ds[observable].transpose(..., axis).isel({axis: [where[axis] for where in order]})
     for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 else ():

@@ -16,9 +16,9 @@ from scipy.interpolate import BPoly
 
 from solver import Rod
 from solver.mechanics import frames, statics
+from solver.mechanics.contact import contact_force
+from solver.mechanics.potential import dimensional_slope
 from solver.problem.errors import InputError
-
-from ..data import dataset
 
 Array = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ class Centreline:
     @property
     def bend(self) -> Array:
         """beta'' at the stations, (n,) [1/length^2]."""
-        return -statics.slope(self.l, self.m, self.p, self.rho, self.beta)
+        return -dimensional_slope(self.l, self.m, self.p, self.rho, self.beta)
 
     @cached_property
     def _angle(self) -> Any:
@@ -90,8 +90,8 @@ class Centreline:
         """The cylinder's push per length at s, (k,) [force/length], positive outward; eq. (34), corrected."""
         beta, dbeta = self._angle(s), self._angle(s, 1)
         around = statics.circumferential_force(self.A, self.l, self.m, self.rho, beta)
-        H = statics.slope(self.l, self.m, self.p, self.rho, beta)
-        return statics.contact(self.A, self.m, self.rho, around, H, beta, dbeta)
+        H = dimensional_slope(self.l, self.m, self.p, self.rho, beta)
+        return contact_force(self.A, self.m, self.rho, around, H, beta, dbeta)
 
     @cached_property
     def error(self) -> float:
@@ -125,21 +125,21 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
 
     Raises `InputError` where the dataset lacks what it is made of, or the case is not solved.
     """
-    missing = [name for name in NEEDED if name not in ds and f"{name}_along" not in ds]
+    missing = [name for name in NEEDED if name not in ds]
     if missing:
         raise InputError(f"the dataset stores no {', '.join(missing)}, which the rod's curve is made of")
     one = ds.isel(dict(where))
     outcome = str(one["outcome"].values)
-    along = {name: np.asarray(dataset.along(one, name), dtype=float) for name in ("alpha", "beta", "z")}
-    if not outcome.startswith("solved") or not np.isfinite(list(along.values())).all():
+    along = {name: np.asarray(one[name], dtype=float) for name in ("alpha", "beta", "z")}
+    if not one["solved"] or not np.isfinite(list(along.values())).all():
         raise InputError(f"this case has no shape: {outcome}")
     number = {name: float(one[name]) for name in NEEDED[3:]}
     rod = Rod(number["E"], number["nu"], number["a"], number["L"], str(ds.attrs["stiffness"]))
     A = float(rod.bending_stiffness)
     loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
     s = np.asarray(one["s"].values, dtype=float)
-    if "dbeta" in ds or "dbeta_along" in ds:
-        dbeta = np.asarray(dataset.along(one, "dbeta"), dtype=float)
+    if "dbeta" in ds:
+        dbeta = np.asarray(one["dbeta"], dtype=float)
     else:
         dbeta = _slopes(s, along["beta"], number["rho"], *loads)
     R, a, rho = (number[name] for name in ("R", "a", "rho"))
@@ -168,11 +168,11 @@ def _slopes(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> 
     neighbouring stretches say of their common station is averaged.
     """
     h = np.diff(s)
-    bend = -statics.slope(l, m, p, rho, beta)
+    bend = -dimensional_slope(l, m, p, rho, beta)
     dbeta = np.gradient(beta, s)
     for _ in range(ROUNDS):
         angle = through(s, np.stack([beta, dbeta, bend], axis=-1))
-        inside = -statics.slope(l, m, p, rho, angle(s[:-1, None] + h[:, None] * GAUSS))
+        inside = -dimensional_slope(l, m, p, rho, angle(s[:-1, None] + h[:, None] * GAUSS))
         chord = np.diff(beta) / h
         leaving = chord - h * (inside @ (WEIGHT * (1 - GAUSS)))
         arriving = chord + h * (inside @ (WEIGHT * GAUSS))

@@ -10,9 +10,9 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from solver.mechanics.contact import push_from
 from solver.problem.errors import InputError
 
-from ..data import dataset
 from ..figures import style
 from ..scene.kinds import Kind
 from . import centreline
@@ -93,7 +93,7 @@ class Body:
     def value(self, s: Array) -> Array:
         """What the colour shows at s: push or curvature."""
         if self.tint == "contact":
-            return (-1.0 if self.side == "inside" else 1.0) * self.line.contact(s)
+            return np.asarray(push_from(self.line.contact(s), self.side))
         return self.line.kappa(s)
 
     def extremes(self) -> tuple[float, float]:
@@ -132,15 +132,15 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
     span: the arc lengths between which it is drawn; where left out the whole rod. Raises `InputError` where the case
     has no shape, or the dataset lacks what the kind needs.
     """
-    there = {name for name in kind.reads for name in (name, f"{name}_along") if name in ds}
+    there = {name for name in kind.reads if name in ds}
     for name in sorted(kind.reads - set(centreline.NEEDED)):
-        if name not in ds and f"{name}_along" not in ds:
+        if name not in ds:
             raise InputError(f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs")
-    also = {name for name in ("outcome", "caution", "dbeta", "dbeta_along") if name in ds}
+    also = {name for name in ("solved", "outcome", "caution", "dbeta") if name in ds}
     one = ds[sorted(there | also)]
     line = centreline.read(one, where)
     this = one.isel(dict(where))
-    gamma = np.asarray(dataset.along(this, "gamma"), dtype=float) if kind.tint == "stripe" else None
+    gamma = np.asarray(this["gamma"], dtype=float) if kind.tint == "stripe" else None
     caution = str(this["caution"].values) if "caution" in this else ""
     return Body(line, span or (float(line.s[0]), float(line.s[-1])), kind.tint, gamma, caution)
 

@@ -1,8 +1,7 @@
-"""Merge: studies that extend one another along an axis become one file, streamed and renamed when whole."""
+"""Stored studies that extend one another along an axis, merged into one file block by block."""
 
 import contextlib
 import json
-import os
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -18,23 +17,23 @@ from studies import TABLE_1, Study
 from studies.loader import loads
 from studies.writer import dumps, told
 
-from ..data import cautions, concatenation, dataset, law_verdicts, reading, writing
-from ..data.axis_values import SAME
+from ..data import atomic, cautions, concatenation, law_verdicts, reading, schema, writing
+from ..data.selection import SAME
 from . import stored_case, summary
-from .plan import axis_line
+from .recipe import axis_line
 
-# Attributes in which files that are joined may not differ, and what they are called.
+# Attributes in which merged files may not differ, and their names in messages.
 ALIKE = {
     "reading": "the reading", "side": "the side", "stiffness": "the stiffness", "tolerance": "the tolerance",
     "method": "the method", "length_unit": "the unit of length", "force_unit": "the unit of force",
 }  # fmt: skip
-# Of a study: what a file says better itself, or what does not change a number.
+# Fields of a study that are compared in the dataset, or that do not change a number.
 APART = {"name", "title", "axes", "base", "observables", "outputs", "stations", "tol", "method"}
-OF_ONE_RUN = ("recipe", "told", "caution")  # attributes that are of one run alone
+OF_ONE_RUN = ("recipe", "statistics", "caution")  # attributes that are of one run alone
 
 
 def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, Any]:
-    """Join the files into `out`; what came of it as plain data. Raises `InputError`."""
+    """Merge the files into `out`; what it holds as plain data. Raises `InputError`, and then stores nothing."""
     if len(files) < 2:
         raise InputError(f"merge takes two files or more, got {len(files)}")
     with contextlib.ExitStack() as stack:
@@ -46,24 +45,17 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         writing.check_parent(out)
         if not force:
             writing.check_free(out, attrs["study_name"])
-        frame, varying = concatenation.layout(opened, union, dataset.axes_of(opened[0]))
-        aside = out.with_name(f".{out.name}.{os.getpid()}.part")
-        try:
+        frame, varying = concatenation.layout(opened, union, schema.axes_of(opened[0]))
+        with atomic.refusing(out), atomic.replacing(out) as aside:
             frame.assign_attrs(attrs).to_netcdf(aside, engine="h5netcdf", encoding=writing.encoding(frame))
             with h5netcdf.File(aside, "a") as file:
                 concatenation.stream(file, varying, union, names)
-            result = _judged(aside, _recipe(opened, union))
-            writing.replace(aside, out)
-        except OSError as error:
-            raise InputError(f"cannot write {out}: {error.strerror or error}") from None
-        finally:
-            with contextlib.suppress(OSError):
-                aside.unlink(missing_ok=True)
+            result = _judged(aside, _recipe(opened, schema.field_of(studies[0], union.axis), union))
     return {"file": str(out), "axis": union.axis, "values": int(union.values.size), **result}
 
 
 def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence[str]) -> concatenation.Union:
-    """The one axis in which the files differ, and its values together. Raises `InputError` naming what else differs."""
+    """The union of the one axis in which the files differ. Raises `InputError` where anything else differs."""
     for ds, study, name in zip(files[1:], studies[1:], names[1:], strict=True):
         for what, (a, b) in _differences(files[0], studies[0], ds, study).items():
             if a != b:
@@ -73,18 +65,18 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
                 raise InputError(
                     f"the files differ in what is stored: {here} has {choices(more)}, which {there} has not"
                 )
-    axes = dataset.axes_of(files[0])
+    axes = schema.axes_of(files[0])
     if studies[0].follow is not None:
-        raise InputError(f"{names[0]} follows an equilibrium up to its fold, which cannot be joined to another")
+        raise InputError(f"{names[0]} follows an equilibrium up to its fold, which cannot be merged")
     if studies[0].sweeps:
         why = "each case continued from its neighbour: run all values as one study"
         raise InputError(f"{names[0]} is a sweep of ends problems, {why}")
     differing = [axis for axis in axes if any(not np.array_equal(files[0][axis], ds[axis]) for ds in files[1:])]
     if len(differing) > 1:
-        raise InputError(f"the files differ along {' and '.join(differing)}; join along one axis at a time")
+        raise InputError(f"the files differ along {' and '.join(differing)}; merge along one axis at a time")
     if not differing:
         what = f"the same values of {choices(axes)}" if axes else "one case each, and no axis"
-        raise InputError(f"there is nothing to join: {choices(names)} have {what}")
+        raise InputError(f"there is nothing to merge: {choices(names)} have {what}")
     union = concatenation.unite(differing[0], [ds[differing[0]].values for ds in files])
     close = np.flatnonzero(np.diff(union.values) <= SAME * np.abs(union.values[1:]))
     if close.size:
@@ -94,8 +86,8 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
 
 
 def _differences(a: xr.Dataset, of_a: Study, b: xr.Dataset, of_b: Study) -> dict[str, tuple[Any, Any]]:
-    """What must be alike in two files, in words, with what each of them has."""
-    pairs: dict[str, tuple[Any, Any]] = {"the axes": (dataset.axes_of(a), dataset.axes_of(b))}
+    """What must be equal in two files: its name in messages -> the two values."""
+    pairs: dict[str, tuple[Any, Any]] = {"the axes": (schema.axes_of(a), schema.axes_of(b))}
     pairs |= {what: (a.attrs.get(key), b.attrs.get(key)) for key, what in ALIKE.items()}
     pairs["the stations"] = (a.sizes.get("u", 0), b.sizes.get("u", 0))
     base = [{**(TABLE_1 if study.reading else {}), **study.base.given} for study in (of_a, of_b)]
@@ -107,7 +99,7 @@ def _differences(a: xr.Dataset, of_a: Study, b: xr.Dataset, of_b: Study) -> dict
 
 
 def _said(value: Any) -> str:
-    """A value as a refusal tells it: lists without what is not told apart anyway."""
+    """A value as a message shows it, at most 60 characters."""
     if isinstance(value, list) and all(isinstance(one, str) for one in value):
         return choices(value) or "none"
     text = "nothing" if value is None else str(value)
@@ -117,11 +109,12 @@ def _said(value: Any) -> str:
 def _attributes(
     files: Sequence[xr.Dataset], study: Study, union: concatenation.Union, names: Sequence[str]
 ) -> dict[str, Any]:
-    """Those of the first file; the study's text has the axis's values of all, and is read again to be sure of it."""
+    """The attributes of the merged file: those of the first, with the study over all values, which is read again."""
     attrs = {key: value for key, value in files[0].attrs.items() if key not in OF_ONE_RUN}
-    text = dumps(study, {union.axis: told(union.values)})
+    field = schema.field_of(study, union.axis)
+    text = dumps(study, {field: told(union.values)})
     again = loads(text, "the merged study", study.name)
-    assert np.array_equal(np.sort(again.coordinates()[union.axis]), union.values)
+    assert np.array_equal(np.sort(again.coordinates()[field]), union.values)
     versions = [reading.versions(ds, name) for ds, name in zip(files, names, strict=True)]
     sources = [
         {"file": Path(name).name, "created": str(ds.attrs.get("created", "")), union.axis: ds.sizes[union.axis]}
@@ -129,7 +122,7 @@ def _attributes(
     ]
     return {
         **attrs,
-        "format": dataset.FORMAT,
+        "format": schema.FORMAT,
         "study": text,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(_together(versions)),
@@ -138,36 +131,37 @@ def _attributes(
 
 
 def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
-    """The versions of all files: where they differ, each of them."""
+    """The versions of all files; where they differ, each of them."""
     packages = dict.fromkeys(package for row in versions for package in row)
     return {name: ", ".join(dict.fromkeys(row[name] for row in versions if name in row)) for name in packages}
 
 
 def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Judge the laws of a file that was just written, and say in it what a run says of its file (`there.look`)."""
+    """Judge the laws of the merged file, and store the recipe and the statistics in it as a run does."""
     with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
-        outcomes, verdicts = summary.counted(ds["outcome"]), law_verdicts.verdicts(ds)
-        texts = summary.counted(ds["caution"]) if "caution" in ds else {}
-    unsolved = sum(count for text, count in outcomes.items() if not text.startswith("solved"))
+        outcomes, verdicts = summary.counted(ds["outcome"], ds["solved"]), law_verdicts.verdicts(ds)
+        texts, unsolved = summary.counted(ds["caution"]), summary.unsolved(ds)
     caution = cautions.told(texts)
     with h5py.File(path, "a") as file:
         file.attrs["caution"] = caution
         if recipe is not None:
             file.attrs["recipe"] = json.dumps(recipe)
-            file.attrs["told"] = json.dumps({"outcomes": outcomes, "cautions": texts, "laws": verdicts})
+            file.attrs["statistics"] = json.dumps(
+                {"unsolved": unsolved, "outcomes": outcomes, "cautions": texts, "laws": verdicts}
+            )
     counts = {"cases": sum(outcomes.values()), "unsolved": unsolved}
-    return {**counts, "laws": verdicts, "caution": caution, "status": law_verdicts.status(unsolved, verdicts)}
+    return {**counts, "laws": verdicts, "caution": caution}
 
 
-def _recipe(files: Sequence[xr.Dataset], union: concatenation.Union) -> dict[str, Any] | None:
-    """What a run of all values would call its recipe, so that a later one goes on from here; None where it may not.
+def _recipe(files: Sequence[xr.Dataset], field: str, union: concatenation.Union) -> dict[str, Any] | None:
+    """The recipe of a run of all values, so that a later run can extend the merged file; None where it may not.
 
-    It may where every file was stored by a run, and nothing but the values differ: the code and the libraries neither.
+    It may where every file was stored by a run, with the same code and libraries.
     """
     try:
         recipes = [json.loads(ds.attrs["recipe"]) for ds in files]
         for recipe in recipes:
-            recipe["axes"][union.axis] = axis_line(union.values)
+            recipe["axes"][field] = axis_line(union.values)
     except (KeyError, TypeError, ValueError, RecursionError):
         return None
     return dict(recipes[0]) if all(recipe == recipes[0] for recipe in recipes) else None

@@ -1,4 +1,4 @@
-"""A study stored as it is solved: in chunks, by as many workers as there are, going on where an earlier run stopped."""
+"""Run a study into a file: in chunks, by several workers, continuing where an earlier run stopped."""
 
 import json
 import time
@@ -14,14 +14,16 @@ import numpy as np
 from solver.problem.errors import InputError
 from studies import Study
 
-from . import local_pool, shard_folder, worker_processes
-from .block_solver import Damaged, decode, encode, is_solved, kind_of, unsolved
-from .existing_output import There, grown, is_finished, look, told_of
-from .plan import TOGETHER, Plan, bytes_a_case, bytes_of_file, plan, recipe
-from .progress import Meter, metered
+from ..data.schema import TEXTS
+from . import local_pool, shards, worker_processes
+from .block import kind_of, unsolved
+from .plan import TOGETHER, Plan, bytes_a_case, bytes_of_file, plan
+from .progress import Meter, Progress, unshown
+from .recipe import recipe
+from .resume import StoredRun, grown, is_finished, look, statistics_of
+from .shards import Damaged, decode, encode
 
-WORTH, WORTH_TOGETHER = 4, 10  # blocks for which a worker is worth its start
-KILLED = "failed: the process that solved it ended twice without an answer"
+WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker
 
 Tally = dict[str, Counter[Any]]
 
@@ -30,17 +32,15 @@ Tally = dict[str, Counter[Any]]
 class Options:
     """How a study is run; none of these changes a bit of what is stored.
 
-    workers: processes on this machine, None for as many as are of use. scheduler: of a Dask cluster, instead.
-    chunk: cases a chunk, None for a few seconds' work. restart: drop what an earlier run has kept, and solve a finished
-    study again. as_json: progress for a program. quiet: no progress, as where the caller shows its own.
+    workers: processes on this machine; None: chosen automatically. scheduler: address of a Dask cluster, instead.
+    chunk: cases in a chunk; None: a few seconds' work. restart: discard what an earlier run has kept, and solve a
+    complete study again.
     """
 
     workers: int | None = None
     scheduler: str | None = None
     chunk: int | None = None
     restart: bool = False
-    as_json: bool = False
-    quiet: bool = False
 
 
 DEFAULT = Options()
@@ -48,21 +48,26 @@ DEFAULT = Options()
 
 @dataclass(frozen=True)
 class Ran:
-    """What a run did. told: outcomes, cautions and verdicts of the file. solved: cases this run solved itself."""
+    """What a run did. statistics: of the file (`resume.statistics_of`). solved: cases that this run solved itself."""
 
-    told: dict[str, Any]
+    statistics: dict[str, Any]
     solved: int
     seconds: float
     finished_before: bool = False
 
 
 def run_to_file(
-    study: Study, output: Path, options: Options = DEFAULT, say: Callable[[str], None] = lambda text: None
+    study: Study,
+    output: Path,
+    options: Options = DEFAULT,
+    say: Callable[[str], None] = lambda text: None,
+    progress: Progress = unshown,
 ) -> Ran:
     """Solve a study into a file; `study.tol` and `study.method` are those that it is run with.
 
-    say: takes a line of text about the size, before the work begins. Raises `InputError` where another run is at it,
-    where the disk has no room, or where what is there is of another run; `KeyboardInterrupt` says how to go on.
+    say: takes a line of text about the size, before the work begins. progress: makes the meter that counts the cases.
+    Raises `InputError` where another run is at it, where the disk has no room, or where what is there is of another
+    run; `KeyboardInterrupt` says how to go on.
     """
     if options.workers is not None and options.scheduler is not None:
         raise InputError("--workers is for this machine, --scheduler for a cluster: give one of them")
@@ -77,24 +82,24 @@ def run_to_file(
     from ..data.writing import check_parent  # xarray is not needed before
 
     check_parent(output)
-    folder = shard_folder.folder_of(output)
-    with _refusing_disk(output), shard_folder.locked(folder):
+    folder = shards.folder_of(output)
+    with _refusing_disk(output), shards.locked(folder):
         try:
-            if (finished := _finished(work, output, options)) is not None:  # by the run that held it
+            if (finished := _finished(work, output, options)) is not None:  # by the run that held the lock
                 return finished
             there, work = _growing(work, output, options)
             if options.restart:
-                shard_folder.clear(folder, keep_lock=True)
-            shard_folder.clear_asides(folder)
-            shard_folder.check_recipe(folder, {**recipe(work), **_grows(there)})
-            return _run(work, output, folder, there, options, say)
+                shards.clear(folder, keep_lock=True)
+            shards.clear_asides(folder)
+            shards.check_recipe(folder, {**recipe(work), **_grows(there)})
+            return _run(work, output, folder, there, options, say, progress)
         finally:
-            if shard_folder.is_empty(folder):
-                shard_folder.clear(folder)  # nothing was kept that a later run could use
+            if shards.is_empty(folder):
+                shards.clear(folder)  # there is nothing that a later run could use
 
 
 def _follow(work: Plan, output: Path) -> Ran:
-    """A study along one branch is one line: it cannot be cut, and is solved in memory."""
+    """A study that follows one equilibrium cannot be cut into chunks, and is solved in memory."""
     from ..data import law_verdicts, writing
     from .following import run_followed
 
@@ -102,8 +107,8 @@ def _follow(work: Plan, output: Path) -> Ran:
     began = time.monotonic()
     ds = run_followed(work.study, work.study.tol, work.study.method)
     tally = _of_file(None)
-    _count({name: np.asarray(ds[name].values, dtype=str) for name in ("outcome", "caution")}, tally)
-    told = told_of(tally, law_verdicts.verdicts(ds))
+    _count({name: ds[name].values for name in ("solved", *TEXTS)}, tally)
+    told = statistics_of(tally, law_verdicts.verdicts(ds))
     writing.write(ds.assign_attrs(recipe=json.dumps(recipe(work)), told=json.dumps(told)), output, force=True)
     return Ran(told, ds["outcome"].size, time.monotonic() - began)
 
@@ -113,64 +118,73 @@ def _finished(work: Plan, output: Path, options: Options) -> Ran | None:
     if there is None:
         return None
     work = grown(there, work) or work
-    return Ran(there.told, 0, 0.0, True) if is_finished(there, work) else None
+    return Ran(there.statistics, 0, 0.0, True) if is_finished(there, work) else None
 
 
 def _tidy(work: Plan, output: Path) -> None:
-    """Remove what a run left that was killed after its file was whole."""
-    folder = shard_folder.folder_of(output)
+    """Remove what is left of a run that was killed after its file was complete."""
+    folder = shards.folder_of(output)
     if not folder.is_dir():
         return
-    with suppress(InputError, OSError), shard_folder.locked(folder):
-        if shard_folder.is_left_over(folder, recipe(work)):
-            shard_folder.clear(folder)
+    with suppress(InputError, OSError), shards.locked(folder):
+        if shards.is_left_over(folder, recipe(work)):
+            shards.clear(folder)
 
 
-def _growing(work: Plan, output: Path, options: Options) -> tuple[There | None, Plan]:
-    """The file there that the study extends, if any, and the plan of what is left."""
+def _growing(work: Plan, output: Path, options: Options) -> tuple[StoredRun | None, Plan]:
+    """The existing file that the study extends, if any, and the plan of the remaining cases."""
     there = None if options.restart else look(output)
     larger = grown(there, work) if there is not None else None
     return (there, larger) if larger is not None and larger.new is not None else (None, work)
 
 
-def _grows(there: There | None) -> dict[str, Any]:
+def _grows(there: StoredRun | None) -> dict[str, Any]:
     return {} if there is None else {"grows": there.recipe["axes"]}
 
 
 def _run(
-    work: Plan, output: Path, folder: Path, there: There | None, options: Options, say: Callable[[str], None]
+    work: Plan,
+    output: Path,
+    folder: Path,
+    there: StoredRun | None,
+    options: Options,
+    say: Callable[[str], None],
+    progress: Progress,
 ) -> Ran:
     from .assembly import assemble
 
     tally = _of_file(there)
     kept = _verified(work, folder, tally)
     say(_room(work, folder, kept))
-    with metered(work.size, work.size - work.todo + kept, options.as_json, options.quiet) as meter:
+    with progress(work.size, work.size - work.todo + kept) as meter:
         told = None
         while told is None:
             _solve(work, folder, options, meter, tally)
             try:
                 told = assemble(work, folder, output, there, tally)
-            except Damaged:  # between the two, by another hand: what is left is solved again
+            except Damaged:  # by another program since it was read: its cases are solved again
                 tally = _of_file(there)
                 meter.done = work.size - work.todo + _verified(work, folder, tally)
-    shard_folder.clear(folder)
+    shards.clear(folder)
     return Ran(told, work.todo - kept, meter.seconds)
 
 
-def _of_file(there: There | None) -> Tally:
+def _of_file(there: StoredRun | None) -> Tally:
+    """The tally of the existing file; a sweep is never extended, so it has no branches."""
     if there is None:
-        return {"outcome": Counter(), "caution": Counter(), "branch": Counter()}
-    texts = {"outcome": Counter(there.told["outcomes"]), "caution": Counter(there.told["cautions"])}
-    return {**texts, "branch": Counter()}  # a sweep does not grow
+        return {name: Counter() for name in ("solved", *TEXTS, "branch")}
+    found = there.statistics
+    unsolved = Counter({False: found["unsolved"]})
+    return {"solved": unsolved, "outcome": Counter(found["outcomes"]), "caution": Counter(found["cautions"]),
+            "branch": Counter()}  # fmt: skip
 
 
 def _verified(work: Plan, folder: Path, tally: Tally) -> int:
-    """Count the cases of the shards that are there, each looked at; damaged ones are removed."""
+    """Count the cases of the existing shards, each verified; damaged ones are removed."""
     kept = 0
-    for start, stop in shard_folder.stretches(folder, work.todo):
+    for start, stop in shards.stored_ranges(folder, work.todo):
         try:
-            _count(shard_folder.read_shard(folder, start, stop), tally)
+            _count(shards.read_shard(folder, start, stop), tally)
         except Damaged:
             continue
         kept += stop - start
@@ -178,38 +192,40 @@ def _verified(work: Plan, folder: Path, tally: Tally) -> int:
 
 
 def _count(columns: dict[str, Any], tally: Tally) -> int:
-    """Add outcomes and cautions to the tally; how many cases were not solved."""
+    """Add the columns to the tally; how many of their cases are not solved."""
     for branch in columns.get("branch", ()):
         tally["branch"][int(branch)] += 1
-    for name in ("outcome", "caution"):
+    for name in TEXTS:
         counts = tally[name]
-        texts, times = np.unique(columns[name], return_counts=True)
+        texts, times = np.unique(columns[name].astype(str), return_counts=True)
         for text, count in zip(texts.tolist(), times.tolist(), strict=True):
             counts[kind_of(text)] += count
-    return int(np.count_nonzero(~is_solved(columns["outcome"])))
+    unsolved = int(np.count_nonzero(~columns["solved"]))
+    tally["solved"][False] += unsolved
+    return unsolved
 
 
 def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tally) -> None:
-    """Solve what is missing, and keep it."""
-    missing = shard_folder.missing(shard_folder.stretches(folder, work.todo), work.todo)
+    """Solve the missing cases and store their shards."""
+    missing = shards.missing_ranges(shards.stored_ranges(folder, work.todo), work.todo)
     if not missing:
         return
     try:
         for chunk, results in _engine(work, missing, options):
-            if results is None:
-                results = encode(unsolved(work.study, chunk.cases, KILLED))
-            shard_folder.store_shard(folder, chunk.start, chunk.stop, results)
+            if isinstance(results, str):
+                results = encode(unsolved(work.study, chunk.cases, results))
+            shards.store_shard(folder, chunk.start, chunk.stop, results)
             meter.add(chunk.cases, _count(decode(results), tally))
     except KeyboardInterrupt:
         raise KeyboardInterrupt(_kept(work, folder)) from None
 
 
 def _kept(work: Plan, folder: Path) -> str:
-    """How to go on; counted from the shards, as the interruption may come between a shard and the meter."""
-    missing = shard_folder.missing(shard_folder.stretches(folder, work.todo), work.todo)
+    """How to continue; counted from the shards, as the interruption may come between a shard and the meter."""
+    missing = shards.missing_ranges(shards.stored_ranges(folder, work.todo), work.todo)
     done = work.size - sum(stop - start for start, stop in missing)
-    kept = f"{done} of {work.size} cases are kept in {folder}; the same command goes on from there"
-    return f"interrupted; {kept if done else 'nothing was finished yet'}"
+    kept = f"{done} of {work.size} cases are kept in {folder}; run the same command again to continue"
+    return f"interrupted; {kept if done else 'no case was finished yet'}"
 
 
 def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> local_pool.Results:
@@ -226,7 +242,7 @@ def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> loc
 
 
 def _workers(work: Plan, left: int, options: Options) -> int:
-    """Processes for so many cases; the first worker takes a second to start, or some blocks' time."""
+    """How many workers are worth starting for so many cases."""
     if options.workers is not None:
         return options.workers
     blocks = WORTH_TOGETHER if work.study.method in TOGETHER else WORTH
@@ -234,21 +250,21 @@ def _workers(work: Plan, left: int, options: Options) -> int:
 
 
 def _chunk_size(work: Plan, workers: int, asked: int | None) -> int:
-    """In whole blocks."""
+    """Cases in a chunk, whole blocks."""
     return work.chunk_size(workers) if asked is None else work.block * max(1, round(asked / work.block))
 
 
 def _room(work: Plan, folder: Path, kept: int) -> str:
-    """What the run takes, in words; raises `InputError` where the disk has less."""
+    """The disk space that the run needs, in words; raises `InputError` where there is less."""
     case = bytes_a_case(work.study)
-    final, shards = bytes_of_file(work), (work.todo - kept) * case
-    there = shard_folder.free(folder)
-    if final + shards > there:
-        needed = f"{_bytes(final)} for the file and {_bytes(shards)} for its parts until it is whole"
+    final, parts = bytes_of_file(work), (work.todo - kept) * case
+    there = shards.free(folder)
+    if final + parts > there:
+        needed = f"{_bytes(final)} for the file and {_bytes(parts)} for its parts until it is whole"
         raise InputError(f"the study needs up to {needed}, but {folder.parent} has {_bytes(there)} left")
-    new = f", {work.size - work.todo} of them there already" if work.todo < work.size else ""
+    new = f", {work.size - work.todo} of them already stored" if work.todo < work.size else ""
     going = f", {kept} kept from an earlier run" if kept else ""
-    room = f"a file of at most {_bytes(final)}, and {_bytes(shards)} more while it runs"
+    room = f"a file of at most {_bytes(final)}, and {_bytes(parts)} more while it runs"
     return f"{work.size} case{'s' * (work.size != 1)}{new}{going}: {room}"
 
 
@@ -261,10 +277,10 @@ def _bytes(count: int) -> str:
 
 @contextmanager
 def _refusing_disk(output: Path) -> Iterator[None]:
-    """What the disk refuses is told in one sentence; what is kept stays."""
+    """An `OSError` of the body becomes an `InputError` of one sentence; finished shards stay."""
     try:
         yield
     except OSError as error:
         why = error.strerror or str(error).partition(",")[0]
-        kept = "what is finished is kept, and the same command goes on from there"
+        kept = "finished cases are kept; run the same command again to continue"
         raise InputError(f"cannot write {output}: {why}; {kept}") from None

@@ -10,13 +10,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.observe.observables import OBSERVABLES
-from studies.model import OUTPUTS
 
-from ..data import branch_numbers, dataset, file_checks, law_verdicts, reading
+from ..data import branch_numbers, file_checks, law_verdicts, reading, schema
 from ..data.concatenation import blocks
 
 BLOCK = 100_000  # cases that are read at a time
-DISTINCT = 100  # outcomes told apart
+DISTINCT = 100  # texts that are counted apart
 OTHERS = "(others)"
 
 
@@ -28,17 +27,17 @@ def summary(path: Path) -> dict[str, Any]:
     with reading.opened(path) as ds, file_checks.reading(path):
         told: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
         told |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
-        told |= {"tolerance": reading.number(ds, "tolerance"), "format": int(ds.attrs.get("format", dataset.FORMAT))}
+        told |= {"tolerance": reading.number(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
         told |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", "equilibria")}
         counts = branch_numbers.counted(_numbers(ds["branch"])) if "branch" in ds else {}
         told["branches"] = branch_numbers.sentence(counts) if counts else ""
         told["versions"] = reading.versions(ds, path)
-        told["axes"] = [_axis(ds[name]) for name in dataset.axes_of(ds)]
+        told["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
         told["stations"] = ds.sizes.get("u", 0)
-        told["along"] = [name for name in OUTPUTS if name in ds.data_vars or f"{name}_along" in ds]
+        told["along"] = [name for name in schema.CURVES if name in ds.data_vars]
         told["cases"] = ds["outcome"].size
-        outcomes = counted(ds["outcome"])
-        told["unsolved"] = sum(count for text, count in outcomes.items() if not text.startswith("solved"))
+        outcomes = counted(ds["outcome"], ds["solved"])
+        told["unsolved"] = unsolved(ds)
         told["outcomes"] = dict(outcomes.most_common())
         told["observables"] = [_spread(ds[name]) for name in OBSERVABLES if name in ds.data_vars]
         told["worst"] = [_worst(ds[name]) for name in ("error", "condition")]
@@ -47,20 +46,29 @@ def summary(path: Path) -> dict[str, Any]:
     return told
 
 
+def unsolved(ds: xr.Dataset) -> int:
+    """How many cases are not solved, read block by block."""
+    return sum(int((~ds["solved"][where].values).sum()) for where in blocks(ds["solved"].shape, BLOCK))
+
+
 def _axis(axis: xr.DataArray) -> dict[str, Any]:
     values = axis.values
     ends = {"count": int(values.size), "from": float(values.min()), "to": float(values.max())}
     return {"name": str(axis.name), **ends, "units": str(axis.attrs.get("units", ""))}
 
 
-def counted(variable: xr.DataArray) -> Counter[str]:
-    """How often each text occurs; those beyond the first hundred kinds are counted together."""
+def counted(variable: xr.DataArray, solved: xr.DataArray | None = None) -> Counter[str]:
+    """How often each text occurs; beyond the first `DISTINCT` the others are counted together.
+
+    solved: where given, the others are counted apart by whether their case is solved.
+    """
     found: Counter[str] = Counter()
     for where in blocks(variable.shape, BLOCK):
-        for text, count in Counter(variable[where].values.ravel().tolist()).items():
+        texts = variable[where].values.ravel().tolist()
+        kinds = [""] * len(texts) if solved is None else np.where(solved[where].values.ravel(), "solved ", "failed ")
+        for (text, kind), count in Counter(zip(texts, kinds, strict=True)).items():
             kept = str(text) in found or len(found) < DISTINCT
-            solved = "solved" if str(text).startswith("solved") else "failed"
-            found[str(text) if kept else f"{solved} {OTHERS}"] += count
+            found[str(text) if kept else f"{kind}{OTHERS}"] += count
     return found
 
 

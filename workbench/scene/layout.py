@@ -14,8 +14,8 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from ..data import case_selection
-from ..data.dataset import axes_of
+from ..data import selection
+from ..data.schema import axes_of
 from ..figures import style
 from ..geometry import tube
 from ..geometry.tube import Body, Paint
@@ -87,15 +87,15 @@ def take(
     why.
     Raises `InputError` for what is not there, for one case without a shape, and where the stations are far too few.
     """
-    chosen = kind_of(kind)
+    chosen, along = kind_of(kind), along and selection.axis_of(ds, along)
     _check(look)
     if chosen.cells == "one":
         if axes:
             raise InputError(f"a scene of kind {kind} shows one case, so it takes no axis; choose ghosts or grid")
-        return _one(ds, chosen, case_selection.case(ds, at), along, look)
+        return _one(ds, chosen, selection.case(ds, at), along, look)
     if along:
         raise InputError(f"a scene of kind {kind} shows a whole axis already: it takes no --along")
-    names = list(axes) or axes_of(ds)[:1]
+    names = [selection.axis_of(ds, name) for name in axes] or axes_of(ds)[:1]
     if kind == "equilibria" and axes_of(ds) != ["equilibrium"]:
         raise InputError("a scene of kind equilibria takes a dataset that `workbench equilibria --out FILE` stored")
     if not names:
@@ -116,7 +116,7 @@ def _one(ds: xr.Dataset, kind: Kind, where: dict[str, int], along: str | None, l
     context = [body]
     if along:
         at = {name: float(ds[name].values[i]) for name, i in where.items() if name != along}
-        context = [found for case in case_selection.line(ds, along, at) if (found := _try(ds, case, kind, look)[0])]
+        context = [found for case in selection.line(ds, along, at) if (found := _try(ds, case, kind, look)[0])]
     notes = [] if body.whole else captions.covered([body], str(ds.attrs["length_unit"]))
     if line_breaks.is_long(context):
         return _in_lines(ds, kind, body, context, told, look, notes)
@@ -145,11 +145,11 @@ def _in_lines(
 
 def _each(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, look: Look) -> Taken:
     """The cases of an axis in a row, or of two axes in a table."""
-    first = case_selection.line(ds, names[0], at)
+    first = selection.line(ds, names[0], at)
     most = MOST_CELLS if kind.name != "equilibria" else 2 * MOST_CELLS
-    cases = [case_selection.spread(first, most)]
+    cases = [selection.spread(first, most)]
     if len(names) == 2:
-        down = case_selection.spread(case_selection.line(ds, names[1], at), MOST_ROWS)
+        down = selection.spread(selection.line(ds, names[1], at), MOST_ROWS)
         cases = [[{**case, names[1]: row[names[1]]} for case in cases[0]] for row in down]
     elif len(cases[0]) > MOST_CELLS:
         half = -(-len(cases[0]) // 2)
@@ -181,8 +181,8 @@ def _each(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] 
 
 def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | None, look: Look) -> Taken:
     """The cases of an axis on one cylinder, thin, each in the colour of its value."""
-    line = case_selection.line(ds, axis, at)
-    cases = case_selection.spread(line, MOST_GHOSTS)
+    line = selection.line(ds, axis, at)
+    cases = selection.spread(line, MOST_GHOSTS)
     values = ds[axis].values.astype(float)[[where[axis] for where in cases]]
     values = np.degrees(values) if style.is_angle(ds[axis]) else values
     low, high = float(values.min()), float(values.max())
@@ -209,9 +209,8 @@ def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | N
 
 def _try(ds: xr.Dataset, where: dict[str, int], kind: Kind, look: Look) -> tuple[Body | None, str]:
     """The rod, or why there is none. Raises `InputError` for a stretch that is not on the rod."""
-    outcome = str(ds["outcome"].isel(where).values)
-    if not outcome.startswith("solved"):
-        return None, outcome
+    if not ds["solved"].isel(where):
+        return None, str(ds["outcome"].isel(where).values)
     body = tube.read(ds, where, kind, look.span)
     if look.span and not 0 <= look.span[0] < look.span[1] <= body.line.L * (1 + 1e-9):
         raise InputError(

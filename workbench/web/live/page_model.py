@@ -29,7 +29,7 @@ from ...branches.equilibria import row as equilibrium_row
 from ...commands import export_rod
 from ...data import cautions, dataset
 from ...figures import style
-from ...run.block_solver import columns
+from ...run.block import columns
 from ...run.case_input import field_values
 from .page_shape import STATIONS, TOL, Shape, refuse_many
 

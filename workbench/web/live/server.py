@@ -25,8 +25,8 @@ from aiohttp import web
 from solver.problem.errors import InputError
 from studies.readings import READINGS
 
-from ...data import safe_text
-from ...data.safe_text import finite
+from ...data import escaping
+from ...data.escaping import finite
 from ...run import worker_processes
 from .. import browser_assets
 from . import page_mesh, page_model, page_shape, searches
@@ -191,7 +191,7 @@ def _answering(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: searc
         except searches.Gone:
             return web.Response(status=499)  # to nobody
         except Exception as error:  # a fault of ours, told on the server and as a sentence to the page
-            report(safe_text.line(f"{request.path} failed: {type(error).__name__}: {error}"))
+            report(escaping.line(f"{request.path} failed: {type(error).__name__}: {error}"))
             return web.json_response({"sentence": FAULT, "field": ""}, status=500)
 
     return handler

@@ -13,7 +13,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import to_rgb
 
-from ...data import dataset
+from solver.mechanics.contact import push_from
+
 from ...figures import style
 from ...geometry import centreline
 from ...geometry.centreline import Array, Centreline
@@ -39,9 +40,8 @@ def view(ds: xr.Dataset) -> View:
     """Of a dataset of one case. Raises `InputError` without a shape, `ImportError` without the extra."""
     scripts = browser_assets.scripts()
     line = centreline.read(ds, {})
-    sign = -1.0 if ds.attrs["side"] == "inside" else 1.0
     s = np.linspace(0.0, float(ds["L"]), RINGS)
-    push = sign * np.interp(s, ds["s"].values, dataset.along(ds, "contact").values)
+    push = push_from(np.interp(s, ds["s"].values, ds["contact"].values), str(ds.attrs["side"]))
     told = json.dumps(
         scene(line, s, push, float(ds["R"]), float(ds["a"]), str(ds.attrs["side"])), separators=(",", ":")
     )

@@ -1,4 +1,4 @@
-"""Arrays along the rod of a stored dataset: read, or computed from what is stored, or of its cases solved again.
+"""Arrays along the rod of a stored dataset: as stored, else computed from stored ones, else solved again.
 
 Computed arrays are lazy where the stored ones are.
 """
@@ -13,16 +13,16 @@ import xarray as xr
 
 from solver import Case, Rod, Solution
 from solver.mechanics import frames, statics
-from solver.mechanics.potential import potential
+from solver.mechanics.contact import contact_force, push_from
+from solver.mechanics.potential import dimensional_slope, potential
 from studies import Study
 from studies.model import OUTPUTS
 
-from ..run.stored_case import axes_of
-from . import dataset, reading
+from . import reading, schema
+from .schema import COMPONENTS, remaining_axes
 
 _VECTOR, _FRAME = ("xyz",), ("director", "xyz")
 INNER = {"position": _VECTOR, "tangent": _VECTOR, "normal": _VECTOR, "material_frame": _FRAME}
-COMPONENTS = {"xyz": ["x", "y", "z"], "director": ["d1", "d2", "d3"]}
 ARRAYS = (*OUTPUTS, "push", "tangent", "normal", "material_frame")
 _LONG_NAMES = {
     "push": "push of the cylinder per length, positive where it pushes",
@@ -34,7 +34,7 @@ _LONG_NAMES = {
 
 @dataclass(frozen=True)
 class Stored:
-    """A dataset, or a selection of one, with its study; case and solution are asked for only at need."""
+    """A dataset, or a selection of one, with its study; case and solution are made only when needed."""
 
     ds: xr.Dataset
     study: Study
@@ -46,14 +46,17 @@ class Stored:
         found = self.implied(name, ())
         if found is None:
             found = self._solved(name)
-        order = [*axes_of(self.ds, self.study), "u", *INNER.get(name, ())]
-        kept = {dim: COMPONENTS[dim] for dim in INNER.get(name, ())}
+        order = [*remaining_axes(self.ds, self.study), "u", *INNER.get(name, ())]
+        kept = {dim: list(COMPONENTS[dim]) for dim in INNER.get(name, ())}
         result = found.transpose(*(dim for dim in order if dim in found.dims)).assign_coords(kept)
         return result.rename(name).assign_attrs(self._labels(name))
 
     def implied(self, name: str, above: tuple[str, ...]) -> Any:
-        """The array as stored, or from stored ones; None where they do not suffice. above: what asks for it."""
-        key = f"{name}_along" if name in self.study.axes else name
+        """The array as stored, or computed from stored ones; None where they do not suffice.
+
+        above: the arrays for which it is needed.
+        """
+        key = schema.curve_name(name)
         if key in self.ds.data_vars:
             return self.ds[key]
         if name not in RULES or name in above:
@@ -68,7 +71,7 @@ class Stored:
         values = np.asarray(getattr(sol, name))
         solved = np.asarray(sol.solved)
         values = np.where(solved.reshape(solved.shape + (1,) * (values.ndim - solved.ndim)), values, np.nan)
-        dims = [*axes_of(self.ds, self.study), "u", *INNER.get(name, ())]
+        dims = [*remaining_axes(self.ds, self.study), "u", *INNER.get(name, ())]
         coords = {key: value for key, value in self.ds.coords.items() if set(value.dims) <= set(dims)}
         if "u" in self.ds.dims or "u" not in self.ds.coords:
             return xr.DataArray(values, coords, dims)
@@ -77,11 +80,11 @@ class Stored:
     def _labels(self, name: str) -> dict[str, str]:
         units = self.study.unit_system
         if name in OUTPUTS:
-            return dataset.labels(name, units)
-        told = dataset.labels("contact" if name == "push" else "u", units)
+            return schema.labels(name, units)
+        told = schema.labels("contact" if name == "push" else "u", units)
         return {"units": told["units"], "long_name": _LONG_NAMES[name]}
 
-    # what of a case does not vary along the rod, over the axes
+    # constants of each case
 
     def constant(self, name: str) -> xr.DataArray:
         """E, a, rho, FZ, MZ or M3: read, or from the case."""
@@ -90,7 +93,7 @@ class Stored:
         case = self.case()
         loads = dict(zip(("FZ", "MZ", "M3"), case.loads, strict=True))
         value = {**loads, "rho": case.rho}.get(name, getattr(case.rod, name, None))
-        axes = axes_of(self.ds, self.study)
+        axes = remaining_axes(self.ds, self.study)
         return xr.DataArray(np.broadcast_to(np.asarray(value, dtype=float), case.shape), dims=axes)
 
     @cached_property
@@ -129,8 +132,8 @@ class Stored:
 
 def _contact(at: Stored, FY: Any, beta: Any, dbeta: Any) -> Any:
     l, m, p = at.lmp
-    H = statics.slope(l, m, p, at.rho, beta)
-    return statics.contact(at.A, m, at.rho, FY, H, beta, dbeta)
+    H = dimensional_slope(l, m, p, at.rho, beta)
+    return contact_force(at.A, m, at.rho, FY, H, beta, dbeta)
 
 
 def _FY(at: Stored, beta: Any) -> Any:
@@ -139,7 +142,7 @@ def _FY(at: Stored, beta: Any) -> Any:
 
 
 def _push(at: Stored, contact: Any) -> Any:
-    return -contact if reading.text(at.ds, "side") == "inside" else contact
+    return push_from(contact, reading.text(at.ds, "side"))
 
 
 def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:
@@ -150,7 +153,7 @@ def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:
                           output_dtypes=[float], dask_gufunc_kwargs=sizes)  # fmt: skip
 
 
-# name -> what it is made of, and how; each formula is the solver's own.
+# name -> the arrays it needs, and the formula, which is the solver's own
 RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
     "dbeta": (("M1",), lambda at, M1: M1 / at.A),
     "kappa": (("beta", "dbeta"), lambda at, b, db: statics.curvature(at.rho, b, db)),

@@ -1,15 +1,13 @@
-"""What a worker does: arrays of axis values in, arrays of results out. Imports nothing that only files need.
+"""Solve a block of cases: arrays of axis values in, columns of results out. Workers import this and no xarray.
 
-A study's cases are counted along its axes, the last fastest. They are solved in blocks of a fixed size, which the study
-alone decides: products of matrices round a case's last bits differently among other neighbours, so a case always has
-the same. A chunk is any number of whole blocks, and whoever solves it, the bits are the same.
+Cases are numbered along the axes, the last fastest, and solved in blocks whose size depends on the study alone: matrix
+products round a case's last bits differently among other neighbours, so a case always has the same ones. A chunk is a
+number of whole blocks; whichever process solves it, the bits are the same.
 """
 
-import hashlib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -24,23 +22,21 @@ from studies.axes import Which
 
 from ..data import cautions
 from ..data.branch_numbers import NONE
+from ..data.schema import LOADS, Columns, inner_shape
+from .shards import encode
 from .sweep import State, walked
 from .sweep_order import Grid
 from .sweep_solutions import shown
 
-Columns = dict[str, NDArray[Any]]  # name -> (cases, ...), as named in `Solution` and `OBSERVABLES`
-
-LOADS = ("FZ", "MZ", "M3")
-WIDTH = {"position": 3}  # numbers a station, where that is not one
-_DIGEST = 32
 _NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?")
 
 
 @dataclass(frozen=True, eq=False)
 class Chunk:
-    """Cases `start` to `stop` of those to be solved. values: of each axis, (cases,). deaths: of workers at it.
+    """Cases `start` to `stop` of those to be solved.
 
-    shape, states: of a sweep, the grid and the cases that its blocks begin with (`sweep.Spine`).
+    values: of each axis, (cases,). deaths: how many workers died at it. shape, states: of a sweep, the shape of the
+    grid and the states of the cases from which its blocks begin (`sweep.Spine`).
     """
 
     start: int
@@ -64,12 +60,12 @@ class Chunk:
 
 
 def solved(study: Study, chunk: Chunk, block: int) -> bytes:
-    """The chunk's results, as `encode` packs them. Raises `InputError` for what cannot be asked."""
+    """The chunk's results as packed by `shards.encode`. Raises `InputError` for an invalid study."""
     return encode(joined([block_of(study, part) for part in chunk.blocks(block)]))
 
 
 def joined(parts: list[Columns]) -> Columns:
-    """Columns one after the other."""
+    """Columns concatenated."""
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
@@ -83,7 +79,7 @@ def block_of(study: Study, part: Chunk) -> Columns:
 
 
 def _columns_of(study: Study, state: State) -> Columns:
-    """What is stored of one case of a sweep: as of `columns`, and its branch."""
+    """The columns of one case of a sweep, with its branch."""
     found = columns(study, shown(study, state))
     if state.remark:
         found["outcome"] = np.array([f"{found['outcome'][0]}; {state.remark}"])
@@ -100,20 +96,21 @@ def solve_one(case: Case, which: Which | None, tol: float, method: str, stations
 
 
 def columns(study: Study, sol: Solution) -> Columns:
-    """What is stored of each case, (cases, ...): outputs, observables, loads, how well it was solved, and the caution.
+    """What is stored of each case, (cases, ...): outputs, observables, loads, outcome, errors and caution.
 
-    Whether a real rod can take the shape is looked at for every case, whatever is stored of it.
-    Numbers of a case that was not solved are NaN, but for its loads.
+    The caution is judged for every case, whatever else is stored. Numbers of a case that is not solved are NaN, except
+    its loads.
     """
     cases = sol.case.size
     mine = np.asarray(sol.solved).reshape(-1)
     found: Columns = {}
     for name in study.outputs:
-        found[name] = _where(mine, np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *_inner(name)))
-    # all in one call: what several are measured from is measured once
+        found[name] = _where(mine, np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *inner_shape(name)))
+    # in one call, as several observables share what they are measured from
     observed = observe(sol, dict.fromkeys((*study.wanted, *cautions.JUDGED)), errors=True)
     for name in study.recorded:
         found[name] = _where(mine, np.asarray(observed[name]).reshape(-1))
+    found["solved"] = mine
     found["outcome"] = np.asarray(sol.outcome).astype(str).reshape(-1)
     caution = cautions.of_cases(sol, observed)
     found["caution"] = np.asarray(caution).reshape(-1)
@@ -123,68 +120,25 @@ def columns(study: Study, sol: Solution) -> Columns:
 
 
 def unsolved(study: Study, cases: int, outcome: str) -> Columns:
-    """The columns of cases of which nothing is known but why."""
-    found = {name: np.full((cases, study.stations, *_inner(name)), np.nan) for name in study.outputs}
+    """The columns of cases that were not solved, with that outcome."""
+    found = {name: np.full((cases, study.stations, *inner_shape(name)), np.nan) for name in study.outputs}
     for name in (*study.recorded, *(name for name in LOADS if name not in study.axes)):
         found[name] = np.full(cases, np.nan)
     found |= {name: np.full(cases, np.inf) for name in ("error", "condition")}
     found |= {"branch": np.full(cases, NONE)} if study.sweeps else {}
-    return {**found, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
-
-
-def is_solved(outcomes: NDArray[Any]) -> NDArray[np.bool_]:
-    """Whether an outcome says solved, perhaps with a remark after it."""
-    return np.strings.startswith(outcomes.astype(str), "solved")
+    solved = np.zeros(cases, dtype=bool)
+    return {**found, "solved": solved, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
 
 
 def kind_of(outcome: str) -> str:
-    """An outcome without its numbers, which differ from case to case: what is counted."""
+    """An outcome without its numbers, which differ from case to case; outcomes are counted by it."""
     return _NUMBER.sub("...", outcome)
 
 
-def _inner(name: str) -> tuple[int, ...]:
-    return (WIDTH[name],) if name in WIDTH else ()
-
-
 def _where(mine: NDArray[np.bool_], values: NDArray[Any]) -> NDArray[Any]:
-    """The values, NaN where the case is not solved; whole numbers stay whole where all are."""
+    """The values, NaN where the case is not solved; integers stay integers where all cases are solved."""
     if values.dtype.kind == "b":
         values = values.astype(np.int64)
     if mine.all():
         return values
     return np.where(mine.reshape(-1, *(1,) * (values.ndim - 1)), values.astype(float), np.nan)
-
-
-class Damaged(Exception):
-    """A shard whose bytes are not those that were written."""
-
-
-def encode(found: Columns) -> bytes:
-    """Arrays as a digest and NumPy's own archive; texts as a short list and each case's place in it."""
-    packed: Columns = {}
-    for name, values in found.items():
-        if values.dtype.kind == "U":
-            packed[f"{name}:texts"], packed[f"{name}:which"] = np.unique(values, return_inverse=True)
-        else:
-            packed[name] = values
-    body = BytesIO()
-    np.savez(body, allow_pickle=False, **packed)
-    content = body.getbuffer()
-    return hashlib.blake2b(content, digest_size=_DIGEST).digest() + content
-
-
-def decode(content: bytes) -> Columns:
-    """What `encode` packed; raises `Damaged` where a byte of it has changed. Nothing in it is executed."""
-    body = memoryview(content)[_DIGEST:]
-    if hashlib.blake2b(body, digest_size=_DIGEST).digest() != content[:_DIGEST]:
-        raise Damaged
-    with np.load(BytesIO(body), allow_pickle=False) as archive:
-        packed = {name: archive[name] for name in archive.files}
-    found: Columns = {}
-    for name, values in packed.items():
-        plain, _, part = name.partition(":")
-        if not part:
-            found[name] = values
-        elif part == "texts":
-            found[plain] = values[packed[f"{plain}:which"]]
-    return found
