@@ -37,24 +37,11 @@ LISTS = {
 
 # What still points upward, to be carved: no pair may be added.
 TO_CARVE = {
-    ("workbench.branches.branch_dataset", "workbench.commands.own_case"),
-    ("workbench.branches.branch_dataset", "workbench.figures"),
-    ("workbench.branches.branch_dataset", "workbench.figures.equilibria_gallery"),
-    ("workbench.branches.branch_dataset", "workbench.figures.style"),
-    ("workbench.compare.extremes", "workbench.commands"),
-    ("workbench.compare.extremes", "workbench.commands.console"),
-    ("workbench.compare.trade", "workbench.commands"),
-    ("workbench.compare.trade", "workbench.commands.console"),
     ("workbench.geometry.tube", "workbench.figures"),
     ("workbench.geometry.tube", "workbench.figures.style"),
     ("workbench.geometry.tube", "workbench.scene.kinds"),
-    ("workbench.web.live.own_case", "workbench.commands.solve"),
     ("workbench.web.live.page_model", "workbench.commands"),
     ("workbench.web.live.page_model", "workbench.commands.export_rod"),
-    ("workbench.web.live.page_model", "workbench.commands.list_equilibria"),
-    ("workbench.web.live.page_shape", "workbench.commands.list_equilibria"),
-    ("workbench.web.live.server", "workbench.commands"),
-    ("workbench.web.live.server", "workbench.commands.console"),
 }
 TO_SILENCE: set[str] = set()
 

@@ -142,7 +142,7 @@ def test_a_finished_study_is_answered_without_xarray(whole) -> None:
                     "from workbench.run import plan; plan.BLOCK = 64\n"
                     "atexit.register(lambda: print('xarray' in sys.modules))")  # fmt: skip
     assert told.returncode == 0, told.stderr
-    assert "finished before; --restart solves it again" in told.stdout
+    assert "already complete; use --restart to solve again" in told.stdout
     assert told.stdout.splitlines()[-1] == "False"
 
 

@@ -1,7 +1,9 @@
 """Escape untrusted text for terminals, messages and JSON. Imports nothing heavy."""
 
 import json
+import math
 import re
+from typing import Any
 
 LONGEST = 4000  # characters of a printed line; the rest is cut
 _COMMANDS = re.compile(r"[^\n\t\x20-\x7e]")  # control sequences of terminals are among these
@@ -31,3 +33,14 @@ def is_line(text: str, longest: int) -> bool:
 def in_json(text: str) -> str:
     """JSON text in which unprintable characters are escaped; letters of every language stay."""
     return _COMMANDS.sub(lambda found: found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1], text)
+
+
+def finite(data: Any) -> Any:
+    """Plain data as JSON can hold it: NaN and infinity become None, keys become text."""
+    if isinstance(data, dict):
+        return {str(key): finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [finite(value) for value in data]
+    if isinstance(data, float) and not math.isfinite(data):
+        return None
+    return data

@@ -24,13 +24,13 @@ from studies.loader import loads
 from studies.readings import parse
 from studies.writer import dumps
 
+from ...branches.equilibria import ends_problem
+from ...branches.equilibria import row as equilibrium_row
 from ...commands import export_rod
-from ...commands.list_equilibria import ends_of
-from ...commands.list_equilibria import row as equilibrium_row
-from ...commands.list_equilibria import told as case_fields
 from ...data import cautions, dataset
 from ...figures import style
 from ...run.block import columns
+from ...run.case_input import field_values
 from .page_shape import STATIONS, TOL, Shape, refuse_many
 
 KEYS = ("title", "units", "reading", "base", "equilibrium")
@@ -154,8 +154,8 @@ def every(study: Study) -> list[dict[str, Any]]:
 
 def by_ends(study: Study) -> dict[str, Any]:
     """The same rod given by its two ends and loads, as a state that names its own shape. Raises `InputError`."""
-    case = ends_of(study)
-    base = {name: value for name, value in case_fields(case).items() if name not in HIDDEN}
+    case = ends_problem(study)
+    base = {name: value for name, value in field_values(case).items() if name not in HIDDEN}
     sol = solve(study.case(), TOL, stations=STATIONS)
     return {"title": study.title, "units": study.unit_system, "base": base, "equilibrium": _which(sol)}
 

@@ -17,7 +17,7 @@ from solver.problem.reduced import reduce
 from studies import Study
 from studies.axes import Which
 
-from ...commands.list_equilibria import told
+from ...run.case_input import field_values
 
 TOL, NEAR = 1e-8, 1e-6  # of a shape, and of one that follows another as a slider moves
 STATIONS, BETWEEN, MOST = 201, 401, 4001  # given by its start, by its ends, and of a rod of many bends
@@ -125,7 +125,7 @@ def _between(study: Study, case: Case, lost: bool) -> Solution:
 
 def _followed(study: Study, case: Case, near: Solution) -> Solution | None:
     """The shape next to another by Newton's rule, in one step or in more; None where it is lost on the way."""
-    before, after = told(near.case), told(case)
+    before, after = field_values(near.case), field_values(case)
     for steps in STRIDES:
         sol: Solution = near
         for k in range(1, steps):

@@ -7,6 +7,7 @@ is a state (plain data), what is downloaded is made in a folder of its own.
 import asyncio
 import gc
 import json
+import logging
 import secrets
 import time
 from collections import OrderedDict
@@ -24,8 +25,8 @@ from aiohttp import web
 from solver.problem.errors import InputError
 from studies.readings import READINGS
 
-from ...commands import console
-from ...commands.console import finite
+from ...data import escaping
+from ...data.escaping import finite
 from ...run import worker_processes
 from .. import browser_assets
 from . import page_mesh, page_model, page_shape, searches
@@ -76,11 +77,15 @@ class Shapes:
             return self._kept.get(ticket) if isinstance(ticket, str) else None
 
 
-def application(names: set[str], presets: Sequence[Preset] = PRESETS) -> web.Application:
+Report = Callable[[str], None]
+log = logging.getLogger(__name__)
+
+
+def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Report = log.error) -> web.Application:
     """The application.
 
     names: the `host:port` by which it may be asked, in Host and Origin. presets: the rods to begin with, first the one
-    that is drawn when the page is opened.
+    that is drawn when the page is opened. report: takes one sentence on each fault of the server.
     """
     shapes, few, tasks = Shapes(), ThreadPoolExecutor(THREADS, "shapes"), searches.Tasks()
 
@@ -103,7 +108,7 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS) -> web.App
     app.router.add_get("/presets", _offering(presets))
     for path, work in (("/shape", _shape), ("/numbers", _numbers), ("/equilibria", _equilibria), ("/ends", _ends),
                        ("/study", _study), ("/download", _download)):  # fmt: skip
-        app.router.add_post(path, _answering(work, shapes, few, tasks))
+        app.router.add_post(path, _answering(work, shapes, few, tasks, report))
     return app
 
 
@@ -162,7 +167,7 @@ class Desk:
 Work = Callable[[dict[str, Any], Desk], Awaitable[web.Response]]
 
 
-def _answering(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: searches.Tasks) -> Handler:
+def _answering(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: searches.Tasks, report: Report) -> Handler:
     """Work on a request's JSON aside; what is refused is answered with status 422, a sentence and the field."""
 
     async def handler(request: web.Request) -> web.StreamResponse:
@@ -186,7 +191,7 @@ def _answering(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: searc
         except searches.Gone:
             return web.Response(status=499)  # to nobody
         except Exception as error:  # a fault of ours, told on the server and as a sentence to the page
-            console.warn(f"{request.path} failed: {type(error).__name__}: {error}")
+            report(escaping.line(f"{request.path} failed: {type(error).__name__}: {error}"))
             return web.json_response({"sentence": FAULT, "field": ""}, status=500)
 
     return handler
