@@ -1,22 +1,20 @@
 """The search for every orbit that joins two end angles over a given length: for each path one equation in the level."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..mechanics.potential import potential
 from ..numerics.arrays import Array, Booleans
 from ..orbit.orbit_energy import energies
-from ..orbit.periodic_orbit import Orbit, solve_orbit
+from ..orbit.periodic_orbit import Orbit
 from ..problem.reduced import Reduced
-from .end_conditioning import end_response
 from .level_brackets import brackets_on_grid, joined_brackets, roots_in
 from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
+from .path_orbits import solved_orbits
 from .paths import LevelPaths, Levels, Paths, paths
-from .saddle_panels import with_saddle_panels
 from .stability import jacobi_zeros
-from .transit_times import STRETCH, Boundary, repeated, transit_times
+from .transit_times import Boundary, transit_times
 
 _TIGHT = 1e-13
 BUDGET = 3e7  # evaluations of G: ten to twenty seconds
@@ -211,39 +209,6 @@ def level_paths_of(boundary: Boundary, roots: Roots, helix: Any) -> tuple[LevelP
         columns = [np.append(c, np.asarray(v, dtype=c.dtype)) for c, v in zip(columns, mark, strict=True)]
         lengthens = np.append(lengthens, np.nan)
     return LevelPaths(*columns), lengthens
-
-
-def solved_orbits(problem: Reduced, boundary: Boundary, path: LevelPaths, lengthens: Array) -> tuple[Orbit, Array]:
-    """The orbits and their levels eta, (K,)."""
-    K = path.y.size
-    moves = ~path.helix
-    pin = np.array([int(np.argmin(np.abs(boundary.pins - p))) for p in path.pin[moves]], dtype=int)
-    gap, slope, excess = np.zeros(K), np.zeros(K), np.zeros(K)
-    gap[moves] = path.sign[moves] * np.exp(np.maximum(path.y[moves], boundary.deepest))
-    slope[moves] = path.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
-    excess[moves] = np.maximum(boundary.deepest - path.y[moves], 0)
-    first = boundary.low if boundary.rising else boundary.high
-    start = repeated(problem, K, beta0=np.full(K, first), dbeta0=slope)
-    level = potential(start, path.pin) + gap
-    falls = np.ones((K, 2))  # of the two ends from the pin
-    falls[moves] = boundary.falls[pin]
-    deep = excess > 0
-    span = start.span.copy()
-    if deep.any():
-        some = Paths(path.leaving[moves], path.arriving[moves], path.periods[moves])
-        seen = transit_times(boundary, Levels(pin, path.sign[moves], path.y[moves]), deep=False)
-        span[moves] = np.where(deep[moves], seen.lengths_along(some.counts(boundary.rising)), span[moves])
-    orbit = solve_orbit(replace(start, span=span), _TIGHT, (path.pin, gap), STRETCH)
-    # between two ends on saddles of this height eta(L) stays while eta between them grows as the gap's root falls
-    growth = end_response(orbit) * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
-    if deep.any():
-        orbit = with_saddle_panels(orbit, start.span, gap, excess)
-    series = orbit.panels.series.copy()
-    series[:, 0, 0] += problem.beta0[0] - first  # whole turns
-    start = replace(start, beta0=np.full(K, problem.beta0[0]))
-    passed = np.where(path.helix, 0.0, Paths(path.leaving, path.arriving, path.periods).turns)
-    known = {"lengthens": lengthens, "response": growth, "passed": passed, "path": path}
-    return replace(orbit, problem=start, panels=replace(orbit.panels, series=series), **known), level
 
 
 def _end_rounding(orbit: Orbit) -> Array:

@@ -32,7 +32,7 @@ STRETCH = 4.0  # factor of the panels along saddles, where time is almost linear
 _BLOCK = 2048  # levels computed at once
 
 
-def repeated(problem: Reduced, count: int, **changed: Array) -> Reduced:
+def repeated(problem: Reduced, count: int, **changed: Array | None) -> Reduced:
     """`count` copies of one problem, with some fields changed."""
     fields: dict[str, Any] = {k: v if v is None else np.repeat(v, count) for k, v in vars(problem).items()}
     return Reduced(**{**fields, **changed})
@@ -87,10 +87,10 @@ def fall(problem: Reduced, pin: float, beta: float, extremum: bool) -> float:
 
 @dataclass(frozen=True, eq=False)
 class TransitTimes:
-    """At M levels the times crossing, above and below, (3, M); NaN where the level does not join the ends.
+    """The times crossing, above and below at M levels.
 
-    rate: (3, M), what a unit of falling y adds to each. rotates: (M,), whether beta turns all the way: then there is
-    the crossing alone. calls: evaluations of G.
+    time: (3, M); NaN where no orbit of the level joins the ends. rate: (3, M), what a unit of falling y adds to each.
+    rotates: (M,), whether the orbit is a rotation, which has the crossing alone. calls: evaluations of G.
     """
 
     time: Array
@@ -110,10 +110,6 @@ class TransitTimes:
         """Length of path i at level i, (M,), counts (M, 3)."""
         return self._sum(self.time, counts)
 
-    def rates_along(self, counts: Array) -> Array:
-        """Rate of path i at level i, (M,), counts (M, 3)."""
-        return self._sum(self.rate, counts)
-
     def _sum(self, value: Array, counts: Array) -> Array:
         total = counts[:, 0] * value[0] + counts[:, 1] * value[1] + counts[:, 2] * value[2]
         return np.where(self.rotates & (counts[:, 1] + counts[:, 2] > 0), np.nan, total)
@@ -132,12 +128,12 @@ def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> Tran
     v2 = gap + boundary.falls[levels.pin].T
     joins = (v2 > 0).all(axis=0)
     v_low, v_high = np.sqrt(np.where(joins, v2, 1.0))
-    start = repeated(boundary.problem, M, beta0=np.full(M, boundary.low), betaL=None, dbeta0=v_low)  # type: ignore[arg-type]
+    start = repeated(boundary.problem, M, beta0=np.full(M, boundary.low), betaL=None, dbeta0=v_low)
     same = boundary.found
     found = CriticalPoints(np.repeat(same.beta, M, axis=0), np.repeat(same.centre, M, axis=0), np.repeat(same.count, M))
     arcs = arcs_of(start, (boundary.pins[levels.pin], gap), found)
     pieces = _three(boundary, arcs.pieces, v_high, M)
-    twice = repeated(boundary.problem, 2 * M, betaL=None, dbeta0=np.tile(v_low, 2))  # type: ignore[arg-type]
+    twice = repeated(boundary.problem, 2 * M, betaL=None, dbeta0=np.tile(v_low, 2))
     cut = replace(arcs, pieces=pieces)
     panels = panelled(twice, cut, basis(22), 0.7, 1e-15, times_only=True, stretch=STRETCH)
     time = _by_arc(panels.arc, panels.duration, M)

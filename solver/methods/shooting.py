@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 
 from ..boundary.branch_coordinates import path_of
-from ..boundary.continuation import FOLD, Ended, continued, orbit_of, path_from_start
+from ..boundary.continuation import Ended, continued
+from ..boundary.continuation_steps import FOLD
+from ..boundary.path_orbits import orbit_of, path_from_start
 from ..boundary.search import search
 from ..boundary.selected_equilibrium import NO_EQUILIBRIUM, equilibrium_trajectory, selected
 from ..numerics.arrays import Array

@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
+from ..numerics.chebyshev import means, primitive, series_at
 from ..orbit.marched_orbit import MarchedOrbit
 from ..problem.reduced import flat
 from ..solution import Solution
 from . import densities
-from .quadrature import EPS, Resolved, means, primitive, resolve, series_at
-from .rod_pieces import Pieces, blocks, of_stations, resolved
+from .quadrature import EPS, Resolved, resolve
+from .rod_pieces import Pieces
+from .solution_pieces import blocks, of_stations, resolved
 
 _FINEST = 1e-14  # relative: smallest goal of a series
 _SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test

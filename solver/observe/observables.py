@@ -17,8 +17,8 @@ from ..problem.errors import no_such
 from ..problem.reduced import flat
 from ..solution import Solution
 from .measurement import Pair, Reading
-from .rod_pieces import resolved
 from .self_contact import overlaps
+from .solution_pieces import resolved
 
 
 def turns(read: Reading) -> Any:

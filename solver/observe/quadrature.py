@@ -6,13 +6,13 @@ coefficients measure the error that is left.
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..numerics.chebyshev import Basis, basis, polynomials, through
+from ..numerics.chebyshev import Basis, basis, derivative, means, polynomials, series_at, through, weights
 from ..numerics.roots import bracketed
 from .densities import Density
 from .rod_pieces import NODES, Pieces
@@ -225,38 +225,3 @@ def _joined(parts: list[Resolved]) -> Resolved:
 
 def _basis() -> Basis:
     return basis(NODES)
-
-
-def series_at(coefficients: Array, x: Array) -> Array:
-    """Series (C, n), each at its own x in [-1, 1], (C,)."""
-    found: Array = np.einsum("cn,nc->c", coefficients, polynomials(x, coefficients.shape[1]))
-    return found
-
-
-def primitive(coefficients: Array) -> Array:
-    """The series of the integral from -1, (Q, n) -> (Q, n + 1)."""
-    return through(coefficients, basis(coefficients.shape[1]).integrate)
-
-
-@cache
-def means(n: int) -> Array:
-    """Means of T_0 .. T_{n-1} over [-1, 1], (n,)."""
-    found = np.zeros(n)
-    found[::2] = 1 / (1 - np.arange(0, n, 2.0) ** 2)
-    return found
-
-
-@cache
-def weights(n: int) -> Array:
-    """Weights of the nodes for the mean over [-1, 1], (n,); all positive."""
-    found: Array = basis(n).analyse @ means(n)
-    return found
-
-
-@cache
-def derivative(n: int) -> Array:
-    """Coefficients to those of the derivative, (n, n)."""
-    rows = np.zeros((n, n))
-    for k in range(1, n):
-        rows[k, :k] = np.polynomial.chebyshev.chebder(np.eye(n)[k])[:k]
-    return rows

@@ -1,42 +1,17 @@
-"""The rod as pieces on which beta and beta_t are Chebyshev series in time, for the integration of observables.
+"""Pieces of rods on which beta and beta_t are Chebyshev series in time, for the integration of observables."""
 
-Where the method knows the orbit, the pieces are the panels or steps of the orbit, which are graded towards saddles;
-each counts as often as the rod passes it, and the panel in which the rod ends is cut there. Elsewhere the pieces lie
-between neighbouring stations: quintic polynomials through beta, beta_t and their rates, which the equation gives.
-"""
-
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import chebyshev as C
-from numpy.typing import NDArray
 
-from ..mechanics.potential import Loads, slope, slope_rate
-from ..numerics.arrays import Array
-from ..numerics.chebyshev import basis, polynomials, through
-from ..orbit.marched_orbit import MarchedOrbit, march_orbit
-from ..orbit.pieces import LIBRATION
+from ..numerics.arrays import Array, Integers
+from ..numerics.chebyshev import basis, polynomials
 from ..problem.reduced import Reduced
-from ..solution import Solution
-
-ORBITS = ("orbit", "swing", "shooting")  # the methods that know the orbit
 
 NODES = 24  # of each piece, at which densities are computed
-_CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
-_RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend
-_HERMITE = np.array(  # y(0), y(1), y'(0), y'(1), y''(0), y''(1) to powers of x, rising
-    [
-        [1, 0, 0, -10, 15, -6],
-        [0, 0, 0, 10, -15, 6],
-        [0, 1, 0, -6, 8, -3],
-        [0, 0, 0, -4, 7, -3],
-        [0, 0, 0.5, -1.5, 1.5, -0.5],
-        [0, 0, 0, 0.5, -1, 0.5],
-    ]
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +35,8 @@ class Pieces:
 
     problem: Reduced
     series: Array
-    case: NDArray[np.int64]
-    row: NDArray[np.int64]
+    case: Integers
+    row: Integers
     low: Array
     high: Array
     time: Array
@@ -101,151 +76,7 @@ class Pieces:
         return out[:, 0], out[:, 1]
 
 
-def blocks(sol: Solution) -> Iterator[tuple[slice, Pieces]]:
-    """The pieces of the cases of a solution, in blocks; in each the cases are numbered from 0."""
-    orbit = sol.trajectory.orbit
-    for start in range(0, sol.problem.size, _CASES):
-        some = slice(start, min(start + _CASES, sol.problem.size))
-        yield some, of_stations(sol, some) if orbit is None else of_orbit(orbit, some)
-
-
-def of_orbit(orbit: Any, some: slice) -> Pieces:
-    """The pieces of some of the problems of an `Orbit` or a `Swing`."""
-    if not isinstance(orbit, MarchedOrbit):
-        return _of_panels(orbit, np.arange(some.start, some.stop), np.arange(some.stop - some.start), some)
-    lost = orbit.lost[some]
-    found = [_of_steps(orbit, some, np.flatnonzero(~lost))] if not lost.all() else []
-    if lost.any() and orbit.rest is not None:
-        first = int(np.count_nonzero(orbit.lost[: some.start]))
-        found.append(_of_panels(orbit.rest, first + np.arange(int(lost.sum())), np.flatnonzero(lost), some, orbit))
-    return _joined(found, orbit.problem.take(some))
-
-
-def _of_panels(orbit: Any, own: Array, case: Array, some: slice, whole: Any = None) -> Pieces:
-    """The pieces of the problems `own` of an `Orbit`, which are the problems `case` of the block."""
-    panels = orbit.panels
-    first, last = np.searchsorted(panels.arc, [2 * own[0], 2 * own[-1] + 2])
-    mine = slice(int(first), int(last))
-    arc = panels.arc[mine]
-    local = arc // 2 - own[0]
-    problem = orbit.problem.take(own)
-    times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
-    clock = orbit.since[mine], panels.duration[mine]
-    found = _covered(problem, panels.series[mine, :2], local, arc % 2 == 1, *clock, *times)
-    block = (orbit if whole is None else whole).problem.take(some)
-    return replace(found, problem=block, case=np.asarray(case)[found.case])
-
-
-def _of_steps(orbit: MarchedOrbit, some: slice, case: Array) -> Pieces:
-    """The pieces of the problems `case` of a block of a marched orbit: its steps, marched again."""
-    own = some.start + case
-    problem = orbit.problem.take(own)
-    _, steps = march_orbit(problem, orbit.tol)
-    width, taylor = steps.width, steps.series
-    arc = np.repeat(np.arange(2 * case.size), steps.number.reshape(-1))
-    with np.errstate(under="ignore", over="ignore", invalid="ignore"):
-        order = np.arange(taylor.shape[2])
-        power = width[:, None] ** order
-        angle = taylor[:, 0] * power
-        rate = taylor[:, 0, 1:] * order[1:] * power[:, :-1]
-    series = np.zeros((width.size, 2, order.size))
-    series[:, 0] = through(angle, _from_powers(order.size))
-    series[:, 1, :-1] = through(rate, _from_powers(order.size - 1))
-    times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
-    found = _covered(problem, series, arc // 2, arc % 2 == 1, steps.since, width, *times)
-    return replace(found, problem=orbit.problem.take(some), case=case[found.case])
-
-
-def _covered(
-    problem: Reduced,
-    series: Array,
-    case: Array,
-    second: Array,
-    since: Array,
-    duration: Array,
-    ahead: Array,
-    back: Array,
-    period: Array,
-    kind: Array,
-) -> Pieces:
-    """The pieces of panels that the rods cover, and how often, on arcs that last ahead and back."""
-    span = problem.span
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        rest = np.where(np.isfinite(period), np.fmod(span, period), span)
-        periods = np.where(np.isfinite(period), np.round((span - rest) / period), 0.0)
-    folded = (kind == LIBRATION)[case]
-    whole = periods[case] * np.where(folded, 2, 1)
-    begins = since + np.where(second, 2 * ahead[case], 0), 2 * (ahead[case] + second * back[case]) - since - duration
-    cut: list[tuple[Array, Array, Array, Array]] = []
-    for begin, returns in zip(begins, (False, True), strict=True):
-        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            share = np.clip((rest[case] - begin) / duration, 0, 1)
-        share = np.where(folded | (not returns), share, 0)
-        whole = whole + (share == 1)
-        some = np.flatnonzero((share > 0) & (share < 1))
-        edge = 2 * share[some] - 1
-        cut.append((some, np.where(returns, -edge, -1), np.where(returns, 1, edge), share[some]))
-    met = np.flatnonzero(whole > 0)
-    row = np.concatenate([met, *(c[0] for c in cut)])
-    low = np.concatenate([np.full(met.size, -1.0), *(c[1] for c in cut)])
-    high = np.concatenate([np.ones(met.size), *(c[2] for c in cut)])
-    time = np.concatenate([duration[met], *(c[3] * duration[c[0]] for c in cut)])
-    count = np.concatenate([whole[met], np.ones(row.size - met.size)])
-    found = Pieces(problem, series, case[row], row, low, high, time, count)
-    still = np.flatnonzero(np.bincount(found.case, minlength=problem.size) == 0)  # nothing moves
-    if still.size:
-        found = _joined([found, _still(problem, still)], problem)
-    return found
-
-
-def _still(problem: Reduced, case: Array, speed: Array | float = 0.0) -> Pieces:
-    """Rods of constant angle, each one piece."""
-    series = np.zeros((case.size, 2, 1))
-    series[:, 0, 0], series[:, 1, 0] = problem.beta0[case], speed
-    one = np.ones(case.size)
-    return Pieces(problem, series, case, np.arange(case.size), -one, one, problem.span[case], one)
-
-
-def of_stations(sol: Solution, some: slice, step: int = 1) -> Pieces:
-    """The pieces between neighbouring stations of some of the cases, or between every `step`-th of them."""
-    problem, n = sol.problem.take(some), sol.t.shape[1]
-    kept = np.unique([*range(0, n, step), n - 1])
-    t, beta, rate = (v[some][:, kept] for v in (sol.t, sol.trajectory.beta, sol.trajectory.dbeta))
-    B, case = t.shape[0], np.repeat(np.arange(t.shape[0]), max(t.shape[1] - 1, 0))
-    time = np.diff(t, axis=1).reshape(-1)
-    at = Loads.columns(problem)
-    with np.errstate(over="ignore", invalid="ignore"):
-        second = -slope(at, beta)
-        third = -slope_rate(at, beta) * rate
-        series = np.empty((time.size, 2, 6))
-        for k, values in enumerate(((beta, rate, second), (rate, second, third))):
-            data = [(v[:, end].reshape(-1)) * time**power for power, v in enumerate(values) for end in _ENDS]
-            series[:, k] = np.stack(data, axis=1) @ _HERMITE @ _from_powers(6)
-    row, one = np.arange(time.size), np.ones(time.size)
-    found = Pieces(problem, series, case, row, -one, one, time, one).take(time > 0)
-    short = np.flatnonzero(np.bincount(found.case, minlength=B) == 0)
-    if not short.size:
-        return found
-    points = _still(replace(problem, beta0=beta[:, 0]), short, rate[short, 0])
-    return _joined([found, points], problem)
-
-
-_ENDS = (slice(None, -1), slice(1, None))
-
-
-def resolved(sol: Solution) -> NDArray[np.bool_]:
-    """Whether the stations of each case cover its rod and resolve every bend that the loads allow, (B,)."""
-    t, beta, span = sol.t, sol.trajectory.beta, sol.problem.span
-    column = Loads.columns(sol.problem)
-    with np.errstate(invalid="ignore", over="ignore"):
-        quickest = np.sqrt(np.abs(slope_rate(column, beta)).max(axis=1))
-        swift = np.abs(sol.trajectory.dbeta).max(axis=1)
-        step = np.diff(t, axis=1).max(axis=1, initial=0.0)
-        dense = step * np.maximum(np.maximum(quickest, swift), 1) <= _RESOLVED
-    return dense & (t[:, 0] == 0) & (t[:, -1] >= span * (1 - 1e-12)) & (t.shape[1] >= 5)
-
-
-def _joined(parts: list[Pieces], problem: Reduced) -> Pieces:
+def joined_pieces(parts: Sequence[Pieces], problem: Reduced) -> Pieces:
     """Pieces one after the other, as those of `problem`."""
     N = max(p.series.shape[2] for p in parts)
     padded = [np.pad(p.series, ((0, 0), (0, 0), (0, N - p.series.shape[2]))) for p in parts]
@@ -254,14 +85,3 @@ def _joined(parts: list[Pieces], problem: Reduced) -> Pieces:
     names = ("case", "low", "high", "time", "count")
     rest = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
     return Pieces(problem, np.concatenate(padded), row=row, **rest)
-
-
-@cache
-def _from_powers(n: int) -> Array:
-    """Coefficients of powers of x in [0, 1] to those of Chebyshev polynomials of 2 x - 1, (n, n)."""
-    rows = np.zeros((n, n))
-    value: Array = np.ones(1)
-    for k in range(n):
-        rows[k, : value.size] = value
-        value = C.chebmul(value, [0.5, 0.5])
-    return rows

@@ -72,7 +72,7 @@ def test_its_condition_number_by_transfer_matrices_is_that_of_the_shear() -> Non
 
 
 @compiled
-def test_both_find_the_same_legs_and_turns() -> None:
+def test_both_find_the_same_arcs_and_turning_points() -> None:
     fast, exact = both(random(1500, 7, 1, (0, 3)), 1e-12)
     own = ~fast.orbit.lost
     assert (fast.orbit.kind == exact.orbit.kind).all()
@@ -100,7 +100,7 @@ def test_what_a_march_would_lose_goes_to_the_quadrature() -> None:
     rows = np.array([NEAR_SADDLE, (0.1, 0.2, -0.5, 30.0, 0.4, 0.3), (0.0, 0.0, -1.0, 5.0, 0.0, 0.0)])
     problem = Reduced(*rows.T)
     fast, exact = both(problem, 1e-9)
-    assert list(fast.orbit.lost) == [True, False, True]  # next to a saddle, a swing, a helix
+    assert list(fast.orbit.lost) == [True, False, True]  # next to a saddle, a libration, a helix
     assert solved(fast).all()
     slow = METHODS["orbit"].run(problem, problem.span[:, None] * np.linspace(0, 1, 61), 1e-9)
     assert (fast.beta[[0, 2]] == slow.beta[[0, 2]]).all()

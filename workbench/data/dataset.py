@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver import Case
-from solver.observe.rod_pieces import ORBITS
+from solver.observe.solution_pieces import ORBITS
 from studies import Study
 from studies.axes import quantity_of
 
