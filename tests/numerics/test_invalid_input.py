@@ -81,7 +81,7 @@ def test_an_empty_axis_is_no_axis() -> None:
 
 
 def test_the_first_bad_value_of_many_is_named() -> None:
-    with refused("Rod.E", -3.0, "2 among 4"):
+    with refused("Rod.E", -3.0, "2 invalid values among 4"):
         Rod(**{**ROD, "E": [1.0, -3.0, 2.0, -5.0]})
 
 

@@ -129,7 +129,7 @@ def test_units_go_with_a_whole_rod_of_ones_own(capsys) -> None:
     whole = ("--E", 107, "--nu", 0.25, "--a", 2.5, "--R", 7.5, "--L", 200, "--beta0", "30deg", "--betaL", "45deg")
     status, said = run(capsys, "--force-unit", "stone", *whole)
     assert status == 2
-    assert "'stone' is no unit of force; choose from pN, nN, uN" in said
+    assert "'stone' is not a unit of force; choose from pN, nN, uN" in said
     status, said = run(capsys, "fig6", "--length-unit", "mm")
     assert (status, said) == (2, "workbench: the units are those of fig6: change them there\n")
 
@@ -323,11 +323,11 @@ CASE = (
 @pytest.mark.parametrize(
     "words, said",
     (
-        ("dbeta0 = 1.0", "dbeta0 and energy go together: give choose, or index, or dbeta0 and energy"),
+        ("dbeta0 = 1.0", "dbeta0 and energy must be given together: give choose, or index, or dbeta0 and energy"),
         ('choose = "nearest"\nindex = 1', "choose and index exclude each other"),
         ('choose = "near"', "must be 'nearest' or 'lowest'"),
         ("index = -1", "greater than or equal to 0"),
-        ("", "equilibrium names none: give choose, or index, or dbeta0 and energy"),
+        ("", "equilibrium is empty: give choose, or index, or dbeta0 and energy"),
     ),
 )
 def test_a_study_names_its_equilibrium_in_one_way(words, said) -> None:

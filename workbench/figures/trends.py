@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullLocator
 
 from solver.problem.errors import InputError, no_such
-from studies.laws import COUNTS, FAILS, NOISE
+from studies.laws import COUNTS, DIRECTIONS, FAILS, NOISE
 from studies.reasons import DOES
 
 from ..data import case_selection, dataset, law_verdicts
@@ -58,7 +58,7 @@ def panel(ds: xr.Dataset, ax: Axes, law: int = 0, rows: Sequence[dict[str, Any]]
             ends = [_shown(ds[row["axis"]], step[end]) for end in ("from", "to")]
             ax.plot(ends, step["values"], color=style.VERDICT_COLOURS[FAILS], linewidth=3, alpha=0.75, zorder=3,
                     label="a step the wrong way")  # fmt: skip
-    words = f"{row['claim']}  {style.words(ds[row['observable']])} {style.DIRECTIONS[row['direction']]}"
+    words = f"{row['claim']}  {style.words(ds[row['observable']])} {DIRECTIONS[row['direction']].does} with"
     pad = 6 + _verdict(ax, row)
     ax.set_title(style.wrapped(f"{words} {style.symbol(row['axis'])}:", ax), loc="left", pad=pad)
     if row["also"]:
