@@ -11,7 +11,7 @@ from .mechanics.contact import contact_force, push_from
 from .mechanics.potential import Loads, dimensional_slope, potential
 from .numerics.arrays import Array
 from .problem.case import Case
-from .problem.reduced import Reduced, flat
+from .problem.reduced import EndsProblem, StartProblem, flat
 from .problem.trajectory import Trajectory
 
 _quiet = np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
@@ -47,14 +47,15 @@ class Solution:
     >>> solution.outcome, bool(solution.solved), solution.beta.shape
     ('solved', True, (201,))
     >>> print(f"height {solution.z[-1]:.4f}, largest push {solution.push.max():.3f}")
+    height 8.8017, largest push 390.157
     """
 
     case: Case
-    problem: Reduced = field(repr=False)
+    problem: StartProblem | EndsProblem = field(repr=False)
     trajectory: Trajectory = field(repr=False)
     t: Array = field(repr=False)
-    method: str = "orbit"
-    tol: float = 1e-8
+    method: str
+    tol: float
 
     def _along(self, values: Array) -> Array:
         return values.reshape(*self.case.shape, values.shape[-1])
@@ -242,10 +243,10 @@ class Solution:
         """A sentence: "solved", or "solved; " and a remark, or "failed: " and the reason, (*cases)."""
         return self._each(self.trajectory.outcome)
 
-    @cached_property
+    @property
     def solved(self) -> Any:
         """Whether each case was solved, (*cases) of bool."""
-        return self._each(np.array([text.startswith("solved") for text in self.trajectory.outcome], dtype=bool))
+        return self._each(self.trajectory.solved)
 
     @property
     def selection(self) -> Any:

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from solver import Cylinder, Ends, Rod, Start
+from solver.problem.angles import angle
 from solver.problem.errors import choices
 from solver.problem.quantities import QUANTITIES, Quantity, quantity
-
-from .angles import angle
 
 STRICT = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 

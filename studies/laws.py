@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, field_validator, model_validator
 
+from solver.observe.observables import is_count
 from solver.problem.errors import InputError, choices, no_such
 
 from . import reasons
@@ -36,11 +37,10 @@ from .verdicts import (
 )
 
 __all__ = [
-    "COUNTS", "DIRECTIONS", "FAILS", "HOLDS", "NOISE", "QUALIFIED", "TREND", "UNDECIDED", "VERDICTS", "Law", "Verdict",
+    "DIRECTIONS", "FAILS", "HOLDS", "NOISE", "QUALIFIED", "TREND", "UNDECIDED", "VERDICTS", "Law", "Verdict",
     "decide", "judge", "refused", "worst",
 ]  # fmt: skip
 
-COUNTS = frozenset({"turns", "loops", "overlaps", "index"})  # observables that are whole numbers
 TOLD = ("claim", "axis", "direction", "says", "source", "fixed", "fixed_note")  # fields of a law copied to its row
 
 
@@ -105,10 +105,10 @@ class Law(BaseModel):
     def judged(self, name: str, values: ArrayLike, crossing: ArrayLike | None = None) -> Verdict:
         """The verdict on one line of an observable, see `judge`; qualified if it holds only because it may stay level,
         while the sentence says that it rises or falls."""
-        verdict = judge(values, self.direction, name in COUNTS, crossing)
+        verdict = judge(values, self.direction, is_count(name), crossing)
         if verdict.verdict != HOLDS or self.meant == self.direction:
             return verdict
-        meant = judge(values, self.meant, name in COUNTS, crossing)
+        meant = judge(values, self.meant, is_count(name), crossing)
         return meant if as_good(meant.verdict, TREND) else Verdict(QUALIFIED, verdict.tau, reason=verdict.reason)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .case import Case
-from .reduced import Reduced, flat
+from .reduced import Reduced, StartProblem, flat
 
 LARGEST = 1e100  # a larger dimensionless number would overflow when squared
 SHORTEST = 1e-200  # for a smaller L/rho the time between two stations would underflow
@@ -15,7 +15,7 @@ _DECADES = 290.0  # a float has 308; the margin is for factors and sums
 
 def dimensionless(problem: Reduced) -> NDArray[np.bool_]:
     """Whether the numbers of each problem can be squared, (B,)."""
-    numbers = np.stack([v for v in vars(problem).values() if v is not None])
+    numbers = np.stack(list(vars(problem).values()))
     with np.errstate(invalid="ignore"):
         return np.asarray((np.abs(numbers) < LARGEST).all(axis=0) & (problem.span > SHORTEST))
 
@@ -33,7 +33,7 @@ def representable(case: Case, problem: Reduced) -> NDArray[np.bool_]:
     Each quantity is a sum of products of powers of A, rho, L/rho and q, where q bounds beta_t^2 and the square of the
     dimensionless loads; so it is enough to add decades.
     """
-    slope = 0.0 if problem.dbeta0 is None else problem.dbeta0
+    slope = problem.dbeta0 if isinstance(problem, StartProblem) else 0.0
     with np.errstate(all="ignore"):
         A, rho = (np.log10(flat(v, case.shape)) for v in (case.rod.bending_stiffness, case.rho))
         loads = np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1

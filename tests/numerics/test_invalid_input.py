@@ -123,9 +123,9 @@ def test_from_fields_makes_what_the_class_makes() -> None:
 
 def test_a_method_says_which_problems_it_solves() -> None:
     ends = Case(Rod(**ROD), Cylinder(0.75), Ends(0.5, 0.6))
-    with refused("orbit", "Ends", "difference"):
+    with refused("orbit", "ends problems", "difference"):
         solve(ends, method="orbit")
-    with refused("difference", "Start", "orbit", "verlet"):
+    with refused("difference", "start problems", "orbit", "verlet"):
         solve(case(), method="difference")
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Ends, InputError, Start
-from studies.angles import angle
+from solver.problem.angles import angle
 from studies.loader import load, loads, names
 
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
@@ -222,10 +222,10 @@ REFUSED = {
     ),
     "a start's field among ends": (
         PLAIN + ROD + "beta0 = 0.5\nF1 = 1.0",
-        "line 12: a study of Ends has no 'F1'",
+        "line 12: a study of Ends has no field 'F1'",
     ),
     "no room inside": (HEAD + "[base]\nR = 0.2\nside = 'inside'", "R must be larger than Rod.a = 0.25"),
-    "following another axis": (AXIS + "follow = true\nto = 60\ncount = 9", "follow is for betaL alone"),
+    "following another axis": (AXIS + "follow = true\nto = 60\ncount = 9", "follow needs betaL as the only axis"),
     "following from somewhere": (
         HEAD + "[axes.betaL]\nfollow = true\nfrom = 1\nto = 2\ncount = 9",
         "line 8: a followed axis starts at the value of the base case",
@@ -240,14 +240,14 @@ REFUSED = {
     ),
     "an angle with two units": (
         HEAD + "[axes.beta]\nvalues = ['30deg']\nunit = 'deg'",
-        "line 8: '30deg' says its own unit: leave out unit",
+        "line 8: '30deg' has its own unit: remove the key unit",
     ),
     "text that is not an angle's": (AXIS + "values = ['pi']", "values.1. must be a valid number, got 'pi'"),
     "a field that stands still and varies": (
         HEAD + "[base]\nE = 1e4\n[axes.E]\nvalues = [1e4, 2e4]",
-        "line 8: E stands in base and among the axes: leave one of them out",
+        "line 8: E is given in base and as an axis: remove one of them",
     ),
-    "no TOML": ("title = ", "study is not TOML: Invalid value"),
+    "no TOML": ("title = ", "study is not valid TOML: Invalid value"),
 }
 
 

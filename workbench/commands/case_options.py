@@ -15,7 +15,7 @@ def number(text: str) -> float:
 
 def angle(text: str) -> float:
     """An angle from the command line, in rad; the refusal names what was given and the forms."""
-    from studies.angles import angle as read
+    from solver.problem.angles import angle as read
 
     try:
         return read(text)

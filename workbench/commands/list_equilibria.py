@@ -11,9 +11,9 @@ from solver import Case, Ends, InputError, solve
 from solver import equilibria as every_equilibrium
 from solver.boundary.selection import selection
 from solver.equilibria import Equilibrium, meant
+from solver.problem.angles import angle
 from solver.problem.errors import choices
 from studies import Study, load
-from studies.angles import angle
 from studies.axes import CYLINDER, ENDS, ROD, WORDS, quantity_of
 from studies.loader import loads
 

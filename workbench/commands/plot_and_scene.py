@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from solver.problem.angles import angle
 from solver.problem.errors import InputError, choices, no_such
-from studies.angles import angle
 
 from ..data import case_selection, dataset, reading, writing
 from ..scene import kinds

@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 
 from solver import Case, Ends, Solution, solve
-from solver.methods import METHODS
+from solver.methods import OrbitQuadrature, available
 
 from ..commands import console
 from ..data import dataset, writing
@@ -103,8 +103,8 @@ def at_one(one: Extreme, reference: Reference) -> dict[str, Met]:
     best = solve(one.case, tol=1e-12, stations=_stations(one.case))
     known = reference.beta if reference.beta is not None else best.beta[1:]
     rows = {}
-    for name, method in METHODS.items():
-        if "start" in method.kinds:
+    for name, method in available().items():
+        if "start" in method.problems:
             rows[name] = _met(one.case, name, known)
         elif not np.isfinite(best.beta).all():
             rows[name] = Met(REFUSED, "failed: not tried, no shape to look near", *[np.nan] * 5)
@@ -127,7 +127,7 @@ def _met(case: Case, method: str, known: Any, seed: Solution | None = None) -> M
     finite = bool(np.isfinite([sol.beta, sol.dbeta, sol.alpha, sol.z]).all())
     error = float(np.abs(sol.beta[1:] - known).max()) if finite else np.nan
     if seed is not None and finite:  # another shape between the same ends is no error
-        own = METHODS["orbit"].run(sol.problem.started(sol.trajectory.dbeta[:, 0]), sol.t, 1e-12).beta
+        own = OrbitQuadrature().run(sol.problem.started(sol.trajectory.dbeta[:, 0]), sol.t, 1e-12).beta
         error = min(error, float(np.abs(sol.trajectory.beta - own).max()))
     allowed = _SLACK * TOL * max(1.0, float(sol.condition))
     if sol.solved:

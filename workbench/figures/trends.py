@@ -12,8 +12,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullLocator
 
+from solver.observe.observables import is_count
 from solver.problem.errors import InputError, no_such
-from studies.laws import COUNTS, DIRECTIONS, FAILS, NOISE
+from studies.laws import DIRECTIONS, FAILS, NOISE
 from studies.reasons import DOES
 
 from ..data import case_selection, dataset, law_verdicts
@@ -122,7 +123,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     ax.margins(x=0.04, y=0.1)
     ax.yaxis.set_major_formatter(style.plain)
     drawn = lines.values[np.isfinite(lines.values)]
-    if observable in COUNTS:
+    if is_count(observable):
         ax.yaxis.set_major_locator(MaxNLocator(integer=True))
         if drawn.size and np.ptp(drawn) < 2:
             count = round(float(drawn.mean()))

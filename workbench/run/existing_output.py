@@ -15,7 +15,6 @@ from solver.problem.errors import InputError
 from ..data import file_checks
 from .plan import FORMAT, Coordinates, Plan, axis_line, differences, recipe
 
-VERSIONS = ("code", "numpy", "scipy", "numba", "heyoka", "block")  # of a recipe: what is not the study
 _ROUNDING = 8 * 2.0**-52  # values of an axis closer than this share are the same
 
 
@@ -80,7 +79,7 @@ def grown(there: There, plan: Plan) -> Plan | None:
     plan = Plan(plan.study, coordinates)
     now = _plain(recipe(plan))
     changed = [key for key in {**there.recipe, **now} if there.recipe.get(key) != now.get(key) and key != "axes"]
-    if any(key not in VERSIONS for key in changed):
+    if any(key not in _versions() for key in changed):
         return None
     if there.recipe["axes"] == now["axes"]:
         return plan
@@ -133,3 +132,10 @@ def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
     """As JSON gives it back."""
     plain: dict[str, Any] = json.loads(json.dumps(data))
     return plain
+
+
+def _versions() -> set[str]:
+    """The keys of a recipe that are not the study: code, packages, block."""
+    from solver.methods import METHODS
+
+    return {"code", "numpy", "scipy", "block", *(method.requires for method in METHODS.values())}

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 import solver
 import studies
-from solver import Case, Ends, InputError, Start
-from solver.solve import AUTO
+from solver import Case, Ends, InputError
+from solver.problem.tolerance import checked_tolerance
 from studies import Study
 from studies.axes import Axis
 from studies.laws import Law
@@ -30,9 +30,7 @@ Coordinates = Mapping[str, NDArray[np.float64]]
 # Cases a block: enough for NumPy to be busy, few enough to stay in the cache; few where each is solved by itself.
 BLOCK, BLOCK_ALONE = 512, 32
 BLOCK_VALUES = 2**18  # stations of all cases of a block, at most: some MB an array
-TOGETHER = ("orbit", "swing")  # the methods that solve a block in one go
 MOST_BLOCKS, MOST_BYTES = 8, 32 * 2**20  # of a chunk: what a death costs, and what a process holds of it
-NEEDS = {"heyoka": ("heyoka",), "swing": ("numba",)}  # packages whose version decides a method's last bits
 TEXT_BYTES = 200  # of outcome and caution in the file: their places, and texts with a remark
 SPARE = 4 * 2**20  # bytes for coordinates, attributes, half-filled packets and the lists of an HDF5 file
 
@@ -67,8 +65,15 @@ class Plan:
         """Cases solved together; the study alone decides it."""
         if self.study.sweeps:
             return sweep_order.block_size(self.shape, BLOCK_VALUES // self.study.stations)
-        most = BLOCK if self.study.method in TOGETHER else BLOCK_ALONE
+        most = BLOCK if self.batched else BLOCK_ALONE
         return max(1, min(most, BLOCK_VALUES // self.study.stations))
+
+    @property
+    def batched(self) -> bool:
+        """Whether the method solves a large block at once."""
+        from solver.methods import METHODS
+
+        return METHODS[self.study.method].batched
 
     @cached_property
     def light(self) -> Study:
@@ -116,22 +121,18 @@ class Plan:
 
 
 def plan(study: Study, tol: float | None = None, method: str | None = None) -> Plan:
-    """The plan of a study, with another tolerance or method where given; `auto` becomes the method that it means.
+    """The plan of a study, with another tolerance or method if given; "auto" becomes the automatic method.
 
     Raises `InputError` for a tolerance or method that `solve` refuses.
     """
-    from solver.methods import METHODS
+    from solver.methods.automatic import chosen_method
 
     coordinates = study.coordinates()
     first = study.case_of({name: values[0] for name, values in coordinates.items()})
     if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
         first = Case(first.rod, first.cylinder, Ends(0.0, 0.0))
-    kind = "start" if isinstance(first.given, Start) else "ends"
-    tol = study.tol if tol is None else tol
-    method = study.method if method is None else method
-    name = AUTO[kind] if method == "auto" else method
-    if name not in METHODS or kind not in METHODS[name].kinds or not 0 < tol < 1:
-        solver.solve(first, tol, method, 2)  # says what is wrong
+    tol = checked_tolerance(study.tol if tol is None else tol)
+    name = chosen_method(first.kind, study.method if method is None else method).name
     return Plan(study.model_copy(update={"tol": tol, "method": name}), coordinates)
 
 
@@ -178,7 +179,7 @@ def recipe(plan: Plan) -> dict[str, Any]:
         "method": study.method,
         "block": plan.block,
         "code": code_version(),
-        **{package: _version(package) for package in ("numpy", "scipy", *NEEDS.get(study.method, ()))},
+        **{package: _version(package) for package in ("numpy", "scipy", *_required(study.method))},
     }
 
 
@@ -204,12 +205,19 @@ def code_version() -> str:
 
 def check_worker(study: Study, code: str) -> None:
     """Raise `InputError` where this process would not give the same numbers: other code, or a method it lacks."""
-    from solver.methods import METHODS
+    from solver.methods import available
 
     if code_version() != code:
         raise InputError(f"a worker has the code {code_version()}, but the run was started with {code}")
-    if study.method not in METHODS:
+    if study.method not in available():
         raise InputError(f"a worker has no method {study.method!r}: install there what is installed here")
+
+
+def _required(method: str) -> list[str]:
+    """The package whose version decides the last bits of a method, if there is one."""
+    from solver.methods import METHODS
+
+    return [package] if (package := METHODS[method].requires) else []
 
 
 def _version(package: str) -> str:

@@ -17,7 +17,7 @@ from studies import Study
 from . import local_pool, shard_folder, worker_processes
 from .block_solver import Damaged, decode, encode, is_solved, kind_of, unsolved
 from .existing_output import There, grown, is_finished, look, told_of
-from .plan import TOGETHER, Plan, bytes_a_case, bytes_of_file, plan, recipe
+from .plan import Plan, bytes_a_case, bytes_of_file, plan, recipe
 from .progress import Meter, metered
 
 WORTH, WORTH_TOGETHER = 4, 10  # blocks for which a worker is worth its start
@@ -229,7 +229,7 @@ def _workers(work: Plan, left: int, options: Options) -> int:
     """Processes for so many cases; the first worker takes a second to start, or some blocks' time."""
     if options.workers is not None:
         return options.workers
-    blocks = WORTH_TOGETHER if work.study.method in TOGETHER else WORTH
+    blocks = WORTH_TOGETHER if work.batched else WORTH
     return max(1, min(local_pool.cores(), left // (blocks * work.block)))
 
 
