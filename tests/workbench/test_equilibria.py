@@ -287,7 +287,7 @@ def test_a_study_that_names_an_equilibrium_must_be_one_case_by_its_ends(tmp_path
         'title = "x"\nreading = "force-first"\n[units]\nlength = "cm"\nforce = "N"\n'
         "[equilibrium]\ndbeta0 = 1.0\nenergy = 2.0\n"
     )
-    with pytest.raises(InputError, match=r"line 6.*given by its ends"):
+    with pytest.raises(InputError, match=r"line 6.*a solution of an ends problem"):
         load(path)
 
 

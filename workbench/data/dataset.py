@@ -172,4 +172,4 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
 def _knows_orbit(method: str) -> bool:
     from solver.methods import METHODS
 
-    return METHODS[method].knows_orbit
+    return method in METHODS and METHODS[method].knows_orbit
