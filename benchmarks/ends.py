@@ -107,7 +107,6 @@ def _off(sol: Solution, exact: Any) -> float:
 def loosest(seed: Solution, mesh: int, exact: Any, t: Any) -> Any:
     """A call of solve_bvp from that first mesh at the largest tolerance that achieves `WANTED`; None without any."""
     problem = seed.problem
-    assert problem.betaL is not None
     first, last = problem.beta0[0], problem.betaL[0]
     x = np.linspace(0, problem.span[0], mesh)
     guess = np.interp(x, t, exact)

@@ -29,7 +29,7 @@ from solver.problem.reduced import reduce
 STATIONS = 201
 
 
-METHODS = ("swing", "orbit") if "swing" in methods.METHODS else ("orbit",)
+METHODS = ("swing", "orbit") if "swing" in methods.available() else ("orbit",)
 
 
 def against_dop853() -> dict[str, float]:
@@ -38,7 +38,7 @@ def against_dop853() -> dict[str, float]:
     problem = reduce(case)
     lam, mu, phi = (float(v[0]) for v in (problem.lam, problem.mu, problem.phi))
     t = problem.span[0] * np.linspace(0, 1, STATIONS)
-    y0 = [float(problem.beta0[0]), float(problem.dbeta0[0]), 0.0, 0.0]  # type: ignore[index]
+    y0 = [float(problem.beta0[0]), float(problem.dbeta0[0]), 0.0, 0.0]
 
     def rates(_: float, y: np.ndarray) -> list[float]:
         s, c = math.sin(y[0]), math.cos(y[0])
@@ -123,7 +123,7 @@ def main() -> None:
         ("a grid in one call", batch),
     ]
     versions = f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}"
-    if {"swing", "heyoka"} <= set(methods.METHODS):
+    if {"swing", "heyoka"} <= set(methods.available()):
         parts += taylor.PARTS.items()
     if not asked.skip_reproduce:
         parts.append(("workbench reproduce", reproduce))

@@ -1,35 +1,34 @@
-"""Accuracy against cost, measured: every method over a ladder of its knob, on cases whose answer is known.
+"""Accuracy against cost, measured: each method over a ladder of its knob, on cases whose answer is known.
 
-The seconds are those of the whole call: the answer at the stations, its error estimate and its condition number, as
-whoever calls `solve` pays them. The achieved error is against a reference; no method judges itself.
+The seconds are those of the whole call of `solve`: the answer at the stations, its error estimate and its condition
+number. The achieved error is measured against a reference, not taken from the method.
 """
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from .methods import METHODS
+from .methods.ladder import Ladder
 from .numerics.arrays import Array
-from .problem.case import Case, Ends
+from .problem.case import Case
 from .solution import Solution
 from .solve import solve
 
 STATIONS = 201
 REPEATS = 5
 _ENOUGH = 0.06  # seconds of repeats, after which no further one is made
-# Evaluations beyond which a ladder is left: what some 0.4 s allow on the machine of docs/reference/trade.md. Not
-# seconds, so that a busy machine climbs the same rungs. Methods that call Python for each evaluation, and the others.
-MOST_CALLED, MOST_COMPILED = 20_000, 1_000_000
-_TRIED = 0.9  # the tolerance that a rung is judged by where its knob is not the tolerance: only the lost ones fail
 
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """What is known of a case: beta [rad], alpha [rad], z/rho, contact rho^3/A at shares u of the rod, all (n,);
-    condition: the growth of a change of the start."""
+    """The known answer of a case.
+
+    beta [rad], alpha [rad], z/rho and contact rho^3/A at s/L = u, (n,) each; condition: the condition number.
+    """
 
     u: Array
     beta: Array
@@ -40,36 +39,19 @@ class Reference:
 
 
 @dataclass(frozen=True)
-class Ladder:
-    """A method, the knob that is turned, its values from cheap to dear, and the other knobs, which stay.
-
-    cold: the first call at a value is slow (it compiles) and does not count. most: evaluations; a rung that would take
-    more is not run.
-    """
-
-    method: str
-    knob: str
-    values: tuple[float, ...]
-    fixed: Mapping[str, Any] = field(default_factory=dict)
-    cold: bool = False
-    most: float = MOST_CALLED
-
-    def options(self, value: float) -> dict[str, Any]:
-        """What `solve` is asked for on the rung of that value."""
-        tol = {} if self.knob == "tol" else {"tol": _TRIED}
-        return {"method": self.method, **tol, **self.fixed, self.knob: value}
-
-
-@dataclass(frozen=True)
 class Row:
-    """One rung: what was asked and what came of it. Errors: of beta [rad], of position over max(rho, L), of contact
-    over its largest size; estimate: what the method said of its error. drift: of h rho^2, and of FZ and MZ worked out
-    from forces and moments along the rod, over A/rho^2 and A/rho."""
+    """One rung: what was asked for, and the result.
+
+    Errors: of beta [rad], of position over max(rho, L), of contact over its largest size; estimate: the error that the
+    method states. drift: of h rho^2, and of FZ and MZ as computed from forces and moments along the rod, over A/rho^2
+    and A/rho.
+    """
 
     case: str
     ladder: str
     knob: str
     value: float
+    solved: bool
     outcome: str
     seconds: float
     evaluations: float
@@ -84,41 +66,19 @@ class Row:
 
     @property
     def error(self) -> float:
-        """The larger of those of beta and of position."""
+        """The larger of the errors of beta and of position."""
         return max(self.error_beta, self.error_position)
 
 
-def tens(first: int, last: int, step: int = 1) -> tuple[float, ...]:
-    """10^-first, ..., 10^-last."""
-    return tuple(10.0**-k for k in range(first, last + 1, step))
-
-
-def twos(last: int, times: int = 1) -> tuple[int, ...]:
-    """times 1, 2, 4, ..., 2^last."""
-    return tuple(times * 2**k for k in range(last + 1))
-
-
-NODES = tuple(n + 1 for n in twos(9, 64))
-LADDERS: dict[str, Ladder] = {
-    "euler": Ladder("euler", "steps", twos(9)),
-    "rk4": Ladder("rk4", "steps", twos(6)),
-    "verlet": Ladder("verlet", "steps", twos(8), {"extrapolate": False}),
-    "verlet extrapolated": Ladder("verlet", "steps", twos(7)),
-    "dop853": Ladder("dop853", "rtol", (*tens(2, 12, 2), 1e-13), most=3 * MOST_CALLED),
-    "lsoda": Ladder("lsoda", "rtol", (*tens(2, 12, 2), 1e-13), most=2 * MOST_CALLED),
-    "heyoka": Ladder("heyoka", "rtol", tens(1, 15, 2), cold=True, most=MOST_COMPILED),
-    "orbit": Ladder("orbit", "tol", (*tens(1, 11, 2), 1e-12, 1e-13)),
-    "swing": Ladder("swing", "tol", (*tens(1, 11, 2), 1e-12, 1e-13)),
-    "difference": Ladder("difference", "nodes", NODES, {"extrapolate": False}, most=MOST_COMPILED),
-    "difference extrapolated": Ladder("difference", "nodes", NODES, most=MOST_COMPILED),
-    "collocation": Ladder("collocation", "rtol", (*tens(1, 11, 2), 1e-12, 1e-13), most=MOST_COMPILED),
-    "shooting": Ladder("shooting", "tol", tens(2, 13, 2)),
-}
+def ladders() -> dict[str, Ladder]:
+    """The ladders of all methods by their names: start methods first, in rising order of convergence."""
+    methods = sorted(METHODS.values(), key=lambda method: ("start" not in method.problems, method.order, method.name))
+    return {ladder.name: ladder for method in methods for ladder in method.ladders}
 
 
 def offered() -> dict[str, Ladder]:
     """The ladders of the methods that can run here."""
-    return {name: ladder for name, ladder in LADDERS.items() if ladder.method in METHODS}
+    return {name: ladder for name, ladder in ladders().items() if METHODS[ladder.method].installed()}
 
 
 def measure(
@@ -126,47 +86,58 @@ def measure(
     ladders: Mapping[str, Ladder] | None = None,
     told: Callable[[str], None] = lambda _: None,
 ) -> list[Row]:
-    """Every ladder on every single case of a kind it solves; one row a rung, failures among them.
+    """Each ladder on each case of a kind that its method solves; one row a rung, failed rungs included.
 
-    cases: name -> case, reference, and for an ends problem beta'(0) of the equilibrium that is meant. told: is
-    called with the name of each case as its turn comes. Raises `InputError` for what `solve` refuses.
+    Parameters
+    ----------
+    cases : mapping
+        Name -> case, reference and, for an ends problem, beta'(0) of the equilibrium that is meant.
+    ladders : mapping of Ladder, optional
+        By name; default: all that are offered.
+    told : callable
+        Called with the name of each case before it is measured.
+
+    Raises
+    ------
+    InputError
+        For what `solve` refuses.
     """
     rows: list[Row] = []
     for name, (case, reference, slope) in cases.items():
         told(name)
-        kind = "ends" if isinstance(case.given, Ends) else "start"
         seed = {} if slope is None else {"seed": _coarse(case, slope)}
         for label, ladder in (offered() if ladders is None else ladders).items():
-            if kind in METHODS[ladder.method].kinds:
+            if case.kind in METHODS[ladder.method].problems:
                 rows += _climb(name, case, reference, label, ladder, seed)
     return rows
 
 
 def _coarse(case: Case, slope: float) -> Solution:
-    """The shape that is meant at a hundred steps: what every method for ends starts from; its cost is not counted."""
+    """The equilibrium that is meant, at 101 stations: the seed of every method for ends; its cost is not counted."""
     return solve(case, method="shooting", seed=slope, stations=101)
 
 
 def _climb(
     name: str, case: Case, reference: Reference, label: str, ladder: Ladder, seed: Mapping[str, Any]
 ) -> Iterator[Row]:
-    taken, before = 0.0, ladder.values[0]  # evaluations, and where
+    """The rows of one ladder on one case."""
+    taken, before = 0.0, ladder.values[0]  # evaluations of the last rung, and its value
     solve(case, stations=STATIONS, **seed, **ladder.options(before))  # warm-up
     for value in ladder.values:
         if taken * max(1.0, value / before) > ladder.most:
             why = f"not run: it would take more than {ladder.most:g} evaluations"
-            yield Row(name, label, ladder.knob, value, why, *[np.nan] * 10)
+            yield Row(name, label, ladder.knob, value, False, why, *[np.nan] * 10)
             continue
         sol, seconds = _timed(case, {**seed, **ladder.options(value)}, ladder.cold)
         taken = float(sol.evaluations)
-        yield Row(name, label, ladder.knob, value, str(sol.outcome), seconds, taken,
+        yield Row(name, label, ladder.knob, value, bool(sol.solved), str(sol.outcome), seconds, taken,
                   **achieved(sol, reference), estimate=float(sol.error), condition=float(sol.condition),
                   **drift(sol))  # fmt: skip
         before = value
 
 
 def _timed(case: Case, options: Mapping[str, Any], cold: bool) -> tuple[Solution, float]:
-    """The answer, and the least seconds of a few calls; where the first one is short or cold it is not counted."""
+    """The answer, and the least seconds of a few calls; a short or cold first call is not counted."""
     sol, first = _once(case, options)
     if first > _ENOUGH and not cold:
         return sol, first
@@ -183,7 +154,7 @@ def _once(case: Case, options: Mapping[str, Any]) -> tuple[Solution, float]:
 
 
 def achieved(sol: Solution, reference: Reference) -> dict[str, float]:
-    """Errors of a single case whose stations hold the reference's, by their names in `Row`; inf where not finite."""
+    """Errors of a single case by their names in `Row`, inf where not finite; its stations include the reference's."""
     at = np.rint(reference.u * (sol.beta.size - 1)).astype(int)
     rho, A = float(sol.case.rho), float(sol.case.rod.bending_stiffness)
     with np.errstate(all="ignore"):
@@ -196,7 +167,7 @@ def achieved(sol: Solution, reference: Reference) -> dict[str, float]:
 
 
 def drift(sol: Solution) -> dict[str, float]:
-    """How far what must be constant along a single rod strays, by the names in `Row`; inf where not finite."""
+    """Largest changes of the constants along a single rod by their names in `Row`; inf where not finite."""
     rho, A = float(sol.case.rho), float(sol.case.rod.bending_stiffness)
     with np.errstate(all="ignore"):
         s, c = np.sin(sol.beta), np.cos(sol.beta)
@@ -215,10 +186,10 @@ def _largest(values: Array) -> float:
 
 
 def cheapest(rows: Iterable[Row], level: float) -> dict[str, Row | None]:
-    """For each case the rung with the least seconds that was solved with an error of at most `level`, or None."""
+    """For each case the fastest rung that was solved with an error of at most `level`, or None."""
     best: dict[str, Row | None] = {}
     for row in rows:
         here = best.setdefault(row.case, None)
-        if row.outcome.startswith("solved") and row.error <= level and (here is None or row.seconds < here.seconds):
+        if row.solved and row.error <= level and (here is None or row.seconds < here.seconds):
             best[row.case] = row
     return best

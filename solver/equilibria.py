@@ -1,4 +1,4 @@
-"""Every equilibrium of a rod whose end angles and dead loads are given, with its stability."""
+"""Every equilibrium of one ends problem, with its stability."""
 
 from dataclasses import dataclass, replace
 
@@ -14,21 +14,45 @@ from .observe.observables import observe
 from .orbit.periodic_orbit import Orbit
 from .problem.case import Case, Ends
 from .problem.errors import InputError
-from .problem.reduced import reduce
+from .problem.reduced import EndsProblem, reduce
+from .problem.tolerance import DEFAULT_TOLERANCE
 from .problem.trajectory import Trajectory
 from .solution import Solution
 
-NONE = "incomplete: no equilibrium was found, and by degree there is always one"
+NONE_FOUND = "incomplete: no equilibrium was found, and by degree there is always one"
 
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """One equilibrium.
+    """One equilibrium of an ends problem; `equilibria` makes it.
 
-    index: Morse index, 0 for a stable one, both end angles held and the loads dead. energy: bending energy less the
-    work of the loads [force length]. dbeta0: beta'(0) [rad/length]. turns: number of bends. attached: share of the
-    length where the cylinder pushes. stray: how far beta goes beyond the interval between its end angles [rad].
-    path: its level and its path (`paths.LevelPaths` of one), which tell it from every other equilibrium of the case.
+    Attributes
+    ----------
+    solution : Solution
+        Its shape.
+    index : int
+        Morse index, the end angles held and the loads dead; 0: stable.
+    energy : float
+        Bending and twist energy less the work of the loads [force length].
+    dbeta0 : float
+        beta'(0) [rad/length].
+    turns : int
+        Number of bends.
+    attached : float
+        Share of the length where the cylinder pushes.
+    stray : float
+        The most that beta leaves the interval between its end angles [rad].
+    path : LevelPaths
+        Its level and its path, which identify it among the equilibria of the case.
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Ends, Rod, equilibria
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0)
+    >>> found = equilibria(Case(rod, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, FZ=-8.66)))
+    >>> lowest = found[0]
+    >>> print(f"index {lowest.index}, {lowest.turns} bends, energy {lowest.energy:.4f}")
+    index 0, 1 bends, energy 44.1262
     """
 
     solution: Solution
@@ -42,11 +66,11 @@ class Equilibrium:
 
 
 class Equilibria(list[Equilibrium]):
-    """The equilibria of one case, lowest energy first, and whether they are all that there are.
+    """The equilibria of one case, lowest energy first.
 
-    complete: the equilibria, each counted with (-1)^index, add up to 1, as they must by degree, and the lowest is
-    stable. So an odd number of missing ones is seen; a pair of opposite signs, as is born at a fold, is not.
-    remark: one sentence that says why the list is a part only; empty where it is complete.
+    complete: whether they pass the test of completeness: counted with (-1)^index they add up to 1, as they must by
+    degree, and the lowest is stable. The test detects an odd number of missing equilibria, but not a missing pair of
+    opposite signs, as a fold creates it. remark: why the list is incomplete; empty if it is complete.
     """
 
     def __init__(self, found: list[Equilibrium], remark: str = "") -> None:
@@ -58,22 +82,47 @@ class Equilibria(list[Equilibrium]):
         return not self.remark
 
 
-def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: int = 200) -> Equilibria:
-    """All solutions of one ends problem with at most `most_swings` whole periods of beta, lowest energy first.
+def equilibria(case: Case, tol: float = DEFAULT_TOLERANCE, stations: int = 201, most_swings: int = 200) -> Equilibria:
+    """All equilibria of one ends problem.
 
-    The list says whether it is `complete`, and why not.
+    Parameters
+    ----------
+    case : Case
+        A single ends problem. beta(L) counts whole turns: for the same tangent after one turn, give beta(L) + 2 pi.
+    tol : float
+        Tolerance, as of `solve`.
+    stations : int
+        Number of stations of each solution.
+    most_swings : int
+        The largest number of whole periods of beta along the rod.
 
-    beta(L) counts whole turns: to end at the same tangent after turning round, ask for beta(L) + 2 pi.
-    Raises `InputError` for a start problem or a grid of cases.
+    Returns
+    -------
+    Equilibria
+        A list of `Equilibrium`, lowest energy first. Its `complete` says whether the list passes the test of
+        completeness; its `remark` says why not.
+
+    Raises
+    ------
+    InputError
+        For a start problem or a grid of cases.
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Ends, Rod, equilibria
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0)
+    >>> found = equilibria(Case(rod, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, FZ=-8.66)))
+    >>> found.complete, [one.index for one in found]
+    (True, [0, 0, 1])
     """
-    if not isinstance(case.given, Ends):
-        raise InputError(f"equilibria needs a Case given by Ends, got {type(case.given).__name__}")
+    problem = reduce(case)
+    if not isinstance(problem, EndsProblem):
+        raise InputError(f"equilibria needs a Case with Ends, got {type(case.given).__name__}")
     if case.shape:
         raise InputError(f"equilibria takes one case at a time, got a grid of shape {case.shape}")
-    problem = reduce(case)
     all_of_them = search(problem, most_swings)
     if all_of_them is None:
-        return Equilibria([], NONE)
+        return Equilibria([], NONE_FOUND)
     slopes, orbit, K = all_of_them.slope, all_of_them.orbit, all_of_them.slope.size
     wide, index, stray = repeated(problem, K), all_of_them.index, all_of_them.stray
     t = wide.span[:, None] * np.linspace(0, 1, stations)
@@ -89,7 +138,7 @@ def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: 
 
 
 def _repeated(case: Case, K: int) -> Case:
-    """The same ends problem K times over."""
+    """The same ends problem K times."""
     g = case.given
     assert isinstance(g, Ends)
     return Case(case.rod, case.cylinder, Ends(np.full(K, g.beta0), g.betaL, g.FZ, g.MZ, g.M3, g.alpha, g.gamma))
@@ -98,13 +147,13 @@ def _repeated(case: Case, K: int) -> Case:
 def _one(together: Trajectory, orbit: Orbit, t: Array, i: int) -> Trajectory:
     """Row i of a trajectory, with its own orbit."""
     row = slice(i, i + 1)
-    names = ("beta", "dbeta", "alpha", "z", "outcome", "error", "condition", "evaluations")
+    names = ("beta", "dbeta", "alpha", "z", "solved", "outcome", "error", "condition", "evaluations")
     picked = {name: getattr(together, name)[row] for name in names}
     return replace(together, **picked, swirl=lambda: orbit.swirl(t[row]), orbit=orbit)
 
 
 def _in_order(found: list[Equilibrium]) -> list[Equilibrium]:
-    """Lowest energy first; of mirror images, whose energies differ by rounding alone, the lower beta'(0) first."""
+    """Lowest energy first; of mirror images, whose energies differ only by rounding, the lower beta'(0) first."""
     found = sorted(found, key=lambda e: e.energy)
     energy = np.array([e.energy for e in found])
     new = np.diff(energy, prepend=-np.inf) > 1e-9 * (1 + np.abs(energy))
@@ -113,13 +162,13 @@ def _in_order(found: list[Equilibrium]) -> list[Equilibrium]:
 
 
 def nearest(found: list[Equilibrium], dbeta0: float, energy: float) -> Equilibrium:
-    """Of all equilibria of a case the one next to beta'(0) [rad/length] and energy [force length], each measured by
-    its spread. Both are needed: mirror images share the energy, and what hugs one saddle the slope, to the last bit.
+    """The equilibrium nearest to beta'(0) [rad/length] and energy [force length], each relative to its spread.
 
-    Raises `InputError` where there is none.
+    Both are needed: mirror images have the same energy to the last bit, and equilibria that rest near one saddle the
+    same slope. Raises `InputError` for an empty list.
     """
     if not found:
-        raise InputError("no equilibrium joins these end angles under these loads")
+        raise InputError("no equilibrium was found for these end angles and loads")
     far = np.zeros(len(found))
     for values, wanted in (([e.dbeta0 for e in found], dbeta0), ([e.energy for e in found], energy)):
         far += np.abs(np.array(values) - wanted) / (np.ptp(values) or 1.0)
@@ -127,8 +176,7 @@ def nearest(found: list[Equilibrium], dbeta0: float, energy: float) -> Equilibri
 
 
 def meant(found: list[Equilibrium], choose: Choose = NEAREST) -> Equilibrium | None:
-    """Of all equilibria of a case the one that `solve` takes by the rule `choose`; None where no equilibrium has the
-    index asked for, or where there is none."""
+    """The equilibrium that `solve` takes by the rule `choose`; None if no equilibrium fits the rule."""
     columns = ([getattr(one, name) for one in found] for name in ("index", "energy", "stray", "dbeta0"))
     i = select(choose, *(np.array(column, dtype=float) for column in columns))
     return None if i is None else found[i]

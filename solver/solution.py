@@ -1,4 +1,4 @@
-"""The answer: beta and the developed curve at the stations; everything else when it is first read."""
+"""The solution: beta and the developed curve at the stations; other quantities are computed when first read."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,31 +11,57 @@ from .mechanics.contact import contact_force, push_from
 from .mechanics.potential import Loads, dimensional_slope, potential
 from .numerics.arrays import Array
 from .problem.case import Case
-from .problem.reduced import Reduced, flat
+from .problem.reduced import EndsProblem, StartProblem, flat
 from .problem.trajectory import Trajectory
 
-_quiet = np.errstate(all="ignore")  # cases that were refused carry numbers that no float holds
+_quiet = np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """The shapes of a case (or a grid of cases) at n stations, in the case's own units.
+    """The shape of a case, or of each case of a grid, at n stations in the units of the case.
 
-    Arrays along the rod are (*cases, n), those of a case (*cases). Only s, beta, dbeta, alpha and z are stored; the
-    rest is computed when first read and kept.
+    `solve` makes it. Quantities along the rod have the shape (*cases, n), quantities of a case (*cases); each is
+    computed when it is first read, and kept. A quantity of an unsolved case may be NaN.
+
+    Attributes
+    ----------
+    case : Case
+        The case that was solved.
+    problem : StartProblem or EndsProblem
+        The dimensionless problem of the case.
+    trajectory : Trajectory
+        The answer of the method, in units of rho.
+    t : array, (B, n)
+        Stations in units of rho, a row for each of the B cases.
+    method : str
+        Name of the method.
+    tol : float
+        Tolerance.
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Rod, Start, solve
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
+    >>> solution = solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)))
+    >>> solution.outcome, bool(solution.solved), solution.beta.shape
+    ('solved', True, (201,))
+    >>> print(f"height {solution.z[-1]:.4f}, largest push {solution.push.max():.3f}")
+    height 8.8017, largest push 390.157
     """
 
     case: Case
-    problem: Reduced = field(repr=False)
+    problem: StartProblem | EndsProblem = field(repr=False)
     trajectory: Trajectory = field(repr=False)
     t: Array = field(repr=False)
-    method: str = "orbit"
-    tol: float = 1e-8
+    method: str
+    tol: float
 
     def _along(self, values: Array) -> Array:
         return values.reshape(*self.case.shape, values.shape[-1])
 
     def _each(self, values: Any) -> Any:
+        """One value a case, (*cases); a plain number for a single case."""
         shaped = np.asarray(values).reshape(self.case.shape)
         return shaped if self.case.shape else shaped[()]
 
@@ -46,7 +72,7 @@ class Solution:
     @cached_property
     @_quiet
     def _loads(self) -> tuple[Array, Array, Array, Array]:
-        """A, l, m, p as columns."""
+        """A, l = MZ/A, m = M3/A and p = FZ/A, (*cases, 1) each."""
         A = self._column(self.case.rod.bending_stiffness)
         FZ, MZ, M3 = (self._column(load) for load in self.case.loads)
         return A, MZ / A, M3 / A, FZ / A
@@ -91,14 +117,14 @@ class Solution:
     @cached_property
     @_quiet
     def gamma(self) -> Array:
-        """Rotation of the section against N, B, T, (*cases, n) [rad]; eq. (24), row 6."""
+        """Rotation of the section against the frame N, B, T, (*cases, n) [rad]; eq. (24), row 6."""
         twist = self._column(self.case.loads[2] / self.case.rod.torsional_stiffness)
         return self._column(self.case.given.gamma) + twist * self.s - self._along(self.trajectory.swirl())
 
     @cached_property
     @_quiet
     def position(self) -> Array:
-        """Centreline, (*cases, n, 3) [length]; the axis of the cylinder is z."""
+        """Position of the centreline, (*cases, n, 3) [length]; z is the axis of the cylinder."""
         return frames.position(self._rho, self.alpha, self.z)
 
     @cached_property
@@ -116,7 +142,7 @@ class Solution:
     @cached_property
     @_quiet
     def material_frame(self) -> Array:
-        """The section's frame d1, d2, d3 as rows, (*cases, n, 3, 3); eq. (13)."""
+        """Frame of the section: d1, d2, d3 as rows, (*cases, n, 3, 3); eq. (13)."""
         return frames.material(self.alpha, self.beta, self.gamma)
 
     @cached_property
@@ -159,7 +185,7 @@ class Solution:
     @cached_property
     @_quiet
     def contact(self) -> Array:
-        """The cylinder's push per length, (*cases, n) [force/length], positive outward; eq. (34), corrected."""
+        """Contact force per length, positive outward, (*cases, n) [force/length]; eq. (34), corrected."""
         A, l, m, p = self._loads
         H = dimensional_slope(l, m, p, self._rho, self.beta)
         return contact_force(A, m, self._rho, self.FY, H, self.beta, self.dbeta)
@@ -167,7 +193,10 @@ class Solution:
     @property
     @_quiet
     def push(self) -> Array:
-        """Contact counted positive where the cylinder pushes, negative where it lifts off, (*cases, n)."""
+        """Contact force per length, positive where the cylinder pushes, negative where it would have to pull.
+
+        (*cases, n) [force/length]; on either side of the wall.
+        """
         return push_from(self.contact, self.case.cylinder.side)
 
     @property
@@ -185,7 +214,7 @@ class Solution:
     @cached_property
     @_quiet
     def h(self) -> Array:
-        """First integral beta'^2 + G(beta), (*cases, n) [1/length^2]; eq. (32). Constant but for the method's error."""
+        """First integral beta'^2 + G(beta), constant but for the error, (*cases, n) [1/length^2]; eq. (32)."""
         level = self.trajectory.dbeta**2 + potential(Loads.columns(self.problem), self.trajectory.beta)
         return self._along(level) / self._rho**2
 
@@ -211,18 +240,20 @@ class Solution:
 
     @property
     def outcome(self) -> Any:
-        """ "solved" (perhaps with a remark after it), or why not, (*cases)."""
+        """A sentence: "solved", or "solved; " and a remark, or "failed: " and the reason, (*cases)."""
         return self._each(self.trajectory.outcome)
 
-    @cached_property
+    @property
     def solved(self) -> Any:
-        """Whether each case's outcome is solved, (*cases) of bool."""
-        return self._each(np.array([text.startswith("solved") for text in self.trajectory.outcome], dtype=bool))
+        """Whether each case was solved, (*cases) of bool."""
+        return self._each(self.trajectory.solved)
 
     @property
     def selection(self) -> Any:
-        """Of an ends problem solved without a seed: how many equilibria there are and which rule took this one,
-        (*cases) of `selection.Selection`; None for others."""
+        """The number of equilibria and the rule that selected this one, (*cases) of `selection.Selection`.
+
+        None for a start problem, and for an ends problem solved from a seed.
+        """
         found = self.trajectory.selection
         return self._each(np.full(self.case.size, None, dtype=object) if found is None else found)
 
@@ -233,7 +264,7 @@ class Solution:
 
     @property
     def condition(self) -> Any:
-        """How much a change of what is given grows along the rod, at least 1, (*cases).
+        """Condition number: the growth of a change of the given angles along the rod, at least 1, (*cases).
 
         Start problems: the largest |d beta/d beta(0)| and w |d beta/d beta'(0)|/rho, with
         w = max(1, rho |beta'(0)|, rho sqrt|H'(beta(0))|). Ends problems: the largest |d beta/d beta(L)|.
@@ -242,5 +273,5 @@ class Solution:
 
     @property
     def evaluations(self) -> Any:
-        """How often the method evaluated the equation, (*cases)."""
+        """Number of evaluations of the equation, (*cases)."""
         return self._each(self.trajectory.evaluations)

@@ -1,112 +1,113 @@
-"""The one way from a case to its solution: reduce, run a method, label."""
+"""From a case to its solution: reduce, run a method, restore the units."""
 
-from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .boundary.selection import NEAREST, checked
-from .core.loader import INSTALLED
+from .boundary.selection import NEAREST, Choose, checked
 from .numerics.arrays import Array
 from .problem.case import Case
-from .problem.errors import InputError, choices, no_such
+from .problem.errors import InputError
 from .problem.limits import OUT_OF_RANGE, TOO_LARGE, dimensionless, representable, units_held
-from .problem.reduced import Reduced, flat, reduce
+from .problem.reduced import EndsProblem, Reduced, StartProblem, flat, reduce
+from .problem.tolerance import DEFAULT_TOLERANCE, checked_tolerance
 from .problem.trajectory import Seed, Trajectory, blanked, stood_in
 from .solution import Solution
 
 if TYPE_CHECKING:
     from .methods import Method
 
-AUTO = {"start": "swing" if INSTALLED else "orbit", "ends": "shooting"}  # as measured: docs/reference/trade.md
-
 
 def solve(
     case: Case,
-    tol: float = 1e-8,
-    method: str = "auto",
+    tol: float = DEFAULT_TOLERANCE,
+    method: "str | Method" = "auto",
     stations: Any = 201,
     seed: Any = None,
-    choose: str | int = NEAREST,
+    choose: Choose = NEAREST,
     **knobs: Any,
 ) -> Solution:
-    """The shape of a case, or of every case of a grid at once.
+    """The shape of a case, or of each case of a grid.
 
-    tol: the error allowed, times max(1, condition): of beta [rad], and of alpha and z/rho over max(1, L/rho).
-    method: "auto" or one of `METHODS`. stations: how many equal steps of s plus one, or the values of s [length],
-    rising within [0, L], (n,) or (*cases, n). seed: for an ends problem, which of its many solutions: the one with
-    beta'(0) [rad/length] near the seed, or near a Solution. choose: without a seed, which of them: "nearest", of the
-    stable ones the one whose beta strays least from between its end angles (where none is stable, of all); "lowest",
-    the one of lowest energy; or K, of those of Morse index K the one that strays least. `selection` of the answer says
-    how many there are. knobs: the method's own.
+    An unsolved case does not affect its neighbours: its `outcome` states the reason.
 
-    Each case's `outcome` says whether it was solved; a case that was not leaves its neighbours alone.
-    Raises `InputError` for a bad tolerance, method, knob, rule or stations.
+    Parameters
+    ----------
+    case : Case
+    tol : float
+        Tolerance: the error allowed, times max(1, condition), of beta [rad], and of alpha and z/rho over max(1, L/rho).
+    method : str or Method
+        "auto", a name of `solver.methods.METHODS`, or a method with its knobs, for example ``Verlet(steps=400)``.
+    stations : int or array, (n,) or (*cases, n)
+        The number of stations, at equal steps of s; or their values of s [length], rising within [0, L].
+    seed : float, array or Solution, optional
+        For an ends problem, which of its equilibria: the one with beta'(0) near this value [rad/length], or the one
+        that continues from this solution.
+    choose : {"nearest", "lowest"} or int
+        For an ends problem without a seed, which of its equilibria. "nearest": of the stable ones (of all, if none is
+        stable) the one whose beta strays least from the interval between its end angles. "lowest": the one of lowest
+        energy. A number K: of those of Morse index K the one that strays least.
+    **knobs
+        The knobs of a method given by its name: ``solve(case, method="verlet", steps=400)``.
+
+    Returns
+    -------
+    Solution
+        Its `selection` says how many equilibria there are.
+
+    Raises
+    ------
+    InputError
+        For an invalid tolerance, method, knob, rule, seed or stations.
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Ends, Rod, Start, solve
+    >>> rod, cylinder = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0), Cylinder(R=0.75)
+    >>> solution = solve(Case(rod, cylinder, Start(beta=0.5, dbeta=0.5, F3=10.0, M3=0.0)), stations=5)
+    >>> print(solution.beta.round(4))
+    [ 0.5     5.9763 10.5736 15.1074 19.8569]
+    >>> print(solve(Case(rod, cylinder, Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1))).selection)
+    17 equilibria, 3 stable; taken: the stable one whose beta strays least from between its end angles
     """
-    from .methods import METHODS, MISSING  # only a call of `solve` loads the methods
+    from .methods.automatic import chosen_method  # only a call of `solve` loads the methods
 
-    tol = _tolerance(tol)
+    tol = checked_tolerance(tol)
     problem = reduce(case)
-    name = AUTO[problem.kind] if method == "auto" else method
-    if name in MISSING and name not in METHODS:
-        raise InputError(MISSING[name])
-    if name not in METHODS:
-        raise no_such("method", name, ["auto", *METHODS])
-    if problem.kind not in METHODS[name].kinds:
-        able = ", ".join(m.name for m in METHODS.values() if problem.kind in m.kinds)
-        given = type(case.given).__name__
-        raise InputError(f"method {name!r} does not solve problems given by {given}; choose from {able}")
+    one = chosen_method(problem.kind, method, knobs)
     t = _stations(case, problem, stations)
-    for knob, value in knobs.items():
-        _check_knob(METHODS[name], knob, value)
     choose = checked(choose)
-    if problem.kind == "start" and (seed is not None or choose != NEAREST):
+    if isinstance(problem, EndsProblem):
+        if seed is not None and choose != NEAREST:
+            raise InputError(f"a seed and choose = {choose!r} exclude each other: each selects an equilibrium")
+        which = {"seed": None if seed is None else _seed(case, problem, seed), "choose": choose}
+    elif seed is not None or choose != NEAREST:
         word = f"choose = {choose!r}" if seed is None else "a seed"
-        raise InputError(f"{word} chooses among the solutions of an ends problem; a start problem has only one")
-    if seed is not None:
-        if choose != NEAREST:
-            raise InputError(f"a seed and choose = {choose!r} exclude each other: each names an equilibrium")
-        knobs["seed"] = _seed(case, problem, seed)
-    elif problem.kind == "ends":
-        knobs["choose"] = choose
-    return Solution(case, problem, _run(case, problem, METHODS[name], t, tol, knobs), t, name, tol)
+        raise InputError(f"{word} selects an equilibrium of an ends problem; a start problem has only one solution")
+    else:
+        which = {}
+    return Solution(case, problem, _run(case, problem, one, t, tol, which), t, one.name, tol)
 
 
-def _run(case: Case, problem: Reduced, method: "Method", t: Array, tol: float, knobs: dict[str, Any]) -> Trajectory:
-    """The method's answer; cases whose numbers no float can hold are refused by their outcome."""
+def _run(
+    case: Case, problem: StartProblem | EndsProblem, method: Any, t: Array, tol: float, which: dict[str, Any]
+) -> Trajectory:
+    """The answer of the method; a case whose numbers overflow or underflow gets an outcome that says so."""
     from .methods.blocks import run_in_blocks
 
     held, finite = representable(case, problem), dimensionless(problem)
     fit = held & finite
     if not fit.all():
         t = np.where(fit[:, None], t, np.linspace(0, 1, t.shape[1]))
-    run = method.run if problem.kind == "ends" else partial(run_in_blocks, method)
-    told = run(stood_in(problem, fit), t, tol, **knobs)
-    if problem.kind == "ends":  # only now is beta'(0) known
-        slope = np.where(np.isfinite(told.dbeta[:, 0]), told.dbeta[:, 0], 0.0)
+    if isinstance(problem, StartProblem):
+        told = run_in_blocks(method, stood_in(problem, fit), t, tol)
+    else:
+        told = method.run(stood_in(problem, fit), t, tol, **which)
+        slope = np.where(np.isfinite(told.dbeta[:, 0]), told.dbeta[:, 0], 0.0)  # beta'(0) is known only now
         held &= ~fit | representable(case, problem.started(slope))
     for fine, why in ((held, OUT_OF_RANGE), (finite, TOO_LARGE), (units_held(case), OUT_OF_RANGE)):
         told = blanked(told, fine, why)
     return told
-
-
-def _check_knob(method: "Method", knob: str, value: Any) -> None:
-    if knob not in method.knobs:
-        known = choices(method.knobs) or "none"
-        raise InputError(f"no knob {knob!r} in method {method.name!r}; its knobs: {known}")
-    if value is not None and not method.knobs[knob].accepts(value):
-        raise InputError(f"{knob} must be {method.knobs[knob].rule}, got {value!r}")
-
-
-def _tolerance(tol: Any) -> float:
-    try:
-        value = float(tol)
-    except (TypeError, ValueError):
-        value = np.nan
-    if not 0 < value < 1:
-        raise InputError(f"tol must be a number between 0 and 1, got {tol!r}")
-    return value
 
 
 def _stations(case: Case, problem: Reduced, stations: Any) -> Array:
@@ -114,17 +115,17 @@ def _stations(case: Case, problem: Reduced, stations: Any) -> Array:
     if isinstance(stations, (int, np.integer)) and not isinstance(stations, bool):
         if not 2 <= stations <= 10_000_000:
             raise InputError(f"stations must be from 2 to 10000000, got {stations}")
-        with np.errstate(invalid="ignore", over="ignore"):  # a span that no float holds is refused by its outcome
+        with np.errstate(invalid="ignore", over="ignore"):  # overflow of the span is reported in the outcome
             return problem.span[:, None] * np.linspace(0, 1, int(stations))
     try:
         s = np.asarray(stations, dtype=float)
         s = np.broadcast_to(s, (*case.shape, s.shape[-1])).reshape(problem.size, -1)
     except (TypeError, ValueError, IndexError):
         shape = f"(n,) or {(*case.shape, 'n')}"
-        raise InputError(f"stations must be a number or values of s, {shape}, got {stations!r}") from None
+        raise InputError(f"stations must be a whole number or values of s, {shape}, got {stations!r}") from None
     length = flat(case.rod.L, case.shape)[:, None]
     if not s.size:
-        raise InputError("stations is empty; give at least one value of s, or how many there should be")
+        raise InputError("stations is empty; give at least one value of s, or a number of stations")
     inside = np.isfinite(s) & (s >= 0) & (s <= length * (1 + 4e-16))
     if not inside.all() or (np.diff(s, axis=1) < 0).any():
         raise InputError(f"stations must rise within [0, L], L = {length.min()}, got {s.min()} to {s.max()}")
@@ -133,10 +134,10 @@ def _stations(case: Case, problem: Reduced, stations: Any) -> Array:
 
 
 def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:
-    """A seed in units of rho, from beta'(0) [rad/length] or from a solution near the one wanted."""
+    """A seed in units of rho, from beta'(0) [rad/length] or from a solution."""
     if isinstance(seed, Solution):
         if seed.case.shape not in ((), case.shape):
-            raise InputError(f"the seed's cases have shape {seed.case.shape}, these {case.shape or '()'}")
+            raise InputError(f"the cases of the seed have shape {seed.case.shape}, those to solve {case.shape or '()'}")
         told = seed.trajectory
         row = np.arange(problem.size) if seed.case.shape else np.zeros(problem.size, dtype=np.int64)
         own = _between_ends(seed).take(row)
@@ -147,18 +148,18 @@ def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:
             slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
     except (TypeError, ValueError):
         raise InputError(f"seed must be beta'(0) or a Solution, got {seed!r}") from None
-    from .methods import METHODS
+    from .methods import OrbitQuadrature
 
     start = problem.started(slope)
     u = np.linspace(0, 1, 2001)
-    beta = METHODS["orbit"].run(start, start.span[:, None] * u, 1e-8).beta
+    beta = OrbitQuadrature().run(start, start.span[:, None] * u, 1e-8).beta
     return Seed(slope, np.tile(u, (problem.size, 1)), beta)
 
 
-def _between_ends(sol: Solution) -> Reduced:
-    """The ends problems that a solution solves; of a start problem, by the far angles that came out."""
+def _between_ends(sol: Solution) -> EndsProblem:
+    """The ends problems that a solution solves; those of a start problem have the far angles of the solution."""
     problem, told = sol.problem, sol.trajectory
-    if problem.betaL is not None:
+    if isinstance(problem, EndsProblem):
         return problem
     far = told.beta[:, -1] if told.orbit is None else told.orbit.at(problem.span[:, None])[0][:, 0]
-    return replace(problem, dbeta0=None, betaL=far)
+    return problem.ended(far)

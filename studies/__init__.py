@@ -1,4 +1,4 @@
-"""What is studied, and which laws must hold: studies as TOML, Table 1 and its readings, verdicts."""
+"""Studies and their laws: the study language (TOML), Table 1 and its readings, verdicts."""
 
 from .laws import Law, Verdict, judge
 from .loader import load, names

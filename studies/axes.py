@@ -1,4 +1,4 @@
-"""The parts of a study that are numbers with a unit: units, base case, axes."""
+"""The parts of a study that hold numbers with units: units, base case, choice of equilibrium, axes."""
 
 from collections import Counter
 from dataclasses import fields
@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from solver import Cylinder, Ends, Rod, Start
+from solver.problem.angles import angle
 from solver.problem.errors import choices
 from solver.problem.quantities import QUANTITIES, Quantity, quantity
-
-from .angles import angle
 
 STRICT = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
@@ -25,19 +24,19 @@ CYLINDER = tuple(f.name for f in fields(Cylinder))
 START = tuple(f.name for f in fields(Start))
 ENDS = tuple(f.name for f in fields(Ends))
 FIELDS = frozenset((*ROD, *CYLINDER, *START, *ENDS))  # of a case
-WORDS = ("stiffness", "side")  # the fields that are not numbers
+WORDS = ("stiffness", "side")  # the fields that are text
 
-MAX_COUNT = 10_000_000  # of the values of an axis: 80 MB
-MAX_CASES = 1_000_000_000  # of a grid: at a tenth of a millisecond each, more than a day
+MAX_COUNT = 10_000_000  # values of an axis: 80 MB
+MAX_CASES = 1_000_000_000  # cases of a grid: more than a day at 0.1 ms each
 
-CLOSEST = 1e-15  # neighbours on an axis differ by more than this share, or they would be rounded to the same
+CLOSEST = 1e-15  # least relative difference of neighbours on an axis; closer values could round to the same float
 
 # Fields of a case that are the value of a quantity at s = 0, which has another name.
 _AT_START = {"beta": "beta0", "dbeta": "dbeta0", "alpha": "alpha0", "gamma": "gamma0"}
 
 
 class Misplaced(ValueError):
-    """A refusal that knows the key it is about: path, from the model that raises it."""
+    """An invalid value of a study. path: the key, relative to the model that raises the error."""
 
     def __init__(self, message: str, *path: str | int) -> None:
         super().__init__(message)
@@ -45,32 +44,32 @@ class Misplaced(ValueError):
 
 
 def quantity_of(field: str) -> Quantity:
-    """The quantity that a field of a case is: `beta` of Start is beta0."""
+    """The quantity of a field of a case: that of `beta` of Start is beta0."""
     return quantity(_AT_START.get(field, field))
 
 
 def is_angle(field: str) -> bool:
-    """Whether a field of a case is an angle [rad]; False for a name that is none."""
+    """Whether a field of a case is an angle [rad]; False for an unknown name."""
     return _AT_START.get(field, field) in QUANTITIES and quantity_of(field).dimension == "rad"
 
 
 def in_rad(value: Any) -> Any:
-    """A text as the angle it writes; anything else as it is. Raises `ValueError`."""
+    """A text as an angle in rad; any other value unchanged. Raises `ValueError`."""
     return angle(value) if isinstance(value, str) else value
 
 
 def _on_one_line(text: str) -> str:
     if not text or not text.isprintable():
-        raise ValueError(f"{text[:60]!r} must be one line of text that can be printed")
+        raise ValueError(f"{text[:60]!r} must be one line of printable text")
     return text
 
 
-Line = Annotated[str, AfterValidator(_on_one_line)]  # what is shown on terminals and in pictures
+Line = Annotated[str, AfterValidator(_on_one_line)]  # text shown on terminals and in pictures
 Angle = Annotated[float, BeforeValidator(in_rad)]
 
 
 class Units(BaseModel):
-    """The units that every number of a study is in."""
+    """The units of all numbers of a study."""
 
     model_config = STRICT
 
@@ -90,12 +89,12 @@ class Units(BaseModel):
 
 def _unit(kind: str, value: str, known: tuple[str, ...]) -> str:
     if value not in known:
-        raise ValueError(f"{value!r} is no unit of {kind}; choose from {choices(known)}")
+        raise ValueError(f"{value!r} is not a unit of {kind}; choose from {choices(known)}")
     return value
 
 
 class Base(BaseModel):
-    """The case that the axes vary: fields of Rod, Cylinder, and Start or Ends, each a number; angles also as text."""
+    """The base case, which the axes vary: numbers of Rod, Cylinder, and Start or Ends; an angle may be text."""
 
     model_config = STRICT
 
@@ -122,15 +121,15 @@ class Base(BaseModel):
 
     @property
     def given(self) -> dict[str, Any]:
-        """The fields that were given."""
+        """The given fields and their values."""
         return self.model_dump(exclude_none=True)
 
 
 class Which(BaseModel):
     """Which equilibrium of an ends problem: by a rule, by its Morse index, or by beta'(0) and energy.
 
-    choose: the rule of `solve`. index: of those of this Morse index the one whose beta strays least. dbeta0
-    [rad/length] and energy [force length]: the one next to both.
+    choose: a rule of `solve`. index: a Morse index; of its equilibria the one whose beta strays least from the interval
+    between the end angles. dbeta0 [rad/length] and energy [force length]: the equilibrium nearest to both.
     """
 
     model_config = STRICT
@@ -144,25 +143,27 @@ class Which(BaseModel):
     def _one_way(self) -> "Which":
         ways = "give choose, or index, or dbeta0 and energy"
         if (self.dbeta0 is None) != (self.energy is None):
-            raise Misplaced(f"dbeta0 and energy go together: {ways}", "energy" if self.dbeta0 is None else "dbeta0")
+            raise Misplaced(
+                f"dbeta0 and energy must be given together: {ways}", "energy" if self.dbeta0 is None else "dbeta0"
+            )
         said = [name for name in ("choose", "index", "dbeta0") if getattr(self, name) is not None]
         if not said:
-            raise ValueError(f"equilibrium names none: {ways}")
+            raise ValueError(f"equilibrium is empty: {ways}")
         if len(said) > 1:
             raise Misplaced(f"{said[0]} and {said[1]} exclude each other: {ways}", said[1])
         return self
 
     @property
     def rule(self) -> str | int | None:
-        """What `solve` takes as `choose`; None where beta'(0) and energy say which."""
+        """The value of `choose` for `solve`; None if the equilibrium is given by beta'(0) and energy."""
         return self.index if self.choose is None else self.choose
 
 
 class Axis(BaseModel):
-    """The values of one axis: a list, or from, to and count; or, for betaL alone, followed up to a limit.
+    """The values of one axis: a list, or from, to and count; for betaL alone also a limit up to which it is followed.
 
-    unit: only where it differs from the study's: "deg" for an angle. Values are used and stored in rad. (`Study` takes
-    angles also as text.)
+    unit: "deg" for an angle in degrees; default: the unit of the study. Values are used and stored in rad. (`Study`
+    also accepts angles as text.)
     """
 
     model_config = STRICT
@@ -170,7 +171,9 @@ class Axis(BaseModel):
     values: list[float] | None = Field(None, fail_fast=True)
     from_: float | None = Field(None, alias="from")
     to: float | None = None
-    count: int | None = Field(None, le=10**15)  # a grid's limit comes later; this one keeps its arithmetic in floats
+    count: int | None = Field(
+        None, le=10**15
+    )  # the limit of a grid is checked later; this one keeps its arithmetic within floats
     spacing: Literal["linear", "geometric"] = "linear"
     unit: str | None = None
     follow: bool = False
@@ -186,10 +189,10 @@ class Axis(BaseModel):
                 raise Misplaced("the axis is empty: give at least one value", "values")
             if len(set(self.values)) < len(self.values):
                 twice = Counter(self.values).most_common(1)[0][0]
-                raise Misplaced(f"{twice!r} stands twice among the values", "values")
+                raise Misplaced(f"the value {twice!r} is given twice", "values")
             return self
         if self.follow and "from" in self._said():
-            raise Misplaced("a followed axis starts from the base rod's own value: leave out from", "from")
+            raise Misplaced("a followed axis starts at the value of the base case: leave out from", "from")
         needed = ("to", "count") if self.follow else ("from", "to", "count")
         missing = [key for key in needed if key not in self._said()]
         if missing:
@@ -218,7 +221,7 @@ class Axis(BaseModel):
         self._check_steps()
 
     def _check_steps(self) -> None:
-        """That the values are finite and differ, told from the ends alone: count may be anything."""
+        """Refuse values that are not finite or not distinct, judged by the ends alone: count may be very large."""
         assert self.from_ is not None
         assert self.to is not None
         assert self.count is not None
@@ -229,15 +232,15 @@ class Axis(BaseModel):
             step = abs(self.to - self.from_) / max(self.count - 1, 1) / max(first, last, 5e-324)
         if isfinite(step) and (self.count == 1 or step > CLOSEST):
             return
-        raise Misplaced(f"no {self.count} values fit between {self.from_!r} and {self.to!r}", "count")
+        raise Misplaced(f"{self.count} distinct values do not fit between {self.from_!r} and {self.to!r}", "count")
 
     @property
     def size(self) -> int:
-        """How many values."""
+        """Number of values."""
         return len(self.values) if self.values is not None else int(self.count or 0)
 
     def numbers(self) -> NDArray[np.float64]:
-        """The values, (size,), angles in rad. Only for axes that are not followed."""
+        """The values, (size,), angles in rad; not defined for a followed axis."""
         if self.values is not None:
             values = np.array(self.values, dtype=float)
         else:
@@ -249,6 +252,6 @@ class Axis(BaseModel):
 
     @property
     def limit(self) -> float:
-        """Where a followed axis ends at the latest [rad]."""
+        """The largest value of a followed axis [rad]."""
         assert self.to is not None
         return float(np.deg2rad(self.to)) if self.unit == "deg" else self.to

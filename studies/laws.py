@@ -1,21 +1,21 @@
-"""Laws and their verdicts: does an observable rise or fall along an axis, as a sentence says it must?
+"""Laws and their verdicts: does an observable rise or fall along an axis, as a sentence claims?
 
-A law is judged line by line (`studies.verdicts`), and its verdict is that of the worst line, or of the line that its
-`at` names. Where that verdict does not fail, the law is *qualified* all the same if the numbers do not say all of what
-the sentence says:
+A law is judged line by line (`studies.verdicts`). Its verdict is that of the worst line, or of the line nearest to its
+`at`. A law that does not fail is *qualified* if the numbers support only part of the sentence:
 
-*not contradicted*: the law allows the observable to stand still, it does, and the sentence says that it rises or falls;
-*on part of the grid*: the law is decided on one line of a grid, and another line is not as good;
+*not contradicted*: the observable stays level, which the law allows, but the sentence says that it rises or falls;
+*on part of the grid*: the law is decided on one line of a grid, and another line has a worse verdict;
 *depends on the observable*: an observable that the law names as equally plausible fails.
 """
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, ConfigDict, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, field_validator, model_validator
 
+from solver.observe.observables import is_count
 from solver.problem.errors import InputError, choices, no_such
 
 from . import reasons
@@ -37,24 +37,30 @@ from .verdicts import (
 )
 
 __all__ = [
-    "COUNTS", "DIRECTIONS", "FAILS", "HOLDS", "NOISE", "QUALIFIED", "TREND", "UNDECIDED", "VERDICTS", "Law", "Verdict",
+    "DIRECTIONS", "FAILS", "HOLDS", "NOISE", "QUALIFIED", "TREND", "UNDECIDED", "VERDICTS", "Law", "Verdict",
     "decide", "judge", "refused", "worst",
 ]  # fmt: skip
 
-COUNTS = frozenset({"turns", "loops", "overlaps", "index"})  # observables that are whole numbers
-TOLD = ("claim", "axis", "direction", "says", "source", "fixed", "fixed_note")  # fields of a law that its row repeats
+TOLD = ("claim", "axis", "direction", "says", "source", "fixed", "fixed_note")  # fields of a law copied to its row
 
-Direction = Literal["rises", "falls", "not-falling", "not-rising"]
+
+def _known(direction: str) -> str:
+    if direction not in DIRECTIONS:
+        raise no_such("direction", direction, DIRECTIONS)
+    return direction
+
+
+Direction = Annotated[str, AfterValidator(_known)]
 
 
 class Law(BaseModel):
-    """One law of a study: how an observable goes along an axis, and the sentence that says so.
+    """One law of a study: the direction of an observable along an axis, and the sentence that claims it.
 
-    claim: a short label, "(1)". says: the direction that the sentence itself gives, where `direction` asks for less.
-    alternatives: observables that the sentence may mean as well as the law's own; one that fails qualifies the law.
-    also: further observables, judged and shown, that decide nothing. at: on a grid, values of other axes; the line
-    nearest to them decides, the others are counted. Angles in rad, or as text. fixed: whether the rule (observable,
-    direction, range, line) was fixed before its outcome was known; fixed_note: what of it was not, and why.
+    claim: a short label, "(1)". direction: one of `DIRECTIONS`. says: the direction in the sentence, if `direction` is
+    weaker. source: the sentence. alternatives: observables that the sentence may equally mean; if one fails, the law is
+    qualified. also: further observables, judged and shown, that decide nothing. at: on a grid, values of other axes, in
+    rad or as text for angles; the nearest line decides, the others are counted. fixed: whether the rule (observable,
+    direction, range, line) was fixed before its outcome was known; fixed_note: which part was not, and why.
     """
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
@@ -78,29 +84,31 @@ class Law(BaseModel):
 
     @model_validator(mode="after")
     def _fits(self) -> "Law":
-        if self.says is not None and DIRECTIONS[self.says][0] != DIRECTIONS[self.direction][0]:
-            raise ValueError(f"says = {self.says!r} is the other way than direction = {self.direction!r}")
+        if self.says is not None and DIRECTIONS[self.says].sign != DIRECTIONS[self.direction].sign:
+            raise ValueError(f"says = {self.says!r} contradicts direction = {self.direction!r}")
         if self.fixed == "after" and self.fixed_note is None:
-            raise ValueError("fixed = 'after' needs fixed_note: what was fixed after the outcome was known, and why")
+            raise ValueError(
+                "fixed = 'after' needs fixed_note: which part was fixed after the outcome was known, and why"
+            )
         return self
 
     @property
     def observables(self) -> list[str]:
-        """The law's observable, then its alternatives, then the others it admits."""
+        """The observable of the law, its alternatives, and the further ones, in that order."""
         return [self.observable, *self.alternatives, *self.also]
 
     @property
     def meant(self) -> Direction:
-        """The direction that the sentence gives."""
+        """The direction in the sentence."""
         return self.says or self.direction
 
     def judged(self, name: str, values: ArrayLike, crossing: ArrayLike | None = None) -> Verdict:
-        """The verdict on one line of an observable, as of `judge`; qualified where it holds only because it may stand
-        still, while the sentence says that it rises or falls."""
-        verdict = judge(values, self.direction, name in COUNTS, crossing)
+        """The verdict on one line of an observable, see `judge`; qualified if it holds only because it may stay level,
+        while the sentence says that it rises or falls."""
+        verdict = judge(values, self.direction, is_count(name), crossing)
         if verdict.verdict != HOLDS or self.meant == self.direction:
             return verdict
-        meant = judge(values, self.meant, name in COUNTS, crossing)
+        meant = judge(values, self.meant, is_count(name), crossing)
         return meant if as_good(meant.verdict, TREND) else Verdict(QUALIFIED, verdict.tau, reason=verdict.reason)
 
 
@@ -110,22 +118,37 @@ def decide(
     axes: Mapping[str, ArrayLike],
     crossing: ArrayLike | None = None,
 ) -> dict[str, Any]:
-    """The law's verdict and those of the other observables it names, as plain data.
+    """The verdict on a law, and on each further observable that it names, as plain data.
 
-    observed: name -> array over the grid, one dimension an axis, in the order of `axes`, NaN where unsolved;
-    axes: name -> values. crossing: bools over the grid, but one fewer along the law's axis: the steps, in the rising
-    order of that axis, from an equilibrium of one branch to one of another; they are never evidence.
+    Parameters
+    ----------
+    law : Law
+    observed : mapping of arrays
+        Each observable over the grid, one dimension an axis in the order of `axes`, NaN where unsolved.
+    axes : mapping of arrays
+        The values of each axis.
+    crossing : array of bool, optional
+        Over the grid, but one fewer along the axis of the law: the steps, in the rising order of that axis, to an
+        equilibrium of another branch. Such a step is not evidence.
 
-    Returns the law's own fields (`TOLD`) and, for it and each entry of "also": verdict (of `VERDICTS`), qualifications
-    (of `QUALIFICATIONS`), reason (a sentence: why it is qualified, not decided or fails), tau (the smallest), at
-    (where it was decided, empty for everywhere), lines, line_verdicts (verdict -> how many of all lines), lines_hold,
-    lines_trend, steps (how many decide), exceptions (those the wrong way: from, to, values of the axis; values; at: the
-    other axes), first and last (the range of the observable at the two ends of the axis); in "also", alternative:
-    whether it is one of the law's. Raises `InputError` where the observable or the axis is missing.
+    Returns
+    -------
+    dict
+        The fields `TOLD` of the law and, for the law and each entry of "also": verdict (of `VERDICTS`), qualifications
+        (of `QUALIFICATIONS`), reason (a sentence: why it is qualified, not decided or fails), tau (the smallest), at
+        (where it was decided, empty for the whole grid), lines, line_verdicts (verdict -> number of lines), lines_hold,
+        lines_trend, steps (those that decide), exceptions (steps the wrong way: from, to, values of the axis; values;
+        at: the other axes), first and last (the range of the observable at the two ends of the axis); in "also",
+        alternative: whether it is an alternative of the law.
+
+    Raises
+    ------
+    InputError
+        If the observable or the axis is missing.
     """
     missing = [name for name in law.observables if name not in observed]
     if missing:
-        raise InputError(f"the law {law.claim} needs {missing[0]!r}; there are {choices(observed)}")
+        raise InputError(f"the law {law.claim} needs the observable {missing[0]!r}; available: {choices(observed)}")
     if law.axis not in axes:
         raise no_such("axis", law.axis, axes)
     rows = [
@@ -142,7 +165,7 @@ def decide(
 
 
 def refused(law: Law, reason: str) -> dict[str, Any]:
-    """The row of a law that could not be put to the test, as `decide` gives it: not decided, for a reason."""
+    """The row of a law that could not be tested, in the form of `decide`: not decided, with the reason."""
     counts = {"lines": 0, "line_verdicts": {}, "lines_hold": 0, "lines_trend": 0}
     nothing = {"qualifications": [], "reason": reason, "tau": None, "at": {}, **counts, "steps": 0, "exceptions": []}
     rows = [
@@ -152,7 +175,7 @@ def refused(law: Law, reason: str) -> dict[str, Any]:
 
 
 def _row(law: Law, rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """The law's own fields, its own observable's verdict, and those of the others below."""
+    """The fields of the law and the verdict on its observable; the other observables under "also"."""
     equal = len(law.alternatives)
     also = [{"alternative": i < equal, **row} for i, row in enumerate(rows[1:])]
     return {**{name: getattr(law, name) for name in TOLD}, **rows[0], "also": also}
@@ -161,7 +184,7 @@ def _row(law: Law, rows: list[dict[str, Any]]) -> dict[str, Any]:
 def _over_lines(
     law: Law, name: str, grid: NDArray[Any], axes: Mapping[str, ArrayLike], crossing: ArrayLike | None
 ) -> dict[str, Any]:
-    """The verdict over the lines of the grid along the law's axis."""
+    """The verdict over the lines of the grid along the axis of the law."""
     dims = list(axes)
     if grid.shape != tuple(np.size(axes[dim]) for dim in dims):
         raise InputError(f"{name} has shape {grid.shape}, but its axes are {', '.join(dims)}")
@@ -204,19 +227,22 @@ def _over_lines(
 
 
 def _cuts(crossing: ArrayLike | None, shape: tuple[int, ...], k: int) -> NDArray[np.bool_]:
-    """The steps that cross branches, the law's axis last; none where none is given."""
+    """The steps that cross branches, with the axis of the law last; none by default."""
     expected = tuple(size - (i == k) for i, size in enumerate(shape))
     cut = np.zeros(expected, dtype=bool) if crossing is None else np.asarray(crossing)
     if cut.shape != expected or cut.dtype.kind != "b":
-        raise InputError(f"crossing is bools of shape {expected}, one for each step, got {cut.dtype} of {cut.shape}")
+        raise InputError(
+            f"crossing must be bools of shape {expected}, one for each step, got {cut.dtype} of {cut.shape}"
+        )
     return np.moveaxis(cut, k, -1)
 
 
 def _nearest(values: NDArray[np.float64], wanted: float) -> float:
+    """The value of an axis nearest to the one wanted."""
     return values[np.abs(values - wanted).argmin()]
 
 
 def _range(values: NDArray[Any]) -> list[float] | None:
-    """Smallest and largest, or None where a case is unsolved."""
+    """Smallest and largest value, or None if a case is unsolved."""
     finite = np.isfinite(values.astype(float))
     return [float(values.min()), float(values.max())] if finite.all() else None

@@ -1,4 +1,4 @@
-"""From a TOML file to a study; what is wrong is told in one sentence: file, line, value and choices."""
+"""Reads a study from TOML; an error is one sentence with file, line, value and choices."""
 
 import re
 import reprlib
@@ -19,11 +19,11 @@ SHIPPED = Path(__file__).parent
 
 Where = tuple[str | int, ...]
 
-# Far more than any study has: what is beyond is refused before it takes time or memory.
+# Limits far beyond any study, checked before parsing takes time or memory.
 MOST_TEXT = 64_000_000  # characters, or bytes of a file
 MOST_KEYS = 1000  # of a table, and tables of a list
 MOST_PARTS = 20  # of a dotted key
-MOST_SAID = 800  # characters of a refusal
+MOST_SAID = 800  # characters of an error message
 
 _MODELS: dict[str, type[BaseModel]] = {"units": Units, "base": Base, "axes": Axis, "laws": Law, "equilibrium": Which}
 _HEADER = re.compile(r"^\s*(\[\[?)([^\[\]]+)\]")
@@ -40,7 +40,7 @@ def names() -> list[str]:
 
 
 def load(study: str | Path) -> Study:
-    """The study of a shipped name or of a TOML file. Raises `InputError`, with the line and the choices."""
+    """The study of a shipped name or of a TOML file. Raises `InputError`; its message has the line and the choices."""
     text = str(study)
     path = Path(text)
     if path.suffix != ".toml":
@@ -49,10 +49,10 @@ def load(study: str | Path) -> Study:
             raise InputError(f"no study {text!r}{near}; choose from {choices(names())}, or give a .toml file")
         path = SHIPPED / f"{text}.toml"
     try:
-        if path.exists() and not (path.is_file() or path.is_dir()):  # a pipe would keep us waiting for ever
-            raise InputError(f"{_plain(str(path))} is no regular file")
+        if path.exists() and not (path.is_file() or path.is_dir()):  # reading a pipe might never end
+            raise InputError(f"{_plain(str(path))} is not a regular file")
         if path.is_file() and path.stat().st_size > MOST_TEXT:
-            raise InputError(f"{path} has {path.stat().st_size} bytes; a study has at most {MOST_TEXT}")
+            raise InputError(f"{path} has {path.stat().st_size} bytes; the limit is {MOST_TEXT}")
         source = path.read_text(encoding="utf-8")
     except UnicodeDecodeError:
         raise InputError(f"{path} is not a text file in UTF-8") from None
@@ -61,12 +61,12 @@ def load(study: str | Path) -> Study:
     except ValueError as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{_plain(str(path))} is no name of a file: {error}") from None
+        raise InputError(f"{_plain(str(path))} is not a file name: {error}") from None
     return loads(source, path.name, default_name=_as_name(path.stem))
 
 
 def loads(text: str, label: str = "study", default_name: str = "study") -> Study:
-    """The study of a TOML text; `label` names it in what is refused. Raises `InputError`."""
+    """The study of a TOML text. label: its name in error messages. Raises `InputError`."""
     try:
         return _study(text, default_name)
     except _Refused as error:
@@ -75,7 +75,7 @@ def loads(text: str, label: str = "study", default_name: str = "study") -> Study
 
 
 class _Refused(Exception):
-    """Why a text is refused; where: the key that it is about."""
+    """The reason why a text is refused. where: the key; of_a_key: whether the message starts after a colon."""
 
     def __init__(self, message: str, where: Where = (), of_a_key: bool = True) -> None:
         super().__init__(message)
@@ -99,41 +99,41 @@ def _study(text: str, default_name: str) -> Study:
 
 
 def _tables(text: str) -> dict[str, Any]:
-    """What the TOML says; texts are refused that would take longer to read than any study."""
+    """The TOML as dictionaries; refuses a text beyond the limits."""
     if len(text) > MOST_TEXT:
-        raise _Refused(f"has {len(text)} characters; a study has at most {MOST_TEXT}", of_a_key=False)
+        raise _Refused(f"has {len(text)} characters; the limit is {MOST_TEXT}", of_a_key=False)
     if found := _DEEP_KEY.search(text):
         raise _Refused(f"has a key of more than {MOST_PARTS} parts: {_shown(found.group())}", of_a_key=False)
     try:
         data = tomllib.loads(text)
     except RecursionError:
-        raise _Refused("is nested too deeply to be a study", of_a_key=False) from None
-    except ValueError as error:  # TOML's own, and Python's of numbers with thousands of digits
-        raise _Refused(f"is not TOML: {error}", of_a_key=False) from None
+        raise _Refused("is nested too deeply for a study", of_a_key=False) from None
+    except ValueError as error:  # a TOML error, or Python's for a number of thousands of digits
+        raise _Refused(f"is not valid TOML: {error}", of_a_key=False) from None
     tables: list[Any] = [data]
     while tables:
         table = tables.pop()
         inner = table.values() if isinstance(table, dict) else table
         if len(inner) > MOST_KEYS and (isinstance(table, dict) or any(isinstance(one, dict) for one in inner)):
-            raise _Refused(f"has a table of {len(inner)} entries; a study's have at most {MOST_KEYS}", of_a_key=False)
+            raise _Refused(f"has a table of {len(inner)} entries; the limit is {MOST_KEYS}", of_a_key=False)
         tables += [one for one in inner if isinstance(one, (dict, list))]
     return data
 
 
 def _plain(text: str) -> str:
-    """A sentence on one line, whatever is quoted in it: what cannot be printed is written as its escape."""
+    """A sentence on one line; characters that cannot be printed are escaped."""
     line = "".join(one if one.isprintable() else " " if one in "\n\t" else repr(one)[1:-1] for one in text)
     return line if len(line) <= MOST_SAID else f"{line[: MOST_SAID - 3]}..."
 
 
 def _shown(value: object) -> str:
-    """A value as a sentence quotes it."""
+    """A value, shortened for a message."""
     text = _REPR.repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def _as_name(stem: str) -> str:
-    """A file's stem as a name that a study may have."""
+    """The stem of a file as a valid name of a study."""
     return re.sub(r"[^A-Za-z0-9_-]+", "_", stem).lstrip("_-") or "study"
 
 
@@ -147,7 +147,7 @@ def _keys(model: type[BaseModel]) -> list[str]:
 
 
 def _sentence(error: ValidationError) -> tuple[Where, str]:
-    """Where, and one sentence: the first complaint; an unknown key goes before what it leaves missing."""
+    """The key and the sentence of the first error; an unknown key precedes the missing key that it causes."""
     complaints = sorted(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     first = complaints[0]
     where: Where = first["loc"]
@@ -182,14 +182,14 @@ def _told(where: Where) -> str:
 
 
 def _blamed(message: str, study: Study) -> Where:
-    """The key that a refusal by the solver is about: ``Rod.E must be ...`` is axes.E or base.E."""
+    """The key of an error of the solver: ``Rod.E must be ...`` is about axes.E or base.E."""
     found = re.match(r"(?:Rod|Cylinder|Start|Ends)\.(\w+)", message)
     field = found.group(1) if found else ""
     return ("axes", field) if field in study.axes else ("base", field)
 
 
 def _lines(text: str) -> dict[Where, int]:
-    """Key path -> number of its line. Keys inside an inline table are not told apart from their table."""
+    """Key path -> number of its line; the keys of an inline table have the line of the table."""
     lines: dict[Where, int] = {}
     table: Where = ()
     counts: dict[str, int] = {}
@@ -221,7 +221,7 @@ def _parts(dotted: str) -> Where:
 
 
 def _line(lines: dict[Where, int], where: Where) -> str:
-    """``, line 7`` of the key, or of the table it stands in; empty where none is known."""
+    """``, line 7`` for a key, or for the table that holds it; empty if unknown."""
     for n in range(len(where), 0, -1):
         if where[:n] in lines:
             return f", line {lines[where[:n]]}"

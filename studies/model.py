@@ -1,4 +1,4 @@
-"""What a study is: units, how Table 1 is read, a base case, axes, what to compute, and laws."""
+"""A study: units, a reading of Table 1, a base case, axes, observables, outputs, and laws."""
 
 from collections.abc import Mapping
 from math import prod
@@ -13,19 +13,20 @@ from solver.observe.observables import OBSERVABLES, error_name
 from solver.problem.case import from_fields
 from solver.problem.errors import choices
 from solver.problem.quantities import unit_of
+from solver.problem.tolerance import DEFAULT_TOLERANCE
 
 from . import axes as parts
 from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Misplaced, Units, Which
 from .laws import Law
 from .readings import TABLE_1, Reading, parse
 
-# What can be stored along the rod: names of `Solution`.
+# The quantities that can be stored along the rod: names of `Solution`.
 OUTPUTS = (
     "beta", "dbeta", "alpha", "z", "gamma", "position", "kappa",
     "F1", "F2", "F3", "FY", "contact", "M1", "M2", "h",
 )  # fmt: skip
 
-# What is computed of each case where a study does not say.
+# The default observables of a study.
 OBSERVED = ["turns", "wraps", "height", "kappa_max", "contact_size_mean", "attached"]
 
 MAX_STATIONS = 100_001
@@ -34,9 +35,8 @@ MAX_STATIONS = 100_001
 class Study(BaseModel):
     """One study. Without axes it is a single case.
 
-    With a `reading`, base and axes are values as Table 1 prints them (F1 is F10, F3 the size of F30), the
-    table's own where left out, and the reading makes the case of them. Without one they are the fields of the
-    case themselves.
+    With a `reading`, base and axes are values as Table 1 prints them (F1 is F10, F3 the size of F30; default: the value
+    of the table), and the reading converts them to a case. Without one they are the fields of the case.
     """
 
     model_config = parts.STRICT
@@ -51,11 +51,11 @@ class Study(BaseModel):
     observables: list[str] = OBSERVED
     outputs: list[str] = ["beta", "alpha", "z", "contact"]
     stations: int = Field(201, ge=2, le=MAX_STATIONS)
-    tol: float = Field(1e-8, gt=0, lt=1)
+    tol: float = Field(DEFAULT_TOLERANCE, gt=0, lt=1)
     method: str = "auto"
     laws: list[Law] = []
     _text: str = PrivateAttr("")
-    _part_of: Any = PrivateAttr(None)  # of a part of a sweep: what follows the whole (`workbench.run.sweep.Spine`)
+    _part_of: Any = PrivateAttr(None)  # for a part of a sweep: the spine of the whole (`workbench.run.sweep.Spine`)
 
     @field_validator("reading")
     @classmethod
@@ -75,7 +75,7 @@ class Study(BaseModel):
     @field_validator("axes", mode="before")
     @classmethod
     def _angles_of_axes(cls, axes: Any) -> Any:
-        """Angles written as text, in rad; whatever else is wrong is told later."""
+        """The axes with angles given as text in rad; other errors are found later."""
         if not isinstance(axes, dict):
             return axes
         return {n: _read_axis(n, a) if isinstance(a, dict) and parts.is_angle(n) else a for n, a in axes.items()}
@@ -85,7 +85,7 @@ class Study(BaseModel):
         fields = self.fields
         for name in self.base.given:
             if name not in fields:
-                why = "Table 1 prints no" if self.reading else f"a study of {self._kind.__name__} has no"
+                why = "Table 1 prints no" if self.reading else f"a study of {self._kind.__name__} has no field"
                 raise Misplaced(f"{why} {name!r}; choose from {choices(fields)}", "base", name)
         return self
 
@@ -94,11 +94,11 @@ class Study(BaseModel):
         numeric = [name for name in self.fields if name not in parts.WORDS]
         for name, axis in self.axes.items():
             if name in self.base.given:
-                raise Misplaced(f"{name} stands in base and among the axes: leave one of them out", "axes", name)
+                raise Misplaced(f"{name} is given in base and as an axis: remove one of them", "axes", name)
             if name not in numeric and not (axis.follow and name == "betaL"):
                 raise Misplaced(f"no axis {name!r}; choose from {choices(numeric)}", "axes", name)
             if axis.follow and (name != "betaL" or len(self.axes) > 1 or self._kind is Ends):
-                why = "follow is for betaL alone, over a base rod given at its start"
+                why = "follow needs betaL as the only axis, and a start problem as the base case"
                 raise Misplaced(why, "axes", name, "follow")
             unit = unit_of(parts.quantity_of(name).name, self.unit_system)
             allowed = [unit, "deg"] if unit == "rad" else [unit]
@@ -114,7 +114,7 @@ class Study(BaseModel):
     @model_validator(mode="after")
     def _equilibrium_fits(self) -> "Study":
         if self.equilibrium is not None and (self.reading or self._kind is Start):
-            why = "equilibrium names one of many of a rod given by its ends: no reading, no start"
+            why = "equilibrium selects a solution of an ends problem; it excludes a reading and a start problem"
             raise Misplaced(why, "equilibrium")
         return self
 
@@ -139,22 +139,20 @@ class Study(BaseModel):
                     raise Misplaced(str(error), "laws", i, key) from None
         return self
 
-    # what it says
-
     @property
     def text(self) -> str:
-        """The TOML that it was read from, or empty."""
+        """The TOML text of the study, or an empty text."""
         return self._text
 
     def part_of(self, whole: Any) -> "Study":
-        """The same study, whose cases are some of a larger sweep's; whole: what follows that."""
+        """The same study as a part of a larger sweep. whole: the spine of that sweep."""
         part = self.model_copy()
         part._part_of = whole
         return part
 
     @property
     def whole(self) -> Any:
-        """What follows the sweep that this study is a part of, or None."""
+        """The spine of the sweep that this study is a part of, or None."""
         return self._part_of
 
     @property
@@ -164,13 +162,13 @@ class Study(BaseModel):
 
     @property
     def _kind(self) -> type:
-        """Start or Ends, from the names that were given."""
+        """Start or Ends, from the names of the given fields."""
         said = {*self.base.given, *(name for name, axis in self.axes.items() if not axis.follow)}
         return Ends if said & (set(ENDS) - set(START)) else Start
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """The names that base may give."""
+        """The names of the fields that base may hold."""
         if self.reading:
             return (*TABLE_1, "side")
         return (*ROD, *CYLINDER, *(START if self._kind is Start else ENDS))
@@ -182,36 +180,36 @@ class Study(BaseModel):
 
     @property
     def sweeps(self) -> bool:
-        """Whether each case continues from its neighbour: ends problems over axes."""
+        """Whether the study is a sweep, in which each case continues from its neighbour: ends problems over axes."""
         return bool(self.axes) and self._kind is Ends
 
     @property
     def size(self) -> int:
-        """How many cases."""
+        """Number of cases."""
         return prod(axis.size for axis in self.axes.values())
 
     @property
     def wanted(self) -> list[str]:
-        """The observables to compute: those named, and those that the laws judge."""
+        """The observables to compute: those of the study, and those that its laws judge."""
         judged = (name for law in self.laws for name in law.observables)
         return list(dict.fromkeys([*self.observables, *judged]))
 
     @property
     def recorded(self) -> list[str]:
-        """The columns of the observables: each name, and that of its error where there is one."""
+        """The columns of the observables: each name, followed by the name of its error if it has one."""
         names = ((name, error_name(name)) for name in self.wanted)
         return [column for pair in names for column in pair if column]
 
     def under(self, reading: str | None) -> "Study":
-        """The same study under another reading; words left out keep the study's own. Raises `InputError`."""
+        """The same study under another reading; a missing word keeps that of the study. Raises `InputError`."""
         if reading is None:
             return self
         if self.reading is None:
-            raise InputError(f"{self.name} does not use Table 1, so it has no reading {reading!r}")
+            raise InputError(f"{self.name} does not use Table 1: the reading {reading!r} does not apply")
         return self.model_copy(update={"reading": parse(reading, parse(self.reading)).name})
 
     def at_stations(self, stations: int) -> "Study":
-        """The same study stored at so many points along the rod. Raises `InputError`."""
+        """The same study with another number of stations. Raises `InputError`."""
         if not 2 <= stations <= MAX_STATIONS:
             raise InputError(f"stations must be from 2 to {MAX_STATIONS}, got {stations}")
         return self.model_copy(update={"stations": stations})
@@ -221,11 +219,11 @@ class Study(BaseModel):
         return {name: axis.numbers() for name, axis in self.axes.items() if not axis.follow}
 
     def meaning(self, field: str) -> str:
-        """What the study's reading makes of a printed value, in words; empty where nothing need be said."""
+        """The meaning of a printed value under the reading of the study, in words; empty if it is the plain field."""
         return parse(self.reading).meaning(field) if self.reading else ""
 
     def case(self) -> Case:
-        """The whole grid as one case, of shape (size of each axis, in order); a followed study's base rod.
+        """The whole grid as one case, of shape (size of each axis, in order); of a followed study the base case.
 
         Raises `InputError` for a value that the solver refuses.
         """
@@ -239,7 +237,7 @@ class Study(BaseModel):
         )
 
     def case_of(self, values: Mapping[str, Any]) -> Case:
-        """The base case with other values of some fields, numbers or arrays that broadcast. Raises `InputError`."""
+        """The base case with other values of some fields: numbers, or arrays that broadcast. Raises `InputError`."""
         values = {**self.base.given, **values}
         if self.reading:
             side = values.pop("side", "outside")
@@ -255,7 +253,7 @@ def reading_of(study: Study) -> Reading | None:
 
 
 def _read_axis(name: str, axis: dict[str, Any]) -> dict[str, Any]:
-    """An axis of angles, those that are text read as angles in rad."""
+    """An axis of angles with the values given as text in rad."""
     read = dict(axis)
     for key in ("values", "from", "to"):
         if key not in axis:
@@ -263,7 +261,7 @@ def _read_axis(name: str, axis: dict[str, Any]) -> dict[str, Any]:
         said = axis[key] if isinstance(axis[key], list) else [axis[key]]
         texts = [value for value in said if isinstance(value, str)]
         if texts and "unit" in axis:
-            raise Misplaced(f"{texts[0]!r} says its own unit: leave out unit", name, "unit")
+            raise Misplaced(f"{texts[0]!r} has its own unit: remove the key unit", name, "unit")
         try:
             numbers = [parts.in_rad(value) for value in said]
         except ValueError as error:
@@ -273,9 +271,10 @@ def _read_axis(name: str, axis: dict[str, Any]) -> dict[str, Any]:
 
 
 def _known(kind: str, names: list[str], known: Any) -> list[str]:
+    """The names, if all are known and none is repeated; raises `ValueError`."""
     for name in names:
         if name not in known:
             raise ValueError(f"no {kind} {name!r}; choose from {choices(known)}")
     if twice := [name for name in names if names.count(name) > 1]:
-        raise ValueError(f"the {kind} {twice[0]!r} stands twice")
+        raise ValueError(f"the {kind} {twice[0]!r} is given twice")
     return names

@@ -1,8 +1,8 @@
 """Table 1 of the paper, and the twelve ways to read it.
 
-The table prints the twist rate gamma0' and the normal force F10, which fix the same thing and contradict each
-other, and it leaves out F20; it does not say what sign F30 has, and eq. (20) has a stiffness of its own. So
-whoever uses it names a reading: where the twist comes from, tension or compression, and the stiffness.
+The table prints the twist rate gamma0' and the normal force F10, which determine the same quantity and contradict each
+other; it omits F20 and the sign of F30; and eq. (20) has another stiffness than a solid section. A reading therefore
+states the source of the twist, tension or compression, and the stiffness.
 """
 
 from collections.abc import Mapping
@@ -15,8 +15,7 @@ import numpy as np
 from solver import Case, Cylinder, InputError, Rod, Start
 from solver.problem.errors import choices
 
-# Table 1, in cm and N, and the length from the text below eq. (47). F1 is F10, F3 is F30, a prime is a
-# leading d.
+# Table 1, in cm and N; the length from the text below eq. (47). F1 is F10, F3 is F30; a prime is a leading d.
 TABLE_1: dict[str, float] = {
     "E": 1.07e4,
     "nu": 0.25,
@@ -36,7 +35,7 @@ TWISTS = ("force-first", "twist-first", "shear")
 LOADS = ("tension", "compression")
 STIFFNESSES = ("paper", "solid")
 
-# What becomes of a printed value, where it is not simply the field of its name.
+# The meaning of a printed value that is not simply the field of its name.
 MEANING = {
     ("force-first", "dgamma"): "printed, but dropped by the reading",
     ("twist-first", "F1"): "printed, but dropped by the reading: it has no effect",
@@ -48,7 +47,7 @@ MEANING = {
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read the table.
+    """One reading of the table.
 
     twist: "force-first" (F1 = F10, gamma0' dropped), "twist-first" (gamma0', F10 dropped) or "shear"
     (gamma0', and F10 is the in-surface shear F2). load: "tension" (F3 = +F30) or "compression" (F3 = -F30).
@@ -65,13 +64,13 @@ class Reading:
         return f"{self.twist}/{self.load}/{self.stiffness}"
 
     def meaning(self, field: str) -> str:
-        """What the reading makes of a printed value, in words; empty where that is the field of its name."""
+        """The meaning of a printed value, in words; empty if it is the field of its name."""
         return MEANING.get((self.twist, field)) or MEANING.get((self.load, field)) or ""
 
     def case(self, printed: Mapping[str, Any] | None = None, side: str = "outside") -> Case:
-        """The case of printed values (numbers or arrays that broadcast); Table 1 where they are left out.
+        """The case of printed values, numbers or arrays that broadcast; default: those of Table 1.
 
-        The case has the shape that all values broadcast to, those that the reading drops among them. Raises
+        The shape of the case is that to which all values broadcast, those that the reading drops included. Raises
         `InputError` for a name that the table does not print, or a value that the solver refuses.
         """
         printed = dict(printed or {})
@@ -88,7 +87,7 @@ class Reading:
             given["dgamma"] = p["dgamma"]
             given["F2"] = p["F1"] if self.twist == "shear" else 0.0
             dropped = () if self.twist == "shear" else np.shape(p["F1"])
-        # keeps the axis of a value that was dropped
+        # keeps the axis of a value that the reading drops
         given["alpha"] = np.broadcast_to(p["alpha"], np.broadcast_shapes(dropped, np.shape(p["alpha"])))
         return Case(
             Rod(p["E"], p["nu"], p["a"], p["L"], self.stiffness),
@@ -104,9 +103,9 @@ DEFAULT = Reading()
 
 
 def parse(text: str, default: Reading = DEFAULT) -> Reading:
-    """The reading of ``force-first/tension/paper``, or of some of these words; the others are the default's.
+    """The reading of a text such as ``force-first/tension/paper``; a missing word is that of the default.
 
-    Raises `InputError` for a word that is none of them, or two words for the same choice.
+    Raises `InputError` for an unknown word, or two words for the same choice.
     """
     parts = {"twist": default.twist, "load": default.load, "stiffness": default.stiffness}
     said: dict[str, str] = {}

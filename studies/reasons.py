@@ -1,4 +1,4 @@
-"""Why a law is qualified, not decided or fails: the kinds of qualification, and one sentence each."""
+"""Why a law is qualified, not decided or fails: the kinds of qualification, and a sentence for each."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -24,17 +24,14 @@ NOT_CONTRADICTED, ON_PART, ON_OBSERVABLE = QUALIFICATIONS = (
     "depends on the observable",
 )
 
-MOST = 3  # reasons of different lines of a grid that are told
-DOES = {  # verdict -> what one law or line does, and what several do
+MOST = 3  # reasons of different lines of a grid that are listed
+DOES = {  # verdict -> the words for one law or line, and for several
     HOLDS: ("holds", "hold"),
     TREND: ("holds as a trend", "hold as a trend"),
     QUALIFIED: ("is qualified", "are qualified"),
     UNDECIDED: ("is not decided", "are not decided"),
     FAILS: ("fails", "fail"),
 }
-MEANT = {"rises": "rises", "falls": "falls", "not-falling": "does not fall", "not-rising": "does not rise"}
-NOT_SO = {"rises": "does not rise", "falls": "does not fall", "not-falling": "falls", "not-rising": "rises"}
-INSTEAD = {1: "falls instead", -1: "rises instead"}  # of the sign of a right step
 
 
 def together(
@@ -47,8 +44,8 @@ def together(
 ) -> dict[str, Any]:
     """Verdict, qualifications and reason of an observable, from the lines that decide and the verdicts of all lines.
 
-    meant: the direction that the sentence gives. at: where it is decided. first: the range of the observable at the
-    start of the axis.
+    meant: the direction in the sentence. at: the values of the other axes where the law is decided. first: the range of
+    the observable at the start of the axis.
     """
     verdict = worst([one.verdict for one in deciding])
     kinds: list[str] = []
@@ -66,44 +63,45 @@ def together(
 
 
 def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, Any]]) -> str:
-    """What the law's own observable does, which of its alternatives fail, and how. row, others: their rows."""
+    """What the observable of the law does, and what its failing alternatives do. row, others: their rows."""
     trend = f" as a trend, with {_wrong(row)} the wrong way" if row["exceptions"] else ""
-    told = [f"{row['observable']} {MEANT[row['direction']]}{trend}"]
+    told = [f"{row['observable']} {DIRECTIONS[row['direction']].does}{trend}"]
     for other in others:
         reverse = other["tau"] is not None and other["tau"] <= -TREND_TAU
-        does = INSTEAD[DIRECTIONS[meant][0]] if reverse else NOT_SO[meant]
+        does = DIRECTIONS[meant].instead if reverse else DIRECTIONS[meant].does_not
         told.append(f"{other['observable']} {does}{f' at {_wrong(other)}' if other['exceptions'] else ''}")
     return f"{ON_OBSERVABLE} ({'; '.join(told)})"
 
 
 def counted(counts: Mapping[str, int]) -> str:
-    """How many have each verdict, best first: ``6 hold, 3 hold as a trend``."""
+    """The number of each verdict, best first: ``6 hold, 3 hold as a trend``."""
     there = [(counts[verdict], DOES[verdict]) for verdict in VERDICTS if counts.get(verdict)]
     return ", ".join(f"{count} {words[count > 1]}" for count, words in there)
 
 
 def joined(told: Sequence[str]) -> str:
-    """Those that say something, as one sentence."""
+    """The non-empty texts as one sentence."""
     return "; ".join(one for one in told if one)
 
 
 def _standing(name: str, meant: str, deciding: Sequence[Verdict], first: list[float] | None) -> str:
-    """How the observable stands still on the lines that decide."""
+    """How the observable stays level on the lines that decide."""
     if len(deciding) > 1:
         standing = sum(one.verdict == QUALIFIED for one in deciding)
-        how = f"stands still on {standing} of {len(deciding)} lines"
+        how = f"stays level on {standing} of {len(deciding)} lines"
     elif deciding[0].reason and first:  # it does not change at all
         how = f"stays at {first[0]:.4g}"
     else:
-        how = "stands still at some steps"
-    return f"{NOT_CONTRADICTED} ({name} {how}, where the sentence says that it {MEANT[meant]})"
+        how = "stays level at some steps"
+    return f"{NOT_CONTRADICTED} ({name} {how}, where the sentence says that it {DIRECTIONS[meant].does})"
 
 
 def _part(every: Sequence[str], at: Mapping[str, float]) -> str:
-    """Where a law was decided, and how many lines of the grid have which verdict."""
+    """Where a law was decided, and the number of lines of the grid with each verdict."""
     here = ", ".join(f"{axis} = {value:.4g}" for axis, value in at.items())
     return f"{ON_PART} (decided at {here}; of {len(every)} lines {counted(Counter(every))})"
 
 
 def _wrong(row: Mapping[str, Any]) -> str:
+    """The number of steps the wrong way: ``2 of 8 steps``."""
     return f"{len(row['exceptions'])} of {row['steps']} steps"

@@ -1,16 +1,16 @@
-"""Verdicts on one row of numbers: does it rise or fall as it must?
+"""Verdicts on one line of numbers: does it rise or fall along the axis, as a law requires?
 
-*holds*: every step goes the right way; a count may stay the same between neighbours but must change over the whole
-axis. *holds as a trend*: Kendall's tau in the direction is at least 0.8; the steps that go the wrong way are listed.
+*holds*: every step goes the right way; a count may stay level between neighbours but must change over the whole axis.
+*holds as a trend*: Kendall's tau in the direction is at least 0.8; the steps that go the wrong way are listed.
 *not decided*: cases are unsolved or steps cross to another branch of equilibria, and the other steps leave it open.
 *fails*: none of these. (*qualified* is a verdict on a law, see `studies.laws`.)
 
-Tau is tau-b: right less wrong pairs over sqrt(all pairs x pairs whose values differ), so a count that pauses
-loses a little.
+Tau is tau-b: (right pairs - wrong pairs) / sqrt(all pairs x pairs whose values differ).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,20 +20,18 @@ from solver.problem.errors import InputError, no_such
 HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS = "holds", "holds as a trend", "qualified", "not decided", "fails"
 VERDICTS = (HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS)  # best first
 
-# direction -> (sign of a right step, whether standing still is allowed)
-DIRECTIONS = {"rises": (1, False), "falls": (-1, False), "not-falling": (1, True), "not-rising": (-1, True)}
-
 TREND_TAU = 0.8
-FEW = 256  # values whose pairs are all looked at
-NOISE = 1e-9  # of the largest value; a smaller step is none, as the solver's own tolerance is 1e-8
+FEW = 256  # up to this number of values all pairs are compared at once
+NOISE = 1e-9  # times the largest value: a smaller step counts as level; see `solver.problem.tolerance`
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """One of `VERDICTS`; tau in the direction over the pairs that can be compared, None where nothing varies.
+    """The verdict on a line.
 
-    exceptions: the steps (i, i + 1) that go the wrong way. reason: why it fails or is not decided, where it is not the
-    trend; or that what may stand still holds because nothing changes.
+    verdict: one of `VERDICTS`. tau: Kendall's tau in the direction over the pairs that can be compared, None if all
+    values are equal. exceptions: the steps (i, i + 1) that go the wrong way. reason: why it fails or is not decided,
+    unless the trend alone decides; or that a level line holds because it does not change.
     """
 
     verdict: str
@@ -44,7 +42,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class _Pairs:
-    """How many pairs of values go the right way and the wrong way, of how many that can be compared."""
+    """Numbers of pairs of values that go the right way, that go the wrong way, and that can be compared."""
 
     right: int
     wrong: int
@@ -57,29 +55,78 @@ class _Pairs:
         return float((self.right - self.wrong) / np.sqrt(float(self.compared) * (self.right + self.wrong)))
 
     def at_best(self, total: int) -> "_Pairs":
-        """As if every pair that cannot be compared went the right way."""
+        """The pairs if each of those that cannot be compared went the right way."""
         return _Pairs(self.right + total - self.compared, self.wrong, total)
 
 
-def judge(values: ArrayLike, direction: str, count: bool | None = None, crossing: ArrayLike | None = None) -> Verdict:
-    """The verdict on values along an axis, in the axis's rising order.
+@dataclass(frozen=True, eq=False)
+class Line:
+    """The values of an observable in the rising order of an axis.
 
-    values: (n,), NaN where a case is unsolved. count: whether the values are a count, which may stay the same between
-    neighbours; by default, whether they are integers. crossing: (n - 1,) of bool, the steps between equilibria of two
-    branches: no pair of values with such a step between them is evidence. Raises `InputError` for an unknown direction,
-    or arrays of other shapes or kinds.
+    values: (n,), NaN where a case is unsolved. cut: (n - 1,), the steps that cross to another branch. count: whether
+    the values are a count. noise: the largest step that counts as level.
+    """
+
+    values: NDArray[np.float64]
+    cut: NDArray[np.bool_]
+    count: bool
+    noise: float
+
+
+@dataclass(frozen=True)
+class Direction:
+    """A kind of law. judge: the verdict on a line; does, does_not: the words for it; sign: of a right step, or 0."""
+
+    judge: Callable[[Line], Verdict]
+    does: str
+    does_not: str
+    sign: int = 0
+
+    @property
+    def instead(self) -> str:
+        """The words for a trend in the opposite direction."""
+        return "falls instead" if self.sign > 0 else "rises instead"
+
+
+def judge(values: ArrayLike, direction: str, count: bool | None = None, crossing: ArrayLike | None = None) -> Verdict:
+    """The verdict on the values of an observable along an axis.
+
+    Parameters
+    ----------
+    values : array, (n,)
+        Values in the rising order of the axis, NaN where a case is unsolved.
+    direction : str
+        One of `DIRECTIONS`.
+    count : bool, optional
+        Whether the values are a count, which may stay level between neighbours; default: whether they are integers.
+    crossing : array of bool, (n - 1,), optional
+        The steps between equilibria of two branches. A pair of values with such a step between them is not compared.
+
+    Returns
+    -------
+    Verdict
+
+    Raises
+    ------
+    InputError
+        For an unknown direction, or an array of the wrong shape or type.
     """
     if direction not in DIRECTIONS:
         raise no_such("direction", direction, DIRECTIONS)
     given = np.asarray(values)
     if given.ndim != 1 or given.size == 0 or given.dtype.kind not in "iufb":
-        raise InputError(f"a law judges one row of numbers, got an array of shape {given.shape}")
-    cut = _cut(crossing, given.size)
+        raise InputError(f"a law judges one line of numbers, got an array of shape {given.shape}")
     row = given.astype(float)
     row[~np.isfinite(row)] = np.nan
-    sign, may_stand = DIRECTIONS[direction]
     noise = NOISE * float(np.nanmax(np.abs(row), initial=0.0))
-    pausing = may_stand or (given.dtype.kind in "iub" if count is None else count)
+    counts = given.dtype.kind in "iub" if count is None else count
+    return DIRECTIONS[direction].judge(Line(row, _cut(crossing, given.size), counts, noise))
+
+
+def monotone(line: Line, sign: int, may_stand: bool) -> Verdict:
+    """The verdict on a line that must go the way of `sign`; may_stand: whether it may be level over the whole axis."""
+    row, cut, noise = line.values, line.cut, line.noise
+    pausing = may_stand or line.count
     steps = np.where(cut, np.nan, sign * np.diff(row))
     wrong = steps < -noise if pausing else steps <= noise  # False for NaN
     exceptions = [(int(i), int(i) + 1) for i in np.flatnonzero(wrong)]
@@ -95,8 +142,16 @@ def judge(values: ArrayLike, direction: str, count: bool | None = None, crossing
     return Verdict(FAILS, pairs.tau, exceptions, level)
 
 
+DIRECTIONS: dict[str, Direction] = {
+    "rises": Direction(partial(monotone, sign=1, may_stand=False), "rises", "does not rise", 1),
+    "falls": Direction(partial(monotone, sign=-1, may_stand=False), "falls", "does not fall", -1),
+    "not-falling": Direction(partial(monotone, sign=1, may_stand=True), "does not fall", "falls", 1),
+    "not-rising": Direction(partial(monotone, sign=-1, may_stand=True), "does not rise", "rises", -1),
+}
+
+
 def worst(verdicts: Sequence[str]) -> str:
-    """The worst of some verdicts."""
+    """The worst of several verdicts."""
     return max(verdicts, key=VERDICTS.index)
 
 
@@ -106,18 +161,21 @@ def as_good(verdict: str, as_other: str) -> bool:
 
 
 def _cut(crossing: ArrayLike | None, size: int) -> NDArray[np.bool_]:
+    """The steps that cross branches, (size - 1,); none by default. Raises `InputError`."""
     if crossing is None:
         return np.zeros(size - 1, dtype=bool)
     cut = np.asarray(crossing)
     if cut.shape != (size - 1,) or cut.dtype.kind != "b":
-        raise InputError(f"crossing is one bool for each of {size - 1} steps, got {cut.dtype} of shape {cut.shape}")
+        raise InputError(
+            f"crossing must be one bool for each of {size - 1} steps, got {cut.dtype} of shape {cut.shape}"
+        )
     return cut
 
 
 def _with_gaps(
     row: NDArray[np.float64], cut: NDArray[np.bool_], pausing: bool, pairs: _Pairs, exceptions: list[tuple[int, int]]
 ) -> Verdict:
-    """The verdict on a row of which not every step is known: it fails only where the others rule out even a trend."""
+    """The verdict on a line with unknown steps: it fails only if the known steps rule out even a trend."""
     reasons = []
     if unsolved := int(np.isnan(row).sum()):
         reasons.append(f"{unsolved} of {row.size} cases unsolved")
@@ -133,7 +191,7 @@ def _with_gaps(
 
 
 def _compared(row: NDArray[np.float64], cut: NDArray[np.bool_], sign: int, noise: float) -> _Pairs:
-    """The pairs of a row that can be compared: both solved, and no step between them that crosses branches."""
+    """The pairs of a line that can be compared: both cases solved, and no step between them crosses branches."""
     rising = falling = compared = 0
     for piece in np.split(row, np.flatnonzero(cut) + 1):
         known = piece[~np.isnan(piece)]
@@ -143,8 +201,8 @@ def _compared(row: NDArray[np.float64], cut: NDArray[np.bool_], sign: int, noise
 
 
 def _pairs(row: NDArray[np.float64], noise: float) -> tuple[int, int]:
-    """How many pairs of a row rise, and how many fall, by more than the noise; halves are sorted, so that a row may be
-    a million long.
+    """Numbers of pairs of a line that rise and that fall by more than the noise; by merging, so that a million values
+    take seconds.
     """
     if row.size <= FEW:
         i, j = np.triu_indices(row.size, 1)

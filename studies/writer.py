@@ -1,4 +1,4 @@
-"""From a study back to TOML: what was said, and nothing that was left out."""
+"""Writes a study as TOML: the keys that were given, without the defaults."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -11,16 +11,16 @@ from .model import Study
 
 
 def dumps(study: Study, axes: Mapping[str, Mapping[str, Any]] | None = None) -> str:
-    """A TOML text that is read as the same study; axes: tables in place of what the study says of them, as of `told`.
+    """A TOML text that loads as the same study. axes: tables, as of `told`, that replace those of the study.
 
-    Comments of the text that the study came from are not in it.
+    Comments of the original text are lost.
     """
     said = study.model_dump(by_alias=True, exclude_unset=True, exclude_none=True)
     return tomli_w.dumps({**said, "axes": {**said["axes"], **axes}} if axes else said)
 
 
 def told(values: NDArray[np.float64]) -> dict[str, Any]:
-    """The table of an axis that has these values, (n,), to the bit: from, to and count where that gives them."""
+    """The table of an axis with exactly these values, (n,): from, to and count if these reproduce them, else a list."""
     first, last, count = float(values[0]), float(values[-1]), values.size
     if count > 2:
         even = {"from": first, "to": last, "count": count}

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from solver.methods import METHODS
+from solver.methods import available
 
 # tried on everything, and asked for so much; whoever comes later is asked for as many digits as its order and one
 TOLERANCES = {
@@ -16,14 +16,15 @@ EASY = ("helix at a centre, inside", "inside, twisted", "nearly straight")
 
 def core(kind: str) -> list[str]:
     """The methods of one kind of problem that every law is held against by default."""
-    return [name for name in TOLERANCES if name in METHODS and kind in METHODS[name].kinds]
+    able = available()
+    return [name for name in TOLERANCES if name in able and kind in able[name].problems]
 
 
 def matrix(kind: str, names: list[str]) -> list[Any]:
     """(case, method, tol) for every case and every method of this kind."""
     rows = []
-    for method in METHODS.values():
-        if kind in method.kinds:
+    for method in available().values():
+        if kind in method.problems:
             for tol in TOLERANCES.get(method.name, (max(10 ** -(1 + method.order), 1e-8),)):
                 for name in names:
                     long = method.name not in TOLERANCES and name not in EASY

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..mechanics.potential import TAU, slope
 from ..numerics.arrays import Array
-from ..problem.reduced import Reduced
+from ..problem.reduced import EndsProblem
 from .level_grid import boundary_of, floor_of, helix_of
 from .paths import DOWN, UP, LevelPaths, Levels, Paths
 from .transit_times import Boundary, fall, transit_times, wrapped
@@ -56,8 +56,7 @@ def path_of(paths: LevelPaths, i: int) -> Path:
 class LinePoint:
     """One ends problem on the line between the first and the last, with the critical points of its G."""
 
-    def __init__(self, problem: Reduced) -> None:
-        assert problem.betaL is not None
+    def __init__(self, problem: EndsProblem) -> None:
         self.problem = problem
         self.blank = boundary_of(problem)
         found = self.blank.found
@@ -145,7 +144,6 @@ def _saddles(place: LinePoint, path: Path, gap: float) -> tuple[Array, Array, An
     Their angles, the orbit's level above each, and whether the rod itself, from end to end, reaches it.
     """
     problem, angles, m = place.problem, place.angles, place.angles.size
-    assert problem.betaL is not None
     level = np.array([gap + place.fall(path.pin, float(b)) for b in angles])
     shift = float(problem.beta0[0]) - wrapped(float(problem.beta0[0]))
     behind, far = (_behind(angles, float(b[0]) - shift) for b in (problem.beta0, problem.betaL))
@@ -201,7 +199,7 @@ def path_at(place: LinePoint, chart: Chart, x: float) -> Path | None:
         more = 1 if lower == (now == UP) else -1
         return Path(pin, 1.0, y, at.leaving, at.turns + more)
     more = 1 if lower == (now == DOWN) else -1
-    both = problem.beta0[0] == problem.betaL[0] and at.turns % 2 == 1  # type: ignore[index]
+    both = problem.beta0[0] == problem.betaL[0] and at.turns % 2 == 1
     return Path(pin, 1.0, y, now, at.turns + (2 * more if both else more))
 
 

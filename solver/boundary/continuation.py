@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..problem.reduced import Reduced
+from ..problem.reduced import EndsProblem
 from .branch_coordinates import LinePoint, Path
 from .continuation_steps import LEAPS, NEAR, SHORTEST, Line, advanced, leapt, settle, shape_of
 from .path_orbits import orbit_of
@@ -38,14 +38,14 @@ class Ended:
     reason: str
 
 
-def continued(first: Reduced, path: Path, last: Reduced) -> Path | Ended:
+def continued(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended:
     """The equilibrium of the problem `last` on the branch of an equilibrium of `first`.
 
     All numbers of the two problems change together, in proportion.
 
     Parameters
     ----------
-    first, last : Reduced
+    first, last : EndsProblem
         One ends problem each.
     path : Path
         The equilibrium of `first`.

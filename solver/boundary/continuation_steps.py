@@ -6,7 +6,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
-from ..problem.reduced import Reduced
+from ..problem.reduced import EndsProblem
 from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate, excess, path_at, path_of
 from .level_grid import level_grid_of
 from .path_orbits import orbit_of, solved_orbits
@@ -29,8 +29,8 @@ _FIELDS = ("lam", "mu", "phi", "span", "beta0", "betaL")
 class Line:
     """The line of problems from the first (share 0) to the last (share 1)."""
 
-    first: Reduced
-    last: Reduced
+    first: EndsProblem
+    last: EndsProblem
 
     @property
     def is_point(self) -> bool:
@@ -41,7 +41,7 @@ class Line:
         if share >= 1:
             return LinePoint(self.last)
         mixed = {n: (1 - share) * getattr(self.first, n) + share * getattr(self.last, n) for n in _FIELDS}
-        return LinePoint(Reduced(**mixed))
+        return LinePoint(EndsProblem(**mixed))
 
 
 def advanced(
@@ -156,7 +156,7 @@ def _neighbours(place: LinePoint, turns: int) -> tuple[list[Path], Orbit | None]
     near = np.arange(max(turns - 2, 0), turns + 3)
     leaving = np.repeat([UP, DOWN], near.size)
     near = np.tile(near, 2)
-    plain = (leaving == (UP if boundary.rising else DOWN)) & (problem.beta0[0] != problem.betaL[0])  # type: ignore[index]
+    plain = (leaving == (UP if boundary.rising else DOWN)) & (problem.beta0[0] != problem.betaL[0])
     kept = (near > 0) | plain
     leaving, near = leaving[kept], near[kept]
     some = Paths(leaving, np.where(near % 2 == 0, leaving, -leaving), near // 2)

@@ -9,7 +9,7 @@ from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import solve_orbit
 from ..problem.case import Case, Ends, Start
 from ..problem.errors import InputError
-from ..problem.reduced import Reduced, reduce
+from ..problem.reduced import Reduced, StartProblem, reduce
 
 _STEP, _STEPS, _CHUNK = 2e-3, 5000, 50  # in beta_t(0); at most 10 in all
 
@@ -51,12 +51,11 @@ def follow(case: Case, limit: float, count: int = 9, tol: float = 1e-12) -> Bran
     InputError
         For an ends problem, a grid of cases, fewer than two values, or a limit below the rod's own beta(L).
     """
-    if not isinstance(case.given, Start) or case.shape:
+    problem = reduce(case)
+    if not isinstance(case.given, Start) or not isinstance(problem, StartProblem) or case.shape:
         raise InputError("follow takes one start problem at a time")
     if count < 2:
         raise InputError(f"count must be at least 2, got {count}")
-    problem = reduce(case)
-    assert problem.dbeta0 is not None
     first = float(problem.dbeta0[0])
     own = float(_far(problem, np.array([first]), tol)[0])
     limit += 2 * np.pi * np.round(own / (2 * np.pi))
@@ -102,7 +101,7 @@ def _stepped(problem: Reduced, first: float, sign: float, limit: float, tol: flo
 def _far(problem: Reduced, slopes: Array, tol: float) -> Array:
     """beta(L) of rods that start with these beta_t(0), (K,)."""
     lam, mu, phi, span, beta0 = (np.repeat(v, slopes.size) for v in _fixed(problem))
-    wide = Reduced(lam, mu, phi, span, beta0, dbeta0=slopes)
+    wide = StartProblem(lam, mu, phi, span, beta0, slopes)
     return solve_orbit(wide, tol).at(wide.span[:, None])[0][:, 0]
 
 

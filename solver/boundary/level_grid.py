@@ -15,7 +15,7 @@ from ..mechanics.potential import TAU, slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array, Booleans
 from ..orbit.arcs import apart
 from ..orbit.critical_points import CriticalPoints, critical_points
-from ..problem.reduced import Reduced
+from ..problem.reduced import EndsProblem
 from .paths import Levels
 from .transit_times import Boundary, fall, height_scale, wrapped
 from .transit_times import repeated as repeated
@@ -45,12 +45,11 @@ class LevelGrid:
         return int(one.pin[k + 1]), float(one.sign[k + 1]), float(y[k]), float(y[k + 1])
 
 
-def boundary_of(problem: Reduced) -> Boundary:
+def boundary_of(problem: EndsProblem) -> Boundary:
     """The ends problem (of size 1) with the critical points of G; ends within rounding of a helix are moved onto it.
 
     `pins`, `falls` and `deepest` are left to `level_grid_of`.
     """
-    assert problem.betaL is not None
     found = critical_points(problem)
     angles = found.beta[0, : found.count[0]]
     helix = helix_of(problem, found)
@@ -68,13 +67,12 @@ def boundary_of(problem: Reduced) -> Boundary:
     return Boundary(problem, found, low, high, whole_turns, passed, rising, np.empty(0), np.empty((0, 2)), _LOWEST)
 
 
-def helix_of(problem: Reduced, found: CriticalPoints) -> tuple[float, float] | None:
+def helix_of(problem: EndsProblem, found: CriticalPoints) -> tuple[float, float] | None:
     """The rod that is a helix from end to end, which has no level to search for.
 
     Its angle in [-pi, pi), and the same plus the whole turns of beta(0); None where the ends are those of no helix, to
     rounding.
     """
-    assert problem.betaL is not None
     beta = problem.beta0
     if problem.betaL[0] != beta[0] or np.abs(slope(problem, beta))[0] > _ROUNDING * height_scale(problem):
         return None
@@ -106,7 +104,7 @@ def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelG
     width = np.diff(height)
     tops = [np.log(w / 2) for w in width]
     if blank.whole_turns > 0 or blank.high != blank.low:
-        reach = abs(float(problem.betaL[0] - problem.beta0[0])) / float(problem.span[0])  # type: ignore[index]
+        reach = abs(float(problem.betaL[0] - problem.beta0[0])) / float(problem.span[0])
         tops.append(np.log((2 * reach) ** 2 + 1e-3 * height_scale(problem)))
     lowest = min([*tops, *(f for some in features for f in some)])
     deepest = max(_LOWEST, lowest - (80 if at_end else 40))
@@ -185,7 +183,7 @@ def _between(angle: Array, low: float, high: float) -> Any:
     return (angle >= low) | (angle <= high)
 
 
-def _features(problem: Reduced, pin: float, angles: Array, ends: tuple[float, float], extremum: bool) -> Array:
+def _features(problem: EndsProblem, pin: float, angles: Array, ends: tuple[float, float], extremum: bool) -> Array:
     """Values of log gap about which the transit times change their law, measured from a pin.
 
     They are the heights of the other critical points and of the ends above the pin, and where G stops being a parabola.

@@ -8,7 +8,7 @@ from ..mechanics.potential import potential
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..orbit.pieces import HELIX
-from ..problem.reduced import Reduced
+from ..problem.reduced import EndsProblem
 from .branch_coordinates import LinePoint, Path
 from .end_conditioning import end_response
 from .paths import DOWN, UP, LevelPaths, Levels, Paths
@@ -18,7 +18,7 @@ from .transit_times import STRETCH, Boundary, repeated, transit_times
 _TIGHT = 1e-13  # tolerance of the orbits
 
 
-def solved_orbits(problem: Reduced, boundary: Boundary, path: LevelPaths, lengthens: Array) -> tuple[Orbit, Array]:
+def solved_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, lengthens: Array) -> tuple[Orbit, Array]:
     """The orbits and their levels eta, (K,)."""
     K = path.y.size
     moves = ~path.helix
@@ -28,7 +28,7 @@ def solved_orbits(problem: Reduced, boundary: Boundary, path: LevelPaths, length
     slope[moves] = path.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
     excess[moves] = np.maximum(boundary.deepest - path.y[moves], 0)
     first = boundary.low if boundary.rising else boundary.high
-    start = repeated(problem, K, beta0=np.full(K, first), dbeta0=slope)
+    start = replace(repeated(problem, K).started(slope), beta0=np.full(K, first))
     level = potential(start, path.pin) + gap
     falls = np.ones((K, 2))  # of the two ends from the pin
     falls[moves] = boundary.falls[pin]
@@ -51,7 +51,7 @@ def solved_orbits(problem: Reduced, boundary: Boundary, path: LevelPaths, length
     return replace(orbit, problem=start, panels=replace(orbit.panels, series=series), **known), level
 
 
-def orbit_of(problem: Reduced, path: Path) -> Orbit:
+def orbit_of(problem: EndsProblem, path: Path) -> Orbit:
     """The orbit of one equilibrium, with the fields that its Morse index and its condition number need."""
     place = LinePoint(problem)
     if path.helix:
@@ -61,13 +61,12 @@ def orbit_of(problem: Reduced, path: Path) -> Orbit:
     return solved_orbits(problem, place.boundary(path.pin), path.level_path, lengthens)[0]
 
 
-def path_from_start(problem: Reduced, slope: float) -> Path | None:
+def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
     """The equilibrium of one ends problem that starts with beta_t(0) = slope.
 
     None where that orbit does not end at beta(L) within 1e-6 rad.
     """
-    assert problem.betaL is not None
-    orbit = solve_orbit(replace(problem, betaL=None, dbeta0=np.array([slope])), 1e-13)
+    orbit = solve_orbit(problem.started(np.array([slope])), 1e-13)
     if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > 1e-6:
         return None
     place = LinePoint(problem)

@@ -8,7 +8,7 @@ import numpy as np
 from ..numerics.arrays import Array, Booleans
 from ..orbit.orbit_energy import energies
 from ..orbit.periodic_orbit import Orbit
-from ..problem.reduced import Reduced
+from ..problem.reduced import EndsProblem
 from .level_brackets import brackets_on_grid, joined_brackets, roots_in
 from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
 from .path_orbits import solved_orbits
@@ -34,6 +34,7 @@ class Found:
     evaluations: of G.
     """
 
+    problem: EndsProblem
     slope: Array
     orbit: Orbit
     path: LevelPaths
@@ -48,9 +49,7 @@ class Found:
     @property
     def stray(self) -> Array:
         """How far beta goes beyond the interval between its two end angles [rad], (K,)."""
-        problem = self.orbit.problem
-        assert problem.betaL is not None
-        first, last = problem.beta0, problem.betaL
+        first, last = self.problem.beta0, self.problem.betaL
         over = np.maximum(self.highest - np.maximum(first, last), np.minimum(first, last) - self.lowest)
         return np.maximum(over, 0.0)
 
@@ -72,12 +71,12 @@ class Roots:
     calls: int
 
 
-def search(problem: Reduced, most_periods: int = 200, most_turns: int | None = None) -> Found | None:
+def search(problem: EndsProblem, most_periods: int = 200, most_turns: int | None = None) -> Found | None:
     """Every equilibrium of one ends problem.
 
     Parameters
     ----------
-    problem : Reduced
+    problem : EndsProblem
         One ends problem.
     most_periods : int
         Search paths of at most this many whole periods of beta.
@@ -103,18 +102,16 @@ def search(problem: Reduced, most_periods: int = 200, most_turns: int | None = N
 _COUNT = "incomplete"
 
 
-def _fits(problem: Reduced) -> bool:
+def _fits(problem: EndsProblem) -> bool:
     """Whether a float can hold the squares of the numbers of one ends problem, and of the beta_t that it needs."""
-    assert problem.betaL is not None
     numbers = problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, problem.betaL
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         reach = np.abs(problem.betaL - problem.beta0) / problem.span
         return bool((np.abs(np.stack([*numbers, reach, 1 / problem.span])) < _LARGEST).all())
 
 
-def _searched(problem: Reduced, most_periods: int, most_turns: int | None, step: float) -> Found | None:
+def _searched(problem: EndsProblem, most_periods: int, most_turns: int | None, step: float) -> Found | None:
     """One search, on a level grid of steps of `step` in log gap."""
-    assert problem.betaL is not None
     boundary, grid = level_grid_of(boundary_of(problem), step)
     roots, reason = _roots(boundary, grid, most_periods, most_turns)
     helix = helix_of(problem, boundary.found)
@@ -131,13 +128,12 @@ def _searched(problem: Reduced, most_periods: int, most_turns: int | None, step:
         path, lengthens = path.take(good), lengthens[good]
         orbit, level = solved_orbits(problem, boundary, path, lengthens)
     index, energy = jacobi_zeros(orbit), energies(orbit, level)
-    lowest, highest = _range(orbit)
-    assert orbit.problem.dbeta0 is not None
+    lowest, highest = _range(orbit, problem)
     helices = index[path.helix]
     signed = roots.signed + int(np.where(helices % 2 == 0, 1, -1).sum())
     remark = reason or _remark(index, energy, signed, lost)
     total, calls = roots.total + helices.size, roots.calls + int(orbit.panels.calls.sum())
-    return Found(orbit.problem.dbeta0, orbit, path, index, energy, lowest, highest, total, remark, calls)
+    return Found(problem, orbit.problem.dbeta0, orbit, path, index, energy, lowest, highest, total, remark, calls)
 
 
 def _remark(index: Array, energy: Array, signed: int, lost: int) -> str:
@@ -218,12 +214,10 @@ def _end_rounding(orbit: Orbit) -> Array:
     return np.asarray(64 * np.finfo(float).eps * orbit.problem.span * fastest)
 
 
-def _range(orbit: Orbit) -> tuple[Array, Array]:
+def _range(orbit: Orbit, problem: EndsProblem) -> tuple[Array, Array]:
     """Smallest and largest beta along each rod, (K,): at its ends or at turning points."""
-    problem = orbit.problem
-    assert problem.betaL is not None
     lowest, highest = np.minimum(problem.beta0, problem.betaL), np.maximum(problem.beta0, problem.betaL)
-    tip = np.repeat(problem.beta0, 2)
+    tip = np.repeat(orbit.problem.beta0, 2)
     tip[orbit.panels.arc] = orbit.panels.series[:, 0].sum(axis=1)  # the last panel of each arc is written last
     tip = np.reshape(tip, (-1, 2))
     for passed, end in zip((orbit.turns > 0, orbit.turns > 1), tip.T, strict=True):

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
-from ..problem.reduced import Reduced
+from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed, Trajectory, verdicts
 from .end_conditioning import end_response
 from .search import Found, search
@@ -16,19 +16,20 @@ from .selection import NEAREST, Choose, none_of, select, selection
 NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one exists"
 
 
-def equilibrium_trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float) -> Trajectory:
+def equilibrium_trajectory(problem: EndsProblem, orbit: Orbit, t: Array, tol: float) -> Trajectory:
     """The orbits of K ends problems at stations t (K, n); their error is that of beta(L)."""
-    assert problem.betaL is not None
     beta, dbeta, alpha, z = orbit.at(t)
     condition = end_response(orbit) if orbit.response is None else orbit.response
     miss = np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
     error = (2 * miss + 1e-14) * condition
     calls = np.bincount(orbit.panels.arc // 2, weights=orbit.panels.calls, minlength=t.shape[0]).astype(np.int64)
-    outcome = verdicts(beta, error, condition, tol)
-    return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), outcome, error, condition, calls, orbit)
+    verdict = verdicts(beta, error, condition, tol)
+    return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), *verdict, error, condition, calls, orbit)
 
 
-def selected(problem: Reduced, t: Array, tol: float, slope: float | None, choose: Choose = NEAREST) -> Trajectory | str:
+def selected(
+    problem: EndsProblem, t: Array, tol: float, slope: float | None, choose: Choose = NEAREST
+) -> Trajectory | str:
     """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or without `slope` the one of the rule.
 
     Returns the outcome, a sentence, where there is none.
@@ -47,7 +48,7 @@ def selected(problem: Reduced, t: Array, tol: float, slope: float | None, choose
     return replace(equilibrium_trajectory(problem, found.orbit.take(i), t, tol), selection=how)
 
 
-def _searched(problem: Reduced, slope: float | None, choose: Choose) -> Found | None:
+def _searched(problem: EndsProblem, slope: float | None, choose: Choose) -> Found | None:
     """The equilibria that the rule needs.
 
     A stable one has one turning point at most, one of index K at most K + 1, and that of lowest energy is stable.
@@ -60,7 +61,7 @@ def _searched(problem: Reduced, slope: float | None, choose: Choose) -> Found | 
 
 
 def selected_seed(
-    problem: Reduced, choose: Choose = NEAREST, points: int = 2001
+    problem: EndsProblem, choose: Choose = NEAREST, points: int = 2001
 ) -> tuple[Seed, NDArray[np.object_], list[str]]:
     """The equilibrium of each of B ends problems that the rule takes, as a seed at `points` stations.
 

@@ -24,7 +24,7 @@ from ..orbit.critical_points import CriticalPoints
 from ..orbit.local_potential import LocalPotential
 from ..orbit.panels import panelled
 from ..orbit.pieces import CENTRE, ROTATION, Pieces, start_variable
-from ..problem.reduced import Reduced
+from ..problem.reduced import EndsProblem
 from .paths import Levels
 
 _SAME = 4e-16  # of the size of G: heights that differ by less are equal
@@ -32,10 +32,9 @@ STRETCH = 4.0  # factor of the panels along saddles, where time is almost linear
 _BLOCK = 2048  # levels computed at once
 
 
-def repeated(problem: Reduced, count: int, **changed: Array | None) -> Reduced:
-    """`count` copies of one problem, with some fields changed."""
-    fields: dict[str, Any] = {k: v if v is None else np.repeat(v, count) for k, v in vars(problem).items()}
-    return Reduced(**{**fields, **changed})
+def repeated(problem: EndsProblem, count: int) -> EndsProblem:
+    """`count` copies of one problem."""
+    return problem.take(np.zeros(count, dtype=np.int64))
 
 
 def wrapped(angle: float) -> float:
@@ -54,7 +53,7 @@ class Boundary:
     below which times are linear in it.
     """
 
-    problem: Reduced
+    problem: EndsProblem
     found: CriticalPoints
     low: float
     high: float
@@ -70,12 +69,12 @@ class Boundary:
         return gap + self.falls[pin, 0 if self.rising else 1]
 
 
-def height_scale(problem: Reduced) -> float:
+def height_scale(problem: EndsProblem) -> float:
     """A bound on the size of G."""
     return float(1 + load_size(problem)[0])
 
 
-def fall(problem: Reduced, pin: float, beta: float, extremum: bool) -> float:
+def fall(problem: EndsProblem, pin: float, beta: float, extremum: bool) -> float:
     """G(pin) - G(beta) to relative accuracy in beta - pin; 0 for angles far apart where it is less than rounding."""
     x = float(apart(np.array([beta]), np.array([pin]))[0])
     at = np.array([pin])
@@ -128,12 +127,12 @@ def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> Tran
     v2 = gap + boundary.falls[levels.pin].T
     joins = (v2 > 0).all(axis=0)
     v_low, v_high = np.sqrt(np.where(joins, v2, 1.0))
-    start = repeated(boundary.problem, M, beta0=np.full(M, boundary.low), betaL=None, dbeta0=v_low)
+    start = replace(repeated(boundary.problem, M).started(v_low), beta0=np.full(M, boundary.low))
     same = boundary.found
     found = CriticalPoints(np.repeat(same.beta, M, axis=0), np.repeat(same.centre, M, axis=0), np.repeat(same.count, M))
     arcs = arcs_of(start, (boundary.pins[levels.pin], gap), found)
     pieces = _three(boundary, arcs.pieces, v_high, M)
-    twice = repeated(boundary.problem, 2 * M, betaL=None, dbeta0=np.tile(v_low, 2))
+    twice = repeated(boundary.problem, 2 * M).started(np.tile(v_low, 2))
     cut = replace(arcs, pieces=pieces)
     panels = panelled(twice, cut, basis(22), 0.7, 1e-15, times_only=True, stretch=STRETCH)
     time = _by_arc(panels.arc, panels.duration, M)

@@ -1,32 +1,38 @@
 """The methods, one file each."""
 
-from ..problem.trajectory import Trajectory
-from . import heyoka, swing
-from .base import Method
-from .collocation import COLLOCATION
-from .difference import DIFFERENCE
+from .base import EndsMethod, Method, StartMethod
+from .collocation import Collocation
+from .difference import Difference
 from .dop853 import DOP853
-from .euler import EULER
+from .euler import Euler
+from .heyoka import Heyoka
 from .lsoda import LSODA
-from .orbit import ORBIT
+from .orbit import OrbitQuadrature
 from .rk4 import RK4
-from .shooting import SHOOTING
-from .verlet import VERLET
+from .shooting import Shooting
+from .swing import SwingTaylor
+from .verlet import Verlet
 
-METHODS: dict[str, Method] = {
-    "orbit": ORBIT,
+METHODS: dict[str, type[StartMethod] | type[EndsMethod]] = {
+    "orbit": OrbitQuadrature,
     "dop853": DOP853,
     "lsoda": LSODA,
-    "verlet": VERLET,
+    "verlet": Verlet,
     "rk4": RK4,
-    "euler": EULER,
-    "shooting": SHOOTING,
-    "difference": DIFFERENCE,
-    "collocation": COLLOCATION,
-    **({"swing": swing.SWING} if swing.INSTALLED else {}),
-    **({"heyoka": heyoka.HEYOKA} if heyoka.INSTALLED else {}),
+    "euler": Euler,
+    "shooting": Shooting,
+    "difference": Difference,
+    "collocation": Collocation,
+    "swing": SwingTaylor,
+    "heyoka": Heyoka,
 }
 
-MISSING = {"heyoka": heyoka.MISSING, "swing": swing.MISSING}  # what to say where they are not installed
+__all__ = [
+    "DOP853", "LSODA", "METHODS", "RK4", "Collocation", "Difference", "EndsMethod", "Euler", "Heyoka", "Method",
+    "OrbitQuadrature", "Shooting", "StartMethod", "SwingTaylor", "Verlet", "available",
+]  # fmt: skip
 
-__all__ = ["METHODS", "MISSING", "Method", "Trajectory"]
+
+def available() -> dict[str, type[StartMethod] | type[EndsMethod]]:
+    """The methods that can run here: those whose package is installed."""
+    return {name: method for name, method in METHODS.items() if method.installed()}

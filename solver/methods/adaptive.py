@@ -1,58 +1,60 @@
 """What scipy's adaptive integrators share: beta, beta_t, alpha, z and the swirl marched from the start.
 
-An integrator's tolerance is of one step, the error asked for is of the whole rod. So the error is measured, not
-trusted: a second run at thirty times the tolerance is the yardstick, and the tolerance is tightened until the two
-agree.
+The tolerance of an integrator is of one step, the error asked for is of the whole rod. So the error is measured: a
+second run at thirty times the tolerance is compared, and the tolerance is tightened until the two agree.
 """
 
 import math
-from typing import Any
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import scipy
 
 from ..numerics.arrays import Array
 from ..orbit.growth import growth
-from ..problem.reduced import Reduced
-from ..problem.trajectory import Trajectory, verdicts
-from .base import Run
+from ..problem.reduced import StartProblem
+from ..problem.trajectory import NOT_FINITE, Trajectory, verdicts
+from .base import StartMethod, knob
 
 _TIGHTEST = 3e-14  # scipy refuses rtol below 100 eps
-_LOOSEST = 1e-2  # the yardstick runs at thirty times that, and must differ
-_MOST_CALLS = 400_000  # of one integration: a second or two; stiffer cases are for `orbit`
+_LOOSEST = 1e-2  # the run it is compared with has thirty times that, and must differ
+_MOST_CALLS = 400_000  # of one integration: one or two seconds; stiffer cases are for `orbit`
 
 
 class _TooLong(Exception):
-    """The integration would take more calls than allowed."""
+    """The integration needs more calls than allowed."""
 
 
-_LOST = "failed: the computation left the finite numbers"
-_SPENT = f"failed: more than the {_MOST_CALLS} evaluations that one integration may take"
+_LOST = NOT_FINITE
+_SPENT = f"failed: the integration needs more than {_MOST_CALLS} evaluations"
 
 
-def make_run(integrator: str) -> Run:
-    """A method's run with that one of scipy's integrators (a name that `solve_ivp` knows)."""
+@dataclass(frozen=True)
+class Adaptive(StartMethod):
+    """A method by one of scipy's integrators. integrator: its name for `solve_ivp`."""
 
-    def run(problem: Reduced, t: Array, tol: float, rtol: float | None = None, **_: Any) -> Trajectory:
-        """Integrate each problem by itself; `rtol` fixes the integrator's own tolerance instead of seeking `tol`."""
+    integrator: ClassVar[str]
+
+    rtol: float | None = knob(float)
+
+    def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
         n = t.shape[1]
         states = np.full((problem.size, 5, n), np.nan)
         error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
         calls, why = np.zeros(problem.size, dtype=np.int64), np.full(problem.size, "", dtype=object)
         for i in range(problem.size):
             one = problem.take(slice(i, i + 1))
-            states[i], error[i], condition[i], calls[i], why[i] = _one(integrator, one, t[i], tol, rtol)
+            states[i], error[i], condition[i], calls[i], why[i] = _one(self.integrator, one, t[i], tol, self.rtol)
         beta, dbeta, alpha, z, swirl = np.moveaxis(states, 1, 0)
-        outcome = np.where(why == "", verdicts(beta, error, condition, tol), why)
-        return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, calls)
-
-    return run
+        verdict = verdicts(beta, error, condition, tol).failed(why)
+        return Trajectory(beta, dbeta, alpha, z, lambda: swirl, *verdict, error, condition, calls)
 
 
 def _one(
-    integrator: str, problem: Reduced, t: Array, tol: float, rtol: float | None
+    integrator: str, problem: StartProblem, t: Array, tol: float, rtol: float | None
 ) -> tuple[Array, float, float, int, str]:
-    """States (5, n), error, condition, calls, and why there is no answer, or nothing."""
+    """States (5, n), error, condition, calls, and why there is no answer or an empty text."""
     wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
     coarse, _, calls, why = _integrate(integrator, problem, t, 30 * wanted)
     if why:  # a tighter run would take longer still
@@ -71,8 +73,10 @@ def _one(
         coarse, wanted = fine, max(_TIGHTEST, wanted / 30)
 
 
-def _integrate(integrator: str, problem: Reduced, t: Array, rtol: float) -> tuple[Array, tuple[Array, Array], int, str]:
-    """States at t (5, n); times with states there, eight in each step; calls; and why there are none, or nothing."""
+def _integrate(
+    integrator: str, problem: StartProblem, t: Array, rtol: float
+) -> tuple[Array, tuple[Array, Array], int, str]:
+    """States at t (5, n); times with states there, eight in each step; calls; why there are none, or an empty text."""
     lam, mu, phi = float(problem.lam[0]), float(problem.mu[0]), float(problem.phi[0])
 
     calls = 0
@@ -86,7 +90,6 @@ def _integrate(integrator: str, problem: Reduced, t: Array, rtol: float) -> tupl
         pull = lam * c - mu * (c - s) * (c + s) - (phi + 2 * c * s * s) * s
         return [y[1], -pull, s, c, s * c]
 
-    assert problem.dbeta0 is not None
     start = [problem.beta0[0], problem.dbeta0[0], 0.0, 0.0, 0.0]
     nothing = np.full((5, t.size), np.nan)
     try:

@@ -1,53 +1,118 @@
-"""What a method is: dimensionless problems and stations in, a trajectory out."""
+"""A method: a frozen value whose fields are its knobs, with class attributes that describe it."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field, fields
+from functools import cache
+from importlib.util import find_spec
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from ..boundary.selection import NEAREST, Choose
 from ..numerics.arrays import Array
-from ..problem.reduced import Reduced
-from ..problem.trajectory import Trajectory
-
-
-class Run(Protocol):
-    """How a method is called; t: (B, n) stations in units of rho, rising from 0, the last at most the span."""
-
-    def __call__(self, problem: Reduced, t: Array, tol: float, **knobs: Any) -> Trajectory: ...
+from ..problem.errors import InputError, choices
+from ..problem.reduced import EndsProblem, StartProblem
+from ..problem.trajectory import Seed, Trajectory
+from .ladder import Ladder
 
 
 @dataclass(frozen=True)
 class Knob:
-    """One setting of a method: a whole number of at least `least`, a positive number, or a flag (least None)."""
+    """The values that a knob may have: a flag, a whole number of at least `least`, or a number between 0 and 1."""
 
     kind: type
-    least: int | None = None
+    least: int = 0
 
     def accepts(self, value: Any) -> bool:
+        """Whether the knob may have this value."""
         if self.kind is bool:
             return isinstance(value, bool)
         if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
             return False
         if self.kind is int:
-            return isinstance(value, (int, np.integer)) and bool(self.least is None or value >= self.least)
+            return isinstance(value, (int, np.integer)) and bool(value >= self.least)
         return bool(0 < value < 1)
 
     @property
     def rule(self) -> str:
+        """The rule in words."""
         if self.kind is bool:
             return "True or False"
         return f"a whole number of at least {self.least}" if self.kind is int else "a number between 0 and 1"
 
 
-@dataclass(frozen=True)
-class Method:
-    """One method: the kinds of problem it solves ("start", "ends"), its order of convergence (inf: geometric), and
-    its knobs."""
+def knob(kind: type, least: int = 0, default: Any = None) -> Any:
+    """A field of a method: a knob, which may also be None."""
+    return field(default=default, metadata={"knob": Knob(kind, least)})
 
-    name: str
-    run: Run
-    kinds: tuple[str, ...]
-    order: float
-    summary: str
-    knobs: Mapping[str, Knob] = field(default_factory=dict)
+
+@dataclass(frozen=True)
+class Method(ABC):
+    """What all methods declare. A method extends `StartMethod` or `EndsMethod` and has a row in `METHODS`.
+
+    name: for `solve(case, method=name)`. summary: one line. problems: the kinds of problem that it solves. order: its
+    order of convergence; inf: geometric. knows_orbit: whether its trajectories carry the periodic orbit, so that
+    observables are exact between stations. batched: whether many problems cost little more than one, so that a study
+    solves large blocks. requires: a package that must be installed, and whose version decides the last bits; extra: the
+    extra of rod-workbench that installs it. ladders: for the comparison of accuracy against cost.
+    """
+
+    name: ClassVar[str]
+    summary: ClassVar[str]
+    problems: ClassVar[tuple[str, ...]]
+    order: ClassVar[float]
+    knows_orbit: ClassVar[bool] = False
+    batched: ClassVar[bool] = False
+    requires: ClassVar[str] = ""
+    extra: ClassVar[str] = ""
+    ladders: ClassVar[tuple[Ladder, ...]] = ()
+
+    def __post_init__(self) -> None:
+        for one in fields(self):
+            value, rule = getattr(self, one.name), one.metadata["knob"]
+            if value is not None and not rule.accepts(value):
+                raise InputError(f"{one.name} must be {rule.rule}, got {value!r}")
+
+    @classmethod
+    def installed(cls) -> bool:
+        """Whether the package that the method requires is installed."""
+        return not cls.requires or _found(cls.requires)
+
+    @classmethod
+    def with_knobs(cls, knobs: dict[str, Any]) -> Self:
+        """The method with these knobs. Raises `InputError` for an unknown knob, a bad value or a missing package."""
+        if not cls.installed():
+            needed = f"method {cls.name!r} needs the package {cls.requires}, which is not installed"
+            raise InputError(f"{needed}: pip install 'rod-workbench[{cls.extra}]'")
+        known = [one.name for one in fields(cls)]
+        for name in knobs:
+            if name not in known:
+                raise InputError(f"no knob {name!r} in method {cls.name!r}; its knobs: {choices(known) or 'none'}")
+        return cls(**knobs)
+
+
+class StartMethod(Method):
+    """A method for start problems."""
+
+    problems = ("start",)
+
+    @abstractmethod
+    def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
+        """The answer at the stations t (B, n) in units of rho, rising from 0, the last at most the span."""
+
+
+class EndsMethod(Method):
+    """A method for ends problems."""
+
+    problems = ("ends",)
+
+    @abstractmethod
+    def run(
+        self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
+    ) -> Trajectory:
+        """The answer at the stations t (B, n), as of a start problem; the equilibrium near `seed`, or by `choose`."""
+
+
+@cache
+def _found(package: str) -> bool:
+    return find_spec(package) is not None

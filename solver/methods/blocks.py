@@ -1,7 +1,7 @@
-"""Many cases solved a block at a time and kept as one answer: what is worked on at once stays small.
+"""Solves many cases a block at a time, to limit memory, and joins the blocks to one answer.
 
-A method that solves all its cases together needs several times the room of its answer. Here that is bound to the
-cases of one block; their rows are moved into the whole answer before the next block is solved.
+A method that solves all its cases together needs several times the memory of its answer. Here it needs that for one
+block only: the rows of a block are moved into the whole answer before the next block is solved.
 """
 
 from dataclasses import fields, is_dataclass, replace
@@ -12,28 +12,28 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.periodic_orbit import Orbit
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
-from .base import Method
+from .base import StartMethod
 
 BLOCK = 2048  # cases: 512 take `orbit` 1.4 times as long; a study's own blocks (`workbench.run.plan`) are no larger
 BLOCK_VALUES = 2**20  # stations of all cases of a block, at most: 8 MB an array
-_MORE = 1 / 8  # by how much a table grows that turns out too short
+_MORE = 1 / 8  # a full table grows by this share
 
 
 def block_size(stations: int) -> int:
-    """Cases solved together, each at so many stations."""
+    """Number of cases solved together, for a number of stations."""
     return max(1, min(BLOCK, BLOCK_VALUES // stations))
 
 
-def run_in_blocks(method: Method, problem: Reduced, t: Array, tol: float, **knobs: Any) -> Trajectory:
-    """The answer of a method to B start problems at t (B, n); each block is solved as if it were alone."""
+def run_in_blocks(method: StartMethod, problem: StartProblem, t: Array, tol: float) -> Trajectory:
+    """The answer of a method to B start problems at t (B, n), solved in blocks."""
     size, B = block_size(t.shape[1]), problem.size
     if size >= B:
-        return method.run(problem, t, tol, **knobs)
+        return method.run(problem, t, tol)
     whole, orbits, swirls = _Rows(B / size), _Orbits(B / size), _Rows(B / size)
     for block in (slice(k, k + size) for k in range(0, B, size)):
-        told = method.run(problem.take(block), t[block], tol, **knobs)
+        told = method.run(problem.take(block), t[block], tol)
         if told.orbit is None:
             swirls.add(told.swirl())
         else:
@@ -50,7 +50,7 @@ def run_in_blocks(method: Method, problem: Reduced, t: Array, tol: float, **knob
 
 
 class _Orbits:
-    """The orbits of blocks, gathered as one: an `Orbit`, a `MarchedOrbit`, or None where the method knows none."""
+    """The orbits of blocks, joined to one: an `Orbit`, a `MarchedOrbit`, or None if the method knows none."""
 
     def __init__(self, share: float) -> None:
         self.cases, self.panels, self.share = 0, 0, share
@@ -58,7 +58,7 @@ class _Orbits:
         self.rest: _Orbits | None = None
 
     def add(self, orbit: Any) -> None:
-        """The orbits of the next block."""
+        """Add the orbits of the next block."""
         if isinstance(orbit, MarchedOrbit):
             if orbit.rest is not None:
                 self.rest = self.rest or _Orbits(self.share)
@@ -76,7 +76,7 @@ class _Orbits:
 
 
 def _moved(orbit: Orbit, cases: int, panels: int) -> Orbit:
-    """The orbits as they are counted after so many cases, with so many panels, before them."""
+    """The orbits renumbered to follow so many cases with so many panels."""
     way, own = orbit.arcs, orbit.panels
     return replace(
         orbit,
@@ -87,9 +87,9 @@ def _moved(orbit: Orbit, cases: int, panels: int) -> Orbit:
 
 
 class _Rows:
-    """Dataclasses and tuples of arrays, gathered as one: each array one table that grows in place.
+    """Dataclasses and tuples of arrays, joined to one: each array is a table that grows in place.
 
-    Concatenating would hold all blocks and their union at once. share: how many blocks there will be, about.
+    Concatenation would hold all blocks and their union at once. share: the expected number of blocks.
     """
 
     def __init__(self, share: float) -> None:
@@ -99,7 +99,7 @@ class _Rows:
         self.inner: dict[Any, _Rows] = {}
 
     def add(self, value: Any) -> None:
-        """The next block."""
+        """Add the next block."""
         self.last = value
         if isinstance(value, np.ndarray):
             self.last = None
@@ -111,13 +111,13 @@ class _Rows:
         if self.table is None:
             self.table = np.empty((int(np.ceil(len(values) * self.share)), *values.shape[1:]), values.dtype)
         end = self.used + len(values)
-        if end > len(self.table):  # nobody else refers to the table yet
+        if end > len(self.table):  # no other reference to the table exists yet
             self.table.resize((int(end * (1 + _MORE)), *values.shape[1:]), refcheck=False)
         self.table[self.used : end] = values
         self.used = end
 
     def joined(self) -> Any:
-        """All blocks as one; what is no array is that of the last block."""
+        """All blocks as one; a value that is not an array is taken from the last block."""
         if self.table is not None:
             self.table.resize((self.used, *self.table.shape[1:]), refcheck=False)
             return self.table
@@ -128,7 +128,7 @@ class _Rows:
 
 
 def _parts(value: Any) -> list[tuple[Any, Any]]:
-    """What a dataclass or a tuple holds, by name."""
+    """The parts of a dataclass or a tuple, by name."""
     if is_dataclass(value):
         return [(f.name, getattr(value, f.name)) for f in fields(value)]
     return list(enumerate(value)) if isinstance(value, tuple) else []

@@ -1,12 +1,13 @@
-"""`collocation`: scipy's solve_bvp, cubic splines that obey the equation at three points a step; ends problems.
+"""`collocation`: scipy's solve_bvp for ends problems: cubic splines that obey the equation at three points a step.
 
-Order 4 on a mesh that it refines where the residual is large. Its tolerance bounds that residual, not the error; so the
-error is measured against a run at thirty times the tolerance, and the tolerance is tightened until the two agree.
-Like `difference` it finds the solution next to its seed, or next to the one that the rule `choose` takes. Newton's own
-stop keeps the error from falling much below 1e-11.
+Order 4, on a mesh that it refines where the residual is large. Its tolerance bounds the residual, not the error; so the
+error is measured against a run at thirty times the tolerance, and the tolerance is tightened until the two agree. It
+finds the solution near its seed; without a seed, near the equilibrium that the rule `choose` selects. The stop rule of
+its Newton iteration limits the error to about 1e-11.
 """
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,50 +15,63 @@ import scipy
 
 from ..boundary.end_conditioning import response
 from ..boundary.selected_equilibrium import selected_seed
+from ..boundary.selection import NEAREST, Choose
 from ..mechanics.potential import slope, slope_rate
 from ..numerics.arrays import Array
-from ..problem.reduced import Reduced
+from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed, Trajectory, verdicts
-from .base import Knob, Method
+from .base import EndsMethod, knob
+from .ladder import MOST_COMPILED, TOLERANCES, Ladder
 
-_FIRST, _MOST = (257, 2049), 10_000  # nodes: of the first mesh, and of the next where that was too coarse for the seed
+_FIRST, _MOST = (
+    (257, 2049),
+    10_000,
+)  # nodes: of the first mesh, and of the next if that is too coarse for the seed; of any mesh
 _TIGHTEST, _LOOSEST = 3e-14, 1e-2
 _GAUSS = np.polynomial.legendre.leggauss(5)
 
 
-def run(
-    problem: Reduced,
-    t: Array,
-    tol: float,
-    rtol: float | None = None,
-    nodes: int | None = None,
-    seed: Seed | None = None,
-    choose: str | int = "nearest",
-    **_: Any,
-) -> Trajectory:
-    """Each problem by itself. `rtol` fixes scipy's own tolerance instead of seeking `tol`; nodes: of the first mesh."""
-    taken, why = None, [""] * problem.size
-    if seed is None:
-        seed, taken, why = selected_seed(problem, choose)
-    columns = np.full((5, problem.size, t.shape[1]), np.nan)
-    error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
-    work, outcome = np.zeros(problem.size, dtype=np.int64), np.full(problem.size, "", dtype=object)
-    for i in range(problem.size):
-        one, near = problem.take(slice(i, i + 1)), seed.take(i)
-        if np.isfinite(near.beta).all():
-            columns[:, i], error[i], condition[i], work[i], outcome[i] = _one(one, t[i], tol, rtol, nodes, near)
-        else:
-            outcome[i] = why[i] or "failed: the seed is no shape"
-    lost = outcome != ""
-    outcome = np.where(lost, outcome, verdicts(columns[0], error, condition, tol))
-    beta, dbeta, alpha, z, swirl = columns
-    return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, work, None, taken)
+@dataclass(frozen=True)
+class Collocation(EndsMethod):
+    """Collocation by cubic splines.
+
+    rtol: scipy's own tolerance; default: sought so that `tol` is met. nodes: of the first mesh; default: 257, or 2049
+    if that is too coarse for the seed.
+    """
+
+    name = "collocation"
+    summary = "collocation by cubic splines on a mesh of its own (scipy's solve_bvp)"
+    order = 4
+    ladders = (Ladder("collocation", "rtol", TOLERANCES, "#e69f00", "D", most=MOST_COMPILED),)
+
+    rtol: float | None = knob(float)
+    nodes: int | None = knob(int, least=5)
+
+    def run(
+        self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
+    ) -> Trajectory:
+        taken, why = None, [""] * problem.size
+        if seed is None:
+            seed, taken, why = selected_seed(problem, choose)
+        columns = np.full((5, problem.size, t.shape[1]), np.nan)
+        error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
+        work = np.zeros(problem.size, dtype=np.int64)
+        for i in range(problem.size):
+            one, near = problem.take(slice(i, i + 1)), seed.take(i)
+            if np.isfinite(near.beta).all():
+                answer = _one(one, t[i], tol, self.rtol, self.nodes, near)
+                columns[:, i], error[i], condition[i], work[i], why[i] = answer
+            else:
+                why[i] = why[i] or "failed: the seed has no shape"
+        verdict = verdicts(columns[0], error, condition, tol).failed(why)
+        beta, dbeta, alpha, z, swirl = columns
+        return Trajectory(beta, dbeta, alpha, z, lambda: swirl, *verdict, error, condition, work, None, taken)
 
 
 def _one(
-    problem: Reduced, t: Array, tol: float, rtol: float | None, nodes: int | None, seed: Seed
+    problem: EndsProblem, t: Array, tol: float, rtol: float | None, nodes: int | None, seed: Seed
 ) -> tuple[Array, float, float, int, str]:
-    """Columns (5, n), error, condition, evaluations, and why it failed or nothing."""
+    """Columns (5, n), error, condition, evaluations, and why it failed or an empty text."""
     span, work = float(problem.span[0]), 0
     wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
     answer: Any = None
@@ -86,9 +100,8 @@ def _one(
         coarse, wanted = fine, max(_TIGHTEST, wanted / 30)
 
 
-def _collocated(problem: Reduced, x: Array, y: Array, rtol: float) -> tuple[Any, int]:
-    """scipy's answer from a first guess y (2, m) at x (m,), and at how many points it asked for the equation."""
-    assert problem.betaL is not None
+def _collocated(problem: EndsProblem, x: Array, y: Array, rtol: float) -> tuple[Any, int]:
+    """scipy's answer from a first guess y (2, m) at x (m,), and the number of points at which it took the equation."""
     first, last, points = problem.beta0[0], problem.betaL[0], 0
 
     def rates(x: Array, y: Array) -> Array:
@@ -115,7 +128,7 @@ def _collocated(problem: Reduced, x: Array, y: Array, rtol: float) -> tuple[Any,
 
 
 def _columns(answer: Any, t: Array) -> Array:
-    """beta, beta_t and (by Gauss's rule on each piece of the spline) alpha, z, swirl at the stations, (5, n)."""
+    """beta, beta_t, and alpha, z, swirl by Gauss's rule on each piece of the spline, at the stations, (5, n)."""
     cuts = np.union1d(answer.x, t)
     half = np.diff(cuts)[:, None] / 2
     beta = answer.sol(cuts[:-1, None] + half * (1 + _GAUSS[0]))[0]
@@ -123,13 +136,3 @@ def _columns(answer: Any, t: Array) -> Array:
     sums = [np.append(0.0, np.cumsum((v * half) @ _GAUSS[1])) for v in (s, c, s * c)]
     at = np.searchsorted(cuts, t)
     return np.stack([*answer.sol(t), *(total[at] for total in sums)])
-
-
-COLLOCATION = Method(
-    "collocation",
-    run,
-    ("ends",),
-    4,
-    "collocation by cubic splines on a mesh of its own (scipy's solve_bvp)",
-    {"rtol": Knob(float), "nodes": Knob(int, 5)},
-)

@@ -1,13 +1,17 @@
 """`dop853`: scipy's adaptive Runge-Kutta method of order 8, the reference among the marches."""
 
-from .adaptive import make_run
-from .base import Knob, Method
+from dataclasses import dataclass
 
-DOP853 = Method(
-    "dop853",
-    make_run("DOP853"),
-    ("start",),
-    8,
-    "adaptive Runge-Kutta of order 8 (scipy), the reference",
-    {"rtol": Knob(float)},
-)
+from .adaptive import Adaptive
+from .ladder import MOST_CALLED, Ladder, tens
+
+
+@dataclass(frozen=True)
+class DOP853(Adaptive):
+    """Adaptive Runge-Kutta. rtol: the tolerance of a step; default: sought so that `tol` is met."""
+
+    name = "dop853"
+    summary = "adaptive Runge-Kutta of order 8 (scipy), the reference"
+    order = 8
+    integrator = "DOP853"
+    ladders = (Ladder("dop853", "rtol", (*tens(2, 12, 2), 1e-13), "#e69f00", "D", most=3 * MOST_CALLED),)

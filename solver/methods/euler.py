@@ -1,29 +1,39 @@
-"""`euler`: the explicit Euler rule, which the paper holds its own scheme against.
+"""`euler`: the explicit Euler rule, with which the paper compares its own scheme.
 
-Order 1, and not symplectic: h = beta_t^2 + G grows in step with the arc, and a closed orbit winds outward. It is here
-so that the comparison can be repeated; nothing should be computed with it.
+Order 1, and not symplectic: h = beta_t^2 + G grows along the rod, and a closed orbit spirals outward. It is for
+comparison only.
 """
 
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..mechanics.potential import slope
 from ..numerics.arrays import Array
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
-from .base import Knob, Method
+from .base import StartMethod, knob
+from .ladder import Ladder, twos
 from .marching import Scheme, marched
 
 
-def run(problem: Reduced, t: Array, tol: float, steps: int | None = None, **_: Any) -> Trajectory:
-    """March all problems at once, with `steps` equal steps between neighbouring stations, or as many as `tol` needs."""
-    return marched(SCHEME, problem, t, tol, steps)
+@dataclass(frozen=True)
+class Euler(StartMethod):
+    """Explicit Euler. steps: equal steps between neighbouring stations; default: as many as the tolerance needs."""
+
+    name = "euler"
+    summary = "explicit Euler, for comparison only"
+    order = 1
+    ladders = (Ladder("euler", "steps", twos(9), "#8a8f98", "v"),)
+
+    steps: int | None = knob(int, least=1)
+
+    def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
+        return marched(SCHEME, problem, t, tol, self.steps)
 
 
-def _march(problem: Reduced, t: Array, steps: int) -> Array:
+def _march(problem: StartProblem, t: Array, steps: int) -> Array:
     """beta, beta_t, alpha, z, swirl at the stations, (5, B, n)."""
-    assert problem.dbeta0 is not None
     out = np.empty((5, *t.shape))
     beta, v = problem.beta0.copy(), problem.dbeta0.copy()
     alpha, z, swirl = (np.zeros(problem.size) for _ in range(3))
@@ -40,5 +50,3 @@ def _march(problem: Reduced, t: Array, steps: int) -> Array:
 
 
 SCHEME = Scheme(_march, order=1, calls=1, most=2**16)
-
-EULER = Method("euler", run, ("start",), 1, "explicit Euler, for comparison only", {"steps": Knob(int, 1)})

@@ -1,43 +1,54 @@
-"""`heyoka`: Taylor's method compiled to machine code, the strongest integrator one could pick instead; optional.
+"""`heyoka`: Taylor's method compiled to machine code, the strongest general integrator to compare with; optional.
 
-Offered where the package heyoka is installed (the extra `taylor`). Its order follows the tolerance, about twenty at
-rounding. As with every adaptive integrator here, a second run measures the error.
+It needs the package heyoka (the extra `taylor`). Its order follows the tolerance, about twenty at rounding. As with
+every adaptive integrator here, a second run measures the error.
 """
 
 import math
+from dataclasses import dataclass
 from functools import cache
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
 from ..orbit.growth import growth, refined
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, verdicts
-from .base import Knob, Method
+from .base import StartMethod, knob
+from .ladder import MOST_COMPILED, Ladder, tens
 
-INSTALLED = find_spec("heyoka") is not None
-MISSING = "method 'heyoka' needs the package heyoka, which is not installed: pip install 'rod-workbench[taylor]'"
 _TIGHTEST, _LOOSEST = 2.3e-16, 1e-2
 _MOST_STEPS = 200_000  # of one integration
 
 
-def run(problem: Reduced, t: Array, tol: float, rtol: float | None = None, **_: Any) -> Trajectory:
-    """Integrate each problem by itself; `rtol` fixes the integrator's own tolerance instead of seeking `tol`."""
-    t, k = refined(problem, t, 16)
-    states = np.full((problem.size, 5, t.shape[1]), np.nan)
-    error, calls = np.full(problem.size, np.inf), np.zeros(problem.size, dtype=np.int64)
-    for i in range(problem.size):
-        states[i], error[i], calls[i] = _one(problem.take(slice(i, i + 1)), t[i], tol, rtol)
-    condition = growth(problem, t, states[:, 0], states[:, 1])
-    beta, dbeta, alpha, z, swirl = np.moveaxis(states[:, :, ::k], 1, 0)
-    error = error + 2e-16 * (1 + np.sqrt(calls)) * condition
-    outcome = verdicts(beta, error, condition, tol)
-    return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, calls)
+@dataclass(frozen=True)
+class Heyoka(StartMethod):
+    """Taylor series, compiled. rtol: the tolerance of a step; default: sought so that `tol` is met."""
+
+    name = "heyoka"
+    summary = "Taylor series compiled to machine code (the package heyoka)"
+    order = float("inf")
+    requires = "heyoka"
+    extra = "taylor"
+    ladders = (Ladder("heyoka", "rtol", tens(1, 15, 2), "#6a3d9a", "P", cold=True, most=MOST_COMPILED),)
+
+    rtol: float | None = knob(float)
+
+    def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
+        t, k = refined(problem, t, 16)
+        states = np.full((problem.size, 5, t.shape[1]), np.nan)
+        error, calls = np.full(problem.size, np.inf), np.zeros(problem.size, dtype=np.int64)
+        for i in range(problem.size):
+            states[i], error[i], calls[i] = _one(problem.take(slice(i, i + 1)), t[i], tol, self.rtol)
+        condition = growth(problem, t, states[:, 0], states[:, 1])
+        beta, dbeta, alpha, z, swirl = np.moveaxis(states[:, :, ::k], 1, 0)
+        error = error + 2e-16 * (1 + np.sqrt(calls)) * condition
+        verdict = verdicts(beta, error, condition, tol)
+        return Trajectory(beta, dbeta, alpha, z, lambda: swirl, *verdict, error, condition, calls)
 
 
-def _one(problem: Reduced, t: Array, tol: float, rtol: float | None) -> tuple[Array, float, int]:
+def _one(problem: StartProblem, t: Array, tol: float, rtol: float | None) -> tuple[Array, float, int]:
     wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
     coarse, calls = _integrate(problem, t, 30 * wanted)
     weight = np.array([1, 0, 1, 1, 0]) / np.array([1, 1, max(1.0, t[-1]), max(1.0, t[-1]), 1])
@@ -52,9 +63,8 @@ def _one(problem: Reduced, t: Array, tol: float, rtol: float | None) -> tuple[Ar
         coarse, wanted = fine, max(_TIGHTEST, wanted / 30)
 
 
-def _integrate(problem: Reduced, t: Array, rtol: float) -> tuple[Array, int]:
-    """The state at the stations, (5, n), NaN where the march came to nothing; and calls of the equation."""
-    assert problem.dbeta0 is not None
+def _integrate(problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int]:
+    """The state at the stations, (5, n), NaN where the march ended early; and calls of the equation."""
     march = _compiled(rtol)
     march.time = 0.0
     march.state[:] = problem.beta0[0], problem.dbeta0[0], 0.0, 0.0, 0.0
@@ -80,13 +90,3 @@ def _compiled(rtol: float) -> Any:
     pull = (lam - mu) * c + 2.0 * mu * hy.sin(0.5 * beta) ** 2.0 * (1.0 + 2.0 * c) - (phi + 2.0 * c * s * s) * s
     rates = [(beta, v), (v, -pull), (alpha, s), (z, c), (swirl, s * c)]
     return hy.taylor_adaptive(rates, [0.0] * 5, tol=rtol, pars=[0.0] * 3)
-
-
-HEYOKA = Method(
-    "heyoka",
-    run,
-    ("start",),
-    float("inf"),
-    "Taylor series compiled to machine code (the package heyoka)",
-    {"rtol": Knob(float)},
-)

@@ -1,16 +1,20 @@
 """`lsoda`: scipy's LSODA, Adams' multistep formulas of order up to 12 that change to BDF where the problem is stiff.
 
-One call of the equation a step, so it is strong where calls are dear; here they are cheap.
+It evaluates the equation once a step, an advantage where evaluations are expensive; here they are cheap.
 """
 
-from .adaptive import make_run
-from .base import Knob, Method
+from dataclasses import dataclass
 
-LSODA = Method(
-    "lsoda",
-    make_run("LSODA"),
-    ("start",),
-    12,
-    "multistep formulas of variable order, to 12 (scipy's LSODA)",
-    {"rtol": Knob(float)},
-)
+from .adaptive import Adaptive
+from .ladder import MOST_CALLED, Ladder, tens
+
+
+@dataclass(frozen=True)
+class LSODA(Adaptive):
+    """Multistep formulas. rtol: the tolerance of a step; default: sought so that `tol` is met."""
+
+    name = "lsoda"
+    summary = "multistep formulas of variable order, to 12 (scipy's LSODA)"
+    order = 12
+    integrator = "LSODA"
+    ladders = (Ladder("lsoda", "rtol", (*tens(2, 12, 2), 1e-13), "#cc79a7", "^", most=2 * MOST_CALLED),)

@@ -1,4 +1,4 @@
-"""What the marches of equal steps share: the search for the step by doubling, and the error found on the way."""
+"""Marches of equal steps: the number of steps is doubled until the tolerance is met, which also gives the error."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,15 +7,16 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..orbit.growth import growth, refined
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, verdicts
 
-March = Callable[[Reduced, Array, int], Array]  # so many steps between stations -> (5, B, n), the rows of a Trajectory
+# problems, stations, steps between two stations -> beta, beta_t, alpha, z, swirl, (5, B, n)
+March = Callable[[StartProblem, Array, int], Array]
 
 
 @dataclass(frozen=True)
 class Scheme:
-    """A march of equal steps: its order, its calls of the equation a step, and how many steps in all it may take."""
+    """A march of equal steps. order: of convergence; calls: of the equation in a step; most: steps along the rod."""
 
     march: March
     order: int
@@ -24,18 +25,18 @@ class Scheme:
 
 
 def marched(
-    scheme: Scheme, problem: Reduced, t: Array, tol: float, steps: int | None, extrapolate: bool = False
+    scheme: Scheme, problem: StartProblem, t: Array, tol: float, steps: int | None, extrapolate: bool = False
 ) -> Trajectory:
     """All problems at once, with `steps` equal steps between neighbouring stations.
 
-    Without `steps` the number is doubled, for those problems whose last two answers do not yet agree to `tol`, until
-    the scheme's budget is spent. With it the answer is of that many steps, and what is marched beyond it measures its
-    error. extrapolate: take Richardson's combination of each two neighbours, eq. (47), which is two orders better
-    where the error has even powers only.
+    Without `steps` the number is doubled for the problems whose last two answers differ by more than `tol`, until the
+    scheme's largest number of steps is reached. With `steps` the answer has that number of steps, and a finer march
+    measures its error. extrapolate: take Richardson's combination of two successive answers, eq. (47), which raises the
+    order by two if the error has only even powers.
     """
     base = t if not t[:, 0].any() else np.concatenate([np.zeros((problem.size, 1)), t], axis=1)
     intervals, power = base.shape[1] - 1, 2.0 ** (scheme.order + 2 * extrapolate)
-    answer, off = np.empty((2, 5, *base.shape))  # of all problems, each as it was when it was done
+    answer, off = np.empty((2, 5, *base.shape))  # of all problems, each as of its last march
     condition, work, left = np.ones(problem.size), np.zeros(problem.size, dtype=np.int64), np.arange(problem.size)
     n, marches, answers = steps or 1, list[Array](), list[Array]()
     while left.size:
@@ -62,13 +63,13 @@ def marched(
 
 
 def _extrapolated(order: int, coarse: Array, fine: Array) -> Array:
-    """Eq. (47)."""
+    """Richardson's combination of two answers, eq. (47)."""
     power = 2.0**order
     return (power * fine - coarse) / (power - 1)
 
 
 def _error(t: Array, off: Array) -> Array:
-    """Error measure of a difference of two answers, (B,): beta, and alpha and z over max(1, t)."""
+    """The largest of beta, and of alpha and z over max(1, t), in the difference of two answers, (B,)."""
     reach = np.maximum(1, t[:, -1:])
     return np.nan_to_num(np.max(np.maximum(off[0], np.maximum(off[2], off[3]) / reach), axis=1), nan=np.inf)
 
@@ -76,5 +77,6 @@ def _error(t: Array, off: Array) -> Array:
 def _trajectory(tol: float, answer: Array, error: Array, condition: Array, work: Array) -> Trajectory:
     beta, dbeta, alpha, z, swirl = answer
     error = error + 2e-16 * np.sqrt(work) * condition
-    outcome = verdicts(beta, error, condition, tol)
-    return Trajectory(beta, dbeta, alpha, z, lambda: swirl, outcome, error, condition, work)
+    return Trajectory(
+        beta, dbeta, alpha, z, lambda: swirl, *verdicts(beta, error, condition, tol), error, condition, work
+    )

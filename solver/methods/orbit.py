@@ -1,6 +1,6 @@
 """`orbit`: the periodic orbit by quadrature over half a period; see `orbit.periodic_orbit`."""
 
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,29 +10,37 @@ from ..orbit.error_estimate import estimated_error
 from ..orbit.panels import MOST
 from ..orbit.periodic_orbit import solve_orbit
 from ..problem.limits import TOO_LARGE, dimensionless
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, blanked, stood_in, verdicts
-from .base import Method
+from .base import StartMethod
+from .ladder import TOLERANCES, Ladder
 
-SPENT = f"failed: more than the {MOST} panels that one orbit may take"
-
-
-def run(problem: Reduced, t: Array, tol: float, **_: Any) -> Trajectory:
-    """All problems at once; those whose numbers a float cannot hold are refused by their outcome."""
-    fit = dimensionless(problem)
-    return blanked(_run(stood_in(problem, fit), np.where(fit[:, None], t, 0), tol), fit, TOO_LARGE)
+SPENT = f"failed: the orbit needs more than {MOST} panels"
 
 
-def _run(problem: Reduced, t: Array, tol: float) -> Trajectory:
+@dataclass(frozen=True)
+class OrbitQuadrature(StartMethod):
+    """The periodic orbit by quadrature; it has no knobs."""
+
+    name = "orbit"
+    summary = "quadrature over half a period, the rest by symmetry"
+    order = float("inf")
+    knows_orbit = True
+    batched = True
+    ladders = (Ladder("orbit", "tol", TOLERANCES, "#00704f", "o", bold=True),)
+
+    def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
+        fit = dimensionless(problem)
+        return blanked(_run(stood_in(problem, fit), np.where(fit[:, None], t, 0), tol), fit, TOO_LARGE)
+
+
+def _run(problem: StartProblem, t: Array, tol: float) -> Trajectory:
     orbit = solve_orbit(problem, tol)
     beta, dbeta, alpha, z = orbit.at(t)
     growth = condition(orbit)
     error = estimated_error(orbit, growth)
-    outcome = verdicts(beta, error, growth, tol)
     spent = np.bincount(orbit.panels.arc // 2, minlength=problem.size) > MOST
-    outcome[spent & (error > tol * growth)] = SPENT
+    why = np.where(spent & (error > tol * growth), SPENT, "")
+    verdict = verdicts(beta, error, growth, tol).failed(why)
     calls = np.bincount(orbit.panels.arc // 2, weights=orbit.panels.calls, minlength=problem.size).astype(np.int64)
-    return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), outcome, error, growth, calls, orbit)
-
-
-ORBIT = Method("orbit", run, ("start",), float("inf"), "quadrature over half a period, the rest by symmetry")
+    return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), *verdict, error, growth, calls, orbit)

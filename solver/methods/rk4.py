@@ -1,25 +1,35 @@
 """`rk4`: the classical Runge-Kutta rule of order 4 with equal steps, as a textbook would have it."""
 
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..mechanics.potential import slope
 from ..numerics.arrays import Array
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
-from .base import Knob, Method
+from .base import StartMethod, knob
+from .ladder import Ladder, twos
 from .marching import Scheme, marched
 
 
-def run(problem: Reduced, t: Array, tol: float, steps: int | None = None, **_: Any) -> Trajectory:
-    """March all problems at once, with `steps` equal steps between neighbouring stations, or as many as `tol` needs."""
-    return marched(SCHEME, problem, t, tol, steps)
+@dataclass(frozen=True)
+class RK4(StartMethod):
+    """Classical Runge-Kutta. steps: equal steps between stations; default: as many as the tolerance needs."""
+
+    name = "rk4"
+    summary = "classical Runge-Kutta of order 4, equal steps"
+    order = 4
+    ladders = (Ladder("rk4", "steps", twos(6), "#a0522d", "s"),)
+
+    steps: int | None = knob(int, least=1)
+
+    def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
+        return marched(SCHEME, problem, t, tol, self.steps)
 
 
-def _march(problem: Reduced, t: Array, steps: int) -> Array:
+def _march(problem: StartProblem, t: Array, steps: int) -> Array:
     """beta, beta_t, alpha, z, swirl at the stations, (5, B, n)."""
-    assert problem.dbeta0 is not None
     out = np.empty((5, *t.shape))
     y = np.zeros((5, problem.size))
     y[0], y[1] = problem.beta0, problem.dbeta0
@@ -37,12 +47,10 @@ def _march(problem: Reduced, t: Array, steps: int) -> Array:
     return out
 
 
-def _rates(problem: Reduced, y: Array) -> Array:
+def _rates(problem: StartProblem, y: Array) -> Array:
     """The rate of beta, beta_t, alpha, z, swirl, (5, B)."""
     s, c = np.sin(y[0]), np.cos(y[0])
     return np.stack([y[1], -slope(problem, y[0]), s, c, s * c])
 
 
 SCHEME = Scheme(_march, order=4, calls=4, most=2**15)
-
-RK4 = Method("rk4", run, ("start",), 4, "classical Runge-Kutta of order 4, equal steps", {"steps": Knob(int, 1)})

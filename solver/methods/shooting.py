@@ -1,11 +1,11 @@
-"""`shooting`: ends problems through `orbit`, so exact to rounding however long the rod.
+"""`shooting`: ends problems by the quadrature of `orbit`, exact to rounding for a rod of any length.
 
-From a solution as seed by continuation of its equilibrium; next to a number as seed by Newton's rule on the start's
-slope, all problems at once. Without a seed, and where the start's slope is too blunt a handle (a shape that hugs a
-saddle), by the search over levels and paths of `equilibria`.
+If the seed is a solution, its equilibrium is continued; if it is a number, Newton's rule on the slope at the start
+finds the equilibrium near it, for all problems at once. Without a seed, and near a saddle, where the slope at the start
+does not resolve the equilibria, the search over levels and paths of `equilibria` is used.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -16,50 +16,62 @@ from ..boundary.continuation_steps import FOLD
 from ..boundary.path_orbits import orbit_of, path_from_start
 from ..boundary.search import search
 from ..boundary.selected_equilibrium import NO_EQUILIBRIUM, equilibrium_trajectory, selected
+from ..boundary.selection import NEAREST, Choose
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import joined_orbits, solve_orbit
-from ..problem.reduced import Reduced
+from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory
-from .base import Method
+from .base import EndsMethod
+from .ladder import Ladder, tens
 
 _ROUNDS = 40
 
 
-def run(
-    problem: Reduced, t: Array, tol: float, seed: Seed | None = None, choose: str | int = "nearest", **_: Any
-) -> Trajectory:
-    """The equilibrium that continues from `seed` or is next to it; without one that which the rule `choose` takes."""
-    if seed is not None and seed.problem is not None:
-        return together([_carried(one, t[i : i + 1], tol, seed.take(i)) for i, one in enumerate(_each(problem))], t)
-    slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
-    near = np.isfinite(slopes)
-    if near.all():
-        return equilibrium_trajectory(problem, solve_orbit(problem.started(slopes), 1e-13), t, tol)
-    found: list[Trajectory | str] = []
-    for i, one in enumerate(_each(problem)):
-        here = t[i : i + 1]
-        if near[i]:
-            found.append(equilibrium_trajectory(one, solve_orbit(one.started(slopes[i : i + 1]), 1e-13), here, tol))
-        else:
-            found.append(selected(one, here, tol, None if seed is None else float(seed.slope[i]), choose))
-    return together(found, t)
+@dataclass(frozen=True)
+class Shooting(EndsMethod):
+    """The orbit of the right length; it has no knobs."""
+
+    name = "shooting"
+    summary = "the level at which the orbit's length is the rod's"
+    order = float("inf")
+    knows_orbit = True
+    ladders = (Ladder("shooting", "tol", tens(2, 13, 2), "#00704f", "o", bold=True),)
+
+    def run(
+        self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
+    ) -> Trajectory:
+        if seed is not None and seed.problem is not None:
+            return together([_carried(one, t[i : i + 1], tol, seed.take(i)) for i, one in enumerate(_each(problem))], t)
+        slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
+        near = np.isfinite(slopes)
+        if near.all():
+            return equilibrium_trajectory(problem, solve_orbit(problem.started(slopes), 1e-13), t, tol)
+        found: list[Trajectory | str] = []
+        for i, one in enumerate(_each(problem)):
+            here = t[i : i + 1]
+            if near[i]:
+                found.append(equilibrium_trajectory(one, solve_orbit(one.started(slopes[i : i + 1]), 1e-13), here, tol))
+            else:
+                found.append(selected(one, here, tol, None if seed is None else float(seed.slope[i]), choose))
+        return together(found, t)
 
 
-def _each(problem: Reduced) -> list[Reduced]:
+def _each(problem: EndsProblem) -> list[EndsProblem]:
+    """The problems as problems of size 1."""
     return [problem.take(slice(i, i + 1)) for i in range(problem.size)]
 
 
 def together(found: list[Trajectory | str], t: Array) -> Trajectory:
-    """The answers of B problems at t (B, n) as one; those that have none are given by their outcome."""
-    plain = Reduced(*(np.array([v]) for v in PLAIN))
+    """The answers of B problems at t (B, n) as one; a problem without an answer is given by its outcome."""
+    plain = StartProblem(**{field.name: np.array([PLAIN[field.name]]) for field in fields(StartProblem)})
     nothing = solve_orbit(plain, 1e-6)
     orbits = [nothing if isinstance(one, str) else one.orbit for one in found]
-    orbit = orbits[0] if len(orbits) == 1 else joined_orbits([replace(o, problem=_started(o)) for o in orbits])
+    orbit = orbits[0] if len(orbits) == 1 else joined_orbits(orbits)
     shown = np.array([not isinstance(one, str) for one in found])
     columns = np.full((4, *t.shape), np.nan)
     error, condition = np.full((2, t.shape[0]), np.inf)
     calls, outcome = np.zeros(t.shape[0], dtype=np.int64), np.full(t.shape[0], NO_EQUILIBRIUM, dtype=object)
-    taken = np.full(t.shape[0], None, dtype=object)
+    solved, taken = np.zeros(t.shape[0], dtype=bool), np.full(t.shape[0], None, dtype=object)
     for i, one in enumerate(found):
         if isinstance(one, str):
             outcome[i] = one
@@ -67,19 +79,14 @@ def together(found: list[Trajectory | str], t: Array) -> Trajectory:
         columns[:, i] = one.beta[0], one.dbeta[0], one.alpha[0], one.z[0]
         taken[i] = None if one.selection is None else one.selection[0]
         error[i], condition[i], calls[i] = one.error[0], one.condition[0], one.evaluations[0]
-        outcome[i] = one.outcome[0]
+        solved[i], outcome[i] = one.solved[0], one.outcome[0]
     beta, dbeta, alpha, z = columns
-    told = outcome, error, condition, calls, orbit, taken
+    told = solved, outcome, error, condition, calls, orbit, taken
     return Trajectory(beta, dbeta, alpha, z, lambda: np.where(shown[:, None], orbit.swirl(t), np.nan), *told)
 
 
-def _started(orbit: Any) -> Reduced:
-    """The problem of an orbit as a start problem: of those with and without a far angle no batch can be made."""
-    return replace(orbit.problem, betaL=None)
-
-
-def _carried(problem: Reduced, t: Array, tol: float, seed: Seed) -> Trajectory | str:
-    """The equilibrium of one problem that continues from the seed's own, or the outcome that says why there is none."""
+def _carried(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory | str:
+    """The equilibrium of one problem on the branch of the seed, or the outcome that says why there is none."""
     assert seed.problem is not None
     path = _path_of_seed(seed)
     if path is None:
@@ -94,7 +101,7 @@ def _carried(problem: Reduced, t: Array, tol: float, seed: Seed) -> Trajectory |
 
 
 def _path_of_seed(seed: Seed) -> Any:
-    """The path of the equilibrium that a seed is; None where it is none."""
+    """The path of the seed's equilibrium; None if the seed is not an equilibrium."""
     assert seed.problem is not None
     if not np.isfinite(seed.beta[0]).all():
         return None
@@ -112,11 +119,10 @@ def _path_of_seed(seed: Seed) -> Any:
     return path_of(found.path, best) if apart[best] < 0.01 else None
 
 
-def _next_to(problem: Reduced, slope: Array) -> Array:
-    """beta_t(0) of the solution next to a guess, (B,); NaN where Newton's rule does not settle."""
-    assert problem.betaL is not None
+def _next_to(problem: EndsProblem, slope: Array) -> Array:
+    """beta_t(0) of the solution near a guess, (B,); NaN if Newton's rule does not converge."""
     B = problem.size
-    twice = Reduced(*(np.tile(v, 2) for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
+    twice = problem.take(np.tile(np.arange(B), 2))
     at = np.where(np.isfinite(slope), slope, 0.0)
     off = np.full(B, np.inf)
     for _ in range(_ROUNDS):
@@ -132,6 +138,3 @@ def _next_to(problem: Reduced, slope: Array) -> Array:
         at = np.where(np.abs(off) <= 2e-13 * np.maximum(1, np.abs(problem.betaL)), at, at + step)
     met = (np.abs(off) <= 1e-10) & np.isfinite(slope) & (np.abs(at - slope) <= 0.1 * (1 + np.abs(slope)))
     return np.where(met, at, np.nan)
-
-
-SHOOTING = Method("shooting", run, ("ends",), float("inf"), "the level at which the orbit's length is the rod's")

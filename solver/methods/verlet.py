@@ -5,28 +5,44 @@ rounding from growing with 1/h^2. Symplectic; order 2, order 4 once (4 y_{h/2} -
 by the trapezoidal rule on the same points, whose error has the same expansion in h^2.
 """
 
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..mechanics.potential import slope
 from ..numerics.arrays import Array
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
-from .base import Knob, Method
+from .base import StartMethod, knob
+from .ladder import Ladder, twos
 from .marching import Scheme, marched
 
 
-def run(
-    problem: Reduced, t: Array, tol: float, steps: int | None = None, extrapolate: bool = True, **_: Any
-) -> Trajectory:
-    """March all problems at once, with `steps` equal steps between neighbouring stations, or as many as `tol` needs."""
-    return marched(SCHEME, problem, t, tol, steps, extrapolate)
+@dataclass(frozen=True)
+class Verlet(StartMethod):
+    """The paper's difference equation, marched.
+
+    steps: equal steps between neighbouring stations; default: as many as the tolerance needs. extrapolate: whether
+    Richardson's combination (47) is taken, which raises the order from 2 to 4.
+    """
+
+    name = "verlet"
+    summary = "the paper's difference equation marched; order 2, extrapolated 4"
+    order = 4
+    ladders = (
+        Ladder("verlet", "steps", twos(8), "#56b4e9", "o", fixed={"extrapolate": False}),
+        Ladder("verlet", "steps", twos(7), "#0072b2", "o", label="verlet extrapolated"),
+    )
+
+    steps: int | None = knob(int, least=1)
+    extrapolate: bool = knob(bool, default=True)
+
+    def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
+        return marched(SCHEME, problem, t, tol, self.steps, self.extrapolate)
 
 
-def _march(problem: Reduced, t: Array, steps: int) -> Array:
+def _march(problem: StartProblem, t: Array, steps: int) -> Array:
     """beta, beta_t, alpha, z, swirl at the stations, (5, B, n)."""
-    assert problem.dbeta0 is not None
     out = np.empty((5, *t.shape))
     beta, v = problem.beta0.copy(), problem.dbeta0.copy()
     alpha, z, swirl = (np.zeros(problem.size) for _ in range(3))
@@ -48,12 +64,3 @@ def _march(problem: Reduced, t: Array, steps: int) -> Array:
 
 
 SCHEME = Scheme(_march, order=2, calls=1, most=2**17)
-
-VERLET = Method(
-    "verlet",
-    run,
-    ("start",),
-    4,
-    "the paper's difference equation marched; order 2, extrapolated 4",
-    {"steps": Knob(int, 1), "extrapolate": Knob(bool)},
-)

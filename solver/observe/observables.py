@@ -6,6 +6,7 @@ length.
 """
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from ..boundary.stability import index_at_stations, jacobi_zeros
 from ..numerics.arrays import Array
 from ..orbit.pieces import LIBRATION, ROTATION
 from ..problem.errors import no_such
+from ..problem.quantities import quantity
 from ..problem.reduced import flat
 from ..solution import Solution
 from .measurement import Pair, Reading
@@ -217,65 +219,67 @@ def _twist(read: Reading) -> Array:
     return read.sol.problem.mu**2 * flat(1 + np.asarray(case.rod.nu), case.shape) / 2
 
 
-# whole numbers, without an error; NaN where they are not known
-COUNTED: dict[str, Callable[[Reading], Any]] = {
-    "turns": turns,
-    "loops": loops,
-    "overlaps": overlapping,
-    "index": index,
+@dataclass(frozen=True)
+class Observable:
+    """One number a case. compute: the values (B,), with their errors if `Quantity.estimated`. measured: what `Reading`
+    measures for it."""
+
+    compute: Callable[[Reading], Any]
+    measured: tuple[str, ...] = ()
+
+
+# The row in `problem.quantities` says whether the error is estimated; if not, the values are whole numbers, or NaN.
+OBSERVABLES: dict[str, Observable] = {
+    "turns": Observable(turns, ("low", "high")),
+    "bend_number": Observable(bend_number, ("low", "high")),
+    "loops": Observable(loops),
+    "amplitude": Observable(amplitude, ("low", "high")),
+    "kappa_mean": Observable(kappa_mean, ("curvature",)),
+    "kappa_max": Observable(kappa_max, ("tightest",)),
+    "wraps": Observable(wraps),
+    "height": Observable(height),
+    "contact_size_mean": Observable(contact_size_mean, ("pushed", "pulled")),
+    "push_mean": Observable(push_mean, ("pushed",)),
+    "pull_mean": Observable(pull_mean, ("pulled",)),
+    "push_min": Observable(push_min, ("least",)),
+    "push_max": Observable(push_max, ("most",)),
+    "attached": Observable(attached, ("share",)),
+    "overlaps": Observable(overlapping, ("tightest", "low", "high")),
+    "energy": Observable(energy, ("potential",)),
+    "bending_energy": Observable(bending_energy, ("bending",)),
+    "twist_energy": Observable(twist_energy),
+    "index": Observable(index),
 }
 
-# each with the measured numbers that it needs
-MEASURED: dict[str, tuple[Callable[[Reading], Pair], tuple[str, ...]]] = {
-    "bend_number": (bend_number, ("low", "high")),
-    "amplitude": (amplitude, ("low", "high")),
-    "kappa_mean": (kappa_mean, ("curvature",)),
-    "kappa_max": (kappa_max, ("tightest",)),
-    "wraps": (wraps, ()),
-    "height": (height, ()),
-    "contact_size_mean": (contact_size_mean, ("pushed", "pulled")),
-    "push_mean": (push_mean, ("pushed",)),
-    "pull_mean": (pull_mean, ("pulled",)),
-    "push_min": (push_min, ("least",)),
-    "push_max": (push_max, ("most",)),
-    "attached": (attached, ("share",)),
-    "energy": (energy, ("potential",)),
-    "bending_energy": (bending_energy, ("bending",)),
-    "twist_energy": (twist_energy, ()),
-}
-# the measured numbers that a whole number needs
-_FROM = {"turns": ("low", "high"), "overlaps": ("tightest", "low", "high")}
 
-OBSERVABLES = (
-    "turns", "bend_number", "loops", "amplitude", "kappa_mean", "kappa_max", "wraps", "height", "contact_size_mean",
-    "push_mean", "pull_mean", "push_min", "push_max", "attached", "overlaps", "energy", "bending_energy",
-    "twist_energy", "index",
-)  # fmt: skip
+def is_count(name: str) -> bool:
+    """Whether an observable is a whole number."""
+    return name in OBSERVABLES and not quantity(name).estimated
 
 
 def error_name(name: str) -> str | None:
     """The name of the error of an observable, or None for a whole number."""
-    return f"{name}_error" if name in MEASURED else None
+    return f"{name}_error" if quantity(name).estimated else None
 
 
 def observe(sol: Solution, names: Iterable[str], errors: bool = False) -> dict[str, Any]:
-    """Compute observables of a solution.
+    """Observables of a solution: one number a case.
 
     Parameters
     ----------
     sol : Solution
-        A solution of one case or of a grid.
     names : iterable of str
-        Of `OBSERVABLES`; `solver.problem.quantities` has their symbols and units.
+        Names of `OBSERVABLES`, for example ``["turns", "energy"]``; `solver.problem.quantities` has their units.
     errors : bool
-        Add the estimated errors `<name>_error`, in the same unit; the whole numbers turns, loops, overlaps and index
-        have none. An error is NaN where the method knows no orbit and the stations do not resolve every bend or do not
-        cover the whole rod.
+        Whether to add the estimated error of each, as ``<name>_error`` in the same unit, except for the whole numbers
+        `turns`, `loops`, `overlaps` and `index`.
 
     Returns
     -------
     dict
-        Name to values, (*cases), a number for a single case; NaN where a case has no shape.
+        Name -> array (*cases), or a number for a single case; NaN for a case without a shape. An error is NaN if it
+        cannot be estimated: the method does not know the orbit, and the stations do not resolve every bend or cover
+        only a part of the rod.
 
     Raises
     ------
@@ -284,26 +288,27 @@ def observe(sol: Solution, names: Iterable[str], errors: bool = False) -> dict[s
 
     Examples
     --------
-    >>> from math import pi
     >>> from solver import Case, Cylinder, Rod, Start, observe, solve
-    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0, stiffness="paper")
-    >>> sol = solve(Case(rod, Cylinder(R=0.75), Start(beta=pi / 6, dbeta=0.5, F1=5.0, F3=10.0)))
-    >>> {name: int(value) for name, value in observe(sol, ["turns", "index"]).items()}
-    {'turns': 6, 'index': 6}
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
+    >>> solution = solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)))
+    >>> seen = observe(solution, ["turns", "kappa_max"])
+    >>> print(f"{seen['turns']} bends, largest curvature {seen['kappa_max']:.4f}")
+    5 bends, largest curvature 2.6140
     """
     names = list(names)
     for name in names:
         if name not in OBSERVABLES:
             raise no_such("observable", name, OBSERVABLES)
     read = Reading(sol)
-    read.measure(key for name in names for key in (MEASURED[name][1] if name in MEASURED else _FROM.get(name, ())))
+    read.measure(key for name in names for key in OBSERVABLES[name].measured)
     shapeless = ~np.isfinite(sol.trajectory.beta).all(axis=1)
     found: dict[str, Any] = {}
     for name in names:
-        if name in COUNTED:
-            found[name] = read.each(_whole(np.where(shapeless, np.nan, COUNTED[name](read))))
+        computed = OBSERVABLES[name].compute(read)
+        if not quantity(name).estimated:
+            found[name] = read.each(_whole(np.where(shapeless, np.nan, computed)))
             continue
-        values, error = MEASURED[name][0](read)
+        values, error = computed
         found[name] = read.each(np.where(shapeless, np.nan, values))
         if errors:
             found[f"{name}_error"] = read.each(np.where(shapeless, np.nan, error))

@@ -22,8 +22,6 @@ from ..problem.reduced import Reduced
 from ..solution import Solution
 from .rod_pieces import Pieces, joined_pieces
 
-ORBITS = ("orbit", "swing", "shooting")  # the methods that know the orbit
-
 _CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
 _RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend
 _HERMITE = np.array(  # y(0), y(1), y'(0), y'(1), y''(0), y''(1) to powers of x, rising

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..mechanics.potential import TAU, load_size, slope
 from ..numerics.arrays import Array, Booleans, Integers
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from .critical_points import CriticalPoints, critical_points
 from .local_potential import LocalPotential
 from .pieces import CENTRE, HELIX, LIBRATION, PASS, ROTATION, SADDLE, Pieces, scales, start_variable, variable
@@ -28,12 +28,12 @@ class Arcs:
     pieces: Pieces
 
 
-def arcs_of(problem: Reduced, pin: tuple[Array, Array] | None = None, known: CriticalPoints | None = None) -> Arcs:
+def arcs_of(problem: StartProblem, pin: tuple[Array, Array] | None = None, known: CriticalPoints | None = None) -> Arcs:
     """The arcs of the orbits of B start problems with finite numbers.
 
     Parameters
     ----------
-    problem : Reduced
+    problem : StartProblem
         B start problems.
     pin : tuple of arrays, optional
         Angles r in [-pi, pi) and gaps eta - G(r), (B,) each. They fix the level more finely than beta_t(0) can where
@@ -41,7 +41,6 @@ def arcs_of(problem: Reduced, pin: tuple[Array, Array] | None = None, known: Cri
     known : CriticalPoints, optional
         The critical points of the problems, where the caller knows them.
     """
-    assert problem.dbeta0 is not None
     found = critical_points(problem) if known is None else known
     m, B = found.count, problem.size
     start = problem.beta0 - TAU * np.round(problem.beta0 / TAU)
@@ -67,7 +66,7 @@ def arcs_of(problem: Reduced, pin: tuple[Array, Array] | None = None, known: Cri
     return Arcs(kind, direction, _pieces(problem, cells, start, kind, counts.reshape(-1)))
 
 
-def _levels(problem: Reduced, found: CriticalPoints, pinned: Array, gap: Array) -> Array:
+def _levels(problem: StartProblem, found: CriticalPoints, pinned: Array, gap: Array) -> Array:
     """eta - G at every critical point, (B, K), to relative accuracy where both parts of it are small; NaN beyond."""
     drop, x = _falls(problem, found, pinned)
     nearest = np.nanargmin(np.abs(x), axis=1)
@@ -84,7 +83,7 @@ def _levels(problem: Reduced, found: CriticalPoints, pinned: Array, gap: Array) 
     return np.where(np.abs(level) < floor, np.where(level > 0, floor, -floor), level)
 
 
-def _falls(problem: Reduced, found: CriticalPoints, angle: Array) -> tuple[Array, Array]:
+def _falls(problem: StartProblem, found: CriticalPoints, angle: Array) -> tuple[Array, Array]:
     """G at every critical point less G at an angle (B,), and the distance of the angle from it, (B, K) each.
 
     Critical points far from the angle and as high to rounding, which symmetry makes common, get exactly its height.
@@ -162,9 +161,8 @@ def _cells(found: CriticalPoints, level: Array, start: Array, behind: Any, direc
     return _Cells(arc, rank, sign, width, empty, *ends, x_low, x_high)
 
 
-def _pieces(problem: Reduced, cells: _Cells, start: Array, kind: Any, counts: Any) -> Pieces:
+def _pieces(problem: StartProblem, cells: _Cells, start: Array, kind: Any, counts: Any) -> Pieces:
     """The pieces of the arcs, one in each interval; those of no length are left out."""
-    assert problem.dbeta0 is not None
     arc, rank, width, saddle_low = cells.arc, cells.rank, cells.width, cells.saddle_low
     b = arc // 2
     last = (rank == counts[arc] - 1) & (kind[b] == LIBRATION)

@@ -18,7 +18,7 @@ import numpy as np
 from ..mechanics.potential import Loads, load_size, slope, slope_rate, slope_size
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from .linearised_growth import beside_helix, slope_weight
 from .panels import EPS, Panels, running
 from .phase import unfolded
@@ -206,7 +206,7 @@ def _start(orbit: "Orbit", flow: _Flow, weight: Array) -> tuple[Array, Array]:
     return np.stack([v / size, -c * h / size * weight]), np.stack([h, v * weight])
 
 
-def flow_at_nodes(problem: Reduced, panels: Panels, unit: Array) -> tuple[Array, Array, Array]:
+def flow_at_nodes(problem: StartProblem, panels: Panels, unit: Array) -> tuple[Array, Array, Array]:
     """|beta_t|, H and H' at the panels' nodes, (P, n) each, in time of 1/unit, (B,)."""
     b = panels.arc // 2
     loads, one = Loads.columns(problem, b), unit[b, None]
@@ -215,7 +215,7 @@ def flow_at_nodes(problem: Reduced, panels: Panels, unit: Array) -> tuple[Array,
     return v / one, slope(loads, beta) / one**2, slope_rate(loads, beta) / one**2
 
 
-def shear(problem: Reduced, panels: Panels, unit: Array) -> Array:
+def shear(problem: StartProblem, panels: Panels, unit: Array) -> Array:
     """The series of the shear a(t) with c = 1 on each panel from its near end, (P, n + 1), in time of 1/unit, (B,)."""
     points = basis(panels.series.shape[2] - 1)
     v, H, rate = flow_at_nodes(problem, panels, unit)

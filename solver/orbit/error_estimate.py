@@ -4,7 +4,7 @@ import numpy as np
 
 from ..mechanics.potential import load_size, slope_higher_rates, slope_rate, slope_size
 from ..numerics.arrays import Array
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from .panels import EPS
 from .periodic_orbit import Orbit
 from .pieces import LIBRATION
@@ -17,7 +17,6 @@ def estimated_error(orbit: Orbit, growth: Array) -> Array:
     it.
     """
     problem, panels = orbit.problem, orbit.panels
-    assert problem.dbeta0 is not None
     b, backward = panels.arc // 2, panels.arc % 2 == 1
     stay = problem.span[b] - orbit.since - np.where(backward, 2 * orbit.ahead[b], 0)
     reached = stay > 0
@@ -44,7 +43,7 @@ def estimated_error(orbit: Orbit, growth: Array) -> Array:
     return 2 * error + shift + sums + growth * (_mismatch(orbit) + 2 * EPS * inputs)
 
 
-def _start_rounding(problem: Reduced, time: Array) -> Array:
+def _start_rounding(problem: StartProblem, time: Array) -> Array:
     """The change of the start's angle that has the same effect as the rounding of H over this time, (B,).
 
     A constant addition d to H moves the rod by d t^2/2 if nothing holds it, and by no more than the change x of angle
@@ -67,7 +66,6 @@ def _start_rounding(problem: Reduced, time: Array) -> Array:
 def _mismatch(orbit: Orbit) -> Array:
     """How far the series at t = 0 are from the given start, as a change of its angle, (B,)."""
     problem, panels = orbit.problem, orbit.panels
-    assert problem.dbeta0 is not None
     off = np.zeros(problem.size)
     moves = np.flatnonzero(orbit.count[0::2] > 0)
     series = panels.series[orbit.first[0::2][moves], :2]

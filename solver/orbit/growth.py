@@ -4,14 +4,14 @@ import numpy as np
 
 from ..mechanics.potential import Loads, slope_rate, steepest
 from ..numerics.arrays import Array
-from ..problem.reduced import Reduced
+from ..problem.reduced import Reduced, StartProblem
 from .linearised_growth import slope_weight
 
 _BLOCK = 2**18  # stations computed at once
 _MOST = 2**22  # largest number of stations, for their memory
 
 
-def growth(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
+def growth(problem: StartProblem, t: Array, beta: Array, rate: Array) -> Array:
     """The largest |d beta(t)/d beta(0)| and w |d beta(t)/d beta_t(0)| over the stations; w as in `slope_weight`.
 
     Of order 4 in the distance of the stations, so one or two digits are right where the stations resolve beta; none

@@ -4,21 +4,20 @@ import numpy as np
 
 from ..mechanics.potential import slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array, Booleans
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 
 
-def slope_weight(problem: Reduced) -> Array:
+def slope_weight(problem: StartProblem) -> Array:
     """w = max(1, |beta_t(0)|, sqrt|H'(beta(0))|), (B,): the factor of a change of beta_t(0).
 
     With it a change of beta_t counts as the change of angle that it becomes a quarter of a period later, so the
     condition number does not depend on where in its period an orbit starts.
     """
-    assert problem.dbeta0 is not None
     natural = np.sqrt(np.abs(slope_rate(problem, problem.beta0)))
     return np.maximum(np.maximum(1, np.abs(problem.dbeta0)), natural)
 
 
-def beside_helix(problem: Reduced) -> tuple[Booleans, Array]:
+def beside_helix(problem: StartProblem) -> tuple[Booleans, Array]:
     """Whether H' hardly changes along each rod, (B,), and the condition number of all as if it did not, (B,).
 
     H' hardly changes where the rod stays near one helix or is short. The condition number is then bounded about a
@@ -26,7 +25,6 @@ def beside_helix(problem: Reduced) -> tuple[Booleans, Array]:
     H'(beta(0)) as if that were constant; the change of H' over this range, times the time in which it has an effect
     (the whole length, or where the rod is long, one radian), has to be small.
     """
-    assert problem.dbeta0 is not None
     beta, span = problem.beta0, problem.span
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         rate, (second, _) = slope_rate(problem, beta), slope_higher_rates(problem, beta)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..mechanics.potential import steepest
 from ..numerics.arrays import Array, Booleans, Integers
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from .linearised_growth import slope_weight
 from .periodic_orbit import Orbit, solve_orbit
 from .phase import Phase, located
@@ -50,7 +50,7 @@ class MarchedOrbit:
     evaluations: (B,), how many derivatives of the equation were computed. rest: the lost orbits by quadrature.
     """
 
-    problem: Reduced
+    problem: StartProblem
     tol: float
     kind: Integers
     lost: Booleans
@@ -161,12 +161,12 @@ def _with(values: Array, rows: Booleans, new: Array) -> Array:
     return out
 
 
-def march_orbit(problem: Reduced, tol: float, memory: Memory | None = None) -> tuple[MarchedOrbit, Steps]:
+def march_orbit(problem: StartProblem, tol: float, memory: Memory | None = None) -> tuple[MarchedOrbit, Steps]:
     """March the orbits of B start problems.
 
     Parameters
     ----------
-    problem : Reduced
+    problem : StartProblem
         B start problems with finite numbers.
     tol : float
         Allowed error of beta [rad].
@@ -184,7 +184,6 @@ def march_orbit(problem: Reduced, tol: float, memory: Memory | None = None) -> t
     from ..core.orbit_march import ESTIMATE, march
     from ..core.taylor_step import ORDER
 
-    assert problem.dbeta0 is not None
     B, v0 = problem.size, problem.dbeta0
     numbers = np.stack([problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, v0], axis=1)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -224,7 +223,7 @@ def read_orbit(lost: Booleans, librates: Booleans, arcs: Array, steps: Steps, t:
     read(np.ascontiguousarray(t), lost, librates, arcs, *steps, *out)
 
 
-def joined(orbits: Sequence[MarchedOrbit], problem: Reduced, rows: Any = slice(None)) -> MarchedOrbit:
+def joined(orbits: Sequence[MarchedOrbit], problem: StartProblem, rows: Any = slice(None)) -> MarchedOrbit:
     """The `rows` of each of the orbits, concatenated, as the orbits of `problem`."""
     names = ("kind", "lost", "arcs", "error", "condition", "evaluations")
     columns: dict[str, Any] = {name: np.concatenate([getattr(one, name)[rows] for one in orbits]) for name in names}

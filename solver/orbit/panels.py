@@ -8,7 +8,7 @@ import numpy as np
 
 from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.chebyshev import Basis, polynomials
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from .arcs import Arcs
 from .pieces import Pieces
 
@@ -70,7 +70,7 @@ class _Cuts:
 
 
 def panelled(
-    problem: Reduced,
+    problem: StartProblem,
     arcs: Arcs,
     points: Basis,
     length: float,
@@ -82,7 +82,7 @@ def panelled(
 
     Parameters
     ----------
-    problem : Reduced
+    problem : StartProblem
         B start problems.
     arcs : Arcs
         Their arcs.
@@ -98,7 +98,6 @@ def panelled(
     stretch : float
         How many times longer panels begin on pieces that are long in u, most of which lie next to a saddle.
     """
-    assert problem.dbeta0 is not None
     pieces = arcs.pieces
     cuts = _first_cuts(pieces, length, stretch)
     # an error of the time is repeated all along the rod

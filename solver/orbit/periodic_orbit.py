@@ -15,7 +15,7 @@ import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, polynomials
-from ..problem.reduced import Reduced
+from ..problem.reduced import StartProblem
 from .arcs import Arcs, arcs_of
 from .panels import Panels, joined, panelled, running
 from .phase import Phase, located, unfolded
@@ -37,7 +37,7 @@ class Orbit:
     and the path of each, `boundary.paths.LevelPaths`.
     """
 
-    problem: Reduced
+    problem: StartProblem
     arcs: Arcs
     panels: Panels
     since: Array
@@ -187,15 +187,17 @@ def joined_orbits(orbits: list[Orbit]) -> Orbit:
     arcs = Arcs(kind, direction, orbits[0].arcs.pieces)
     count = column("count")
     rest = (column(name) for name in ("duration", "gain", "lengthens", "response", "passed"))
-    return Orbit(Reduced(**fields), arcs, panels, column("since"), np.cumsum(count) - count, count, *rest)
+    return Orbit(StartProblem(**fields), arcs, panels, column("since"), np.cumsum(count) - count, count, *rest)
 
 
-def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None, stretch: float = 1.0) -> Orbit:
+def solve_orbit(
+    problem: StartProblem, tol: float, pin: tuple[Array, Array] | None = None, stretch: float = 1.0
+) -> Orbit:
     """The orbits of B start problems with finite numbers.
 
     Parameters
     ----------
-    problem : Reduced
+    problem : StartProblem
         B start problems.
     tol : float
         Allowed error of beta [rad].
@@ -207,7 +209,7 @@ def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = 
     return assembled(problem, arcs, panelled(problem, arcs, basis(n), length, 0.05 * tol, stretch=stretch))
 
 
-def assembled(problem: Reduced, arcs: Arcs, panels: Panels) -> Orbit:
+def assembled(problem: StartProblem, arcs: Arcs, panels: Panels) -> Orbit:
     """The orbits made of panels whose integrals count from their own near ends."""
     number = 2 * problem.size
     count = np.bincount(panels.arc, minlength=number)

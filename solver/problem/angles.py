@@ -1,6 +1,6 @@
-"""Angles as people write them: a number in rad, ``30deg``, ``pi/6``, ``-2pi/3``.
+"""Reads an angle written as text: a number in rad, ``30deg``, ``pi/6``, ``-2pi/3``.
 
-The one place that reads them: fields of a case in Python, in a study and on the command line.
+Used for the fields of a case in Python, in a study and on the command line.
 """
 
 import math
@@ -14,7 +14,13 @@ _PI = re.compile(rf"([+-]?)\s*({_NUMBER})?\s*\*?\s*(?:pi|π)(?:\s*/\s*({_NUMBER}
 
 
 def angle(text: str) -> float:
-    """The angle in rad. Raises `ValueError`, which names the text and the forms."""
+    """The angle that a text denotes [rad].
+
+    Raises `ValueError`, whose message names the text and the accepted forms.
+
+    >>> angle("30deg") == angle("pi/6")
+    True
+    """
     said = text.strip()
     if found := _DEGREES.fullmatch(said):
         return math.radians(float(found[1]))
@@ -26,4 +32,4 @@ def angle(text: str) -> float:
     try:
         return float(said.removesuffix("rad"))
     except ValueError:
-        raise ValueError(f"{text!r} is no angle: give {FORMS}") from None
+        raise ValueError(f"{text!r} is not an angle: give {FORMS}") from None

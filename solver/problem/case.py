@@ -1,4 +1,4 @@
-"""What is asked: a rod, a cylinder, and what is given at the ends. Frozen values, checked at the door.
+"""A case: a rod, a cylinder, and the values given at the start or at both ends. Frozen values, validated when made.
 
 Every numeric field may be a number or an array; the fields of a case broadcast against each other. An angle may
 also be text: `Start(beta="30deg", ...)`, `Ends("pi/6", ["10deg", "20deg"])`.
@@ -15,14 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 from .angles import FORMS, angle
 from .errors import InputError, no_such
 
-STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}
-SIDES = {"outside": 1.0, "inside": -1.0}
-ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma")  # the fields that may be text, as `angles` reads it
-TWISTS = ("F1", "dgamma", "M3")  # of a start, each fixes the twisting moment
+STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}  # A / (E a^4)
+SIDES = {"outside": 1.0, "inside": -1.0}  # the sign of rho - R, and of the contact force where the cylinder pushes
+ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma")  # the fields that may be text, read by `angles.angle`
+TWISTS = ("F1", "dgamma", "M3")  # fields of Start: each alone determines the twisting moment
 
 
 def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
-    """The value as a float or a float array, angles in rad; `InputError` where it is neither, or not finite."""
+    """The value as a float or a read-only float array, angles in rad; `InputError` for other and non-finite values."""
     try:
         array = np.asarray(value)
         if field in ANGLES and array.dtype.kind in "UO":
@@ -43,23 +43,24 @@ def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
 
 
 def _in_rad(values: NDArray[Any]) -> NDArray[Any]:
-    """An array of objects, its texts as the angles they write. Raises `ValueError`."""
+    """An array of objects with each text replaced by its angle. Raises `ValueError`."""
     read = [angle(one) if isinstance(one, str) else one for one in values.flat]
     return np.array(read, dtype=object).reshape(values.shape)
 
 
 def _only_numbers(array: NDArray[Any]) -> bool:
-    """Whether each element is a real number: text that reads like one is none."""
+    """Whether each element is a real number; text is not a number, even "5"."""
     if array.dtype.kind == "O":
         return not any(one is None or isinstance(one, (str, bytes)) for one in array.flat)
     return array.dtype.kind in "biuf"
 
 
 def _refuse(owner: str, field: str, value: ArrayLike, bad: ArrayLike, rule: str) -> None:
+    """Raise `InputError` with the first bad value, if there is any."""
     bad = np.atleast_1d(bad)
     if bad.any():
         worst = np.atleast_1d(np.asarray(value))[bad].flat[0]
-        where = f" (the first of {int(bad.sum())} among {bad.size} values)" if bad.size > 1 else ""
+        where = f" (the first of {int(bad.sum())} invalid values among {bad.size})" if bad.size > 1 else ""
         raise InputError(f"{owner}.{field} must be {rule}, got {worst!s}{where}")
 
 
@@ -76,10 +77,31 @@ def _check_numbers(self: Any, skip: tuple[str, ...] = ()) -> None:
 class Rod:
     """A naturally straight, inextensible rod of circular section.
 
-    E: Young's modulus [force/length^2]; nu: Poisson ratio; a: radius of the section [length]; L: length [length].
-    stiffness: "solid" (pi/4 E a^4, the second moment of a solid section) or "paper" (eq. 20 as printed, a quarter).
+    Parameters
+    ----------
+    E : float or array
+        Young's modulus [force/length^2].
+    nu : float or array
+        Poisson ratio.
+    a : float or array
+        Radius of the section [length].
+    L : float or array
+        Length [length].
+    stiffness : {"solid", "paper"}
+        Bending stiffness A: "solid" is pi/4 E a^4, the stiffness of a solid section; "paper" is pi/16 E a^4, eq. (20)
+        as printed.
 
-    Raises `InputError` for E, a or L not positive, nu outside (-1, 0.5], or an unknown stiffness.
+    Raises
+    ------
+    InputError
+        If E, a or L is not positive, nu is outside (-1, 0.5], or the stiffness is unknown.
+
+    Examples
+    --------
+    >>> from solver import Rod
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
+    >>> print(f"A = {rod.bending_stiffness:.4f}, C = {rod.torsional_stiffness:.4f}")
+    A = 32.8272, C = 26.2618
     """
 
     E: Any
@@ -99,7 +121,7 @@ class Rod:
 
     @property
     def bending_stiffness(self) -> Any:
-        """A [force length^2]; eq. (20), with the factor that `stiffness` names; 0 or inf where no float holds it."""
+        """A [force length^2], eq. (20) with the factor of `stiffness`; 0 or inf if it underflows or overflows."""
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
             return STIFFNESS[self.stiffness] * self.E * np.power(self.a, 4.0)
 
@@ -112,9 +134,25 @@ class Rod:
 
 @dataclass(frozen=True, eq=False)
 class Cylinder:
-    """The frictionless cylinder: R its radius [length]; side: where the rod lies, "outside" or "inside".
+    """The frictionless cylinder on which the rod lies.
 
-    Raises `InputError` for R not positive or an unknown side.
+    Parameters
+    ----------
+    R : float or array
+        Radius of the cylinder [length].
+    side : {"outside", "inside"}
+        The side of the wall on which the rod lies.
+
+    Raises
+    ------
+    InputError
+        If R is not positive, or the side is unknown.
+
+    Examples
+    --------
+    >>> from solver import Cylinder
+    >>> Cylinder(R=0.75, side="inside")
+    Cylinder(R=0.75, side='inside')
     """
 
     R: Any
@@ -129,14 +167,41 @@ class Cylinder:
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Everything given at s = 0: an initial value problem with one solution.
+    """A start problem: every value is given at s = 0. An initial value problem with one solution.
 
-    beta [rad], dbeta [rad/length]: angle from the axis to the tangent, and its rate. F1 (inward normal), F2 (in the
-    surface, across), F3 (tangent, tension positive) [force]: the internal force. The twist follows from exactly one
-    of F1, dgamma [rad/length], the rate of the section's own rotation, and M3 [force length], the twisting moment.
-    alpha, gamma [rad]: azimuth and rotation. beta, alpha and gamma may also be text: "30deg", "pi/6".
+    Exactly one of F1, dgamma and M3 is given; each determines the twisting moment. An angle may also be text: "30deg",
+    "pi/6".
 
-    Raises `InputError` for none or several of F1, dgamma and M3, or F1 together with dbeta = 0.
+    Parameters
+    ----------
+    beta : float, str or array
+        Angle from the axis of the cylinder to the tangent [rad].
+    dbeta : float or array
+        Rate of that angle [rad/length].
+    F1 : float or array, optional
+        Internal force along the inward normal [force].
+    F2 : float or array
+        Internal force in the surface, across the rod [force].
+    F3 : float or array
+        Internal force along the tangent, tension positive [force].
+    dgamma : float or array, optional
+        Rate of the rotation of the section against the normal [rad/length].
+    alpha, gamma : float, str or array
+        Azimuth, and rotation of the section [rad].
+    M3 : float or array, optional
+        Twisting moment [force length].
+
+    Raises
+    ------
+    InputError
+        If none or several of F1, dgamma and M3 are given, or F1 is given with dbeta = 0.
+
+    Examples
+    --------
+    >>> from solver import Start
+    >>> start = Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)
+    >>> round(start.beta, 4)
+    0.5236
     """
 
     beta: Any
@@ -153,23 +218,41 @@ class Start:
         _check_numbers(self)
         if sum(getattr(self, name) is not None for name in TWISTS) != 1:
             got = ", ".join(f"{name}={getattr(self, name)}" for name in TWISTS)
-            raise InputError(f"Start needs exactly one of F1, dgamma and M3, got {got}: each fixes the twisting moment")
+            raise InputError(f"Start needs exactly one of F1, dgamma and M3, got {got}")
         if self.F1 is not None and np.any(np.equal(self.dbeta, 0)):
             raise InputError(
-                "Start.F1 cannot fix the twist where dbeta = 0 (F1 is proportional to dbeta), "
+                "Start.F1 cannot determine the twist at dbeta = 0 (F1 is proportional to dbeta), "
                 f"got F1={self.F1} and dbeta=0; give dgamma or M3 instead"
             )
 
 
 @dataclass(frozen=True, eq=False)
 class Ends:
-    """The angle at both ends and the dead loads: a boundary value problem with many solutions.
+    """An ends problem: the angle at both ends and the dead loads. A boundary value problem with many solutions.
 
-    beta0, betaL [rad]: the angle at s = 0 and s = L. FZ [force]: axial force, tension positive. MZ, M3
-    [force length]: axial and twisting moment. alpha, gamma [rad]: azimuth and rotation at s = 0. The four angles may
-    also be text: "30deg", "pi/6".
+    An angle may also be text: "30deg", "pi/6".
 
-    Raises `InputError` for a field that is neither a number nor, where it is an angle, such a text.
+    Parameters
+    ----------
+    beta0, betaL : float, str or array
+        Angle from the axis of the cylinder to the tangent at s = 0 and at s = L [rad].
+    FZ : float or array
+        Axial force, tension positive [force].
+    MZ, M3 : float or array
+        Axial moment and twisting moment [force length].
+    alpha, gamma : float, str or array
+        Azimuth, and rotation of the section, at s = 0 [rad].
+
+    Raises
+    ------
+    InputError
+        If a field is not a finite number or, for an angle, such a text.
+
+    Examples
+    --------
+    >>> from solver import Ends
+    >>> Ends(beta0=0.5, betaL="pi/4", FZ=-8.66).FZ
+    -8.66
     """
 
     beta0: Any
@@ -186,9 +269,26 @@ class Ends:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One case, or a whole grid of them: the fields of its parts broadcast to `shape`.
+    """One case, or a grid of cases: the fields of its parts broadcast to `shape`.
 
-    Raises `InputError` where they do not broadcast, or where a rod inside has no room (R <= a).
+    Parameters
+    ----------
+    rod : Rod
+    cylinder : Cylinder
+    given : Start or Ends
+
+    Raises
+    ------
+    InputError
+        If the fields do not broadcast, or a rod inside the cylinder has no room (R <= a).
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Rod, Start
+    >>> rod = Rod(E=[1e4, 2e4, 4e4], nu=0.25, a=0.25, L=20.0)
+    >>> case = Case(rod, Cylinder(R=0.75), Start(beta=0.5, dbeta=0.5, F3=10.0, M3=0.0))
+    >>> case.shape, case.kind, case.rho
+    ((3,), 'start', 1.0)
     """
 
     rod: Rod
@@ -205,47 +305,56 @@ class Case:
             rule = f"larger than Rod.a = {self.rod.a!s} for a rod inside"
             _refuse("Cylinder", "R", np.broadcast_to(self.cylinder.R, np.shape(tight)), tight, rule)
         try:
-            self.shape  # noqa: B018  (computed here so that a mismatch is refused at the door)
+            self.shape  # noqa: B018  (computed here so that a mismatch is refused when the case is made)
         except ValueError:
             shapes = {f"{type(o).__name__}.{f}": np.shape(v) for o, f, v in self._numeric() if np.ndim(v)}
             raise InputError(f"the fields of a Case must broadcast, got shapes {shapes}") from None
 
     def _numeric(self) -> Iterator[tuple[Any, str, Any]]:
+        """Part, name and value of each numeric field that is given."""
         for part in (self.rod, self.cylinder, self.given):
             for field in fields(part):
                 value = getattr(part, field.name)
                 if value is not None and not isinstance(value, str):
                     yield part, field.name, value
 
+    @property
+    def kind(self) -> str:
+        """The kind of problem: "start" or "ends"."""
+        return "ends" if isinstance(self.given, Ends) else "start"
+
     @cached_property
     def shape(self) -> tuple[int, ...]:
-        """The shape all numeric fields broadcast to; () for a single case."""
+        """The shape to which all numeric fields broadcast; () for a single case."""
         return np.broadcast_shapes(*(np.shape(value) for _, _, value in self._numeric()))
 
     @property
     def size(self) -> int:
-        """How many cases."""
+        """Number of cases."""
         return int(np.prod(self.shape, dtype=int))
 
     @property
     def outward(self) -> float:
-        """+1 where contact pushes outward (rod outside), -1 inside."""
+        """+1 for a rod outside, which the cylinder pushes outward; -1 for a rod inside."""
         return SIDES[self.cylinder.side]
 
     @cached_property
     def rho(self) -> Any:
         """Distance of the centreline from the axis [length]: R + a outside, R - a inside; eq. (21)."""
-        with np.errstate(over="ignore"):  # told by the outcome
+        with np.errstate(over="ignore"):  # reported in the outcome
             return self.cylinder.R + self.outward * self.rod.a
 
     @cached_property
     def loads(self) -> tuple[Any, Any, Any]:
-        """FZ [force], MZ, M3 [force length], constants of the rod; eqs. (25), (30), and (33) or (24) row 6 for M3."""
+        """FZ [force], MZ and M3 [force length], constant along the rod.
+
+        Of a start problem by eqs. (25) and (30), and M3 by eq. (33) from F1 or by eq. (24), row 6, from dgamma.
+        """
         given, rod, rho = self.given, self.rod, self.rho
         if isinstance(given, Ends):
             return given.FZ, given.MZ, given.M3
         A, s, c = rod.bending_stiffness, np.sin(given.beta), np.cos(given.beta)
-        with np.errstate(all="ignore"):  # numbers beyond a float are told by the outcome of their case
+        with np.errstate(all="ignore"):  # overflow is reported in the outcome of the case
             if given.M3 is not None:
                 m = given.M3 / A
             elif given.dgamma is not None:
@@ -258,7 +367,10 @@ class Case:
 
 
 def from_fields(kind: type, values: dict[str, Any]) -> Any:
-    """A Rod, Cylinder, Start or Ends from a mapping; unknown and missing fields raise `InputError` with the choices."""
+    """A Rod, Cylinder, Start or Ends from a mapping of its fields.
+
+    Raises `InputError` for an unknown or a missing field; the message names the choices.
+    """
     known = {field.name: field for field in fields(kind)}
     for name in values:
         if name not in known:

@@ -1,17 +1,27 @@
-"""The errors a user of the solver meets."""
+"""The error that the solver raises for an invalid value, and the wording of its messages."""
 
 from collections.abc import Iterable
 
 
 class InputError(ValueError):
-    """A value was refused at the door; the message names the value and, where there are any, the choices."""
+    """An invalid value; the message names the value and, if there are any, the choices.
+
+    Examples
+    --------
+    >>> from solver import Cylinder, InputError
+    >>> try:
+    ...     Cylinder(R=-0.75)
+    ... except InputError as error:
+    ...     print(error)
+    Cylinder.R must be positive and finite, got -0.75
+    """
 
 
 def choices(names: Iterable[object]) -> str:
-    """The names as a sentence lists them: ``a, b, c``."""
+    """The names as a list in a sentence: ``a, b, c``."""
     return ", ".join(str(name) for name in names)
 
 
 def no_such(kind: str, name: object, names: Iterable[object]) -> InputError:
-    """``no method 'rk5'; choose from orbit, verlet`` as an error to raise."""
+    """The error ``no method 'rk5'; choose from orbit, verlet``."""
     return InputError(f"no {kind} {name!r}; choose from {choices(names)}")

@@ -1,39 +1,39 @@
-"""Which cases a float can hold: with stiffness, forces, curvatures and their squares, in the units of the case."""
+"""Whether floats can represent a case: its stiffness, forces, curvatures and their squares, in its own units."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .case import Case
-from .reduced import Reduced, flat
+from .reduced import Reduced, StartProblem, flat
 
-LARGEST = 1e100  # dimensionless numbers beyond this would overflow when squared
-SHORTEST = 1e-200  # L/rho below this leaves no float for the time between two stations
+LARGEST = 1e100  # a larger dimensionless number would overflow when squared
+SHORTEST = 1e-200  # for a smaller L/rho the time between two stations would underflow
 TOO_LARGE = "failed: loads, slope or L/rho are beyond 1e100 in units of A and rho, or L/rho below 1e-200"
 OUT_OF_RANGE = "failed: stiffness, radius, forces or curvatures are beyond 1e290 or 1e-290 in these units"
-_DECADES = 290.0  # a float has 308: the rest is for factors and sums
+_DECADES = 290.0  # a float has 308; the margin is for factors and sums
 
 
 def dimensionless(problem: Reduced) -> NDArray[np.bool_]:
     """Whether the numbers of each problem can be squared, (B,)."""
-    numbers = np.stack([v for v in vars(problem).values() if v is not None])
+    numbers = np.stack(list(vars(problem).values()))
     with np.errstate(invalid="ignore"):
         return np.asarray((np.abs(numbers) < LARGEST).all(axis=0) & (problem.span > SHORTEST))
 
 
 def units_held(case: Case) -> NDArray[np.bool_]:
-    """Whether A and the square of rho are floats with all their digits, (B,)."""
+    """Whether A and the square of rho are neither denormal nor infinite, (B,)."""
     with np.errstate(all="ignore"):
         A, rho = (np.log10(flat(v, case.shape)) for v in (case.rod.bending_stiffness, case.rho))
         return np.asarray((np.abs(A) < _DECADES) & (2 * np.abs(rho) < _DECADES))
 
 
 def representable(case: Case, problem: Reduced) -> NDArray[np.bool_]:
-    """Whether every quantity of each solution is finite in the units of its case, whatever the shape, (B,).
+    """Whether every quantity of each solution is finite in the units of its case, for any shape of the rod, (B,).
 
-    All are sums of products of powers of A, rho, L/rho and of q, a bound of beta_t^2 and of the square of the
-    dimensionless loads; so sums of decades tell.
+    Each quantity is a sum of products of powers of A, rho, L/rho and q, where q bounds beta_t^2 and the square of the
+    dimensionless loads; so it is enough to add decades.
     """
-    slope = 0.0 if problem.dbeta0 is None else problem.dbeta0
+    slope = problem.dbeta0 if isinstance(problem, StartProblem) else 0.0
     with np.errstate(all="ignore"):
         A, rho = (np.log10(flat(v, case.shape)) for v in (case.rod.bending_stiffness, case.rho))
         loads = np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1
@@ -41,7 +41,7 @@ def representable(case: Case, problem: Reduced) -> NDArray[np.bool_]:
         quantities = (
             rho + span,  # L, z
             q + span,  # gamma
-            q - np.minimum(2 * rho, 3 * rho),  # h, kappa^2, and what contact is made of
+            q - np.minimum(2 * rho, 3 * rho),  # h, kappa^2, and the terms of contact
             A + q - np.minimum(rho, 3 * rho),  # moments, forces, contact
             A + q - 2 * rho + np.maximum(rho + span, 0),  # energy
         )

@@ -1,6 +1,6 @@
-"""Every quantity of the workbench, one row each: whatever labels anything reads this table.
+"""Every quantity of the workbench, one row each: all labels and units come from this table.
 
-A dimension is a pair of exponents (length, force); angles count as numbers and are labelled ``rad``.
+A dimension is a pair of exponents (length, force); the unit of an angle is ``rad``.
 """
 
 from collections.abc import Mapping
@@ -11,12 +11,13 @@ from .errors import InputError, no_such
 
 @dataclass(frozen=True)
 class Quantity:
-    """Name, symbol, unit dimension and long name of a quantity."""
+    """A quantity. estimated: whether its error is estimated; the error is the quantity ``<name>_error``."""
 
     name: str
     symbol: str
     dimension: tuple[int, int] | str
     long_name: str
+    estimated: bool = False
 
 
 _NUMBER = (0, 0)
@@ -26,7 +27,7 @@ _MOMENT = (1, 1)
 _PER_LENGTH = (-1, 0)
 
 _ROWS = (
-    # the rod, the cylinder, what is given
+    # the rod, the cylinder, the start and the ends
     Quantity("E", "E", (-2, 1), "Young's modulus"),
     Quantity("nu", "ν", _NUMBER, "Poisson ratio"),
     Quantity("a", "a", _LENGTH, "radius of the rod"),
@@ -40,7 +41,7 @@ _ROWS = (
     Quantity("alpha0", "α₀", "rad", "azimuth of the start"),
     Quantity("gamma0", "γ₀", "rad", "rotation of the section at the start"),
     Quantity("betaL", "β(L)", "rad", "angle from the axis at the far end"),
-    Quantity("dgamma", "γ₀′", "rad/length", "rate of the section's own rotation at the start"),
+    Quantity("dgamma", "γ₀′", "rad/length", "rate of rotation of the section at the start"),
     # along the rod
     Quantity("u", "s/L", _NUMBER, "share of the length"),
     Quantity("s", "s", _LENGTH, "arc length"),
@@ -65,23 +66,39 @@ _ROWS = (
     Quantity("h", "h", (-2, 0), "first integral of the angle"),
     # observables
     Quantity("turns", "turns", _NUMBER, "number of bends (interior extrema of beta)"),
-    Quantity("bend_number", "bend number", _NUMBER, "length over half a period of beta"),
+    Quantity("bend_number", "bend number", _NUMBER, "length over half a period of beta", estimated=True),
     Quantity("loops", "loops", _NUMBER, "full turns of beta"),
-    Quantity("amplitude", "swing of β", "rad", "largest less smallest beta"),
-    Quantity("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature"),
-    Quantity("kappa_max", "max κ", _PER_LENGTH, "largest curvature"),
-    Quantity("wraps", "wraps", _NUMBER, "turns about the axis"),
-    Quantity("height", "z(L)", _LENGTH, "height of the far end"),
-    Quantity("contact_size_mean", "mean |f|", (-1, 1), "mean size of the contact force per length (push and pull)"),
-    Quantity("push_mean", "mean push", (-1, 1), "pushes of the cylinder alone, over the whole length"),
-    Quantity("pull_mean", "mean pull", (-1, 1), "pulls of the cylinder alone, over the whole length"),
-    Quantity("push_min", "min push", (-1, 1), "smallest push of the cylinder per length, negative where it pulls"),
-    Quantity("push_max", "max push", (-1, 1), "largest push of the cylinder per length"),
-    Quantity("attached", "attached", _NUMBER, "share of the length where the cylinder pushes"),
-    Quantity("overlaps", "overlaps", _NUMBER, "1 where the rod would pass through itself, else 0"),
-    Quantity("energy", "energy", _MOMENT, "bending and twist energy less the work of the dead loads"),
-    Quantity("bending_energy", "bending energy", _MOMENT, "bending energy"),
-    Quantity("twist_energy", "twist energy", _MOMENT, "twist energy"),
+    Quantity("amplitude", "amplitude of β", "rad", "largest less smallest beta", estimated=True),
+    Quantity("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature", estimated=True),
+    Quantity("kappa_max", "max κ", _PER_LENGTH, "largest curvature", estimated=True),
+    Quantity("wraps", "wraps", _NUMBER, "wraps about the axis", estimated=True),
+    Quantity("height", "z(L)", _LENGTH, "height of the far end", estimated=True),
+    Quantity(
+        "contact_size_mean",
+        "mean |f|",
+        (-1, 1),
+        "mean size of the contact force per length (push and pull)",
+        estimated=True,
+    ),
+    Quantity(
+        "push_mean", "mean push", (-1, 1), "mean push of the cylinder per length, pulls not counted", estimated=True
+    ),
+    Quantity(
+        "pull_mean", "mean pull", (-1, 1), "mean pull of the cylinder per length, pushes not counted", estimated=True
+    ),
+    Quantity(
+        "push_min",
+        "min push",
+        (-1, 1),
+        "smallest push of the cylinder per length, negative where it pulls",
+        estimated=True,
+    ),
+    Quantity("push_max", "max push", (-1, 1), "largest push of the cylinder per length", estimated=True),
+    Quantity("attached", "attached", _NUMBER, "share of the length where the cylinder pushes", estimated=True),
+    Quantity("overlaps", "overlaps", _NUMBER, "1 where the rod intersects itself, else 0"),
+    Quantity("energy", "energy", _MOMENT, "bending and twist energy less the work of the dead loads", estimated=True),
+    Quantity("bending_energy", "bending energy", _MOMENT, "bending energy", estimated=True),
+    Quantity("twist_energy", "twist energy", _MOMENT, "twist energy", estimated=True),
     Quantity("index", "index", _NUMBER, "Morse index (0: stable)"),
     Quantity("branch", "branch", _NUMBER, "branch of equilibria (-1: not solved)"),
     # how well it was solved
@@ -89,32 +106,33 @@ _ROWS = (
     Quantity("condition", "condition", _NUMBER, "growth of a change of the start along the rod"),
     Quantity("solved", "solved", _NUMBER, "whether the case is solved"),
     Quantity("outcome", "outcome", "text", "solved, or why not"),
-    Quantity("caution", "caution", "text", "why no real rod lies so, or what was not checked; empty: none"),
+    Quantity(
+        "caution", "caution", "text", "why the shape is not physically realisable, or what was not checked; empty: none"
+    ),
 )
 
-# of these an error is estimated: `<name>_error`
-ESTIMATED = (
-    "bend_number", "amplitude", "kappa_mean", "kappa_max", "wraps", "height", "contact_size_mean", "push_mean",
-    "pull_mean", "push_min", "push_max", "attached", "energy", "bending_energy", "twist_energy",
-)  # fmt: skip
-
-QUANTITIES: dict[str, Quantity] = {row.name: row for row in _ROWS}
-for _name in ESTIMATED:
-    _row = QUANTITIES[_name]
-    QUANTITIES[f"{_name}_error"] = Quantity(
-        f"{_name}_error", f"δ({_row.symbol})", _row.dimension, f"estimated error of: {_row.long_name}"
+QUANTITIES: dict[str, Quantity] = {row.name: row for row in _ROWS} | {
+    f"{row.name}_error": Quantity(
+        f"{row.name}_error", f"δ({row.symbol})", row.dimension, f"estimated error of: {row.long_name}"
     )
+    for row in _ROWS
+    if row.estimated
+}
 
 
 def quantity(name: str) -> Quantity:
-    """The row of one quantity; raises `InputError` for an unknown name."""
+    """The row of one quantity. Raises `InputError` for an unknown name."""
     if name not in QUANTITIES:
         raise no_such("quantity", name, QUANTITIES)
     return QUANTITIES[name]
 
 
 def unit_of(name: str, units: Mapping[str, str]) -> str:
-    """The unit of a quantity in a system: ``unit_of("E", {"length": "cm", "force": "N"}) == "N/cm^2"``."""
+    """The unit of a quantity in a system of units. Raises `InputError` if the system lacks a unit.
+
+    >>> unit_of("E", {"length": "cm", "force": "N"})
+    'N/cm^2'
+    """
     missing = [key for key in ("length", "force") if not units.get(key)]
     if missing:
         raise InputError(f"units need a {' and a '.join(missing)}, got {dict(units)!r}")

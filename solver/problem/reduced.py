@@ -1,11 +1,11 @@
-"""The dimensionless problem: all that a method ever sees.
+"""The dimensionless problems: all that a method sees.
 
-In units of rho (t = s/rho, lam = l rho, mu = m rho, phi = p rho^2) three numbers and the ends are left of every case,
-and E is in none of them: doubling E and every load leaves each bit.
+In units of rho (t = s/rho, lam = l rho, mu = m rho, phi = p rho^2) every case leaves three numbers and its ends. E is
+in none of them: doubling E and every load changes no bit.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -15,10 +15,9 @@ from .case import Case, Ends
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """B problems, each field of shape (B,).
+    """The fields that both kinds of problem share, for B problems, (B,) each.
 
     lam, mu, phi: MZ rho/A, M3 rho/A, FZ rho^2/A. span: L/rho. beta0: angle at the start.
-    dbeta0: d beta/dt at the start (start problems) or None; betaL: angle at the far end (ends problems) or None.
     """
 
     lam: Array
@@ -26,46 +25,56 @@ class Reduced:
     phi: Array
     span: Array
     beta0: Array
-    dbeta0: Array | None = None
-    betaL: Array | None = None
 
     @property
     def size(self) -> int:
+        """The number of problems."""
         return self.beta0.size
 
-    @property
-    def kind(self) -> str:
-        return "start" if self.betaL is None else "ends"
+    def take(self, index: Any) -> Self:
+        """The problems that an index array, a mask or a slice selects."""
+        return type(self)(**{name: value[index] for name, value in vars(self).items()})
 
-    def take(self, index: Any) -> "Reduced":
-        """The problems that an index array or mask picks."""
-        picked: dict[str, Any] = {name: None if v is None else v[index] for name, v in vars(self).items()}
-        return Reduced(**picked)
+    def started(self, dbeta0: Array) -> "StartProblem":
+        """The start problems with the same loads, length and beta0, and the given slopes."""
+        return StartProblem(self.lam, self.mu, self.phi, self.span, self.beta0, dbeta0)
 
-    def started(self, dbeta0: Array) -> "Reduced":
-        """The same problems with the start's slope given instead of the far angle."""
-        return Reduced(self.lam, self.mu, self.phi, self.span, self.beta0, dbeta0=dbeta0)
+    def ended(self, betaL: Array) -> "EndsProblem":
+        """The ends problems with the same loads, length and beta0, and the given far angles."""
+        return EndsProblem(self.lam, self.mu, self.phi, self.span, self.beta0, betaL)
 
 
-def reduce(case: Case) -> Reduced:
-    """The case without dimensions; section 2 of the physics notes (t = s/rho)."""
+@dataclass(frozen=True, eq=False)
+class StartProblem(Reduced):
+    """B start problems. dbeta0: d beta/dt at the start, (B,)."""
+
+    dbeta0: Array
+    kind: ClassVar[str] = "start"
+
+
+@dataclass(frozen=True, eq=False)
+class EndsProblem(Reduced):
+    """B ends problems. betaL: angle at the far end, (B,)."""
+
+    betaL: Array
+    kind: ClassVar[str] = "ends"
+
+
+def reduce(case: Case) -> StartProblem | EndsProblem:
+    """The dimensionless problems of a case; section 2 of the physics notes."""
     FZ, MZ, M3 = case.loads
     rho, A, given = case.rho, case.rod.bending_stiffness, case.given
+
+    def column(value: Any) -> Array:
+        return flat(value, case.shape)
+
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        values = {
-            "lam": MZ / A * rho,
-            "mu": M3 / A * rho,
-            "phi": FZ / A * rho * rho,
-            "span": case.rod.L / rho,
-            "beta0": given.beta0 if isinstance(given, Ends) else given.beta,
-        }
+        loads = column(MZ / A * rho), column(M3 / A * rho), column(FZ / A * rho * rho), column(case.rod.L / rho)
         if isinstance(given, Ends):
-            values["betaL"] = given.betaL
-        else:
-            values["dbeta0"] = given.dbeta * rho
-    return Reduced(**{name: flat(value, case.shape) for name, value in values.items()})
+            return EndsProblem(*loads, column(given.beta0), column(given.betaL))
+        return StartProblem(*loads, column(given.beta), column(given.dbeta * rho))
 
 
 def flat(value: Any, shape: tuple[int, ...]) -> Array:
-    """A field of a case as one contiguous row, (B,)."""
+    """A field of a case as a contiguous array, (B,)."""
     return np.ascontiguousarray(np.broadcast_to(np.asarray(value, dtype=float), shape)).reshape(-1)

@@ -1,28 +1,34 @@
-"""The answer to dimensionless problems, and the outcome of each: solved, or why not."""
+"""The answer to dimensionless problems, and the verdict on each: whether it is solved, and a sentence, its outcome."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.arrays import Array
-from .reduced import Reduced
+from .reduced import EndsProblem, Reduced
 
 SOLVED = "solved"
-PLAIN = (0.0, 0.0, 0.0, 1.0, 0.5, 0.0)  # lam, mu, phi, span, beta(0), beta_t(0)
-_SHAPELESS = 0.1  # rad: an error with which the shape is another, whatever the condition number excuses
+NOT_FINITE = "failed: the computation left the finite numbers"
+# a rod that every method solves
+PLAIN = {"lam": 0.0, "mu": 0.0, "phi": 0.0, "span": 1.0, "beta0": 0.5, "dbeta0": 0.0, "betaL": 0.5}
+_SHAPELESS = 0.1  # rad: with a larger error the shape is another one, whatever the condition number allows
+
+
+P = TypeVar("P", bound=Reduced)
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """The answer to B problems at n stations, in units of rho.
 
-    beta, dbeta (d/dt), alpha (from 0), z (from 0): (B, n). swirl: returns the integral of sin(beta) cos(beta), (B, n),
-    when it is asked for. outcome: (B,) sentences, "solved" or why not. error, condition, evaluations: (B,).
-    orbit: the periodic structure behind the answer where the method knows it (see `methods.orbit`), else None.
-    selection: (B,) how each was taken from its equilibria (`selection.Selection`), None where by a seed; or None.
+    beta, dbeta (d/dt), alpha (from 0), z (from 0): (B, n). swirl: a function that returns the integral of sin(beta)
+    cos(beta), (B, n). solved: (B,) of bool. outcome: (B,) sentences, "solved" or the reason of a failure. error,
+    condition, evaluations: (B,).
+    orbit: the periodic orbit if the method knows it (`orbit.periodic_orbit`), else None.
+    selection: (B,) of `selection.Selection`, how each equilibrium was selected; None for a seed or a start problem.
     """
 
     beta: Array
@@ -30,6 +36,7 @@ class Trajectory:
     alpha: Array
     z: Array
     swirl: Callable[[], Array]
+    solved: NDArray[np.bool_]
     outcome: NDArray[np.object_]
     error: Array
     condition: Array
@@ -40,16 +47,16 @@ class Trajectory:
 
 @dataclass(frozen=True, eq=False)
 class Seed:
-    """Near which of many solutions to look: slope, beta_t(0), (B,); beta at shares u of the rod, (B, n).
+    """Selects one of many solutions: the one near the seed.
 
-    problem: the ends problems that the seeds solve, where each seed is a solution; orbit: theirs, row (B,) of it for
-    each seed, where their method knows it.
+    slope: beta_t(0), (B,). beta: at s/L = u, (B, n). If the seeds are solutions, problem: the ends problems that they
+    solve; orbit: their orbits if the method knows them; row: the row of each seed in `orbit`, (B,).
     """
 
     slope: Array
     u: Array
     beta: Array
-    problem: Reduced | None = None
+    problem: EndsProblem | None = None
     orbit: Any = None
     row: Any = None
 
@@ -58,43 +65,53 @@ class Seed:
         known = self.slope[one], self.u[one], self.beta[one]
         return Seed(*known) if self.problem is None else Seed(*known, self.problem.take(one), self.orbit, self.row[one])
 
-    def on(self, problem: Reduced, nodes: int) -> Array:
-        """The one shape on equal steps, (nodes,), bent to meet the ends asked for."""
-        assert problem.betaL is not None
+    def on(self, problem: EndsProblem, nodes: int) -> Array:
+        """The single shape on equal steps, (nodes,), changed linearly to meet the end angles of the problem."""
         u = np.linspace(0, 1, nodes)
         beta = np.interp(u, self.u[0], self.beta[0])
         first, last = problem.beta0[0] - beta[0], problem.betaL[0] - beta[-1]
         return beta + first + (last - first) * u
 
 
-def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> NDArray[np.object_]:
-    """The outcome of each problem, (B,): whether its error meets tol * max(1, condition), and leaves a shape at all."""
+class Verdicts(NamedTuple):
+    """Whether each of B problems is solved, and its outcome."""
+
+    solved: NDArray[np.bool_]
+    outcome: NDArray[np.object_]
+
+    def failed(self, why: Any) -> "Verdicts":
+        """The verdicts with the failures `why`, (B,) sentences, empty for a problem that did not fail."""
+        fails = np.asarray(why, dtype=object) != ""
+        return Verdicts(self.solved & ~fails, np.where(fails, why, self.outcome))
+
+
+def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> Verdicts:
+    """The verdict on each problem: it is solved if its error is at most tol * max(1, condition), and small enough to
+    leave a shape."""
     outcome = np.full(error.shape, SOLVED, dtype=object)
     finite = np.isfinite(beta).all(axis=-1) & np.isfinite(error)
     kept = error <= tol * np.maximum(1, condition)
     for i in np.flatnonzero(~finite):
-        outcome[i] = "failed: the computation left the finite numbers"
+        outcome[i] = NOT_FINITE
     for i in np.flatnonzero(finite & ~kept):
         outcome[i] = f"failed: error {error[i]:.1e} above the tolerance {tol:.1e} at condition {condition[i]:.1e}"
     for i in np.flatnonzero(finite & kept & (error > tol)):
         if error[i] > _SHAPELESS:
             outcome[i] = f"failed: condition {condition[i]:.1e} leaves no digit: error {error[i]:.1e}"
         else:
-            outcome[i] = f"solved; condition {condition[i]:.1e} costs digits: error {error[i]:.1e}"
-    return outcome
+            outcome[i] = f"{SOLVED}; condition {condition[i]:.1e} costs digits: error {error[i]:.1e}"
+    return Verdicts(finite & kept & (error <= max(tol, _SHAPELESS)), outcome)
 
 
-def stood_in(problem: Reduced, fit: NDArray[np.bool_]) -> Reduced:
-    """The problems, a plain rod in place of each that is not `fit` (B,), so that its neighbours are solved as ever."""
+def stood_in(problem: P, fit: NDArray[np.bool_]) -> P:
+    """The problems with a plain rod in place of each that is not `fit` (B,), so that a method can solve them all."""
     if fit.all():
         return problem
-    plain = (*PLAIN, PLAIN[4])  # and beta(L)
-    pairs = zip(vars(problem).items(), plain, strict=True)
-    return Reduced(**{name: np.where(fit, v, x) for (name, v), x in pairs if v is not None})
+    return type(problem)(**{name: np.where(fit, value, PLAIN[name]) for name, value in vars(problem).items()})
 
 
 def blanked(told: Trajectory, fit: NDArray[np.bool_], why: str) -> Trajectory:
-    """The answer without what was told of the rods that stood in place of others; `why` is their outcome."""
+    """The answer with NaN for each problem that is not `fit` (B,); `why` becomes its outcome."""
     if fit.all():
         return told
     shown = fit[:, None]
@@ -103,6 +120,7 @@ def blanked(told: Trajectory, fit: NDArray[np.bool_], why: str) -> Trajectory:
         told,
         **{"beta": beta, "dbeta": dbeta, "alpha": alpha, "z": z},
         swirl=lambda: np.where(shown, told.swirl(), np.nan),
+        solved=told.solved & fit,
         outcome=np.where(fit, told.outcome, why),
         error=np.where(fit, told.error, np.inf),
         condition=np.where(fit, told.condition, np.inf),

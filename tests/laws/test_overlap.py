@@ -8,7 +8,7 @@ from scipy.optimize import minimize_scalar
 from scipy.spatial import cKDTree
 
 from solver import Case, Cylinder, Rod, Start, solve
-from solver.methods import METHODS
+from solver.methods import available
 from solver.observe.measurement import Reading
 from solver.observe.observables import observe, overlapping
 from tests.cases import cylinder_of, helix_moment, in_units_of_rho, rod_of_unit_stiffness, start_of, table_1
@@ -125,7 +125,7 @@ def picked(case: Case, rows: Any) -> Case:
     return Case(rod, Cylinder(case.cylinder.R[rows], "outside"), Start(**given))
 
 
-@pytest.mark.parametrize("method", [name for name in ("orbit", "swing") if name in METHODS])
+@pytest.mark.parametrize("method", [name for name in ("orbit", "swing") if name in available()])
 def test_a_rod_is_judged_as_if_it_were_alone(method: str) -> None:
     """Hundreds of rods are looked at together; none is told from a neighbour, whoever else gives up or is long."""
     case = many(300)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, Start, solve
-from solver.methods import METHODS
+from solver.methods import DOP853
 from solver.observe.observables import OBSERVABLES, observe
 from solver.problem.reduced import reduce
 from tests.cases import GAPS, in_units_of_rho
@@ -124,7 +124,7 @@ def test_an_adaptive_march_says_that_the_numbers_ended_or_the_integrator_gave_up
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")  # scipy speaks of what the outcome says
         problem = reduce(in_units_of_rho(0, 0, 0, 20.0, 0.3, 1e200))  # `solve` would refuse it
-        (outcome,) = METHODS["dop853"].run(problem, np.array([[0.0, 20.0]]), 1e-8).outcome
+        (outcome,) = DOP853().run(problem, np.array([[0.0, 20.0]]), 1e-8).outcome
     assert "finite" in outcome or "gave up" in outcome
     assert "evaluations" not in outcome
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Rod, Solution, Start, observe, solve
-from solver.methods import METHODS, blocks
+from solver.methods import available, blocks
 
 MOST = 1.5  # of what is returned, while it is made
 
@@ -53,7 +53,7 @@ def in_blocks(monkeypatch: pytest.MonkeyPatch, size: int, case: Case, method: st
     return solve(case, method=method, stations=17, **more)
 
 
-ORBITS = [name for name in ("orbit", "swing") if name in METHODS]
+ORBITS = [name for name in ("orbit", "swing") if name in available()]
 
 
 @pytest.mark.parametrize("method", ORBITS)
@@ -85,7 +85,7 @@ def test_observables_do_not_depend_on_the_blocks(method: str, monkeypatch: pytes
         np.testing.assert_allclose(parts[name], whole[name], rtol=1e-8, atol=1e-8, err_msg=name)
 
 
-@pytest.mark.parametrize("method", [m for m in ("swing", "verlet", "rk4", "dop853", "lsoda") if m in METHODS])
+@pytest.mark.parametrize("method", [m for m in ("swing", "verlet", "rk4", "dop853", "lsoda") if m in available()])
 def test_blocks_change_no_bit_of_a_method_that_keeps_its_cases_apart(
     method: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
-from solver.methods import METHODS
+from solver.methods import METHODS, available
 from tests.cases import START, Named, helix_moment, in_units_of_rho, start_of
 from tests.extreme_cases import KINDS
 from tests.helix_cases import NEAR, problems
@@ -13,7 +13,7 @@ from tests.references import references
 from tests.variation import growth, weight
 
 STARTS = core("start")
-BOTH = pytest.mark.parametrize("method", [name for name in ("orbit", "swing") if name in METHODS])
+BOTH = pytest.mark.parametrize("method", [name for name in ("orbit", "swing") if name in available()])
 SURE = 1e7  # growth up to which a march in doubles still knows the orbit when it comes back to its saddle
 
 
@@ -168,7 +168,7 @@ def checked(kind: str, n: int, seed: int, method: str, longer: float = 1.0) -> N
     """Within a factor of three of a march of order 8, and no rod refused because of a false condition number."""
     p = problems(kind, n, seed)
     p.span[:] *= longer
-    told = METHODS[method].run(p, p.span[:, None] * np.linspace(0, 1, 9), 1e-8)
+    told = METHODS[method]().run(p, p.span[:, None] * np.linspace(0, 1, 9), 1e-8)
     true = growth(p.lam, p.mu, p.phi, p.span, p.beta0, p.dbeta0)
     sure = true < SURE
     ratio = told.condition / true

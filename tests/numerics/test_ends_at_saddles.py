@@ -14,7 +14,7 @@ from solver.boundary.search import search
 from solver.boundary.transit_times import transit_times
 from solver.observe.observables import observe
 from solver.orbit.critical_points import critical_points
-from solver.problem.reduced import Reduced, reduce
+from solver.problem.reduced import EndsProblem, Reduced, reduce
 from tests.cases import ends_in_units_of_rho, in_units_of_rho
 
 A = 0.01
@@ -256,7 +256,7 @@ def random_on_the_axis(rng: np.random.Generator) -> tuple[float, ...]:
 @pytest.mark.parametrize("seed", range(40))
 def test_random_ends_on_saddles_have_a_stable_equilibrium_and_a_signed_count_of_one(seed: int) -> None:
     numbers = random_on_the_axis(np.random.default_rng(seed))
-    found = search(Reduced(*(np.array([v]) for v in numbers[:5]), betaL=np.array([numbers[5]])), 20, 1)
+    found = search(EndsProblem(*(np.array([v]) for v in numbers[:6])), 20, 1)
     assert found is not None
     assert not found.remark or found.remark.startswith("only")
     assert found.index[np.argmin(found.energy)] == 0

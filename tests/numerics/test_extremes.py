@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from solver import Solution, solve
-from solver.methods import METHODS
-from solver.problem.reduced import Reduced
+from solver.methods import OrbitQuadrature, available
+from solver.problem.reduced import StartProblem
 from tests.cases import in_units_of_rho
 from tests.extreme_cases import KINDS, draw
 from tests.taylor import march
@@ -53,7 +53,7 @@ FOLDS = {
 }
 
 
-BOTH = pytest.mark.parametrize("method", [name for name in ("orbit", "swing") if name in METHODS])
+BOTH = pytest.mark.parametrize("method", [name for name in ("orbit", "swing") if name in available()])
 
 
 def quietly(case: Any, **more: Any) -> Solution:
@@ -85,10 +85,10 @@ def test_a_rod_at_rest_where_G_is_flat_stays() -> None:
 
 def test_a_rod_next_to_a_fold_is_solved_and_its_error_is_honest() -> None:
     lam, mu, phi, span, beta0, dbeta0 = np.array(list(FOLDS.values())).T
-    problem = Reduced(lam, mu, phi, span, beta0, dbeta0=dbeta0)
+    problem = StartProblem(lam, mu, phi, span, beta0, dbeta0=dbeta0)
     t = span[:, None] * np.linspace(0, 1, 5)
     true = march(lam, mu, phi, beta0, dbeta0, t, most=1000)
-    told = METHODS["orbit"].run(problem, t, 1e-8)
+    told = OrbitQuadrature().run(problem, t, 1e-8)
     off = np.abs(told.beta - true[0]).max(axis=1)
     for k, name in enumerate(FOLDS):
         assert told.outcome[k].startswith("solved"), (name, told.outcome[k])

@@ -8,7 +8,7 @@ from solver.boundary.stability import jacobi_end, jacobi_zeros, morse_index
 from solver.mechanics.potential import slope_rate
 from solver.observe.observables import observe
 from solver.orbit.periodic_orbit import solve_orbit
-from solver.problem.reduced import Reduced, reduce
+from solver.problem.reduced import StartProblem, reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 
 
@@ -16,12 +16,12 @@ def index_of(case: Case, **how) -> float:
     return float(observe(solve(case, **{"tol": 1e-7, **how}), ["index"])["index"])
 
 
-def random_problems(count: int, seed: int) -> Reduced:
+def random_problems(count: int, seed: int) -> StartProblem:
     rng = np.random.default_rng(seed)
     lam, mu, phi = rng.uniform(-2, 2, (3, count))
     span, beta0, dbeta0 = rng.uniform(0.5, 25, count), rng.uniform(-3, 3, count), rng.uniform(-1.5, 1.5, count)
     dbeta0[: count // 20] = 0  # some start at a turning point
-    return Reduced(lam, mu, phi, span, beta0, dbeta0=dbeta0)
+    return StartProblem(lam, mu, phi, span, beta0, dbeta0=dbeta0)
 
 
 def test_turning_points_count_the_negative_pivots_of_any_rod() -> None:

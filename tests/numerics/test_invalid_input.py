@@ -81,7 +81,7 @@ def test_an_empty_axis_is_no_axis() -> None:
 
 
 def test_the_first_bad_value_of_many_is_named() -> None:
-    with refused("Rod.E", -3.0, "2 among 4"):
+    with refused("Rod.E", -3.0, "2 invalid values among 4"):
         Rod(**{**ROD, "E": [1.0, -3.0, 2.0, -5.0]})
 
 
@@ -123,9 +123,9 @@ def test_from_fields_makes_what_the_class_makes() -> None:
 
 def test_a_method_says_which_problems_it_solves() -> None:
     ends = Case(Rod(**ROD), Cylinder(0.75), Ends(0.5, 0.6))
-    with refused("orbit", "Ends", "difference"):
+    with refused("orbit", "ends problems", "difference"):
         solve(ends, method="orbit")
-    with refused("difference", "Start", "orbit", "verlet"):
+    with refused("difference", "start problems", "orbit", "verlet"):
         solve(case(), method="difference")
 
 

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
-from solver.methods import METHODS
-from solver.observe.observables import MEASURED, observe
+from solver.methods import available
+from solver.observe.observables import OBSERVABLES, error_name, observe
 from solver.problem.quantities import QUANTITIES
 from tests.cases import in_units_of_rho
 from tests.observed import observed, steps
 
 TOL = 1e-8
-BOTH = [name for name in ("orbit", "swing") if name in METHODS]
+BOTH = [name for name in ("orbit", "swing") if name in available()]
+ESTIMATED = [name for name in OBSERVABLES if error_name(name)]
 by_both = pytest.mark.parametrize("method", BOTH)
 
 
@@ -34,7 +35,7 @@ def random_rods(count: int, seed: int, reach: float = 30.0) -> Case:
 
 def compare(case: Case, method: str) -> None:
     sol = solve(case, tol=TOL, method=method, stations=2)
-    got = observe(sol, MEASURED, errors=True)
+    got = observe(sol, ESTIMATED, errors=True)
     given = numbers_of(sol)
     checked = 0
     for i, way in enumerate(steps(given)):
@@ -85,7 +86,7 @@ def test_observables_of_a_localised_rod_are_those_of_the_closed_form(length: flo
     """kappa = sqrt(2) sin^2, push = sin^4 (2 - 12 cos^2), dt = d cot(beta): all by hand."""
     sol = solve(localised(np.arctan(2 / length)), tol=1e-8, method=method)
     u, L = float(sol.problem.span[0]) / 2, float(sol.problem.span[0])
-    got = observe(sol, MEASURED, errors=True)
+    got = observe(sol, ESTIMATED, errors=True)
     energy = np.arctan(u) + u / (1 + u * u)  # integral of sin^4 dt
     edge = 1 / np.sqrt(5)
     x, w = np.polynomial.legendre.leggauss(40)
@@ -142,8 +143,8 @@ def test_pushes_and_pulls_add_up() -> None:
 
 def test_every_measured_observable_states_its_error_and_has_a_row_for_it() -> None:
     sol = solve(in_units_of_rho(0.3, 0.2, 0.1, np.array([4.0, 40.0]), 0.5, 0.6), stations=2)
-    got = observe(sol, MEASURED, errors=True)
-    for name in MEASURED:
+    got = observe(sol, ESTIMATED, errors=True)
+    for name in ESTIMATED:
         assert np.isfinite(got[f"{name}_error"]).all(), name
         assert (got[f"{name}_error"] >= 0).all(), name
         assert QUANTITIES[f"{name}_error"].dimension == QUANTITIES[name].dimension
@@ -151,7 +152,7 @@ def test_every_measured_observable_states_its_error_and_has_a_row_for_it() -> No
 
 def test_what_a_march_gives_is_within_its_error_or_said_not_to_be_known() -> None:
     case = in_units_of_rho(0.3, 0.2, 0.1, 20.0, 0.5, 0.6)
-    names = [name for name in MEASURED if name != "bend_number"]
+    names = [name for name in ESTIMATED if name != "bend_number"]
     true = observe(solve(case, tol=1e-11), names)
     for stations in (101, 401, 2001):
         got = observe(solve(case, tol=1e-9, method="dop853", stations=stations), names, errors=True)

@@ -6,16 +6,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solver.mechanics.potential import dimensional_slope, potential, slope, slope_rate
-from solver.methods import METHODS
+from solver.methods import METHODS, Difference, available
 from solver.orbit.critical_points import critical_points
-from solver.problem.reduced import Reduced
+from solver.problem.reduced import EndsProblem, Reduced, StartProblem
 
 loads = st.floats(-3, 3).map(lambda x: round(x, 6))
 
 
-def problem(lam: float, mu: float, phi: float) -> Reduced:
+def problem(lam: float, mu: float, phi: float) -> StartProblem:
     one = np.ones(1)
-    return Reduced(lam * one, mu * one, phi * one, one, 0 * one, dbeta0=0 * one)
+    return StartProblem(lam * one, mu * one, phi * one, one, 0 * one, dbeta0=0 * one)
 
 
 def fourier(lam: float, mu: float, phi: float) -> np.ndarray:
@@ -98,13 +98,13 @@ def test_the_form_in_units_of_the_case_is_the_dimensionless_one(numbers: np.ndar
 
 
 @pytest.mark.parametrize("numbers", FORMS)
-@pytest.mark.parametrize("method", [m for m in ("verlet", "dop853", "lsoda", "heyoka", "swing") if m in METHODS])
+@pytest.mark.parametrize("method", [m for m in ("verlet", "dop853", "lsoda", "heyoka", "swing") if m in available()])
 def test_every_form_of_the_equation_accelerates_a_rod_alike(method: str, numbers: np.ndarray) -> None:
     """beta(t) = beta(0) - H t^2/2 + O(t^4) from beta_t = 0: the methods that write H in a form of their own."""
     one, t = np.ones(ANGLES.size), 1e-3 / (1 + np.sqrt(np.abs(numbers).sum()))
-    problem = Reduced(*(x * one for x in numbers), t * one, ANGLES, 0 * one)
+    problem = StartProblem(*(x * one for x in numbers), t * one, ANGLES, 0 * one)
     options = {"steps": 64} if method == "verlet" else {}
-    speed = METHODS[method].run(problem, np.array([[0.0, t]]) * one[:, None], 1e-12, **options).dbeta[:, 1]
+    speed = METHODS[method](**options).run(problem, np.array([[0.0, t]]) * one[:, None], 1e-12).dbeta[:, 1]
     size = 1 + np.abs(numbers).sum()
     np.testing.assert_allclose(-speed / t, reference(*numbers), rtol=0, atol=3e-6 * size)  # O(t^2)
 
@@ -113,8 +113,8 @@ def test_the_difference_equation_takes_the_same_H() -> None:
     """On three nodes the one inner value solves beta0 - 2 beta + beta2 + h^2 H(beta) = 0, eq. (41)."""
     for lam, mu, phi in FORMS[[0, 2]]:
         one = np.ones(1)
-        problem = Reduced(lam * one, mu * one, phi * one, 0.2 * one, 0.4 * one, betaL=0.5 * one)
-        sol = METHODS["difference"].run(problem, np.array([[0.0, 0.1, 0.2]]), 1e-9, nodes=5, extrapolate=False)
+        problem = EndsProblem(lam * one, mu * one, phi * one, 0.2 * one, 0.4 * one, 0.5 * one)
+        sol = Difference(nodes=5, extrapolate=False).run(problem, np.array([[0.0, 0.1, 0.2]]), 1e-9)
         beta = sol.beta[0]
         second = (beta[0] - 2 * beta[1] + beta[2]) / 0.1**2
         H = float(slope(Reduced(lam * one, mu * one, phi * one, one, beta[1:2]), beta[1:2])[0])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Ends, InputError, Start
-from studies.angles import angle
+from solver.problem.angles import angle
 from studies.loader import load, loads, names
 
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
@@ -61,7 +61,7 @@ def test_an_angle_is_read_as_it_is_written(text: str, value: float) -> None:
 
 @pytest.mark.parametrize("text", ["", "deg", "pi/0", "30 degrees", "pi/6/2", "1+pi", "pipi", "--pi"])
 def test_what_is_no_angle_is_refused_with_the_forms(text: str) -> None:
-    with pytest.raises(ValueError, match="is no angle: give a number in rad, or a form like 30deg"):
+    with pytest.raises(ValueError, match="is not an angle: give a number in rad, or a form like 30deg"):
         angle(text)
 
 
@@ -121,16 +121,16 @@ REFUSED = {
     ),
     "a unit that is none": (
         HEAD.replace('"cm"', '"parsec"'),
-        "line 4: 'parsec' is no unit of length; choose",
+        "line 4: 'parsec' is not a unit of length; choose",
     ),
-    "a force as the length": (HEAD.replace('"cm"', '"N"'), "line 4: 'N' is no unit of length"),
+    "a force as the length": (HEAD.replace('"cm"', '"N"'), "line 4: 'N' is not a unit of length"),
     "an axis in another unit": (
         AXIS + "values = [1]\nunit = 'GPa'",
         "line 8: E is in N/cm\\^2, got unit 'GPa'",
     ),
     "an axis without values": (AXIS + "values = []", "line 7: the axis is empty: give at least one value"),
     "a count of nothing": (AXIS + "from = 1\nto = 2\ncount = 0", "line 9: the axis is empty: .* got 0"),
-    "a value twice": (AXIS + "values = [1, 2, 1]", "line 7: 1.0 stands twice among the values"),
+    "a value twice": (AXIS + "values = [1, 2, 1]", "line 7: the value 1.0 is given twice"),
     "not a number": (
         AXIS + "values = [1, nan]",
         r"line 7: axes.E.values\[2\] must be a finite number, got nan",
@@ -200,7 +200,7 @@ REFUSED = {
     ),
     "a law in no direction": (
         LAW + "axis = 'E'\nobservable = 'turns'\ndirection = 'up'",
-        r"laws\[1\].direction must be",
+        "no direction 'up'; choose from rises",
     ),
     "a law on no observable": (
         LAW + "axis = 'E'\nobservable = 'x'\ndirection = 'falls'",
@@ -222,29 +222,32 @@ REFUSED = {
     ),
     "a start's field among ends": (
         PLAIN + ROD + "beta0 = 0.5\nF1 = 1.0",
-        "line 12: a study of Ends has no 'F1'",
+        "line 12: a study of Ends has no field 'F1'",
     ),
     "no room inside": (HEAD + "[base]\nR = 0.2\nside = 'inside'", "R must be larger than Rod.a = 0.25"),
-    "following another axis": (AXIS + "follow = true\nto = 60\ncount = 9", "follow is for betaL alone"),
+    "following another axis": (AXIS + "follow = true\nto = 60\ncount = 9", "follow needs betaL as the only axis"),
     "following from somewhere": (
         HEAD + "[axes.betaL]\nfollow = true\nfrom = 1\nto = 2\ncount = 9",
-        "line 8: a followed axis starts from the base rod's own value",
+        "line 8: a followed axis starts at the value of the base case",
     ),
-    "an angle that is none": (HEAD + "[base]\nbeta = '30 degree'", "line 7: '30 degree' is no angle: give a number"),
+    "an angle that is none": (
+        HEAD + "[base]\nbeta = '30 degree'",
+        "line 7: '30 degree' is not an angle: give a number",
+    ),
     "an angle that is none on an axis": (
         HEAD + "[axes.beta]\nvalues = [0.1, 'much']",
-        "line 7: 'much' is no angle: give a number",
+        "line 7: 'much' is not an angle: give a number",
     ),
     "an angle with two units": (
         HEAD + "[axes.beta]\nvalues = ['30deg']\nunit = 'deg'",
-        "line 8: '30deg' says its own unit: leave out unit",
+        "line 8: '30deg' has its own unit: remove the key unit",
     ),
     "text that is not an angle's": (AXIS + "values = ['pi']", "values.1. must be a valid number, got 'pi'"),
     "a field that stands still and varies": (
         HEAD + "[base]\nE = 1e4\n[axes.E]\nvalues = [1e4, 2e4]",
-        "line 8: E stands in base and among the axes: leave one of them out",
+        "line 8: E is given in base and as an axis: remove one of them",
     ),
-    "no TOML": ("title = ", "study is not TOML: Invalid value"),
+    "no TOML": ("title = ", "study is not valid TOML: Invalid value"),
 }
 
 

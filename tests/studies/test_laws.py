@@ -6,6 +6,7 @@ from scipy.stats import kendalltau
 
 from solver import InputError
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, Law, decide, judge, refused, worst
+from studies.verdicts import DIRECTIONS, Direction, Line, Verdict
 
 LAW = Law(claim="(1)", observable="turns", axis="E", direction="falls", source="a sentence")
 
@@ -127,7 +128,7 @@ def test_rounding_is_no_change() -> None:
 
 @pytest.mark.parametrize("values", [[], [[1.0, 2.0]], ["a", "b"], 3.0])
 def test_what_is_not_a_row_of_numbers_is_refused(values: object) -> None:
-    with pytest.raises(InputError, match="one row of numbers"):
+    with pytest.raises(InputError, match="one line of numbers"):
         judge(values, "rises")  # type: ignore[arg-type]
 
 
@@ -207,7 +208,7 @@ def test_a_count_that_stands_still_where_the_sentence_says_it_rises_is_not_contr
     assert decide(law, {"turns": [6, 7, 6]}, axes)["verdict"] == FAILS
     assert decide(law.model_copy(update={"says": None}), {"turns": [6, 6, 6]}, axes)["verdict"] == HOLDS
     grid = decide(law, {"turns": np.array([[6, 6, 6], [6, 7, 8]]).T}, {**axes, "R": [1.0, 2.0]})
-    assert grid["reason"].startswith("not contradicted (turns stands still on 1 of 2 lines, where the sentence")
+    assert grid["reason"].startswith("not contradicted (turns stays level on 1 of 2 lines, where the sentence")
 
 
 def test_a_law_depends_on_the_observable_where_an_alternative_fails_and_its_own_does_not() -> None:
@@ -248,7 +249,7 @@ def test_steps_across_branches_are_left_out_along_the_laws_own_axis() -> None:
 @pytest.mark.parametrize(
     ("more", "told"),
     [
-        ({"says": "falls"}, "says = 'falls' is the other way than direction = 'not-falling'"),
+        ({"says": "falls"}, "says = 'falls' contradicts direction = 'not-falling'"),
         ({"fixed": "after"}, "fixed = 'after' needs fixed_note"),
         ({"fixed": "before"}, "in advance"),
     ],
@@ -266,7 +267,7 @@ def test_other_observables_that_the_sentence_admits_get_verdicts_of_their_own() 
 
 
 def test_a_law_on_what_is_not_there_is_refused() -> None:
-    with pytest.raises(InputError, match="needs 'turns'; there are wraps"):
+    with pytest.raises(InputError, match="needs the observable 'turns'; available: wraps"):
         decide(LAW, {"wraps": [1.0]}, {"E": [1.0]})
     with pytest.raises(InputError, match="no axis 'E'; choose from R"):
         decide(LAW, {"turns": [1]}, {"R": [1.0]})
@@ -289,3 +290,15 @@ def test_a_row_too_long_for_all_its_pairs_is_judged() -> None:
     verdict = judge(row, "rises")
     assert (verdict.verdict, len(verdict.exceptions)) == (TREND, 2)
     assert verdict.tau == pytest.approx(1, abs=1e-8)  # 19 wrong pairs of 2e10
+
+
+def test_a_kind_of_law_words_what_its_observable_and_its_alternatives_do(monkeypatch) -> None:
+    def level(line: Line) -> Verdict:
+        wrong = np.flatnonzero(np.abs(np.diff(line.values)) > line.noise)
+        return Verdict(FAILS if wrong.size else HOLDS, None, [(int(i), int(i) + 1) for i in wrong])
+
+    monkeypatch.setitem(DIRECTIONS, "stays-level", Direction(level, "stays level", "changes"))
+    law = LAW.model_copy(update={"direction": "stays-level", "alternatives": ["wraps"]})
+    row = decide(law, {"turns": np.array([3, 3, 3]), "wraps": np.array([1.0, 1.0, 2.0])}, {"E": [1.0, 2.0, 3.0]})
+    assert row["verdict"] == QUALIFIED
+    assert row["reason"] == "depends on the observable (turns stays level; wraps changes at 1 of 2 steps)"

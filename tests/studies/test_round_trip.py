@@ -141,11 +141,11 @@ def test_files_that_are_no_texts_are_refused_without_waiting(tmp_path) -> None:
     (tmp_path / "loop.toml").symlink_to(tmp_path / "loop.toml")
     (tmp_path / "huge.toml").touch()
     os.truncate(tmp_path / "huge.toml", 10**12)  # a hole: no disk is used
-    refused = {"pipe.toml": "no regular file", "loop.toml": "Too many levels", "huge.toml": "1000000000000 bytes"}
+    refused = {"pipe.toml": "not a regular file", "loop.toml": "Too many levels", "huge.toml": "1000000000000 bytes"}
     for name, sentence in refused.items():
         with pytest.raises(InputError, match=sentence):
             load(tmp_path / name)
-    with pytest.raises(InputError, match="is no name of a file"):
+    with pytest.raises(InputError, match="is not a file name"):
         load("a\0b.toml")
 
 

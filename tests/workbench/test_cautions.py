@@ -66,8 +66,8 @@ def test_of_one_rod_it_speaks_in_the_singular() -> None:
 def test_an_unsolved_case_gives_no_caution() -> None:
     study = small.study("[axes.E]\nvalues = [1e4, 2e4]")
     sol = solve(study.case(), stations=21)
-    outcome = np.array(["solved", "failed: on purpose"], dtype=object)
-    sol = replace(sol, trajectory=replace(sol.trajectory, outcome=outcome))
+    outcome, solved = np.array(["solved", "failed: on purpose"], dtype=object), np.array([True, False])
+    sol = replace(sol, trajectory=replace(sol.trajectory, outcome=outcome, solved=solved))
     ds = dataset.make(study, study.coordinates(), columns(study, sol))
     assert ds["caution"].values.tolist() == ["overlaps, pulled", ""]
 

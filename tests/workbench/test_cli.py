@@ -230,7 +230,10 @@ REFUSED = {
         ["solve", *map(str, OWN), "--beta=0", "--dbeta=0", "--M3=0", "--length-unit", "parsec"],
         "no unit of length 'parsec'; choose from nm, um",
     ),
-    "an angle that is none": (["solve", "--beta", "30grad"], "'30grad' is no angle: give a number in rad, or a form"),
+    "an angle that is none": (
+        ["solve", "--beta", "30grad"],
+        "'30grad' is not an angle: give a number in rad, or a form",
+    ),
     "no room inside": (
         ["solve", "--table1", "--R", "0.2", "--side", "inside"],
         "larger than Rod.a = 0.25 for a rod inside, got 0.2",
@@ -243,7 +246,7 @@ REFUSED = {
         ["solve", "--table1", "--F1", "5", "--dgamma", "1"],
         "exactly one of F1, dgamma and M3, got F1=5.0, dgamma=1",
     ),
-    "F1 without slope": (["solve", "--table1", "--dbeta", "0"], "F1 cannot fix the twist where dbeta = 0"),
+    "F1 without slope": (["solve", "--table1", "--dbeta", "0"], "F1 cannot determine the twist at dbeta = 0"),
     "no length": (["solve", "--table1", "--L", "0"], "Rod.L must be positive and finite, got 0.0"),
     "an unknown field": (["solve", "--young", "1"], "No such option: --young; choose from --table1, --reading"),
     "an unknown stiffness": (

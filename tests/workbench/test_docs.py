@@ -2,12 +2,13 @@
 
 import re
 import shlex
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
 from solver.methods import METHODS
-from solver.observe.observables import COUNTED, OBSERVABLES
+from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.quantities import unit_of
 from studies.model import OUTPUTS
 from workbench import cli
@@ -85,17 +86,15 @@ def test_the_table_of_observables_is_that_of_the_code() -> None:
     assert [row[0].strip("`") for row in table] == list(OBSERVABLES)
     for name, unit, sign, *_ in table:
         assert unit_of(name.strip("`"), {"length": "[L]", "force": "[F]"}) == unit, name
-        assert ("whole" in sign or sign == "0 or 1") == (name.strip("`") in COUNTED), name
+        assert ("whole" in sign or sign == "0 or 1") == is_count(name.strip("`")), name
 
 
 def test_the_table_of_methods_is_that_of_the_code() -> None:
-    pytest.importorskip("numba")
-    pytest.importorskip("heyoka")
     table = {row[0].strip("`"): row for row in rows("methods.md")}
     assert set(table) == set(METHODS)
     for name, method in METHODS.items():
-        assert table[name][1] == ", ".join(method.kinds)
-        assert re.findall(r"`(\w+)`", table[name][5]) == list(method.knobs)
+        assert table[name][1] == ", ".join(method.problems)
+        assert re.findall(r"`(\w+)`", table[name][5]) == [knob.name for knob in fields(method)]
 
 
 def test_the_outputs_are_marked_in_the_table_of_arrays() -> None:

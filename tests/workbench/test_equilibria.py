@@ -132,7 +132,7 @@ def test_units_go_with_a_whole_rod_of_ones_own(capsys) -> None:
     whole = ("--E", 107, "--nu", 0.25, "--a", 2.5, "--R", 7.5, "--L", 200, "--beta0", "30deg", "--betaL", "45deg")
     status, said = run(capsys, "--force-unit", "stone", *whole)
     assert status == 2
-    assert "'stone' is no unit of force; choose from pN, nN, uN" in said
+    assert "'stone' is not a unit of force; choose from pN, nN, uN" in said
     status, said = run(capsys, "fig6", "--length-unit", "mm")
     assert (status, said) == (2, "workbench: fig6 states its own units: change them in the file\n")
 
@@ -288,7 +288,7 @@ def test_a_study_that_names_an_equilibrium_must_be_one_case_by_its_ends(tmp_path
         'title = "x"\nreading = "force-first"\n[units]\nlength = "cm"\nforce = "N"\n'
         "[equilibrium]\ndbeta0 = 1.0\nenergy = 2.0\n"
     )
-    with pytest.raises(InputError, match=r"line 6.*given by its ends"):
+    with pytest.raises(InputError, match=r"line 6.*a solution of an ends problem"):
         load(path)
 
 
@@ -327,11 +327,11 @@ CASE = (
 @pytest.mark.parametrize(
     "words, said",
     (
-        ("dbeta0 = 1.0", "dbeta0 and energy go together: give choose, or index, or dbeta0 and energy"),
+        ("dbeta0 = 1.0", "dbeta0 and energy must be given together: give choose, or index, or dbeta0 and energy"),
         ('choose = "nearest"\nindex = 1', "choose and index exclude each other"),
         ('choose = "near"', "must be 'nearest' or 'lowest'"),
         ("index = -1", "greater than or equal to 0"),
-        ("", "equilibrium names none: give choose, or index, or dbeta0 and energy"),
+        ("", "equilibrium is empty: give choose, or index, or dbeta0 and energy"),
     ),
 )
 def test_a_study_names_its_equilibrium_in_one_way(words, said) -> None:

@@ -76,7 +76,7 @@ def test_the_state_is_a_study_and_its_text_gives_the_same_rod() -> None:
         ({"R": "wide"}, "R", "R must be a number, got 'wide'"),
         ({"R": 0.2, "side": "inside"}, "R", "larger than Rod.a = 0.25 for a rod inside"),
         ({"nu": 0.7}, "nu", "Rod.nu must be in"),
-        ({"dbeta": 0}, "F1", "F1 cannot fix the twist where dbeta = 0"),
+        ({"dbeta": 0}, "F1", "F1 cannot determine the twist at dbeta = 0"),
         ({"young": 1.0}, "", "no key 'young' in base"),
         ({"L": float("nan")}, "L", "L must be"),
     ],

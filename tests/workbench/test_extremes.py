@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.methods import METHODS
+from solver.methods import available
 from workbench.compare.extreme_cases import extremes, references
 from workbench.compare.extremes import INACCURATE, REFUSED, VERDICTS, attempts_at, dataset_of
 from workbench.data import writing
@@ -36,7 +36,7 @@ def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
     ds = dataset_of({one.name: attempts_at(one, references()[one.name]) for one in named})
     writing.write(ds, tmp_path / "extremes.h5")
     again = writing.read(tmp_path / "extremes.h5", study=False)
-    assert list(again["method"].values) == list(METHODS)
+    assert list(again["method"].values) == list(available())
     assert set(again["verdict"].values.flat) <= set(VERDICTS)
     assert not (again["verdict"].sel({"extreme": "L/ρ = 1e-6"}) == INACCURATE).any()
     assert (again["verdict"].sel({"extreme": "L/ρ = 1e-6", "method": "orbit"}) == "solved").all()

@@ -84,5 +84,5 @@ def test_a_followed_study_of_another_length_is_solved_again(tmp_path: Path) -> N
 
 
 def test_a_followed_study_refuses_a_method_for_starts_alone(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="method 'rk4' does not solve problems given by Ends"):
+    with pytest.raises(InputError, match="method 'rk4' does not solve ends problems"):
         run("fig7_4_end_angle", tmp_path / "x.h5", method="rk4")

@@ -163,8 +163,8 @@ def parse_axis(text: str) -> "tuple[str, np.ndarray]":
     import numpy as np
 
     from solver import InputError
+    from solver.problem.angles import angle
     from solver.problem.errors import no_such
-    from studies.angles import angle
 
     name, equals, said = text.partition("=")
     names = [field for field in ENDS_FIELDS if not FIELDS[field].choices]

@@ -16,7 +16,7 @@ def number(text: str) -> float:
 
 def angle(text: str) -> float:
     """An angle [rad] from the command line; the error names the text and the accepted forms."""
-    from studies.angles import angle as read
+    from solver.problem.angles import angle as read
 
     try:
         return read(text)

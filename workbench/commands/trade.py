@@ -10,7 +10,8 @@ from .options import Json, option
 if TYPE_CHECKING:
     import xarray as xr
 
-    from solver.benchmark import Ladder, Row
+    from solver.benchmark import Row
+    from solver.methods.ladder import Ladder
 
 
 def trade(

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from solver import Case, Ends, Solution, solve
-from solver.methods import METHODS
+from solver.methods import OrbitQuadrature, available
 
 from ..data import dataset
 from .extreme_cases import SHARES, Extreme, Reference, extremes, references
@@ -72,8 +72,8 @@ def attempts_at(one: Extreme, reference: Reference) -> dict[str, Attempt]:
     best = solve(one.case, tol=1e-12, stations=_stations(one.case))
     known = reference.beta if reference.beta is not None else best.beta[1:]
     rows = {}
-    for name, method in METHODS.items():
-        if "start" in method.kinds:
+    for name, method in available().items():
+        if "start" in method.problems:
             rows[name] = _attempt(one.case, name, known)
         elif not np.isfinite(best.beta).all():
             rows[name] = Attempt(REFUSED, "failed: not tried, no finite solution as seed", *[np.nan] * 5)
@@ -96,7 +96,7 @@ def _attempt(case: Case, method: str, known: Any, seed: Solution | None = None) 
     finite = bool(np.isfinite([sol.beta, sol.dbeta, sol.alpha, sol.z]).all())
     error = float(np.abs(sol.beta[1:] - known).max()) if finite else np.nan
     if seed is not None and finite:  # another equilibrium between the same ends is not an error
-        own = METHODS["orbit"].run(sol.problem.started(sol.trajectory.dbeta[:, 0]), sol.t, 1e-12).beta
+        own = OrbitQuadrature().run(sol.problem.started(sol.trajectory.dbeta[:, 0]), sol.t, 1e-12).beta
         error = min(error, float(np.abs(sol.trajectory.beta - own).max()))
     allowed = _MARGIN * TOL * max(1.0, float(sol.condition))
     if sol.solved:

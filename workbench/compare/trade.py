@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver import Ends, InputError
-from solver.benchmark import STATIONS, Ladder, Row, cheapest, measure, offered
-from solver.methods import MISSING
+from solver import InputError
+from solver.benchmark import STATIONS, Row, cheapest, measure, offered
+from solver.methods import METHODS
+from solver.methods.ladder import Ladder
 from solver.problem.errors import choices, no_such
 
 from ..data import dataset
@@ -73,8 +74,8 @@ def ladders_of(names: Sequence[str]) -> dict[str, Ladder]:
     picked: dict[str, Ladder] = {}
     for name in names:
         found = {label: ladder for label, ladder in able.items() if name in (label, ladder.method)}
-        if not found and name in MISSING:
-            raise InputError(MISSING[name])
+        if not found and name in METHODS:
+            METHODS[name].with_knobs({})  # says that its package is not installed
         if not found:
             raise no_such("method", name, able)
         picked |= found
@@ -110,7 +111,7 @@ def dataset_of(rows: Sequence[Row], ladders: Mapping[str, Ladder]) -> xr.Dataset
     data["outcome"] = xr.Variable(full, outcome.astype(str), {"long_name": "solved, or why not"})
     data["value"] = xr.Variable(full[1:], value, {"units": "1", "long_name": "value of the knob"})
     data["knob"] = xr.Variable(("ladder",), [ladders[name].knob for name in methods], {"long_name": "knob turned"})
-    kinds = ["ends" if isinstance(CASES[name].case.given, Ends) else "start" for name in cases]
+    kinds = [CASES[name].case.kind for name in cases]
     data["kind"] = xr.Variable(("case",), kinds, {"long_name": "what is given"})
     data["about"] = xr.Variable(("case",), [CASES[name].about for name in cases], {"long_name": "the case in words"})
     known = [reference(name).condition for name in cases]

@@ -13,7 +13,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver import Case
-from solver.observe.solution_pieces import ORBITS
 from studies import Study
 from studies.axes import quantity_of
 
@@ -144,8 +143,14 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "force_unit": study.units.force,
         "tolerance": study.tol,
         "method": study.method,
-        "observed": RESOLVED if study.method in ORBITS else AT_STATIONS,
+        "observed": RESOLVED if _knows_orbit(study.method) else AT_STATIONS,
         "laws": laws_text(study),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(versions()),
     }
+
+
+def _knows_orbit(method: str) -> bool:
+    from solver.methods import METHODS
+
+    return method in METHODS and METHODS[method].knows_orbit

@@ -6,14 +6,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from studies import reasons
-from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, Law, decide
+from studies.laws import DIRECTIONS, FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, Law, decide
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
-
-
-WORDS = {"not-falling": "does not fall", "not-rising": "does not rise"}
 
 
 def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None" = None) -> list[dict[str, Any]]:
@@ -91,7 +88,7 @@ def tallied(rows: Sequence[Mapping[str, Any]]) -> str:
 
 def stated(row: Mapping[str, Any]) -> str:
     """The law in words: ``turns falls along E``."""
-    return f"{row['observable']} {WORDS.get(row['direction'], row['direction'])} along {row['axis']}"
+    return f"{row['observable']} {DIRECTIONS[row['direction']].does} along {row['axis']}"
 
 
 def measured(row: Mapping[str, Any]) -> str:

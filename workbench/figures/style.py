@@ -29,14 +29,6 @@ INK, SOFT, FAINT = "#1c2430", "#5b6675", "#d5dae1"
 VERDICT_COLOURS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#bb5802", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
 STABLE = "#b3261e"  # the stable ones among all equilibria
 
-# a law's direction between observable and axis
-DIRECTIONS = {
-    "rises": "rises with",
-    "falls": "falls with",
-    "not-falling": "does not fall with",
-    "not-rising": "does not rise with",
-}
-
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 RAMP = colormaps["viridis"]
 PUSH_RAMP = ListedColormap(RAMP(np.linspace(0, 0.6, 256)), "push")  # ends before it comes near the colour of lift-off

@@ -12,8 +12,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullLocator
 
+from solver.observe.observables import is_count
 from solver.problem.errors import InputError, no_such
-from studies.laws import COUNTS, FAILS, NOISE
+from studies.laws import DIRECTIONS, FAILS, NOISE
 from studies.reasons import DOES
 
 from ..data import law_verdicts, schema, selection
@@ -58,7 +59,7 @@ def panel(ds: xr.Dataset, ax: Axes, law: int = 0, rows: Sequence[dict[str, Any]]
             ends = [_shown(ds[row["axis"]], step[end]) for end in ("from", "to")]
             ax.plot(ends, step["values"], color=style.VERDICT_COLOURS[FAILS], linewidth=3, alpha=0.75, zorder=3,
                     label="a step the wrong way")  # fmt: skip
-    words = f"{row['claim']}  {style.words(ds[row['observable']])} {style.DIRECTIONS[row['direction']]}"
+    words = f"{row['claim']}  {style.words(ds[row['observable']])} {DIRECTIONS[row['direction']].does} with"
     pad = 6 + _verdict(ax, row)
     ax.set_title(style.wrapped(f"{words} {style.symbol(row['axis'])}:", ax), loc="left", pad=pad)
     if row["also"]:
@@ -122,7 +123,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     ax.margins(x=0.04, y=0.1)
     ax.yaxis.set_major_formatter(style.plain)
     drawn = lines.values[np.isfinite(lines.values)]
-    if observable in COUNTS:
+    if is_count(observable):
         ax.yaxis.set_major_locator(MaxNLocator(integer=True))
         if drawn.size and np.ptp(drawn) < 2:
             count = round(float(drawn.mean()))

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 from textwrap import fill
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -17,25 +17,13 @@ from solver.problem.errors import no_such
 
 from . import style
 
+if TYPE_CHECKING:
+    from solver.methods.ladder import Ladder
+
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
 LOST = 1.0  # an error of this and more has no digit left
 FLOOR, TOP = 1e-16, 1e1  # what is shown; rounding's zero is drawn on the floor
 COLUMNS, PANEL = 3, (3.2, 1.8)  # inches
-LOOKS: dict[str, tuple[str, str]] = {  # colour and marker; a march and the method for ends of its kind look alike
-    "euler": ("#8a8f98", "v"),
-    "rk4": ("#a0522d", "s"),
-    "verlet": ("#56b4e9", "o"),
-    "verlet extrapolated": ("#0072b2", "o"),
-    "dop853": ("#e69f00", "D"),
-    "lsoda": ("#cc79a7", "^"),
-    "heyoka": ("#6a3d9a", "P"),
-    "orbit": ("#00704f", "o"),
-    "swing": ("#000000", "X"),
-    "difference": ("#56b4e9", "o"),
-    "difference extrapolated": ("#0072b2", "o"),
-    "collocation": ("#e69f00", "D"),
-    "shooting": ("#00704f", "o"),
-}
 
 
 def figure(ds: xr.Dataset, cost: str, path: Path) -> Path:
@@ -84,10 +72,10 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
         error, spent = one["error"].values, one[cost].values
         tried = np.isfinite(spent)
         good = tried & np.char.startswith(outcome, "solved") & (error < LOST)
-        colour, marker = LOOKS[str(method)]
-        own = str(method) in ("orbit", "shooting")
-        ax.plot(spent[good], np.maximum(error[good], FLOOR), color=colour, marker=marker, markersize=3.4,
-                linewidth=1.8 if own else 1.1, markeredgewidth=0, zorder=4 if own else 3)  # fmt: skip
+        look = look_of(str(method))
+        colour = look.colour
+        ax.plot(spent[good], np.maximum(error[good], FLOOR), color=colour, marker=look.marker, markersize=3.4,
+                linewidth=1.8 if look.bold else 1.1, markeredgewidth=0, zorder=4 if look.bold else 3)  # fmt: skip
         bad = tried & ~good
         ax.plot(spent[bad], np.full(bad.sum(), TOP / 2), "x", color=colour, markersize=4, markeredgewidth=1.1, zorder=3)
         if np.char.startswith(outcome, "not run").any() and good.any():
@@ -111,7 +99,8 @@ def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
         here = ds.isel(case=np.flatnonzero(ds["kind"].values == kind))
         tried = [str(m) for m in ds["ladder"].values if np.isfinite(here["seconds"].sel(ladder=m)).any()]
         handles: list[Any] = [
-            Line2D([], [], color=LOOKS[m][0], marker=LOOKS[m][1], markersize=4, linewidth=1.4, label=m) for m in tried
+            Line2D([], [], color=look.colour, marker=look.marker, markersize=4, linewidth=1.4, label=look.name)
+            for look in map(look_of, tried)
         ]
         if handles:
             rows.append((title, handles))
@@ -121,3 +110,13 @@ def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
         [], [], marker=">", markersize=7, markerfacecolor="none", label="its next rung takes too long", **plain
     )
     return [*rows, ("marks", [lost, more])]
+
+
+def look_of(ladder: str) -> "Ladder":
+    """The ladder of that name, which has a colour and a marker. Raises `InputError` for an unknown one."""
+    from solver.benchmark import ladders  # loads the methods: only where their diagram is drawn
+
+    known = ladders()
+    if ladder not in known:
+        raise no_such("ladder", ladder, known)
+    return known[ladder]

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import no_such
+from solver.problem.tolerance import DEFAULT_TOLERANCE
 from studies import Study
 from studies.model import OUTPUTS
 
@@ -51,7 +52,7 @@ FIDELITIES: dict[str, Fidelity] = {
     row.name: row
     for row in (
         Fidelity("draft", 1e-3, 51, "shape"),
-        Fidelity("standard", 1e-8, None, "asked"),
+        Fidelity("standard", DEFAULT_TOLERANCE, None, "asked"),
         Fidelity("fine", 1e-11, 801, "all"),
         Fidelity("exact", 1e-13, 1601, "all"),
     )

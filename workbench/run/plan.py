@@ -8,9 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-import solver
-from solver import Case, Ends, Start
-from solver.solve import AUTO
+from solver import Case, Ends
+from solver.problem.tolerance import checked_tolerance
 from studies import Study
 from studies.axes import Axis
 
@@ -23,7 +22,6 @@ Coordinates = Mapping[str, NDArray[np.float64]]
 # Cases in a block: enough for NumPy, few enough for the cache; fewer where each case is solved by itself.
 BLOCK, BLOCK_ALONE = 512, 32
 BLOCK_VALUES = 2**18  # stations of all cases of a block, at most: some MB for each array
-TOGETHER = ("orbit", "swing")  # the methods that solve all cases of a block together
 MOST_BLOCKS, MOST_BYTES = 8, 32 * 2**20  # of a chunk: what the death of a worker costs, and what a process holds
 TEXT_BYTES = 200  # of outcome and caution in the file: references, and texts with a remark
 SPARE = 4 * 2**20  # bytes for coordinates, attributes, half-filled packets and the lists of an HDF5 file
@@ -59,8 +57,15 @@ class Plan:
         """Cases in a block; depends on the study alone."""
         if self.study.sweeps:
             return sweep_order.block_size(self.shape, BLOCK_VALUES // self.study.stations)
-        most = BLOCK if self.study.method in TOGETHER else BLOCK_ALONE
+        most = BLOCK if self.batched else BLOCK_ALONE
         return max(1, min(most, BLOCK_VALUES // self.study.stations))
+
+    @property
+    def batched(self) -> bool:
+        """Whether the method solves a large block at once."""
+        from solver.methods import METHODS
+
+        return METHODS[self.study.method].batched
 
     @cached_property
     def light(self) -> Study:
@@ -110,22 +115,18 @@ class Plan:
 
 
 def plan(study: Study, tol: float | None = None, method: str | None = None) -> Plan:
-    """The plan of a study, with another tolerance or method where given; `auto` becomes the method that it means.
+    """The plan of a study, with another tolerance or method if given; "auto" becomes the automatic method.
 
     Raises `InputError` for a tolerance or method that `solve` refuses.
     """
-    from solver.methods import METHODS
+    from solver.methods.automatic import chosen_method
 
     coordinates = study.coordinates()
     first = study.case_of({name: values[0] for name, values in coordinates.items()})
     if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
         first = Case(first.rod, first.cylinder, Ends(0.0, 0.0))
-    kind = "start" if isinstance(first.given, Start) else "ends"
-    tol = study.tol if tol is None else tol
-    method = study.method if method is None else method
-    name = AUTO[kind] if method == "auto" else method
-    if name not in METHODS or kind not in METHODS[name].kinds or not 0 < tol < 1:
-        solver.solve(first, tol, method, 2)  # raises the InputError
+    tol = checked_tolerance(study.tol if tol is None else tol)
+    name = chosen_method(first.kind, study.method if method is None else method).name
     return Plan(study.model_copy(update={"tol": tol, "method": name}), coordinates)
 
 

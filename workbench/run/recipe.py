@@ -12,15 +12,13 @@ from numpy.typing import NDArray
 
 import solver
 import studies
-from solver.methods import METHODS
+from solver.methods import METHODS, available
 from solver.problem.errors import InputError
 from studies import Study
 from studies.laws import Law
 
 if TYPE_CHECKING:
     from .plan import Plan
-
-NEEDS = {"heyoka": ("heyoka",), "swing": ("numba",)}  # packages whose version decides a method's last bits
 
 
 def recipe(plan: "Plan") -> dict[str, Any]:
@@ -42,7 +40,7 @@ def recipe(plan: "Plan") -> dict[str, Any]:
         "method": study.method,
         "block": plan.block,
         "code": code_version(),
-        **{package: _version(package) for package in ("numpy", "scipy", *NEEDS.get(study.method, ()))},
+        **{package: _version(package) for package in ("numpy", "scipy", *_required(study.method))},
     }
 
 
@@ -70,8 +68,13 @@ def check_worker(study: Study, code: str) -> None:
     """Raise `InputError` where this process would give other numbers: other code, or a method that is missing."""
     if code_version() != code:
         raise InputError(f"a worker has the code {code_version()}, but the run was started with {code}")
-    if study.method not in METHODS:
+    if study.method not in available():
         raise InputError(f"a worker has no method {study.method!r}: install there what is installed here")
+
+
+def _required(method: str) -> list[str]:
+    """The package whose version decides the last bits of a method, if there is one."""
+    return [package] if (package := METHODS[method].requires) else []
 
 
 def _version(package: str) -> str:

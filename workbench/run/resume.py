@@ -17,7 +17,6 @@ from ..data.schema import FORMAT, dimension
 from .plan import Coordinates, Plan
 from .recipe import axis_line, differences, recipe
 
-VERSIONS = ("code", "numpy", "scipy", "numba", "heyoka", "block")  # the keys of a recipe that are not of the study
 _ROUNDING = 8 * 2.0**-52  # relative; values of an axis that differ by less are the same
 
 
@@ -75,7 +74,7 @@ def grown(there: StoredRun, plan: Plan) -> Plan | None:
     plan = Plan(plan.study, coordinates)
     now = _plain(recipe(plan))
     changed = [key for key in {**there.recipe, **now} if there.recipe.get(key) != now.get(key) and key != "axes"]
-    if any(key not in VERSIONS for key in changed):
+    if any(key not in _versions() for key in changed):
         return None
     if there.recipe["axes"] == now["axes"]:
         return plan
@@ -130,3 +129,10 @@ def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
     """The data as it comes back from JSON."""
     plain: dict[str, Any] = json.loads(json.dumps(data))
     return plain
+
+
+def _versions() -> set[str]:
+    """The keys of a recipe that are not the study: code, packages, block."""
+    from solver.methods import METHODS
+
+    return {"code", "numpy", "scipy", "block", *(method.requires for method in METHODS.values())}

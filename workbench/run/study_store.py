@@ -14,7 +14,7 @@ from studies import Study
 from ..data.schema import TEXTS
 from . import local_pool, shards, worker_processes
 from .block import unsolved
-from .plan import TOGETHER, Plan, bytes_a_case, bytes_of_file, plan
+from .plan import Plan, bytes_a_case, bytes_of_file, plan
 from .progress import Meter, Progress, unshown
 from .recipe import recipe
 from .resume import StoredRun, grown, is_finished, look
@@ -219,7 +219,7 @@ def _workers(work: Plan, left: int, options: Options) -> int:
     """How many workers are worth starting for so many cases."""
     if options.workers is not None:
         return options.workers
-    blocks = WORTH_TOGETHER if work.study.method in TOGETHER else WORTH
+    blocks = WORTH_TOGETHER if work.batched else WORTH
     return max(1, min(local_pool.cores(), left // (blocks * work.block)))
 
 

@@ -19,8 +19,10 @@ _DENSE = 2001  # stations of the seed of a method that knows the rod at stations
 
 def shown(study: Study, state: State, stations: Any = None) -> Solution:
     """The solution of a state by the study's method, at the study's stations or at others: a number, or values of s."""
+    from solver.methods.automatic import automatic_method
+
     stations = study.stations if stations is None else stations
-    method = study.method if study.method != "auto" else "shooting"
+    method = study.method if study.method != "auto" else automatic_method("ends")
     if not state.solved:
         return _nothing(state, stations)
     if method == state.solution.method and state.solution.trajectory.orbit is not None:
@@ -38,7 +40,7 @@ def continued(study: Study, case: Case, near: State, stations: Any) -> Solution:
 
 def together(case: Case, found: list[Solution]) -> Solution:
     """Solutions of single cases as the one solution of their grid."""
-    names = ("beta", "dbeta", "alpha", "z", "outcome", "error", "condition", "evaluations")
+    names = ("beta", "dbeta", "alpha", "z", "solved", "outcome", "error", "condition", "evaluations")
     columns: dict[str, Any] = {name: np.concatenate([getattr(one.trajectory, name) for one in found]) for name in names}
     swirl = np.concatenate([one.trajectory.swirl() for one in found])
     t = np.concatenate([one.t for one in found])
@@ -60,7 +62,7 @@ def _nothing(state: State, stations: Any) -> Solution:
     sol, was = state.solution, state.solution.trajectory
     t = _times(sol, stations)
     nothing = np.full(t.shape, np.nan)
-    judged = was.outcome, was.error, was.condition, was.evaluations
+    judged = was.solved, was.outcome, was.error, was.condition, was.evaluations
     answer = Trajectory(nothing, nothing, nothing, nothing, lambda: nothing, *judged)
     return replace(sol, trajectory=answer, t=t)
 
@@ -78,5 +80,5 @@ def read(sol: Solution, stations: Any) -> Solution:
     t, was = _times(sol, stations), sol.trajectory
     orbit: Any = was.orbit
     beta, dbeta, alpha, z = orbit.at(t)
-    judged = was.outcome, was.error, was.condition, was.evaluations
+    judged = was.solved, was.outcome, was.error, was.condition, was.evaluations
     return replace(sol, trajectory=Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *judged, orbit), t=t)

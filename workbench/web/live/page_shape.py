@@ -14,12 +14,13 @@ from solver.boundary.selection import NEAREST
 from solver.equilibria import meant, nearest
 from solver.problem.errors import InputError
 from solver.problem.reduced import reduce
+from solver.problem.tolerance import DEFAULT_TOLERANCE
 from studies import Study
 from studies.axes import Which
 
 from ...run.case_input import field_values
 
-TOL, NEAR = 1e-8, 1e-6  # of a shape, and of one that follows another as a slider moves
+TOL, NEAR = DEFAULT_TOLERANCE, 1e-6  # of a shape, and of one that follows another as a slider moves
 STATIONS, BETWEEN, MOST = 201, 401, 4001  # given by its start, by its ends, and of a rod of many bends
 MOST_SWINGS = 100  # of a rod between two ends whose equilibria are all looked through, in some tenths of a second
 MOST_TAKEN = 1000  # of one whose equilibrium is taken by the rule, without a list

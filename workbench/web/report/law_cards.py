@@ -9,7 +9,7 @@ import xarray as xr
 
 from solver.problem.quantities import quantity
 from studies import reasons
-from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
+from studies.laws import DIRECTIONS, FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
 from ...data import law_verdicts
 from ...figures import style
@@ -22,7 +22,7 @@ def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
     words = style.words(ds[row["observable"]])
     return {
         "claim": row["claim"],
-        "stated": f"{words} {style.DIRECTIONS[row['direction']]} {style.symbol(row['axis'])}",
+        "stated": f"{words} {DIRECTIONS[row['direction']].does} with {style.symbol(row['axis'])}",
         "name": row["observable"],
         **_verdict(row),
         "fixed": row["fixed"] or "not stated",

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 import xarray as xr
 
-from solver.methods import METHODS
+from solver.methods import METHODS, available
 from solver.problem.errors import InputError
 
 from ...data import writing
@@ -92,15 +92,15 @@ def _extremes(ds: xr.Dataset) -> str:
     verdict = ds["verdict"]
     solved = [
         f"{name} {int((verdict.sel({'method': name}) == 'solved').sum())}"
-        for name in ("orbit", "swing")
-        if name in ds["method"].values
+        for name, method in METHODS.items()
+        if method.knows_orbit and "start" in method.problems and name in ds["method"].values
     ]
     wrong = int((verdict == "inaccurate").sum())
     honest = (
         "no answer that is called solved is wrong" if wrong == 0 else f"answers called solved that are wrong: {wrong}"
     )
     counts = f"Solved by {', by '.join(solved)}; {honest}"
-    left = [name for name in METHODS if name not in ds["method"].values]
+    left = [name for name in available() if name not in ds["method"].values]
     without = f" (not in this run: {', '.join(left)})" if left else ""
     methods = f"{ds.sizes['method']} methods{without}"
     return f"{ds.sizes['extreme']} named extremes by {methods}. {counts}, and what is not solved says why"

@@ -1,0 +1,32 @@
+"""The choice of the method: the automatic one, and the one that a caller names."""
+
+from typing import Any
+
+from ..problem.errors import InputError, choices, no_such
+from . import METHODS, available
+from .base import EndsMethod, Method, StartMethod
+
+PREFERRED = {"start": ("swing", "orbit"), "ends": ("shooting",)}  # measured, see docs/reference/trade.md
+
+
+def automatic_method(kind: str) -> str:
+    """The name of the automatic method for a kind of problem: the first preferred one that is installed."""
+    return next(name for name in PREFERRED[kind] if METHODS[name].installed())
+
+
+def chosen_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> StartMethod | EndsMethod:
+    """The method for a kind of problem that a caller asks for: "auto", a name, or a method with its knobs.
+
+    Raises `InputError` for an unknown name, a method of another kind of problem or not installed, or an invalid knob.
+    """
+    if isinstance(method, Method) and knobs:
+        raise InputError(f"set the knobs {choices(knobs)} in the method, {type(method).__name__}(...), not in solve")
+    name = automatic_method(kind) if method == "auto" else method.name if isinstance(method, Method) else method
+    if not isinstance(method, Method) and name not in METHODS:
+        raise no_such("method", name, ["auto", *available()])
+    one = method if isinstance(method, Method) else METHODS[name].with_knobs(knobs or {})
+    if kind not in one.problems:
+        able = [other.name for other in available().values() if kind in other.problems]
+        raise InputError(f"method {name!r} does not solve {kind} problems; choose from {choices(able)}")
+    assert isinstance(one, StartMethod | EndsMethod)
+    return one

@@ -1,0 +1,34 @@
+"""Each public name of the solver has a docstring in numpydoc form, with an example that runs."""
+
+import doctest
+import re
+
+import pytest
+
+import solver
+
+RUNNER_FLAGS = doctest.NORMALIZE_WHITESPACE
+
+
+def examples(name: str) -> list[doctest.DocTest]:
+    finder = doctest.DocTestFinder(recurse=False)
+    return [one for one in finder.find(getattr(solver, name), name) if one.examples]
+
+
+@pytest.mark.parametrize("name", solver.__all__)
+def test_the_example_of_a_public_name_gives_what_it_shows(name: str) -> None:
+    (example,) = examples(name)
+    told: list[str] = []
+    runner = doctest.DocTestRunner(optionflags=RUNNER_FLAGS, verbose=False)
+    runner.run(example, out=told.append)
+    assert runner.failures == 0, "".join(told)
+
+
+@pytest.mark.parametrize("name", solver.__all__)
+def test_the_docstring_of_a_public_name_has_the_sections_of_numpydoc(name: str) -> None:
+    text = getattr(solver, name).__doc__
+    sections = re.findall(r"^ *(\w+)\n *-{4,}$", text, re.MULTILINE)
+    assert sections[-1] == "Examples"
+    assert set(sections) <= {"Parameters", "Attributes", "Returns", "Raises", "Notes", "Examples"}
+    if not issubclass(getattr(solver, name), ValueError) if isinstance(getattr(solver, name), type) else True:
+        assert {"Parameters", "Attributes"} & set(sections)

@@ -1,0 +1,129 @@
+"""Adding a method, an observable or a kind of law takes one file and one row: each is added here in that way."""
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
+from solver.benchmark import offered
+from solver.methods import METHODS, StartMethod, Verlet, available
+from solver.methods.automatic import PREFERRED
+from solver.methods.base import knob
+from solver.methods.ladder import Ladder
+from solver.observe.observables import OBSERVABLES, Observable
+from solver.problem.quantities import QUANTITIES, Quantity
+from studies.loader import loads
+from studies.verdicts import DIRECTIONS, FAILS, HOLDS, Direction, Line, Verdict
+from tests.workbench import small
+from workbench.compare.trade import ladders_of
+from workbench.data import law_verdicts
+from workbench.figures import trends, work_precision
+from workbench.run import in_memory
+
+ROOT = Path(__file__).parents[1]
+CASE = Case(Rod(1.07e4, 0.25, 0.25, 5.0), Cylinder(0.75), Start(0.5, 0.5, dgamma=0.5))
+
+
+@dataclass(frozen=True)
+class Toy(StartMethod):
+    """Verlet under another name, with a knob of its own."""
+
+    name = "toy"
+    summary = "a toy"
+    order = 2
+    ladders = (Ladder("toy", "fineness", (1, 2), "#123456", "*"),)
+
+    fineness: int = knob(int, least=1, default=1)
+
+    def run(self, problem, t, tol):
+        return Verlet(steps=16 * self.fineness).run(problem, t, tol)
+
+
+def test_a_method_is_one_row_and_is_then_solved_with_listed_compared_and_drawn(monkeypatch) -> None:
+    monkeypatch.setitem(METHODS, "toy", Toy)
+    by_name, by_value = solve(CASE, 1e-3, "toy", fineness=2), solve(CASE, 1e-3, Toy(fineness=2))
+    assert by_name.solved
+    assert by_name.method == by_value.method == "toy"
+    np.testing.assert_array_equal(by_name.beta, by_value.beta)
+    with pytest.raises(InputError, match=r"no method 'rk5'; choose from auto, .*, toy"):
+        solve(CASE, method="rk5")
+    with pytest.raises(InputError, match="no knob 'steps' in method 'toy'; its knobs: fineness"):
+        solve(CASE, method="toy", steps=4)
+    assert offered()["toy"].values == ladders_of(["toy"])["toy"].values == (1, 2)
+    ds = in_memory.run(small.study(), 1e-3, "toy")
+    assert ds.attrs["method"] == "toy"
+    assert work_precision.look_of("toy").colour == "#123456"
+
+
+def test_every_method_has_a_file_of_its_own_and_describes_itself() -> None:
+    assert len({method.__module__ for method in METHODS.values()}) == len(METHODS)
+    assert [method.name for method in METHODS.values()] == list(METHODS)
+    for method in METHODS.values():
+        assert method.ladders, f"{method.name} has no ladder"
+        assert all(ladder.method == method.name and ladder.marker for ladder in method.ladders)
+        assert bool(method.requires) == bool(method.extra)
+    assert {name for names in PREFERRED.values() for name in names} <= set(METHODS)
+    assert set(available()) <= set(METHODS)
+
+
+@pytest.mark.parametrize("method", available())
+def test_the_boolean_of_every_method_says_what_its_sentence_says(method: str) -> None:
+    given = CASE.given if "start" in METHODS[method].problems else Ends(0.5, 0.6)
+    case = Case(Rod(1.07e4, 0.25, 0.25, [5.0, 1e-300]), Cylinder(0.75), given)
+    coarse = METHODS[method].ladders[0]
+    for options in ({"tol": 0.5, "method": method}, {**coarse.options(coarse.values[0]), "tol": 1e-16}):
+        sol = solve(case, stations=3, **options)
+        assert [text.startswith("solved") for text in sol.outcome] == sol.solved.tolist()
+        assert [text.startswith("failed: ") for text in sol.outcome] == (~sol.solved).tolist()
+        assert sol.solved.tolist() == [options["tol"] == 0.5, False]
+
+
+def strings(file: Path) -> Iterator[str]:
+    """The string constants of a module, docstrings apart."""
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+def test_no_other_module_keeps_a_table_of_methods() -> None:
+    files = [file for top in ("solver", "studies", "workbench") for file in (ROOT / top).rglob("*.py")]
+    lists = {str(file.relative_to(ROOT)): set(strings(file)) & set(METHODS) for file in files}
+    tables = {name for name, found in lists.items() if len(found) > 1}
+    assert tables == {"solver/methods/__init__.py", "solver/methods/automatic.py"}
+
+
+def test_an_observable_is_two_rows_and_is_then_observed_studied_stored_and_labelled(monkeypatch) -> None:
+    def stations(read):
+        return np.full(read.sol.problem.size, read.sol.t.shape[1])
+
+    monkeypatch.setitem(OBSERVABLES, "stations", Observable(stations))
+    monkeypatch.setitem(QUANTITIES, "stations", Quantity("stations", "n", (0, 0), "number of stations"))
+    assert observe(solve(CASE, stations=11), ["stations"]) == {"stations": 11}
+    axis = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n"
+    law = "[[laws]]\nclaim = 'a'\nobservable = 'stations'\naxis = 'E'\ndirection = 'not-falling'\nsource = 's'\n"
+    ds = in_memory.run(small.study(axis + law, 'observables = ["stations"]\n'))
+    assert ds["stations"].values.tolist() == [21, 21, 21]
+    assert (ds["stations"].attrs["units"], ds["stations"].attrs["long_name"]) == ("1", "number of stations")
+    assert law_verdicts.verdicts(ds)[0]["verdict"] == HOLDS
+
+
+def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monkeypatch, tmp_path) -> None:
+    def level(line: Line) -> Verdict:
+        wrong = np.flatnonzero(np.abs(np.diff(line.values)) > line.noise)
+        return Verdict(FAILS if wrong.size else HOLDS, None, [(int(i), int(i) + 1) for i in wrong])
+
+    law = "[[laws]]\nclaim = 'a'\nobservable = 'height'\naxis = 'E'\ndirection = 'stays-level'\nsource = 's'\n"
+    axis = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n"
+    with pytest.raises(InputError, match="no direction 'stays-level'; choose from rises, falls"):
+        loads(small.HEAD + axis + law)
+    monkeypatch.setitem(DIRECTIONS, "stays-level", Direction(level, "stays level", "changes"))
+    ds = in_memory.run(small.study(axis + law))
+    (row,) = law_verdicts.verdicts(ds)
+    assert (row["verdict"], len(row["exceptions"])) == (FAILS, 2)
+    assert law_verdicts.stated(row) == "height stays level along E"
+    fig = trends.figure(ds, tmp_path / "figure.png")
+    assert any("stays level with" in " ".join(ax.get_title(loc="left").split()) for ax in fig.axes)
