@@ -67,7 +67,7 @@ FIELDS: dict[str, CaseField] = {
         CaseField("beta", "angle from the axis at the start", "rad", "start"),
         CaseField("dbeta", "rate of the angle at the start", "rad/length", "start"),
         CaseField("F1", "internal force along the inward normal", "force", "start", _TWIST),
-        CaseField("dgamma", "rate of the section's own rotation at the start", "rad/length", "start", _TWIST),
+        CaseField("dgamma", "rate of rotation of the section at the start", "rad/length", "start", _TWIST),
         CaseField("F2", "internal force in the surface, across the rod", "force", "start", default=0.0),
         CaseField("F3", "internal force along the tangent, tension positive", "force", "start", default=0.0),
         CaseField("beta0", "angle from the axis at the start", "rad", "ends"),
