@@ -166,7 +166,7 @@ def plot(
     force: Replace = False,
 ) -> None:
     """Developed curves, and observables against the axis with their laws."""
-    from .commands.plot_and_scene import plot_file
+    from .commands.plot import plot_file
 
     plot_file(file, out, force, dpi)
 
@@ -201,7 +201,7 @@ def scene(
     force: Replace = False,
 ) -> None:
     """The rod on its cylinder in three dimensions, off-screen."""
-    from .commands.plot_and_scene import scene_file
+    from .commands.scene import scene_file
 
     raise typer.Exit(scene_file(file, at or [], out, force, kind, axis, along, (low, high), pixel_error, dpi))
 
@@ -236,7 +236,7 @@ def gallery(
     force: Replace = False,
 ) -> None:
     """One picture of every kind of scene, as in docs/reference/scenes.md."""
-    from .commands.showcase import draw_all
+    from .commands.gallery import draw_all
 
     raise typer.Exit(draw_all(out, force))
 
@@ -261,7 +261,7 @@ def export(
     json: Json = False,
 ) -> None:
     """One stored rod for other programs: CAD, meshes, tables. Exit status 1 where the rod passes through itself."""
-    from .commands.export_rod import export_file
+    from .commands.export import export_file
 
     raise typer.Exit(export_file(file, at or [], out, tolerance, centreline, overlap, force, json))
 

@@ -17,7 +17,8 @@ from workbench import cli
 from workbench.branches import branch_dataset
 from workbench.commands import list_equilibria as command
 from workbench.data import writing
-from workbench.figures import bifurcation, equilibria_gallery
+from workbench.figures import bifurcation, canvas
+from workbench.figures import equilibria as equilibria_figure
 from workbench.run import in_memory
 from workbench.run.block_solver import solve_one
 
@@ -164,7 +165,7 @@ def test_export_writes_one_file_each(capsys, tmp_path) -> None:
 def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
     study, case = load(command.DEFAULT), default()
     found = equilibria(case)
-    path = writing.write(equilibria_gallery.dataset_of(study, case, found), tmp_path / "all.h5")
+    path = writing.write(equilibria_figure.dataset_of(study, case, found), tmp_path / "all.h5")
     ds = writing.read(path, study=False)
     assert ds["beta"].dims == ("equilibrium", "u")
     np.testing.assert_array_equal(ds["index"], [one.index for one in found])
@@ -178,13 +179,15 @@ def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
 
 def test_pictures_are_drawn_from_the_datasets_alone(swept, tmp_path, monkeypatch) -> None:
     study, case = load(command.DEFAULT), default()
-    ds = equilibria_gallery.dataset_of(study, case, equilibria(case))
-    for module in (equilibria_gallery, branch_dataset, bifurcation, command):
+    ds = equilibria_figure.dataset_of(study, case, equilibria(case))
+    for module in (equilibria_figure, branch_dataset, bifurcation, command):
         for name in ("equilibria", "every_equilibrium", "solve"):
             if hasattr(module, name):
                 monkeypatch.setattr(module, name, None)
-    one = equilibria_gallery.figure(ds, tmp_path / "gallery.png")
-    two = bifurcation.figure(swept, tmp_path / "branches.pdf")
+    one = equilibria_figure.figure(ds)
+    canvas.save(one, tmp_path / "gallery.png")
+    two = bifurcation.figure(swept)
+    canvas.save(two, tmp_path / "branches.pdf")
     assert (tmp_path / "gallery.png").stat().st_size > 20_000
     assert (tmp_path / "branches.pdf").stat().st_size > 5_000
     assert len(one.axes) == ds.sizes["equilibrium"] + 1

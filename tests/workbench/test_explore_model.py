@@ -12,7 +12,7 @@ from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError
 from studies.loader import loads
 from workbench.run import block_solver
-from workbench.web.live import page_mesh, page_model, page_shape
+from workbench.web.live import mesh, page_model, page_shape
 from workbench.web.live.presets import PRESETS
 
 BY_NAME = {preset.name: preset for preset in PRESETS}
@@ -205,7 +205,7 @@ def test_the_warnings_are_those_of_the_shape() -> None:
 @pytest.mark.parametrize("name", BY_NAME)
 def test_the_mesh_is_a_closed_tube_that_touches_the_cylinder(name) -> None:
     found = shape(name)
-    drawn = page_mesh.rod(found.sol)
+    drawn = mesh.rod(found.sol)
     triangles = drawn.polygons.reshape(-1, 4)
     assert (triangles[:, 0] == 3).all()
     corners = drawn.points.astype(float)[triangles[:, 1:]]
@@ -225,9 +225,9 @@ def test_the_mesh_is_a_closed_tube_that_touches_the_cylinder(name) -> None:
 @pytest.mark.parametrize("name", BY_NAME)
 def test_the_light_tube_is_closed_too_and_off_by_no_more_than_it_says(name) -> None:
     found = shape(name)
-    drawn = page_mesh.rod(found.sol)
-    n, sides = found.sol.s.size, page_mesh.sides_of(found.sol.s.size)
-    triangles = drawn.light.reshape(-1, 4)[:, 1:]
+    drawn = mesh.rod(found.sol)
+    n, sides = found.sol.s.size, mesh.sides_of(found.sol.s.size)
+    triangles = drawn.coarse.reshape(-1, 4)[:, 1:]
     assert len(triangles) < 0.51 * drawn.polygons.size / 4  # every other side
     _, at = np.unique(drawn.points, axis=0, return_inverse=True)
     edges = np.sort(at.reshape(-1)[triangles[:, [0, 1, 1, 2, 2, 0]]].reshape(-1, 2), axis=1)
@@ -237,12 +237,12 @@ def test_the_light_tube_is_closed_too_and_off_by_no_more_than_it_says(name) -> N
     straight = np.stack([np.interp(np.arange(n), rings, centre[rings, i]) for i in range(3)], axis=-1)
     size = max(np.ptp(centre[:, 2]), 2 * np.hypot(centre[:, 0], centre[:, 1]).max())
     off = np.sqrt(((straight - centre) ** 2).sum(axis=-1)).max()
-    assert off < 1.1 * page_mesh.ROUGH * size / page_mesh.HIGH  # a quadratic and single precision
+    assert off < 1.1 * mesh.COARSE * size / mesh.HIGH  # a quadratic and single precision
 
 
 def test_a_tall_scene_is_compressed_along_the_axis_and_says_by_how_much() -> None:
     found = shape("pipe")
-    drawn = page_mesh.rod(found.sol)
+    drawn = mesh.rod(found.sol)
     tall = np.ptp(drawn.points[:, 2])
     assert drawn.squeeze == pytest.approx(9 * 2 * 0.10795 / found.sol.z[-1], rel=1e-6)
     assert tall == pytest.approx(9 * 2 * 0.10795, rel=0.05)
@@ -250,8 +250,8 @@ def test_a_tall_scene_is_compressed_along_the_axis_and_says_by_how_much() -> Non
 
 def test_the_colours_are_where_the_cylinder_pushes_and_where_it_pulls() -> None:
     found = shape()
-    drawn = page_mesh.rod(found.sol)
-    n, sides = found.sol.s.size, page_mesh.sides_of(found.sol.s.size)
+    drawn = mesh.rod(found.sol)
+    n, sides = found.sol.s.size, mesh.sides_of(found.sol.s.size)
     rings = drawn.colours[: n * sides].reshape(n, sides, 3)
     assert len(np.unique(drawn.colours, axis=0)) == 2
     np.testing.assert_array_equal(rings[:, 0, 0] > 100, found.sol.push < 0)  # orange has much red

@@ -24,13 +24,13 @@ from matplotlib import image
 from solver.problem.errors import InputError
 from studies import READINGS, load, names
 from tests.workbench.pictures import share_of_hue
-from workbench.data import law_verdicts, writing
+from workbench.data import labels, law_verdicts, writing
 from workbench.figures import style
 from workbench.run import in_memory
 from workbench.run.in_memory import StudyResult
 from workbench.scene import opengl
 from workbench.web import browser_assets
-from workbench.web.report import document, measured_runs, readings_table, turning_view
+from workbench.web.report import document, interactive_view, measured_runs, readings_table
 from workbench.web.report.errata import ERRATA
 
 ADVICE = "OpenGL does not work here, so no scenes are drawn; install libegl1 libgl1-mesa-dri"
@@ -182,7 +182,7 @@ def test_each_claim_stands_on_top_with_the_words_and_values_of_its_laws(text, re
     for result in results:
         for row in result.verdicts:
             assert f": {law_verdicts.measured(row)}, {row['verdict']}" in top
-            assert style.reason(row, law_verdicts.detail(row)) in top
+            assert labels.law_text(row, law_verdicts.detail(row)) in top
             if row["lines"] > 1:
                 assert f"of {row['lines']} lines {row['lines_hold']} hold, " in top
     rows = [row for result in results for row in result.verdicts]
@@ -356,7 +356,7 @@ def test_a_rod_without_a_shape_does_not_turn(results) -> None:
     ds = one.ds.assign(outcome=one.ds["outcome"].copy(data=np.array("failed: for the test")))
     if find_spec("trame_vtk"):
         with pytest.raises(InputError, match="failed: for the test"):
-            turning_view.view(ds)
+            interactive_view.view(ds)
 
 
 def test_paper_gets_the_still_picture_and_whole_tables(text) -> None:

@@ -16,9 +16,8 @@ from studies.axes import quantity_of
 from studies.laws import QUALIFIED, Law, decide
 
 from ..commands.own_case import with_fields
-from ..data import dataset
-from ..figures import style
-from ..figures.equilibria_gallery import attributes, with_case
+from ..data import dataset, labels
+from ..figures.equilibria import attributes, with_case
 from .folds import place
 from .tracking import joined
 
@@ -86,7 +85,7 @@ def _padded(rows: list[list[int]], most: int) -> Any:
 
 def _rows(ds: xr.Dataset, name: str, laws: list[Law]) -> list[dict[str, Any]]:
     rows = []
-    scale = 180 / np.pi if style.is_angle(ds[name]) else 1.0
+    scale = 180 / np.pi if labels.is_angle(ds[name]) else 1.0
     for number in range(int(ds["branch"].max()) + 1 if ds["branch"].size else 0):
         k, i = np.nonzero(ds["branch"].values == number)
         turns = ds["turns"].values[k, i].astype(int)

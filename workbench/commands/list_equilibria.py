@@ -19,7 +19,7 @@ from studies.loader import loads
 
 from ..data import writing
 from ..run.sweep import rule_of
-from . import console, plot_and_scene
+from . import console, output_file
 from .own_case import own_case, with_fields
 from .solve import which_of
 
@@ -51,7 +51,7 @@ def run(
     study, case = _asked(file, options, units or {})
     if axis is not None and export is not None:
         raise InputError("--export writes the equilibria of one case, so it does not go with --axis")
-    picture = plot_and_scene.free_picture(plot, plot_and_scene.PLOTS, force) if plot else None
+    picture = output_file.check(plot, (".png", ".pdf", ".svg"), force) if plot else None
     if out is not None and not force:
         writing.check_free(out, "equilibria")
     if axis is not None:
@@ -80,13 +80,14 @@ def run(
             console.say(f"* {how.rule}" if taken else f"none has index {rule}")
         console.say(f"of {_source(study, file, options, units)}")
     if picture or out:
-        from ..figures import equilibria_gallery
+        from ..figures import canvas
+        from ..figures import equilibria as equilibria_figure
 
-        ds = equilibria_gallery.dataset_of(study, case, found)
+        ds = equilibria_figure.dataset_of(study, case, found)
         if out:
             writing.write(ds, out, force)
         if picture:
-            equilibria_gallery.figure(ds, picture)
+            canvas.save(equilibria_figure.figure(ds), picture)
     if export:
         write_cases(study, case, found, export)
         if not json:
@@ -194,7 +195,7 @@ def _number(text: str, is_angle: bool) -> float:
 
 def _over(study: Study, case: Case, axis: str, picture: Path | None, out: Path | None, json: bool, force: bool) -> int:
     from ..branches import branch_dataset
-    from ..figures import bifurcation
+    from ..figures import bifurcation, canvas
 
     name, values = parse_axis(axis)
     with console.progress(values.size) as step:
@@ -202,7 +203,7 @@ def _over(study: Study, case: Case, axis: str, picture: Path | None, out: Path |
     if out:
         writing.write(ds, out, force)
     if picture:
-        bifurcation.figure(ds, picture)
+        canvas.save(bifurcation.figure(ds), picture)
     rows = branch_dataset.branches(ds)
     if json:
         console.print_json(

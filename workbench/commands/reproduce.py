@@ -51,7 +51,7 @@ def reproduce(out: Path, reading: str | None) -> int:
             ds = writing.read(files[study.name])
             result = in_memory.result(study, ds, files[study.name])
             step(f"drawing {study.name}")
-            results.append(replace(result, pictures=_draw(ds, out, able)))
+            results.append(replace(result, pictures=_draw(result, out, able)))
         readings = readings_table.run(panels, step=step)
         writing.write(readings, out / f"{readings_table.NAME}.h5")
         step("writing the report")
@@ -63,13 +63,14 @@ def reproduce(out: Path, reading: str | None) -> int:
     return 1 if refusals or refuted else 0
 
 
-def _draw(ds: xr.Dataset, out: Path, able: bool) -> dict[str, Path]:
+def _draw(result: StudyResult, out: Path, able: bool) -> dict[str, Path]:
     """The pictures of one dataset: name -> file. Scenes only where OpenGL works."""
-    from ..figures import trends
+    from ..figures import canvas, study_figure
 
+    ds = result.ds
     name = ds.attrs["study_name"]
     pictures = {"figure": out / f"{name}.png"}
-    trends.figure(ds, pictures["figure"])
+    canvas.save(study_figure.figure(ds, result.verdicts), pictures["figure"])
     if able:
         from ..scene import layout
 

@@ -22,7 +22,7 @@ from solver.methods import METHODS
 
 from ..commands import console
 from ..data import dataset, writing
-from ..figures import robustness
+from ..figures import canvas, robustness
 from .extreme_cases import SHARES, Extreme, Reference, extremes, references
 
 TOL = 1e-6
@@ -95,7 +95,9 @@ def _stored(
     """The dataset of the extremes that were met, and the files made of it: NAME.h5 and NAME.png."""
     rows = {(extreme, method): row for extreme, rows in met.items() for method, row in rows.items()}
     ds = labelled([one for one in named if one.name in met], known, rows)
-    return ds, [writing.write(ds, out / f"{name}.h5"), robustness.draw(ds, out / f"{name}.png")]
+    picture = out / f"{name}.png"
+    canvas.save(robustness.figure(ds), picture)
+    return ds, [writing.write(ds, out / f"{name}.h5"), picture]
 
 
 def at_one(one: Extreme, reference: Reference) -> dict[str, Met]:

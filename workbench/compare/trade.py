@@ -18,7 +18,7 @@ from solver.problem.errors import no_such
 
 from ..commands import console
 from ..data import dataset, writing
-from ..figures import work_precision
+from ..figures import canvas, work_precision
 from .trade_cases import CASES, chosen, reference
 
 LEVELS = (1e-3, 1e-6, 1e-9, 1e-12)
@@ -71,7 +71,9 @@ def _stored(rows: Sequence[Row], ladders: Mapping[str, Ladder], out: Path, name:
     """The dataset of the rows, and the files made of it: NAME.h5 and its pictures."""
     ds = labelled(rows, ladders)
     path = writing.write(ds, out / f"{name}.h5")
-    pictures = [work_precision.figure(ds, cost, out / f"{name}_{cost}.png") for cost in ("seconds", "evaluations")]
+    pictures = [out / f"{name}_{cost}.png" for cost in work_precision.COSTS]
+    for cost, picture in zip(work_precision.COSTS, pictures, strict=True):
+        canvas.save(work_precision.figure(ds, cost), picture)
     return ds, [path, *pictures]
 
 

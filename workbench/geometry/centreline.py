@@ -93,6 +93,10 @@ class Centreline:
         H = statics.slope(self.l, self.m, self.p, self.rho, beta)
         return statics.contact(self.A, self.m, self.rho, around, H, beta, dbeta)
 
+    def push(self, s: Array) -> Array:
+        """The cylinder's push at s on either side, (k,) [force/length], negative where it would have to pull."""
+        return -self.contact(s) if self.side == "inside" else self.contact(s)
+
     @cached_property
     def error(self) -> float:
         """By how much the curve may miss the rod between stations [length].

@@ -24,12 +24,11 @@ from studies.loader import loads
 from studies.readings import parse
 from studies.writer import dumps
 
-from ...commands import export_rod
 from ...commands.list_equilibria import ends_of
 from ...commands.list_equilibria import row as equilibrium_row
 from ...commands.list_equilibria import told as case_fields
-from ...data import cautions, dataset
-from ...figures import style
+from ...data import cautions, dataset, labels
+from ...export.stored_rod import export
 from ...run.block_solver import columns
 from .page_shape import STATIONS, TOL, Shape, refuse_many
 
@@ -103,7 +102,7 @@ def told(one: Shape) -> dict[str, Any]:
     notes = []
     if not one.whole:
         notes.append(
-            f"Only the first {style.number(one.shown)} {units['length']} are shown: the rod bends too often for more."
+            f"Only the first {labels.number(one.shown)} {units['length']} are shown: the rod bends too often for more."
         )
     reading = parse(study.reading) if study.reading else None
     return {
@@ -135,10 +134,10 @@ def numbers(one: Shape) -> dict[str, Any]:
 
 def _row(name: str, value: float, units: dict[str, str]) -> dict[str, Any]:
     q = quantity(name)
-    unit, shown = style.unit(unit_of(name, units)), value
+    unit, shown = labels.unit(unit_of(name, units)), value
     if unit == "rad":
         unit, shown = "°", float(np.degrees(value))
-    text = "not known" if not np.isfinite(shown) else style.number(shown).replace("-", "−")
+    text = "not known" if not np.isfinite(shown) else labels.number(shown).replace("-", "−")
     return {"name": name, "symbol": q.symbol, "words": q.long_name, "unit": unit, "value": value, "text": text}
 
 
@@ -167,7 +166,7 @@ def fields(study: Study) -> list[dict[str, Any]]:
         if name in (*HIDDEN, *WORDS) or (name in TWISTS and not study.reading and name not in study.base.given):
             continue
         q = quantity_of(name)
-        unit = style.unit(unit_of(q.name, study.unit_system))
+        unit = labels.unit(unit_of(q.name, study.unit_system))
         kind = "positive" if name in POSITIVE else "ratio" if name == "nu" else "angle" if unit == "rad" else "signed"
         shown = "°" if kind == "angle" else unit
         rows.append({"name": name, "symbol": q.symbol, "words": q.long_name, "unit": shown, "kind": kind})
@@ -190,12 +189,12 @@ def stored(one: Shape) -> Any:
 
 
 def file(one: Shape, kind: str) -> bytes:
-    """The bytes of a file of that kind, made in a folder of its own. Raises `InputError` as `exporting.export`."""
+    """The bytes of a file of that kind, made in a folder of its own. Raises `InputError` as `stored_rod.export`."""
     ds = stored(one)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"rod.{kind}"
         try:
-            export_rod.export(ds, export_rod.Wish(path, {}))
+            export(ds, path)
         except InputError as error:
             raise InputError(str(error).partition("; --")[0]) from None  # the page has no such options
         return path.read_bytes()

@@ -28,7 +28,7 @@ from ...commands import console
 from ...commands.console import finite
 from ...run import worker_processes
 from .. import browser_assets
-from . import page_mesh, page_model, page_shape, searches
+from . import mesh, page_model, page_shape, search_processes
 from .presets import PRESETS, Preset
 
 PAGE = Path(__file__).parent / "page"
@@ -82,7 +82,7 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS) -> web.App
     names: the `host:port` by which it may be asked, in Host and Origin. presets: the rods to begin with, first the one
     that is drawn when the page is opened.
     """
-    shapes, few, tasks = Shapes(), ThreadPoolExecutor(THREADS, "shapes"), searches.Tasks()
+    shapes, few, tasks = Shapes(), ThreadPoolExecutor(THREADS, "shapes"), search_processes.Tasks()
 
     @web.middleware
     async def guarded(request: web.Request, handler: Handler) -> web.StreamResponse:
@@ -134,7 +134,7 @@ class Desk:
 
     shapes: Shapes
     few: ThreadPoolExecutor
-    tasks: searches.Tasks
+    tasks: search_processes.Tasks
     wanted: Callable[[], bool]
 
     async def soon(self, work: Callable[..., Any], *args: Any) -> Any:
@@ -162,7 +162,7 @@ class Desk:
 Work = Callable[[dict[str, Any], Desk], Awaitable[web.Response]]
 
 
-def _answering(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: searches.Tasks) -> Handler:
+def _answering(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: search_processes.Tasks) -> Handler:
     """Work on a request's JSON aside; what is refused is answered with status 422, a sentence and the field."""
 
     async def handler(request: web.Request) -> web.StreamResponse:
@@ -179,11 +179,11 @@ def _answering(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: searc
                 raise InputError("ask with a table")
             return await work(asked, Desk(shapes, few, tasks, wanted))
         except ArithmeticError:  # a radius of 5e-324, say
-            return web.json_response({"sentence": searches.NO_FLOAT, "field": ""}, status=422)
+            return web.json_response({"sentence": search_processes.NO_FLOAT, "field": ""}, status=422)
         except InputError as error:
             told = {"sentence": str(error), "field": page_model.blamed(str(error))}
             return web.json_response(told, status=422)
-        except searches.Gone:
+        except search_processes.Gone:
             return web.Response(status=499)  # to nobody
         except Exception as error:  # a fault of ours, told on the server and as a sentence to the page
             console.warn(f"{request.path} failed: {type(error).__name__}: {error}")
@@ -203,8 +203,8 @@ async def _shape(asked: dict[str, Any], at: Desk) -> web.Response:
 def _drawn(asked: dict[str, Any], one: page_shape.Shape, shapes: Shapes, solving: float) -> bytes:
     begun = time.perf_counter()
     with np.errstate(over="raise"):  # what single precision cannot hold is told, not drawn
-        rod = page_mesh.rod(one.sol)
-        wall = page_mesh.cylinder(one.sol, rod.squeeze)
+        rod = mesh.rod(one.sol)
+        wall = mesh.cylinder(one.sol, rod.squeeze)
         meshing = time.perf_counter() - begun
         lines = {name: np.asarray(values, dtype=np.float32) for name, values in page_model.curves(one).items()}
     arrays: dict[str, Any] = {}
@@ -212,8 +212,8 @@ def _drawn(asked: dict[str, Any], one: page_shape.Shape, shapes: Shapes, solving
         arrays |= {f"{name}.points": drawn.points, f"{name}.normals": drawn.normals, f"{name}.colours": drawn.colours}
         if asked.get(f"{name}_has") != drawn.key:
             arrays[f"{name}.polygons"] = drawn.polygons
-            if drawn.light is not None:
-                arrays[f"{name}.light"] = drawn.light
+            if drawn.coarse is not None:
+                arrays[f"{name}.coarse"] = drawn.coarse
     head = {
         **page_model.told(one), "squeeze": rod.squeeze, "rod_key": rod.key, "wall_key": wall.key,
         "ticket": shapes.keep(page_shape.bare(one)), "fields": page_model.fields(one.study),

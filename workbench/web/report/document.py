@@ -16,12 +16,12 @@ from matplotlib import image
 
 from solver.problem.errors import InputError
 
-from ...data import law_verdicts
+from ...data import labels, law_verdicts
 from ...data.dataset import axes_of
 from ...figures import style
 from ...run.in_memory import StudyResult
 from ...scene import opengl
-from . import measured_runs, turning_view
+from . import interactive_view, measured_runs
 from .errata import ERRATA
 from .law_cards import CLASSES, claims_of, law_of, of_readings, sentence
 from .measured_runs import Measured
@@ -89,7 +89,7 @@ def html(
         created=max(str(result.ds.attrs["created"]) for result in results),
         packages=opengl.PACKAGES,
         advice=advice,
-        refusals=[style.typeset(refusal) for refusal in refusals],
+        refusals=[labels.typeset(refusal) for refusal in refusals],
         turning=turning,
         view=view,
         unturned=unturned,
@@ -99,12 +99,12 @@ def html(
     )
 
 
-def _view(results: Sequence[StudyResult]) -> tuple[str, turning_view.View | None, str]:
+def _view(results: Sequence[StudyResult]) -> tuple[str, interactive_view.View | None, str]:
     """The first study of one case, its view that turns, and why there is none."""
     for ds in (result.ds for result in results):
         if not axes_of(ds):
             try:
-                return str(ds.attrs["study_name"]), turning_view.view(ds), ""
+                return str(ds.attrs["study_name"]), interactive_view.view(ds), ""
             except (InputError, ImportError) as error:
                 return str(ds.attrs["study_name"]), None, str(error)
     return "", None, ""
@@ -128,7 +128,7 @@ def _section(result: StudyResult, advice: str) -> dict[str, Any]:
         "laws": laws,
         "single": _single(ds) if not axes_of(ds) else [],
         "note": sentence(str(ds.attrs.get("fold_note", ""))),
-        "caution": style.typeset(str(ds.attrs.get("caution", ""))),
+        "caution": labels.typeset(str(ds.attrs.get("caution", ""))),
         "unsolved": law_verdicts.unsolved(ds),
         "cases": int(ds["outcome"].size),
         "scenes": [_picture(path, f"{ds.attrs['title']}: {_of(ds, name)}", SCENE) for name, path in scenes],
@@ -139,7 +139,7 @@ def _section(result: StudyResult, advice: str) -> dict[str, Any]:
 
 def _of(ds: xr.Dataset, name: str) -> str:
     axis = name.removeprefix("scene").strip()
-    return f"the rod along {style.axis_label(axis, ds[axis])}" if axis in ds.dims else "the rod on its cylinder"
+    return f"the rod along {labels.axis_label(axis, ds[axis])}" if axis in ds.dims else "the rod on its cylinder"
 
 
 def _single(ds: xr.Dataset) -> list[tuple[str, str]]:
@@ -147,14 +147,14 @@ def _single(ds: xr.Dataset) -> list[tuple[str, str]]:
     rows = []
     for name in SINGLE:
         if name in ds and np.isfinite(ds[name]):
-            units = style.unit(str(ds[name].attrs["units"]))
-            value = f"{style.minus(style.number(float(ds[name])))} {units}".strip()
+            units = labels.unit(str(ds[name].attrs["units"]))
+            value = f"{labels.minus_signs(labels.number(float(ds[name])))} {units}".strip()
             if name == "overlaps":
                 rows.append(("passes through itself", "yes" if float(ds[name]) else "no"))
             elif name == "index":
                 rows.append(("Morse index, 0 where stable", value))
             else:
-                rows.append((style.words(ds[name]), value))
+                rows.append((labels.long_name(ds[name]), value))
     return rows
 
 

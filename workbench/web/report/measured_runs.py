@@ -3,16 +3,17 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import xarray as xr
+from matplotlib.figure import Figure
 
 from solver.methods import METHODS
 from solver.problem.errors import InputError
 
 from ...data import writing
-from ...figures import robustness, work_precision
+from ...figures import canvas, robustness, work_precision
 
 SHIPPED = Path(__file__).parents[2] / "compare" / "measured"  # made with benchmarks/make_measured.py
 CASES = (
@@ -37,12 +38,10 @@ class Measured:
 
 def both(folder: Path) -> list[Measured]:
     """Trade and extremes: of the runs stored in the folder, or else of those that are shipped."""
-    return [one(folder, "trade", _draw_trade, _trade), one(folder, "extremes", robustness.draw, _extremes)]
+    return [one(folder, "trade", _draw_trade, _trade), one(folder, "extremes", robustness.figure, _extremes)]
 
 
-def one(
-    folder: Path, name: str, draw: Callable[[xr.Dataset, Path], Path], shows: Callable[[xr.Dataset], str]
-) -> Measured:
+def one(folder: Path, name: str, draw: Callable[[xr.Dataset], Figure], shows: Callable[[xr.Dataset], str]) -> Measured:
     """The diagram of `name`.h5; a file that is none gives way to the shipped one, and the page says why."""
     beside, why = Path(folder) / f"{name}.h5", ""
     try:
@@ -57,13 +56,13 @@ def one(
 def _made(
     ds: xr.Dataset,
     name: str,
-    draw: Callable[[xr.Dataset, Path], Path],
+    draw: Callable[[xr.Dataset], Figure],
     shows: Callable[[xr.Dataset], str],
-    whence: str,
+    source: str,
 ) -> Measured:
-    with TemporaryDirectory() as folder:
-        picture = draw(ds, Path(folder) / f"{name}.png").read_bytes()
-    return Measured(name, picture, shows(ds), f"{_run(ds)}; {whence}")
+    picture = BytesIO()
+    canvas.save(draw(ds), picture)
+    return Measured(name, picture.getvalue(), shows(ds), f"{_run(ds)}; {source}")
 
 
 def _run(ds: xr.Dataset) -> str:
@@ -73,11 +72,11 @@ def _run(ds: xr.Dataset) -> str:
     return f"Measured {day} UTC on {ds.attrs.get('machine', 'a machine that was not stored')}, with {told}"
 
 
-def _draw_trade(ds: xr.Dataset, path: Path) -> Path:
+def _draw_trade(ds: xr.Dataset) -> Figure:
     """The cases of `CASES` that were measured; of a run with none of them the first few."""
     there = [str(case) for case in ds["case"].values]
     chosen = [case for case in CASES if case in there] or there[: len(CASES)]
-    return work_precision.figure(ds.sel(case=chosen), "seconds", path)
+    return work_precision.figure(ds.sel(case=chosen), "seconds")
 
 
 def _trade(ds: xr.Dataset) -> str:

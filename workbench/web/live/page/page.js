@@ -246,8 +246,8 @@ const app = Vue.createApp({
           array.setData(arrays[`${part}.${name}`], 3);
           points[role](array); // only once it has three components is it taken
         }
-        if (arrays[`${part}.polygons`]) polygons[part] = { all: arrays[`${part}.polygons`], light: arrays[`${part}.light`] };
-        const some = keys.turn || keys.coarse < SLOW ? polygons[part].all : polygons[part].light || polygons[part].all;
+        if (arrays[`${part}.polygons`]) polygons[part] = { all: arrays[`${part}.polygons`], few: arrays[`${part}.coarse`] };
+        const some = keys.turn || keys.coarse < SLOW ? polygons[part].all : polygons[part].few || polygons[part].all;
         if (data.getPolys().getData() !== some) data.getPolys().setData(some);
         keys[part] = head[`${part}_key`];
         points.modified();
