@@ -4,6 +4,7 @@ import csv
 import os
 import re
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,9 @@ from studies.loader import loads
 from workbench import cli
 from workbench.commands import at_option
 from workbench.data import writing
-from workbench.export import step
-from workbench.export.base import Options
+from workbench.export import formats, step
+from workbench.export.base import Format, Options
+from workbench.export.base import Rod as StoredRod
 from workbench.export.stored_rod import export, put
 from workbench.geometry import centreline, self_contact
 from workbench.run import in_memory
@@ -357,6 +359,31 @@ def test_a_study_that_varies_the_angle_is_exported_with_the_one_along_the_rod(tm
     with (tmp_path / "rod.csv").open() as file:
         first = next(csv.DictReader(file))
     assert float(first["beta [rad]"]) == pytest.approx(np.radians(15))
+
+
+# the table of formats
+
+
+def test_a_format_is_one_module_and_its_suffixes_in_the_table() -> None:
+    modules = [import_module(f"workbench.export.{path.stem}") for path in Path(formats.__file__).parent.glob("*.py")]
+    declared = [module.FORMAT for module in modules if hasattr(module, "FORMAT")]
+    assert {suffix for one in declared for suffix in one.suffixes} == set(formats.FORMATS)
+    assert len(declared) == len(set(map(id, formats.FORMATS.values())))
+
+
+def test_a_row_in_the_table_is_all_that_a_new_format_needs(folder, tmp_path, monkeypatch, capsys) -> None:
+    def write(path: Path, rod: StoredRod) -> dict[str, float]:
+        path.write_text(f"{rod.title}: {rod.line.L:g} {rod.unit}")
+        return {"letters": 5}
+
+    monkeypatch.setitem(formats.FORMATS, ".toy", Format((".toy",), write))
+    with pytest.raises(SystemExit) as end:
+        cli.main(["export", str(folder / "moduli.h5"), "--at", "E=2e4", "-o", str(tmp_path / "rod.toy")])
+    assert not end.value.code
+    assert (tmp_path / "rod.toy").read_text() == "moduli E=20000: 20 cm"
+    assert "letters 5" in capsys.readouterr().out
+    with pytest.raises(InputError, match=r"cannot export to 'rod.none'.*\.toy"):
+        formats.format_of(Path("rod.none"))
 
 
 # the command

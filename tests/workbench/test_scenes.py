@@ -2,6 +2,7 @@
 
 import resource
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,14 +15,14 @@ from solver.problem.errors import InputError
 from studies import load
 from studies.loader import loads
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
-from workbench.commands import at_option
-from workbench.data import case_selection
+from workbench.commands import at_option, scene
+from workbench.data import case_selection, writing
 from workbench.figures import style
 from workbench.geometry import refinement, tube
 from workbench.geometry.centreline import Centreline
 from workbench.run import in_memory
 from workbench.scene import body as rods
-from workbench.scene import captions, colours, long_rod, opengl, page
+from workbench.scene import captions, colours, kinds, long_rod, opengl, page
 from workbench.scene.kinds import KINDS, kind_of
 
 HEAD = 'title = "a rod"\nstations = %d\n[units]\nlength = "cm"\nforce = "N"\n'
@@ -192,12 +193,13 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
         monkeypatch.setattr(line, name, lambda self, s, n=name, real=real: (counted.append(n), real(self, s))[1])
     opened: set[str] = set()
     rod = rods.read(Counted(fig6, opened), {}, KINDS[kind])
-    low_high = rod.extremes() if KINDS[kind].tint in ("contact", "kappa") else (0.0, 1.0)
-    ramp = style.RAMP if KINDS[kind].tint in ("contact", "kappa") else None
+    shown = {"contact": {"contact"}, "grid": {"contact"}, "curvature": {"kappa"}}.get(kind, set())
+    low_high = rod.extremes() if shown else (0.0, 1.0)
+    ramp = style.RAMP if shown else None
     rod = replace(rod, paint=colours.Paint(ramp=ramp, low=low_high[0], high=low_high[1]))
     rod.surface(rod.rings(0.01, 0.0))
     assert opened <= KINDS[kind].reads | {"outcome", "caution", "dbeta"}
-    assert set(counted) == ({KINDS[kind].tint} & {"contact", "kappa"})
+    assert set(counted) == shown
 
 
 def _lab(rgb) -> np.ndarray:
@@ -270,6 +272,25 @@ def test_a_scale_bar_is_a_round_length_that_fits() -> None:
     bars = np.array([page.round_length(target) for target in targets])
     assert ((bars <= targets * (1 + 1e-9)) & (bars > targets / 2.6)).all()
     assert {f"{bar:.0e}"[0] for bar in bars} == {"1", "2", "5"}
+
+
+def test_a_kind_of_scene_is_one_module_and_one_row_of_the_table() -> None:
+    modules = {path.stem for path in Path(kinds.__file__).parent.glob("*.py")} - {"__init__", "base"}
+    assert modules == set(KINDS)
+
+
+@draws
+def test_a_row_in_the_table_is_all_that_a_new_kind_needs(fig6, tmp_path, monkeypatch, capsys) -> None:
+    def red(ds: xr.Dataset, bodies: list[rods.Body]) -> colours.Painted:
+        return colours.Paint("#ff0000"), None
+
+    toy = kinds.Kind("toy", "the rod in red", "one", paint=red, legend=lambda bodies: [("#ff0000", "a toy")])
+    monkeypatch.setitem(KINDS, "toy", toy)
+    file = writing.write(fig6, tmp_path / "fig6.h5")
+    assert scene.scene_file(file, [], None, kind="toy", dpi=60) == 0
+    assert share_of_hue(pixels(tmp_path / "fig6_scene_toy.png"), "#ff0000") > 0.02
+    with pytest.raises(InputError, match=r"no kind of scene 'none'.*toy"):
+        scene.scene_file(file, [], None, kind="none")
 
 
 @draws

@@ -52,7 +52,7 @@ class Lines:
     def notes(self, pieces: Sequence[Body], unit: str) -> list[str]:
         """How the lines are read, and which parts are left out."""
         if not self.each:
-            return [f"{self.count} lines, each continues the one above"]
+            return [f"{self.count} lines, one after the other"]
         low, high = (labels.number(v) for v in (self.each, pieces[-1].span[1] - pieces[0].span[0]))
         return [f"only {self.count} pieces of {low} {unit} each,", f"spread over {high} {unit}"]
 
