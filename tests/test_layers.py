@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SOLVER = {"numpy", "scipy", "heyoka", "numba"}  # the last two are optional: a method's each, imported where it runs
 STUDIES = SOLVER | {"solver", "tomllib", "pydantic", "tomli_w"}
 WORKBENCH = STUDIES | {
-    "studies", "xarray", "h5netcdf", "h5py", "pyvista", "matplotlib", "typer", "rich", "jinja2",
+    "studies", "xarray", "h5netcdf", "h5py", "pyvista", "matplotlib", "trimesh", "typer", "rich", "jinja2",
     "distributed",  # optional: the engine of a cluster, imported where it runs
     "imageio",  # optional: films
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
@@ -46,9 +46,7 @@ TO_CARVE = {
     ("solver.numerics.roots", "solver.problem.reduced"),
     ("solver.orbit.conditioning", "solver.methods.orbit"),
     ("workbench.branches.branch_dataset", "workbench.commands.own_case"),
-    ("workbench.branches.branch_dataset", "workbench.figures"),
-    ("workbench.branches.branch_dataset", "workbench.figures.equilibria_gallery"),
-    ("workbench.branches.branch_dataset", "workbench.figures.style"),
+    ("workbench.branches.branch_dataset", "workbench.figures.equilibria"),
     ("workbench.compare.extremes", "workbench.commands"),
     ("workbench.compare.extremes", "workbench.commands.console"),
     ("workbench.compare.trade", "workbench.commands"),
@@ -57,9 +55,6 @@ TO_CARVE = {
     ("workbench.data.dataset", "workbench.run.block_solver"),
     ("workbench.data.dataset", "workbench.run.plan"),
     ("workbench.data.validity", "workbench.run.block_solver"),
-    ("workbench.geometry.tube", "workbench.figures"),
-    ("workbench.geometry.tube", "workbench.figures.style"),
-    ("workbench.geometry.tube", "workbench.scene.kinds"),
     ("workbench.run.merge", "workbench.commands"),
     ("workbench.run.merge", "workbench.commands.console"),
     ("workbench.run.merge", "workbench.commands.summary"),
@@ -67,8 +62,6 @@ TO_CARVE = {
     ("workbench.run.progress", "workbench.commands"),
     ("workbench.run.progress", "workbench.commands.console"),
     ("workbench.web.live.own_case", "workbench.commands.solve"),
-    ("workbench.web.live.page_model", "workbench.commands"),
-    ("workbench.web.live.page_model", "workbench.commands.export_rod"),
     ("workbench.web.live.page_model", "workbench.commands.list_equilibria"),
     ("workbench.web.live.page_shape", "workbench.commands.list_equilibria"),
     ("workbench.web.live.server", "workbench.commands"),

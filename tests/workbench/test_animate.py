@@ -73,11 +73,11 @@ def test_both_kinds_of_film_are_read_by_others_with_a_frame_a_case(tmp_path) -> 
     shades = [np.full((120, 160, 3), shade, dtype=np.uint8) for shade in (40, 120, 200)]
     paths = [tmp_path / "film.mp4", tmp_path / "film.gif"]
     film.write(paths, iter(shades), fps=2.0)
-    with iio.get_reader(paths[0]) as film:
-        seen = [frame.mean() for frame in film]
+    with iio.get_reader(paths[0]) as mp4:
+        seen = [frame.mean() for frame in mp4]
     np.testing.assert_allclose(seen, [40, 120, 200, 200, 200], atol=4)  # colours are rounded in MP4; one second held
-    with Image.open(paths[1]) as film:
-        assert (film.size, film.info["duration"], film.info["loop"]) == ((160, 120), 500, 0)
+    with Image.open(paths[1]) as gif:
+        assert (gif.size, gif.info["duration"], gif.info["loop"]) == ((160, 120), 500, 0)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["film.gif", "film.mp4"]
 
 
