@@ -34,7 +34,7 @@ def test_every_preset_is_solved_and_says_its_source_and_units(name) -> None:
     assert found.whole
     units = BY_NAME[name].state["units"]
     assert f"{units['length']} and {units['force']}" in BY_NAME[name].source
-    assert page_model.told(found)["outcome"] == "solved"
+    assert page_model.facts(found)["outcome"] == "solved"
     assert json.loads(json.dumps(page_model.numbers(found)))["rows"]
 
 
@@ -86,7 +86,7 @@ def test_what_cannot_be_is_refused_with_the_field_and_without_a_line_of_a_file(c
         shape(**changes)
     assert sentence in str(refused.value)
     assert "line" not in str(refused.value).partition(":")[0]
-    assert page_model.blamed(str(refused.value)) == field
+    assert page_model.field_of(str(refused.value)) == field
 
 
 @pytest.mark.parametrize("odd", [None, 3, [], {"path": "/etc/passwd"}, {"base": 3}, {"units": {}}, {"base": {"E": {}}}])
@@ -97,7 +97,7 @@ def test_a_state_of_another_kind_is_refused(odd) -> None:
 
 def test_a_reading_drops_what_it_drops_and_says_so() -> None:
     found = shape()
-    assert page_model.told(found)["meaning"]["dgamma"] == "printed, but dropped by the reading"
+    assert page_model.facts(found)["meaning"]["dgamma"] == "printed, but dropped by the reading"
     twist = page_shape.shape(page_model.study_of(state() | {"reading": "twist-first/tension/paper"}))
     assert not np.allclose(found.sol.beta, twist.sol.beta)
 
@@ -109,23 +109,23 @@ def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_
     part = shape(L=2e4)
     assert not part.whole
     assert part.sol.s.size == page_shape.MOST
-    assert "Only the first" in page_model.told(part)["notes"][0]
+    assert "Only the first" in page_model.facts(part)["notes"][0]
     with pytest.raises(InputError, match="only a part of this rod is shown"):
         page_model.stored(part)
 
 
 def test_held_by_both_its_ends_a_rod_keeps_its_shape_and_is_one_of_the_list() -> None:
     first = shape()
-    ends = page_model.by_ends(first.study)
+    ends = page_model.ends_state(first.study)
     study = page_model.study_of(ends)
     held = page_shape.shape(study)
     # measured 5e-12: the far angle is told to the last bit, and the condition is 10
     np.testing.assert_allclose(held.sol.beta[::2], first.sol.beta, atol=1e-9)
     assert held.sol.dbeta[0] == pytest.approx(0.5, abs=1e-8)
-    rows = page_model.every(study)
+    rows = page_model.list_equilibria(study)
     assert min(abs(row["dbeta0"] - 0.5) for row in rows) < 1e-8
-    with pytest.raises(InputError, match="one shape only"):
-        page_model.every(first.study)
+    with pytest.raises(InputError, match="one solution only"):
+        page_model.list_equilibria(first.study)
 
 
 def test_of_more_equilibria_than_can_be_looked_through_the_default_one_is_shown_and_a_list_refused() -> None:
@@ -134,15 +134,15 @@ def test_of_more_equilibria_than_can_be_looked_through_the_default_one_is_shown_
     A, rho = pipe.sol.case.rod.bending_stiffness, float(pipe.sol.case.rho)
     # Lubinski's helix, F = 2 A sin(beta)^2 / rho^2, to the first order in beta, which is 0.013 rad
     assert middle == pytest.approx(np.degrees(np.sqrt(200.0 * rho**2 / (2 * A))), rel=1e-3)
-    named = state("pipe") | {"equilibrium": page_model.told(pipe)["which"]}
+    named = state("pipe") | {"equilibrium": page_model.facts(pipe)["which"]}
     np.testing.assert_array_equal(page_shape.shape(page_model.study_of(named)).sol.beta, pipe.sol.beta)
-    with pytest.raises(InputError, match="may swing some 716 times, and the page looks through at most 100"):
-        page_model.every(pipe.study)
+    with pytest.raises(InputError, match="some 716 half periods, and the page searches at most 100"):
+        page_model.list_equilibria(pipe.study)
     named["equilibrium"] = {"dbeta0": 0.2, "energy": 0.0}
-    with pytest.raises(InputError, match="the equilibrium that is named is not the one taken by default"):
+    with pytest.raises(InputError, match="the named equilibrium is not the one selected by default"):
         page_shape.shape(page_model.study_of(named))
     soft = page_model.study_of(state("cable", E=0.5))
-    with pytest.raises(InputError, match="may swing some 3223 times"):  # four minutes without the limit
+    with pytest.raises(InputError, match="some 3223 half periods"):  # four minutes without the limit
         page_shape.shape(soft)
 
 
@@ -167,7 +167,7 @@ def test_a_slider_follows_the_equilibrium_it_began_with() -> None:
     base = {"E": 5e3, "nu": 0.25, "a": 0.25, "L": 12.0, "R": 0.75, "side": "outside", "beta0": 0.5, "betaL": 0.8,
             "FZ": -5.0, "MZ": 1.0, "M3": 2.0}  # fmt: skip
     made = {"units": {"length": "cm", "force": "N"}, "base": base}
-    rows = page_model.every(page_model.study_of(made))
+    rows = page_model.list_equilibria(page_model.study_of(made))
     third = {name: rows[2][name] for name in ("dbeta0", "energy")}
     began = page_shape.shape(page_model.study_of(made | {"equilibrium": third}))
     moved = page_model.study_of(made | {"base": base | {"R": 0.76}})

@@ -217,7 +217,7 @@ def alive(pid: int) -> bool:
 
 
 def test_a_search_ends_when_its_client_leaves(port, monkeypatch, tmp_path) -> None:
-    monkeypatch.setattr(page_model, "every", live_process.endless)
+    monkeypatch.setattr(page_model, "list_equilibria", live_process.endless)
     client = left(port, "/equilibria", titled(tmp_path / "told"))
     (pid,) = processes(tmp_path / "told", 1)
     assert pid != os.getpid()
@@ -227,7 +227,7 @@ def test_a_search_ends_when_its_client_leaves(port, monkeypatch, tmp_path) -> No
 
 
 def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, monkeypatch, tmp_path) -> None:
-    monkeypatch.setattr(page_model, "every", live_process.endless)
+    monkeypatch.setattr(page_model, "list_equilibria", live_process.endless)
     most = search_processes.AT_ONCE + search_processes.WAITING
     clients = [left(port, "/equilibria", titled(tmp_path / "told")) for _ in range(most)]
     running = processes(tmp_path / "told", search_processes.AT_ONCE)
@@ -246,7 +246,9 @@ def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, mon
     assert asked(port, "POST", "/equilibria", {"state": CABLE}).status == 200
 
 
-@pytest.mark.parametrize("path, where", [("/equilibria", "every"), ("/shape", "curves"), ("/numbers", "numbers")])
+@pytest.mark.parametrize(
+    "path, where", [("/equilibria", "list_equilibria"), ("/shape", "curves"), ("/numbers", "numbers")]
+)
 def test_a_fault_of_the_solver_is_a_sentence_and_no_traceback(port, monkeypatch, capsys, path, where) -> None:
     monkeypatch.setattr(page_model, where, live_process.broken)
     answer = asked(port, "POST", path, {"state": TABLE_1 if path != "/equilibria" else CABLE})
@@ -259,7 +261,7 @@ def test_a_fault_of_the_solver_is_a_sentence_and_no_traceback(port, monkeypatch,
 
 
 def test_a_search_that_takes_too_much_memory_is_refused(port, monkeypatch) -> None:
-    monkeypatch.setattr(page_model, "every", live_process.greedy)
+    monkeypatch.setattr(page_model, "list_equilibria", live_process.greedy)
     answer = asked(port, "POST", "/equilibria", {"state": CABLE})
     assert (answer.status, json.loads(answer.data)["sentence"]) == (422, search_processes.TOO_LARGE)
 

@@ -105,14 +105,12 @@ def cylinder(sol: Solution, squeeze: float) -> Drawn:
 
 def wall(R: float, side: str, low: float, high: float, squeeze: float = 1.0) -> Drawn:
     """The cylinder's wall between two heights, with flat ends where the rod lies outside."""
-    angle = np.linspace(0.0, 2 * np.pi, AROUND, endpoint=False)
-    ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(AROUND)], axis=-1)
-    ends = [R * ring + [0, 0, height] for height in (low, high)]
-    flat = np.repeat([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], AROUND, axis=0)
-    points = np.concatenate([*ends, *ends]).astype(np.float32)
-    normals = np.concatenate([ring, ring, flat]).astype(np.float32)
+    along, out, across = (np.tile(way, (2, 1)) for way in ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]))
+    frame = np.array([[0.0, 0.0, low], [0.0, 0.0, high]]), along, out, across
+    points, normals = (values.astype(np.float32) for values in tube.surface(frame, R, AROUND))
     colours = np.broadcast_to(_bytes(SURFACE), points.shape).astype(np.uint8)
-    return Drawn(points, normals, colours, _cylinder_polygons(side == "outside"), f"cylinder {side}", squeeze)
+    polygons = _listed(tube.triangles(2, AROUND)[: None if side == "outside" else 2 * AROUND])
+    return Drawn(points, normals, colours, polygons, f"cylinder {side}", squeeze)
 
 
 def _bytes(colour: str) -> NDArray[np.uint8]:
@@ -123,16 +121,6 @@ def _bytes(colour: str) -> NDArray[np.uint8]:
 def tube_polygons(n: int, every: int = 1, skip: int = 1) -> Indices:
     """The polygons of a tube of n rings, between every so many rings and sides."""
     return _listed(tube.triangles(n, sides_of(n), True, every, skip))
-
-
-@lru_cache(maxsize=2)
-def _cylinder_polygons(ends: bool) -> Indices:
-    low = np.arange(AROUND)
-    beside = np.roll(low, -1)
-    walls = np.stack([low, beside, AROUND + beside, low, AROUND + beside, AROUND + low], axis=-1).reshape(-1, 3)
-    fan = np.stack([np.zeros(AROUND - 2, dtype=int), np.arange(1, AROUND - 1), np.arange(2, AROUND)], axis=-1)
-    flat = [2 * AROUND + fan[:, ::-1], 3 * AROUND + fan] if ends else []
-    return _listed(np.concatenate([walls, *flat]))
 
 
 def _listed(triangles: NDArray[np.int64]) -> Indices:
