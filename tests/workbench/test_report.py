@@ -346,7 +346,7 @@ def test_the_scene_that_turns_is_the_stored_rod(text, results) -> None:
 def test_without_the_extra_the_still_picture_stays_and_the_report_says_so(results, readings, monkeypatch) -> None:
     monkeypatch.setattr(browser_assets, "FILES", {"vtk.js": ("no_such_package", "vtk.js")})
     page = Page(document.html(results, readings))
-    assert "still picture only: vtk.js is not here: pip install 'rod-workbench[explore]'" in page.text
+    assert "still picture only: vtk.js is not installed: pip install 'rod-workbench[explore]'" in page.text
     assert page.packed == {}
     assert len(page.pictures) == sum(len(result.pictures) for result in results)
 
@@ -361,7 +361,7 @@ def test_a_rod_without_a_shape_does_not_turn(results) -> None:
 
 def test_paper_gets_the_still_picture_and_whole_tables(text) -> None:
     paper = text.partition("@media print {")[2].partition("</style>")[0]
-    assert re.search(r"\.turns\.live \.stage[^}]*display: none", paper)
+    assert re.search(r"\.turns\.live \.viewport[^}]*display: none", paper)
     assert re.search(r"\.turns\.live \.still \{ display: block", paper)
     assert "overflow: visible" in paper
     # wider than a page of paper only on a screen
@@ -412,7 +412,7 @@ def shown(text, tmp_path_factory) -> Iterator[Any]:
 @needs_explore
 def test_in_a_browser_the_rod_is_drawn_turns_and_nobody_is_asked(shown) -> None:
     def seen() -> np.ndarray:
-        png = shown.find_element("css selector", ".turns .stage").screenshot_as_png
+        png = shown.find_element("css selector", ".turns .viewport").screenshot_as_png
         return np.asarray(image.imread(BytesIO(png)))[..., :3]
 
     front = seen()
@@ -421,7 +421,7 @@ def test_in_a_browser_the_rod_is_drawn_turns_and_nobody_is_asked(shown) -> None:
     from selenium.webdriver.common.action_chains import ActionChains
 
     hand = ActionChains(shown, duration=20)  # ms a move; vtk.js takes moves 200 ms apart for different ones
-    hand = hand.move_to_element(shown.find_element("css selector", ".turns .stage")).click_and_hold()
+    hand = hand.move_to_element(shown.find_element("css selector", ".turns .viewport")).click_and_hold()
     for _ in range(10):
         hand = hand.move_by_offset(15, 6)
     hand.pause(0.3).release().perform()

@@ -179,7 +179,7 @@ def text(study: Study) -> str:
 
 
 def stored(one: Shape) -> Any:
-    """The dataset of a solved rod, as `workbench run` would store it. Raises `InputError` for a part of a rod."""
+    """The dataset of a solved rod, as `workbench run` stores it. Raises `InputError` for a part of a rod."""
     if not one.whole:
         raise InputError("only a part of this rod is shown: run it as a study to export it")
     study = one.study.model_copy(

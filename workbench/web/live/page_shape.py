@@ -141,7 +141,7 @@ def _followed(study: Study, case: Case, near: Solution) -> Solution | None:
 
 
 def _of_many(case: Case, which: Which | None, rule: str | int, half_periods: float) -> Solution:
-    """Of more equilibria than are listed the one that the rule selects, or the one with a beta'(0) where it is found."""
+    """Of more equilibria than are listed the one with the named beta'(0), or else the one that the rule selects."""
     named = which is not None and which.dbeta0 is not None
     if which is not None and named:
         sol = solve(case, NEAR, "difference", BETWEEN, seed=which.dbeta0)

@@ -39,8 +39,8 @@ FILES = {
     "/page.css": PAGE / "page.css",
     **{f"/{name}": path for name, path in browser_assets.scripts().items()},
 }
-# Vue compiles its templates in the page, hence unsafe-eval. No other address is contacted, and no other page frames this
-# one.
+# Vue compiles its templates in the page, hence unsafe-eval. No other address is contacted, and no other page may hold
+# this one in a frame.
 POLICY = (
     "default-src 'none'; script-src 'self' 'unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -129,8 +129,11 @@ def _offering(presets: Sequence[Preset]) -> Handler:
 
 @dataclass(frozen=True)
 class Context:
-    """What a request needs. shapes: the rods that are kept. few: threads for work without a search. tasks: processes for
-    searches. wanted: whether the client is still connected."""
+    """What a request needs.
+
+    shapes: the rods that are kept. few: threads for work without a search. tasks: processes for searches. wanted:
+    whether the client is still connected.
+    """
 
     shapes: Shapes
     few: ThreadPoolExecutor

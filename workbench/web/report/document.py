@@ -1,4 +1,4 @@
-"""The report: one HTML file that needs nothing else, made from stored datasets and drawn pictures."""
+"""The report: one self-contained HTML file, made from stored datasets and their pictures."""
 
 import base64
 import json
@@ -33,7 +33,7 @@ SINGLE = (
     "push_max", "attached", "overlaps", "energy", "index",
 )  # fmt: skip
 TITLES = {"trade": "Accuracy against cost", "extremes": "The extremes"}
-SCENE, DRAWING = {"quality": 90}, {"lossless": True}  # of WebP: shaded bodies, and lines and letters
+SCENE, DRAWING = {"quality": 90}, {"lossless": True}  # options of WebP
 
 
 def write(
@@ -45,8 +45,8 @@ def write(
 ) -> Path:
     """Write `report.html` into the folder `out` and return it.
 
-    readings: the dataset of `readings_run`. advice: what to install where scenes could not be drawn. refusals:
-    studies that could not be run under this reading, and why. Raises `InputError` where it cannot be written.
+    readings: the dataset of `readings_table.run`. advice: what to install where OpenGL does not work. refusals: studies
+    that could not be run under this reading, and why. Raises `InputError` where it cannot be written.
     """
     text = html(results, readings, advice, refusals, measured_runs.both(Path(out)))
     path = Path(out) / NAME
@@ -68,7 +68,7 @@ def html(
     refusals: Sequence[str] = (),
     measured: Sequence[Measured] = (),
 ) -> str:
-    """The report as text; every picture inside it, and where the extra `explore` is installed a view that turns."""
+    """The report as text, with every picture inside it and, with the extra `explore`, an interactive view."""
     if not results:
         raise InputError("a report needs at least one study")
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
@@ -100,7 +100,7 @@ def html(
 
 
 def _view(results: Sequence[StudyResult]) -> tuple[str, interactive_view.View | None, str]:
-    """The first study of one case, its view that turns, and why there is none."""
+    """The first study of one case, its interactive view, and why there is none."""
     for ds in (result.ds for result in results):
         if not axes_of(ds):
             try:
@@ -116,7 +116,7 @@ def _measured(one: Measured) -> dict[str, Any]:
 
 
 def _section(result: StudyResult, advice: str) -> dict[str, Any]:
-    """What the report shows of one study."""
+    """The section of one study."""
     ds = result.ds
     scenes = [(name, path) for name, path in result.pictures.items() if name.startswith("scene")]
     others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
@@ -143,7 +143,7 @@ def _of(ds: xr.Dataset, name: str) -> str:
 
 
 def _single(ds: xr.Dataset) -> list[tuple[str, str]]:
-    """Words and value of each observable of a study of one case."""
+    """Long name and value of each observable of a study of one case."""
     rows = []
     for name in SINGLE:
         if name in ds and np.isfinite(ds[name]):
@@ -159,7 +159,7 @@ def _single(ds: xr.Dataset) -> list[tuple[str, str]]:
 
 
 def _source(result: StudyResult) -> dict[str, Any]:
-    """Where a study's numbers are and how well they were solved."""
+    """The file of a study, its method and its errors."""
     ds = result.ds
     error, condition = (np.asarray(ds[name].values, dtype=float) for name in ("error", "condition"))
     return {
@@ -183,7 +183,7 @@ def _versions(results: Sequence[StudyResult], readings: xr.Dataset | None) -> li
 
 
 def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, str]:
-    """A PNG as a data URL of WebP, which needs a fifth of the bytes."""
+    """A PNG as a data URL of WebP, a fifth of the size."""
     packed = BytesIO()
     image.imsave(packed, image.imread(file), format="webp", pil_kwargs=how)
     return {"src": f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}", "alt": alt}

@@ -1,4 +1,4 @@
-"""The misprints of the paper that a reader with it in hand will meet: where, what is printed, what is right, why."""
+"""The misprints of the paper: where, what is printed, what is right, and why."""
 
 from typing import NamedTuple
 

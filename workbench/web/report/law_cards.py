@@ -1,4 +1,4 @@
-"""What the report says of laws: words, verdicts with their reasons, the claims, and the table of all readings."""
+"""The laws in the report: sentences, verdicts with their reasons, the claims, and the table of all readings."""
 
 import json
 from collections import Counter
@@ -17,7 +17,7 @@ CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "u
 
 
 def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
-    """One law and the others that its sentence admits, in words."""
+    """One law, and the other observables that its sentence admits, as text."""
     words = labels.long_name(ds[row["observable"]])
     return {
         "claim": row["claim"],
@@ -48,7 +48,7 @@ def _verdict(row: Mapping[str, Any]) -> dict[str, str]:
 
 
 def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Each claim with the worst verdict of its laws, these laws, and where it is shown."""
+    """Each claim with its laws, their worst verdict, and its section."""
     found: dict[str, dict[str, Any]] = {}
     for section in sections:
         for law in section["laws"]:
@@ -60,7 +60,7 @@ def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 
 def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
-    """The table reading x claim: in each cell the verdict and what was measured."""
+    """The table reading x claim: in each cell the verdict and the measured observables."""
     if readings is None:
         return None
     claims = [str(claim) for claim in readings["claim"].values]
@@ -90,13 +90,13 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
 
 
 def sentence(text: str) -> str:
-    """A remark as a sentence of its own; what begins with a letter of physics keeps it."""
+    """A remark as a sentence; a Greek letter at its beginning is kept."""
     typeset = labels.typeset(text)
     return f"{typeset[0].upper() if typeset[0].isascii() else typeset[0]}{typeset[1:]}." if typeset else ""
 
 
 def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
-    """Why a claim was not put to the test, or how it is qualified."""
+    """Why a claim was not tested, or how it is qualified."""
     if untested := [row["reason"] for row in laws if not row["first"]]:
         return str(untested[0])
     kinds = dict.fromkeys(kind for row in laws for kind in row["qualifications"])
