@@ -13,7 +13,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import to_rgb
 
-from ...data import dataset
 from ...figures import style
 from ...geometry import centreline, tube
 from ...geometry.centreline import Array, Centreline
@@ -41,32 +40,25 @@ def view(ds: xr.Dataset) -> View:
     scripts = browser_assets.scripts()
     line = centreline.read(ds, {})
     s = np.linspace(0.0, float(ds["L"]), RINGS)
-    contact = np.interp(s, ds["s"].values, dataset.along(ds, "contact").values)
-    push = -contact if line.side == "inside" else contact
     return View(
-        _packed(json.dumps(scene(line, s, push), separators=(",", ":"))),
+        _packed(json.dumps(scene(line, s), separators=(",", ":"))),
         {name: _packed_file(path) for name, path in scripts.items()},
         (files("workbench.web.live") / "page/view.js").read_text(encoding="utf-8"),
     )
 
 
-def scene(line: Centreline, s: Array, push: Array) -> dict[str, Any]:
-    """The parts of the view as plain data.
+def scene(line: Centreline, s: Array) -> dict[str, Any]:
+    """The parts of the view as plain data; s: the rings, (n,) [length].
 
     Each part has points and normals (3 m numbers), polygons (3, i, j, k, ...) and a colour; lengths are shares of the
     scene's largest radius. azimuth: the direction from which one looks [rad].
-
-    Parameters
-    ----------
-    s, push
-        The rings and the cylinder's push there, (n,).
     """
     frame = line.frame(s)
     place, R = frame[0], line.R
     reach = max(R, float(np.hypot(place[:, 0], place[:, 1]).max()) + line.a)
     points, normals = tube.surface(frame, line.a, SIDES)
     triangles = tube.triangles(s.size, SIDES)
-    pushed = tube.at_points(push >= 0, SIDES)[triangles[:, 0]]
+    pushed = tube.at_points(line.push(s) >= 0, SIDES)[triangles[:, 0]]
     beyond = line.a + BEYOND * R
     wall = mesh.wall(R, line.side, float(place[:, 2].min()) - beyond, float(place[:, 2].max()) + beyond)
     opacity = 1.0 if line.side == "outside" else 0.16
