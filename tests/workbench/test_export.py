@@ -1,6 +1,7 @@
 """What other programs read of an exported rod: each file by a reader of another make, against the solver."""
 
 import csv
+import json
 import os
 import re
 import sys
@@ -9,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista as pv
+import trimesh
 import xarray as xr
 from scipy.interpolate import BPoly, BSpline
 from scipy.spatial import cKDTree
@@ -272,13 +275,20 @@ def test_without_open_cascade_one_sentence_says_what_to_install(ds, tmp_path, mo
 # meshes
 
 
+def read_mesh(path: Path) -> trimesh.Trimesh:
+    """STL and OBJ, which VTK writes, by trimesh; glTF, which trimesh writes, by VTK."""
+    if path.suffix in (".stl", ".obj"):
+        return trimesh.load(path, force="mesh", process=path.suffix == ".stl")  # STL repeats its points
+    found = pv.read(path).combine().extract_surface(algorithm="dataset_surface")
+    return trimesh.Trimesh(found.points, found.faces.reshape(-1, 4)[:, 1:], process=False)
+
+
 @pytest.mark.parametrize("kind, scale", [(".stl", 1.0), (".obj", 1.0), (".glb", 0.01), (".gltf", 0.01)])
 def test_a_mesh_is_closed_and_has_the_rods_volume(ds, tmp_path, kind, scale) -> None:
-    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed: pip install '.[test]'")
     path = tmp_path / f"rod{kind}"
-    told = export(ds, path, Options(SOUND, 5e-4)).facts
-    mesh = trimesh.load(path, force="mesh", process=kind == ".stl")  # STL repeats its points
-    assert len(mesh.faces) == told["triangles"]
+    facts = export(ds, path, Options(SOUND, 5e-4)).facts
+    mesh = read_mesh(path)
+    assert len(mesh.faces) == facts["triangles"]
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
     # positive: the faces look outward; the rings' chords are 1e-3 short at this tolerance, measured 4e-4
@@ -286,7 +296,6 @@ def test_a_mesh_is_closed_and_has_the_rods_volume(ds, tmp_path, kind, scale) -> 
 
 
 def test_the_mesh_is_as_near_to_the_rod_as_asked(ds, tmp_path) -> None:
-    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed: pip install '.[test]'")
     s = np.linspace(0, 20, 20001)
     centre = rod(2e4, s).position
     for tolerance in (5e-3, 5e-4):
@@ -302,8 +311,6 @@ def test_the_mesh_is_as_near_to_the_rod_as_asked(ds, tmp_path) -> None:
 
 
 def test_gltf_has_the_scenes_two_colours_where_the_cylinder_pushes_and_where_not(ds, tmp_path) -> None:
-    import pyvista as pv
-
     export(ds, tmp_path / "rod.glb", Options(SOUND))
     mesh = pv.read(tmp_path / "rod.glb").combine()
     colours, count = np.unique(np.round(mesh.point_data["COLOR_0"], 4), axis=0, return_counts=True)
@@ -314,6 +321,25 @@ def test_gltf_has_the_scenes_two_colours_where_the_cylinder_pushes_and_where_not
     assert np.ptp(mesh.points[:, 1]) > 0.05  # the axis is up, in metres
     away = np.hypot(mesh.points[:, 0], mesh.points[:, 2])
     assert away.max() == pytest.approx(0.0125, rel=1e-3)  # rho + a
+
+
+@pytest.mark.parametrize("kind", [".glb", ".gltf", ".stl", ".obj"])
+def test_the_same_rod_is_the_same_file(ds, tmp_path, kind) -> None:
+    files = [tmp_path / f"{name}{kind}" for name in ("one", "other")]
+    for path in files:
+        export(ds, path, Options(SOUND, 5e-3))
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_gltf_is_of_no_metal_and_names_the_case(ds, tmp_path) -> None:
+    export(ds, tmp_path / "rod.gltf", Options(SOUND, 5e-3))
+    tree = json.loads((tmp_path / "rod.gltf").read_text())
+    (mesh,) = tree["meshes"]
+    (primitive,) = mesh["primitives"]
+    assert tree["materials"][primitive["material"]]["pbrMetallicRoughness"]["metallicFactor"] == 0
+    assert {"POSITION", "NORMAL", "COLOR_0"} <= set(primitive["attributes"])
+    assert "moduli E=20000" in [node.get("name") for node in tree["nodes"]]
+    assert all(buffer["uri"].startswith("data:") for buffer in tree["buffers"])  # one file
 
 
 def test_a_mesh_of_a_rod_that_meets_itself_is_written_and_said(ds, tmp_path) -> None:
@@ -340,8 +366,6 @@ def test_a_csv_file_has_every_quantity_with_its_unit_as_the_solver_has_it(ds, tm
 
 
 def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path) -> None:
-    import pyvista as pv
-
     export(ds, tmp_path / "rod.vtp", Options(SOUND))
     shape = pv.read(tmp_path / "rod.vtp")
     sol = rod(2e4, shape.point_data["s"])
