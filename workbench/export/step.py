@@ -48,8 +48,8 @@ def write_line(path: Path, line: Centreline, unit: str, name: str, tolerance: fl
     Raises
     ------
     InputError
-        Open Cascade is missing or cannot write the file, no spline of `SPANS` is near enough, or the solid's volume is
-        not measured to `MEASURED`.
+        Open Cascade is missing or cannot write the file, no spline of `SPANS` is within the tolerance, or the volume of
+        the solid is not measured to `MEASURED`.
     """
     occ = kernel()
     splines, missed = fit(line, tolerance)
@@ -99,7 +99,7 @@ def kernel() -> Any:
 def fit(line: Centreline, tolerance: float) -> tuple[BSpline, float]:
     """r(s), n(s) and b(s) as one quintic spline with values (9,), and the error of its tube [length].
 
-    Raises `InputError` where no number of spans within `SPANS` is near enough.
+    Raises `InputError` where no number of spans within `SPANS` reaches the tolerance.
     """
     missed, spans = np.inf, SPANS[0]
     while spans <= SPANS[1]:
@@ -113,7 +113,7 @@ def fit(line: Centreline, tolerance: float) -> tuple[BSpline, float]:
         spans *= 2
     raise InputError(
         f"a spline of {SPANS[1]} spans misses this rod of length {line.L:g} by {missed:.1e}, and {tolerance:.1e} is "
-        "asked for: give a larger --tolerance"
+        "needed: give a larger --tolerance"
     )
 
 

@@ -3,7 +3,7 @@
 Flat triangles lose two things. A section of n sides misses its circle by a (1 - cos(pi/n)). And between two rings the
 surface is straight while the rod bends, turns and twists: that error is measured at points of the true surface between
 the rings, and rings are moved and added until it is small enough. So a rod whose bends are smaller than a pixel is
-drawn with hardly any rings, however many bends it has.
+drawn with few rings, however many bends it has.
 """
 
 from collections.abc import Callable

@@ -82,7 +82,7 @@ class Body:
         inside = self.line.s[(self.line.s > self.span[0]) & (self.line.s < self.span[1])]
         s = np.concatenate([[self.span[0]], inside, [self.span[1]]])
         alpha, _, z = self.line.at(s)
-        # between stations that are far too few the curve goes anywhere; the rod does not, as it is not stretched
+        # with far too few stations the curve may go too far; the rod is not stretched, which bounds z
         return alpha, np.clip(z - z[0], s[0] - s, s - s[0])
 
     @property

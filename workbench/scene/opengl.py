@@ -13,8 +13,7 @@ PACKAGES = "libegl1 libgl1-mesa-dri (or libosmesa6 libx11-6)"
 WINDOW = "VTK_DEFAULT_OPENGL_WINDOW"  # the environment variable by which VTK chooses its off-screen window
 OSMESA = "vtkOSOpenGLRenderWindow"
 SECONDS = 60
-# A wheel with Mesa's OSMesa and the libraries that it needs; nothing else of it is used, so it goes without its own
-# dependencies.
+# A wheel with Mesa's OSMesa and the libraries that it needs. Nothing else of it is used, hence --no-deps.
 WHEEL = "lavavu-osmesa"
 PIP = f"pip install --no-deps {WHEEL}==1.9.10"
 # each needs some of those before it

@@ -62,7 +62,7 @@ ERRATA = (
     Erratum(
         "eq. (36)",
         "one sign of the root",
-        "each sign on its own stretch",
+        "each sign on its own interval",
         "it holds between turning points only: β′ changes its sign at each of them",
     ),
     Erratum(

@@ -67,9 +67,9 @@ def _made(
 
 def _run(ds: xr.Dataset) -> str:
     versions = json.loads(ds.attrs["versions"])
-    told = ", ".join(f"{name} {versions[name]}" for name in ("python", "numpy", "scipy") if name in versions)
+    named = ", ".join(f"{name} {versions[name]}" for name in ("python", "numpy", "scipy") if name in versions)
     day = str(ds.attrs["created"]).replace("T", " ").removesuffix("+00:00")
-    return f"Measured {day} UTC on {ds.attrs.get('machine', 'an unknown machine')}, with {told}"
+    return f"Measured {day} UTC on {ds.attrs.get('machine', 'an unknown machine')}, with {named}"
 
 
 def _draw_trade(ds: xr.Dataset) -> Figure:

@@ -13,7 +13,7 @@ const SceneHandle = { inject: ["view"], emits: ["ready"], template: "<span></spa
   mounted() { this.$nextTick(() => this.$emit("ready", this.view)); } };
 
 class Refused extends Error {
-  constructor(told) { super(told.sentence); this.told = told; }
+  constructor(reply) { super(reply.sentence); this.reply = reply; }
 }
 
 async function post(path, body, signal) {
@@ -25,8 +25,8 @@ async function post(path, body, signal) {
     throw new Refused({ sentence: "The server does not answer; start workbench explore again", field: "" });
   }
   if (!answer.ok) {
-    const isTold = (answer.headers.get("Content-Type") || "").includes("json");
-    throw new Refused(isTold ? await answer.json() : { sentence: await answer.text(), field: "" });
+    const isReply = (answer.headers.get("Content-Type") || "").includes("json");
+    throw new Refused(isReply ? await answer.json() : { sentence: await answer.text(), field: "" });
   }
   return answer;
 }
@@ -49,7 +49,7 @@ const app = Vue.createApp({
   components: { SceneHandle },
   data: () => ({
     presets: [], readings: [], preset: "", centre: {}, state: { base: {}, units: {} }, fields: [], head: {}, rows: [], warnings: [],
-    list: [], unlisted: "", searching: false, wrong: { sentence: "", field: "" }, curves: null, took: {}, said: "", studyText: "",
+    list: [], unlisted: "", searching: false, wrong: { sentence: "", field: "" }, curves: null, took: {}, message: "", studyText: "",
     nothing: { points: [0, 0, 0], polys: [1, 0] },
     mouse: [{ button: 1, action: "Rotate" }, { button: 2, action: "Pan" }, { button: 3, action: "Zoom", scrollEnabled: true },
       { button: 1, action: "Pan", shift: true }],
@@ -83,9 +83,9 @@ const app = Vue.createApp({
     },
   },
   async mounted() {
-    const told = await (await fetch("/presets")).json();
-    this.presets = told.presets;
-    this.readings = told.readings;
+    const reply = await (await fetch("/presets")).json();
+    this.presets = reply.presets;
+    this.readings = reply.readings;
     window.addEventListener("hashchange", () => this.follow());
     if (!this.follow()) this.begin(this.presets[0].name);
   },
@@ -99,7 +99,7 @@ const app = Vue.createApp({
       this.centre = copied({ ...state.base });
       this.state = state;
       this.list = [];
-      this.unlisted = this.said = "";
+      this.unlisted = this.message = "";
       keys.turn = true; // reset the camera
       this.ask({ fresh: true });
     },
@@ -138,8 +138,8 @@ const app = Vue.createApp({
       return v === null || v === undefined ? "" : Number((f.kind === "angle" ? v / DEGREE : v).toPrecision(7));
     },
     typed(f, event) {
-      const said = event.target.value, v = Number(said);
-      this.set(f, said === "" ? null : f.kind === "angle" ? v * DEGREE : v);
+      const text = event.target.value, v = Number(text);
+      this.set(f, text === "" ? null : f.kind === "angle" ? v * DEGREE : v);
     },
     set(f, value) { this.state.base[f.name] = value; this.ask(); },
     dropped(f) { return ((this.head.meaning || {})[f.name] || "").includes("dropped"); },
@@ -164,7 +164,7 @@ const app = Vue.createApp({
         this.later(how);
       } catch (error) {
         if (!(error instanceof Refused)) throw error;
-        this.wrong = error.told;
+        this.wrong = error.reply;
       } finally {
         busy = false;
         if (again) { const next = again; again = null; this.ask({ ...next, since: at }); }
@@ -185,12 +185,12 @@ const app = Vue.createApp({
       clearTimeout(waiting.link);
       waiting.link = setTimeout(() => this.link(), PATIENCE.link);
       clearTimeout(waiting.numbers);
-      waiting.numbers = setTimeout(() => this.more("/numbers", (told) => { this.rows = told.rows; this.warnings = told.warnings; }), PATIENCE.numbers);
+      waiting.numbers = setTimeout(() => this.more("/numbers", (reply) => { this.rows = reply.rows; this.warnings = reply.warnings; }), PATIENCE.numbers);
       if (this.head.problem !== "ends") { this.list = []; return; }
       if (how.chosen) return;
       clearTimeout(waiting.list);
       this.searching = true;
-      waiting.list = setTimeout(() => this.more("/equilibria", (told) => this.found(told.rows), (why) => this.found([], why)), PATIENCE.equilibria);
+      waiting.list = setTimeout(() => this.more("/equilibria", (reply) => this.found(reply.rows), (why) => this.found([], why)), PATIENCE.equilibria);
     },
     found(rows, why = "") {
       this.list = rows;
@@ -198,17 +198,17 @@ const app = Vue.createApp({
       this.searching = false;
       if (this.head.method === "difference" && this.here >= 0) this.choose(this.here); // followed to 1e-6: now solved exactly
     },
-    async more(path, then, refused = (why) => { this.said = why; }) {
+    async more(path, then, refused = (why) => { this.message = why; }) {
       const ticket = this.head.ticket;
       if (asking[path]) asking[path].abort(); // the server then stops that search
       const mine = asking[path] = new AbortController();
       try {
-        const told = await (await post(path, { state: this.state, ticket }, mine.signal)).json();
-        if (ticket === this.head.ticket) then(told);
+        const reply = await (await post(path, { state: this.state, ticket }, mine.signal)).json();
+        if (ticket === this.head.ticket) then(reply);
       } catch (error) {
         if (mine.signal.aborted) return; // a newer request replaced it
         if (!(error instanceof Refused)) throw error;
-        if (ticket === this.head.ticket) refused(error.told.sentence);
+        if (ticket === this.head.ticket) refused(error.reply.sentence);
       }
     },
     async byEnds() {
@@ -225,7 +225,7 @@ const app = Vue.createApp({
     step(by) { this.choose((Math.max(this.here, 0) + by + this.list.length) % this.list.length); },
     refuse(error) {
       if (!(error instanceof Refused)) throw error;
-      this.wrong = error.told;
+      this.wrong = error.reply;
     },
     // the scene
     ready(handle) {
@@ -321,17 +321,17 @@ const app = Vue.createApp({
       view.renderWindow.render();
       const bytes = Uint8Array.from(atob((await made).split(",")[1]), (c) => c.charCodeAt(0));
       this.save(bytes, "image/png", `${this.preset}.png`);
-      this.said = "The picture is saved in your downloads.";
+      this.message = "The picture is saved in your downloads.";
     },
     async download(kind) {
-      this.said = "";
+      this.message = "";
       try {
         const answer = await post("/download", { kind, state: this.state, ticket: this.head.ticket });
         this.save(await answer.blob(), "", `${this.preset}.${kind}`);
-        this.said = `The ${kind.toUpperCase()} file is saved in your downloads.`;
+        this.message = `The ${kind.toUpperCase()} file is saved in your downloads.`;
       } catch (error) {
         if (!(error instanceof Refused)) throw error;
-        this.said = error.told.sentence;
+        this.message = error.reply.sentence;
       }
     },
     async copyStudy() {
@@ -345,8 +345,8 @@ const app = Vue.createApp({
     async copy(text, then) {
       try {
         await navigator.clipboard.writeText(text);
-        this.said = then;
-      } catch { this.said = "The browser does not allow copying; copy the address bar or the text by hand."; }
+        this.message = then;
+      } catch { this.message = "The browser does not allow copying; copy the address bar or the text by hand."; }
     },
   },
 });

@@ -103,8 +103,8 @@ function behave(viewport, view) {
 }
 
 async function begin(figure) {
-  const viewport = figure.querySelector(".viewport"), said = figure.querySelector(".said");
-  if (!document.createElement("canvas").getContext("webgl2")) { said.textContent = "This browser has no WebGL, so only the still picture is shown."; return; }
+  const viewport = figure.querySelector(".viewport"), message = figure.querySelector(".message");
+  if (!document.createElement("canvas").getContext("webgl2")) { message.textContent = "This browser has no WebGL, so only the still picture is shown."; return; }
   for (const id of ["vue.js", "vtk.js"]) document.head.append(Object.assign(document.createElement("script"), { textContent: await unpacked(id) }));
   const scene = JSON.parse(await unpacked("scene"));
   figure.classList.add("live", "ready");
