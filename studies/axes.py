@@ -24,6 +24,7 @@ ROD = tuple(f.name for f in fields(Rod))
 CYLINDER = tuple(f.name for f in fields(Cylinder))
 START = tuple(f.name for f in fields(Start))
 ENDS = tuple(f.name for f in fields(Ends))
+FIELDS = frozenset((*ROD, *CYLINDER, *START, *ENDS))  # of a case
 WORDS = ("stiffness", "side")  # the fields that are not numbers
 
 MAX_COUNT = 10_000_000  # of the values of an axis: 80 MB
@@ -31,8 +32,8 @@ MAX_CASES = 1_000_000_000  # of a grid: at a tenth of a millisecond each, more t
 
 CLOSEST = 1e-15  # neighbours on an axis differ by more than this share, or they would be rounded to the same
 
-# A field of Start is what the quantity of another name is at s = 0.
-_AT_START = {"beta": "beta0", "dbeta": "dbeta0"}
+# Fields of a case that are the value of a quantity at s = 0, which has another name.
+_AT_START = {"beta": "beta0", "dbeta": "dbeta0", "alpha": "alpha0", "gamma": "gamma0"}
 
 
 class Misplaced(ValueError):

@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SOLVER = {"numpy", "scipy", "heyoka", "numba"}  # the last two are optional: a method's each, imported where it runs
 STUDIES = SOLVER | {"solver", "tomllib", "pydantic", "tomli_w"}
 WORKBENCH = STUDIES | {
-    "studies", "xarray", "h5netcdf", "h5py", "pyvista", "matplotlib", "trimesh", "typer", "rich", "jinja2",
+    "studies", "xarray", "h5netcdf", "h5py", "filelock", "pyvista", "matplotlib", "trimesh", "typer", "rich", "jinja2",
     "distributed",  # optional: the engine of a cluster, imported where it runs
     "imageio",  # optional: films
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
@@ -51,23 +51,13 @@ TO_CARVE = {
     ("workbench.compare.extremes", "workbench.commands.console"),
     ("workbench.compare.trade", "workbench.commands"),
     ("workbench.compare.trade", "workbench.commands.console"),
-    ("workbench.data.arrays", "workbench.run.stored_case"),
-    ("workbench.data.dataset", "workbench.run.block_solver"),
-    ("workbench.data.dataset", "workbench.run.plan"),
-    ("workbench.data.validity", "workbench.run.block_solver"),
-    ("workbench.run.merge", "workbench.commands"),
-    ("workbench.run.merge", "workbench.commands.console"),
-    ("workbench.run.merge", "workbench.commands.summary"),
-    ("workbench.run.preload", "workbench.cli"),
-    ("workbench.run.progress", "workbench.commands"),
-    ("workbench.run.progress", "workbench.commands.console"),
     ("workbench.web.live.own_case", "workbench.commands.solve"),
     ("workbench.web.live.page_model", "workbench.commands.list_equilibria"),
     ("workbench.web.live.page_shape", "workbench.commands.list_equilibria"),
     ("workbench.web.live.server", "workbench.commands"),
     ("workbench.web.live.server", "workbench.commands.console"),
 }
-TO_SILENCE = {"workbench.run.progress"}
+TO_SILENCE: set[str] = set()
 
 STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics
 HEAVY = {

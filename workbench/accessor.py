@@ -1,9 +1,9 @@
-"""`ds.rod` on a study's dataset: its case, its values by name, and whatever was not stored.
+"""The accessor `ds.rod` of a study's dataset: its case, selection by value, and arrays that were not stored.
 
-    import workbench                # once, before or after xarray
+    import workbench.accessor       # registers it
     ds = xr.open_dataset("modulus.h5", chunks={})
-    ds.rod.sel(E=2e4).rod.position  # from what is stored, where that is enough; solved again where not
-    ds.rod.at(E=2.1e4).position     # a neighbour that is on no axis, solved
+    ds.rod.sel(E=2e4).rod.position  # computed from what is stored where that suffices, else solved again
+    ds.rod.at(E=2.1e4).position     # a case that is on no axis, solved
 
 The solver is imported when it is first needed.
 """
@@ -20,12 +20,16 @@ if TYPE_CHECKING:
 
 @xr.register_dataset_accessor("rod")
 class RodAccessor:
-    """What `ds.rod` is; the dataset may be a selection, and its arrays may be lazy.
+    """The accessor `ds.rod`; the dataset may be a selection, and its arrays may be lazy.
 
-    Along the rod, as labelled arrays with units, (axes, u) and a component where there is one: beta, dbeta, alpha, z,
-    gamma, position, tangent, normal, material_frame, kappa, F1, F2, F3, FY, contact, push, M1, M2, h. Each is read
-    where it is stored, else computed from what is, else the cases are solved again as they were. `InputError` is
-    raised where the dataset is no study's, or more cases would have to be solved than can be waited for.
+    Attributes are arrays along the rod with units, of dimensions (axes, u) and a component where there is one: beta,
+    dbeta, alpha, z, gamma, position, tangent, normal, material_frame, kappa, F1, F2, F3, FY, contact, push, M1, M2, h.
+    Each is read where it is stored, else computed from what is stored, else its cases are solved again.
+
+    Raises
+    ------
+    InputError
+        Where the dataset was not made from a study, or too many cases would have to be solved again.
     """
 
     def __init__(self, ds: xr.Dataset) -> None:
@@ -40,25 +44,60 @@ class RodAccessor:
 
     @cached_property
     def case(self) -> "Case":
-        """The case of the dataset, of the shape of its axes; selected axes have gone. Raises `InputError`."""
+        """The case of the dataset, of the shape of its remaining axes. Raises `InputError`."""
         from .run.stored_case import case_of
 
         return case_of(self._ds, self.study)
 
     def sel(self, **values: Any) -> xr.Dataset:
-        """The dataset at values of its axes: ``sel(E=1e4)``, ``sel(E=[1e4, 2e4])``, ``sel(E=slice(1e4, 2e4))``.
+        """Select by values of axes: ``sel(E=1e4)``, ``sel(E=[1e4, 2e4])``, ``sel(E=slice(1e4, 2e4))``.
 
-        A value is one of the axis's, to nine digits; angles in rad. Raises `InputError` with the axis's values.
+        Parameters
+        ----------
+        **values : float, str, list or slice
+            For an axis (``beta0``, or the study's field ``beta``) a stored value to nine digits, an angle in rad; as
+            text, ``"10910"`` or ``"30deg"``, the value that it abbreviates.
+
+        Returns
+        -------
+        xr.Dataset
+            The selection; an axis of which one value was selected is gone.
+
+        Raises
+        ------
+        InputError
+            For a value that is not stored, with the values that are.
         """
-        from .data.axis_values import indices
+        from solver.problem.errors import InputError
 
-        found = {name: indices(self._ds, name, value) for name, value in values.items()}
+        from .data.selection import axis_of, indices
+
+        found = {}
+        for name, value in values.items():
+            axis = axis_of(self._ds, name)
+            try:
+                found[axis] = indices(self._ds, axis, value)
+            except InputError as error:
+                raise InputError(f"{error}; ds.rod.at({name}=...) solves a case at any value") from None
         return self._ds.isel(found)
 
     def at(self, **values: float) -> "Solution":
-        """The case at these values of fields of the study, solved as the study was; axes left out stay.
+        """Solve the case at other values of fields of the study, with the study's tolerance and method.
 
-        A value may lie on its axis or not; angles in rad. Raises `InputError`.
+        Parameters
+        ----------
+        **values : float
+            Of any field of the study, on its axis or not; angles in rad. Other axes stay.
+
+        Returns
+        -------
+        Solution
+            Of the shape of the other axes.
+
+        Raises
+        ------
+        InputError
+            For an unknown field, a value that the solver refuses, or too many cases.
         """
         from .run.stored_case import solve_at
 
@@ -71,24 +110,24 @@ class RodAccessor:
         return solve_at(self._ds, self.study, {})
 
     def along(self, name: str) -> xr.DataArray:
-        """An array along the rod by its name; also as an attribute, ``ds.rod.contact``."""
+        """The array along the rod of that name; the same as the attribute, ``ds.rod.contact``. Raises `InputError`."""
         from solver.problem.errors import no_such
 
-        from .data.arrays import ARRAYS, Stored
+        from .data.derived_arrays import ARRAYS, Stored
 
         if name not in ARRAYS:
             raise no_such("array along the rod", name, ARRAYS)
         return Stored(self._ds, self.study, lambda: self.case, lambda: self._solved).array(name)
 
     def __getattr__(self, name: str) -> xr.DataArray:
-        from .data.arrays import ARRAYS
+        from .data.derived_arrays import ARRAYS
 
         if name not in ARRAYS:
             raise AttributeError(f"ds.rod has no {name!r}; choose from {', '.join(dir(self))}")
         return self.along(name)
 
     def __dir__(self) -> list[str]:
-        from .data.arrays import ARRAYS
+        from .data.derived_arrays import ARRAYS
 
         return sorted({"study", "case", "sel", "at", "along", *ARRAYS})
 

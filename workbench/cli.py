@@ -14,7 +14,7 @@ import typer
 from . import __version__
 from .commands import case_options as of
 from .commands.case_options import angled, numbered
-from .data import safe_text
+from .data import escaping
 
 INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 
@@ -124,9 +124,9 @@ def run(
     from .commands.run import run_study
     from .run.study_store import Options
 
-    options = Options(workers, scheduler, chunk, restart, json)
+    options = Options(workers, scheduler, chunk, restart)
     with _saying_what_is_kept():
-        raise typer.Exit(run_study(study, out, reading, tol, method, force, level, stations, options))
+        raise typer.Exit(run_study(study, out, reading, tol, method, force, level, stations, options, json))
 
 
 @app.command()
@@ -153,7 +153,7 @@ def merge(
     json: Json = False,
 ) -> None:
     """Join studies that extend one another along one axis; exit status as of check."""
-    from .run.merge import merge_files
+    from .commands.merge import merge_files
 
     raise typer.Exit(merge_files(files, out, force, json))
 
@@ -500,7 +500,7 @@ def _sentence(error: typer.TyperException) -> str:
 
 
 def _refuse(sentence: str, status: int) -> None:
-    print(f"workbench: {safe_text.line(sentence)}", file=sys.stderr)
+    print(f"workbench: {escaping.line(sentence)}", file=sys.stderr)
     sys.exit(status)
 
 

@@ -37,6 +37,8 @@ _ROWS = (
     Quantity("torsional_stiffness", "C", (2, 1), "torsional stiffness"),
     Quantity("beta0", "β₀", "rad", "angle from the axis at the start"),
     Quantity("dbeta0", "β₀′", "rad/length", "rate of the angle at the start"),
+    Quantity("alpha0", "α₀", "rad", "azimuth of the start"),
+    Quantity("gamma0", "γ₀", "rad", "rotation of the section at the start"),
     Quantity("betaL", "β(L)", "rad", "angle from the axis at the far end"),
     Quantity("dgamma", "γ₀′", "rad/length", "rate of the section's own rotation at the start"),
     # along the rod
@@ -85,6 +87,7 @@ _ROWS = (
     # how well it was solved
     Quantity("error", "error", _NUMBER, "estimated error of beta, and of alpha and z/rho over max(1, L/rho)"),
     Quantity("condition", "condition", _NUMBER, "growth of a change of the start along the rod"),
+    Quantity("solved", "solved", _NUMBER, "whether the case is solved"),
     Quantity("outcome", "outcome", "text", "solved, or why not"),
     Quantity("caution", "caution", "text", "why no real rod lies so, or what was not checked; empty: none"),
 )

@@ -61,7 +61,7 @@ def alterations(path: Path) -> Iterator[tuple[str, Change]]:
         own = [key for key in file.attrs if key not in HDF5S_OWN]
         theirs = {name: [key for key in file[name].attrs if key not in HDF5S_OWN] for name in file}
     for name, (kind, ndim) in variables.items():
-        for what, change in (_numbers() if kind in "iuf" else _words()).items():
+        for what, change in (_numbers() if kind in "biuf" else _words()).items():
             yield f"{name} {what}", _in_place(name, change)
         for what, made in _structures(ndim).items():
             yield f"{name} {what}", _rewritten(name, made)

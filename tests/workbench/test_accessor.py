@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import InputError, solve
 from solver.methods import METHODS
 from studies.loader import loads
 from studies.model import OUTPUTS
 from tests.workbench import small
-from workbench.data import writing
-from workbench.run import block_solver, in_memory
+from workbench.commands import plot_and_scene
+from workbench.data import schema, selection, writing
+from workbench.run import block, in_memory
 
 ENDS = """
 title = "between two ends"
@@ -67,7 +69,7 @@ def test_every_array_is_the_solutions_own_from_what_is_stored(full, name: str) -
 @pytest.mark.parametrize("name", [*OUTPUTS, *FRAMES])
 def test_every_array_is_the_solutions_own_where_nothing_along_the_rod_is_stored(full, name: str) -> None:
     ds, sol = full
-    kept = ds.drop_vars([*OUTPUTS, "xyz"])
+    kept = ds.drop_vars([*schema.CURVES, "xyz"])
     np.testing.assert_array_equal(getattr(kept.rod, name), getattr(sol, name))
 
 
@@ -76,7 +78,7 @@ def test_what_suffices_is_not_solved_and_what_does_not_is_solved_once(full, monk
 
     ds, _ = full
     calls = []
-    monkeypatch.setattr(stored_case, "solve_one", lambda *args: calls.append(args) or block_solver.solve_one(*args))
+    monkeypatch.setattr(stored_case, "solve_one", lambda *args: calls.append(args) or block.solve_one(*args))
     kept = ds[["alpha", "beta", "z", "outcome"]]
     for name in ("position", "tangent", "normal", "FY", "F2", "F3", "M2"):
         kept.rod.along(name)
@@ -171,9 +173,11 @@ def test_an_axis_that_has_an_outputs_name_is_not_taken_for_it() -> None:
     np.testing.assert_array_equal(ds.rod.beta, sol.beta)
     np.testing.assert_allclose(ds.rod.kappa, sol.kappa, rtol=1e-14)
     assert "_solved" not in vars(ds.rod), "it was solved again"
-    np.testing.assert_allclose(ds.rod.at(beta=0.4).beta[0], 0.4, rtol=1e-15)  # rounding
-    chosen = ds.rod.sel(beta=0.5)
-    np.testing.assert_array_equal(chosen.rod.beta, sol.beta[1])
+    for name in ("beta", "beta0"):  # the study's field, and the dataset's dimension
+        np.testing.assert_allclose(ds.rod.at(**{name: 0.4}).beta[0], 0.4, rtol=1e-15)  # rounding
+        chosen = ds.rod.sel(**{name: 0.5})
+        np.testing.assert_array_equal(chosen.rod.beta, sol.beta[1])
+        assert selection.case(ds, {name: "0.5"}) == {"beta0": 1}
 
 
 def test_rods_between_two_ends_are_rebuilt_too() -> None:
@@ -251,14 +255,50 @@ def test_a_dataset_that_is_no_studys_is_refused_when_asked_and_not_before() -> N
 
 
 IMPORTS = {
-    "workbench first": "import workbench; light = not {'numpy', 'solver'} & set(sys.modules); import xarray",
-    "xarray first": "import xarray; import workbench; light = 'solver' not in sys.modules",
+    "accessor first": "import workbench.accessor, xarray",
+    "xarray first": "import xarray, workbench.accessor",
 }
 
 
 @pytest.mark.parametrize("order", IMPORTS)
-def test_importing_the_workbench_is_enough_and_loads_nothing_heavy(order: str) -> None:
-    code = f"import sys; {IMPORTS[order]}; print(xarray.Dataset.rod.__name__, light)"
+def test_importing_the_accessor_registers_it_and_loads_no_solver(order: str) -> None:
+    assert printed(f"{IMPORTS[order]}; print(xarray.Dataset.rod.__name__, 'solver' in sys.modules)") == [
+        "RodAccessor",
+        "False",
+    ]
+
+
+def test_importing_the_workbench_alone_loads_nothing_heavy_and_changes_no_import() -> None:
+    code = "before = list(sys.meta_path); import workbench; print(sys.meta_path == before, 'numpy' in sys.modules)"
+    assert printed(code) == ["True", "False"]
+
+
+def printed(code: str) -> list[str]:
+    """The words that Python prints in a process of its own."""
     root = Path(__file__).parents[2]
-    run = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True)
-    assert run.stdout.split() == ["RodAccessor", "True"]
+    run = subprocess.run(
+        [sys.executable, "-c", f"import sys; {code}"], cwd=root, capture_output=True, text=True, check=True
+    )
+    return run.stdout.split()
+
+
+@pytest.mark.parametrize(
+    "said, index",
+    [(2e4, 1), (2e4 * (1 + 1e-10), 1), ("2e4", 1), ("19999", 1), ("20010", None), (20001.0, None), (1.5e4, None)],
+)
+def test_every_part_of_the_workbench_means_the_same_value_of_an_axis(full, said, index) -> None:
+    ds = full[0].assign_coords(E=("E", [1e4, 19999.0 if said == "19999" else 2e4], full[0]["E"].attrs))
+    stored = None if index is None else float(ds["E"][index])
+
+    def found(choose) -> float | None:
+        if index is not None:
+            return choose()
+        with pytest.raises(InputError, match="is not on the axis; its values are 10000, "):
+            choose()
+        return None
+
+    assert found(lambda: float(ds.rod.sel(E=said)["E"])) == stored
+    assert found(lambda: float(ds["E"][selection.case(ds, {"E": said})["E"]])) == stored
+    assert found(lambda: float(ds["E"][selection.line(ds, "R", {"E": said})[0]["E"]])) == stored
+    if isinstance(said, str):
+        assert found(lambda: plot_and_scene.chosen(ds, [f"E={said}"])["E"]) == stored

@@ -61,7 +61,7 @@ def test_the_cylinder_stands_still_and_the_curve_grows_to_the_right(made) -> Non
 
 @draws
 def test_a_case_without_a_shape_is_a_frame_that_says_so(ds, made) -> None:
-    lost = ds.assign(outcome=("E", ["solved", "no solution", "solved"]), height=("E", [1.0, np.nan, 2.0]))
+    lost = small.with_outcomes(ds, ["solved", "no solution", "solved"]).assign(height=("E", [1.0, np.nan, 2.0]))
     frames = list(film.frames(lost, shown()))
     assert {frame.shape for frame in frames} == {made[0].shape}
     assert (frames[1][60:240, :400] == 255).all()

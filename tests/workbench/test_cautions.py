@@ -11,7 +11,7 @@ from tests.cases import in_units_of_rho
 from tests.workbench import small
 from workbench.data import cautions, dataset
 from workbench.run import in_memory
-from workbench.run.block_solver import columns
+from workbench.run.block import columns
 
 STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m
 

@@ -240,18 +240,18 @@ REFUSED = {
     "an axis that is not there": (["scene", "small.h5", "--at", "Q=1"], "no axis 'Q'; choose from E, R"),
     "a value off the axis": (
         ["scene", "small.h5", "--at", "E=1"],
-        "--at E=1: the axis E has no such value; its values are 10000, 20000",
+        "--at E=1: E = 1 is not on the axis; its values are 10000, 20000",
     ),
     "a value between two of the axis": (
         ["scene", "small.h5", "--at", "E=1.07e4"],
-        "--at E=1.07e4: the axis E has no such value; its values are 10000, 20000",
+        "--at E=1.07e4: E = 1.07e4 is not on the axis; its values are 10000, 20000",
     ),
     "the same axis twice": (["scene", "small.h5", "--at", "E=1e4", "--at", "E=2e4"], "E=2e4: E is given twice"),
     "a picture that is there": (["plot", "small.h5", "--out", "there.png"], "there.png exists; give --force to"),
     "a scene that is there": (["scene", "small.h5", "--out", "there.png"], "there.png exists; give --force to"),
     "a picture of equilibria that is there": (["equilibria", "--plot", "there.png"], "there.png exists; give --force"),
     "a picture in no folder": (["plot", "small.h5", "--out", "no/x.png"], "there is no folder no"),
-    "a value that is none": (["scene", "small.h5", "--at", "E=x"], "'x' is not a number"),
+    "a value that is none": (["scene", "small.h5", "--at", "E=x"], "E must be a finite number, got 'x'"),
     "a picture of no kind": (
         ["plot", "small.h5", "--out", "x.doc"],
         "choose a name that ends in .png, .pdf, .svg",
@@ -289,10 +289,10 @@ REFUSED = {
 
 
 def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_written() -> None:
-    values = {"E": [9962.0, 10700.4, 10905.0773], "beta": [0.0, math.radians(27.1875), math.pi / 6]}
+    values = {"E": [9962.0, 10700.4, 10905.0773], "beta0": [0.0, math.radians(27.1875), math.pi / 6]}
     ds = xr.Dataset(
-        {"outcome": (("E", "beta"), np.full((3, 3), "solved"))},
-        {"E": ("E", values["E"], {"units": "N/cm^2"}), "beta": ("beta", values["beta"], {"units": "rad"})},
+        {"outcome": (("E", "beta0"), np.full((3, 3), "solved"))},
+        {"E": ("E", values["E"], {"units": "N/cm^2"}), "beta0": ("beta0", values["beta0"], {"units": "rad"})},
     )
     for text, which in (
         ("1.07e4", 1),
@@ -305,7 +305,7 @@ def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_wr
         ("10905.1", 2),
     ):
         if which is None:
-            with pytest.raises(InputError, match=re.escape("its values are 9962, 10700.4, 10905.1")):
+            with pytest.raises(InputError, match=re.escape("its values are 9962, 10700.4, 10905.0773")):
                 at_option.values(ds, [f"E={text}"])
         else:
             assert at_option.values(ds, [f"E={text}"]) == {"E": values["E"][which]}
@@ -314,14 +314,14 @@ def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_wr
             with pytest.raises(InputError, match=re.escape("its values are 0deg, 27.1875deg, 30deg")):
                 at_option.values(ds, [f"beta={text}"])
         else:
-            assert at_option.values(ds, [f"beta={text}"]) == {"beta": values["beta"][which]}
+            assert at_option.values(ds, [f"beta={text}"]) == {"beta0": values["beta0"][which]}
 
 
 def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stored, tmp_path, monkeypatch) -> None:
     drawn = []
     monkeypatch.setattr(opengl, "probe", lambda: (True, ""))
-    taken = SimpleNamespace(off=0.0)
-    scenes = SimpleNamespace(render=lambda ds, path, *_: drawn.append(path) or taken, Look=lambda *_: None)
+    picture = SimpleNamespace(error=0.0)
+    scenes = SimpleNamespace(render=lambda ds, path, *_: drawn.append(path) or picture)
     monkeypatch.setitem(sys.modules, "workbench.scene.layout", scenes)
     monkeypatch.setattr("workbench.scene.layout", scenes, raising=False)
     for at in ([], ["E=1e4"], ["E=2e4", "R=0.75"]):

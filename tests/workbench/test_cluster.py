@@ -16,7 +16,7 @@ from solver import InputError
 from studies import load
 from tests.workbench import runs
 from tests.workbench.test_faults import DEADLY, GRID, SMALL, TELLING, whole  # noqa: F401  (a fixture)
-from workbench.run import dask_engine, plan, study_store
+from workbench.run import dask_engine, local_pool, plan, recipe
 from workbench.run.study_store import Options, run_to_file
 
 distributed = pytest.importorskip("distributed")
@@ -103,7 +103,7 @@ def test_what_goes_wrong_in_a_worker_can_be_sent(monkeypatch, tmp_path) -> None:
 
     monkeypatch.setattr(dask_engine, "solved", broken)
     with pytest.raises(RuntimeError, match="Unsendable") as caught:
-        dask_engine._solved(work.light, work.chunk(0, 4), work.block, plan.code_version())
+        dask_engine._solved(work.light, work.chunk(0, 4), work.block, recipe.code_version())
     assert "Unsendable" in str(pickle.loads(pickle.dumps(caught.value)))
 
 
@@ -142,7 +142,7 @@ def test_a_chunk_that_kills_the_clusters_workers_is_recorded_as_failed(tmp_path,
     done = runs.run(tmp_path, *args, before=SMALL)
     assert done.returncode == 1, done.stderr
     with xr.open_dataset(tmp_path / "many.h5") as ds:
-        failed = (ds["outcome"] == study_store.KILLED).values.ravel()
+        failed = (ds["outcome"] == local_pool.KILLED).values.ravel()
         assert failed.nonzero()[0].tolist() == list(range(48, 64))
 
 

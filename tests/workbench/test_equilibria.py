@@ -20,7 +20,7 @@ from workbench.data import writing
 from workbench.figures import bifurcation, canvas
 from workbench.figures import equilibria as equilibria_figure
 from workbench.run import in_memory
-from workbench.run.block_solver import solve_one
+from workbench.run.block import solve_one
 
 MANY = -0.3655, 0.7464, -0.7506
 

@@ -19,6 +19,7 @@ from scipy.spatial import cKDTree
 from solver import Case, Cylinder, Rod, Solution, Start, solve
 from solver.problem.errors import InputError
 from studies.loader import loads
+from tests.workbench import small
 from workbench import cli
 from workbench.commands import at_option
 from workbench.data import writing
@@ -417,8 +418,7 @@ def test_a_row_in_the_table_is_all_that_a_new_format_needs(folder, tmp_path, mon
 def folder(ds, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("export")
     writing.write(ds, folder / "moduli.h5")
-    writing.write(ds.assign(outcome=ds["outcome"].copy(data=["solved", "the march went astray", "solved"])),
-                folder / "gap.h5")  # fmt: skip
+    writing.write(small.with_outcomes(ds, ["solved", "the march went astray", "solved"]), folder / "gap.h5")
     (folder / "there.csv").write_text("mine")
     return folder
 
@@ -427,7 +427,7 @@ REFUSED = {
     "no kind": (["moduli.h5", "-o", "rod.iges"], "choose a name that ends in .step, .stp, .stl, .obj"),
     "a file that is there": (["moduli.h5", "-o", "there.csv"], "there.csv exists; give --force to replace it"),
     "an axis that is not there": (["moduli.h5", "--at", "R=1", "-o", "x.csv"], "no axis 'R'; choose from E"),
-    "a value that is none": (["moduli.h5", "--at", "E=x", "-o", "x.csv"], "'x' is not a number"),
+    "a value that is none": (["moduli.h5", "--at", "E=x", "-o", "x.csv"], "E must be a finite number, got 'x'"),
     "a value between": (["moduli.h5", "--at", "E=1.9e4", "-o", "x.csv"], "its values are 5000, 10700, 20000"),
     "a value off the axis": (["moduli.h5", "--at", "E=1", "-o", "x.csv"], "its values are 5000, 10700, 20000"),
     "no pair": (["moduli.h5", "--at", "E", "-o", "x.csv"], "--at takes NAME=VALUE, got 'E'"),

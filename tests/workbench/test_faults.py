@@ -15,7 +15,8 @@ import xarray as xr
 from solver import InputError
 from studies import load
 from tests.workbench import runs
-from workbench.run import local_pool, plan, progress, shard_folder, study_store
+from workbench.commands import progress
+from workbench.run import local_pool, recipe, shards
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 
@@ -27,15 +28,15 @@ SLOW = (
     SMALL
     + """
 import os, time
-from workbench.run import block_solver
-block_of, fsync = block_solver.block_of, os.fsync
+from workbench.run import block
+block_of, fsync = block.block_of, os.fsync
 def slowly(study, part):
     time.sleep(0.03)
     return block_of(study, part)
 def slow_disk(handle):
     time.sleep(0.01)
     return fsync(handle)
-block_solver.block_of, os.fsync = slowly, slow_disk
+block.block_of, os.fsync = slowly, slow_disk
 """
 )
 
@@ -122,14 +123,14 @@ TELLING = (
     + """
 import os, time
 from pathlib import Path
-from workbench.run import block_solver
-def telling(study, part, block_of=block_solver.block_of):
+from workbench.run import block
+def telling(study, part, block_of=block.block_of):
     if part.start == 32 and not Path("worker").exists():
         Path("worker.part").write_text(str(os.getpid()))
         os.replace("worker.part", "worker")
         time.sleep(60)
     return block_of(study, part)
-block_solver.block_of = telling
+block.block_of = telling
 """
 )
 
@@ -176,19 +177,20 @@ def alive(pid: int) -> bool:
         return False
 
 
+KILLED = f"{local_pool.KILLED} (it was killed by SIGKILL)"
 DEADLY = (
     SMALL
     + """
 import os, signal
-from workbench.run import block_solver
-def deadly(study, part, block_of=block_solver.block_of):
+from workbench.run import block
+def deadly(study, part, block_of=block.block_of):
     with open("deaths", "a") as file:
         if (part.values["F1"] == 9.0).any() and (part.values["E"] == 5e3).any():
             file.write("x")
             file.flush()
             os.kill(os.getpid(), signal.SIGKILL)
     return block_of(study, part)
-block_solver.block_of = deadly
+block.block_of = deadly
 """
 )
 
@@ -198,9 +200,9 @@ def test_a_chunk_that_kills_workers_twice_is_recorded_as_failed_case_by_case(tmp
     done = runs.run(tmp_path, "many.toml", "--workers", 2, "--chunk", 48, before=DEADLY)
     assert done.returncode == 1, done.stderr
     assert (tmp_path / "deaths").read_text() == "xx"
-    assert f"150 cases, 16 unsolved\n  16 x {study_store.KILLED}" in done.stdout
+    assert f"150 cases, 16 unsolved\n  16 x {KILLED}" in done.stdout
     with xr.open_dataset(tmp_path / "many.h5") as ds:
-        failed = (ds["outcome"] == study_store.KILLED).values.ravel()
+        failed = (ds["outcome"] == KILLED).values.ravel()
         assert failed.nonzero()[0].tolist() == list(range(48, 64))  # the block of the deadly case, and no more
         assert ds["kappa_max"].isnull().values.ravel().tolist() == failed.tolist()
         assert ds["beta"].isnull().any("u").values.ravel().tolist() == failed.tolist()
@@ -219,11 +221,11 @@ def test_workers_that_cannot_start_are_told_in_one_sentence(tmp_path) -> None:
 
 def test_a_worker_of_other_code_or_without_the_method_is_refused() -> None:
     study = load("fig6")
-    plan.check_worker(study.model_copy(update={"method": "orbit"}), plan.code_version())
+    recipe.check_worker(study.model_copy(update={"method": "orbit"}), recipe.code_version())
     with pytest.raises(InputError, match=r"a worker has the code .*, but the run was started with older"):
-        plan.check_worker(study, "older")
+        recipe.check_worker(study, "older")
     with pytest.raises(InputError, match="a worker has no method 'swirl': install there what is installed here"):
-        plan.check_worker(study.model_copy(update={"method": "swirl"}), plan.code_version())
+        recipe.check_worker(study.model_copy(update={"method": "swirl"}), recipe.code_version())
 
 
 def test_the_cores_that_may_be_used_are_counted() -> None:
@@ -290,7 +292,7 @@ def test_a_file_system_that_is_full_is_told_and_what_is_finished_is_kept(size, w
         pytest.skip("this machine does not let itself mount a tmpfs")
     try:
         runs.study(small, GRID)
-        believing = SMALL + "from workbench.run import shard_folder; shard_folder.free = lambda folder: 10**12\n"
+        believing = SMALL + "from workbench.run import shards; shards.free = lambda folder: 10**12\n"
         done = runs.run(small, "many.toml", "--workers", 1, "--chunk", 16, before=believing)
         assert done.returncode == 2, done.stderr
         assert re.fullmatch(r"workbench: cannot write many\.h5: .*; what is finished is kept, and .*\n", done.stderr)
@@ -333,10 +335,10 @@ def test_of_two_runs_on_one_output_the_second_refuses_until_the_first_is_gone(wh
 
 def test_a_lock_that_its_owner_removed_is_not_held(tmp_path) -> None:
     folder = tmp_path / "x.h5.parts"
-    with shard_folder.locked(folder):
-        shard_folder.clear(folder)
+    with shards.locked(folder):
+        shards.clear(folder)
         assert not folder.exists()
-        with shard_folder.locked(folder):  # a new one
+        with shards.locked(folder):  # a new one
             assert folder.exists()
 
 
@@ -346,7 +348,7 @@ def test_a_lock_that_its_owner_removed_is_not_held(tmp_path) -> None:
 def test_a_line_now_and_then_where_nobody_watches_and_json_for_programs(monkeypatch, capsys) -> None:
     monkeypatch.setattr(progress, "EVERY", 0.0)
     for as_json in (False, True):
-        with progress.metered(150, 50, as_json) as meter:
+        with progress.shown(150, 50, as_json) as meter:
             meter.add(48, 0)
             meter.add(48, 2)
     plain, last, *rows = capsys.readouterr().err.splitlines()
@@ -358,6 +360,6 @@ def test_a_line_now_and_then_where_nobody_watches_and_json_for_programs(monkeypa
 
 
 def test_nothing_is_said_of_a_short_run(capsys) -> None:
-    with progress.metered(150, 0, False) as meter:
+    with progress.shown(150, 0, False) as meter:
         meter.add(150, 0)
     assert capsys.readouterr().err == ""

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -16,14 +17,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
 from studies import load
 from studies.loader import loads
 from tests.workbench import runs, small
 from workbench import cli
-from workbench.data import dataset, safe_text, writing
+from workbench.data import escaping, schema, writing
 from workbench.figures import canvas, study_figure
-from workbench.run import existing_output, in_memory
+from workbench.run import in_memory, resume
 from workbench.run.study_store import run_to_file
 from workbench.scene import opengl
 
@@ -424,9 +426,9 @@ COMMANDS = "\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
 
 
 def test_what_commands_a_terminal_is_written_as_python_writes_it() -> None:
-    assert safe_text.line(COMMANDS) == r"\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
-    assert safe_text.lines("é 漢 🙂 β\n\tplain") == "é 漢 🙂 β\n\tplain"
-    packed = safe_text.in_json(json.dumps({"a": COMMANDS, "é": "🙂\n"}, ensure_ascii=False))
+    assert escaping.line(COMMANDS) == r"\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"
+    assert escaping.lines("é 漢 🙂 β\n\tplain") == "é 漢 🙂 β\n\tplain"
+    packed = escaping.in_json(json.dumps({"a": COMMANDS, "é": "🙂\n"}, ensure_ascii=False))
     assert packed.isprintable()
     assert "🙂" in packed
     assert json.loads(packed) == {"a": COMMANDS, "é": "🙂\n"}
@@ -445,12 +447,12 @@ def test_an_output_that_is_there_is_looked_at_with_the_same_care(tmp_path: Path)
     path, other = tmp_path / "many.h5", tmp_path / "other.h5"
     study = load(str(runs.study(tmp_path, runs.grid(2, 2))))
     run_to_file(study, path)
-    assert existing_output.look(path) is not None
+    assert resume.look(path) is not None
     shutil.copy(path, other)
     with h5py.File(path, "a") as file:
         del file["E"]
         file["E"] = h5py.ExternalLink("other.h5", "/E")  # the very same values
-    assert existing_output.look(path) is None
+    assert resume.look(path) is None
 
 
 def test_a_run_into_a_pipe_is_refused_and_waits_for_nobody(tmp_path: Path) -> None:
@@ -492,10 +494,37 @@ def test_a_file_of_a_newer_format_is_refused_with_both_numbers(whole: bytes, tmp
     path = tmp_path / "new.h5"
     path.write_bytes(whole)
     with h5py.File(path, "a") as file:
-        assert file.attrs["format"] == dataset.FORMAT
+        assert file.attrs["format"] == schema.FORMAT
         file.attrs["format"] = 7
-    with pytest.raises(InputError, match=f"is of format 7, but this version reads up to format {dataset.FORMAT}"):
+    with pytest.raises(InputError, match=f"is of format 7, but this version reads format {schema.FORMAT}"):
         writing.read(path)
+
+
+@pytest.mark.parametrize("older", [1, None])
+@pytest.mark.parametrize("name, said", [("small", "STUDY"), ("fig6", "fig6")])
+def test_a_file_of_an_older_format_is_refused_with_the_command_that_makes_it_again(
+    whole: bytes, tmp_path: Path, older: int | None, name: str, said: str
+) -> None:
+    path = tmp_path / "old.h5"
+    path.write_bytes(whole)
+    with h5py.File(path, "a") as file:
+        del file.attrs["format"], file["solved"]
+        file.attrs["study_name"] = name
+        if older is not None:
+            file.attrs["format"] = older
+    again = f"make it again with: workbench run {said} --out {path}"
+    with pytest.raises(InputError, match=re.escape(f"is of format 1, but this version reads format 2; {again}")):
+        writing.read(path)
+
+
+def test_a_run_makes_a_file_of_an_older_format_again(tmp_path: Path) -> None:
+    path = tmp_path / "small.h5"
+    study = small.study(AXES.format("[1e4]"), HEAD)
+    run_to_file(study, path)
+    with h5py.File(path, "a") as file:
+        file.attrs["format"] = 1
+    assert run_to_file(study, path).solved == 3
+    assert writing.read(path).attrs["format"] == schema.FORMAT
 
 
 ATTRIBUTES = ("study", "reading", "tolerance", "method", "stiffness", "length_unit", "side")

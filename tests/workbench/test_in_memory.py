@@ -47,13 +47,13 @@ def test_everything_has_a_unit_and_a_long_name() -> None:
     for name, variable in ds.variables.items():
         assert {"units", "long_name"} <= set(variable.attrs), name
     assert ds["E"].attrs["units"] == "N/cm^2"
-    assert ds["F1"].attrs["units"] == "N"
+    assert ds["F1_along"].attrs["units"] == "N"
     assert ds["turns"].attrs["units"] == "1"
 
 
 def test_only_what_was_asked_for_is_stored() -> None:
     ds = in_memory.run(small.study(head='observables = ["wraps"]\noutputs = ["z"]'))
-    always = {"outcome", "caution", "error", "condition", "R", "a", "L", "rho", "E", "nu", "FZ", "MZ", "M3"}
+    always = {"solved", "outcome", "caution", "error", "condition", "R", "a", "L", "rho", "E", "nu", "FZ", "MZ", "M3"}
     assert set(ds.data_vars) == {"wraps", "wraps_error", "z"} | always
 
 
@@ -73,15 +73,44 @@ def test_arc_length_is_shared_unless_the_length_varies() -> None:
     assert varied["s"][:, -1].values.tolist() == [10.0, 20.0]
 
 
-def test_an_output_with_the_name_of_an_axis_is_kept_beside_it() -> None:
-    ds = in_memory.run(small.study("[axes.beta]\nvalues = [15, 30]\nunit = 'deg'"))
-    np.testing.assert_allclose(ds["beta"], np.deg2rad([15, 30]), rtol=1e-15)  # rounding
-    assert ds["beta"].attrs["long_name"].startswith("angle from the axis at the start")
-    assert ds["beta_along"].dims == ("beta", "u")
+START = """
+title = "by fields"
+stations = 5
+outputs = ["alpha", "gamma"]
+[units]
+length = "cm"
+force = "N"
+[base]
+E = 1e4
+nu = 0.25
+a = 0.25
+L = 5.0
+R = 0.75
+beta = 0.5
+dbeta = 0.2
+M3 = 1.0
+"""
+
+
+def test_a_dimension_is_named_like_its_quantity_and_a_curve_keeps_its_name() -> None:
+    curves = 'outputs = ["beta", "dbeta", "alpha", "gamma", "F1", "F3"]\n'
+    plain = in_memory.run(small.study(head=curves))
+    stored = {"beta", "dbeta", "alpha", "gamma", "F1_along", "F3_along"}
+    assert stored <= set(plain.data_vars)
+    for field, name, values in (("beta", "beta0", [0.25, 0.5]), ("dbeta", "dbeta0", [0.1, 0.5]),
+                                ("F1", "F1", [2.0, 5.0]), ("E", "E", [1e4, 2e4])):  # fmt: skip
+        ds = in_memory.run(small.study(f"[axes.{field}]\nvalues = {values}", curves))
+        assert ds["outcome"].dims == (name,)
+        assert ds[name].values.tolist() == values
+        assert {str(key): ds[key].dims for key in stored} == dict.fromkeys(stored, (name, "u"))
+    fixed = small.study("[axes.beta]\nvalues = [15, 30]\nunit = 'deg'")
+    ds = in_memory.run(fixed)
+    assert ds["beta0"].attrs["long_name"].startswith("angle from the axis at the start")
     # The shape starts where it is told, but for the rounding of the map to an orbit.
-    np.testing.assert_allclose(ds["beta_along"][:, 0], ds["beta"], rtol=1e-12)
-    assert dataset.along(ds, "beta").name == "beta_along"
-    assert dataset.along(ds, "alpha").name == "alpha"
+    np.testing.assert_allclose(ds["beta"][:, 0], ds["beta0"], rtol=1e-12)
+    turned = in_memory.run(loads(START + "[axes.alpha]\nvalues = [0.1, 0.2]\n[axes.gamma]\nvalues = [0.3, 0.4]\n"))
+    assert turned["alpha"].dims == ("alpha0", "gamma0", "u")
+    np.testing.assert_allclose(turned["alpha"][:, 0, 0], [0.1, 0.2], rtol=1e-12)
 
 
 def test_an_axis_says_what_the_reading_makes_of_it() -> None:

@@ -23,6 +23,7 @@ from matplotlib import image
 
 from solver.problem.errors import InputError
 from studies import READINGS, load, names
+from tests.workbench import small
 from tests.workbench.pictures import share_of_hue
 from workbench.data import labels, law_verdicts, writing
 from workbench.figures import style
@@ -353,7 +354,7 @@ def test_without_the_extra_the_still_picture_stays_and_the_report_says_so(result
 
 def test_a_rod_without_a_shape_does_not_turn(results) -> None:
     (one,) = [result for result in results if result.study.name == "fig6"]
-    ds = one.ds.assign(outcome=one.ds["outcome"].copy(data=np.array("failed: for the test")))
+    ds = small.with_outcomes(one.ds, "failed: for the test")
     if find_spec("trame_vtk"):
         with pytest.raises(InputError, match="failed: for the test"):
             interactive_view.view(ds)

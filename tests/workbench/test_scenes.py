@@ -14,9 +14,10 @@ from solver.mechanics import frames
 from solver.problem.errors import InputError
 from studies import load
 from studies.loader import loads
+from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench.commands import at_option, scene
-from workbench.data import case_selection, writing
+from workbench.data import selection, writing
 from workbench.figures import style
 from workbench.geometry import refinement, tube
 from workbench.geometry.centreline import Centreline
@@ -94,7 +95,7 @@ def test_the_tube_is_closed_and_its_faces_look_outward(fig6) -> None:
 
 def test_a_study_that_varies_the_angle_is_drawn_with_its_stored_tangents() -> None:
     ds = in_memory.run(load("fig7_3_start_angle"))
-    first, last = (body(ds, beta=i).line.at(np.zeros(1))[1] for i in (0, 8))
+    first, last = (body(ds, beta0=i).line.at(np.zeros(1))[1] for i in (0, 8))
     assert np.rad2deg(np.concatenate([first, last])) == pytest.approx([15, 60])
 
 
@@ -198,7 +199,7 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
     ramp = style.RAMP if shown else None
     rod = replace(rod, paint=colours.Paint(ramp=ramp, low=low_high[0], high=low_high[1]))
     rod.surface(rod.rings(0.01, 0.0))
-    assert opened <= KINDS[kind].reads | {"outcome", "caution", "dbeta"}
+    assert opened <= KINDS[kind].reads | {"solved", "outcome", "caution", "dbeta"}
     assert set(counted) == shown
 
 
@@ -236,20 +237,21 @@ def test_lift_off_is_told_from_every_push_whatever_the_eyes(eyes: str) -> None:
 
 def test_a_row_runs_along_its_axis_with_the_others_at_table_1() -> None:
     ds = in_memory.run(load("fig7_5_forces"))
-    cases = case_selection.line(ds, "F1")
+    cases = selection.line(ds, "F1")
     assert [case["F1"] for case in cases] == list(range(9))
     assert float(ds["F3"][cases[0]["F3"]]) == pytest.approx(10.0)
-    assert [case["F3"] for case in case_selection.line(ds, "F3", {"F1": 10.0})] == list(range(9))
-    assert {case["F1"] for case in case_selection.line(ds, "F3", {"F1": 10.0})} == {8}
+    assert [case["F3"] for case in selection.line(ds, "F3", {"F1": 10.0})] == list(range(9))
+    assert {case["F1"] for case in selection.line(ds, "F3", {"F1": 10.0})} == {8}
 
 
 def test_an_axis_or_value_that_is_not_there_is_answered_with_what_is() -> None:
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n")
     with pytest.raises(InputError, match=r"'R'.*E"):
-        case_selection.case(ds, {"R": 1.0})
+        selection.case(ds, {"R": 1.0})
     with pytest.raises(InputError, match="its values are 10000, 20000"):
-        case_selection.case(ds, {"E": 3e4})
-    assert case_selection.case(ds, {"E": 1.9e4}) == {"E": 1}
+        selection.case(ds, {"E": 3e4})
+    with pytest.raises(InputError, match="E = 19000 is not on the axis; its values are 10000, 20000"):
+        selection.case(ds, {"E": 1.9e4})
 
 
 def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
@@ -261,7 +263,7 @@ def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
 
 def test_at_most_so_many_are_chosen_and_both_ends_among_them() -> None:
     cases = [{"E": i} for i in range(200)]
-    chosen = [case["E"] for case in case_selection.spread(cases, 9)]
+    chosen = [case["E"] for case in selection.spread(cases, 9)]
     assert len(chosen) == 9
     assert (chosen[0], chosen[-1]) == (0, 199)
     assert np.ptp(np.diff(chosen)) <= 1
@@ -343,13 +345,13 @@ def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
     from workbench.scene import layout
 
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4, 3e4]\n")
-    ds["outcome"] = ("E", ["solved", "no solution", "solved"])
+    ds = small.with_outcomes(ds, ["solved", "no solution", "solved"])
     ds["alpha"][1] = np.nan
     picture = pixels(layout.render_row(ds, tmp_path / "row.png", "E"))
     assert share_of_hue(picture, style.LIFTED) > 0.01
     with pytest.raises(InputError, match="nothing to draw at E = 20000 N/cm²: no solution"):
         layout.render(ds, tmp_path / "one.png", {"E": 2e4})
-    ds["outcome"] = ("E", ["no solution"] * 3)
+    ds = small.with_outcomes(ds, ["no solution"] * 3)
     assert share_of_ink(pixels(layout.render_row(ds, tmp_path / "none.png", "E"))) > 0.001
 
 

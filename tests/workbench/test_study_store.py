@@ -17,8 +17,8 @@ from solver import InputError, solve
 from studies import load
 from studies.model import OUTPUTS
 from tests.workbench import runs
-from workbench.data import dataset, grid_io
-from workbench.run import assembly, block_solver, in_memory, plan, shard_folder, study_store
+from workbench.data import grid_io, schema
+from workbench.run import assembly, block, in_memory, recipe, shards, study_store
 from workbench.run.study_store import Options, run_to_file
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
@@ -28,7 +28,7 @@ GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
 def small_blocks() -> Iterator[None]:
     """Fewer cases a block than by default: many blocks in no time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plan, "BLOCK", 64)
+        patch.setattr("workbench.run.plan.BLOCK", 64)
         yield
 
 
@@ -50,19 +50,19 @@ def kept(path: Path, monkeypatch) -> Path:
         patch.setattr(assembly, "assemble", stopped)
         with pytest.raises(KeyboardInterrupt):
             run_to_file(load(path), path.with_suffix(".h5"), Options(workers=1, chunk=64))
-    return shard_folder.folder_of(path.with_suffix(".h5"))
+    return shards.folder_of(path.with_suffix(".h5"))
 
 
 def counted(monkeypatch) -> list[int]:
     """How many cases each block has that is solved from now on."""
     found: list[int] = []
-    block_of = block_solver.block_of
+    block_of = block.block_of
 
-    def counting(study: Any, part: block_solver.Chunk) -> block_solver.Columns:
+    def counting(study: Any, part: block.Chunk) -> block.Columns:
         found.append(part.cases)
         return block_of(study, part)
 
-    monkeypatch.setattr(block_solver, "block_of", counting)
+    monkeypatch.setattr(block, "block_of", counting)
     return found
 
 
@@ -120,7 +120,7 @@ class Watched:
 def test_nothing_is_computed_along_the_rod_but_the_outputs(outputs, computed, monkeypatch) -> None:
     study = load("fig7_1_modulus").model_copy(update={"outputs": outputs, "observables": [], "laws": []})
     read: set[str] = set()
-    monkeypatch.setattr(block_solver, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
+    monkeypatch.setattr(block, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
     ds = in_memory.run(study)
     assert read & set(OUTPUTS) == computed
     assert set(ds.data_vars) & set(OUTPUTS) == computed
@@ -171,7 +171,7 @@ DAMAGE = {
     "a byte flipped in the middle": lambda content: _flipped(content, len(content) // 2),
     "a byte flipped in the digest": lambda content: _flipped(content, 3),
     "the last bit flipped": lambda content: _flipped(content, len(content) - 1),
-    "another shard's": lambda content: block_solver.encode({"outcome": np.array(["solved"])}),
+    "another shard's": lambda content: shards.encode({"outcome": np.array(["solved"])}),
 }
 
 
@@ -236,7 +236,7 @@ def test_shards_of_other_code_or_a_newer_format_are_refused(tmp_path, monkeypatc
     text = manifest.read_text()
     for old, new, sentence in (
         (f'"numpy": "{np.__version__}"', '"numpy": "1.0"', f"numpy was 1.0, now {np.__version__}"),
-        (plan.code_version(), "0.0.1+abc", r"code was 0\.0\.1\+abc, now"),
+        (recipe.code_version(), "0.0.1+abc", r"code was 0\.0\.1\+abc, now"),
         ('"format": 1', '"format": 2', "is of format 2, but this version reads up to format 1"),
         ('"format": 1', '"form": 1', "is damaged; --restart drops"),
         (text, "{", "is damaged; --restart drops"),
@@ -254,16 +254,16 @@ def test_a_file_of_a_newer_version_is_not_replaced(tmp_path) -> None:
     path = runs.study(tmp_path, runs.grid(2, 3))
     run_to_file(load(path), tmp_path / "many.h5")
     with h5py.File(tmp_path / "many.h5", "a") as file:
-        file.attrs["format"] = dataset.FORMAT + 1
+        file.attrs["format"] = schema.FORMAT + 1
     before = (tmp_path / "many.h5").read_bytes()
-    with pytest.raises(InputError, match="is of format 2, but this version reads up to format 1"):
+    with pytest.raises(InputError, match="is of format 3, but this version reads format 2"):
         run_to_file(load(path), tmp_path / "many.h5")
     assert (tmp_path / "many.h5").read_bytes() == before
 
 
 def test_a_study_that_does_not_fit_the_disk_is_refused_with_both_numbers(tmp_path, monkeypatch) -> None:
     path = runs.study(tmp_path, runs.grid(100, 1000))
-    monkeypatch.setattr(shard_folder, "free", lambda folder: 10_000_000)
+    monkeypatch.setattr(shards, "free", lambda folder: 10_000_000)
     needed = r"needs up to 40\.1 MB for the file and 35\.2 MB for its parts until it is whole, but .* has 10 MB left"
     with pytest.raises(InputError, match=needed):
         run_to_file(load(path), tmp_path / "many.h5")
@@ -288,10 +288,10 @@ def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path)
 
 
 def test_outcomes_are_counted_without_their_numbers() -> None:
-    assert block_solver.kind_of("solved; condition 1.0e+02 costs digits: error 1.7e-08") == (
+    assert block.kind_of("solved; condition 1.0e+02 costs digits: error 1.7e-08") == (
         "solved; condition ... costs digits: error ..."
     )
-    assert block_solver.kind_of("solved") == "solved"
+    assert block.kind_of("solved") == "solved"
 
 
 # growing
@@ -353,7 +353,7 @@ def test_a_grown_study_that_was_stopped_goes_on(half, monkeypatch) -> None:
 
 def test_a_study_does_not_grow_with_other_code(half, monkeypatch) -> None:
     runs.study(half.parent, {"E": [1e4, 2e4, 3e4], "F1": FORCES.tolist()})
-    monkeypatch.setattr(plan, "code_version", lambda: "0.2.0+new")
+    monkeypatch.setattr(recipe, "code_version", lambda: "0.2.0+new")
     with pytest.raises(InputError, match=r"holds part of this study, but code was .*, now 0\.2\.0\+new; --restart"):
         run_to_file(load(half), half.with_suffix(".h5"))
 

@@ -8,9 +8,9 @@ from typer.testing import CliRunner
 
 from tests.workbench import small
 from workbench import cli
-from workbench.commands import summary
+from workbench.commands.summary import summarise
 from workbench.data import concatenation, writing
-from workbench.run import in_memory
+from workbench.run import in_memory, summary
 
 AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
@@ -20,8 +20,7 @@ LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection 
 def file(tmp_path):
     """A file of six cases, one of them unsolved and one with a large error."""
     ds = in_memory.run(small.study(AXES + LAW, 'observables = ["wraps"]\noutputs = ["beta", "z"]'))
-    ds["outcome"] = ds["outcome"].astype(object)
-    ds["outcome"][0, 1] = "failed: on purpose"
+    ds = small.with_outcomes(ds, ["solved", "failed: on purpose", *["solved"] * 4])
     for name in ("wraps", "kappa_max"):
         ds[name][0, 1] = np.nan
     ds["error"][1, 2] = 0.5
@@ -68,7 +67,8 @@ def test_blocks_cover_an_array_once_and_in_order(shape: tuple[int, ...], most: i
 
 def test_many_kinds_of_failure_are_told_together(file, tmp_path, monkeypatch) -> None:
     _, ds = file
-    ds["outcome"][:] = [["solved", "failed: 1", "failed: 2"], ["failed: 3", "failed: 1", "solved, barely"]]
+    words = ["solved", "failed: 1", "failed: 2", "failed: 3", "failed: 1", "solved, barely"]
+    ds = small.with_outcomes(ds, words)
     monkeypatch.setattr(summary, "DISTINCT", 2)
     told = summary.summary(writing.write(ds, tmp_path / "many.h5"))
     assert told["unsolved"] == 4
@@ -89,9 +89,9 @@ def test_the_command_prints_it_for_people_and_for_programs(file) -> None:
 
 def test_what_people_are_shown_has_every_part(file, capsys) -> None:
     path, _ = file
-    assert summary.summarise(path, json=False) == 0
+    assert summarise(path, json=False) == 0
     shown = capsys.readouterr().out
     worst = "largest error: 0.5 at E = 20000, R = 1"
     counts = ("6 cases, 1 unsolved", "1 x failed: on purpose", worst, "kappa_max falls along R")
-    for part in (*counts, "1 law: 1 is not decided", "kappa_max", "N/cm^2", "tolerance 1e-08", "format 1", "numpy"):
+    for part in (*counts, "1 law: 1 is not decided", "kappa_max", "N/cm^2", "tolerance 1e-08", "format 2", "numpy"):
         assert part in shown, part

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import Case, Ends, InputError, solve
 from studies.laws import FAILS, UNDECIDED
 from studies.loader import loads
 from workbench import cli
 from workbench.commands import study_scene
 from workbench.data import branch_numbers, law_verdicts
-from workbench.run import block_solver, in_memory, merge, plan, sweep_order
-from workbench.run.block_solver import solved
+from workbench.run import block, in_memory, merge, plan, sweep_order
+from workbench.run.block import solved
 from workbench.run.study_store import Options, run_to_file
 from workbench.scene import kinds
 
@@ -150,7 +151,7 @@ def test_a_chunk_is_the_same_alone_as_among_others() -> None:
 
 
 def test_an_interrupted_sweep_goes_on_to_the_same_bits(tmp_path, monkeypatch) -> None:
-    one, usual, count = study(), block_solver.block_of, []
+    one, usual, count = study(), block.block_of, []
 
     def interrupted(study_, part):
         count.append(part.start)
@@ -159,10 +160,10 @@ def test_an_interrupted_sweep_goes_on_to_the_same_bits(tmp_path, monkeypatch) ->
         return usual(study_, part)
 
     run_to_file(one, tmp_path / "one.h5", Options(workers=1))
-    monkeypatch.setattr(block_solver, "block_of", interrupted)
+    monkeypatch.setattr(block, "block_of", interrupted)
     with pytest.raises(KeyboardInterrupt, match="8 of 21 cases are kept"):
         run_to_file(one, tmp_path / "two.h5", Options(workers=1, chunk=8))
-    monkeypatch.setattr(block_solver, "block_of", usual)
+    monkeypatch.setattr(block, "block_of", usual)
     assert run_to_file(one, tmp_path / "two.h5", Options(workers=1)).solved == 13
     assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
 

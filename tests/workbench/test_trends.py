@@ -15,7 +15,7 @@ from studies import load, names
 from studies.reasons import DOES
 from tests.workbench.pictures import pixels, share_of_ink
 from tests.workbench.small import grid, study
-from workbench.data import case_selection, labels, law_verdicts
+from workbench.data import labels, law_verdicts, selection
 from workbench.figures import canvas, single_rod, study_figure, style
 from workbench.figures.developed import developed, stretch
 from workbench.figures.law_panel import panel
@@ -72,7 +72,7 @@ def test_another_ending_is_refused(tmp_path) -> None:
 def test_a_panel_shows_the_stored_numbers(angles) -> None:
     ax = panels(angles)[0]
     drawn = np.vstack([points.get_offsets() for points in ax.collections if len(points.get_offsets()) == 9])
-    np.testing.assert_allclose(drawn[:, 0], np.rad2deg(angles["beta"]))
+    np.testing.assert_allclose(drawn[:, 0], np.rad2deg(angles["beta0"]))
     np.testing.assert_array_equal(drawn[:, 1], angles["turns"])
 
 
@@ -117,11 +117,11 @@ def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:
 
 def test_there_is_no_trend_of_an_observable_that_is_not_stored(angles) -> None:
     with pytest.raises(InputError, match="'bends'"):
-        trend(angles, axes(), "bends", "beta")
+        trend(angles, axes(), "bends", "beta0")
 
 
 def test_unrolled_curves_keep_their_shape_and_do_not_touch(angles) -> None:
-    ax = developed(angles, axes(), "beta")
+    ax = developed(angles, axes(), "beta0")
     assert ax.get_aspect() == 1
     curves = [line for line in ax.lines if len(line.get_xdata()) == angles.sizes["u"]]
     assert len(curves) == 9
@@ -163,7 +163,7 @@ def test_a_push_is_drawn_upward_on_either_side(side: str) -> None:
 def test_where_a_law_decides_is_where_a_picture_is_taken(forces) -> None:
     for row in law_verdicts.verdicts(forces):
         for name, value in row["at"].items():
-            assert float(forces[name][case_selection.case(forces)[name]]) == pytest.approx(value)
+            assert float(forces[name][selection.case(forces)[name]]) == pytest.approx(value)
 
 
 def test_drawing_leaves_no_state_behind(tmp_path) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from studies import load
 from tests.workbench import runs
-from workbench.run import block_solver, plan, worker_processes
+from workbench.run import block, plan, worker_processes
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc, and copies are made on Linux only")
 
@@ -39,10 +39,10 @@ def test_what_workers_are_copies_of_has_read_all_that_a_block_needs(tmp_path) ->
 import sys, workbench.run.preload
 from pathlib import Path
 from studies import load
-from workbench.run import block_solver, plan
+from workbench.run import block, plan
 before = set(sys.modules)
 work = plan.plan(load({str(path)!r}))
-block_solver.solved(work.light, work.chunk(0, 4), work.block)
+block.solved(work.light, work.chunk(0, 4), work.block)
 print("read", *sorted(set(sys.modules) - before))
 """
     assert told(code) == ["read"]
@@ -62,7 +62,7 @@ def test_workers_are_copies_of_one_process_and_solve_what_this_one_would(tmp_pat
             worker.give(work.chunk(a, b), 2)
             chunk, results = worker.take()
             assert (chunk.start, chunk.stop) == (a, b)
-            assert results == block_solver.solved(work.light, work.chunk(a, b), 2)
+            assert results == block.solved(work.light, work.chunk(a, b), 2)
     finally:
         for worker in workers:
             worker.stop()
@@ -74,7 +74,7 @@ def test_a_worker_whose_model_ends_is_told_in_one_sentence_and_not_taken_for_an_
     code = """
 from solver import InputError
 from workbench.run import worker_processes
-worker_processes._READ_FIRST = "deadly"
+worker_processes.PRELOAD = "deadly"
 try:
     worker_processes.Worker(None)
 except InputError as error:
@@ -82,7 +82,7 @@ except InputError as error:
 """
     path = os.pathsep.join([str(tmp_path), str(runs.ROOT)])
     assert told(code, PYTHONPATH=path) == [
-        "a_worker_process_cannot_start:_the_process_that_it_would_be_a_copy_of_ended"
+        "a_worker_process_cannot_start:_the_process_from_which_it_is_forked_has_ended"
     ]
 
 
@@ -91,9 +91,9 @@ def test_a_process_that_keeps_memory_does_not_fetch_it_anew_for_every_array() ->
     code = """
 import resource
 import numpy as np
-from workbench.run import allocator
+from workbench.run import memory
 if {keep}:
-    allocator.keep()
+    memory.keep()
 def faults():
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt
 np.ones(2**20)

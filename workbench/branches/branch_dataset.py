@@ -16,7 +16,7 @@ from studies.axes import quantity_of
 from studies.laws import QUALIFIED, Law, decide
 
 from ..commands.own_case import with_fields
-from ..data import dataset, labels
+from ..data import labels, schema
 from ..figures.equilibria import attributes, with_case
 from .folds import place
 from .tracking import joined
@@ -48,18 +48,20 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Callable[[str]
             for key, value in observe(one.solution, wanted).items():
                 table[key][k, i] = value
     dims = (name, "member")
-    data: dict[str, Any] = {key: xr.Variable(dims, v, dataset.labels(key, units)) for key, v in table.items()}
+    data: dict[str, Any] = {key: xr.Variable(dims, v, schema.labels(key, units)) for key, v in table.items()}
     data["branch"] = xr.Variable(dims, _padded(branch, most), {"long_name": "number of the branch, -1 for none"})
     outcome = [[str(f[i].solution.outcome) if i < len(f) else "" for i in range(most)] for f in found]
+    solved = [[i < len(f) and bool(f[i].solution.solved) for i in range(most)] for f in found]
+    data["solved"] = xr.Variable(dims, np.array(solved, dtype=bool).reshape(len(found), most))
     data["outcome"] = xr.Variable(dims, np.array(outcome, dtype=str).reshape(len(found), most))
     folded = [place(at, meet) for meet in meets]
     for i, (key, row) in enumerate((("fold", name), ("fold_dbeta0", "dbeta0"), ("fold_energy", "energy"))):
-        labels = dataset.labels(quantity_of(row).name, units)
+        labels = schema.labels(quantity_of(row).name, units)
         labels["long_name"] += " where two equilibria meet and cease to exist"
         data[key] = xr.Variable(("fold",), np.array([f[i] for f in folded], dtype=float), labels)
     numbers = np.array([[branch[m.k][m.i], branch[m.k][m.j]] for m in meets], dtype=np.int64).reshape(-1, 2)
     data["fold_branches"] = xr.Variable(("fold", "two"), numbers, {"long_name": "the two branches that meet"})
-    ds = xr.Dataset(data, {name: xr.Variable((name,), values, dataset.labels(quantity_of(name).name, units))})
+    ds = xr.Dataset(data, {name: xr.Variable((name,), values, schema.labels(quantity_of(name).name, units))})
     ds.attrs = attributes(study, case, f"All equilibria over {quantity_of(name).symbol}")
     ds.attrs["branches"] = json.dumps(_rows(ds, name, laws))
     return with_case(ds, case, units, skip=name)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from solver.problem.errors import InputError, choices
 
-from ..data import dataset, writing
+from ..data import schema, writing
 from ..scene import film, opengl
 from . import at_option, console, output_file
 
@@ -17,7 +17,7 @@ def animate_file(
 ) -> int:  # fmt: skip
     """Write the film of a stored dataset; 0, or 1 where this machine cannot draw. Raises `InputError`."""
     ds = writing.read(file)
-    axes = dataset.axes_of(ds)
+    axes = schema.axes_of(ds)
     if not axes:
         raise InputError(f"{file} has one case and no axis, so nothing changes from frame to frame")
     if axis is None and len(axes) > 1:

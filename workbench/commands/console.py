@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from ..data import safe_text
+from ..data import escaping
 
 # A pipe or a file has no width of its own: wide enough that no row of a table is broken.
 out = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 200)
@@ -25,12 +25,12 @@ COLOURS = {  # verdict -> colour
 
 def say(text: str) -> None:
     """Lines for people, on stdout; what could command the terminal is escaped, as a file's text may be anyone's."""
-    out.print(safe_text.lines(text), markup=False)
+    out.print(escaping.lines(text), markup=False)
 
 
 def warn(sentence: str) -> None:
     """One sentence on stderr, of what does not hold or cannot be done."""
-    err.print(f"workbench: {safe_text.line(sentence)}", markup=False)
+    err.print(f"workbench: {escaping.line(sentence)}", markup=False)
 
 
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str | None = None) -> None:
@@ -44,14 +44,14 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: st
 def _cell(value: Any) -> Any:
     from rich.text import Text
 
-    text = f"{value:.6g}" if isinstance(value, float) else safe_text.line(str(value))
+    text = f"{value:.6g}" if isinstance(value, float) else escaping.line(str(value))
     word = next((word for word in sorted(COLOURS, key=len, reverse=True) if text.startswith(word)), None)
     return Text(text, style=COLOURS[word] if word else "")
 
 
 def print_json(data: Any) -> None:
     """The data as JSON; what is not a finite number is null."""
-    print(safe_text.in_json(json.dumps(finite(data), indent=2, ensure_ascii=False)))
+    print(escaping.in_json(json.dumps(finite(data), indent=2, ensure_ascii=False)))
 
 
 def finite(data: Any) -> Any:
@@ -96,4 +96,4 @@ def stopped(error: BaseException, done: str, files: Sequence[Path]) -> None:
 
 def say_aside(text: str) -> None:
     """A line on stderr, beside what a program may read."""
-    print(f"workbench: {safe_text.line(text)}", file=sys.stderr, flush=True)
+    print(f"workbench: {escaping.line(text)}", file=sys.stderr, flush=True)

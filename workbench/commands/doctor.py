@@ -12,7 +12,7 @@ from typing import Any
 
 from solver.problem.errors import InputError
 
-from ..data import dataset
+from ..data import dataset, schema
 from . import console
 
 APT = "apt-get install"
@@ -47,8 +47,7 @@ def _hdf5() -> dict[str, Any]:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "doctor.h5"
             ds = xr.Dataset({"x": ("u", np.arange(1000.0))})
-            packed = {"zlib": True, "complevel": 1, "shuffle": True}
-            ds.to_netcdf(path, engine="h5netcdf", encoding={"x": packed})
+            ds.to_netcdf(path, engine="h5netcdf", encoding={"x": schema.PACKED})
             works = xr.load_dataset(path, engine="h5netcdf").identical(ds)
     except (OSError, ValueError) as error:
         return _finding("HDF5", False, f"storing failed: {error}")

@@ -15,7 +15,6 @@ from ..run.in_memory import StudyResult
 from ..web.report import readings_table
 from . import console
 
-QUIET = study_store.Options(quiet=True)  # the bar of all studies is shown
 DEFAULT_STUDIES = "fig"  # the shipped studies whose names begin so are figures of the paper
 
 
@@ -43,7 +42,7 @@ def reproduce(out: Path, reading: str | None) -> int:
         for study in studies:
             step(f"solving {study.name}")
             try:
-                study_store.run_to_file(study, files[study.name], QUIET)
+                study_store.run_to_file(study, files[study.name])
             except InputError as error:  # a panel that this reading does not admit leaves the others alone
                 refusals.append(f"{study.title}: {error}")
                 step("")

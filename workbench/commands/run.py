@@ -1,6 +1,7 @@
 """The commands list, run and check."""
 
 from collections import Counter
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,12 +12,12 @@ from studies import load, names
 from studies.axes import Axis, quantity_of
 
 from ..data import branch_numbers, cautions, law_verdicts
-from ..run import allocator
-from ..run.block_solver import kind_of
-from ..run.existing_output import look
+from ..run import memory
+from ..run.block import kind_of
 from ..run.fidelity import fidelity
+from ..run.resume import look
 from ..run.study_store import DEFAULT, Options, Ran, run_to_file
-from . import console
+from . import console, progress
 
 if TYPE_CHECKING:  # a finished study is answered without it
     import xarray as xr
@@ -61,6 +62,7 @@ def run_study(
     level: str | None = None,
     stations: int | None = None,
     options: Options = DEFAULT,
+    json: bool = False,
 ) -> int:
     """Run a study, store it and print its verdicts; the exit status is that of `check.status`.
 
@@ -75,10 +77,11 @@ def run_study(
     asked = {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}
     study = study.model_copy(update=asked)
     _check_free(path, study.name, force)
-    allocator.keep()
-    ran = run_to_file(study, path, options, say=(lambda text: None) if options.as_json else console.say)
+    memory.keep()
+    say = (lambda text: None) if json else console.say
+    ran = run_to_file(study, path, options, say, partial(progress.shown, as_json=json))
     told = {"title": study.title, "study": study.name, "reading": study.reading or "", "file": str(path)}
-    return _print({**told, **ran.told}, options.as_json, ran)
+    return _print({**told, **ran.told}, json, ran)
 
 
 def _check_free(path: Path, name: str, force: bool) -> None:
@@ -104,8 +107,7 @@ def _told_of(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
     """What is said of a dataset, from its numbers."""
     from ..data import law_verdicts
 
-    texts = ["outcome", *(["caution"] if "caution" in ds else [])]
-    outcomes, *caution = ([str(text) for text in np.ravel(ds[name].values)] for name in texts)
+    outcomes, caution = ([str(text) for text in np.ravel(ds[name].values)] for name in ("outcome", "caution"))
     counts = branch_numbers.counted(ds["branch"].values) if "branch" in ds else None
     return {
         "title": ds.attrs["title"],
@@ -114,8 +116,9 @@ def _told_of(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
         "branches": branch_numbers.sentence(counts) if counts else "",
         "reading": ds.attrs["reading"],
         "file": str(path),
+        "unsolved": law_verdicts.unsolved(ds),
         "outcomes": Counter(map(kind_of, outcomes)),
-        "cautions": Counter(*caution),
+        "cautions": Counter(caution),
         "laws": law_verdicts.verdicts(ds),
     }
 
@@ -132,8 +135,7 @@ def verdict_rows(verdicts: list[dict[str, Any]]) -> list[list[str]]:
 
 def _print(told: dict[str, Any], as_json: bool, ran: Ran | None = None) -> int:
     """Print what is in a file and, after a run, what that did; the exit status is that of `check.status`."""
-    outcomes, cases = told["outcomes"], sum(told["outcomes"].values())
-    unsolved = sum(count for text, count in outcomes.items() if not text.startswith("solved"))
+    outcomes, cases, unsolved = told["outcomes"], sum(told["outcomes"].values()), told["unsolved"]
     status = law_verdicts.status(unsolved, told["laws"])
     caution = cautions.told(told["cautions"])
     if as_json:

@@ -7,7 +7,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from ..data import case_selection, dataset, reading, writing
+from ..data import reading, schema, selection, writing
 from ..scene import kinds, opengl
 from . import at_option, console, output_file, study_scene
 
@@ -33,9 +33,9 @@ def scene_file(
         file = Path(f"{study.name}.h5")
     else:
         ds = _read(file)
-    found = kinds.kind_of(kind or ("equilibria" if dataset.axes_of(ds) == ["equilibrium"] else "contact"))
+    found = kinds.kind_of(kind or ("equilibria" if schema.axes_of(ds) == ["equilibrium"] else "contact"))
     where = at_option.values(ds, at)
-    case = [f"{name}={at_option.written(ds[name], value)}" for name, value in where.items()]
+    case = [f"{name}={selection.written(name, value)}" for name, value in where.items()]
     named = [] if found.name in ("contact", "equilibria") else [found.name, *(axes or [])]
     default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
     path = output_file.check(out or default, SUFFIXES, force)
@@ -52,12 +52,12 @@ def scene_file(
         return layout.render(ds, path, where or None, found.name, axes or [], along, settings)
 
     if found.cells == "one":  # the case is named also where --at was not given
-        indices = case_selection.case(ds, where).items()
-        case = [f"{name}={at_option.written(ds[name], float(ds[name].values[i]))}" for name, i in indices]
+        indices = selection.case(ds, where).items()
+        case = [f"{name}={selection.written(name, float(ds[name].values[i]))}" for name, i in indices]
     if study is None:
         picture, stations = draw(ds, False), ds.sizes["u"]
     else:
-        shown = axes or ([] if found.cells == "one" else dataset.axes_of(ds)[:1])
+        shown = axes or ([] if found.cells == "one" else schema.axes_of(ds)[:1])
         needed = study_scene.needed_cases(study, ds, found, where, [*shown, along or ""])
         picture, stations = study_scene.at_needed_stations(needed, draw)
     solved = f", solved at {stations} stations" if study else ""
@@ -83,7 +83,7 @@ def _read(file: Path) -> xr.Dataset:
         return writing.read(file)
     except InputError:
         with reading.raw(file) as ds:
-            other = ds.attrs.get("study_name") != "equilibria" or "equilibrium" not in ds.dims or "outcome" not in ds
+            other = ds.attrs.get("study_name") != "equilibria" or "equilibrium" not in ds.dims or "solved" not in ds
         if other:
             raise
     return writing.read(file, study=False)

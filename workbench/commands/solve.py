@@ -16,7 +16,7 @@ from studies.axes import FORCES, LENGTHS, Which, quantity_of
 from studies.readings import DEFAULT, parse
 
 from ..data import cautions
-from ..run.block_solver import solve_one
+from ..run.block import solve_one
 from ..run.fidelity import Fidelity, fidelity
 from . import console
 from .own_case import own_case, with_fields

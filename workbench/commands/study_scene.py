@@ -4,7 +4,6 @@ The rods are solved at a few stations, and the camera is set up; where its pixel
 solved again at as many. The result is a dataset like any other, and is drawn like any other.
 """
 
-import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +15,7 @@ from studies import Study, load
 from studies.axes import Axis
 from studies.model import MAX_STATIONS, OUTPUTS
 
-from ..data import case_selection
+from ..data import schema, selection
 from ..run import in_memory
 from ..run.plan import plan
 from ..scene.kinds import Kind
@@ -46,8 +45,7 @@ def two_stations(file: Path) -> tuple[Study, xr.Dataset]:
             "workbench run, and draw the file"
         )
     ds = in_memory.run(_with_outputs(study, ()).at_stations(2))
-    laws = json.dumps([law.model_dump() for law in study.laws])  # they fix where an axis is held
-    return study, ds.assign_attrs(laws=laws)
+    return study, ds.assign_attrs(laws=schema.laws_text(study))  # they fix where an axis is held
 
 
 def needed_cases(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: Sequence[str]) -> Study:
@@ -58,10 +56,10 @@ def needed_cases(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float],
     lean = _with_outputs(study, kind.reads | {"dbeta"})
     if study.follow is not None:
         return lean
-    where = case_selection.case(ds, at)
+    where = selection.case(ds, at)
     axes = {
-        name: axis if name in shown else Axis.model_validate({"values": [float(ds[name].values[where[name]])]})
-        for name, axis in study.axes.items()
+        name: axis if {name, dim} & {*shown} else Axis.model_validate({"values": [float(ds[dim].values[where[dim]])]})
+        for (name, axis), dim in zip(study.axes.items(), schema.axes_of(ds), strict=True)
     }
     part = lean.model_copy(update={"axes": axes})
     return part.part_of(plan(study).spine) if study.sweeps else part

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
 
-from . import file_checks
+from . import file_checks, schema
 
 BLOCK = 2**21  # numbers that are held of each file: 16 MB
 
@@ -40,12 +40,15 @@ class Joined:
     @property
     def is_text(self) -> bool:
         """Whether it holds text and no numbers."""
-        return any(part.dtype.kind not in "iuf" for part in self.parts)
+        return any(part.dtype.kind not in "biuf" for part in self.parts)
 
     @property
     def dtype(self) -> Any:
-        """That of all parts together: whole numbers stay whole where all are."""
-        return h5py.string_dtype() if self.is_text else np.result_type(*(part.dtype for part in self.parts))
+        """That of all parts together: whole numbers stay whole where all are; netCDF has no booleans."""
+        if self.is_text:
+            return h5py.string_dtype()
+        dtype = np.result_type(*(part.dtype for part in self.parts))
+        return np.dtype(np.int8) if dtype.kind == "b" else dtype
 
 
 def unite(axis: str, rows: Sequence[NDArray[np.float64]]) -> Union:
@@ -117,8 +120,8 @@ def _created(file: Any, joined: Joined) -> Any:
     """The variable in the file, labelled and packed as in the first of the files."""
     kind: dict[str, Any] = {"dtype": joined.dtype}
     stored: list[Any] = [part.encoding.get("chunksizes") for part in joined.parts if part.dims == joined.dims]
-    if not joined.is_text and joined.shape:
-        kind |= {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+    if not joined.is_text:
+        kind |= schema.packing(len(joined.shape), joined.dtype)
     if stored and all(stored):
         kind["chunks"] = tuple(min(max(sizes), n) for *sizes, n in zip(*stored, joined.shape, strict=True))
     if not joined.is_text and np.dtype(joined.dtype).kind == "f":
@@ -126,6 +129,8 @@ def _created(file: Any, joined: Joined) -> Any:
     variable = file.create_variable(joined.name, joined.dims, **kind)
     for key, value in joined.parts[0].attrs.items():
         variable.attrs[key] = value
+    if joined.parts[0].dtype.kind == "b":
+        variable.attrs["dtype"] = "bool"
     return variable
 
 

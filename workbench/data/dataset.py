@@ -14,16 +14,13 @@ from numpy.typing import NDArray
 
 from solver import Case
 from solver.observe.sampling import ORBITS
-from solver.problem.quantities import quantity, unit_of
 from studies import Study
 from studies.axes import quantity_of
 
-from ..run.block_solver import LOADS, Columns
-from ..run.plan import FORMAT as FORMAT
 from . import cautions
+from .schema import COMPONENTS, FORMAT, INNER, LOADS, Columns, curve_name, dimension, labels, laws_text
 
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
-INNER = {"position": ("xyz",)}  # dimensions after u, of what is not one number a station
 # How exact the observables are.
 RESOLVED = "the observables are those of the whole rod, taken from its orbit: each has its own error"
 AT_STATIONS = (
@@ -43,16 +40,15 @@ class Stored:
     row: str
 
 
-def stored(study: Study, axes: Sequence[str]) -> list[Stored]:
-    """Every variable that is stored of each case, in order.
-
-    An output along the rod whose name is an axis's is stored as that name and `_along` (see `along`).
-    """
+def stored(study: Study, fields: Sequence[str]) -> list[Stored]:
+    """Every variable that is stored of each case, in order; fields: of the study, that are the axes."""
+    axes = tuple(map(dimension, fields))
     rows = []
     for name in study.outputs:
-        rows.append(Stored(name, f"{name}_along" if name in axes else name, (*axes, "u", *INNER.get(name, ())), name))
+        rows.append(Stored(name, curve_name(name), (*axes, "u", *INNER.get(name, ())), name))
     for name in (
         *study.recorded,
+        "solved",
         "outcome",
         "caution",
         *(["branch"] if study.sweeps else []),
@@ -60,7 +56,7 @@ def stored(study: Study, axes: Sequence[str]) -> list[Stored]:
         "condition",
         *(load for load in LOADS if load not in axes),
     ):
-        rows.append(Stored(name, name, tuple(axes), name))
+        rows.append(Stored(name, name, axes, name))
     return rows
 
 
@@ -80,7 +76,7 @@ def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], columns: 
 
 def frame(study: Study, coordinates: Mapping[str, NDArray[np.float64]], first: str = "") -> xr.Dataset:
     """The dataset without what is stored of each case: coordinates, what varies with its own axis only, attributes."""
-    axes = tuple(coordinates)
+    axes = tuple(map(dimension, coordinates))
     units = study.unit_system
     case = study.case() if study.follow else study.case_of(_open(coordinates))
     data = {}
@@ -90,13 +86,14 @@ def frame(study: Study, coordinates: Mapping[str, NDArray[np.float64]], first: s
             data[name] = xr.Variable(*_own_dims(getattr(owner, name), axes), labels(name, units))
     u = np.linspace(0.0, 1.0, study.stations)
     coords: dict[str, Any] = {
-        name: xr.Variable((name,), values, _axis_labels(study, name)) for name, values in coordinates.items()
+        dimension(field): xr.Variable((dimension(field),), values, _axis_labels(study, field))
+        for field, values in coordinates.items()
     }
     coords["u"] = xr.Variable(("u",), u, labels("u", units))
     dims, length = _own_dims(case.rod.L, axes)
     coords["s"] = xr.Variable((*dims, "u"), length[..., None] * u, labels("s", units))
     if any(name in INNER for name in study.outputs):
-        coords["xyz"] = xr.Variable(("xyz",), ["x", "y", "z"], {"long_name": "component; z is the axis"})
+        coords["xyz"] = xr.Variable(("xyz",), list(COMPONENTS["xyz"]), {"long_name": "component; z is the axis"})
     ds = xr.Dataset(coords=coords, attrs=_attributes(study, case) | ({"equilibria": first} if first else {}))
     return ds.assign(data)  # the axes come first, in order
 
@@ -104,16 +101,6 @@ def frame(study: Study, coordinates: Mapping[str, NDArray[np.float64]], first: s
 def _open(coordinates: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
     """Each axis along its own dimension: together they broadcast to the grid."""
     return dict(zip(coordinates, np.ix_(*coordinates.values()), strict=True))
-
-
-def along(ds: xr.Dataset, name: str) -> xr.DataArray:
-    """An output along the rod, whether or not an axis has taken its name."""
-    return ds[f"{name}_along"] if f"{name}_along" in ds else ds[name]
-
-
-def axes_of(ds: xr.Dataset) -> list[str]:
-    """The study's axes, in order."""
-    return [str(dim) for dim in ds["outcome"].dims]
 
 
 def versions() -> dict[str, str]:
@@ -125,12 +112,6 @@ def versions() -> dict[str, str]:
         except PackageNotFoundError:
             found[package] = "not installed"
     return found
-
-
-def labels(name: str, units: Mapping[str, str]) -> dict[str, str]:
-    """The attributes that a variable of that quantity carries: units, long_name, symbol."""
-    row = quantity(name)
-    return {"units": unit_of(name, units), "long_name": row.long_name, "symbol": row.symbol}
 
 
 def _axis_labels(study: Study, name: str) -> dict[str, str]:
@@ -164,7 +145,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "tolerance": study.tol,
         "method": study.method,
         "observed": RESOLVED if study.method in ORBITS else AT_STATIONS,
-        "laws": json.dumps([law.model_dump() for law in study.laws], ensure_ascii=False),
+        "laws": laws_text(study),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(versions()),
     }

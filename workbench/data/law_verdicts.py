@@ -54,9 +54,8 @@ def laws(ds: "xr.Dataset") -> list[Law]:
 
 
 def unsolved(ds: "xr.Dataset") -> int:
-    """How many cases were not solved."""
-    outcomes = np.atleast_1d(ds["outcome"].values).ravel()
-    return sum(not str(text).startswith("solved") for text in outcomes)
+    """How many cases are not solved."""
+    return int((~ds["solved"].values).sum())
 
 
 def counted(count: int, word: str) -> str:

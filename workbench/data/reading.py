@@ -3,24 +3,24 @@
 import json
 import warnings
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from solver.problem.errors import InputError
+from studies import names
 from studies.laws import Law
-from studies.model import OUTPUTS
 
-from . import safe_text, validity
-from .dataset import FORMAT, INNER
+from . import escaping, value_checks
 from .file_checks import looked_at, refusing, shown
+from .schema import CURVES, FORMAT, INNER
 
 # The attributes that say a dataset is a study's, and those that say how to read it.
 NEEDED = ("title", "study_name", "laws")
 TEXTS = (*NEEDED, "study", "reading", "side", "stiffness", "length_unit", "force_unit", "method", "versions")
 
-WORDS = ("outcome", "caution", "xyz")  # the variables that are text; all others are numbers
+EACH = ("solved", "caution", "error", "condition")  # of every case, beside the outcome
+WORDS = ("outcome", "caution", "xyz")  # the variables that are text; `solved` is boolean, all others are numbers
 SCALED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")  # by which numbers are stored as others
 
 MOST_TEXT = 64_000_000  # bytes of an attribute
@@ -55,7 +55,7 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
     missing = [name for name in NEEDED if name not in ds.attrs]
     if missing or "outcome" not in ds:
         raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
-    _check_format(ds.attrs.get("format", FORMAT), path)
+    _check_format(ds, path)
     for name in TEXTS:
         value = ds.attrs.get(name)
         if not isinstance(value, str) or len(value) > MOST_TEXT:
@@ -69,22 +69,28 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
             raise InputError(f"{path}: a law is about {shown([law.axis, *law.at])}, but the axes are {shown(axes)}")
     for axis in axes:
         _check_axis(ds, axis, path)
-    validity.texts(ds, path)
+    value_checks.texts(ds, path)
     for key, variable in ds.variables.items():
         _check_variable(str(key), variable, axes, path)
-    for name in ("error", "condition"):
+    for name in EACH:
         if name not in ds or list(ds[name].dims) != axes:
             raise InputError(f"{path} has no {name} for each of its cases")
-    validity.fields(ds, path)
-    validity.each(ds, path)
+    value_checks.fields(ds, path)
+    value_checks.each(ds, path)
 
 
-def _check_format(found: Any, path: str | Path) -> None:
-    value = np.asarray(found)
-    if value.size != 1 or value.dtype.kind not in "iu":
-        raise InputError(f"{path}: the attribute format is no whole number, but {shown(found)}")
-    if value.item() > FORMAT:
-        raise InputError(f"{path} is of format {value.item()}, but this version reads up to format {FORMAT}")
+def _check_format(ds: xr.Dataset, path: str | Path) -> None:
+    """Only the format of this version is read; a study is cheap to solve again."""
+    found = np.asarray(ds.attrs.get("format", 1))
+    if found.size != 1 or found.dtype.kind not in "iu":
+        raise InputError(f"{path}: the attribute format is no whole number, but {shown(ds.attrs['format'])}")
+    if found.item() > FORMAT:
+        raise InputError(f"{path} is of format {found.item()}, but this version reads format {FORMAT}")
+    if found.item() < FORMAT:
+        study = str(ds.attrs["study_name"])
+        study = study if study in names() else "STUDY"
+        again = f"make it again with: workbench run {study} --out {path}"
+        raise InputError(f"{path} is of format {found.item()}, but this version reads format {FORMAT}; {again}")
 
 
 def _check_axis(ds: xr.Dataset, name: str, path: str | Path) -> None:
@@ -99,10 +105,9 @@ def _check_axis(ds: xr.Dataset, name: str, path: str | Path) -> None:
 
 
 def _check_variable(name: str, variable: xr.Variable, axes: list[str], path: str | Path) -> None:
-    plain = name.removesuffix("_along")
-    along = (plain in OUTPUTS and name not in axes) or name in ("u", "s")
+    along = name in CURVES or name in ("u", "s")
     known = [*axes, "u", *dict.fromkeys(dim for dims in INNER.values() for dim in dims)]
-    expected = [*axes, "u", *INNER.get(plain, ())]
+    expected = [*axes, "u", *INNER.get(CURVES.get(name, name), ())]
     dims = [str(dim) for dim in variable.dims]
     fits = dims == [dim for dim in known if dim in dims] and (not along or name in ("u", "s") or dims == expected)
     if not fits or (name in ("u", "s") and dims[-1:] != ["u"]):
@@ -114,6 +119,8 @@ def _check_variable(name: str, variable: xr.Variable, axes: list[str], path: str
     if fill.size != 1 or fill.dtype.kind not in "iuf":
         raise InputError(f"{path}: the attribute _FillValue of {shown(name)} is no number")
     wanted, kinds = ("text", "OUST") if name in WORDS else ("numbers", "iuf")
+    if name == "solved":
+        wanted, kinds = "booleans", "b"
     if variable.dtype.kind not in kinds:
         raise InputError(f"{path}: {shown(name)} holds no {wanted}, but {variable.dtype}")
 
@@ -142,7 +149,7 @@ def laws(ds: xr.Dataset, path: str | Path = "the dataset") -> list[Law]:
         raise InputError(f"{path}: the attribute laws is no list of laws in JSON") from None
     for law in found:
         for name, said in law.model_dump().items():
-            if isinstance(said, str) and not safe_text.is_line(said, validity.LINE):
+            if isinstance(said, str) and not escaping.is_line(said, value_checks.LINE):
                 raise InputError(f"{path}: {name} of a law is no line of text, but {shown(said)}")
     return found
 
@@ -153,6 +160,8 @@ def versions(ds: xr.Dataset, path: str | Path = "the dataset") -> dict[str, str]
         found = json.loads(ds.attrs["versions"])
     except (KeyError, ValueError, TypeError, RecursionError):
         found = None
-    if not isinstance(found, dict) or not all(safe_text.is_line(f"{a} {b}", validity.LABEL) for a, b in found.items()):
+    if not isinstance(found, dict) or not all(
+        escaping.is_line(f"{a} {b}", value_checks.LABEL) for a, b in found.items()
+    ):
         raise InputError(f"{path}: the attribute versions is no table in JSON")
     return {str(name): str(number) for name, number in found.items()}

@@ -1,6 +1,5 @@
 """Datasets to and from HDF5 (netCDF4-compatible), written aside and renamed: a half file replaces nothing."""
 
-import contextlib
 import os
 from pathlib import Path
 from typing import Any
@@ -9,7 +8,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from . import file_checks, reading, validity
+from . import atomic, file_checks, reading, schema, value_checks
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
@@ -23,23 +22,9 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
     check_parent(path)
     if not force:
         check_free(path, str(ds.attrs["study_name"]))
-    aside = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        ds.to_netcdf(aside, engine="h5netcdf", encoding=encoding(ds), invalid_netcdf=False)
-        replace(aside, path)
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}") from None
-    finally:
-        with contextlib.suppress(OSError):
-            aside.unlink(missing_ok=True)
-    return path
-
-
-def replace(aside: Path, path: Path) -> None:
-    """Put a file that is whole in the place of another. Raises `OSError`."""
-    _flush(aside)
-    os.replace(aside, path)
-    _flush(path.parent)
+    return atomic.write(
+        path, lambda aside: ds.to_netcdf(aside, engine="h5netcdf", encoding=encoding(ds), invalid_netcdf=False)
+    )
 
 
 def read(path: str | Path, study: bool = True) -> xr.Dataset:
@@ -54,11 +39,11 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
         with file_checks.refusing(path):
             ds.load()
         if not study:
-            validity.texts(ds, path)
-            validity.fields(ds, path)
-        if "outcome" in ds:
-            validity.each(ds, path)
-            validity.curves(ds, path)
+            value_checks.texts(ds, path)
+            value_checks.fields(ds, path)
+        if "solved" in ds:
+            value_checks.each(ds, path)
+            value_checks.curves(ds, path)
         return ds
 
 
@@ -107,15 +92,6 @@ def check_folder(folder: str | Path) -> Path:
 
 
 def encoding(ds: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """gzip 1 and shuffle for arrays of numbers; scalars and text cannot be packed."""
-    packed = {"zlib": True, "complevel": 1, "shuffle": True}
-    return {str(name): packed for name, v in ds.variables.items() if v.ndim and v.dtype.kind in "iuf"}
-
-
-def _flush(path: Path) -> None:
-    """Have the system put a file, or the names in a folder, on the disk."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+    """How each variable is packed."""
+    packed = {str(name): schema.packing(v.ndim, v.dtype) for name, v in ds.variables.items()}
+    return {name: options for name, options in packed.items() if options}

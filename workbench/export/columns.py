@@ -9,7 +9,7 @@ from solver.mechanics import frames, statics
 from solver.mechanics.potential import potential
 from solver.problem.quantities import QUANTITIES, unit_of
 
-from ..data import dataset
+from ..data import schema
 from ..geometry.centreline import Array, Centreline
 from .base import Rod
 
@@ -33,8 +33,8 @@ def columns(rod: Rod) -> list[Column]:
     units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
     one = ds.isel(rod.where)
     known = computed(line)
-    for name in (str(v).removesuffix("_along") for v in one.data_vars):
-        array = dataset.along(one, name)
+    for stored, array in one.data_vars.items():
+        name = schema.CURVES.get(str(stored), str(stored))
         if array.dims == ("u",) and name in QUANTITIES:
             known[name] = np.asarray(array.values, dtype=float)
     order = [*FIRST, *(name for name in known if name not in FIRST)]

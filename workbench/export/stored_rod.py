@@ -1,7 +1,5 @@
 """One stored rod as a file for other programs. Nothing is solved."""
 
-import contextlib
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,7 +10,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError, choices
 
-from ..data import case_selection, writing
+from ..data import atomic, selection, writing
 from ..geometry import centreline, self_contact
 from .base import Options, Rod
 from .formats import FORMATS, format_of
@@ -45,7 +43,7 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
         raise InputError(f"--centreline is for {choices(able)}, got {path.name!r}")
     if options.tolerance is not None and not 0 < options.tolerance < np.inf:
         raise InputError(f"--tolerance must be positive and finite, got {options.tolerance:g}")
-    where = case_selection.case(ds, options.at)
+    where = selection.case(ds, options.at)
     at = {name: float(ds[name].values[i]) for name, i in where.items()}
     rod = Rod(ds, where, centreline.read(ds, where), _title(ds, at), options)
     found = [] if format.body == "curve" or options.centreline else self_contact.findings(rod.line, rod.unit)
@@ -71,15 +69,7 @@ def put(path: Path, work: Callable[[Path], None], force: bool) -> None:
     if path.exists() and not force:
         raise InputError(f"{path} exists; give --force to replace it")
     writing.check_parent(path)
-    aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
-    try:
-        work(aside)
-        writing.replace(aside, path)
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}") from None
-    finally:
-        with contextlib.suppress(OSError):
-            aside.unlink(missing_ok=True)
+    atomic.write(path, work)
 
 
 def _refuse(found: list[self_contact.Finding], options: Options) -> None:

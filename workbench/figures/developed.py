@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from ..data import case_selection, dataset, labels
+from ..data import labels, selection
 from . import style
 
 MOST_CURVES = 9
@@ -25,13 +25,13 @@ STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 
 def has_curve(ds: xr.Dataset) -> bool:
     """Whether the dataset stores what the developed curve is made of."""
-    return all(name in ds.data_vars or f"{name}_along" in ds for name in ("alpha", "z", "rho"))
+    return all(name in ds.data_vars for name in ("alpha", "z", "rho"))
 
 
 def curve(ds: xr.Dataset, where: dict[str, int]) -> tuple[Any, Any] | None:
     """rho (alpha - alpha(0)) and z of one case, (n,) each; None where it is not solved."""
     one = ds.isel(where)
-    alpha, z = dataset.along(one, "alpha").values, dataset.along(one, "z").values
+    alpha, z = one["alpha"].values, one["z"].values
     across = float(one["rho"]) * (alpha - alpha[0])
     return (across, z) if np.isfinite([across, z]).all() else None
 
@@ -128,7 +128,7 @@ def axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = Tr
 
 def _side_by_side(ds: xr.Dataset, axis: str) -> tuple[list[dict[str, int]], list[float], list[Any], float]:
     """The cases along an axis, where each one's line alpha = 0 stands, its curve or None, and the width of all."""
-    cases = case_selection.spread(case_selection.line(ds, axis), MOST_CURVES)
+    cases = selection.spread(selection.line(ds, axis), MOST_CURVES)
     curves = [curve(ds, where) for where in cases]
     spans = [(min(c[0].min(), 0.0), max(c[0].max(), 0.0)) if c is not None else (0.0, 0.0) for c in curves]
     gap = 0.35 * float(np.mean([high - low for low, high in spans])) or 1.0

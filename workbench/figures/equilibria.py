@@ -13,7 +13,7 @@ from solver import Case
 from solver.equilibria import Equilibrium
 from studies import Study
 
-from ..data import cautions, dataset, labels
+from ..data import cautions, dataset, labels, schema
 from . import canvas, style
 
 ALONG = ("beta", "alpha", "z", "contact")
@@ -29,18 +29,22 @@ def dataset_of(study: Study, case: Case, found: list[Equilibrium]) -> xr.Dataset
     stations = found[0].solution.s.size if found else 2
     for name in ALONG:
         values = np.array([getattr(one.solution, name) for one in found]).reshape(len(found), stations)
-        data[name] = xr.Variable(("equilibrium", "u"), values, dataset.labels(name, units))
+        data[name] = xr.Variable(("equilibrium", "u"), values, schema.labels(name, units))
     for name in EACH:
         values = np.array([getattr(one, name) for one in found])
-        data[name] = xr.Variable(("equilibrium",), values, dataset.labels(name, units))
+        data[name] = xr.Variable(("equilibrium",), values, schema.labels(name, units))
+    solved = np.array([bool(one.solution.solved) for one in found], dtype=bool)
+    data["solved"] = xr.Variable(("equilibrium",), solved)
     data["outcome"] = xr.Variable(("equilibrium",), np.array([str(one.solution.outcome) for one in found], dtype=str))
+    solved = np.array([bool(one.solution.solved) for one in found], dtype=bool)
+    data["solved"] = xr.Variable(("equilibrium",), solved)
     cautions_of = [str(cautions.of_cases(one.solution, {})) for one in found]
     data["caution"] = xr.Variable(("equilibrium",), np.array(cautions_of, dtype=str))
     u = np.linspace(0, 1, stations)
     coords = {
         "equilibrium": xr.Variable(("equilibrium",), np.arange(1, len(found) + 1), {"long_name": "rank by energy"}),
-        "u": xr.Variable(("u",), u, dataset.labels("u", units)),
-        "s": xr.Variable(("u",), u * float(case.rod.L), dataset.labels("s", units)),
+        "u": xr.Variable(("u",), u, schema.labels("u", units)),
+        "s": xr.Variable(("u",), u * float(case.rod.L), schema.labels("s", units)),
     }
     ds = xr.Dataset(data, coords, attributes(study, case, "All equilibria between two ends"))
     return with_case(ds, case, units)
@@ -63,7 +67,7 @@ def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: str = "")
     numbers = {**rod, "R": case.cylinder.R, "rho": case.rho, **ends}
     for name, value in numbers.items():
         if name != skip and not (name == "rho" and skip in ("R", "a")):
-            ds[name] = xr.Variable((), float(value), dataset.labels(name, units))
+            ds[name] = xr.Variable((), float(value), schema.labels(name, units))
     return ds
 
 

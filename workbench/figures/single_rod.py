@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..data import dataset, labels
+from ..data import labels
 from . import canvas, developed, style
 
 SIZE = (9.6, 8.0)  # inches
@@ -17,12 +17,12 @@ DOTS = {"linestyle": "none", "marker": ".", "markersize": 3}
 def pushes(ds: xr.Dataset) -> Any:
     """The cylinder's push along one rod, (n,) [force/length], negative where it would have to pull."""
     sign = -1.0 if ds.attrs.get("side") == "inside" else 1.0
-    return sign * dataset.along(ds, "contact").values
+    return sign * ds["contact"].values
 
 
 def figure(ds: xr.Dataset) -> Figure:
     """The angle, the push and the developed curve of a dataset of one case; what is not stored is left out."""
-    panels = [panel for panel, name in ((angle, "beta"), (contact, "contact")) if _has(ds, name)]
+    panels = [panel for panel, name in ((angle, "beta"), (contact, "contact")) if name in ds.data_vars]
     panels += [curve] if developed.has_curve(ds) else []
     count = max(len(panels), 1)
 
@@ -35,7 +35,7 @@ def figure(ds: xr.Dataset) -> Figure:
 
 def angle(ds: xr.Dataset, ax: Axes) -> Axes:
     """beta against s, in degrees."""
-    ax.plot(ds["s"], np.degrees(dataset.along(ds, "beta")), color=style.PUSHED, **_look(ds))
+    ax.plot(ds["s"], np.degrees(ds["beta"]), color=style.PUSHED, **_look(ds))
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
     ax.set_ylabel("β [°]")
     ax.set_title(_title(ds, "angle from the axis to the tangent"), loc="left")
@@ -44,7 +44,7 @@ def angle(ds: xr.Dataset, ax: Axes) -> Axes:
 
 def contact(ds: xr.Dataset, ax: Axes) -> Axes:
     """The push of the cylinder against s, positive on either side; shaded where the cylinder would have to pull."""
-    push, unit = pushes(ds), str(dataset.along(ds, "contact").attrs.get("units", "1"))
+    push, unit = pushes(ds), str(ds["contact"].attrs.get("units", "1"))
     ax.plot(ds["s"], push, color=style.PUSHED, **_look(ds))
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
     pulled = push < 0
@@ -73,7 +73,7 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
         ax.text(0.5, 0.5, str(ds["outcome"].values), transform=ax.transAxes, ha="center", color=style.SOFT)
         return ax
     across, up = found
-    pulled = pushes(ds) < 0 if _has(ds, "contact") else np.zeros(across.size, dtype=bool)
+    pulled = pushes(ds) < 0 if "contact" in ds.data_vars else np.zeros(across.size, dtype=bool)
     look: dict[str, Any] = {**DOTS, "linewidth": 2.4} if _is_coarse(ds) else {"linewidth": 2.4}
     ax.plot(up, across, color=style.LIFTED, solid_capstyle="round", **look)
     ax.plot(np.where(pulled, np.nan, up), across, color=style.PUSHED, solid_capstyle="butt", **look)
@@ -107,7 +107,3 @@ def _along(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_xlabel(f"s [{labels.unit(str(ds.attrs['length_unit']))}]")
     ax.margins(x=0)
     return style.with_grid(ax)
-
-
-def _has(ds: xr.Dataset, name: str) -> bool:
-    return name in ds.data_vars or f"{name}_along" in ds

@@ -6,7 +6,7 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from ..data import dataset, labels, law_verdicts
+from ..data import labels, law_verdicts, schema
 from . import canvas, legend, single_rod
 from .developed import developed, has_curve, strip_height
 from .law_panel import panel
@@ -34,7 +34,7 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
     InputError
         The dataset's laws are invalid.
     """
-    axes = dataset.axes_of(ds)
+    axes = schema.axes_of(ds)
     if not axes:
         return single_rod.figure(ds)
     rows = law_verdicts.verdicts(ds) if verdicts is None else verdicts

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 from solver.problem.errors import no_such
 from studies.laws import COUNTS, FAILS, NOISE
 
-from ..data import case_selection, labels
+from ..data import labels, selection
 from . import style
 from .developed import axis_label
 
@@ -22,7 +22,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     """
     if observable not in ds:
         raise no_such("observable", observable, [str(name) for name in ds.data_vars])
-    order = case_selection.line(ds, axis, at)
+    order = selection.line(ds, axis, at)
     along = labels.in_label_unit(ds[axis], ds[axis].values[[where[axis] for where in order]])
     lines = ds[observable].transpose(..., axis).isel({axis: [where[axis] for where in order]})
     for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 else ():

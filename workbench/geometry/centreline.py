@@ -18,8 +18,6 @@ from solver import Rod
 from solver.mechanics import frames, statics
 from solver.problem.errors import InputError
 
-from ..data import dataset
-
 Array = NDArray[np.float64]
 
 NEEDED = ("beta", "alpha", "z", "R", "a", "rho", "L", "E", "nu", "FZ", "MZ", "M3")
@@ -129,21 +127,21 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
 
     Raises `InputError` where the dataset lacks one of `NEEDED`, or the case is not solved.
     """
-    missing = [name for name in NEEDED if name not in ds and f"{name}_along" not in ds]
+    missing = [name for name in NEEDED if name not in ds]
     if missing:
         raise InputError(f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs")
     one = ds.isel(dict(where))
     outcome = str(one["outcome"].values)
-    along = {name: np.asarray(dataset.along(one, name), dtype=float) for name in ("alpha", "beta", "z")}
-    if not outcome.startswith("solved") or not np.isfinite(list(along.values())).all():
+    along = {name: np.asarray(one[name], dtype=float) for name in ("alpha", "beta", "z")}
+    if not one["solved"] or not np.isfinite(list(along.values())).all():
         raise InputError(f"this case has no shape: {outcome}")
     number = {name: float(one[name]) for name in NEEDED[3:]}
     rod = Rod(number["E"], number["nu"], number["a"], number["L"], str(ds.attrs["stiffness"]))
     A = float(rod.bending_stiffness)
     loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
     s = np.asarray(one["s"].values, dtype=float)
-    if "dbeta" in ds or "dbeta_along" in ds:
-        dbeta = np.asarray(dataset.along(one, "dbeta"), dtype=float)
+    if "dbeta" in ds:
+        dbeta = np.asarray(one["dbeta"], dtype=float)
     else:
         dbeta = _slopes(s, along["beta"], number["rho"], *loads)
     R, a, rho = (number[name] for name in ("R", "a", "rho"))

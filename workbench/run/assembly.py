@@ -1,7 +1,6 @@
 """From shards to the final file: streamed, so that memory stays small, and renamed when it is whole."""
 
 import json
-import os
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -13,11 +12,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..data import branch_numbers, cautions, dataset, grid_io, law_verdicts, writing
-from . import shard_folder
-from .block_solver import Columns
-from .existing_output import There, places, told_of
-from .plan import Plan, bytes_a_case, bytes_of_file, first_of, recipe
+from ..data import atomic, branch_numbers, cautions, dataset, grid_io, law_verdicts, schema, writing
+from ..data.schema import Columns
+from . import shards
+from .plan import Plan, bytes_a_case, bytes_of_file, first_of
+from .recipe import recipe
+from .resume import There, places, told_of
 
 WINDOW = 2**25  # bytes of results held while they are copied
 
@@ -35,27 +35,21 @@ def assemble(
     try:
         frame = dataset.frame(plan.study, plan.coordinates, first_of(plan))
         frame = frame.assign_attrs(caution=cautions.told(tally["caution"]))
-        shard_folder.reserve(aside, bytes_of_file(plan))
+        shards.reserve(aside, bytes_of_file(plan))
         frame.to_netcdf(aside, engine="h5netcdf", encoding=writing.encoding(frame), invalid_netcdf=False)
-        shard_folder.reserve(aside, bytes_of_file(plan))
+        shards.reserve(aside, bytes_of_file(plan))
         with h5netcdf.File(aside, "a") as file:
-            _write_cases(file, plan, _rows(plan, folder, output, there), all(_solved(tally["outcome"])), tally)
+            _write_cases(file, plan, _rows(plan, folder, output, there), tally)
         told = _told(aside, tally)
         with h5py.File(aside, "a") as file:
             file.attrs["recipe"] = json.dumps(recipe(plan))
             file.attrs["told"] = json.dumps(told)
-        shard_folder.flush(aside)
-        os.replace(aside, output)
-        shard_folder.flush(output.parent)
+        atomic.move(aside, output)
         return told
     except RuntimeError as error:  # HDF5 closing a file for which the disk has no room
         raise OSError(f"HDF5: {error}") from None
     finally:
         aside.unlink(missing_ok=True)
-
-
-def _solved(outcomes: Mapping[str, int]) -> Iterator[bool]:
-    return (text.startswith("solved") for text in outcomes)
 
 
 def _told(path: Path, tally: Mapping[str, Counter[Any]]) -> dict[str, Any]:
@@ -66,10 +60,9 @@ def _told(path: Path, tally: Mapping[str, Counter[Any]]) -> dict[str, Any]:
     return {**told_of(tally, verdicts), "equilibria": first, "branches": branches}
 
 
-def _write_cases(
-    file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], all_solved: bool, tally: Mapping[str, Counter[Any]]
-) -> None:
+def _write_cases(file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], tally: Mapping[str, Counter[Any]]) -> None:
     """Every variable over the axes, window by window. Whole numbers stay whole where all cases are solved."""
+    all_solved = not tally["solved"][False]
     variables: dict[str, Any] = {}
     for start, columns in rows:
         for row in dataset.stored(plan.study, tuple(plan.coordinates)):
@@ -80,8 +73,7 @@ def _write_cases(
                 values = values.astype(float)
             if row.name not in variables:
                 variables[row.name] = _created(file, plan, row, values)
-            if values.dtype.kind == "U":
-                values = values.astype(object)
+            values = values.astype({"U": object, "b": np.int8}.get(values.dtype.kind, values.dtype), copy=False)
             grid_io.write(variables[row.name], plan.shape, start, values)
 
 
@@ -90,23 +82,25 @@ def _created(file: Any, plan: Plan, row: dataset.Stored, values: NDArray[Any]) -
     kind: dict[str, Any] = {"dtype": h5py.string_dtype()} if values.dtype.kind == "U" else {"dtype": values.dtype}
     if values.dtype.kind == "f":
         kind["fillvalue"] = np.nan
+    if values.dtype.kind == "b":  # which netCDF has not: as xarray stores it
+        kind["dtype"] = np.int8
     if shape:
-        kind["chunks"] = grid_io.packing(shape)
-        if values.dtype.kind != "U":
-            kind |= {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+        kind |= {"chunks": grid_io.packing(shape), **schema.packing(len(shape), values.dtype)}
     variable = file.create_variable(row.name, row.dims, **kind)
-    for key, text in dataset.labels(row.row, plan.study.unit_system).items():
+    for key, text in schema.labels(row.row, plan.study.unit_system).items():
         variable.attrs[key] = text
+    if values.dtype.kind == "b":
+        variable.attrs["dtype"] = "bool"
     return variable
 
 
 def _rows(plan: Plan, folder: Path, output: Path, there: There | None) -> Iterator[tuple[int, Columns]]:
     """The columns of all cases in flat order, a window at a time: its first case, and its columns."""
     window = max(1, WINDOW // bytes_a_case(plan.study))
-    shards = _Shards(folder, plan.todo)
+    new = _Shards(folder, plan.todo)
     if plan.new is None:
         for start in range(0, plan.size, window):
-            yield start, shards.rows(start, min(start + window, plan.size))
+            yield start, new.rows(start, min(start + window, plan.size))
         return
     assert there is not None
     with h5py.File(output, "r") as file:
@@ -114,7 +108,7 @@ def _rows(plan: Plan, folder: Path, output: Path, there: There | None) -> Iterat
         for start in range(0, plan.size, window):
             stop = min(start + window, plan.size)
             a, b = np.searchsorted(plan.new, [start, stop])
-            yield start, _merged(shards.rows(int(a), int(b)) if a < b else {}, plan.new[a:b] - start, held, start, stop)
+            yield start, _merged(new.rows(int(a), int(b)) if a < b else {}, plan.new[a:b] - start, held, start, stop)
 
 
 def _merged(new: Columns, at: NDArray[np.int64], held: "_Held", start: int, stop: int) -> Columns:
@@ -138,7 +132,7 @@ class _Shards:
 
     def __init__(self, folder: Path, cases: int) -> None:
         self._folder = folder
-        self._there = shard_folder.stretches(folder, cases)
+        self._there = shards.stretches(folder, cases)
         self._held: tuple[int, int] = (0, 0)
         self._columns: Columns = {}
 
@@ -148,7 +142,7 @@ class _Shards:
         for a, b in self._there:
             if a < stop and b > start:
                 if (a, b) != self._held:
-                    self._columns, self._held = shard_folder.read_shard(self._folder, a, b), (a, b)
+                    self._columns, self._held = shards.read_shard(self._folder, a, b), (a, b)
                 mine = slice(max(start - a, 0), stop - a)
                 pieces.append({name: values[mine] for name, values in self._columns.items()})
         return {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
@@ -167,7 +161,8 @@ class _Held:
         """The columns of cases of the new grid that the file holds."""
         at = np.unravel_index(flat, self._plan.shape)
         old = np.ravel_multi_index([place[i] for place, i in zip(self._places, at, strict=True)], self._shape)
-        return {row.column: self._read(self._file[row.name], old) for row in self._stored}
+        found = {row.column: self._read(self._file[row.name], old) for row in self._stored}
+        return {**found, "solved": found["solved"].astype(bool)}
 
     def _read(self, variable: h5py.Dataset, old: NDArray[np.int64]) -> NDArray[Any]:
         """Rows at flat places of the file: one stretch where they lie close together, else each run of neighbours."""

@@ -13,10 +13,11 @@ from urllib.parse import urlsplit
 from solver.problem.errors import InputError
 from studies import Study
 
-from . import allocator
-from .block_solver import Chunk, solved
-from .local_pool import DEATHS, Results
-from .plan import Plan, check_worker, code_version
+from . import memory
+from .block import Chunk, solved
+from .local_pool import DEATHS, KILLED, Results
+from .plan import Plan
+from .recipe import check_worker, code_version
 
 MISSING = "--scheduler needs the packages dask and distributed: pip install 'rod-workbench[cluster]'"
 PATIENCE = 20.0  # seconds to wait for a scheduler, and for its first worker
@@ -73,7 +74,7 @@ def _check_workers(client: Any, study: Study) -> None:
 def _solved(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
     """In a worker, which may have come later than the others."""
     check_worker(study, code)
-    allocator.keep()
+    memory.keep()
     try:
         return solved(study, chunk, block)
     except InputError:
@@ -116,7 +117,7 @@ def _handed_out(client: Any, work: Plan, chunks: Iterable[Chunk]) -> Results:
                 suspects.extend(chunk.blocks(work.block, chunk.deaths + 1))
                 fill()
                 continue
-            results = None
+            results = KILLED
         except (CancelledError, CommClosedError):
             raise InputError(
                 "the Dask scheduler went away; what is finished is kept, and the same command goes on from there"

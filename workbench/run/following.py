@@ -7,8 +7,8 @@ from solver import solve
 from solver.boundary.end_angle import follow
 from studies import Study
 
-from ..data import dataset
-from .block_solver import columns
+from ..data import dataset, schema
+from .block import columns
 
 AXIS = "betaL"
 
@@ -27,9 +27,9 @@ def run_followed(study: Study, tol: float, method: str) -> xr.Dataset:
     as_run = study.model_copy(update={"tol": tol, "method": sol.method})
     ds = dataset.make(as_run, {AXIS: branch.betaL}, columns(study, sol))
     units = study.unit_system
-    ds["dbeta0"] = xr.Variable((AXIS,), branch.dbeta0, dataset.labels("dbeta0", units))
+    ds["dbeta0"] = xr.Variable((AXIS,), branch.dbeta0, schema.labels("dbeta0", units))
     for name, row, value in (("fold", "betaL", branch.fold), ("fold_dbeta0", "dbeta0", branch.fold_dbeta0)):
-        labels = dataset.labels(row, units)
+        labels = schema.labels(row, units)
         labels["long_name"] += " where the equilibrium ceases to exist"
         ds[name] = xr.Variable((), np.nan if value is None else value, labels)
     ds.attrs["fold_note"] = _note(branch.fold, branch.fold_dbeta0, axis.limit, study.units.length)

@@ -10,7 +10,7 @@ from solver import InputError
 from studies import Study
 
 from ..data import branch_numbers, dataset, law_verdicts
-from .block_solver import block_of, joined
+from .block import block_of, joined
 from .plan import bytes_a_case, first_of, plan
 
 MOST_IN_MEMORY = 2_000_000_000

@@ -1,7 +1,7 @@
-"""Who solves the chunks: this process, or several on this machine. The engine on a cluster is in `cluster`.
+"""Chunks solved in this process, or by several workers on this machine (on a cluster: `dask_engine`).
 
-An engine yields each chunk with its packed results as they come, in any order; or with None, where it killed its worker
-twice. A worker only solves: this process alone writes, so a worker that outlives a killed run can do no harm.
+An engine yields each chunk with its packed results, in any order; or with the outcome of its cases, where two workers
+died at it. Workers only solve, and this process alone writes.
 """
 
 import os
@@ -11,12 +11,13 @@ from multiprocessing.connection import wait
 
 from studies import Study
 
-from .block_solver import Chunk, solved
+from .block import Chunk, solved
 from .worker_processes import Worker
 
-Results = Iterator[tuple[Chunk, bytes | None]]
+Results = Iterator[tuple[Chunk, bytes | str]]
 
-DEATHS = 2  # of workers at one chunk, after which it is given up
+DEATHS = 2  # of workers at one block, after which it is given up
+KILLED = "failed: the process that solved it ended twice without an answer"
 
 
 def serial(study: Study, chunks: Iterable[Chunk], block: int) -> Results:
@@ -26,41 +27,44 @@ def serial(study: Study, chunks: Iterable[Chunk], block: int) -> Results:
 
 
 def cores() -> int:
-    """How many this process may use."""
+    """How many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def pool(study: Study, chunks: Iterable[Chunk], block: int, workers: int) -> Results:
-    """In so many processes of this machine.
+    """Solve the chunks in so many processes of this machine.
 
-    A worker that dies is replaced, and its chunk solved again block by block; a block that kills another worker is
-    given up. Raises `InputError` where workers cannot start.
+    A worker that dies is replaced, and its chunk is solved again block by block; a block at which a second worker dies
+    is given up. Raises `InputError` where workers cannot start.
     """
     waiting, again = iter(chunks), deque[Chunk]()
-    crew: list[Worker] = []
+    started: list[Worker] = []
     try:
-        for _ in range(workers):  # each known at once, so that it is stopped where the next cannot start
-            crew.append(Worker(study))
-        for worker in crew:
+        for _ in range(workers):  # each is listed at once, so that it is stopped where the next cannot start
+            started.append(Worker(study))
+        for worker in started:
             worker.check()
         while True:
-            for worker in crew:
+            for worker in started:
                 if worker.chunk is None and (chunk := again.popleft() if again else next(waiting, None)):
                     worker.give(chunk, block)
-            busy = {worker.pipe: worker for worker in crew if worker.chunk}
+            busy = {worker.pipe: worker for worker in started if worker.chunk}
             if not busy:
                 return
             for pipe in wait(list(busy)):
                 worker = busy[pipe]  # type: ignore[index]
                 chunk, results = worker.take()
                 if results is None:
+                    how = worker.ending()
                     worker.replace()
                     if chunk.deaths + 1 < DEATHS:
                         again.extend(chunk.blocks(block, chunk.deaths + 1))
-                        continue
-                elif following := again.popleft() if again else next(waiting, None):
+                    else:
+                        yield chunk, f"{KILLED} ({how})"
+                    continue
+                if following := again.popleft() if again else next(waiting, None):
                     worker.give(following, block)  # before the results are stored
                 yield chunk, results
     finally:
-        for worker in crew:
+        for worker in started:
             worker.stop()

@@ -1,8 +1,7 @@
-"""The command merge: studies that extend one another along an axis become one file, streamed and renamed when whole."""
+"""Stored studies that extend one another along an axis, merged into one file block by block."""
 
 import contextlib
 import json
-import os
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -18,11 +17,10 @@ from studies import TABLE_1, Study
 from studies.loader import loads
 from studies.writer import dumps, told
 
-from ..commands import console, summary
-from ..data import cautions, concatenation, dataset, law_verdicts, reading, writing
-from ..data.axis_values import SAME
-from . import stored_case
-from .plan import axis_line
+from ..data import atomic, cautions, concatenation, law_verdicts, reading, schema, writing
+from ..data.selection import SAME
+from . import stored_case, summary
+from .recipe import axis_line
 
 # Attributes in which files that are joined may not differ, and what they are called.
 ALIKE = {
@@ -32,29 +30,6 @@ ALIKE = {
 # Of a study: what a file says better itself, or what does not change a number.
 APART = {"name", "title", "axes", "base", "observables", "outputs", "stations", "tol", "method"}
 OF_ONE_RUN = ("recipe", "told", "caution")  # attributes that are of one run alone
-
-
-def merge_files(files: Sequence[Path], out: Path, force: bool, json: bool) -> int:
-    """Join the files into `out` and print its verdicts; the exit status is that of `check.status`.
-
-    Raises `InputError` where they are not one study along one axis; nothing is stored then.
-    """
-    done = merge(files, out, force)
-    if json:
-        console.print_json(done)
-        return int(done["status"])
-    if done["laws"]:
-        rows = [
-            [row["claim"], law_verdicts.stated(row), law_verdicts.measured(row), law_verdicts.said(row)]
-            for row in done["laws"]
-        ]
-        console.print_table(["claim", "law", "measured", "verdict"], rows)
-        console.say(law_verdicts.tallied(done["laws"]))
-    console.say(f"{out}: {done['values']} values of {done['axis']} from {len(files)} files")
-    console.say(f"{done['cases']} cases, {done['unsolved']} unsolved")
-    if done["caution"]:
-        console.say(f"caution: {done['caution']}")
-    return int(done["status"])
 
 
 def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, Any]:
@@ -70,19 +45,12 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         writing.check_parent(out)
         if not force:
             writing.check_free(out, attrs["study_name"])
-        frame, varying = concatenation.layout(opened, union, dataset.axes_of(opened[0]))
-        aside = out.with_name(f".{out.name}.{os.getpid()}.part")
-        try:
+        frame, varying = concatenation.layout(opened, union, schema.axes_of(opened[0]))
+        with atomic.refusing(out), atomic.replacing(out) as aside:
             frame.assign_attrs(attrs).to_netcdf(aside, engine="h5netcdf", encoding=writing.encoding(frame))
             with h5netcdf.File(aside, "a") as file:
                 concatenation.stream(file, varying, union, names)
-            result = _judged(aside, _recipe(opened, union))
-            writing.replace(aside, out)
-        except OSError as error:
-            raise InputError(f"cannot write {out}: {error.strerror or error}") from None
-        finally:
-            with contextlib.suppress(OSError):
-                aside.unlink(missing_ok=True)
+            result = _judged(aside, _recipe(opened, schema.field_of(studies[0], union.axis), union))
     return {"file": str(out), "axis": union.axis, "values": int(union.values.size), **result}
 
 
@@ -97,7 +65,7 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
                 raise InputError(
                     f"the files differ in what is stored: {here} has {choices(more)}, which {there} has not"
                 )
-    axes = dataset.axes_of(files[0])
+    axes = schema.axes_of(files[0])
     if studies[0].follow is not None:
         raise InputError(f"{names[0]} follows an equilibrium up to its fold, which cannot be joined to another")
     if studies[0].sweeps:
@@ -119,7 +87,7 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
 
 def _differences(a: xr.Dataset, of_a: Study, b: xr.Dataset, of_b: Study) -> dict[str, tuple[Any, Any]]:
     """What must be alike in two files, in words, with what each of them has."""
-    pairs: dict[str, tuple[Any, Any]] = {"the axes": (dataset.axes_of(a), dataset.axes_of(b))}
+    pairs: dict[str, tuple[Any, Any]] = {"the axes": (schema.axes_of(a), schema.axes_of(b))}
     pairs |= {what: (a.attrs.get(key), b.attrs.get(key)) for key, what in ALIKE.items()}
     pairs["the stations"] = (a.sizes.get("u", 0), b.sizes.get("u", 0))
     base = [{**(TABLE_1 if study.reading else {}), **study.base.given} for study in (of_a, of_b)]
@@ -143,9 +111,10 @@ def _attributes(
 ) -> dict[str, Any]:
     """Those of the first file; the study's text has the axis's values of all, and is read again to be sure of it."""
     attrs = {key: value for key, value in files[0].attrs.items() if key not in OF_ONE_RUN}
-    text = dumps(study, {union.axis: told(union.values)})
+    field = schema.field_of(study, union.axis)
+    text = dumps(study, {field: told(union.values)})
     again = loads(text, "the merged study", study.name)
-    assert np.array_equal(np.sort(again.coordinates()[union.axis]), union.values)
+    assert np.array_equal(np.sort(again.coordinates()[field]), union.values)
     versions = [reading.versions(ds, name) for ds, name in zip(files, names, strict=True)]
     sources = [
         {"file": Path(name).name, "created": str(ds.attrs.get("created", "")), union.axis: ds.sizes[union.axis]}
@@ -153,7 +122,7 @@ def _attributes(
     ]
     return {
         **attrs,
-        "format": dataset.FORMAT,
+        "format": schema.FORMAT,
         "study": text,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(_together(versions)),
@@ -170,20 +139,21 @@ def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
 def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
     """Judge the laws of a file that was just written, and say in it what a run says of its file (`there.look`)."""
     with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
-        outcomes, verdicts = summary.counted(ds["outcome"]), law_verdicts.verdicts(ds)
-        texts = summary.counted(ds["caution"]) if "caution" in ds else {}
-    unsolved = sum(count for text, count in outcomes.items() if not text.startswith("solved"))
+        outcomes, verdicts = summary.counted(ds["outcome"], ds["solved"]), law_verdicts.verdicts(ds)
+        texts, unsolved = summary.counted(ds["caution"]), summary.unsolved(ds)
     caution = cautions.told(texts)
     with h5py.File(path, "a") as file:
         file.attrs["caution"] = caution
         if recipe is not None:
             file.attrs["recipe"] = json.dumps(recipe)
-            file.attrs["told"] = json.dumps({"outcomes": outcomes, "cautions": texts, "laws": verdicts})
+            file.attrs["told"] = json.dumps(
+                {"unsolved": unsolved, "outcomes": outcomes, "cautions": texts, "laws": verdicts}
+            )
     counts = {"cases": sum(outcomes.values()), "unsolved": unsolved}
-    return {**counts, "laws": verdicts, "caution": caution, "status": law_verdicts.status(unsolved, verdicts)}
+    return {**counts, "laws": verdicts, "caution": caution}
 
 
-def _recipe(files: Sequence[xr.Dataset], union: concatenation.Union) -> dict[str, Any] | None:
+def _recipe(files: Sequence[xr.Dataset], field: str, union: concatenation.Union) -> dict[str, Any] | None:
     """What a run of all values would call its recipe, so that a later one goes on from here; None where it may not.
 
     It may where every file was stored by a run, and nothing but the values differ: the code and the libraries neither.
@@ -191,7 +161,7 @@ def _recipe(files: Sequence[xr.Dataset], union: concatenation.Union) -> dict[str
     try:
         recipes = [json.loads(ds.attrs["recipe"]) for ds in files]
         for recipe in recipes:
-            recipe["axes"][union.axis] = axis_line(union.values)
+            recipe["axes"][field] = axis_line(union.values)
     except (KeyError, TypeError, ValueError, RecursionError):
         return None
     return dict(recipes[0]) if all(recipe == recipes[0] for recipe in recipes) else None

@@ -1,30 +1,23 @@
 """What a run is, before it starts: its cases in order, their blocks, what identifies it, and how much room it takes."""
 
-import hashlib
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache, cached_property
-from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 import solver
-import studies
-from solver import Case, Ends, InputError, Start
+from solver import Case, Ends, Start
 from solver.methods import METHODS
 from solver.solve import AUTO
 from studies import Study
 from studies.axes import Axis
-from studies.laws import Law
 
+from ..data.schema import LOADS, inner_shape
 from . import sweep, sweep_order
-from .block_solver import LOADS, WIDTH, Chunk
-
-FORMAT = 1  # of the file: a reader refuses one with a higher number
+from .block import Chunk
 
 Coordinates = Mapping[str, NDArray[np.float64]]
 
@@ -33,7 +26,6 @@ BLOCK, BLOCK_ALONE = 512, 32
 BLOCK_VALUES = 2**18  # stations of all cases of a block, at most: some MB an array
 TOGETHER = ("orbit", "swing")  # the methods that solve a block in one go
 MOST_BLOCKS, MOST_BYTES = 8, 32 * 2**20  # of a chunk: what a death costs, and what a process holds of it
-NEEDS = {"heyoka": ("heyoka",), "swing": ("numba",)}  # packages whose version decides a method's last bits
 TEXT_BYTES = 200  # of outcome and caution in the file: their places, and texts with a remark
 SPARE = 4 * 2**20  # bytes for coordinates, attributes, half-filled packets and the lists of an HDF5 file
 
@@ -149,88 +141,10 @@ def first_of(plan: Plan) -> str:
 
 def bytes_a_case(study: Study) -> int:
     """What a case takes in memory and, at most, in the file."""
-    along = sum(WIDTH.get(name, 1) for name in study.outputs) * study.stations
+    along = sum(math.prod(inner_shape(name)) for name in study.outputs) * study.stations
     return 8 * (along + len(study.recorded) + 2 + len(LOADS)) + TEXT_BYTES
 
 
 def bytes_of_file(plan: Plan) -> int:
     """What the finished file takes at most."""
     return int(1.02 * plan.size * bytes_a_case(plan.study)) + SPARE
-
-
-def recipe(plan: Plan) -> dict[str, Any]:
-    """What the numbers depend on: two runs of the same recipe give the same bits on the same kind of machine."""
-    study = plan.study
-    return {
-        "units": study.unit_system,
-        "reading": study.reading or "",
-        "base": study.base.given,
-        "equilibrium": study.equilibrium.model_dump(exclude_none=True) if study.equilibrium else {},
-        "order": list(plan.coordinates),
-        "axes": {name: axis_line(values) for name, values in plan.coordinates.items()},
-        **({} if study.follow is None else {"follow": {"to": study.follow.limit, "count": study.follow.size}}),
-        "stations": study.stations,
-        "outputs": sorted(study.outputs),
-        "observables": sorted(study.wanted),
-        "laws": {str(i): _law_line(law) for i, law in enumerate(study.laws, 1)},  # their verdicts are stored as well
-        "tol": study.tol,
-        "method": study.method,
-        "block": plan.block,
-        "code": code_version(),
-        **{package: _version(package) for package in ("numpy", "scipy", *NEEDS.get(study.method, ()))},
-    }
-
-
-def differences(was: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """What two recipes differ in, in words: ``tol was 1e-08, now 1e-09``."""
-    told = []
-    for key in dict.fromkeys([*was, *now]):
-        before, after = was.get(key), now.get(key)
-        if isinstance(before, dict) and isinstance(after, dict):
-            told += [f"{key}.{one}" for one in differences(before, after)]
-        elif before != after:
-            told.append(f"{key} was {_told(before)}, now {_told(after)}")
-    return told
-
-
-@cache
-def code_version() -> str:
-    """The version of the package and a digest of the sources that make the numbers."""
-    sources = [*Path(solver.__file__).parent.rglob("*.py"), *Path(studies.__file__).parent.glob("*.py")]
-    content = b"".join(path.name.encode() + path.read_bytes() for path in sorted(sources))
-    return f"{_version('rod-workbench')}+{_digest(content)}"
-
-
-def check_worker(study: Study, code: str) -> None:
-    """Raise `InputError` where this process would not give the same numbers: other code, or a method it lacks."""
-    if code_version() != code:
-        raise InputError(f"a worker has the code {code_version()}, but the run was started with {code}")
-    if study.method not in METHODS:
-        raise InputError(f"a worker has no method {study.method!r}: install there what is installed here")
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "not installed"
-
-
-def _digest(content: bytes) -> str:
-    return hashlib.blake2b(content, digest_size=6).hexdigest()
-
-
-def axis_line(values: NDArray[np.float64]) -> str:
-    """An axis in one line: equal lines, equal values."""
-    return f"{values.size} values {values[0]:g}..{values[-1]:g} ({_digest(values.tobytes())})"
-
-
-def _law_line(law: Law) -> str:
-    """All that a law says, in one line."""
-    return ", ".join(f"{name} {value}" for name, value in law.model_dump(exclude_defaults=True).items())
-
-
-def _told(value: object) -> str:
-    if isinstance(value, list):
-        return ", ".join(map(str, value)) or "none"
-    return "not there" if value is None else str(value)

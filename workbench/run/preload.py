@@ -1,11 +1,11 @@
-"""What workers have read and compiled before they exist: importing this solves one rod, so that the rest is in memory.
+"""Imported once by the process from which workers are forked: importing it loads and compiles all that a block needs.
 
-The process that workers are copies of (`crew`) imports it, once.
+One rod is solved, as some code is loaded or compiled only when it is first used.
 """
 
 import math
 
-import scipy.integrate  # SciPy reads its parts when they are asked for
+import scipy.integrate  # SciPy loads its parts on first use
 import scipy.interpolate
 import scipy.linalg
 import scipy.optimize.elementwise
@@ -14,7 +14,6 @@ import scipy.spatial  # noqa: F401
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.observe.observables import observe
 
-from .. import cli  # noqa: F401  (cli: what a worker is told to import again as the main module)
-from . import block_solver  # noqa: F401
+from . import block  # noqa: F401
 
 observe(solve(Case(Rod(2e4, 0.3, 0.25, 20.0), Cylinder(1.0), Start(math.pi / 3, 2.0, M3=0.5)), stations=101), ["turns"])

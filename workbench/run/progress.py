@@ -1,23 +1,15 @@
-"""How far a run is: a bar on a terminal, a line now and then elsewhere, a line of JSON where a program reads."""
+"""How far a run is: what is done, how fast, and how long it will take. Who shows it is up to the caller."""
 
-import json
-import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any
-
-from rich.progress import BarColumn, Progress, TextColumn
-
-from ..commands import console
-
-EVERY = 30.0  # seconds between two lines where stderr is no terminal
 
 
 class Meter:
-    """Counts cases; `done` of `total` were there before this run. `show` is called whenever the count has moved."""
+    """Counts cases: `done` of `total` are finished. show: called with the meter whenever the count has changed."""
 
-    def __init__(self, total: int, done: int, show: "Callable[[Meter], None]") -> None:
+    def __init__(self, total: int, done: int, show: "Callable[[Meter], None]" = lambda meter: None) -> None:
         self.total, self.done, self.unsolved = total, done, 0
         self._before, self._began, self._show = done, time.monotonic(), show
 
@@ -53,35 +45,13 @@ class Meter:
         return {**told, "per_second": round(self.rate, 1), "seconds_left": self.left and round(self.left, 1)}
 
 
+Progress = Callable[[int, int], AbstractContextManager[Meter]]  # takes total and done
+
+
 @contextmanager
-def metered(total: int, done: int, as_json: bool, quiet: bool = False) -> Iterator[Meter]:
-    """A meter, shown while it runs; where stderr is no terminal, or for a program, by a line every 30 s.
-
-    quiet: it counts, and nothing is shown.
-    """
-    if quiet:
-        yield Meter(total, done, lambda meter: None)
-        return
-    if as_json or not console.err.is_terminal:
-        yield Meter(total, done, _make_lines(as_json))
-        return
-    columns = (BarColumn(), TextColumn("{task.completed} of {task.total} cases, {task.description}"))
-    with Progress(*columns, console=console.err, transient=True) as bar:
-        task = bar.add_task("starting", total=total, completed=done)
-        yield Meter(total, done, lambda meter: bar.update(task, completed=meter.done, description=meter.text()))
-
-
-def _make_lines(as_json: bool) -> Callable[[Meter], None]:
-    said = 0.0
-
-    def show(meter: Meter) -> None:
-        nonlocal said
-        if meter.seconds - said >= EVERY:
-            said = meter.seconds
-            line = json.dumps(meter.data()) if as_json else f"{meter.done} of {meter.total} cases, {meter.text()}"
-            print(line, file=sys.stderr, flush=True)
-
-    return show
+def unshown(total: int, done: int) -> Iterator[Meter]:
+    """A meter that nobody sees."""
+    yield Meter(total, done)
 
 
 def _clock(seconds: float) -> str:

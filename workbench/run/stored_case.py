@@ -13,9 +13,10 @@ from studies.axes import WORDS
 from studies.loader import loads
 
 from ..data import reading
-from ..data.axis_values import SAME, real
+from ..data.schema import dimension, field_of, remaining_axes
+from ..data.selection import SAME, real
 from . import sweep_solutions
-from .block_solver import solve_one
+from .block import solve_one
 
 MOST_SOLVED = 10_000  # cases that are solved again without being asked twice: seconds
 
@@ -28,25 +29,16 @@ def study_of(ds: xr.Dataset) -> Study:
     return study.under(reading.text(ds, "reading") or None)
 
 
-def axes_of(ds: xr.Dataset, study: Study) -> list[str]:
-    """The study's axes that the dataset still has; those on which one value was selected have gone."""
-    return [name for name in study.axes if name in ds.dims]
-
-
 def case_of(ds: xr.Dataset, study: Study, values: Mapping[str, float] | None = None) -> Case:
     """The case of a dataset's coordinates, of the shape of its axes, at other values of some fields.
 
     An axis that is given a value has no dimension. Raises `InputError`.
     """
     values = dict(values or {})
-    axes = [name for name in axes_of(ds, study) if name not in values]
-    placed: dict[str, Any] = {}
     for name in study.axes:
-        if name not in values and name not in ds.coords:
-            raise InputError(f"the dataset has lost its axis {name!r}")
-        if name not in values:
-            placed[name] = ds[name].values.reshape([-1 if name == other else 1 for other in axes if name in axes])
-    placed |= values
+        if name not in values and dimension(name) not in ds.coords:
+            raise InputError(f"the dataset has lost its axis {dimension(name)!r}")
+    placed: dict[str, Any] = {**_places(ds, study, values), **values}
     if study.follow is None:
         return study.case_of(placed)
     base = study.case()
@@ -61,13 +53,14 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
     Raises `InputError` for a field that the study has not, or for more than `MOST_SOLVED` cases.
     """
     fields = ["betaL"] if study.follow else [name for name in study.fields if name not in WORDS]
+    values = {field_of(study, name): value for name, value in values.items()}
     for name in values:
         if name not in fields:
             raise no_such("field", name, fields)
     case = case_of(ds, study, {name: real(name, value) for name, value in values.items()})
     if case.size > MOST_SOLVED:
         asked = f"{case.size} cases would have to be solved again, more than {MOST_SOLVED}"
-        raise InputError(f"{asked}; select some first, as ds.rod.sel({axes_of(ds, study)[0]}=...).rod")
+        raise InputError(f"{asked}; select some first, as ds.rod.sel({remaining_axes(ds, study)[0]}=...).rod")
     tol, method = reading.number(ds, "tolerance"), reading.text(ds, "method")
     stations = _stations(ds, study, case)
     if study.sweeps:
@@ -79,14 +72,14 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
 
 
 def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values of the study's axes, each along its own dimension as in `case_of`."""
-    axes = [name for name in axes_of(ds, study) if name not in values]
-    return {
-        name: real(name, values[name])
-        if name in values
-        else ds[name].values.reshape([-1 if name == other else 1 for other in axes if name in axes])
-        for name in study.axes
-    }
+    """The values of the study's axes by field: one value where given or selected, else along their own dimension."""
+    open_axes = [dim for dim in remaining_axes(ds, study) if field_of(study, dim) not in values]
+    placed: dict[str, Any] = {}
+    for field in study.axes:
+        dim = dimension(field)
+        shape = [-1 if dim == other else 1 for other in open_axes if dim in open_axes]
+        placed[field] = real(field, values[field]) if field in values else ds[dim].values.reshape(shape)
+    return placed
 
 
 def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -> Solution:

@@ -14,14 +14,16 @@ import numpy as np
 from solver.problem.errors import InputError
 from studies import Study
 
-from . import local_pool, shard_folder, worker_processes
-from .block_solver import Damaged, decode, encode, is_solved, kind_of, unsolved
-from .existing_output import There, grown, is_finished, look, told_of
-from .plan import TOGETHER, Plan, bytes_a_case, bytes_of_file, plan, recipe
-from .progress import Meter, metered
+from ..data.schema import TEXTS
+from . import local_pool, shards, worker_processes
+from .block import kind_of, unsolved
+from .plan import TOGETHER, Plan, bytes_a_case, bytes_of_file, plan
+from .progress import Meter, Progress, unshown
+from .recipe import recipe
+from .resume import There, grown, is_finished, look, told_of
+from .shards import Damaged, decode, encode
 
 WORTH, WORTH_TOGETHER = 4, 10  # blocks for which a worker is worth its start
-KILLED = "failed: the process that solved it ended twice without an answer"
 
 Tally = dict[str, Counter[Any]]
 
@@ -31,16 +33,14 @@ class Options:
     """How a study is run; none of these changes a bit of what is stored.
 
     workers: processes on this machine, None for as many as are of use. scheduler: of a Dask cluster, instead.
-    chunk: cases a chunk, None for a few seconds' work. restart: drop what an earlier run has kept, and solve a finished
-    study again. as_json: progress for a program. quiet: no progress, as where the caller shows its own.
+    chunk: cases a chunk, None for a few seconds' work. restart: drop what an earlier run has kept, and solve a complete
+    study again.
     """
 
     workers: int | None = None
     scheduler: str | None = None
     chunk: int | None = None
     restart: bool = False
-    as_json: bool = False
-    quiet: bool = False
 
 
 DEFAULT = Options()
@@ -57,12 +57,17 @@ class Ran:
 
 
 def run_to_file(
-    study: Study, output: Path, options: Options = DEFAULT, say: Callable[[str], None] = lambda text: None
+    study: Study,
+    output: Path,
+    options: Options = DEFAULT,
+    say: Callable[[str], None] = lambda text: None,
+    progress: Progress = unshown,
 ) -> Ran:
     """Solve a study into a file; `study.tol` and `study.method` are those that it is run with.
 
-    say: takes a line of text about the size, before the work begins. Raises `InputError` where another run is at it,
-    where the disk has no room, or where what is there is of another run; `KeyboardInterrupt` says how to go on.
+    say: takes a line of text about the size, before the work begins. progress: makes the meter that counts the cases.
+    Raises `InputError` where another run is at it, where the disk has no room, or where what is there is of another
+    run; `KeyboardInterrupt` says how to go on.
     """
     if options.workers is not None and options.scheduler is not None:
         raise InputError("--workers is for this machine, --scheduler for a cluster: give one of them")
@@ -77,20 +82,20 @@ def run_to_file(
     from ..data.writing import check_parent  # xarray is not needed before
 
     check_parent(output)
-    folder = shard_folder.folder_of(output)
-    with _refusing_disk(output), shard_folder.locked(folder):
+    folder = shards.folder_of(output)
+    with _refusing_disk(output), shards.locked(folder):
         try:
             if (finished := _finished(work, output, options)) is not None:  # by the run that held it
                 return finished
             there, work = _growing(work, output, options)
             if options.restart:
-                shard_folder.clear(folder, keep_lock=True)
-            shard_folder.clear_asides(folder)
-            shard_folder.check_recipe(folder, {**recipe(work), **_grows(there)})
-            return _run(work, output, folder, there, options, say)
+                shards.clear(folder, keep_lock=True)
+            shards.clear_asides(folder)
+            shards.check_recipe(folder, {**recipe(work), **_grows(there)})
+            return _run(work, output, folder, there, options, say, progress)
         finally:
-            if shard_folder.is_empty(folder):
-                shard_folder.clear(folder)  # nothing was kept that a later run could use
+            if shards.is_empty(folder):
+                shards.clear(folder)  # nothing was kept that a later run could use
 
 
 def _follow(work: Plan, output: Path) -> Ran:
@@ -102,7 +107,7 @@ def _follow(work: Plan, output: Path) -> Ran:
     began = time.monotonic()
     ds = run_followed(work.study, work.study.tol, work.study.method)
     tally = _of_file(None)
-    _count({name: np.asarray(ds[name].values, dtype=str) for name in ("outcome", "caution")}, tally)
+    _count({name: ds[name].values for name in ("solved", *TEXTS)}, tally)
     told = told_of(tally, law_verdicts.verdicts(ds))
     writing.write(ds.assign_attrs(recipe=json.dumps(recipe(work)), told=json.dumps(told)), output, force=True)
     return Ran(told, ds["outcome"].size, time.monotonic() - began)
@@ -118,12 +123,12 @@ def _finished(work: Plan, output: Path, options: Options) -> Ran | None:
 
 def _tidy(work: Plan, output: Path) -> None:
     """Remove what a run left that was killed after its file was whole."""
-    folder = shard_folder.folder_of(output)
+    folder = shards.folder_of(output)
     if not folder.is_dir():
         return
-    with suppress(InputError, OSError), shard_folder.locked(folder):
-        if shard_folder.is_left_over(folder, recipe(work)):
-            shard_folder.clear(folder)
+    with suppress(InputError, OSError), shards.locked(folder):
+        if shards.is_left_over(folder, recipe(work)):
+            shards.clear(folder)
 
 
 def _growing(work: Plan, output: Path, options: Options) -> tuple[There | None, Plan]:
@@ -138,14 +143,20 @@ def _grows(there: There | None) -> dict[str, Any]:
 
 
 def _run(
-    work: Plan, output: Path, folder: Path, there: There | None, options: Options, say: Callable[[str], None]
+    work: Plan,
+    output: Path,
+    folder: Path,
+    there: There | None,
+    options: Options,
+    say: Callable[[str], None],
+    progress: Progress,
 ) -> Ran:
     from .assembly import assemble
 
     tally = _of_file(there)
     kept = _verified(work, folder, tally)
     say(_room(work, folder, kept))
-    with metered(work.size, work.size - work.todo + kept, options.as_json, options.quiet) as meter:
+    with progress(work.size, work.size - work.todo + kept) as meter:
         told = None
         while told is None:
             _solve(work, folder, options, meter, tally)
@@ -154,23 +165,23 @@ def _run(
             except Damaged:  # between the two, by another hand: what is left is solved again
                 tally = _of_file(there)
                 meter.done = work.size - work.todo + _verified(work, folder, tally)
-    shard_folder.clear(folder)
+    shards.clear(folder)
     return Ran(told, work.todo - kept, meter.seconds)
 
 
 def _of_file(there: There | None) -> Tally:
     if there is None:
-        return {"outcome": Counter(), "caution": Counter(), "branch": Counter()}
+        return {"solved": Counter(), "outcome": Counter(), "caution": Counter(), "branch": Counter()}
     texts = {"outcome": Counter(there.told["outcomes"]), "caution": Counter(there.told["cautions"])}
-    return {**texts, "branch": Counter()}  # a sweep does not grow
+    return {"solved": Counter({False: there.told["unsolved"]}), **texts, "branch": Counter()}  # a sweep does not grow
 
 
 def _verified(work: Plan, folder: Path, tally: Tally) -> int:
     """Count the cases of the shards that are there, each looked at; damaged ones are removed."""
     kept = 0
-    for start, stop in shard_folder.stretches(folder, work.todo):
+    for start, stop in shards.stretches(folder, work.todo):
         try:
-            _count(shard_folder.read_shard(folder, start, stop), tally)
+            _count(shards.read_shard(folder, start, stop), tally)
         except Damaged:
             continue
         kept += stop - start
@@ -178,27 +189,29 @@ def _verified(work: Plan, folder: Path, tally: Tally) -> int:
 
 
 def _count(columns: dict[str, Any], tally: Tally) -> int:
-    """Add outcomes and cautions to the tally; how many cases were not solved."""
+    """Add the columns to the tally; how many of their cases are not solved."""
     for branch in columns.get("branch", ()):
         tally["branch"][int(branch)] += 1
-    for name in ("outcome", "caution"):
+    for name in TEXTS:
         counts = tally[name]
-        texts, times = np.unique(columns[name], return_counts=True)
+        texts, times = np.unique(columns[name].astype(str), return_counts=True)
         for text, count in zip(texts.tolist(), times.tolist(), strict=True):
             counts[kind_of(text)] += count
-    return int(np.count_nonzero(~is_solved(columns["outcome"])))
+    unsolved = int(np.count_nonzero(~columns["solved"]))
+    tally["solved"][False] += unsolved
+    return unsolved
 
 
 def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tally) -> None:
     """Solve what is missing, and keep it."""
-    missing = shard_folder.missing(shard_folder.stretches(folder, work.todo), work.todo)
+    missing = shards.missing(shards.stretches(folder, work.todo), work.todo)
     if not missing:
         return
     try:
         for chunk, results in _engine(work, missing, options):
-            if results is None:
-                results = encode(unsolved(work.study, chunk.cases, KILLED))
-            shard_folder.store_shard(folder, chunk.start, chunk.stop, results)
+            if isinstance(results, str):
+                results = encode(unsolved(work.study, chunk.cases, results))
+            shards.store_shard(folder, chunk.start, chunk.stop, results)
             meter.add(chunk.cases, _count(decode(results), tally))
     except KeyboardInterrupt:
         raise KeyboardInterrupt(_kept(work, folder)) from None
@@ -206,7 +219,7 @@ def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tall
 
 def _kept(work: Plan, folder: Path) -> str:
     """How to go on; counted from the shards, as the interruption may come between a shard and the meter."""
-    missing = shard_folder.missing(shard_folder.stretches(folder, work.todo), work.todo)
+    missing = shards.missing(shards.stretches(folder, work.todo), work.todo)
     done = work.size - sum(stop - start for start, stop in missing)
     kept = f"{done} of {work.size} cases are kept in {folder}; the same command goes on from there"
     return f"interrupted; {kept if done else 'nothing was finished yet'}"
@@ -241,14 +254,14 @@ def _chunk_size(work: Plan, workers: int, asked: int | None) -> int:
 def _room(work: Plan, folder: Path, kept: int) -> str:
     """What the run takes, in words; raises `InputError` where the disk has less."""
     case = bytes_a_case(work.study)
-    final, shards = bytes_of_file(work), (work.todo - kept) * case
-    there = shard_folder.free(folder)
-    if final + shards > there:
-        needed = f"{_bytes(final)} for the file and {_bytes(shards)} for its parts until it is whole"
+    final, parts = bytes_of_file(work), (work.todo - kept) * case
+    there = shards.free(folder)
+    if final + parts > there:
+        needed = f"{_bytes(final)} for the file and {_bytes(parts)} for its parts until it is whole"
         raise InputError(f"the study needs up to {needed}, but {folder.parent} has {_bytes(there)} left")
     new = f", {work.size - work.todo} of them there already" if work.todo < work.size else ""
     going = f", {kept} kept from an earlier run" if kept else ""
-    room = f"a file of at most {_bytes(final)}, and {_bytes(shards)} more while it runs"
+    room = f"a file of at most {_bytes(final)}, and {_bytes(parts)} more while it runs"
     return f"{work.size} case{'s' * (work.size != 1)}{new}{going}: {room}"
 
 

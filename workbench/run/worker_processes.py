@@ -1,7 +1,8 @@
-"""Processes of this machine that solve chunks: how they start, what they are given, and how their death is noticed.
+"""Worker processes on this machine: how they start, receive chunks, and how their end is noticed.
 
-Where the system can, they are copies of one process that has read all code once: then starting another takes
-milliseconds. A copy of this process itself would share its threads and locks.
+On Linux they are forked from one server process that has imported all code once, so that another starts in
+milliseconds; a fork of this process itself would share its threads and locks. Each has a pipe of its own: where one is
+killed, at whatever moment, the pipe ends and no other worker waits for it.
 """
 
 import multiprocessing
@@ -20,18 +21,18 @@ from typing import Any
 from solver.problem.errors import InputError
 from studies import Study
 
-from . import allocator
-from .block_solver import Chunk, solved
-from .plan import check_worker, code_version
+from . import memory
+from .block import Chunk, solved
+from .recipe import check_worker, code_version
 
-# One thread each: the workers are as many as there are cores to use.
+# One thread each, as there is one worker a core.
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-COPIED = sys.platform == "linux"  # elsewhere a copy of a process that has loaded NumPy is not safe, or not possible
-_READ_FIRST = f"{__package__}.preload"
+FORKED = sys.platform == "linux"  # elsewhere a fork of a process that has loaded NumPy is unsafe or impossible
+PRELOAD = f"{__package__}.preload"  # the module that the server process imports
 
 
 class Worker:
-    """A process of its own, and the chunk that it has. One at a time, so that a death has one cause."""
+    """A worker process and the chunk that it solves; one at a time, so that it is known at which chunk it died."""
 
     def __init__(self, study: Study) -> None:
         self.study = study
@@ -39,17 +40,16 @@ class Worker:
         self._start()
 
     def _start(self) -> None:
-        """On its way; `check` waits for it. Raises `InputError` where the system has no process to give."""
+        """Start the process; `check` waits for it. Raises `InputError` where the system refuses."""
         self.process, self.pipe = process(_work, self.study, code_version())
 
     def check(self) -> None:
-        """Wait until it can begin. Raises `InputError` where it cannot."""
+        """Wait until it is ready. Raises `InputError` where it ends before."""
         if self._received() is None:
-            self.process.join()
-            raise InputError(f"a worker process cannot start: it ended with status {self.process.exitcode}")
+            raise InputError(f"a worker process cannot start: {self.ending()}")
 
     def give(self, chunk: Chunk, block: int) -> None:
-        """Hand it a chunk; where it died idle, another takes its place."""
+        """Send it a chunk; where it died while idle, it is replaced first."""
         try:
             self.pipe.send((chunk, block))
         except OSError:
@@ -58,19 +58,27 @@ class Worker:
         self.chunk = chunk
 
     def take(self) -> tuple[Chunk, bytes | None]:
-        """Its chunk and the results, None where it died. Raises what it raised."""
+        """Its chunk and the packed results, None where it died. Raises what it raised."""
         chunk, self.chunk = self.chunk, None
         assert chunk is not None
         return chunk, self._received()
 
+    def ending(self) -> str:
+        """How a process that died ended, in words."""
+        self.process.join()
+        code = self.process.exitcode
+        if code is not None and code < 0:
+            return f"it was killed by {signal.Signals(-code).name}"
+        return f"it ended with status {code}"
+
     def replace(self) -> None:
-        """Another process in its place."""
+        """Start another process in its place."""
         self.stop()
         self._start()
         self.check()
 
     def stop(self) -> None:
-        """End it, whatever it does."""
+        """Kill the process, whatever it is doing."""
         self.pipe.close()
         self.process.kill()
         self.process.join()
@@ -89,9 +97,9 @@ class Worker:
 
 
 def process(target: Callable[..., None], *args: Any) -> tuple[BaseProcess, Connection]:
-    """A process on its way, and our end of a pipe to it; target: called with the other end and the arguments.
+    """Start a process that calls `target` with one end of a pipe and the arguments; return it and our end.
 
-    It ends with this one. Raises `InputError` where the system has none to give.
+    The process ends with this one at the latest. Raises `InputError` where the system refuses to start it.
     """
     context = _context()
     ours, theirs = context.Pipe()
@@ -99,32 +107,42 @@ def process(target: Callable[..., None], *args: Any) -> tuple[BaseProcess, Conne
     try:
         with _one_thread(), _interrupts_held():
             made.start()
-    except (EOFError, OSError) as error:  # an EOFError is that of the process to be copied, which is gone
-        why = getattr(error, "strerror", None) or "the process that it would be a copy of ended"
+    except (EOFError, OSError) as error:  # EOFError: the server process is gone
+        why = getattr(error, "strerror", None) or "the process from which it is forked has ended"
         raise InputError(f"a worker process cannot start: {why}") from None
     theirs.close()
     return made, ours
 
 
 def get_ready() -> None:
-    """Let the process begin that workers are copies of; it reads the code while this one does something else."""
-    if COPIED:
+    """Start the server process from which workers are forked; it imports the code while this process goes on."""
+    if FORKED:
         _context()
         with _one_thread(), _interrupts_held():
             forkserver.ensure_running()
 
 
 def _context() -> ForkServerContext | SpawnContext:
-    if not COPIED:
+    if not FORKED:
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([_READ_FIRST])
+    context.set_forkserver_preload([PRELOAD, *_imported_by_main()])
     return context
 
 
+def _imported_by_main() -> set[str]:
+    """The modules of this package that the main module uses: each worker imports the main module again."""
+    package = __package__.partition(".")[0]
+    owners = {
+        str(getattr(value, "__module__", getattr(value, "__name__", "")))
+        for value in vars(sys.modules["__main__"]).values()
+    }
+    return {name for name in owners if name.startswith(f"{package}.")}
+
+
 def _work(pipe: Connection, study: Study, code: str) -> None:
-    """The life of a worker: solve what comes until the pipe ends, as it does when the run is killed."""
-    allocator.keep()
+    """Solve what the pipe brings until it ends, as it does when the run is killed."""
+    memory.keep()
     try:
         check_worker(study, code)
         pipe.send((b"", None, None))
@@ -141,7 +159,7 @@ def _work(pipe: Connection, study: Study, code: str) -> None:
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Processes started meanwhile use one thread each, unless the environment says otherwise."""
+    """Processes started in the body use one thread each, unless the environment says otherwise."""
     ours = [name for name in ONE_THREAD if name not in os.environ]
     os.environ.update(dict.fromkeys(ours, "1"))
     try:
@@ -153,11 +171,11 @@ def _one_thread() -> Iterator[None]:
 
 @contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Processes started meanwhile never see Ctrl-C, which a terminal sends to all: their run ends them."""
+    """Processes started in the body ignore Ctrl-C, which a terminal sends to all: their run ends them."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    resource_tracker.ensure_running()  # its own start would let them through again
+    resource_tracker.ensure_running()  # its own start would unblock the signal
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -12,7 +12,6 @@ from scipy.interpolate import CubicSpline
 
 from solver.problem.errors import InputError
 
-from ..data import dataset
 from ..geometry import centreline, tube
 from ..geometry.centreline import Array, Centreline
 from ..geometry.refinement import Rings, rings
@@ -139,15 +138,15 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
     span: the arc lengths between which it is drawn; default: the whole rod. Raises `InputError` where the case has no
     shape, or the dataset lacks what the kind needs.
     """
-    stored = {name for name in kind.reads for name in (name, f"{name}_along") if name in ds}
+    stored = {name for name in kind.reads if name in ds}
     for name in sorted(kind.reads - set(centreline.NEEDED)):
-        if name not in ds and f"{name}_along" not in ds:
+        if name not in ds:
             raise InputError(f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs")
-    also = {name for name in ("outcome", "caution", "dbeta", "dbeta_along") if name in ds}
+    also = {name for name in ("solved", "outcome", "caution", "dbeta") if name in ds}
     one = ds[sorted(stored | also)]
     line = centreline.read(one, where)
     this = one.isel(dict(where))
-    gamma = np.asarray(dataset.along(this, "gamma"), dtype=float) if "gamma" in kind.reads else None
+    gamma = np.asarray(this["gamma"], dtype=float) if "gamma" in kind.reads else None
     caution = str(this["caution"].values) if "caution" in this else ""
     return Body(line, span or (float(line.s[0]), float(line.s[-1])), kind.value, gamma, caution)
 

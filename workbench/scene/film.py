@@ -4,9 +4,8 @@ One frame a stored case; nothing is solved between them. The rod's part of a fra
 that case with the same axis as `along`. MP4 and GIF are written by imageio, the extra `animate`. Frames need OpenGL.
 """
 
-import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, closing, suppress
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -21,7 +20,7 @@ from numpy.typing import NDArray
 from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError, choices, no_such
 
-from ..data import case_selection, labels, law_verdicts, writing
+from ..data import atomic, labels, law_verdicts, selection
 from ..figures import canvas, style
 from ..figures.trends import trend
 from . import page
@@ -84,7 +83,7 @@ def cases_of(ds: xr.Dataset, film: Film) -> list[dict[str, int]]:
     single = [kind.name for kind in KINDS.values() if kind.cells == "one"]
     if kind_of(film.kind).name not in single:
         raise InputError(f"a frame shows one case, so --kind is one of {choices(single)}, not {film.kind!r}")
-    cases = case_selection.line(ds, film.axis, film.at)
+    cases = selection.line(ds, film.axis, film.at)
     if not LEAST <= len(cases) <= MOST:
         raise InputError(f"a film has {LEAST} to {MOST} frames, and the axis {film.axis} {len(cases)} values")
     return cases
@@ -109,18 +108,17 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     for k, where in enumerate(cases_of(ds, film)):
         value = float(ds[film.axis].values[where[film.axis]])
         step(f"{film.axis} = {value:.4g}")
-        outcome = str(ds["outcome"].isel(where).values)
-        if outcome.startswith("solved"):
+        if ds["solved"].isel(where):
             picture = layout.compose(ds, {**film.at, film.axis: value}, film.kind, (), film.axis, settings)
             left = _pixels(page.figure(picture.page))
         else:
-            left = _empty(ds, outcome, film.dpi, composition.SIZE)
+            left = _empty(ds, str(ds["outcome"].isel(where).values), film.dpi, composition.SIZE)
         yield even(np.concatenate([left, _pixels(diagram(ds, film, k, left.shape[0]))], axis=1))
 
 
 def diagram(ds: xr.Dataset, film: Film, k: int, height: int) -> Figure:
     """The observable against the axis up to the k-th case, with the scales of the whole curve; height in pixels."""
-    cases = case_selection.line(ds, film.axis, film.at)
+    cases = selection.line(ds, film.axis, film.at)
     values = np.array([float(ds[film.observable].isel(where)) for where in cases])
     along = labels.in_label_unit(ds[film.axis], ds[film.axis].values[[where[film.axis] for where in cases]])
 
@@ -141,8 +139,8 @@ def diagram(ds: xr.Dataset, film: Film, k: int, height: int) -> Figure:
 
 def write(paths: Sequence[Path], made: Iterator[Pixels], fps: float) -> None:
     """Write the frames as films, each complete before it takes its name. Raises `InputError` where that fails."""
-    aside = [path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}") for path in paths]
-    try:
+    with atomic.refusing(paths[0].parent), ExitStack() as whole:
+        aside = [whole.enter_context(atomic.replacing(path)) for path in paths]
         with ExitStack() as open_ones:
             # imageio's own context leaves ffmpeg running where something fails inside
             writers = [open_ones.enter_context(closing(_writer(path, fps))) for path in aside]
@@ -153,14 +151,6 @@ def write(paths: Sequence[Path], made: Iterator[Pixels], fps: float) -> None:
             for _ in range(round(HOLD * fps)):
                 for writer in writers:
                     writer.append_data(last)
-        for whole, path in zip(aside, paths, strict=True):
-            writing.replace(whole, path)
-    except OSError as error:
-        raise InputError(f"cannot write {paths[0].parent}: {error.strerror or error}") from None
-    finally:
-        for path in aside:
-            with suppress(OSError):
-                path.unlink(missing_ok=True)
 
 
 def even(frame: Pixels) -> Pixels:

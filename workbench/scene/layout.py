@@ -14,8 +14,8 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from ..data import case_selection, labels
-from ..data.dataset import axes_of
+from ..data import labels, selection
+from ..data.schema import axes_of
 from ..figures import canvas, style
 from . import body as rods
 from . import captions, colours, long_rod, page
@@ -98,16 +98,17 @@ def compose(
     InputError
         An invalid name or value, one case without a shape, stations that are far too few.
     """
-    chosen = kind_of(kind)
+    chosen, along = kind_of(kind), along and selection.axis_of(ds, along)
     _check(settings)
     if chosen.cells == "one":
         if axes:
             raise InputError(f"a scene of kind {kind} shows one case, so it takes no axis; choose ghosts or grid")
-        return _one(ds, chosen, case_selection.case(ds, at), along, settings)
+        return _one(ds, chosen, selection.case(ds, at), along, settings)
     if along:
         raise InputError(f"a scene of kind {kind} shows a whole axis already: it takes no --along")
     chosen.check(ds)
-    names, most = list(axes) or axes_of(ds)[:1], 1 if chosen.cells == "together" else 2
+    names = [selection.axis_of(ds, name) for name in axes] or axes_of(ds)[:1]
+    most = 1 if chosen.cells == "together" else 2
     if not names:
         raise InputError(f"a scene of kind {kind} shows the cases of an axis, and the study has none")
     if len(names) > most:
@@ -126,7 +127,7 @@ def _one(ds: xr.Dataset, kind: Kind, where: dict[str, int], along: str | None, s
     context = [body]
     if along:
         at = {name: float(ds[name].values[i]) for name, i in where.items() if name != along}
-        cases = case_selection.line(ds, along, at)
+        cases = selection.line(ds, along, at)
         context = [found for each in cases if (found := _body(ds, each, kind, settings)[0])]
     notes = captions.part_drawn([body], str(ds.attrs["length_unit"]))
     if long_rod.is_long(context):
@@ -156,7 +157,7 @@ def _in_lines(
 
 def _each(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Picture:
     """The cases of an axis in a row or two, or of two axes in a table."""
-    line = case_selection.line(ds, names[0], at)
+    line = selection.line(ds, names[0], at)
     cases = _table(ds, kind, names, at, line)
     rows, bodies = [], []
     for row in cases:
@@ -186,18 +187,18 @@ def _table(
 ) -> list[list[dict[str, int]]]:
     """The cases that are shown, row by row."""
     if len(names) == 2:
-        across = case_selection.spread(line, kind.most)
-        down = case_selection.spread(case_selection.line(ds, names[1], at), MOST_ROWS)
+        across = selection.spread(line, kind.most)
+        down = selection.spread(selection.line(ds, names[1], at), MOST_ROWS)
         return [[{**case, names[1]: row[names[1]]} for case in across] for row in down]
-    cases = case_selection.spread(line, kind.most)
+    cases = selection.spread(line, kind.most)
     half = -(-len(cases) // 2)
     return [cases] if len(cases) <= MOST_COLUMNS else [cases[:half], cases[half:]]
 
 
 def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | None, settings: Settings) -> Picture:
     """The cases of an axis on one cylinder, thin, each in the colour of its value."""
-    line = case_selection.line(ds, axis, at)
-    cases = case_selection.spread(line, kind.most)
+    line = selection.line(ds, axis, at)
+    cases = selection.spread(line, kind.most)
     values = labels.in_label_unit(ds[axis], ds[axis].values.astype(float)[[where[axis] for where in cases]])
     low, high = float(values.min()), float(values.max())
     bodies = []
@@ -223,9 +224,8 @@ def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | N
 
 def _body(ds: xr.Dataset, where: dict[str, int], kind: Kind, settings: Settings) -> tuple[Body | None, str]:
     """The rod of a case, or why there is none. Raises `InputError` for a part that is not on the rod."""
-    outcome = str(ds["outcome"].isel(where).values)
-    if not outcome.startswith("solved"):
-        return None, outcome
+    if not ds["solved"].isel(where):
+        return None, str(ds["outcome"].isel(where).values)
     span = settings.span
     body = rods.read(ds, where, kind, span)
     if span and not 0 <= span[0] < span[1] <= body.line.L * (1 + 1e-9):

@@ -7,7 +7,7 @@ import xarray as xr
 from solver.problem.errors import InputError
 
 from ...data import labels
-from ...data.dataset import axes_of
+from ...data.schema import axes_of
 from .grid import KIND as GRID
 
 

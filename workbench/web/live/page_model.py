@@ -29,7 +29,7 @@ from ...commands.list_equilibria import row as equilibrium_row
 from ...commands.list_equilibria import told as case_fields
 from ...data import cautions, dataset, labels
 from ...export.stored_rod import export
-from ...run.block_solver import columns
+from ...run.block import columns
 from .page_shape import STATIONS, TOL, Shape, refuse_many
 
 KEYS = ("title", "units", "reading", "base", "equilibrium")

@@ -2,7 +2,6 @@
 
 import base64
 import json
-import os
 from collections.abc import Sequence
 from importlib.resources import files
 from io import BytesIO
@@ -16,8 +15,8 @@ from matplotlib import image
 
 from solver.problem.errors import InputError
 
-from ...data import labels, law_verdicts
-from ...data.dataset import axes_of
+from ...data import atomic, labels, law_verdicts
+from ...data.schema import axes_of
 from ...figures import style
 from ...run.in_memory import StudyResult
 from ...scene import opengl
@@ -49,16 +48,7 @@ def write(
     that could not be run under this reading, and why. Raises `InputError` where it cannot be written.
     """
     text = html(results, readings, advice, refusals, measured_runs.both(Path(out)))
-    path = Path(out) / NAME
-    aside = path.with_name(f".{NAME}.{os.getpid()}.part")
-    try:
-        aside.write_text(text, encoding="utf-8")
-        os.replace(aside, path)
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}") from None
-    finally:
-        aside.unlink(missing_ok=True)
-    return path
+    return atomic.write(Path(out) / NAME, lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
 def html(

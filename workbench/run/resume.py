@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError
 
 from ..data import file_checks
-from .plan import FORMAT, Coordinates, Plan, axis_line, differences, recipe
+from ..data.schema import FORMAT, dimension
+from .plan import Coordinates, Plan
+from .recipe import axis_line, differences, recipe
 
 VERSIONS = ("code", "numpy", "scipy", "numba", "heyoka", "block")  # of a recipe: what is not the study
 _ROUNDING = 8 * 2.0**-52  # values of an axis closer than this share are the same
@@ -38,26 +40,26 @@ def look(path: Path) -> There | None:
     try:
         with file_checks.looked_at(path) as file:
             found = np.asarray(file.attrs["format"]).item()
-            there = _read(file) if found <= FORMAT else None
+            there = _read(file) if found == FORMAT else None
     except InputError:
         return None
     if found > FORMAT:
-        raise InputError(f"{path} is of format {found}, but this version reads up to format {FORMAT}")
+        raise InputError(f"{path} is of format {found}, but this version reads format {FORMAT}")
     return there
 
 
 def _read(file: h5py.File) -> There | None:
     made, told = (json.loads(file.attrs[name]) for name in ("recipe", "told"))
-    axes = {name: np.asarray(file[name][...], dtype=float) for name in made["order"]}
+    axes = {name: np.asarray(file[dimension(name)][...], dtype=float) for name in made["order"]}
     if any(made["axes"][name] != axis_line(values) for name, values in axes.items()):
         return None  # joined or cut by another hand since
     return There(str(file.attrs["study_name"]), made, axes, told)
 
 
-def told_of(tally: Mapping[str, Mapping[str, int]], laws: list[dict[str, Any]]) -> dict[str, Any]:
+def told_of(tally: Mapping[str, Mapping[Any, int]], laws: list[dict[str, Any]]) -> dict[str, Any]:
     """What a file says of itself, beside its recipe: how often each outcome and caution stands, and the verdicts."""
     outcomes, cautions = (dict(sorted(tally[name].items())) for name in ("outcome", "caution"))
-    return {"outcomes": outcomes, "cautions": cautions, "laws": laws}
+    return {"unsolved": tally["solved"][False], "outcomes": outcomes, "cautions": cautions, "laws": laws}
 
 
 def is_finished(there: There, plan: Plan) -> bool:

@@ -1,28 +1,68 @@
-"""The folder beside an output in which a run keeps what it has: a lock, what it is a run of, and finished shards.
+"""Shards: the finished cases of a run, packed with a checksum, in a folder beside the output with a lock.
 
-A shard that is there under its name is whole: it was written aside, put on the disk and renamed. So the folder is the
-whole state of a run, and one that was killed goes on from it.
+A shard that stands under its name is whole (`data.atomic`), so the folder is the whole state of a run, and a run that
+was killed continues from it.
 """
 
+import hashlib
 import json
 import os
 import re
 import shutil
 import socket
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import BytesIO
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
+
+import numpy as np
 
 from solver.problem.errors import InputError
 
-from .block_solver import Columns, Damaged, decode
-from .plan import differences
+from ..data import atomic
+from ..data.schema import Columns
+from .recipe import differences
 
 FORMAT = 1  # of the folder and its shards
+_CHECKSUM = 32  # bytes
 _SHARD = re.compile(r"(\d{12})-(\d{12})\.shard")
 _LOCK, _MANIFEST = "lock", "manifest.json"
+
+
+class Damaged(Exception):
+    """A shard is not what was written: its checksum or its number of cases is wrong."""
+
+
+def encode(found: Columns) -> bytes:
+    """The columns as bytes: a checksum, then NumPy's archive, in which each different text stands once."""
+    packed: Columns = {}
+    for name, values in found.items():
+        if values.dtype.kind == "U":
+            packed[f"{name}:texts"], packed[f"{name}:which"] = np.unique(values, return_inverse=True)
+        else:
+            packed[name] = values
+    body = BytesIO()
+    np.savez(body, allow_pickle=False, **packed)
+    content = body.getbuffer()
+    return hashlib.blake2b(content, digest_size=_CHECKSUM).digest() + content
+
+
+def decode(content: bytes) -> Columns:
+    """The columns that `encode` packed; raises `Damaged` where a byte has changed. Nothing in it is executed."""
+    body = memoryview(content)[_CHECKSUM:]
+    if hashlib.blake2b(body, digest_size=_CHECKSUM).digest() != content[:_CHECKSUM]:
+        raise Damaged
+    with np.load(BytesIO(body), allow_pickle=False) as archive:
+        packed = {name: archive[name] for name in archive.files}
+    found: Columns = {}
+    for name, values in packed.items():
+        plain, _, part = name.partition(":")
+        if not part:
+            found[name] = values
+        elif part == "texts":
+            found[plain] = values[packed[f"{plain}:which"]]
+    return found
 
 
 def folder_of(output: Path) -> Path:
@@ -32,52 +72,43 @@ def folder_of(output: Path) -> Path:
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Hold the folder, made if need be, against a second run. The system lets go of it whatever ends this one.
+    """Hold the folder, made if need be, against a second run; the lock ends with this process at the latest.
 
     Raises `InputError` where another run holds it.
     """
+    from filelock import FileLock, Timeout
+
+    path = folder / _LOCK
+    lock = FileLock(path, timeout=0, fallback_to_soft=False)
     while True:
         try:
             folder.mkdir(exist_ok=True)
-            file = (folder / _LOCK).open("a+", encoding="utf-8")
-        except FileNotFoundError:
-            if folder.parent.is_dir():
-                continue  # another run has just ended and removed it
-            raise
-        with file:
-            if not _take(file):
-                file.seek(0)
-                who = f" ({said})" if (said := file.read(200).strip()) else ""
-                raise InputError(f"another run is at work on {folder.name.removesuffix('.parts')}{who}")
-            if not _still_there(file, folder / _LOCK):
-                continue
-            file.truncate(0)
-            file.write(f"process {os.getpid()} on {socket.gethostname()}")
-            file.flush()
-            yield
-            return
-
-
-def _take(file: IO[str]) -> bool:
+            lock.acquire()
+            break
+        except FileNotFoundError:  # another run has just ended and removed it
+            if not folder.parent.is_dir():
+                raise
+        except Timeout:
+            if (owner := _owner(path)) is not None:
+                raise InputError(
+                    f"another run is at work on {folder.name.removesuffix('.parts')} ({owner or 'unknown'})"
+                ) from None
     try:
-        if sys.platform == "win32":
-            import msvcrt
-
-            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-        else:
-            import fcntl
-
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except (BlockingIOError, PermissionError):
-        return False
-    return True
+        with suppress(PermissionError):  # on Windows, where the content is locked too
+            path.write_text(f"process {os.getpid()} on {socket.gethostname()}", encoding="utf-8")
+        yield
+    finally:
+        lock.release()
 
 
-def _still_there(file: IO[str], path: Path) -> bool:
-    """Whether the open file is the one of that name: a run that ends removes its lock."""
-    with suppress(FileNotFoundError):
-        return os.path.samestat(os.fstat(file.fileno()), path.stat())
-    return False
+def _owner(lock: Path) -> str | None:
+    """Who holds the lock, as it says itself; None where the lock is gone."""
+    try:
+        return lock.read_text(encoding="utf-8")[:200].strip()
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError):
+        return ""
 
 
 def check_recipe(folder: Path, recipe: dict[str, Any]) -> None:
@@ -86,7 +117,7 @@ def check_recipe(folder: Path, recipe: dict[str, Any]) -> None:
     if not path.exists():
         if _shards(folder):
             raise InputError(f"{folder} holds results of an unknown run; --restart drops them")
-        put(path, json.dumps({"format": FORMAT, "recipe": recipe}, indent=1).encode())
+        _put(path, json.dumps({"format": FORMAT, "recipe": recipe}, indent=1).encode())
         return
     try:
         was = json.loads(path.read_text(encoding="utf-8"))
@@ -110,34 +141,9 @@ def is_left_over(folder: Path, recipe: dict[str, Any]) -> bool:
         return False
 
 
-def put(path: Path, content: bytes) -> None:
-    """A file written aside, put on the disk and renamed: whole or not there. Raises `OSError`."""
-    aside = path.with_name(f".{path.name}")
-    try:
-        with aside.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(aside, path)
-        flush(path.parent)
-    except OSError:
-        with suppress(OSError):
-            aside.unlink(missing_ok=True)
-        raise
-
-
-def flush(path: Path) -> None:
-    """Have the system put a file, or the names in a folder, on the disk."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
-
-
 def store_shard(folder: Path, start: int, stop: int, content: bytes) -> None:
     """Keep the packed results of cases `start` to `stop`. Raises `OSError`."""
-    put(_name(folder, start, stop), content)
+    _put(_name(folder, start, stop), content)
 
 
 def read_shard(folder: Path, start: int, stop: int) -> Columns:
@@ -187,7 +193,7 @@ def clear(folder: Path, keep_lock: bool = False) -> None:
 
 def clear_asides(folder: Path) -> None:
     """Remove what a killed run was about to rename."""
-    for path in [folder / f".{_MANIFEST}", *folder.glob(".*.shard")]:
+    for path in [*folder.glob(".*.part.shard"), *folder.glob(".*.part.json")]:
         path.unlink(missing_ok=True)
 
 
@@ -196,6 +202,11 @@ def _shards(folder: Path) -> list[tuple[int, int]]:
         return []
     named = (_SHARD.fullmatch(path.name) for path in folder.iterdir())
     return [(int(name.group(1)), int(name.group(2))) for name in named if name]
+
+
+def _put(path: Path, content: bytes) -> None:
+    with atomic.replacing(path) as aside:
+        aside.write_bytes(content)
 
 
 def _name(folder: Path, start: int, stop: int) -> Path:

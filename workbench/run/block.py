@@ -5,11 +5,9 @@ alone decides: products of matrices round a case's last bits differently among o
 the same. A chunk is any number of whole blocks, and whoever solves it, the bits are the same.
 """
 
-import hashlib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -24,15 +22,12 @@ from studies.axes import Which
 
 from ..data import cautions
 from ..data.branch_numbers import NONE
+from ..data.schema import LOADS, Columns, inner_shape
+from .shards import encode
 from .sweep import State, walked
 from .sweep_order import Grid
 from .sweep_solutions import shown
 
-Columns = dict[str, NDArray[Any]]  # name -> (cases, ...), as named in `Solution` and `OBSERVABLES`
-
-LOADS = ("FZ", "MZ", "M3")
-WIDTH = {"position": 3}  # numbers a station, where that is not one
-_DIGEST = 32
 _NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?")
 
 
@@ -109,11 +104,12 @@ def columns(study: Study, sol: Solution) -> Columns:
     mine = np.asarray(sol.solved).reshape(-1)
     found: Columns = {}
     for name in study.outputs:
-        found[name] = _where(mine, np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *_inner(name)))
+        found[name] = _where(mine, np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *inner_shape(name)))
     # all in one call: what several are measured from is measured once
     observed = observe(sol, dict.fromkeys((*study.wanted, *cautions.JUDGED)), errors=True)
     for name in study.recorded:
         found[name] = _where(mine, np.asarray(observed[name]).reshape(-1))
+    found["solved"] = mine
     found["outcome"] = np.asarray(sol.outcome).astype(str).reshape(-1)
     caution = cautions.of_cases(sol, observed)
     found["caution"] = np.asarray(caution).reshape(-1)
@@ -124,26 +120,18 @@ def columns(study: Study, sol: Solution) -> Columns:
 
 def unsolved(study: Study, cases: int, outcome: str) -> Columns:
     """The columns of cases of which nothing is known but why."""
-    found = {name: np.full((cases, study.stations, *_inner(name)), np.nan) for name in study.outputs}
+    found = {name: np.full((cases, study.stations, *inner_shape(name)), np.nan) for name in study.outputs}
     for name in (*study.recorded, *(name for name in LOADS if name not in study.axes)):
         found[name] = np.full(cases, np.nan)
     found |= {name: np.full(cases, np.inf) for name in ("error", "condition")}
     found |= {"branch": np.full(cases, NONE)} if study.sweeps else {}
-    return {**found, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
-
-
-def is_solved(outcomes: NDArray[Any]) -> NDArray[np.bool_]:
-    """Whether an outcome says solved, perhaps with a remark after it."""
-    return np.strings.startswith(outcomes.astype(str), "solved")
+    solved = np.zeros(cases, dtype=bool)
+    return {**found, "solved": solved, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
 
 
 def kind_of(outcome: str) -> str:
     """An outcome without its numbers, which differ from case to case: what is counted."""
     return _NUMBER.sub("...", outcome)
-
-
-def _inner(name: str) -> tuple[int, ...]:
-    return (WIDTH[name],) if name in WIDTH else ()
 
 
 def _where(mine: NDArray[np.bool_], values: NDArray[Any]) -> NDArray[Any]:
@@ -153,38 +141,3 @@ def _where(mine: NDArray[np.bool_], values: NDArray[Any]) -> NDArray[Any]:
     if mine.all():
         return values
     return np.where(mine.reshape(-1, *(1,) * (values.ndim - 1)), values.astype(float), np.nan)
-
-
-class Damaged(Exception):
-    """A shard whose bytes are not those that were written."""
-
-
-def encode(found: Columns) -> bytes:
-    """Arrays as a digest and NumPy's own archive; texts as a short list and each case's place in it."""
-    packed: Columns = {}
-    for name, values in found.items():
-        if values.dtype.kind == "U":
-            packed[f"{name}:texts"], packed[f"{name}:which"] = np.unique(values, return_inverse=True)
-        else:
-            packed[name] = values
-    body = BytesIO()
-    np.savez(body, allow_pickle=False, **packed)
-    content = body.getbuffer()
-    return hashlib.blake2b(content, digest_size=_DIGEST).digest() + content
-
-
-def decode(content: bytes) -> Columns:
-    """What `encode` packed; raises `Damaged` where a byte of it has changed. Nothing in it is executed."""
-    body = memoryview(content)[_DIGEST:]
-    if hashlib.blake2b(body, digest_size=_DIGEST).digest() != content[:_DIGEST]:
-        raise Damaged
-    with np.load(BytesIO(body), allow_pickle=False) as archive:
-        packed = {name: archive[name] for name in archive.files}
-    found: Columns = {}
-    for name, values in packed.items():
-        plain, _, part = name.partition(":")
-        if not part:
-            found[name] = values
-        elif part == "texts":
-            found[plain] = values[packed[f"{plain}:which"]]
-    return found

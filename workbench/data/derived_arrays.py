@@ -17,12 +17,11 @@ from solver.mechanics.potential import potential
 from studies import Study
 from studies.model import OUTPUTS
 
-from ..run.stored_case import axes_of
-from . import dataset, reading
+from . import reading, schema
+from .schema import COMPONENTS, remaining_axes
 
 _VECTOR, _FRAME = ("xyz",), ("director", "xyz")
 INNER = {"position": _VECTOR, "tangent": _VECTOR, "normal": _VECTOR, "material_frame": _FRAME}
-COMPONENTS = {"xyz": ["x", "y", "z"], "director": ["d1", "d2", "d3"]}
 ARRAYS = (*OUTPUTS, "push", "tangent", "normal", "material_frame")
 _LONG_NAMES = {
     "push": "push of the cylinder per length, positive where it pushes",
@@ -46,14 +45,14 @@ class Stored:
         found = self.implied(name, ())
         if found is None:
             found = self._solved(name)
-        order = [*axes_of(self.ds, self.study), "u", *INNER.get(name, ())]
-        kept = {dim: COMPONENTS[dim] for dim in INNER.get(name, ())}
+        order = [*remaining_axes(self.ds, self.study), "u", *INNER.get(name, ())]
+        kept = {dim: list(COMPONENTS[dim]) for dim in INNER.get(name, ())}
         result = found.transpose(*(dim for dim in order if dim in found.dims)).assign_coords(kept)
         return result.rename(name).assign_attrs(self._labels(name))
 
     def implied(self, name: str, above: tuple[str, ...]) -> Any:
         """The array as stored, or from stored ones; None where they do not suffice. above: what asks for it."""
-        key = f"{name}_along" if name in self.study.axes else name
+        key = schema.curve_name(name)
         if key in self.ds.data_vars:
             return self.ds[key]
         if name not in RULES or name in above:
@@ -68,7 +67,7 @@ class Stored:
         values = np.asarray(getattr(sol, name))
         solved = np.asarray(sol.solved)
         values = np.where(solved.reshape(solved.shape + (1,) * (values.ndim - solved.ndim)), values, np.nan)
-        dims = [*axes_of(self.ds, self.study), "u", *INNER.get(name, ())]
+        dims = [*remaining_axes(self.ds, self.study), "u", *INNER.get(name, ())]
         coords = {key: value for key, value in self.ds.coords.items() if set(value.dims) <= set(dims)}
         if "u" in self.ds.dims or "u" not in self.ds.coords:
             return xr.DataArray(values, coords, dims)
@@ -77,8 +76,8 @@ class Stored:
     def _labels(self, name: str) -> dict[str, str]:
         units = self.study.unit_system
         if name in OUTPUTS:
-            return dataset.labels(name, units)
-        told = dataset.labels("contact" if name == "push" else "u", units)
+            return schema.labels(name, units)
+        told = schema.labels("contact" if name == "push" else "u", units)
         return {"units": told["units"], "long_name": _LONG_NAMES[name]}
 
     # what of a case does not vary along the rod, over the axes
@@ -90,7 +89,7 @@ class Stored:
         case = self.case()
         loads = dict(zip(("FZ", "MZ", "M3"), case.loads, strict=True))
         value = {**loads, "rho": case.rho}.get(name, getattr(case.rod, name, None))
-        axes = axes_of(self.ds, self.study)
+        axes = remaining_axes(self.ds, self.study)
         return xr.DataArray(np.broadcast_to(np.asarray(value, dtype=float), case.shape), dims=axes)
 
     @cached_property

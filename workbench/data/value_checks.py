@@ -15,16 +15,15 @@ from numpy.typing import NDArray
 from solver.problem.case import SIDES, STIFFNESS
 from solver.problem.errors import InputError, choices
 from studies.axes import FORCES, LENGTHS
-from studies.model import OUTPUTS
 
-from ..run.block_solver import LOADS, is_solved
-from . import safe_text
+from . import escaping
 from .concatenation import blocks
 from .file_checks import shown
+from .schema import CURVES, LOADS, TEXTS
 
 LINE, LABEL = 10_000, 1000  # characters of an attribute of the file, and of a variable
 LONG = ("study", "laws", "versions", "recipe", "told", "branches", "rows")  # of many lines, or JSON; never printed
-TOLD, JUDGED = ("outcome", "caution"), ("error", "condition")  # of each case
+JUDGED = ("error", "condition")  # of each case
 BLOCK = 100_000  # cases that are read at a time
 LABELS = ("units", "long_name", "symbol", "reading")
 WORDS: Mapping[str, Any] = {"side": SIDES, "stiffness": STIFFNESS, "length_unit": LENGTHS, "force_unit": FORCES}
@@ -66,7 +65,7 @@ def _text(text: str, longest: int | None, what: str) -> None:
     if longest is None:
         if any(ord(one) < 32 and one not in "\n\r\t" for one in text) or any("\x7f" <= one <= "\x9f" for one in text):
             raise InputError(f"{what} holds control characters")
-    elif not safe_text.is_line(text, longest):
+    elif not escaping.is_line(text, longest):
         raise InputError(f"{what} is no line of text, but {shown(text)}")
 
 
@@ -113,14 +112,14 @@ def each(ds: xr.Dataset, path: str | Path) -> None:
     for name in (*JUDGED, *LOADS):
         if name in ds.variables and ds[name].dtype.kind not in "iuf":
             raise InputError(f"{path}: {name} holds no numbers, but {ds[name].dtype}")
-    names = [name for name in (*TOLD, *JUDGED, *LOADS, "E", "a", "rho") if name in ds.variables]
+    names = [name for name in ("solved", *TEXTS, *JUDGED, *LOADS, "E", "a", "rho") if name in ds.variables]
     for where in blocks(ds["outcome"].shape, BLOCK):
         _block(ds[names].isel(dict(zip(ds["outcome"].dims, where, strict=True))).load(), path)
 
 
 def _block(ds: xr.Dataset, path: str | Path) -> None:
-    solved = is_solved(ds["outcome"].values)
-    for name in TOLD:
+    solved = ds["solved"].values
+    for name in TEXTS:
         if name in ds.data_vars:
             for text in set(ds[name].values.ravel().tolist()):
                 _text(str(text), LABEL, f"{path}: one of {name}")
@@ -141,9 +140,8 @@ def _block(ds: xr.Dataset, path: str | Path) -> None:
 
 def curves(ds: xr.Dataset, path: str | Path) -> None:
     """That the curves of solved cases are finite, and move along and about the cylinder no farther than their arc."""
-    solved = xr.DataArray(is_solved(ds["outcome"].values), dims=ds["outcome"].dims)
-    for name in OUTPUTS:
-        key = f"{name}_along" if f"{name}_along" in ds.data_vars else name
+    solved = ds["solved"].variable
+    for key, name in CURVES.items():
         if key in ds.data_vars and "u" in ds[key].dims:
             if ds[key].dtype.kind not in "iuf" or ds[key].dims[: solved.ndim] != solved.dims:
                 raise InputError(f"{path}: {shown(key)} is no array of numbers along each rod")
@@ -154,12 +152,11 @@ def curves(ds: xr.Dataset, path: str | Path) -> None:
         return
     arc = ds["s"].diff("u")
     for name, scale in (("alpha", ds["rho"]), ("z", 1.0)):
-        key = f"{name}_along" if f"{name}_along" in ds.data_vars else name
-        if key in ds.data_vars and "u" in ds[key].dims:
+        if name in ds.data_vars and "u" in ds[name].dims:
             with np.errstate(all="ignore"):
-                far = np.abs(ds[key].diff("u") * scale) > arc * (1 + STRAIGHT) + STRAIGHT * ds["rho"]
+                far = np.abs(ds[name].diff("u") * scale) > arc * (1 + STRAIGHT) + STRAIGHT * ds["rho"]
             if bool((far & solved).any()):
-                raise InputError(f"{path}: {shown(key)} of a solved case moves farther than the rod is long")
+                raise InputError(f"{path}: {name} of a solved case moves farther than the rod is long")
 
 
 def _over(values: xr.DataArray, ds: xr.Dataset) -> xr.DataArray:

@@ -1,0 +1,55 @@
+"""Files that are whole or absent: written beside their place, put on the disk, and renamed."""
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from solver.problem.errors import InputError
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Yield a path beside `path`, of the same suffix; what was written there takes the place of `path` at the end.
+
+    Where the body raises, `path` stays as it was and the other file is removed. Raises `OSError`.
+    """
+    aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    try:
+        yield aside
+        move(aside, path)
+    finally:
+        with suppress(OSError):
+            aside.unlink(missing_ok=True)
+
+
+@contextmanager
+def refusing(path: Path) -> Iterator[None]:
+    """An `OSError` of the body becomes an `InputError` that names the path."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror or error}") from None
+
+
+def move(aside: Path, path: Path) -> None:
+    """Give a complete file its final name, once its content is on the disk. Raises `OSError`."""
+    flush(aside)
+    os.replace(aside, path)
+    flush(path.parent)
+
+
+def flush(path: Path) -> None:
+    """Wait until a file, or the names in a folder, are on the disk. Raises `OSError`."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def write(path: Path, work: Callable[[Path], object]) -> Path:
+    """Have `work` write the file and return its path; raises `InputError` where the disk refuses."""
+    with refusing(path), replacing(path) as aside:
+        work(aside)
+    return path

@@ -1,0 +1,78 @@
+"""The schema of a stored study: its format, names, dimensions, labels and packing. Needs no xarray."""
+
+import json
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.problem.quantities import quantity, unit_of
+from studies.axes import WORDS, quantity_of
+from studies.model import OUTPUTS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from studies import Study
+
+FORMAT = 2  # of the file; any other is refused
+
+Columns = dict[str, NDArray[Any]]  # name -> (cases, ...), as named in `Solution` and `OBSERVABLES`
+
+LOADS = ("FZ", "MZ", "M3")
+TEXTS = ("outcome", "caution")  # of each case
+COMPONENTS = {"xyz": ("x", "y", "z"), "director": ("d1", "d2", "d3")}
+INNER = {"position": ("xyz",)}  # dimensions after u, of an output that is not one number at each station
+# The name in the file -> the output. Forces along the rod never take the name of an axis: F1 is the force at the start.
+CURVES = {f"{name}_along" if name in ("F1", "F2", "F3") else name: name for name in OUTPUTS}
+PACKED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+
+
+def inner_shape(output: str) -> tuple[int, ...]:
+    """How many numbers an output has at each station, as a shape: () for one."""
+    return tuple(len(COMPONENTS[dim]) for dim in INNER.get(output, ()))
+
+
+def packing(ndim: int, dtype: "np.dtype[Any]") -> dict[str, Any]:
+    """How an array is compressed in the file; scalars and text are not."""
+    return dict(PACKED) if ndim and dtype.kind in "biuf" else {}
+
+
+def curve_name(output: str) -> str:
+    """The name in the file of an output along the rod: ``beta``, ``F1_along``."""
+    return output if output in CURVES else f"{output}_along"
+
+
+def dimension(field: str) -> str:
+    """The dimension of an axis: the quantity that the study's field is, so that `beta` of a start problem is beta0."""
+    return quantity_of(field).name
+
+
+def axes_of(ds: "xr.Dataset") -> list[str]:
+    """The names of the dataset's axes, in order."""
+    return [str(dim) for dim in ds["outcome"].dims]
+
+
+def remaining_axes(ds: "xr.Dataset", study: "Study") -> list[str]:
+    """The study's axes that the dataset still has, as it names them; one on which a value was selected is gone."""
+    return [dim for dim in map(dimension, study.axes) if dim in ds.dims]
+
+
+def field_of(study: "Study", name: str) -> str:
+    """The study's field of an axis or quantity that the dataset names; any other name as it is."""
+    return next((field for field in study.fields if field not in WORDS and dimension(field) == name), name)
+
+
+def labels(name: str, units: Mapping[str, str]) -> dict[str, str]:
+    """The attributes of a variable of that quantity: units, long_name, symbol."""
+    row = quantity(name)
+    return {"units": unit_of(name, units), "long_name": row.long_name, "symbol": row.symbol}
+
+
+def laws_text(study: "Study") -> str:
+    """The study's laws as JSON, in the names of the dataset."""
+    rows = [law.model_dump() for law in study.laws]
+    for row in rows:
+        row |= {"axis": dimension(row["axis"]), "at": {dimension(name): value for name, value in row["at"].items()}}
+    return json.dumps(rows, ensure_ascii=False)

@@ -1,0 +1,167 @@
+"""Which case of a dataset a user means: values of its axes, as numbers or as written, and the cases along an axis.
+
+A number means the stored value that agrees with it to nine digits. A text such as ``10910`` or ``30deg`` means the one
+stored value that it abbreviates: the one that, rounded to the digits written, is that text.
+"""
+
+import json
+import math
+from collections.abc import Mapping
+from decimal import Decimal, InvalidOperation
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from solver.problem.errors import InputError, choices, no_such
+from studies import TABLE_1
+from studies.axes import FIELDS, in_rad, is_angle
+
+from .schema import COMPONENTS, axes_of, dimension
+
+SAME = 1e-9  # share by which a number may differ from the stored value that it means
+LISTED = 12  # values of an axis that a message lists
+WRITTEN = 4  # digits of a value in a diagram
+LOOSEST = 0.001  # share of a value by which a text of one or two digits may differ from it
+
+Array = NDArray[np.float64]
+Value = float | str
+
+
+def case(ds: xr.Dataset, at: Mapping[str, Value] | None = None) -> dict[str, int]:
+    """The indices of the case at these values; an axis that is not named stays where the laws or Table 1 put it.
+
+    Raises `InputError` for a name that is no axis or a value that is not stored.
+    """
+    chosen = {axis_of(ds, name): value for name, value in (at or {}).items()}
+    return {name: index(ds, name, chosen[name]) if name in chosen else _base(ds, name) for name in axes_of(ds)}
+
+
+def line(ds: xr.Dataset, axis: str, at: Mapping[str, Value] | None = None) -> list[dict[str, int]]:
+    """The indices of each case along an axis in its rising order, the other axes as in `case`."""
+    axis = axis_of(ds, axis)
+    here = case(ds, at)
+    return [{**here, axis: int(i)} for i in np.argsort(ds[axis].values, kind="stable")]
+
+
+def spread(found: list[dict[str, int]], count: int) -> list[dict[str, int]]:
+    """At most so many of them, evenly chosen, both ends among them."""
+    if len(found) <= count:
+        return found
+    return [found[i] for i in np.linspace(0, len(found) - 1, count).round().astype(int)]
+
+
+def axis_of(ds: xr.Dataset, name: str) -> str:
+    """The axis of that name, or of that field of the study (`beta` is beta0). Raises `InputError` with the axes."""
+    dims = axes_of(ds) if "outcome" in ds else list(map(str, ds.dims))
+    axes = [dim for dim in dims if dim in ds.coords and dim not in ("u", *COMPONENTS)]
+    for known in (name, dimension(name) if name in FIELDS else name):
+        if known in axes:
+            return known
+    if name in ds.coords and not ds[name].ndim:
+        raise InputError(f"{name} is selected already: it is {ds[name].item():.10g}")
+    raise no_such("axis", name, axes) if axes else InputError(f"no axis {name!r}: the dataset has none")
+
+
+def index(ds: xr.Dataset, name: str, value: Value) -> int:
+    """The index of the value of an axis that is meant. Raises `InputError` with the stored values."""
+    axis = np.asarray(ds[name].values, dtype=float)
+    wanted = real(name, value)
+    away = np.abs(axis - wanted)
+    nearest = int(away.argmin())
+    if away[nearest] <= _tolerance(axis, wanted):
+        return nearest
+    for half in (_half_digit(value), _half_digit(value, zeros=False)) if isinstance(value, str) else ():
+        near = np.flatnonzero(away <= min(half, LOOSEST * abs(wanted)))
+        if near.size == 1:
+            return int(near[0])
+        if near.size:
+            break
+    shown = value if isinstance(value, str) else written(name, wanted, 10)
+    raise InputError(f"{name} = {shown} is not on the axis; {_listed(axis, name, wanted)}")
+
+
+def indices(ds: xr.Dataset, name: str, value: Any) -> Any:
+    """The index of a value, those of a list of values, or those of the values in a slice. Raises `InputError`."""
+    if isinstance(value, slice):
+        return _between(ds, name, value)
+    if isinstance(value, list | tuple | np.ndarray):
+        return [index(ds, name, one) for one in value]
+    return index(ds, name, value)
+
+
+def real(name: str, value: Any) -> float:
+    """The value of a field as a finite number, an angle's also from text as `30deg`; or `InputError`."""
+    try:
+        number = in_rad(value) if is_angle(name) else value
+    except ValueError as error:
+        raise InputError(f"{name}: {error}") from None
+    try:
+        number = float(number)
+    except (TypeError, ValueError, OverflowError):
+        number = np.nan
+    if not np.isfinite(number):
+        raise InputError(f"{name} must be a finite number, got {value!r}")
+    return number
+
+
+def written(name: str, value: float, digits: int = 6) -> str:
+    """A value of an axis as a user writes it: ``10905``, and ``30deg`` for an angle."""
+    return f"{math.degrees(value):.{digits}g}deg" if is_angle(name) else f"{value:.{digits}g}"
+
+
+def _tolerance(axis: Array, value: float) -> float:
+    """How far a stored value may be from the one given: for rounding in its size, and in the steps of the axis."""
+    steps = np.diff(np.sort(axis))
+    return SAME * max(abs(value), float(steps.min()) if steps.size else 0.0)
+
+
+def _half_digit(text: str, zeros: bool = True) -> float:
+    """Half a unit in the last digit of a number as it is written, in rad where degrees are; 0 for pi/6.
+
+    zeros: whether those at its end count as digits; otherwise at least `WRITTEN` others are needed, as a diagram writes
+    10910 for 10905.
+    """
+    number = text.strip().removesuffix("deg")
+    try:
+        decimal = Decimal(number.strip())
+        exact = decimal.normalize().as_tuple()
+        exponent = decimal.as_tuple().exponent if zeros or len(exact.digits) < WRITTEN else exact.exponent
+    except InvalidOperation:
+        return 0.0
+    half = 0.5 * 10.0**exponent if isinstance(exponent, int) else 0.0
+    return math.radians(half) if number != text.strip() else half
+
+
+def _between(ds: xr.Dataset, name: str, wanted: slice) -> NDArray[np.intp]:
+    if wanted.step is not None:
+        raise InputError(f"{name} takes a slice without a step, got {wanted}")
+    axis = np.asarray(ds[name].values, dtype=float)
+    low = -np.inf if wanted.start is None else real(name, wanted.start)
+    high = np.inf if wanted.stop is None else real(name, wanted.stop)
+    inside = (axis >= low - _tolerance(axis, low)) & (axis <= high + _tolerance(axis, high))
+    if not inside.any():
+        near = low if np.isfinite(low) else high
+        ends = f"from {written(name, low, 10)} to {written(name, high, 10)}"
+        raise InputError(f"{name} has no values {ends}; {_listed(axis, name, near)}")
+    return np.flatnonzero(inside)
+
+
+def _listed(axis: Array, name: str, near: float) -> str:
+    if axis.size <= LISTED:
+        return f"its values are {choices(written(name, v, 10) for v in axis)}"
+    nearest = np.sort(axis[np.argsort(np.abs(axis - near))[:2]])
+    ends = f"from {written(name, axis.min(), 10)} to {written(name, axis.max(), 10)}"
+    return f"its {axis.size} values go {ends}, the nearest are {choices(written(name, v, 10) for v in nearest)}"
+
+
+def _base(ds: xr.Dataset, name: str) -> int:
+    """The index nearest to where the laws or Table 1 put an axis; else its middle."""
+    values = ds[name].values.astype(float)
+    for row in json.loads(ds.attrs.get("laws", "[]")):
+        if name in row.get("at", {}):
+            return int(np.abs(values - row["at"][name]).argmin())
+    at_start = {dimension(field): value for field, value in TABLE_1.items() if field in FIELDS}
+    base = at_start.get(name) if ds.attrs.get("reading") else None
+    return values.size // 2 if base is None else int(np.abs(values - base).argmin())

@@ -1,0 +1,115 @@
+"""The summary of a stored dataset, read block by block, however many cases it has."""
+
+import os
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from solver.observe.observables import OBSERVABLES
+
+from ..data import branch_numbers, file_checks, law_verdicts, reading, schema
+from ..data.concatenation import blocks
+
+BLOCK = 100_000  # cases that are read at a time
+DISTINCT = 100  # texts that are counted apart
+OTHERS = "(others)"
+
+
+def summary(path: Path) -> dict[str, Any]:
+    """What the file holds, as plain data. Raises `InputError`.
+
+    Memory: one number a case, for one observable at a time.
+    """
+    with reading.opened(path) as ds, file_checks.reading(path):
+        told: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
+        told |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
+        told |= {"tolerance": reading.number(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
+        told |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", "equilibria")}
+        counts = branch_numbers.counted(_numbers(ds["branch"])) if "branch" in ds else {}
+        told["branches"] = branch_numbers.sentence(counts) if counts else ""
+        told["versions"] = reading.versions(ds, path)
+        told["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
+        told["stations"] = ds.sizes.get("u", 0)
+        told["along"] = [name for name in schema.CURVES if name in ds.data_vars]
+        told["cases"] = ds["outcome"].size
+        outcomes = counted(ds["outcome"], ds["solved"])
+        told["unsolved"] = unsolved(ds)
+        told["outcomes"] = dict(outcomes.most_common())
+        told["observables"] = [_spread(ds[name]) for name in OBSERVABLES if name in ds.data_vars]
+        told["worst"] = [_worst(ds[name]) for name in ("error", "condition")]
+        rows = law_verdicts.verdicts(ds)
+        told |= {"verdicts": law_verdicts.tally(rows), "laws": [_law(row) for row in rows]}
+    return told
+
+
+def unsolved(ds: xr.Dataset) -> int:
+    """How many cases are not solved, read block by block."""
+    return sum(int((~ds["solved"][where].values).sum()) for where in blocks(ds["solved"].shape, BLOCK))
+
+
+def _axis(axis: xr.DataArray) -> dict[str, Any]:
+    values = axis.values
+    ends = {"count": int(values.size), "from": float(values.min()), "to": float(values.max())}
+    return {"name": str(axis.name), **ends, "units": str(axis.attrs.get("units", ""))}
+
+
+def counted(variable: xr.DataArray, solved: xr.DataArray | None = None) -> Counter[str]:
+    """How often each text occurs; beyond the first `DISTINCT` the others are counted together.
+
+    solved: where given, the others are counted apart by whether their case is solved.
+    """
+    found: Counter[str] = Counter()
+    for where in blocks(variable.shape, BLOCK):
+        texts = variable[where].values.ravel().tolist()
+        kinds = [""] * len(texts) if solved is None else np.where(solved[where].values.ravel(), "solved ", "failed ")
+        for (text, kind), count in Counter(zip(texts, kinds, strict=True)).items():
+            kept = str(text) in found or len(found) < DISTINCT
+            found[str(text) if kept else f"{kind}{OTHERS}"] += count
+    return found
+
+
+def _numbers(variable: xr.DataArray) -> NDArray[np.float64]:
+    """All the values of one number a case, (cases,)."""
+    values = np.empty(variable.size)
+    begin = 0
+    for where in blocks(variable.shape, BLOCK):
+        part = variable[where].values.ravel()
+        values[begin : begin + part.size] = part
+        begin += part.size
+    return values
+
+
+def _spread(variable: xr.DataArray) -> dict[str, Any]:
+    """Smallest, median and largest of an observable; None where no case has it."""
+    values = _numbers(variable)
+    finite = values[np.isfinite(values)]
+    three = (float(f(finite)) if finite.size else None for f in (np.min, np.median, np.max))
+    told = dict(zip(("min", "median", "max"), three, strict=True))
+    missing = int(values.size - finite.size)
+    return {"name": str(variable.name), "units": str(variable.attrs.get("units", "")), **told, "missing": missing}
+
+
+def _worst(variable: xr.DataArray) -> dict[str, Any]:
+    """The largest value of one number a case, and the case's place on the axes."""
+    values = _numbers(variable)
+    if not np.isfinite(values).any():
+        return {"name": str(variable.name), "value": None, "at": {}}
+    i = int(np.nanargmax(np.where(np.isfinite(values), values, np.nan)))
+    where = np.unravel_index(i, variable.shape)
+    at = {str(dim): float(variable[dim][k]) for dim, k in zip(variable.dims, where, strict=True)}
+    return {"name": str(variable.name), "value": float(values[i]), "at": at}
+
+
+def _law(row: dict[str, Any]) -> dict[str, Any]:
+    """A law's row without its list of exceptions, which may be as long as the study."""
+    told = {key: value for key, value in row.items() if key not in ("exceptions", "also")}
+    return {
+        **told,
+        "stated": law_verdicts.stated(row),
+        "said": law_verdicts.said(row),
+        "exceptions": len(row["exceptions"]),
+    }
