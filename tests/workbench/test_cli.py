@@ -320,8 +320,8 @@ def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_wr
 def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stored, tmp_path, monkeypatch) -> None:
     drawn = []
     monkeypatch.setattr(opengl, "probe", lambda: (True, ""))
-    taken = SimpleNamespace(off=0.0)
-    scenes = SimpleNamespace(render=lambda ds, path, *_: drawn.append(path) or taken, Look=lambda *_: None)
+    picture = SimpleNamespace(error=0.0)
+    scenes = SimpleNamespace(render=lambda ds, path, *_: drawn.append(path) or picture)
     monkeypatch.setitem(sys.modules, "workbench.scene.layout", scenes)
     monkeypatch.setattr("workbench.scene.layout", scenes, raising=False)
     for at in ([], ["E=1e4"], ["E=2e4", "R=0.75"]):
