@@ -266,7 +266,7 @@ def test_without_opengl_a_note_says_what_to_install(results, readings) -> None:
 
 
 def test_without_readings_the_report_says_so(results) -> None:
-    assert "The readings were not run." in document.html(results[:1])
+    assert "The readings were not computed." in document.html(results[:1])
 
 
 def test_a_study_that_a_reading_does_not_admit_is_named_with_its_reason(results, readings) -> None:
