@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from .methods import METHODS
+from .numerics.arrays import Array
 from .problem.case import Case, Ends
-from .problem.reduced import Array
 from .solution import Solution
 from .solve import solve
 

@@ -3,19 +3,19 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .boundary.levels import many
-from .boundary.search import Found, Way, search
-from .boundary.selection import NEAREST, Choose, none_of, select, selection
-from .boundary.stability import end_response
-from .methods.base import Seed, Trajectory, verdicts
-from .methods.orbit import Orbit
-from .methods.shooting import NONE as NO_SOLUTION
+from .boundary.paths import LevelPaths
+from .boundary.search import search
+from .boundary.selected_equilibrium import equilibrium_trajectory
+from .boundary.selection import NEAREST, Choose, select
+from .boundary.transit_times import repeated
+from .numerics.arrays import Array
 from .observe.observables import observe
+from .orbit.periodic_orbit import Orbit
 from .problem.case import Case, Ends
 from .problem.errors import InputError
-from .problem.reduced import Array, Reduced, reduce
+from .problem.reduced import reduce
+from .problem.trajectory import Trajectory
 from .solution import Solution
 
 NONE = "incomplete: no equilibrium was found, and by degree there is always one"
@@ -28,7 +28,7 @@ class Equilibrium:
     index: Morse index, 0 for a stable one, both end angles held and the loads dead. energy: bending energy less the
     work of the loads [force length]. dbeta0: beta'(0) [rad/length]. turns: number of bends. attached: share of the
     length where the cylinder pushes. stray: how far beta goes beyond the interval between its end angles [rad].
-    path: its level and its path (`search.Way` of one), which tell it from every other equilibrium of the case.
+    path: its level and its path (`paths.LevelPaths` of one), which tell it from every other equilibrium of the case.
     """
 
     solution: Solution
@@ -38,7 +38,7 @@ class Equilibrium:
     turns: int
     attached: float
     stray: float
-    path: Way
+    path: LevelPaths
 
 
 class Equilibria(list[Equilibrium]):
@@ -75,9 +75,9 @@ def equilibria(case: Case, tol: float = 1e-8, stations: int = 201, most_swings: 
     if all_of_them is None:
         return Equilibria([], NONE)
     slopes, orbit, K = all_of_them.slope, all_of_them.orbit, all_of_them.slope.size
-    wide, index, stray = many(problem, K), all_of_them.index, all_of_them.stray
+    wide, index, stray = repeated(problem, K), all_of_them.index, all_of_them.stray
     t = wide.span[:, None] * np.linspace(0, 1, stations)
-    together = trajectory(wide, orbit, t, tol)
+    together = equilibrium_trajectory(wide, orbit, t, tol)
     seen = observe(Solution(_repeated(case, K), wide, together, t, "shooting", tol), ("energy", "turns", "attached"))
     found = []
     for i in range(K):
@@ -132,61 +132,3 @@ def meant(found: list[Equilibrium], choose: Choose = NEAREST) -> Equilibrium | N
     columns = ([getattr(one, name) for one in found] for name in ("index", "energy", "stray", "dbeta0"))
     i = select(choose, *(np.array(column, dtype=float) for column in columns))
     return None if i is None else found[i]
-
-
-def trajectory(problem: Reduced, orbit: Orbit, t: Array, tol: float) -> Trajectory:
-    """The orbits of K ends problems at stations t (K, n), with how far they miss beta(L) as their error."""
-    assert problem.betaL is not None
-    beta, dbeta, alpha, z = orbit.at(t)
-    condition = end_response(orbit) if orbit.response is None else orbit.response
-    miss = np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL)
-    error = (2 * miss + 1e-14) * condition
-    calls = np.bincount(orbit.panels.part // 2, weights=orbit.panels.calls, minlength=t.shape[0]).astype(np.int64)
-    outcome = verdicts(beta, error, condition, tol)
-    return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), outcome, error, condition, calls, orbit)
-
-
-def chosen(problem: Reduced, t: Array, tol: float, slope: float | None, choose: Choose = NEAREST) -> Trajectory | str:
-    """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or the one that the rule takes; else the
-    outcome that says why there is none."""
-    found = _searched(problem, slope, choose)
-    if found is None:
-        return NO_SOLUTION
-    if slope is not None:
-        return trajectory(problem, found.orbit.take(int(np.argmin(np.abs(found.slope - slope)))), t, tol)
-    i = select(choose, found.index, found.energy, found.stray, found.slope)
-    if i is None:
-        return none_of(choose, found.index, found.total)
-    if not isinstance(choose, int) and found.index[i] != 0 and found.remark:  # by degree there is a stable one
-        return f"failed: {found.remark}"
-    how = np.array([selection(choose, found.index, found.total, not found.remark)], dtype=object)
-    return replace(trajectory(problem, found.orbit.take(i), t, tol), selection=how)
-
-
-def _searched(problem: Reduced, slope: float | None, choose: Choose) -> Found | None:
-    """As many of the equilibria as the rule needs: a stable one has one turning point at most, one of index K at most
-    K + 1, and the lowest is stable."""
-    if slope is not None:
-        return search(problem)
-    found = search(problem, most_turns=choose + 1 if isinstance(choose, int) else 1)
-    needs_stable = found is None or not (found.index == 0).any()
-    return search(problem) if not isinstance(choose, int) and needs_stable else found
-
-
-def chosen_seed(
-    problem: Reduced, choose: Choose = NEAREST, points: int = 2001
-) -> tuple[Seed, NDArray[np.object_], list[str]]:
-    """The equilibrium of each problem that the rule takes, as a seed, NaN where there is none; how each was taken; and
-    the outcome that says why there is none, or nothing."""
-    u = np.linspace(0, 1, points)
-    taken, why = np.full(problem.size, None, dtype=object), [""] * problem.size
-    slopes, shapes = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)
-    for i in range(problem.size):
-        one = problem.take(slice(i, i + 1))
-        found = chosen(one, one.span[:, None] * u, 1e-8, None, choose)
-        if isinstance(found, str):
-            why[i] = found
-            continue
-        slopes[i], shapes[i] = found.dbeta[0, 0], found.beta[0]
-        taken[i] = None if found.selection is None else found.selection[0]
-    return Seed(slopes, np.tile(u, (problem.size, 1)), shapes), taken, why

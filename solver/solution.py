@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 
 from .mechanics import frames, statics
-from .mechanics.potential import potential
-from .methods.base import Trajectory
+from .mechanics.contact import contact_force, push_from
+from .mechanics.potential import Loads, dimensional_slope, potential
+from .numerics.arrays import Array
 from .problem.case import Case
-from .problem.reduced import Array, Reduced, flat
+from .problem.reduced import Reduced, flat
+from .problem.trajectory import Trajectory
 
 _quiet = np.errstate(all="ignore")  # cases that were refused carry numbers that no float holds
 
@@ -159,14 +161,14 @@ class Solution:
     def contact(self) -> Array:
         """The cylinder's push per length, (*cases, n) [force/length], positive outward; eq. (34), corrected."""
         A, l, m, p = self._loads
-        H = statics.slope(l, m, p, self._rho, self.beta)
-        return statics.contact(A, m, self._rho, self.FY, H, self.beta, self.dbeta)
+        H = dimensional_slope(l, m, p, self._rho, self.beta)
+        return contact_force(A, m, self._rho, self.FY, H, self.beta, self.dbeta)
 
     @property
     @_quiet
     def push(self) -> Array:
         """Contact counted positive where the cylinder pushes, negative where it lifts off, (*cases, n)."""
-        return self.case.outward * self.contact
+        return push_from(self.contact, self.case.cylinder.side)
 
     @property
     @_quiet
@@ -184,8 +186,7 @@ class Solution:
     @_quiet
     def h(self) -> Array:
         """First integral beta'^2 + G(beta), (*cases, n) [1/length^2]; eq. (32). Constant but for the method's error."""
-        column = Reduced(*(v[:, None] for v in (self.problem.lam, self.problem.mu, self.problem.phi)), *2 * [self.t])
-        level = self.trajectory.dbeta**2 + potential(column, self.trajectory.beta)
+        level = self.trajectory.dbeta**2 + potential(Loads.columns(self.problem), self.trajectory.beta)
         return self._along(level) / self._rho**2
 
     # of each case

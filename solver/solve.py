@@ -2,21 +2,24 @@
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .boundary.selection import NEAREST, checked
-from .methods import METHODS, MISSING, Method
-from .methods.base import Seed, Trajectory, blanked, stood_in
-from .methods.blocks import run_in_blocks
+from .core.loader import INSTALLED
+from .numerics.arrays import Array
 from .problem.case import Case
 from .problem.errors import InputError, choices, no_such
 from .problem.limits import OUT_OF_RANGE, TOO_LARGE, dimensionless, representable, units_held
-from .problem.reduced import Array, Reduced, flat, reduce
+from .problem.reduced import Reduced, flat, reduce
+from .problem.trajectory import Seed, Trajectory, blanked, stood_in
 from .solution import Solution
 
-AUTO = {"start": "swing" if "swing" in METHODS else "orbit", "ends": "shooting"}  # as measured: docs/reference/trade.md
+if TYPE_CHECKING:
+    from .methods import Method
+
+AUTO = {"start": "swing" if INSTALLED else "orbit", "ends": "shooting"}  # as measured: docs/reference/trade.md
 
 
 def solve(
@@ -41,6 +44,8 @@ def solve(
     Each case's `outcome` says whether it was solved; a case that was not leaves its neighbours alone.
     Raises `InputError` for a bad tolerance, method, knob, rule or stations.
     """
+    from .methods import METHODS, MISSING  # only a call of `solve` loads the methods
+
     tol = _tolerance(tol)
     problem = reduce(case)
     name = AUTO[problem.kind] if method == "auto" else method
@@ -68,8 +73,10 @@ def solve(
     return Solution(case, problem, _run(case, problem, METHODS[name], t, tol, knobs), t, name, tol)
 
 
-def _run(case: Case, problem: Reduced, method: Method, t: Array, tol: float, knobs: dict[str, Any]) -> Trajectory:
+def _run(case: Case, problem: Reduced, method: "Method", t: Array, tol: float, knobs: dict[str, Any]) -> Trajectory:
     """The method's answer; cases whose numbers no float can hold are refused by their outcome."""
+    from .methods.blocks import run_in_blocks
+
     held, finite = representable(case, problem), dimensionless(problem)
     fit = held & finite
     if not fit.all():
@@ -84,7 +91,7 @@ def _run(case: Case, problem: Reduced, method: Method, t: Array, tol: float, kno
     return told
 
 
-def _check_knob(method: Method, knob: str, value: Any) -> None:
+def _check_knob(method: "Method", knob: str, value: Any) -> None:
     if knob not in method.knobs:
         known = choices(method.knobs) or "none"
         raise InputError(f"no knob {knob!r} in method {method.name!r}; its knobs: {known}")
@@ -140,6 +147,8 @@ def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:
             slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
     except (TypeError, ValueError):
         raise InputError(f"seed must be beta'(0) or a Solution, got {seed!r}") from None
+    from .methods import METHODS
+
     start = problem.started(slope)
     u = np.linspace(0, 1, 2001)
     beta = METHODS["orbit"].run(start, start.span[:, None] * u, 1e-8).beta

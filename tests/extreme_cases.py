@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Cylinder, Rod, Start
-from solver.mechanics.potential import extrema, potential
+from solver.mechanics.potential import potential
+from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import Reduced
 from tests.cases import start_of
 
@@ -121,7 +122,7 @@ def _tension(rng: Any, n: int) -> tuple[Array, ...]:
 
 def _extremum(rng: Any, lam: Array, mu: Array, phi: Array, saddle: bool | None) -> Array:
     """A random extremum of G; of that sort if it is said, (n,)."""
-    found = extrema(Reduced(lam, mu, phi, lam, lam))
+    found = critical_points(Reduced(lam, mu, phi, lam, lam))
     wanted = ~np.isnan(found.beta) if saddle is None else (found.centre != saddle) & ~np.isnan(found.beta)
     chance = np.where(wanted, rng.random(found.beta.shape), -1.0)
     return found.beta[np.arange(lam.size), chance.argmax(axis=1)]

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.mechanics.potential import extrema
+from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import Reduced, reduce
 from tests.extreme_cases import KINDS, draw
 from tests.variation import work
@@ -35,7 +35,7 @@ def _near(kind: str, n: int, rng: Any) -> Reduced:
         return Reduced(lam, mu, phi, span, rng.uniform(-np.pi, np.pi, n), _signed(rng, -8, 0.5, n))
     off = _signed(rng, -17, -1, n, 0.1)
     if kind == "centre":
-        found = extrema(Reduced(lam, mu, phi, span, lam))
+        found = critical_points(Reduced(lam, mu, phi, span, lam))
         chance = np.where(found.centre, rng.random(found.beta.shape), -1.0)
         at = found.beta[np.arange(n), chance.argmax(axis=1)]
         return Reduced(lam, mu, phi, span, at + off, v)

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from solver.core import loader
+
 ROOT = Path(__file__).resolve().parents[1]
 
 SOLVER = {"numpy", "scipy", "heyoka", "numba"}  # the last two are optional: a method's each, imported where it runs
@@ -34,29 +36,7 @@ LISTS = {
 }  # fmt: skip
 
 # What still points upward, to be carved: no pair may be added.
-TO_CARVE = {
-    ("solver.boundary.continuation", "solver.methods.orbit"),
-    ("solver.boundary.dwell", "solver.methods.orbit"),
-    ("solver.boundary.end_angle", "solver.methods.orbit"),
-    ("solver.boundary.search", "solver.methods.orbit"),
-    ("solver.methods.collocation", "solver.equilibria"),
-    ("solver.methods.difference", "solver.equilibria"),
-    ("solver.methods.shooting", "solver.equilibria"),
-    ("solver.numerics.chebyshev", "solver.problem.reduced"),
-    ("solver.numerics.roots", "solver.problem.reduced"),
-    ("solver.orbit.conditioning", "solver.methods.orbit"),
-    ("workbench.branches.branch_dataset", "workbench.commands.own_case"),
-    ("workbench.branches.branch_dataset", "workbench.figures.equilibria"),
-    ("workbench.compare.extremes", "workbench.commands"),
-    ("workbench.compare.extremes", "workbench.commands.console"),
-    ("workbench.compare.trade", "workbench.commands"),
-    ("workbench.compare.trade", "workbench.commands.console"),
-    ("workbench.web.live.own_case", "workbench.commands.solve"),
-    ("workbench.web.live.page_model", "workbench.commands.list_equilibria"),
-    ("workbench.web.live.page_shape", "workbench.commands.list_equilibria"),
-    ("workbench.web.live.server", "workbench.commands"),
-    ("workbench.web.live.server", "workbench.commands.console"),
-}
+TO_CARVE = {}
 TO_SILENCE: set[str] = set()
 
 STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics
@@ -162,17 +142,26 @@ def test_a_sub_package_imports_only_from_those_above_it_in_the_list(top: str) ->
     assert {pair for pair in TO_CARVE if pair[0].startswith(f"{top}.")} - upward == set(), "remove these from TO_CARVE"
 
 
-@pytest.mark.xfail(strict=True, reason="to be carved: solver.solve imports its methods at once")
 @pytest.mark.parametrize("part", ("data", "geometry", "figures", "scene"))
 def test_drawing_loads_no_method_of_the_solver(part: str) -> None:
-    names = [module_of(file) for file in files_of(f"workbench/{part}/*.py")]
+    assert methods_loaded_by(files_of(f"workbench/{part}/*.py")) == []
+
+
+def test_the_solver_loads_its_methods_only_when_a_case_is_solved() -> None:
+    apart = ["solver.methods", "solver.benchmark", *([] if loader.INSTALLED else ["solver.core"])]
+    files = [file for file in files_of("solver/**/*.py") if not reaches({module_of(file)}, set(apart))]
+    assert methods_loaded_by(files) == []
+
+
+def methods_loaded_by(files: list[Path]) -> list[str]:
+    """The modules of `solver.methods` that a new process holds after it imported these files."""
     code = (
-        f"import importlib, sys\nfor name in {names}: importlib.import_module(name)\n"
-        "print(*[name for name in sys.modules if name.startswith('solver.methods.')])"
+        f"import importlib, sys\nfor name in {[module_of(file) for file in files]}: importlib.import_module(name)\n"
+        "print(*[name for name in sys.modules if f'{name}.'.startswith('solver.methods.')])"
     )
     run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
-    assert run.stdout.split() == []
+    return run.stdout.split()
 
 
 def test_only_commands_print_or_know_an_exit_status() -> None:

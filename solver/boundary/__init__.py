@@ -1,1 +1,1 @@
-"""Two ends: transit times, search of all equilibria, stability, continuation, selection."""
+"""Problems of two ends: transit times, search of all equilibria, stability, continuation, selection."""

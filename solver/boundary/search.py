@@ -1,43 +1,42 @@
-"""The search for every orbit that joins two angles over a given length: one equation a path, the level unknown."""
+"""The search for every orbit that joins two end angles over a given length: for each path one equation in the level."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..mechanics.potential import potential
-from ..methods.orbit import Orbit, solve_orbit
-from ..orbit.action import energies
-from ..problem.reduced import Array, Reduced
-from .brackets import closed_in, joined_brackets, on_chain
-from .dwell import dwelling
-from .levels import Chain, bounded, chained, helix_of
-from .stability import end_response, jacobi_zeros
-from .transit import STRETCH, Boundary, Levels, Paths, many, paths, transit
+from ..numerics.arrays import Array, Booleans
+from ..orbit.orbit_energy import energies
+from ..orbit.periodic_orbit import Orbit
+from ..problem.reduced import Reduced
+from .level_brackets import brackets_on_grid, joined_brackets, roots_in
+from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
+from .path_orbits import solved_orbits
+from .paths import LevelPaths, Levels, Paths, paths
+from .stability import jacobi_zeros
+from .transit_times import Boundary, transit_times
 
 _TIGHT = 1e-13
-BUDGET = 3e7  # evaluations of G, some ten to twenty seconds
-_EACH = 15  # levels looked at for each solution
-_PATHS = 1000  # paths looked at together
+BUDGET = 3e7  # evaluations of G: ten to twenty seconds
+_EACH = 15  # levels computed for each equilibrium
+_PATHS = 1000  # paths searched together
 _LARGEST = 1e100
-_MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is none
+_MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is rejected
 
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """K solutions of one ends problem and their orbits.
+    """K equilibria of one ends problem and their orbits.
 
-    slope: beta_t(0), (K,). path: pin (angle in [-pi, pi)), sign and y = log gap of the level, direction at both ends
-    and whole periods, (K,) each; see `transit`. helix: (K,), a rod that is a helix from end to end and has no path.
-    index: Morse index, (K,). energy: in units of A/rho, (K,). lowest, highest: smallest and largest beta along the
-    rod [rad], (K,). total: how many solutions there are, those that were not solved among them. remark: why the list
-    is a part of all only; empty where it is complete. evaluations: of G.
+    slope: (K,), beta_t(0). orbit: of all. path: their levels and paths. index: (K,), Morse index. energy: (K,), in
+    units of A/rho. lowest, highest: (K,), smallest and largest beta along the rod [rad]. total: how many equilibria
+    were found, also those that were not solved. remark: why the list is incomplete; empty where it is complete.
+    evaluations: of G.
     """
 
     slope: Array
     orbit: Orbit
-    path: "Way"
+    path: LevelPaths
     index: Array
     energy: Array
     lowest: Array
@@ -57,49 +56,45 @@ class Found:
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
-    """The level and the path of K solutions, (K,) each: eta = G(pin) + sign exp(y); see `transit.Paths`."""
-
-    pin: Array
-    sign: Array
-    y: Array
-    leaving: NDArray[np.int64]
-    arriving: NDArray[np.int64]
-    swings: NDArray[np.int64]
-    helix: NDArray[np.bool_]
-
-    def take(self, index: Any) -> "Way":
-        return Way(**{name: v[index] for name, v in vars(self).items()})
-
-
-@dataclass(frozen=True, eq=False)
 class Roots:
-    """K levels at which the length of a path is the rod's; lengthens: (K,), whether it grows with the level.
+    """K levels at which the length of a path is that of the rod; lengthens: (K,), whether it grows with the level.
 
-    total, signed: how many there are, those on paths of more turning points than were asked for among them, and their
-    count with (-1)^index. lost: brackets in which no root was met. calls: evaluations of G.
+    total: their number, with those on paths of more turning points than were asked for. signed: the same, each counted
+    with (-1)^index. lost: brackets in which no root was found. calls: evaluations of G.
     """
 
     levels: Levels
     paths: Paths
-    lengthens: NDArray[np.bool_]
+    lengthens: Booleans
     total: int
     signed: int
     lost: int
     calls: int
 
 
-def search(problem: Reduced, most_swings: int = 200, most_turns: int | None = None) -> Found | None:
-    """Every solution of one ends problem with at most so many whole periods, or None where none is found.
+def search(problem: Reduced, most_periods: int = 200, most_turns: int | None = None) -> Found | None:
+    """Every equilibrium of one ends problem.
 
-    most_turns: leave out those of more turning points, which are counted and not solved. A solution of index 0 has one
-    turning point at most, so 1 is enough for all stable ones, of which there is always at least one.
+    Parameters
+    ----------
+    problem : Reduced
+        One ends problem.
+    most_periods : int
+        Search paths of at most this many whole periods of beta.
+    most_turns : int, optional
+        Solve only those of at most this many turning points; the others are counted. A stable equilibrium has one
+        turning point at most, so 1 is enough for all stable ones, of which there is always at least one.
+
+    Returns
+    -------
+    Found or None
+        None where no equilibrium was found.
     """
     found = None
     if not _fits(problem):
         return None
     for step in (0.25, 0.0625):
-        found = _searched(problem, most_swings, most_turns, step)
+        found = _searched(problem, most_periods, most_turns, step)
         if found is not None and not found.remark.startswith(_COUNT):
             break
     return found
@@ -109,7 +104,7 @@ _COUNT = "incomplete"
 
 
 def _fits(problem: Reduced) -> bool:
-    """Whether a float holds the squares of the numbers of one ends problem, and of the slope it needs."""
+    """Whether a float can hold the squares of the numbers of one ends problem, and of the beta_t that it needs."""
     assert problem.betaL is not None
     numbers = problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, problem.betaL
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
@@ -117,37 +112,39 @@ def _fits(problem: Reduced) -> bool:
         return bool((np.abs(np.stack([*numbers, reach, 1 / problem.span])) < _LARGEST).all())
 
 
-def _searched(problem: Reduced, most_swings: int, most_turns: int | None, step: float) -> Found | None:
-    """One search, with rungs of `step` in log gap."""
+def _searched(problem: Reduced, most_periods: int, most_turns: int | None, step: float) -> Found | None:
+    """One search, on a level grid of steps of `step` in log gap."""
     assert problem.betaL is not None
-    boundary, chain = chained(bounded(problem), step)
-    roots, said = _roots(boundary, chain, most_swings, most_turns)
+    boundary, grid = level_grid_of(boundary_of(problem), step)
+    roots, reason = _roots(boundary, grid, most_periods, most_turns)
     helix = helix_of(problem, boundary.found)
-    way, lengthens = ways_of(boundary, roots, helix)
+    path, lengthens = level_paths_of(boundary, roots, helix)
     if not lengthens.size:
         return None
-    orbit, level = solved(problem, boundary, way, lengthens)
+    orbit, level = solved_orbits(problem, boundary, path, lengthens)
     far = orbit.at(orbit.problem.span[:, None])[0][:, 0]
-    good = np.abs(far - problem.betaL[0]) < np.maximum(_MISSED, np.minimum(_blur(orbit), 0.1))
+    good = np.abs(far - problem.betaL[0]) < np.maximum(_MISSED, np.minimum(_end_rounding(orbit), 0.1))
     lost = roots.lost + int(np.count_nonzero(~good))
     if not good.any():
         return None
     if not good.all():
-        way, lengthens = way.take(good), lengthens[good]
-        orbit, level = solved(problem, boundary, way, lengthens)
+        path, lengthens = path.take(good), lengthens[good]
+        orbit, level = solved_orbits(problem, boundary, path, lengthens)
     index, energy = jacobi_zeros(orbit), energies(orbit, level)
     lowest, highest = _range(orbit)
     assert orbit.problem.dbeta0 is not None
-    helices = index[way.helix]
+    helices = index[path.helix]
     signed = roots.signed + int(np.where(helices % 2 == 0, 1, -1).sum())
-    remark = said or _remark(index, energy, signed, lost)
+    remark = reason or _remark(index, energy, signed, lost)
     total, calls = roots.total + helices.size, roots.calls + int(orbit.panels.calls.sum())
-    return Found(orbit.problem.dbeta0, orbit, way, index, energy, lowest, highest, total, remark, calls)
+    return Found(orbit.problem.dbeta0, orbit, path, index, energy, lowest, highest, total, remark, calls)
 
 
 def _remark(index: Array, energy: Array, signed: int, lost: int) -> str:
-    """What is missing, in words: by degree the equilibria, each counted with (-1)^index, add up to one, and the one of
-    lowest energy has index 0."""
+    """Why the list is incomplete, or nothing.
+
+    By degree the equilibria, each counted with (-1)^index, add up to one, and the one of lowest energy has index 0.
+    """
     if lost:
         return f"{_COUNT}: {lost} equilibria were bracketed and could not be solved"
     if signed != 1:
@@ -158,19 +155,19 @@ def _remark(index: Array, energy: Array, signed: int, lost: int) -> str:
     return ""
 
 
-def _roots(boundary: Boundary, chain: Chain, most_swings: int, most_turns: int | None) -> tuple[Roots, str]:
-    """Every level on the chain at which a path has the rod's length, and what `most_swings` or `BUDGET` leaves out."""
-    span, size = float(boundary.problem.span[0]), chain.levels.y.size
-    seen = transit(boundary, chain.levels)
-    period = 2 * seen.time.sum(axis=0)[~seen.rotates & ~chain.place]
+def _roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_turns: int | None) -> tuple[Roots, str]:
+    """Every level at which a path has the length of the rod, and what `most_periods` or `BUDGET` leaves out."""
+    span, size = float(boundary.problem.span[0]), grid.levels.y.size
+    seen = transit_times(boundary, grid.levels)
+    period = 2 * seen.time.sum(axis=0)[~seen.rotates & ~grid.place]
     shortest = float(np.nanmin(period, initial=np.inf))
     needed = int(min(span / shortest, 1e9)) + 1 if np.isfinite(shortest) else 0
-    said = f"only equilibria of at most {most_swings} whole periods of beta were searched for"
-    said = said if needed - 1 > most_swings else ""
-    every = paths(boundary, 2 * min(needed, most_swings) + 1)
+    reason = f"only equilibria of at most {most_periods} whole periods of beta were searched for"
+    reason = reason if needed - 1 > most_periods else ""
+    every = paths(boundary, 2 * min(needed, most_periods) + 1)
     parts = [
-        on_chain(boundary, chain, seen, every.take(slice(k, k + _PATHS)), k)
-        for k in range(0, every.swings.size if size else 1, _PATHS)
+        brackets_on_grid(boundary, grid, seen, every.take(slice(k, k + _PATHS)), k)
+        for k in range(0, every.periods.size if size else 1, _PATHS)
     ]
     brackets, calls = joined_brackets([p for p, _ in parts]), seen.calls + sum(more for _, more in parts)
     turns = every.turns[brackets.path]
@@ -179,75 +176,45 @@ def _roots(boundary: Boundary, chain: Chain, most_swings: int, most_turns: int |
     if np.count_nonzero(kept) > afford:
         most = int(np.sort(turns[kept])[afford]) - 1
         kept = kept & (turns <= most)
-        said = f"only equilibria of at most {most} bends were solved: all {turns.size} would take too many evaluations"
+        reason = (
+            f"only equilibria of at most {most} bends were solved: all {turns.size} would take too many evaluations"
+        )
     odd = (turns - brackets.rises) % 2 == 1
     some = brackets.take(kept)
-    y, more = closed_in(boundary, some, every.counts(boundary.rising)[some.path])
+    y, more = roots_in(boundary, some, every.counts(boundary.rising)[some.path])
     found = ~np.isnan(y)
     levels = Levels(some.pin[found], some.sign[found], y[found])
     total, signed, lost = turns.size, int(np.where(odd, -1, 1).sum()), int(np.count_nonzero(~found))
-    return Roots(levels, every.take(some.path[found]), some.rises[found], total, signed, lost, calls + more), said
+    return Roots(levels, every.take(some.path[found]), some.rises[found], total, signed, lost, calls + more), reason
 
 
-def roots_on(boundary: Boundary, chain: Chain, some: Paths) -> Roots:
-    """Every level on the chain at which one of these paths has the rod's length."""
-    brackets, calls = on_chain(boundary, chain, transit(boundary, chain.levels), some, 0)
-    y, more = closed_in(boundary, brackets, some.counts(boundary.rising)[brackets.path])
+def roots_on(boundary: Boundary, grid: LevelGrid, some: Paths) -> Roots:
+    """Every level at which one of these paths has the length of the rod."""
+    brackets, calls = brackets_on_grid(boundary, grid, transit_times(boundary, grid.levels), some, 0)
+    y, more = roots_in(boundary, brackets, some.counts(boundary.rising)[brackets.path])
     found = ~np.isnan(y)
     levels = Levels(brackets.pin[found], brackets.sign[found], y[found])
     path, rises = brackets.path[found], brackets.rises[found]
     return Roots(levels, some.take(path), rises, path.size, 0, int(np.count_nonzero(~found)), calls + more)
 
 
-def ways_of(boundary: Boundary, roots: Roots, helix: Any) -> tuple[Way, Array]:
-    """Level and path of each root, the helix last; and whether the length grows with the level, NaN for the helix."""
+def level_paths_of(boundary: Boundary, roots: Roots, helix: Any) -> tuple[LevelPaths, Array]:
+    """Level and path of each root, the helix last; and whether its length grows with the level, NaN for the helix."""
     levels, some = roots.levels, roots.paths
     columns: list[Any] = [boundary.pins[levels.pin], levels.sign, levels.y]
-    columns += [some.leaving, some.arriving, some.swings, np.zeros(levels.y.size, dtype=bool)]
+    columns += [some.leaving, some.arriving, some.periods, np.zeros(levels.y.size, dtype=bool)]
     lengthens = roots.lengthens.astype(float)
     if helix is not None:
         mark = (helix[0], 1.0, -np.inf, 0, 0, 0, True)
         columns = [np.append(c, np.asarray(v, dtype=c.dtype)) for c, v in zip(columns, mark, strict=True)]
         lengthens = np.append(lengthens, np.nan)
-    return Way(*columns), lengthens
+    return LevelPaths(*columns), lengthens
 
 
-def solved(problem: Reduced, boundary: Boundary, way: Way, lengthens: Array) -> tuple[Orbit, Array]:
-    """The orbits and their levels eta, (K,)."""
-    K = way.y.size
-    moves = ~way.helix
-    pin = np.array([int(np.argmin(np.abs(boundary.pins - p))) for p in way.pin[moves]], dtype=int)
-    gap, slope, excess = np.zeros(K), np.zeros(K), np.zeros(K)
-    gap[moves] = way.sign[moves] * np.exp(np.maximum(way.y[moves], boundary.deepest))
-    slope[moves] = way.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
-    excess[moves] = np.maximum(boundary.deepest - way.y[moves], 0)
-    first = boundary.low if boundary.rising else boundary.high
-    start = many(problem, K, beta0=np.full(K, first), dbeta0=slope)
-    level = potential(start, way.pin) + gap
-    falls = np.ones((K, 2))  # of the ends from the pin
-    falls[moves] = boundary.falls[pin]
-    deep = excess > 0
-    span = start.span.copy()
-    if deep.any():
-        some = Paths(way.leaving[moves], way.arriving[moves], way.swings[moves])
-        seen = transit(boundary, Levels(pin, way.sign[moves], way.y[moves]), deep=False)
-        span[moves] = np.where(deep[moves], seen.lengths_along(some.counts(boundary.rising)), span[moves])
-    orbit = solve_orbit(replace(start, span=span), _TIGHT, (way.pin, gap), STRETCH)
-    # between two ends on saddles of this height eta(L) stays as it is while eta between grows as the gap's root falls
-    growth = end_response(orbit) * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
-    if deep.any():
-        orbit = dwelling(orbit, start.span, gap, excess)
-    turns = problem.beta0[0] - first
-    orbit.panels.series[:, 0, 0] += turns
-    start = replace(start, beta0=np.full(K, problem.beta0[0]))
-    passed = np.where(way.helix, 0.0, Paths(way.leaving, way.arriving, way.swings).turns)
-    return replace(orbit, problem=start, lengthens=lengthens, response=growth, passed=passed, path=way), level
-
-
-def _blur(orbit: Orbit) -> Array:
-    """How far the rounding of the rod's length may move beta at its far end, (K,)."""
+def _end_rounding(orbit: Orbit) -> Array:
+    """How far the rounding of the rod's length may move beta at the far end, (K,)."""
     fastest = np.zeros(orbit.problem.size)
-    np.maximum.at(fastest, orbit.panels.part // 2, orbit.panels.fastest)
+    np.maximum.at(fastest, orbit.panels.arc // 2, orbit.panels.fastest)
     return np.asarray(64 * np.finfo(float).eps * orbit.problem.span * fastest)
 
 
@@ -257,7 +224,7 @@ def _range(orbit: Orbit) -> tuple[Array, Array]:
     assert problem.betaL is not None
     lowest, highest = np.minimum(problem.beta0, problem.betaL), np.maximum(problem.beta0, problem.betaL)
     tip = np.repeat(problem.beta0, 2)
-    tip[orbit.panels.part] = orbit.panels.series[:, 0].sum(axis=1)  # the last panel of each part is written last
+    tip[orbit.panels.arc] = orbit.panels.series[:, 0].sum(axis=1)  # the last panel of each arc is written last
     tip = np.reshape(tip, (-1, 2))
     for passed, end in zip((orbit.turns > 0, orbit.turns > 1), tip.T, strict=True):
         lowest = np.where(passed, np.minimum(lowest, end), lowest)

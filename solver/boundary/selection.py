@@ -1,27 +1,26 @@
-"""Which of the equilibria between two ends is meant.
+"""The rule that selects one of the equilibria between two ends.
 
-Under dead loads the lowest energy of a long compressed rod is turned round: beta passes pi, which shortens the path of
-the load. What a user means is mostly the stable equilibrium that stays near its end angles. So the default is: of the
-stable equilibria the one whose beta strays least from the interval between its two end angles; of equal ones the one of
-lower energy, then the one with positive beta'(0); where none is stable, the one that strays least of all.
+Under dead loads the equilibrium of lowest energy of a long compressed rod is turned round: beta passes pi, which
+shortens the path of the load. A user mostly means the stable equilibrium that stays near its end angles. So the default
+is: of the stable equilibria the one whose beta strays least from the interval between its two end angles; of equal ones
+the one of lower energy, then the one with positive beta'(0); where none is stable, the one that strays least of all.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..numerics.arrays import Array, Integers
 from ..problem.errors import InputError
-from ..problem.reduced import Array
 
 NEAREST, LOWEST = "nearest", "lowest"
 RULES = (NEAREST, LOWEST)
 
 Choose = str | int  # "nearest", "lowest", or a Morse index
 
-_EQUAL = 1e-9  # relative difference below which two strays or two energies are equal: mirror images differ by rounding
-_FINEST = 1e-12  # rad: the same for strays next to nothing
+_EQUAL = 1e-9  # relative difference below which two strays or energies count as equal: mirror images differ by rounding
+_FINEST = 1e-12  # rad: the same for strays next to zero
 
 
 @dataclass(frozen=True)
@@ -29,7 +28,7 @@ class Selection:
     """How one equilibrium was taken from those found.
 
     count: equilibria found. stable: how many of them have Morse index 0. choose: the rule asked for. complete: whether
-    nothing says that one is missing (`equilibria.Equilibria`).
+    no test says that one is missing (`equilibria.Equilibria`).
     """
 
     count: int
@@ -69,7 +68,7 @@ def select(choose: Choose, index: Array, energy: Array, strays: Array, slope: Ar
     slope: beta'(0), in any unit. (K,) each.
     """
     if choose == LOWEST:
-        among: NDArray[np.intp] = np.arange(index.size)
+        among: Integers = np.arange(index.size)
     elif choose == NEAREST:
         among = np.flatnonzero(index == 0) if (index == 0).any() else np.arange(index.size)
     else:
@@ -87,12 +86,12 @@ def select(choose: Choose, index: Array, energy: Array, strays: Array, slope: Ar
 
 
 def selection(choose: Choose, index: Array, total: int, complete: bool) -> Selection:
-    """What is said of a selection among `total` equilibria; index: Morse indices, of the stable ones at least, (K,)."""
+    """The record of a selection among `total` equilibria; index: (K,), Morse indices, at least of all stable ones."""
     return Selection(total, int(np.count_nonzero(index == 0)), choose, complete)
 
 
 def none_of(choose: Choose, index: Array, total: int) -> str:
-    """The outcome of a case none of whose equilibria the rule admits; index: Morse indices of those solved, (K,)."""
+    """The outcome of a case where the rule admits no equilibrium; index: (K,), Morse indices of those solved."""
     known = sorted({int(i) for i in index})
     shown = ", ".join(map(str, known[:8])) + (f", ... up to {known[-1]}" if len(known) > 8 else "")
     return f"failed: none of the {total} equilibria found has index {choose}; their indices: {shown}"

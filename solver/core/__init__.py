@@ -1,1 +1,1 @@
-"""The compiled kernels."""
+"""The compiled march of periodic orbits, and the loader of its kernels."""

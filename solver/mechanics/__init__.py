@@ -1,1 +1,1 @@
-"""Mechanics of the rod on a cylinder: potential, statics, frames."""
+"""The mechanics of the rod: potential, internal forces, contact force, frames."""

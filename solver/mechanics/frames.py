@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..problem.reduced import Array
+from ..numerics.arrays import Array
 
 
 def position(rho: Any, alpha: Array, z: Array) -> Array:

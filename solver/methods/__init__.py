@@ -1,7 +1,8 @@
 """The methods, one file each."""
 
+from ..problem.trajectory import Trajectory
 from . import heyoka, swing
-from .base import Method, Trajectory
+from .base import Method
 from .collocation import COLLOCATION
 from .difference import DIFFERENCE
 from .dop853 import DOP853

@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 import scipy
 
+from ..numerics.arrays import Array
 from ..orbit.growth import growth
-from ..problem.reduced import Array, Reduced
-from .base import Run, Trajectory, verdicts
+from ..problem.reduced import Reduced
+from ..problem.trajectory import Trajectory, verdicts
+from .base import Run
 
 _TIGHTEST = 3e-14  # scipy refuses rtol below 100 eps
 _LOOSEST = 1e-2  # the yardstick runs at thirty times that, and must differ

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ..problem.reduced import Array, Reduced
-from .base import Method, Trajectory
-from .orbit import Orbit
-from .swing import Swing
+from ..numerics.arrays import Array
+from ..orbit.marched_orbit import MarchedOrbit
+from ..orbit.periodic_orbit import Orbit
+from ..problem.reduced import Reduced
+from ..problem.trajectory import Trajectory
+from .base import Method
 
 BLOCK = 2048  # cases: 512 take `orbit` 1.4 times as long; a study's own blocks (`workbench.run.plan`) are no larger
 BLOCK_VALUES = 2**20  # stations of all cases of a block, at most: 8 MB an array
@@ -48,7 +50,7 @@ def run_in_blocks(method: Method, problem: Reduced, t: Array, tol: float, **knob
 
 
 class _Orbits:
-    """The orbits of blocks, gathered as one: an `Orbit`, a `Swing`, or None where the method knows none."""
+    """The orbits of blocks, gathered as one: an `Orbit`, a `MarchedOrbit`, or None where the method knows none."""
 
     def __init__(self, share: float) -> None:
         self.cases, self.panels, self.share = 0, 0, share
@@ -57,13 +59,13 @@ class _Orbits:
 
     def add(self, orbit: Any) -> None:
         """The orbits of the next block."""
-        if isinstance(orbit, Swing):
+        if isinstance(orbit, MarchedOrbit):
             if orbit.rest is not None:
                 self.rest = self.rest or _Orbits(self.share)
                 self.rest.add(orbit.rest)
             orbit = replace(orbit, rest=None)
         else:
-            cases, panels = orbit.problem.size, orbit.panels.part.size
+            cases, panels = orbit.problem.size, orbit.panels.arc.size
             orbit = _moved(orbit, self.cases, self.panels)
             self.cases, self.panels = self.cases + cases, self.panels + panels
         self.rows.add(orbit)
@@ -75,11 +77,11 @@ class _Orbits:
 
 def _moved(orbit: Orbit, cases: int, panels: int) -> Orbit:
     """The orbits as they are counted after so many cases, with so many panels, before them."""
-    way, own = orbit.course, orbit.panels
+    way, own = orbit.arcs, orbit.panels
     return replace(
         orbit,
-        course=replace(way, pieces=replace(way.pieces, part=way.pieces.part + 2 * cases)),
-        panels=replace(own, part=own.part + 2 * cases),
+        arcs=replace(way, pieces=replace(way.pieces, arc=way.pieces.arc + 2 * cases)),
+        panels=replace(own, arc=own.arc + 2 * cases),
         first=orbit.first + panels,
     )
 

@@ -12,10 +12,13 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..boundary.stability import response
+from ..boundary.end_conditioning import response
+from ..boundary.selected_equilibrium import selected_seed
 from ..mechanics.potential import slope, slope_rate
-from ..problem.reduced import Array, Reduced
-from .base import Knob, Method, Seed, Trajectory, verdicts
+from ..numerics.arrays import Array
+from ..problem.reduced import Reduced
+from ..problem.trajectory import Seed, Trajectory, verdicts
+from .base import Knob, Method
 
 _FIRST, _MOST = (257, 2049), 10_000  # nodes: of the first mesh, and of the next where that was too coarse for the seed
 _TIGHTEST, _LOOSEST = 3e-14, 1e-2
@@ -35,9 +38,7 @@ def run(
     """Each problem by itself. `rtol` fixes scipy's own tolerance instead of seeking `tol`; nodes: of the first mesh."""
     taken, why = None, [""] * problem.size
     if seed is None:
-        from ..equilibria import chosen_seed  # the search stands above the methods; asked only where nothing is given
-
-        seed, taken, why = chosen_seed(problem, choose)
+        seed, taken, why = selected_seed(problem, choose)
     columns = np.full((5, problem.size, t.shape[1]), np.nan)
     error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)
     work, outcome = np.zeros(problem.size, dtype=np.int64), np.full(problem.size, "", dtype=object)

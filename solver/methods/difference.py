@@ -10,10 +10,13 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..boundary.stability import response
+from ..boundary.end_conditioning import response
+from ..boundary.selected_equilibrium import selected_seed
 from ..mechanics.potential import slope, slope_rate
-from ..problem.reduced import Array, Reduced
-from .base import Knob, Method, Seed, Trajectory, verdicts
+from ..numerics.arrays import Array
+from ..problem.reduced import Reduced
+from ..problem.trajectory import Seed, Trajectory, verdicts
+from .base import Knob, Method
 
 _FIRST, _LARGEST_FIRST, _MOST = 129, 2**13 + 1, 2**17 + 1  # nodes
 _FEWEST = 17  # nodes of a mesh that may measure another's error
@@ -50,11 +53,7 @@ def run(
     """
     taken, why = None, [""] * problem.size
     if seed is None:
-        from ..equilibria import (
-            chosen_seed,  # the search stands above the methods; it is asked only where nothing is given
-        )
-
-        seed, taken, why = chosen_seed(problem, choose)
+        seed, taken, why = selected_seed(problem, choose)
     n = t.shape[1]
     columns = np.full((5, problem.size, n), np.nan)
     error, condition = np.full(problem.size, np.inf), np.full(problem.size, np.inf)

@@ -11,9 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from ..numerics.arrays import Array
 from ..orbit.growth import growth, refined
-from ..problem.reduced import Array, Reduced
-from .base import Knob, Method, Trajectory, verdicts
+from ..problem.reduced import Reduced
+from ..problem.trajectory import Trajectory, verdicts
+from .base import Knob, Method
 
 INSTALLED = find_spec("heyoka") is not None
 MISSING = "method 'heyoka' needs the package heyoka, which is not installed: pip install 'rod-workbench[taylor]'"

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..numerics.arrays import Array
 from ..orbit.growth import growth, refined
-from ..problem.reduced import Array, Reduced
-from .base import Trajectory, verdicts
+from ..problem.reduced import Reduced
+from ..problem.trajectory import Trajectory, verdicts
 
 March = Callable[[Reduced, Array, int], Array]  # so many steps between stations -> (5, B, n), the rows of a Trajectory
 

@@ -5,8 +5,10 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.potential import slope
-from ..problem.reduced import Array, Reduced
-from .base import Knob, Method, Trajectory
+from ..numerics.arrays import Array
+from ..problem.reduced import Reduced
+from ..problem.trajectory import Trajectory
+from .base import Knob, Method
 from .marching import Scheme, marched
 
 

@@ -10,36 +10,38 @@ from typing import Any
 
 import numpy as np
 
-from ..problem.reduced import Array, Reduced
-from .base import PLAIN, Method, Seed, Trajectory
-from .orbit import joined_orbits, solve_orbit
+from ..boundary.branch_coordinates import path_of
+from ..boundary.continuation import Ended, continued
+from ..boundary.continuation_steps import FOLD
+from ..boundary.path_orbits import orbit_of, path_from_start
+from ..boundary.search import search
+from ..boundary.selected_equilibrium import NO_EQUILIBRIUM, equilibrium_trajectory, selected
+from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import joined_orbits, solve_orbit
+from ..problem.reduced import Reduced
+from ..problem.trajectory import PLAIN, Seed, Trajectory
+from .base import Method
 
 _ROUNDS = 40
-NONE = "failed: the search met no equilibrium, though there always is one"
 
 
 def run(
     problem: Reduced, t: Array, tol: float, seed: Seed | None = None, choose: str | int = "nearest", **_: Any
 ) -> Trajectory:
     """The equilibrium that continues from `seed` or is next to it; without one that which the rule `choose` takes."""
-    from ..equilibria import (  # the search stands above the methods; it is asked only where nothing else will do
-        chosen,
-        trajectory,
-    )
-
     if seed is not None and seed.problem is not None:
         return together([_carried(one, t[i : i + 1], tol, seed.take(i)) for i, one in enumerate(_each(problem))], t)
     slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
     near = np.isfinite(slopes)
     if near.all():
-        return trajectory(problem, solve_orbit(problem.started(slopes), 1e-13), t, tol)
+        return equilibrium_trajectory(problem, solve_orbit(problem.started(slopes), 1e-13), t, tol)
     found: list[Trajectory | str] = []
     for i, one in enumerate(_each(problem)):
         here = t[i : i + 1]
         if near[i]:
-            found.append(trajectory(one, solve_orbit(one.started(slopes[i : i + 1]), 1e-13), here, tol))
+            found.append(equilibrium_trajectory(one, solve_orbit(one.started(slopes[i : i + 1]), 1e-13), here, tol))
         else:
-            found.append(chosen(one, here, tol, None if seed is None else float(seed.slope[i]), choose))
+            found.append(selected(one, here, tol, None if seed is None else float(seed.slope[i]), choose))
     return together(found, t)
 
 
@@ -56,7 +58,7 @@ def together(found: list[Trajectory | str], t: Array) -> Trajectory:
     shown = np.array([not isinstance(one, str) for one in found])
     columns = np.full((4, *t.shape), np.nan)
     error, condition = np.full((2, t.shape[0]), np.inf)
-    calls, outcome = np.zeros(t.shape[0], dtype=np.int64), np.full(t.shape[0], NONE, dtype=object)
+    calls, outcome = np.zeros(t.shape[0], dtype=np.int64), np.full(t.shape[0], NO_EQUILIBRIUM, dtype=object)
     taken = np.full(t.shape[0], None, dtype=object)
     for i, one in enumerate(found):
         if isinstance(one, str):
@@ -78,9 +80,6 @@ def _started(orbit: Any) -> Reduced:
 
 def _carried(problem: Reduced, t: Array, tol: float, seed: Seed) -> Trajectory | str:
     """The equilibrium of one problem that continues from the seed's own, or the outcome that says why there is none."""
-    from ..boundary.continuation import FOLD, Ended, continued, orbit_of
-    from ..equilibria import trajectory
-
     assert seed.problem is not None
     path = _path_of_seed(seed)
     if path is None:
@@ -91,15 +90,11 @@ def _carried(problem: Reduced, t: Array, tol: float, seed: Seed) -> Trajectory |
         if found.reason == FOLD:
             return f"failed: the branch of the seed ends, at a fold or where it meets another branch, after {way}"
         return f"failed: the branch of the seed could not be followed beyond {way}: {found.reason}"
-    return trajectory(problem, orbit_of(problem, found), t, tol)
+    return equilibrium_trajectory(problem, orbit_of(problem, found), t, tol)
 
 
 def _path_of_seed(seed: Seed) -> Any:
     """The path of the equilibrium that a seed is; None where it is none."""
-    from ..boundary.continuation import path_from_start
-    from ..boundary.coordinates import path_of
-    from ..boundary.search import search
-
     assert seed.problem is not None
     if not np.isfinite(seed.beta[0]).all():
         return None

@@ -1,1 +1,1 @@
-"""Numerical tools: Chebyshev series, bracketed roots."""
+"""Numerical tools: array types, Chebyshev series, bracketed roots."""

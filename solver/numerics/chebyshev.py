@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import chebyshev as C
 
-from ..problem.reduced import Array
+from .arrays import Array
 
-_ROWS = 384  # OpenBLAS takes threads from 2^18 products on
+_ROWS = 384  # OpenBLAS starts threads from 2^18 products on
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +38,7 @@ def basis(n: int) -> Basis:
 
 
 def through(values: Array, linear: Array) -> Array:
-    """``values @ linear`` for many short rows (Q, n), some at a time: so few that BLAS starts no threads for them,
-    which would cost more than they save."""
+    """``values @ linear`` for many short rows (Q, n), in blocks so small that BLAS starts no threads."""
     out = np.empty((values.shape[0], linear.shape[1]))
     for k in range(0, values.shape[0], _ROWS):
         np.matmul(values[k : k + _ROWS], linear, out=out[k : k + _ROWS])
@@ -57,3 +56,38 @@ def polynomials(x: Array, n: int) -> Array:
         np.multiply(twice, out[k - 1], out=out[k])
         out[k] -= out[k - 2]
     return out
+
+
+def series_at(coefficients: Array, x: Array) -> Array:
+    """Series (C, n), each at its own x in [-1, 1], (C,)."""
+    found: Array = np.einsum("cn,nc->c", coefficients, polynomials(x, coefficients.shape[1]))
+    return found
+
+
+def primitive(coefficients: Array) -> Array:
+    """The series of the integral from -1, (Q, n) -> (Q, n + 1)."""
+    return through(coefficients, basis(coefficients.shape[1]).integrate)
+
+
+@cache
+def means(n: int) -> Array:
+    """Means of T_0 .. T_{n-1} over [-1, 1], (n,)."""
+    found = np.zeros(n)
+    found[::2] = 1 / (1 - np.arange(0, n, 2.0) ** 2)
+    return found
+
+
+@cache
+def weights(n: int) -> Array:
+    """Weights of the nodes for the mean over [-1, 1], (n,); all positive."""
+    found: Array = basis(n).analyse @ means(n)
+    return found
+
+
+@cache
+def derivative(n: int) -> Array:
+    """Coefficients to those of the derivative, (n, n)."""
+    rows = np.zeros((n, n))
+    for k in range(1, n):
+        rows[k, :k] = C.chebder(np.eye(n)[k])[:k]
+    return rows

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..problem.reduced import Array
+from .arrays import Array
 
 
 def bracketed(
@@ -12,18 +12,32 @@ def bracketed(
     lo: Array,
     hi: Array,
     start: Array | None = None,
-    rounds: int = 120,
+    steps: int = 120,
 ) -> Array:
-    """Roots by Newton's rule kept inside brackets that shrink, all (P,).
+    """Roots by Newton's rule kept inside shrinking brackets.
 
-    f returns value and derivative, and must be negative at `lo` and not negative at `hi` (`lo` may be the larger).
-    A Newton step that leaves the bracket, or does not halve the step before last, becomes a bisection.
+    A Newton step that leaves the bracket, or does not halve the step before last, is replaced by a bisection.
+
+    Parameters
+    ----------
+    f : callable
+        Value and derivative at x (P,).
+    lo, hi : array (P,)
+        Places where f is negative and where it is not; `lo` may be the larger.
+    start : array (P,), optional
+        First guess. Default: the middle.
+    steps : int
+        Largest number of steps.
+
+    Returns
+    -------
+    array (P,)
     """
     x = (lo + hi) / 2 if start is None else start
     older = np.abs(hi - lo)
-    last = np.zeros_like(older)  # no step yet
+    last = np.zeros_like(older)  # no step was made yet
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for _ in range(rounds):
+        for _ in range(steps):
             value, rate = f(x)
             below = value < 0
             lo, hi = np.where(below, x, lo), np.where(below, hi, x)

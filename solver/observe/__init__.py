@@ -1,1 +1,1 @@
-"""Observables of a solution, their quadrature and errors, and self-contact."""
+"""Observables of a solution, their integration along the rod and their errors, and self-contact."""

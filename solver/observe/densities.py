@@ -1,21 +1,21 @@
-"""What the observables are integrals and extremes of, in units of A and rho, at nodes of pieces of the rod.
-
-Each function takes pieces, whose angles are read once for all of them, and returns a `Density`.
-"""
+"""The densities whose integrals and extremes are the observables, in units of A and rho, at the nodes of rod pieces."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..mechanics.potential import slope_rate_of, slope_terms
-from ..problem.reduced import Array, Reduced
-from .sampling import Pieces
+from ..mechanics.potential import Loads, slope_rate_of, slope_terms, steepest
+from ..numerics.arrays import Array
+from .rod_pieces import Pieces
 
 
 @dataclass(frozen=True, eq=False)
 class Density:
-    """values; size: of the terms that they are the sum of; spread: how much a change of beta by one, and of beta_t by
-    what comes with it, can change them; (Q, m) each."""
+    """A density at m nodes of Q pieces, (Q, m) each.
+
+    values. size: sum of the sizes of the terms of a value, whose rounding is that many eps. spread: the largest change
+    of a value for a unit change of beta and the change of beta_t that comes with it.
+    """
 
     values: Array
     size: Array
@@ -45,7 +45,7 @@ def bending(pieces: Pieces) -> Density:
 
 
 def potential(pieces: Pieces) -> Density:
-    """Energy per length less the work of the dead loads, in A/rho^2, but for the constant -M3^2/(2C)."""
+    """Energy per length less the work of the dead loads in A/rho^2, without the constant -M3^2/(2C)."""
     loads, speed, s, c = _loads(pieces), pieces.angles.speed, pieces.angles.sin, pieces.angles.cos
     s2 = s * s
     bent, twisted, pulled, turned = (speed * speed + s2 * s2) / 2, loads.mu * s * c, loads.phi * c, loads.lam * s
@@ -69,18 +69,17 @@ def outward(pieces: Pieces) -> Density:
 
 
 def push(pieces: Pieces, sign: Array) -> Density:
-    """The contact counted positive where the cylinder pushes; sign: 1 outside, -1 inside, (B,)."""
+    """The contact force counted positive where the cylinder pushes; sign: (B,), of `Case.outward`."""
     found = outward(pieces)
     return replace(found, values=found.values * sign[pieces.case, None])
 
 
 def rate(pieces: Pieces) -> Array:
-    """How much faster beta_t changes than beta, at most, (Q, 1)."""
+    """An upper bound of the change of beta_t for a unit change of beta, (Q, 1)."""
     loads = _loads(pieces)
-    return np.sqrt(np.abs(loads.lam) + 2 * np.abs(loads.mu) + np.abs(loads.phi) + 2)
+    return np.sqrt(steepest(loads))
 
 
-def _loads(pieces: Pieces) -> Reduced:
+def _loads(pieces: Pieces) -> Loads:
     """The loads of each piece as columns, (Q, 1)."""
-    p, case = pieces.problem, pieces.case
-    return Reduced(*(v[case, None] for v in (p.lam, p.mu, p.phi, p.span, p.beta0)))
+    return Loads.columns(pieces.problem, pieces.case)

@@ -1,7 +1,8 @@
-"""What is measured along a rod, in units of A and rho: each number and its error, (B,) each.
+"""Integrals and extremes along each rod, in units of A and rho, with their errors, (B,) each.
 
-On the orbit's own panels where the method knows the orbit. Elsewhere polynomials between the stations have to do, and
-the error is what every other station changes; NaN where the stations do not show every bend or cover only a stretch.
+They are computed on the panels of the orbit where the method knows it. Elsewhere they are computed on polynomials
+between the stations, and the error is the change when every other station is left out; it is NaN where the stations
+do not resolve every bend or do not cover the whole rod.
 """
 
 from collections.abc import Callable, Iterable
@@ -11,25 +12,32 @@ from typing import Any
 
 import numpy as np
 
-from ..problem.reduced import Array, flat
+from ..numerics.arrays import Array
+from ..numerics.chebyshev import means, primitive, series_at
+from ..orbit.marched_orbit import MarchedOrbit
+from ..problem.reduced import flat
 from ..solution import Solution
 from . import densities
-from .quadrature import EPS, Resolved, means, primitive, resolve, series_at
-from .sampling import Pieces, blocks, of_stations, resolved
+from .quadrature import EPS, Resolved, resolve
+from .rod_pieces import Pieces
+from .solution_pieces import blocks, of_stations, resolved
 
-_FINEST = 1e-14  # of what is measured: no series is asked to end below
-_SPREAD = 10  # of the error that `swing` states, a standard deviation: the true one was never seen to be more
-_SHARE = 1e-3  # of the tolerance, left to the series of what is measured
+_FINEST = 1e-14  # relative: smallest goal of a series
+_SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test
+_SHARE = 1e-3  # of the tolerance, for the series of the densities
 _SAFETY = 2.0
-BARELY = 64 * EPS  # of the size of its terms: what a push must exceed to be one
+BARELY = 64 * EPS  # of the size of its terms: a push below this is rounding
 
-Pair = tuple[Any, Any]  # values and their errors, (B,)
+Pair = tuple[Any, Any]  # values and errors, (B,) each
 
 
 @dataclass(frozen=True)
 class Group:
-    """Numbers that come from one density: from pieces, the factor of push, the error of beta (B,) and a goal, to name
-    -> values and errors (B,) in units of A and rho."""
+    """The numbers that are computed from one density.
+
+    measured: takes pieces, the sign of push (B,), the error of beta (B,) and a relative goal, and returns name ->
+    values and errors (B,) in units of A and rho.
+    """
 
     names: tuple[str, ...]
     measured: Callable[[Pieces, Array, Array, float], dict[str, Pair]]
@@ -74,13 +82,13 @@ def _pushes(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str,
 def _parted(push: Resolved, doubt: Array) -> tuple[Array, Array, Array, Array]:
     """Integrals of push alone and of pull alone, the length on which the cylinder pushes, and its error, (B,) each."""
     beyond = push.less(BARELY * push.size)
-    q, x, way = beyond.crossings()
+    q, x, sign = beyond.crossings()
     first, Q = beyond.values[:, 0] > 0, push.values.shape[0]
     whole, mine = push.coefficients @ means(push.values.shape[1]), primitive(push.coefficients)[q]
     left = series_at(mine, np.ones(q.size)) - series_at(mine, x)
-    area = np.where(first, whole, 0) + np.bincount(q, weights=way * left, minlength=Q) / 2
-    share = np.where(first, 1.0, 0) + np.bincount(q, weights=way * (1 - x), minlength=Q) / 2
-    # a doubtful push moves its zeros, or may be none throughout
+    area = np.where(first, whole, 0) + np.bincount(q, weights=sign * left, minlength=Q) / 2
+    share = np.where(first, 1.0, 0) + np.bincount(q, weights=sign * (1 - x), minlength=Q) / 2
+    # an uncertain push has uncertain zeros, or may vanish on the whole piece
     moved = doubt.max(axis=1)[q] / np.abs(beyond.rate_at(q, x))
     moved = np.bincount(q, weights=np.where(moved < 1, moved, 1), minlength=Q)
     faint = ((np.abs(push.values) < doubt) & (push.values != 0)).mean(axis=1)
@@ -89,7 +97,7 @@ def _parted(push: Resolved, doubt: Array) -> tuple[Array, Array, Array, Array]:
 
 
 def _doubt(found: Resolved, error: Array) -> Array:
-    """What the error of beta (B,) may make of the values at the nodes, (Q, m)."""
+    """The error of the values at the nodes, (Q, m), by the error of beta (B,)."""
     return found.spread * (_SAFETY * error[found.pieces.case, None])
 
 
@@ -108,21 +116,21 @@ GROUPS = (
 
 def _of_groups(groups: list[Group], pieces: Pieces, *given: Any) -> dict[str, Pair]:
     found: dict[str, Pair] = {}
-    with np.errstate(all="ignore"):  # rods that stand in place of others, and numbers next to what a float holds
+    with np.errstate(all="ignore"):  # replacement rods of refused cases, and numbers next to the range of a float
         for group in groups:
             found |= group.measured(pieces, *given)
     return found
 
 
 class Reading:
-    """A solution and what was measured on it, each density once for all observables."""
+    """A solution and the numbers measured on it; each density is computed once for all observables."""
 
     def __init__(self, sol: Solution) -> None:
         self.sol = sol
         self._known: dict[str, Pair] = {}
 
     def measure(self, wanted: Iterable[str]) -> None:
-        """Measure every group of numbers that some of the names are of, on the same pieces."""
+        """Compute every group that contains one of the names, on the same pieces."""
         missing = {name for name in wanted if name not in self._known}
         groups = [group for group in GROUPS if missing & set(group.names)]
         if not groups:
@@ -130,18 +138,18 @@ class Reading:
         sol = self.sol
         sign = flat(sol.case.outward, sol.case.shape)
         error = np.where(np.isfinite(sol.trajectory.error), sol.trajectory.error, 1.0)
-        error = np.maximum(error, 4 * EPS) * (_SPREAD if hasattr(sol.trajectory.orbit, "lost") else 1)
+        error = np.maximum(error, 4 * EPS) * (_SPREAD if isinstance(sol.trajectory.orbit, MarchedOrbit) else 1)
         goal = max(_SHARE * sol.tol, _FINEST)
         names = [name for group in groups for name in group.names]
         found = {name: (np.full(sol.problem.size, np.nan), np.full(sol.problem.size, np.nan)) for name in names}
         for some, pieces in blocks(sol):
-            told = _of_groups(groups, pieces, sign[some], error[some], goal)
+            measured = _of_groups(groups, pieces, sign[some], error[some], goal)
             if sol.trajectory.orbit is None:
                 coarse = _of_groups(groups, of_stations(sol, some, 2), sign[some], error[some], goal)
                 dense = resolved(sol)[some]
-                for name, (value, doubt) in told.items():
-                    told[name] = value, np.where(dense, doubt + np.abs(value - coarse[name][0]), np.nan)
-            for name, pair in told.items():
+                for name, (value, doubt) in measured.items():
+                    measured[name] = value, np.where(dense, doubt + np.abs(value - coarse[name][0]), np.nan)
+            for name, pair in measured.items():
                 for whole, part in zip(found[name], pair, strict=True):
                     whole[some] = part
         self._known.update(found)
@@ -186,7 +194,7 @@ class Reading:
 
     @cached_property
     def length(self) -> Array:
-        """Length of the rod in t, (B,): of its stretch between the stations where nothing else is known."""
+        """Length of the rod in t, (B,); where no orbit is known, the length between the first and the last station."""
         t = self.sol.t
         if self.sol.trajectory.orbit is not None or t.shape[1] < 2:
             return self.sol.problem.span

@@ -1,7 +1,8 @@
-"""Scalar functions of a solution: what a study tabulates. Each gives one number a case, and how far it may be off.
+"""The observables: scalar functions of a solution, one number for each case, with its estimated error.
 
-Integrals, means and extremes are those of the whole rod, measured on the orbit's own panels (`measurement`), whatever
-stations were asked for: a rod of a million bends, and one that is bent on a millionth of its length, as any other.
+Integrals, means and extremes are those of the whole rod, computed on the panels of the orbit (`measurement`), whatever
+the stations are; so they are also right for a rod of a million bends, and for one that bends on a millionth of its
+length.
 """
 
 from collections.abc import Callable, Iterable
@@ -10,38 +11,39 @@ from typing import Any
 import numpy as np
 
 from ..boundary.stability import index_at_stations, jacobi_zeros
+from ..numerics.arrays import Array
 from ..orbit.pieces import LIBRATION, ROTATION
 from ..problem.errors import no_such
-from ..problem.reduced import Array, flat
+from ..problem.reduced import flat
 from ..solution import Solution
 from .measurement import Pair, Reading
-from .sampling import resolved
 from .self_contact import overlaps
+from .solution_pieces import resolved
 
 
 def turns(read: Reading) -> Any:
-    """Interior extrema of beta: the bends one counts. A helix that only trembles by rounding has none.
+    """Number of bends: interior extrema of beta, (B,). A helix has none, whatever the rounding of beta.
 
-    NaN where the method knows no orbit and its stations are too few to tell.
+    NaN where the method knows no orbit and the stations are too few.
     """
     sol, orbit = read.sol, read.sol.trajectory.orbit
     if orbit is None:
         sign = np.sign(sol.trajectory.dbeta)
         count = np.count_nonzero(sign[:, 1:] * sign[:, :-1] < 0, axis=1)
-        return np.where(resolved(sol), np.where(_swings(read), count, 0), np.nan)
-    return np.where(_swings(read), orbit.turns - _just_turned(orbit), 0)
+        return np.where(resolved(sol), np.where(_librates(read), count, 0), np.nan)
+    return np.where(_librates(read), orbit.turns - _just_turned(orbit), 0)
 
 
 def _just_turned(orbit: Any) -> Any:
-    """Whether the far end itself, which is not interior, is the last turning point, but for rounding, (B,)."""
-    span, swing = orbit.problem.span, orbit.ahead + orbit.back
-    where = orbit.locate(span[:, None])
-    since = np.where(where.second[:, 0], orbit.back, orbit.ahead) - where.local[:, 0]
-    return where.mirrored[:, 0] & (since <= np.minimum(1e-12 * span, 1e-6 * swing))
+    """Whether the last turning point is the far end itself, to rounding, (B,); it is then not interior."""
+    span, half_period = orbit.problem.span, orbit.ahead + orbit.back
+    phase = orbit.locate(span[:, None])
+    since = np.where(phase.second[:, 0], orbit.back, orbit.ahead) - phase.local[:, 0]
+    return phase.mirrored[:, 0] & (since <= np.minimum(1e-12 * span, 1e-6 * half_period))
 
 
-def _swings(read: Reading) -> Any:
-    """Whether beta changes by more than rounding, and, where no orbit is known, than the error allowed, (B,)."""
+def _librates(read: Reading) -> Any:
+    """Whether beta changes by more than rounding, and where no orbit is known, by more than the tolerance, (B,)."""
     low, high = read.value("low"), read.value("high")
     rounding = 64 * 2.0**-52 * np.maximum(1, np.maximum(np.abs(low), np.abs(high)))
     allowed = np.minimum(2 * read.error, 1e-6)
@@ -51,7 +53,7 @@ def _swings(read: Reading) -> Any:
 
 
 def loops(read: Reading) -> Any:
-    """Full turns of beta between the two ends of the rod (a rod whose beta swings has none)."""
+    """Full turns of beta between the two ends of the rod, (B,); a libration has none."""
     orbit, sol = read.sol.trajectory.orbit, read.sol
     if orbit is None:
         return np.floor(np.ptp(sol.trajectory.beta, axis=1) / (2 * np.pi))
@@ -59,29 +61,32 @@ def loops(read: Reading) -> Any:
         return np.where(orbit.kind == ROTATION, np.floor(orbit.problem.span / orbit.ahead), 0)
 
 
-def overlapping(read: Reading) -> Any:
-    """1 where the rod would pass through itself, else 0; NaN where that cannot be told."""
-    told = (read.each(v) for v in (kappa_max(read)[0], read.value("low"), read.value("high")))
-    return np.reshape(overlaps(read.sol, *told), -1)
+def overlapping(read: Reading, **limits: int) -> Any:
+    """Self-intersection: 1 where the rod would intersect itself, else 0, (B,); NaN where that was not decided.
+
+    limits: options of `strand_pairs.meets`.
+    """
+    bounds = (read.each(v) for v in (kappa_max(read)[0], read.value("low"), read.value("high")))
+    return np.reshape(overlaps(read.sol, *bounds, **limits), -1)
 
 
 def index(read: Reading) -> Any:
-    """Morse index of the shape between its own two end angles, the loads dead: 0 is stable.
+    """Morse index between the shape's own two end angles, under dead loads, (B,); 0 is stable.
 
-    NaN where it cannot be told: the case is not solved; or the method knows no orbit, and the stations do not resolve
-    the shape or its condition number leaves too few digits.
+    NaN where the case is not solved, and where the method knows no orbit and the stations do not resolve the shape or
+    its condition number leaves too few digits.
     """
-    sol, problem, told = read.sol, read.sol.problem, read.sol.trajectory
-    if told.orbit is not None:
-        found = jacobi_zeros(told.orbit.exact)
+    sol, problem, shape = read.sol, read.sol.problem, read.sol.trajectory
+    if shape.orbit is not None:
+        found = jacobi_zeros(shape.orbit.exact)
     else:
-        found = index_at_stations(problem, sol.t, told.beta, told.dbeta)
-        found = np.where((told.error <= 1e-3) & (told.condition <= 1e8), found, np.nan)
+        found = index_at_stations(problem, sol.t, shape.beta, shape.dbeta)
+        found = np.where((shape.error <= 1e-3) & (shape.condition <= 1e8), found, np.nan)
     return np.where(np.reshape(sol.solved, -1), found, np.nan)
 
 
 def bend_number(read: Reading) -> Pair:
-    """L over half a period of beta: the number of bends without its steps; 0 where beta does not swing.
+    """L over half a period of beta: a continuous number of bends; 0 where beta does not librate.
 
     NaN where the method knows no orbit.
     """
@@ -90,21 +95,21 @@ def bend_number(read: Reading) -> Pair:
         unknown = np.full(read.sol.problem.size, np.nan)
         return unknown, unknown
     with np.errstate(divide="ignore", invalid="ignore"):
-        swings = (orbit.kind == LIBRATION) & _swings(read)
-        count = np.where(swings, orbit.problem.span / (orbit.ahead + orbit.back), 0.0)
-        # beta is late by what its error takes at its fastest, and that is a swing in half a period or faster
-        late = np.where(swings, 2 * read.error / (read.value("high") - read.value("low")), 0.0)
+        librates = (orbit.kind == LIBRATION) & _librates(read)
+        count = np.where(librates, orbit.problem.span / (orbit.ahead + orbit.back), 0.0)
+        # the error of the half period: that of beta over the largest |beta_t|, at least the range over half a period
+        late = np.where(librates, 2 * read.error / (read.value("high") - read.value("low")), 0.0)
     return count, late + 8 * 2.0**-52 * count
 
 
 def amplitude(read: Reading) -> Pair:
     """Largest less smallest beta along the rod [rad]."""
-    swing, orbit = read.value("high") - read.value("low"), read.sol.trajectory.orbit
+    range_, orbit = read.value("high") - read.value("low"), read.sol.trajectory.orbit
     error = read.error_of("high") + read.error_of("low")
     if orbit is None:
-        return swing, error
-    way = np.abs(orbit.at(orbit.problem.span[:, None])[0][:, 0] - orbit.problem.beta0)
-    return np.where(orbit.kind == ROTATION, way, swing), error
+        return range_, error
+    turned = np.abs(orbit.at(orbit.problem.span[:, None])[0][:, 0] - orbit.problem.beta0)
+    return np.where(orbit.kind == ROTATION, turned, range_), error
 
 
 def kappa_mean(read: Reading) -> Pair:
@@ -129,10 +134,10 @@ def height(read: Reading) -> Pair:
 
 def _gain(read: Reading) -> tuple[Array, Array]:
     """alpha(L) - alpha(0) [rad] and z(L)/rho, (B,)."""
-    told = read.sol.trajectory
-    if told.orbit is None or (read.sol.t[:, -1] == read.sol.problem.span).all():
-        return told.alpha[:, -1], told.z[:, -1]
-    _, _, alpha, z = told.orbit.at(told.orbit.problem.span[:, None])
+    shape = read.sol.trajectory
+    if shape.orbit is None or (read.sol.t[:, -1] == read.sol.problem.span).all():
+        return shape.alpha[:, -1], shape.z[:, -1]
+    _, _, alpha, z = shape.orbit.at(shape.orbit.problem.span[:, None])
     return alpha[:, 0], z[:, 0]
 
 
@@ -142,39 +147,39 @@ def _far(read: Reading) -> Array:
 
 
 def contact_size_mean(read: Reading) -> Pair:
-    """Mean of |f| over the whole length [force/length]: pull counts like push."""
+    """Mean of |f| over the whole length [force/length]; pull counts as much as push."""
     pushed, pulled = read.scaled("pushed", _a_length(read)), read.scaled("pulled", _a_length(read))
     return pushed[0] + pulled[0], pushed[1]
 
 
 def push_mean(read: Reading) -> Pair:
-    """Integral of the pushes alone over the whole length L [force/length]; pulls count as nothing.
+    """Mean of the push over the whole length [force/length], where pull counts as 0.
 
-    push_mean L is all that the cylinder pushes; push_mean + pull_mean is the mean of |f|.
+    push_mean L is the total push of the cylinder; push_mean + pull_mean is the mean of |f|.
     """
     return read.scaled("pushed", _a_length(read))
 
 
 def pull_mean(read: Reading) -> Pair:
-    """Integral of the pulls alone over the whole length L [force/length], not negative; pushes count as nothing."""
+    """Mean of the pull over the whole length [force/length], not negative, where push counts as 0."""
     return read.scaled("pulled", _a_length(read))
 
 
 def push_min(read: Reading) -> Pair:
-    """Smallest push of the cylinder [force/length]: below zero where it would have to pull, on either side."""
+    """Smallest push of the cylinder [force/length], on either side; negative where the cylinder would have to pull."""
     return read.scaled("least", read.A / read.rho**3)
 
 
 def push_max(read: Reading) -> Pair:
-    """Largest push of the cylinder [force/length], positive where it pushes, on either side."""
+    """Largest push of the cylinder [force/length], on either side; positive where it pushes."""
     return read.scaled("most", read.A / read.rho**3)
 
 
 def attached(read: Reading) -> Pair:
-    """Share of the length on which the cylinder pushes; elsewhere the equations hold the rod on, or nothing does.
+    """Share of the length on which the cylinder pushes.
 
-    What counts is push > 0 beyond rounding: above 64 eps times the sizes of the terms that the push is the sum of. A
-    rod that only lies along the cylinder, where nothing presses, is not attached.
+    Push counts where it exceeds rounding: 64 eps times the sizes of the terms of which it is the sum. A rod that lies
+    along the cylinder without any contact force is not attached.
     """
     return read.scaled("share", 1 / read.length)
 
@@ -212,7 +217,7 @@ def _twist(read: Reading) -> Array:
     return read.sol.problem.mu**2 * flat(1 + np.asarray(case.rod.nu), case.shape) / 2
 
 
-# whole numbers, of which there is no error: NaN where they cannot be told
+# whole numbers, without an error; NaN where they are not known
 COUNTED: dict[str, Callable[[Reading], Any]] = {
     "turns": turns,
     "loops": loops,
@@ -220,7 +225,7 @@ COUNTED: dict[str, Callable[[Reading], Any]] = {
     "index": index,
 }
 
-# each with what it is measured from
+# each with the measured numbers that it needs
 MEASURED: dict[str, tuple[Callable[[Reading], Pair], tuple[str, ...]]] = {
     "bend_number": (bend_number, ("low", "high")),
     "amplitude": (amplitude, ("low", "high")),
@@ -238,7 +243,8 @@ MEASURED: dict[str, tuple[Callable[[Reading], Pair], tuple[str, ...]]] = {
     "bending_energy": (bending_energy, ("bending",)),
     "twist_energy": (twist_energy, ()),
 }
-_FROM = {"turns": ("low", "high"), "overlaps": ("tightest", "low", "high")}  # what a whole number is measured from
+# the measured numbers that a whole number needs
+_FROM = {"turns": ("low", "high"), "overlaps": ("tightest", "low", "high")}
 
 OBSERVABLES = (
     "turns", "bend_number", "loops", "amplitude", "kappa_mean", "kappa_max", "wraps", "height", "contact_size_mean",
@@ -248,17 +254,42 @@ OBSERVABLES = (
 
 
 def error_name(name: str) -> str | None:
-    """What the error of an observable is called, or None for a whole number."""
+    """The name of the error of an observable, or None for a whole number."""
     return f"{name}_error" if name in MEASURED else None
 
 
 def observe(sol: Solution, names: Iterable[str], errors: bool = False) -> dict[str, Any]:
-    """The named observables of a solution: name -> (*cases), a number for a single case; NaN where a case has no shape.
+    """Compute observables of a solution.
 
-    names: of `OBSERVABLES`, for example `["turns", "energy"]`; `solver.problem.quantities` has their units.
-    errors: also how far each may be off, as `<name>_error` in the same unit, but for the whole numbers `turns`,
-    `loops`, `overlaps` and `index`. NaN where it cannot be told: the method knows no orbit, and its stations do not
-    show every bend, or are those of a stretch of the rod. Raises `InputError` for an unknown name.
+    Parameters
+    ----------
+    sol : Solution
+        A solution of one case or of a grid.
+    names : iterable of str
+        Of `OBSERVABLES`; `solver.problem.quantities` has their symbols and units.
+    errors : bool
+        Add the estimated errors `<name>_error`, in the same unit; the whole numbers turns, loops, overlaps and index
+        have none. An error is NaN where the method knows no orbit and the stations do not resolve every bend or do not
+        cover the whole rod.
+
+    Returns
+    -------
+    dict
+        Name to values, (*cases), a number for a single case; NaN where a case has no shape.
+
+    Raises
+    ------
+    InputError
+        For an unknown name.
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> from solver import Case, Cylinder, Rod, Start, observe, solve
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0, stiffness="paper")
+    >>> sol = solve(Case(rod, Cylinder(R=0.75), Start(beta=pi / 6, dbeta=0.5, F1=5.0, F3=10.0)))
+    >>> {name: int(value) for name, value in observe(sol, ["turns", "index"]).items()}
+    {'turns': 6, 'index': 6}
     """
     names = list(names)
     for name in names:
@@ -280,5 +311,5 @@ def observe(sol: Solution, names: Iterable[str], errors: bool = False) -> dict[s
 
 
 def _whole(values: Array) -> Array:
-    """Whole numbers as such where all of them are known."""
+    """The values as integers where all of them are known."""
     return values.astype(np.int64) if (np.abs(values) < 2**62).all() else values

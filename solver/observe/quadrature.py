@@ -1,32 +1,35 @@
 """Integrals, extremes and signs of a density along the rod, from Chebyshev series on pieces of it.
 
-A density is read at the nodes of each piece; where its series has not ended by then, the piece is halved. What the
-last coefficients hold is the error that is left.
+A density is computed at the nodes of each piece; where its series has not converged, the piece is halved. The last
+coefficients measure the error that is left.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ..numerics.chebyshev import Basis, basis, polynomials, through
+from ..numerics.arrays import Array
+from ..numerics.chebyshev import Basis, basis, derivative, means, polynomials, series_at, through, weights
 from ..numerics.roots import bracketed
-from ..problem.reduced import Array
 from .densities import Density
-from .sampling import NODES, Pieces
+from .rod_pieces import NODES, Pieces
 
 EPS = 2.0**-52
-_ROUNDS, _PATIENCE = 48, 3  # halvings; those that may leave the series as long as it was
+_ROUNDS, _PATIENCE = 48, 3  # halvings; those that may fail to shorten the series
 _MOST = 1_000_000  # pieces of a round
 _ROUNDING = 64 * EPS  # of the terms of a density, and of beta: a series cannot end below that
 
 
 @dataclass(frozen=True, eq=False)
 class Resolved:
-    """A density on Q pieces: values, the size of the terms and the spread at the nodes (Q, m), the coefficients
-    (Q, m), and what these leave out (Q,)."""
+    """A density on Q pieces.
+
+    values, size, spread: (Q, m), as in `Density`. coefficients: (Q, m), of the Chebyshev series. tail: (Q,), what the
+    series leave out.
+    """
 
     pieces: Pieces
     values: Array
@@ -36,7 +39,7 @@ class Resolved:
     tail: Array
 
     def over(self, values: Array) -> Array:
-        """Sums over the pieces of each case, as often as each counts, (Q,) -> (B,)."""
+        """Sums over the pieces of each case, each times its length and count, (Q,) -> (B,)."""
         p = self.pieces
         return np.bincount(p.case, weights=values * p.time * p.count, minlength=p.problem.size)
 
@@ -51,7 +54,7 @@ class Resolved:
 
     @cached_property
     def left_out(self) -> Array:
-        """What the series and rounding leave out of the integral, (B,)."""
+        """The error of the integral by truncation and rounding, (B,)."""
         return self.over(2 * self.tail + EPS * self.size.max(axis=1))
 
     def integral_of(self, values: Array) -> Array:
@@ -112,8 +115,10 @@ class Resolved:
         return q, _root(self.coefficients[q], low, high), np.where(rises, 1.0, -1.0)
 
     def _touching(self, sign: float) -> tuple[Array, Array, Array, Array]:
-        """Pairs of changes in one cell, where a positive density (sign 1) dips below zero or a negative one above:
-        pieces, places where it is negative and where positive on either side, whether it rises; (2 C,) each."""
+        """Pairs of sign changes in one cell, where a positive density (sign 1) dips below zero or a negative one above.
+
+        Returns pieces, places where it is negative, places where it is positive, and whether it rises, (2 C,) each.
+        """
         v, rate, nodes = sign * self.values, sign * self._rate, _basis().nodes
         same = (self.values > 0) == (sign > 0)  # zero counts as negative
         width = np.diff(nodes)
@@ -140,7 +145,7 @@ def _root(series: Array, low: Array, high: Array) -> Array:
         found = np.einsum("kcn,nc->kc", both, polynomials(x, series.shape[1]))
         return found[0], found[1]
 
-    return bracketed(value_and_rate, low, high, rounds=60)
+    return bracketed(value_and_rate, low, high, steps=60)
 
 
 def _most(pieces: Pieces, values: Array) -> Array:
@@ -156,8 +161,19 @@ def resolve(
     extremes: bool = True,
     signs: bool = False,
 ) -> Resolved:
-    """The density on pieces that are halved until its integral is known to `goal` of that of its size; with
-    `extremes` its largest value, and with `signs` its value everywhere, to `goal` of the largest on the piece."""
+    """The density on pieces that are halved until its series converge.
+
+    Parameters
+    ----------
+    pieces : Pieces
+        The pieces of B rods.
+    density : callable
+        Pieces to their `Density`.
+    goal : float
+        Allowed error of the integral, relative to the integral of the density's size.
+    extremes, signs : bool
+        Whether the largest value, and whether the value everywhere, is to be known to `goal` of the largest value.
+    """
     done: list[Resolved] = []
     total = top = np.zeros(0)
     before, stuck = np.full(pieces.case.size, np.inf), np.zeros(pieces.case.size, dtype=np.int64)
@@ -209,38 +225,3 @@ def _joined(parts: list[Resolved]) -> Resolved:
 
 def _basis() -> Basis:
     return basis(NODES)
-
-
-def series_at(coefficients: Array, x: Array) -> Array:
-    """Series (C, n), each at its own x in [-1, 1], (C,)."""
-    found: Array = np.einsum("cn,nc->c", coefficients, polynomials(x, coefficients.shape[1]))
-    return found
-
-
-def primitive(coefficients: Array) -> Array:
-    """The series of the integral from -1, (Q, n) -> (Q, n + 1)."""
-    return through(coefficients, basis(coefficients.shape[1]).integrate)
-
-
-@cache
-def means(n: int) -> Array:
-    """Means of T_0 .. T_{n-1} over [-1, 1], (n,)."""
-    found = np.zeros(n)
-    found[::2] = 1 / (1 - np.arange(0, n, 2.0) ** 2)
-    return found
-
-
-@cache
-def weights(n: int) -> Array:
-    """Weights of the nodes for the mean over [-1, 1], (n,); all positive."""
-    found: Array = basis(n).analyse @ means(n)
-    return found
-
-
-@cache
-def derivative(n: int) -> Array:
-    """Coefficients to those of the derivative, (n, n)."""
-    rows = np.zeros((n, n))
-    for k in range(1, n):
-        rows[k, :k] = np.polynomial.chebyshev.chebder(np.eye(n)[k])[:k]
-    return rows

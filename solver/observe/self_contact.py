@@ -1,10 +1,10 @@
-"""Where the rod would pass through itself: turns whose centrelines come closer than two radii.
+"""Self-intersection: where the centreline comes closer to itself than two radii.
 
 Points pi a apart or less along the rod are close because they are neighbours: an arc no tighter than the rod itself
-(radius a) keeps its ends two radii apart from there on. More is known (Schur): points less than
-2/kappa (pi - asin(kappa a)) apart, kappa the largest curvature, cannot meet, so only farther ones are looked at.
-Bounds on beta decide many rods; of the others stretches of the curve are halved where they might meet (`strands`). All
-lengths here are in units of rho.
+(radius a) keeps its ends two radii apart from there on. By Schur's theorem points less than
+2/kappa (pi - asin(kappa a)) apart along the rod, kappa being the largest curvature, cannot meet, so only points farther
+apart are compared. Bounds on beta decide many rods; for the others stretches of the curve are halved where they might
+meet (`strand_pairs`). All lengths are in units of rho.
 """
 
 from typing import Any
@@ -12,24 +12,41 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..problem.reduced import Array, flat
+from ..numerics.arrays import Array
+from ..problem.reduced import flat
 from ..solution import Solution
-from .strands import apart as apart_along
-from .strands import meets, strands
+from .strand_pairs import apart as apart_along
+from .strand_pairs import meets, strands
 
-_COARSE, _DENSE, _MOST = 0.5, 0.125, 200_000  # of the radius: stations apart; points made of them, and how many
-_BLOCK = 128  # rods looked at together
+# of the radius: distance of stations, and of points between them; and the largest number of points
+_COARSE, _DENSE, _MOST = 0.5, 0.125, 200_000
+_BLOCK = 128  # rods compared together
 
 
-def overlaps(sol: Solution, kappa_max: Any, low: Any, high: Any) -> Any:
-    """1 where the rod would pass through itself, else 0, NaN where that cannot be told, (*cases).
+def overlaps(sol: Solution, kappa_max: Any, low: Any, high: Any, **limits: int) -> Any:
+    """Whether each rod would intersect itself.
 
     It does where two points farther apart along the rod than pi a come closer in space than 2 a, or where kappa a is 1
-    or more. kappa_max: the largest curvature, (*cases) [1/length]; low, high: the smallest and largest beta, (*cases).
-    Rods that keep their way along the axis, or about it for less than a turn, are told by these alone. Of the others
-    points are taken from the orbit, as dense as the rod is thick; where the method knows none, from the stations, and
-    where these are farther apart than a/2 a rod that does not meet itself at them might between them. A case that is
-    not solved cannot be told either.
+    or more. Rods that keep their direction along the axis, or about it for less than a turn, are decided by the bounds
+    of curvature and angle. For the others points of the orbit are compared, as dense as the rod is thick; where the
+    method knows no orbit, those of the stations.
+
+    Parameters
+    ----------
+    sol : Solution
+        The rods.
+    kappa_max : array (*cases)
+        Largest curvature [1/length].
+    low, high : array (*cases)
+        Smallest and largest beta [rad].
+    **limits
+        Options of `strand_pairs.meets`.
+
+    Returns
+    -------
+    array (*cases)
+        1 where it would, else 0; NaN where a case is not solved or not decided: its stations are farther apart than
+        a/2, or more pairs of stretches would have to be compared than allowed.
     """
     case, orbit = sol.case, sol.trajectory.orbit
     rho = flat(case.rho, case.shape)
@@ -49,20 +66,21 @@ def overlaps(sol: Solution, kappa_max: Any, low: Any, high: Any) -> Any:
         if orbit is None:
             found[rows] = [_at_stations(sol, int(i), a[i]) for i in rows]
         else:
-            found[rows] = meets(strands(orbit.pick(rows), sol.problem.span[rows], a[rows], tightest[rows]))
+            rods = strands(orbit.pick(rows), sol.problem.span[rows], a[rows], tightest[rows])
+            found[rows] = meets(rods, **limits)
     whole = found if np.isnan(found).any() else found.astype(np.int64)
     return whole.reshape(case.shape)[()]
 
 
 def _climbs(low: Array, high: Array, a: Array, apart: Array) -> Any:
-    """Whether the rod keeps its way along the axis, and gains two radii there on any stretch long enough to meet."""
-    way = np.round((low + high) / (2 * np.pi))
-    ahead = np.maximum(np.abs(low - np.pi * way), np.abs(high - np.pi * way))
+    """Whether the rod keeps its direction along the axis, and gains two radii there on each stretch that could meet."""
+    axis = np.round((low + high) / (2 * np.pi))
+    ahead = np.maximum(np.abs(low - np.pi * axis), np.abs(high - np.pi * axis))
     return (ahead < np.pi / 2) & (np.cos(ahead) * apart > 2 * a)
 
 
 def _goes_round_once(low: Array, high: Array, a: Array, apart: Array, span: Array) -> Any:
-    """Whether the rod keeps its way about the axis, is less than a turn long, and gains two radii there likewise."""
+    """Whether the rod keeps its direction about the axis, for less than a turn, and gains two radii likewise."""
     aside = np.floor((low + high) / (2 * np.pi)) + 0.5
     off = np.maximum(np.abs(low - np.pi * aside), np.abs(high - np.pi * aside))
     thick = 2 * np.arcsin(np.minimum(a, 1))
@@ -71,8 +89,8 @@ def _goes_round_once(low: Array, high: Array, a: Array, apart: Array, span: Arra
 
 def _at_stations(sol: Solution, i: int, a: float) -> float:
     """The same from the stations of case i alone."""
-    t, told = sol.t[i], sol.trajectory
-    alpha, z, beta = told.alpha[i], told.z[i], told.beta[i]
+    t, shape = sol.t[i], sol.trajectory
+    alpha, z, beta = shape.alpha[i], shape.z[i], shape.beta[i]
     points = np.stack([np.cos(alpha), np.sin(alpha), z], axis=-1)
     dense = np.diff(t).max() <= _COARSE * a
     if dense:

@@ -1,1 +1,1 @@
-"""The periodic orbit of beta: pieces between turning points, panels, action, conditioning."""
+"""The periodic orbit of beta: critical points, arcs, pieces, panels, action, condition number."""

@@ -1,13 +1,13 @@
-"""How an orbit answers to a change of its start: the condition number, without following any change along the rod.
+"""The condition number of an orbit: how much a change of its start grows, without following any change along the rod.
 
 Two changes of the start span all others. One along the flow f = (beta_t, -H) stays along it: it becomes f(t). One
 across becomes a(t) f(t) + b(t) with b = (c H, beta_t)/D, D = beta_t^2 + c H^2, because the flow keeps areas; only the
-shear a(t) has to be integrated, a' = (1 - c H') (beta_t^2 - c H^2)/D^2. It grows by the same amount each period, so a
-rod of a million bends is again no more work than one of three, and next to a saddle no large numbers cancel.
+shear a(t) has to be integrated, a' = (1 - c H') (beta_t^2 - c H^2)/D^2. It grows by the same amount each period, so the
+cost does not grow with the number of bends, and next to a saddle no large numbers cancel.
 
-c, a time squared, says which way is across. Any constant is right; one for each panel keeps D from nearly vanishing in
-it, also where the whole orbit is slow (next to a fold) or small (next to a helix). Where c changes from one panel to
-the next, b does by a multiple of f, which goes to a.
+c, the square of a time, defines which direction is across. Any constant is valid; one for each panel keeps D from
+nearly vanishing in it, also where the whole orbit is slow (next to a fold) or small (next to a helix). Where c changes
+from one panel to the next, b changes by a multiple of f, which is added to a.
 """
 
 from dataclasses import dataclass
@@ -15,79 +15,53 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..mechanics.potential import slope, slope_bends, slope_rate, slope_size
+from ..mechanics.potential import Loads, load_size, slope, slope_rate, slope_size
+from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis
-from ..problem.reduced import Array, Reduced
+from ..problem.reduced import Reduced
+from .linearised_growth import beside_helix, slope_weight
 from .panels import EPS, Panels, running
+from .phase import unfolded
 from .pieces import HELIX, LIBRATION
 
 if TYPE_CHECKING:
-    from ..methods.orbit import Orbit
-
-
-def slope_weight(problem: Reduced) -> Array:
-    """w = max(1, |beta_t(0)|, sqrt|H'(beta(0))|), (B,): what a change of beta_t(0) is multiplied by.
-
-    A change of the slope then counts as one of the angle would a quarter of a swing later, so that the condition number
-    does not depend on where in its swing an orbit happens to start.
-    """
-    assert problem.dbeta0 is not None
-    natural = np.sqrt(np.abs(slope_rate(problem, problem.beta0)))
-    return np.maximum(np.maximum(1, np.abs(problem.dbeta0)), natural)
+    from .periodic_orbit import Orbit
 
 
 def condition(orbit: "Orbit") -> Array:
-    """Largest |d beta/d beta(0)| and w |d beta/d beta_t(0)| along the rod, at least 1, (B,); w as in `slope_weight`."""
+    """The condition number of B orbits, (B,), at least 1.
+
+    The largest |d beta/d beta(0)| and w |d beta/d beta_t(0)| along the rod; w as in `slope_weight`.
+    """
     weight, (steady, worst) = slope_weight(orbit.problem), beside_helix(orbit.problem)
-    moves = (orbit.course.kind != HELIX) & (orbit.count.reshape(-1, 2).sum(axis=1) > 0) & ~steady
+    moves = (orbit.arcs.kind != HELIX) & (orbit.count.reshape(-1, 2).sum(axis=1) > 0) & ~steady
     if moves.any():
-        largest = np.where(moves, 1.0, worst)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            _along(orbit, weight, largest)
+            largest = _largest_growth(orbit, weight, np.where(moves, 1.0, worst))
         worst = np.where(moves, np.where(np.isnan(largest), np.inf, largest), worst)
     return worst
-
-
-def beside_helix(problem: Reduced) -> tuple[Any, Array]:
-    """Which rods stay so near to one helix, or are so short, that H' hardly changes along them; and what the condition
-    number is of all as if it did not: bounded about a centre, linear where H' = 0, exponential about a saddle, (B,)
-    each.
-
-    How far beta strays follows from H'(beta(0)) as if that were constant; by how much H' changes on this way, times the
-    time in which a change of it works (all of it, or where the rod is long, one radian), has to stay small.
-    """
-    assert problem.dbeta0 is not None
-    beta, span = problem.beta0, problem.span
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        rate, (second, _) = slope_rate(problem, beta), slope_bends(problem, beta)
-        even, odd = _fields(rate, span)
-        strays = np.abs(problem.dbeta0) * odd + 2 * np.abs(slope(problem, beta)) * _fields(rate, span / 2)[1] ** 2
-        third = np.abs(problem.lam) + 8 * np.abs(problem.mu) + np.abs(problem.phi) + 20  # nowhere larger
-        change = np.abs(second) * strays + third * strays**2 / 2
-        steady = change * span * np.fmin(span, 1 / np.sqrt(np.abs(rate))) < 0.1
-        return steady, np.maximum(1, np.maximum(even, odd * slope_weight(problem)))
 
 
 @dataclass(frozen=True, eq=False)
 class _Flow:
     """The flow at the nodes of P panels in units of each problem's own time and largest speed.
 
-    v, h: (P, n), beta_t and H as one travels away from the start; across: (P,), c; shear: (P, n + 1), the series of a
-    from the start on, in its own part; total: (2 B,), what a whole part adds to it.
+    v, h: (P, n), |beta_t| and H as one moves away from the start. across: (P,), c. shear: (P, n + 1), the series of a
+    from the start along the panel's arc. gain: (2 B,), what a whole arc adds to a.
     """
 
     v: Array
     h: Array
     across: Array
     shear: Array
-    total: Array
+    gain: Array
 
 
 def _flow_of(orbit: "Orbit", unit: Array, speed: Array) -> _Flow:
+    """The flow in time of 1/unit and speeds in units of `speed`, (B,) each."""
     problem, panels = orbit.problem, orbit.panels
-    points, b = basis(panels.series.shape[2] - 1), panels.part // 2
-    at, one = problem.take(b), unit[b, None]
-    loads = Reduced(*(x[:, None] for x in (at.lam, at.mu, at.phi, at.span, at.beta0)))
+    points, b = basis(panels.series.shape[2] - 1), panels.arc // 2
+    loads, one = Loads.columns(problem, b), unit[b, None]
     beta, v = panels.series[:, 0] @ points.values, panels.series[:, 1] @ points.values / speed[b, None]
     half = (panels.duration / 2)[:, None] * one
     h = _slope_along(orbit, loads, beta, v, half, speed[b, None] * one)
@@ -99,28 +73,28 @@ def _flow_of(orbit: "Orbit", unit: Array, speed: Array) -> _Flow:
     gain = series.sum(axis=1)
     jump = _jumps(orbit, v, h, c)
     closing = np.zeros(2 * problem.size)
-    rotates = np.flatnonzero((orbit.count > 0) & (np.repeat(orbit.course.kind, 2) != LIBRATION))
+    rotates = np.flatnonzero((orbit.count > 0) & (np.repeat(orbit.arcs.kind, 2) != LIBRATION))
     if rotates.size:
         start = orbit.first[rotates]
         closing[rotates] = _jump(v[start, 0], h[start, 0], c[start + orbit.count[rotates] - 1], c[start])
     series[:, 0] += running((gain + jump)[:, None], orbit.first, orbit.count)[:, 0] + jump
-    total = np.bincount(panels.part, weights=gain + jump, minlength=2 * problem.size) + closing
+    total = np.bincount(panels.arc, weights=gain + jump, minlength=2 * problem.size) + closing
     return _Flow(v, h, c, series, total)
 
 
-def _slope_along(orbit: "Orbit", loads: Reduced, beta: Array, v: Array, half: Array, unit: Array) -> Array:
-    """H at the panels' nodes, (P, n), as one travels away from the start.
+def _slope_along(orbit: "Orbit", loads: Loads, beta: Array, v: Array, half: Array, unit: Array) -> Array:
+    """H at the panels' nodes, (P, n), as one moves away from the start.
 
-    Of H at beta no digit may be left, next to a helix; of the derivative of the speed none, in a very short panel. So
-    that which loses less.
+    Next to a helix the formula for H loses its digits; in a very short panel the derivative of the speed does. Of the
+    two the one that loses less.
     """
     points, panels = basis(v.shape[1]), orbit.panels
-    way = orbit.course.direction[panels.part // 2] * np.where(panels.part % 2 == 1, -1, 1)
+    sign = orbit.arcs.direction[panels.arc // 2] * np.where(panels.arc % 2 == 1, -1, 1)
     turns = v.min(axis=1) < v.max(axis=1) / 2
     lost = EPS * v.shape[1] ** 2 * np.where(turns, 1, v.max(axis=1)) / half[:, 0]
     direct = EPS * slope_size(loads, beta).max(axis=1) / unit[:, 0] < lost
     derived = -(v @ points.analyse @ points.differentiate) / half
-    return np.where(direct[:, None], way[:, None] * slope(loads, beta) / unit, derived)
+    return np.where(direct[:, None], sign[:, None] * slope(loads, beta) / unit, derived)
 
 
 def _across(v: Array, h: Array, rate: Array, half: Array) -> Array:
@@ -145,60 +119,74 @@ def _jump(v: Array, h: Array, old: Array, new: Array) -> Array:
 
 
 def _jumps(orbit: "Orbit", v: Array, h: Array, c: Array) -> Array:
-    """What a gains on entering each panel from the one before, (P,); a backward course follows the forward one."""
+    """What a gains on entering each panel from the one before, (P,); the backward arc follows the forward one."""
     panel = np.arange(c.size)
-    part = orbit.panels.part
-    starts = panel == orbit.first[part]
-    out = orbit.first[part - part % 2]
-    before = np.where(starts, np.where((part % 2 == 1) & (orbit.count[part - part % 2] > 0), out, panel), panel - 1)
+    arc = orbit.panels.arc
+    starts = panel == orbit.first[arc]
+    out = orbit.first[arc - arc % 2]
+    before = np.where(starts, np.where((arc % 2 == 1) & (orbit.count[arc - arc % 2] > 0), out, panel), panel - 1)
     return np.where(before == panel, 0.0, _jump(v[:, 0], h[:, 0], c[before], c))
 
 
-def _along(orbit: "Orbit", weight: Array, worst: Array) -> None:
-    """Raise `worst` (B,) to the largest growth at the panels' nodes that the rod meets, and at its far end."""
+def _largest_growth(orbit: "Orbit", weight: Array, least: Array) -> Array:
+    """The largest growth at the panels' nodes that the rod passes, at its far end, and of `least`, (B,)."""
     problem, panels = orbit.problem, orbit.panels
-    part = panels.part
-    b = part // 2
+    b = panels.arc // 2
     # in a time in which the orbit's own rates are near one, and with speeds of at most one
-    unit = np.sqrt(np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1)
+    unit = np.sqrt(load_size(problem) + 1)
     speed = np.zeros(problem.size)
     np.maximum.at(speed, b, panels.fastest)
     speed = np.where(speed > 0, speed, 1.0)
     flow = _flow_of(orbit, unit, speed)
     start = _start(orbit, flow, weight / unit)
+    worst = _growth_at_nodes(orbit, flow, start, least)
+    moves = orbit.count.reshape(-1, 2).sum(axis=1) > 0
+    worst[moves] = np.maximum(worst, _growth_at_end(orbit, flow, start, speed))[moves]
+    return worst
+
+
+def _growth_at_nodes(orbit: "Orbit", flow: _Flow, start: tuple[Array, Array], least: Array) -> Array:
+    """The largest growth at the panels' nodes that the rod passes, in its first period and in its last, (B,)."""
+    problem, panels = orbit.problem, orbit.panels
+    arc, b, worst = panels.arc, panels.arc // 2, least.copy()
     points, span = basis(panels.series.shape[2] - 1), problem.span[b, None]
     running_a, across = flow.shear @ points.values, flow.across[:, None]
     clock = orbit.since[:, None] + (panels.duration / 2)[:, None] * (1 + points.nodes)
     there, back, period = (x[b, None] for x in (orbit.ahead, orbit.back, orbit.period))
-    folded, second = (orbit.kind == LIBRATION)[b, None], (part % 2 == 1)[:, None]
-    ahead, after = flow.total[0::2], flow.total[1::2]
-    a_round = np.where(orbit.kind == LIBRATION, 2 * (ahead + after), ahead)
-    rounds = np.floor(span / period)
+    folded, second = (orbit.kind == LIBRATION)[b, None], (arc % 2 == 1)[:, None]
+    ahead, after = flow.gain[0::2], flow.gain[1::2]
+    a_period = np.where(orbit.kind == LIBRATION, 2 * (ahead + after), ahead)
+    periods = np.floor(span / period)
     begin, end = np.where(second, 2 * there, 0), np.where(second, 2 * (there + back), 2 * there)
-    shift, whole = np.where(second, 2 * ahead[b, None], 0), 2 * flow.total[part, None]
-    way = np.where(second, -1.0, 1.0)
+    shift, whole = np.where(second, 2 * ahead[b, None], 0), 2 * flow.gain[arc, None]
+    direction = np.where(second, -1.0, 1.0)
     for a, time, sign, open_ in (
         (shift + running_a, begin + clock, 1.0, True),
         (shift + whole - running_a, end - clock, -1.0, folded),
     ):
-        met = open_ & ((time <= span) | (rounds > 0))
-        # the last of the rounds may end before this place
-        many = np.where(rounds > 0, rounds - (time + rounds * period > span), 0)
-        for extra in (0.0, a_round[b, None] * many):
-            grown = _grown([x[:, b, None] for x in start], a + extra, way * sign * flow.v, way * flow.h, across)
-            np.maximum.at(worst, b, np.where(met, grown, 0).max(axis=1))
-    series = np.zeros((part.size, 4, points.nodes.size + 1))
+        passed = open_ & ((time <= span) | (periods > 0))
+        # the last period may end before this place
+        many = np.where(periods > 0, periods - (time + periods * period > span), 0)
+        for extra in (0.0, a_period[b, None] * many):
+            v, h = direction * sign * flow.v, direction * flow.h
+            grown = _grown([x[:, b, None] for x in start], a + extra, v, h, across)
+            np.maximum.at(worst, b, np.where(passed, grown, 0).max(axis=1))
+    return worst
+
+
+def _growth_at_end(orbit: "Orbit", flow: _Flow, start: tuple[Array, Array], speed: Array) -> Array:
+    """The growth at the far end of the rod, (B,)."""
+    panels = orbit.panels
+    b, points = panels.arc // 2, basis(panels.series.shape[2] - 1)
+    series = np.zeros((b.size, 4, points.nodes.size + 1))
     series[:, 0], series[:, 1, :-1] = panels.series[:, 1] / speed[b, None], flow.h @ points.analyse
     series[:, 2], series[:, 3, 0] = flow.shear, flow.across
-    where = orbit.locate(problem.span[:, None])
-    v, h, a, c = np.moveaxis(orbit.read(series, where)[:, 0], 1, 0)
-    second, mirrored = where.second[:, 0], where.mirrored[:, 0]
-    a = np.where(mirrored, 2 * np.where(second, after, ahead) - a, a) + np.where(second, 2 * ahead, 0)
-    way = np.where(second, -1.0, 1.0)
-    a = a + where.rounds[:, 0] * a_round
-    moves = orbit.count.reshape(-1, 2).sum(axis=1) > 0
-    grown = _grown(start, a, way * np.where(mirrored, -v, v), way * h, c)
-    worst[moves] = np.maximum(worst, grown)[moves]
+    phase = orbit.locate(orbit.problem.span[:, None])
+    v, h, a, c = np.moveaxis(orbit.read(series, phase)[:, 0], 1, 0)
+    librates = (orbit.kind == LIBRATION)[:, None]
+    a = unfolded(a[:, None], phase, flow.gain.reshape(-1, 2), librates)[:, 0]
+    direction = np.where(phase.second[:, 0], -1.0, 1.0)
+    return _grown(start, a, direction * np.where(phase.mirrored[:, 0], -v, v), direction * h, c)
 
 
 def _grown(start: Any, a: Array, v: Array, h: Array, c: Array) -> Array:
@@ -211,18 +199,17 @@ def _grown(start: Any, a: Array, v: Array, h: Array, c: Array) -> Array:
 def _start(orbit: "Orbit", flow: _Flow, weight: Array) -> tuple[Array, Array]:
     """What a change of beta and w times one of beta_t at the start are along f and across it, (2, B) each."""
     out = orbit.count[0::2] > 0
-    panel = np.where(out, orbit.first[0::2], orbit.first[1::2])
+    panel: Integers = np.where(out, orbit.first[0::2], orbit.first[1::2])
     panel = np.minimum(panel, flow.across.size - 1)
     v, h, c = flow.v[panel, 0], flow.h[panel, 0] * np.where(out, 1.0, -1.0), flow.across[panel]
     size = v * v + c * h * h
     return np.stack([v / size, -c * h / size * weight]), np.stack([h, v * weight])
 
 
-def _flow(problem: Reduced, panels: Panels, unit: Array) -> tuple[Array, Array, Array]:
-    """|beta_t|, H and H' at the panels' nodes, (P, n) each, in a unit of time for each problem: 1/unit, (B,)."""
-    b = panels.part // 2
-    at, one = problem.take(b), unit[b, None]
-    loads = Reduced(*(v[:, None] for v in (at.lam, at.mu, at.phi, at.span, at.beta0)))
+def flow_at_nodes(problem: Reduced, panels: Panels, unit: Array) -> tuple[Array, Array, Array]:
+    """|beta_t|, H and H' at the panels' nodes, (P, n) each, in time of 1/unit, (B,)."""
+    b = panels.arc // 2
+    loads, one = Loads.columns(problem, b), unit[b, None]
     points = basis(panels.series.shape[2] - 1)
     beta, v = panels.series[:, 0] @ points.values, panels.series[:, 1] @ points.values
     return v / one, slope(loads, beta) / one**2, slope_rate(loads, beta) / one**2
@@ -231,17 +218,8 @@ def _flow(problem: Reduced, panels: Panels, unit: Array) -> tuple[Array, Array, 
 def shear(problem: Reduced, panels: Panels, unit: Array) -> Array:
     """The series of the shear a(t) with c = 1 on each panel from its near end, (P, n + 1), in time of 1/unit, (B,)."""
     points = basis(panels.series.shape[2] - 1)
-    v, H, rate = _flow(problem, panels, unit)
+    v, H, rate = flow_at_nodes(problem, panels, unit)
     size = v * v + H * H
     pace = (1 - rate) * ((v - H) * (v + H) / size) / size
-    scale: Array = (panels.duration / 2 * unit[panels.part // 2])[:, None]
+    scale: Array = (panels.duration / 2 * unit[panels.arc // 2])[:, None]
     return (pace * scale) @ points.analyse @ points.integrate
-
-
-def _fields(rate: Array, span: Array) -> tuple[Array, Array]:
-    """The largest values on [0, span] of the two solutions of eta'' = -rate eta that begin as 1 and as t, (B,) each."""
-    root = np.sqrt(np.abs(rate))
-    angle = np.minimum(root * span, 700)
-    bounded = np.where(angle < np.pi / 2, np.sin(angle), 1.0)
-    odd = np.where(rate > 0, bounded, np.sinh(angle)) / root
-    return np.where(rate >= 0, 1.0, np.cosh(angle)), np.where(root * span > 1e-150, odd, span)

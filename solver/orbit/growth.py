@@ -1,20 +1,33 @@
-"""The growth of a small change of the start: the condition number of a shape, section 6 of the physics notes."""
+"""The condition number of a shape that is known at stations alone: the growth of a small change of its start."""
 
 import numpy as np
 
-from ..mechanics.potential import slope_rate
-from ..problem.reduced import Array, Reduced
-from .conditioning import slope_weight
+from ..mechanics.potential import Loads, slope_rate, steepest
+from ..numerics.arrays import Array
+from ..problem.reduced import Reduced
+from .linearised_growth import slope_weight
 
-_BLOCK = 2**18  # stations worked on at once
-_MOST = 2**22  # stations that are worth their memory
+_BLOCK = 2**18  # stations computed at once
+_MOST = 2**22  # largest number of stations, for their memory
 
 
 def growth(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
-    """Largest |d beta(t)/d beta(0)| and w |d beta(t)/d beta_t(0)| over the stations t, at least 1; w: `slope_weight`.
+    """The largest |d beta(t)/d beta(0)| and w |d beta(t)/d beta_t(0)| over the stations; w as in `slope_weight`.
 
-    t, beta, rate (beta_t): (B, n) -> (B,). Order 4 in the distance of the stations, so a digit or two can be trusted
-    where these resolve beta; but not after a rest near a saddle, where what grew has to cancel.
+    Of order 4 in the distance of the stations, so one or two digits are right where the stations resolve beta; none
+    after a long stay near a saddle, where large growths cancel.
+
+    Parameters
+    ----------
+    problem : Reduced
+        B problems.
+    t, beta, rate : array (B, n)
+        Stations, beta and beta_t there.
+
+    Returns
+    -------
+    array (B,)
+        At least 1.
     """
     worst, weight = np.ones(problem.size), slope_weight(problem)
     share = max(1, _BLOCK // t.shape[1])
@@ -31,7 +44,7 @@ def growth(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
 
 
 def _after(late: Array, early: Array) -> Array:
-    """Products of matrices [[a, b], [c, d]] held as (4, ...): late times early."""
+    """The products late times early of matrices [[a, b], [c, d]] stored as (4, ...)."""
     a, b, c, d = late
     e, f, g, h = early
     with np.errstate(over="ignore", invalid="ignore"):
@@ -39,12 +52,12 @@ def _after(late: Array, early: Array) -> Array:
 
 
 def _transfers(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
-    """What each step makes of (eta, eta_t) where eta'' = -H'(beta) eta, the four entries (4, B, n - 1).
+    """The transfer matrix of (eta, eta_t) over each step, where eta'' = -H'(beta) eta: four entries, (4, B, n - 1).
 
     Magnus' exponential of order 4, H' by Simpson's rule with Hermite's cubic for beta between the stations; its
-    determinant is 1, and a long step at a steep saddle does it no harm.
+    determinant is 1, also for a long step at a steep saddle.
     """
-    column = Reduced(*(v[:, None] for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
+    column = Loads.columns(problem)
     dt = np.diff(t, axis=1)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         middle = (beta[:, :-1] + beta[:, 1:]) / 2 + dt / 8 * (rate[:, :-1] - rate[:, 1:])
@@ -61,12 +74,14 @@ def _transfers(problem: Reduced, t: Array, beta: Array, rate: Array) -> Array:
 
 
 def refined(problem: Reduced, t: Array, most: int) -> tuple[Array, int]:
-    """The stations with k - 1 more on equal steps between neighbours, (B, (n - 1) k + 1), and k: a power of two that
-    divides `most`, at most 16, and no larger than `growth` needs to see how the field turns between them (or than is
-    bearable where there are very many problems)."""
-    steepest = np.abs(problem.lam) + 2 * np.abs(problem.mu) + np.abs(problem.phi) + 2  # |H'| is nowhere larger
+    """The stations with k - 1 more on equal steps between neighbours, (B, (n - 1) k + 1), and k.
+
+    k is a power of two that divides `most`, at most 16, and no larger than `growth` needs to resolve H' between the
+    stations, or than memory allows for very many problems.
+    """
+    bound = steepest(problem)
     with np.errstate(over="ignore"):
-        angle = np.max(np.sqrt(steepest) * np.diff(t, axis=1).max(axis=1, initial=0.0), initial=0.0)
+        angle = np.max(np.sqrt(bound) * np.diff(t, axis=1).max(axis=1, initial=0.0), initial=0.0)
     k = 1
     while k < 16 and angle > k / 4 and most % (2 * k) == 0 and 2 * k * t.size <= _MOST:
         k *= 2

@@ -1,116 +1,152 @@
-"""Short stretches of a course on which beta and the developed curve are Chebyshev series in time."""
+"""Panels: short parts of an arc on which beta and the developed curve are Chebyshev series in time."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.chebyshev import Basis, polynomials
-from ..problem.reduced import Array, Reduced
-from .pieces import Course, Pieces
+from ..problem.reduced import Reduced
+from .arcs import Arcs
+from .pieces import Pieces
 
 EPS = 2.0**-52
-MOST = 10_000  # panels made for one orbit: beyond it none is halved any more
+MOST = 10_000  # panels of one orbit beyond which none is halved any more
 _ROUNDS = 14  # how often a panel may be halved
-_PATIENCE, _CROWD = 3, 16  # after so many halvings, of so many panels of a course, there is no more to gain
-_LINGERS = 1e4
+_PATIENCE, _CROWD = 3, 16  # after so many halvings, so many unfinished panels of an arc show that halving does not help
+_TOO_LONG = 1e4  # times the rod's length: a first panel that lasts longer is cut
 _LONG = 8.0  # in u: a piece longer than this is stretched along a saddle
 _NEWTON = 12
-_BLOCK = 512  # panels worked on at once
+_BLOCK = 512  # panels computed at once
 
 
 @dataclass(frozen=True, eq=False)
 class Panels:
-    """P panels in order of part and of time away from the start.
+    """P panels, in order of arc and of time away from the start.
 
-    part: 2 b for the forward course of problem b, 2 b + 1 for the backward one. rank: of its piece. duration: (P,).
-    series: (P, 5, n + 1), of beta, |beta_t|, alpha, z and the swirl (the integral of sin cos), the last three from the
-    panel's near end. fastest: largest |beta_t|; slack: what the cut series leave out of beta; drift: the same for the
-    duration, as a share of it; noise: what the rounding of G leaves out of it, as a share; all (P,). calls:
-    evaluations, (P,).
+    arc: (P,), 2 b for the forward arc of problem b, 2 b + 1 for the backward one. rank: (P,), of the panel's piece.
+    duration: (P,). series: (P, 5, n + 1), of beta, |beta_t|, alpha, z and the swirl (the integral of sin cos), the last
+    three from the panel's near end. fastest: (P,), largest |beta_t|. error: (P,), what the truncated series leave out
+    of beta. time_error: (P,), what they leave out of the duration, as a share of it. time_rounding: (P,), what the
+    rounding of G changes of the duration, as a share. calls: (P,), evaluations of G.
     """
 
-    part: NDArray[np.int64]
-    rank: NDArray[np.int64]
+    arc: Integers
+    rank: Integers
     duration: Array
     series: Array
     fastest: Array
-    slack: Array
-    drift: Array
-    noise: Array
-    calls: NDArray[np.int64]
+    error: Array
+    time_error: Array
+    time_rounding: Array
+    calls: Integers
 
     def take(self, index: Any) -> "Panels":
         return Panels(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
 
 
+@dataclass(frozen=True, eq=False)
+class _Cuts:
+    """Q parts of pieces that become panels: of which piece, their place along it, near and far end in u, (Q,) each."""
+
+    piece: Integers
+    order: Array
+    near: Array
+    far: Array
+
+    def take(self, index: Any) -> "_Cuts":
+        return _Cuts(self.piece[index], self.order[index], self.near[index], self.far[index])
+
+    def halved(self, share: Array, round_: int) -> "_Cuts":
+        """Each part as two, cut at a share (Q,) of it."""
+        share = np.repeat(share, 2)
+        twice = self.take(np.repeat(np.arange(self.piece.size), 2))
+        middle = twice.near + share * (twice.far - twice.near)
+        second = np.arange(twice.piece.size) % 2 == 1
+        order = twice.order + np.where(second, 0.5 ** (round_ + 1), 0)
+        return _Cuts(twice.piece, order, np.where(second, middle, twice.near), np.where(second, twice.far, middle))
+
+
 def panelled(
     problem: Reduced,
-    way: Course,
+    arcs: Arcs,
     points: Basis,
     length: float,
     goal: float,
     times_only: bool = False,
     stretch: float = 1.0,
 ) -> Panels:
-    """Panels of about `length` in u, halved until their series end below `goal` (of beta, and of repeated time).
+    """The panels of the arcs of B start problems.
 
-    stretch: how much longer panels begin on pieces long in u, most of which lie next to a saddle, where all is smooth.
-    times_only: the durations are wanted and no shape; the series then hold beta at the far end alone, (P, 1, 1).
+    Parameters
+    ----------
+    problem : Reduced
+        B start problems.
+    arcs : Arcs
+        Their arcs.
+    points : Basis
+        The Chebyshev points of each panel.
+    length : float
+        Length of a panel in u before any is halved.
+    goal : float
+        Panels are halved until their series leave out no more than this of beta, and of the time, as often as it is
+        repeated along the rod.
+    times_only : bool
+        Compute the durations alone; the series then hold beta at the far end, (P, 1, 1).
+    stretch : float
+        How many times longer panels begin on pieces that are long in u, most of which lie next to a saddle.
     """
     assert problem.dbeta0 is not None
-    pieces = way.pieces
-    wide = np.abs(pieces.u1 - pieces.u0)
-    wide = np.where(np.isfinite(wide), wide, 0.0)  # what no float can describe is one panel without a number: refused
-    share = np.maximum(np.ceil(wide / np.where(wide > _LONG, stretch * length, length)), 1).astype(np.int64)
-    piece = np.repeat(np.arange(share.size), share)
-    k = np.arange(piece.size) - np.repeat(np.cumsum(share) - share, share)
-    step = ((pieces.u1 - pieces.u0) / share)[piece]
-    near, far = (
-        pieces.u0[piece] + k * step,
-        np.where(k + 1 == share[piece], pieces.u1[piece], pieces.u0[piece] + (k + 1) * step),
-    )
-    order = k.astype(float)
-    # a late start of the phase is repeated all along the rod
+    pieces = arcs.pieces
+    cuts = _first_cuts(pieces, length, stretch)
+    # an error of the time is repeated all along the rod
     fastest = np.sqrt(
         problem.dbeta0**2 + 4 * (2 * np.abs(problem.lam) + 2 * np.abs(problem.phi) + np.abs(problem.mu) + 1)
     )
     repeats = np.maximum(1, problem.span * fastest)
-    leads = np.diff(pieces.part, prepend=-1) != 0
-    done: list[tuple[Any, Array, Panels]] = []
+    leads = np.diff(pieces.arc, prepend=-1) != 0
+    done: list[tuple[_Cuts, Panels]] = []
     made = np.zeros(problem.size, dtype=np.int64)
     for round_ in range(_ROUNDS + 1):
-        batch = pieces.take(piece)
-        with np.errstate(over="ignore", invalid="ignore"):  # told by the slack
-            panels = _in_blocks(batch, near, far, points, _times if times_only else _series)
-        enough = (panels.slack <= max(goal, 20 * EPS)) & (
-            panels.drift <= np.maximum(goal / repeats[batch.part // 2], 40 * EPS)
-        )
+        batch = pieces.take(cuts.piece)
+        with np.errstate(over="ignore", invalid="ignore"):  # the panel's error tells of it
+            panels = _in_blocks(batch, cuts.near, cuts.far, points, _times if times_only else _series)
+        b = batch.arc // 2
+        enough = (panels.error <= max(goal, 20 * EPS)) & (panels.time_error <= np.maximum(goal / repeats[b], 40 * EPS))
         # a rod that ends long before its first panel needs a shorter one: sums over the long one would swamp its own
-        span = problem.span[batch.part // 2]
-        lingers = (order == 0) & leads[piece] & (panels.duration > _LINGERS * np.maximum(1, span))
-        enough &= ~lingers
-        # panels beside a singularity are few; many that halving does not help are at the end of what rounding allows
-        left = np.bincount(batch.part[~enough], minlength=2 * problem.size)
-        made = made + np.bincount(batch.part // 2, minlength=problem.size)
-        spent = (round_ >= _PATIENCE) & (left[batch.part] > _CROWD) | (round_ == _ROUNDS) | ~np.isfinite(panels.slack)
-        enough |= spent | (made > MOST)[batch.part // 2]
-        done.append((piece[enough], order[enough], panels.take(enough)))
+        too_long = (cuts.order == 0) & leads[cuts.piece]
+        too_long &= panels.duration > _TOO_LONG * np.maximum(1, problem.span[b])
+        enough &= ~too_long
+        # panels beside a singularity are few; many that halving does not help are at the limit of rounding
+        left = np.bincount(batch.arc[~enough], minlength=2 * problem.size)
+        made = made + np.bincount(b, minlength=problem.size)
+        hopeless = (round_ >= _PATIENCE) & (left[batch.arc] > _CROWD) | (round_ == _ROUNDS) | ~np.isfinite(panels.error)
+        enough |= hopeless | (made > MOST)[b]
+        done.append((cuts.take(enough), panels.take(enough)))
         if enough.all():
             break
         with np.errstate(divide="ignore", over="ignore"):
-            cut = np.repeat(np.where(lingers, np.minimum(4 * span / panels.duration, 0.5), 0.5)[~enough], 2)
-        piece, near, far, order = (np.repeat(v[~enough], 2) for v in (piece, near, far, order))
-        middle = near + cut * (far - near)
-        second = np.arange(piece.size) % 2 == 1
-        near, far = np.where(second, middle, near), np.where(second, far, middle)
-        order = order + np.where(second, 0.5 ** (round_ + 1), 0)
+            share = np.where(too_long, np.minimum(4 * problem.span[b] / panels.duration, 0.5), 0.5)
+        cuts = cuts.take(~enough).halved(share[~enough], round_)
     if len(done) == 1:
-        return done[0][2]
-    place = np.lexsort((np.concatenate([d[1] for d in done]), np.concatenate([d[0] for d in done])))
-    return joined([d[2] for d in done]).take(place)
+        return done[0][1]
+    order = np.concatenate([some.order for some, _ in done])
+    return joined([panels for _, panels in done]).take(np.lexsort((order, np.concatenate([c.piece for c, _ in done]))))
+
+
+def _first_cuts(pieces: Pieces, length: float, stretch: float) -> _Cuts:
+    """The pieces in equal parts of about `length` in u."""
+    wide = np.abs(pieces.u1 - pieces.u0)
+    wide = np.where(np.isfinite(wide), wide, 0.0)  # beyond a float: one panel, without a number, which is refused
+    share = np.maximum(np.ceil(wide / np.where(wide > _LONG, stretch * length, length)), 1).astype(np.int64)
+    piece = np.repeat(np.arange(share.size), share)
+    k = np.arange(piece.size) - np.repeat(np.cumsum(share) - share, share)
+    step = ((pieces.u1 - pieces.u0) / share)[piece]
+    near = pieces.u0[piece] + k * step
+    far = np.where(k + 1 == share[piece], pieces.u1[piece], pieces.u0[piece] + (k + 1) * step)
+    return _Cuts(piece, k.astype(float), near, far)
 
 
 def running(values: Array, first: Any, count: Any) -> Array:
@@ -123,7 +159,7 @@ def running(values: Array, first: Any, count: Any) -> Array:
 
 
 def _in_blocks(pieces: Pieces, near: Array, far: Array, points: Basis, made: Callable[..., Panels]) -> Panels:
-    """`made` of few enough panels at a time for what it works on to stay in the cache."""
+    """`made` of few enough panels at a time that their arrays stay in the cache."""
     if near.size <= _BLOCK:
         return made(pieces, near, far, points)
     blocks = [slice(k, k + _BLOCK) for k in range(0, near.size, _BLOCK)]
@@ -144,7 +180,7 @@ def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
     rate = (np.abs(half) * pace) @ points.analyse
     clock = rate @ points.integrate
     duration = clock.sum(axis=1)
-    at, met = _inverted(clock, rate, duration, points)
+    at, converged = _inverted(clock, rate, duration, points)
     u = middle + half * at
     x = pieces.displacement(u)
     _, speed = pieces.pace(u, x)
@@ -160,23 +196,13 @@ def _series(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
     tail = np.abs(cut[:, :, -2:]).max(axis=2)
     late = np.abs(clock[:, -3:]).max(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        slack = np.maximum(tail[:, [0, 2, 3]].max(axis=1), late * fastest)
-        drift = late / duration
-    # where the clock could not be inverted, beta is known to lie within the panel and no better
-    slack = np.where(met, slack, np.abs(x[:, -1] - x[:, 0]))
-    noise = EPS / 2 * pieces.well.weight(np.abs(x).max(axis=1)) * pace.max(axis=1) ** 2
+        error = np.maximum(tail[:, [0, 2, 3]].max(axis=1), late * fastest)
+        time_error = late / duration
+    # where the clock could not be inverted, all that is known of beta is that it lies within the panel
+    error = np.where(converged, error, np.abs(x[:, -1] - x[:, 0]))
+    rounding = EPS / 2 * pieces.local.weight(np.abs(x).max(axis=1)) * pace.max(axis=1) ** 2
     calls = np.full(near.size, 2 * points.nodes.size)
-    return Panels(
-        pieces.part,
-        pieces.rank,
-        duration,
-        series,
-        fastest,
-        slack,
-        drift,
-        noise,
-        calls,
-    )
+    return Panels(pieces.arc, pieces.rank, duration, series, fastest, error, time_error, rounding, calls)
 
 
 def _times(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
@@ -188,15 +214,15 @@ def _times(pieces: Pieces, near: Array, far: Array, points: Basis) -> Panels:
     clock = (np.abs(half) * pace) @ points.analyse @ points.integrate
     duration = clock.sum(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        drift = np.abs(clock[:, -3:]).max(axis=1) / duration
+        time_error = np.abs(clock[:, -3:]).max(axis=1) / duration
     none = np.zeros(near.size)
     beta = (pieces.base + x[:, -1])[:, None, None]
     calls = np.full(near.size, points.nodes.size)
-    return Panels(pieces.part, pieces.rank, duration, beta, none, none, drift, none, calls)
+    return Panels(pieces.arc, pieces.rank, duration, beta, none, none, time_error, none, calls)
 
 
-def _inverted(clock: Array, rate: Array, duration: Array, points: Basis) -> tuple[Array, NDArray[np.bool_]]:
-    """Where in [-1, 1] the clock shows the nodes' shares of the duration, (P, n), and whether Newton's rule met."""
+def _inverted(clock: Array, rate: Array, duration: Array, points: Basis) -> tuple[Array, Booleans]:
+    """Where in [-1, 1] the clock shows the nodes' shares of the duration, (P, n); whether Newton converged."""
     nodes = points.nodes
     wanted = duration[:, None] * ((1 + nodes) / 2)
     both = np.zeros((duration.size, 2, clock.shape[1]))

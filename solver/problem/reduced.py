@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..numerics.arrays import Array
 from .case import Case, Ends
-
-Array = NDArray[Any]  # of floats, unless it is said otherwise
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,8 @@ from scipy.spatial import cKDTree
 
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.methods import METHODS
-from solver.observe import strands
-from solver.observe.observables import observe
+from solver.observe.measurement import Reading
+from solver.observe.observables import observe, overlapping
 from tests.cases import cylinder_of, helix_moment, in_units_of_rho, rod_of_unit_stiffness, start_of, table_1
 
 
@@ -139,8 +139,8 @@ def test_a_rod_is_judged_as_if_it_were_alone(method: str) -> None:
     assert (again[::-1] == together).all()
 
 
-def test_a_rod_that_lies_along_itself_is_given_up_and_its_neighbours_are_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A helix whose turns all but touch has near pairs all along: with fewer pairs allowed, it alone is not told."""
+def test_a_rod_that_lies_along_itself_is_given_up_and_its_neighbours_are_not() -> None:
+    """The turns of a helix almost touch, so all its pairs are near: with fewer allowed it alone is not decided."""
     near = minimize_scalar(
         lambda t: np.hypot(2 * np.sin(np.sin(1.4) * t / 2), np.cos(1.4) * t), bounds=(5, 7), options={"xatol": 1e-10}
     )
@@ -150,12 +150,10 @@ def test_a_rod_that_lies_along_itself_is_given_up_and_its_neighbours_are_not(mon
     case = Case(rod, cylinder_of(1.0, a, "outside"), start_of(rod, 1.0, lam, 0.9, -0.4, 1.4, 0.0))
     sol = solve(case, tol=1e-7, stations=2)
     assert observe(sol, ["overlaps"])["overlaps"].tolist() == [0, 0, 0, 1]
-    monkeypatch.setattr(strands, "PAIRS", 1500)
-    np.testing.assert_array_equal(observe(sol, ["overlaps"])["overlaps"], [0, np.nan, 0, 1])
+    np.testing.assert_array_equal(overlapping(Reading(sol), most_pairs=1500), [0, np.nan, 0, 1])
 
 
-def test_how_many_periods_are_looked_at_together_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_how_many_periods_are_compared_together_does_not_matter() -> None:
     sol = solve(many(200, seed=2), tol=1e-7, stations=2)
-    told = observe(sol, ["overlaps"])["overlaps"]
-    monkeypatch.setattr(strands, "TOGETHER", 1)
-    np.testing.assert_array_equal(observe(sol, ["overlaps"])["overlaps"], told)
+    found = observe(sol, ["overlaps"])["overlaps"]
+    np.testing.assert_array_equal(overlapping(Reading(sol), together=1), found)

@@ -8,11 +8,12 @@ import pytest
 from scipy.integrate import solve_bvp, solve_ivp
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
-from solver.boundary.levels import bounded, chained
+from solver.boundary.level_grid import boundary_of, level_grid_of
+from solver.boundary.paths import Levels, paths
 from solver.boundary.search import search
-from solver.boundary.transit import Levels, paths, transit
-from solver.mechanics.potential import extrema
+from solver.boundary.transit_times import transit_times
 from solver.observe.observables import observe
+from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import Reduced, reduce
 from tests.cases import ends_in_units_of_rho, in_units_of_rho
 
@@ -183,14 +184,14 @@ def test_solve_takes_the_lowest_of_those_that_are_listed() -> None:
                                      (0.0, 0.0, 1.0, 20.0, 0.0, 0.1), (0.0, 0.0, 1.0, 20.0, 1e-4, -0.3)))  # fmt: skip
 def test_times_next_to_a_saddle_go_on_by_the_law_of_the_log_gap(numbers) -> None:
     """Continued by the law from its rung on, and computed 200 further down."""
-    boundary, chain = chained(bounded(reduce(ends_in_units_of_rho(*numbers))))
+    boundary, chain = level_grid_of(boundary_of(reduce(ends_in_units_of_rho(*numbers))))
     first = int(np.argmax(~chain.place & (chain.levels.pin == chain.levels.pin.max())))
     pin, sign = chain.levels.pin[first], chain.levels.sign[first]
     y = boundary.deepest - np.array([1.0, 60.0, 200.0])
     levels = Levels(np.full(3, pin), np.full(3, sign), y)
     counts = paths(boundary, 4).counts(boundary.rising)
-    law = transit(boundary, levels).lengths(counts)
-    direct = transit(replace(boundary, deepest=-570.0), levels).lengths(counts)
+    law = transit_times(boundary, levels).lengths(counts)
+    direct = transit_times(replace(boundary, deepest=-570.0), levels).lengths(counts)
     np.testing.assert_allclose(law, direct, rtol=1e-12)
     assert np.isfinite(law).any()
 
@@ -212,7 +213,7 @@ def test_how_an_equilibrium_answers_to_its_far_angle_is_what_moving_it_shows(L: 
 
     def key(one):
         p = one.path
-        return float(p.pin[0]), float(p.sign[0]), int(p.leaving[0]), int(p.arriving[0]), int(p.swings[0])
+        return float(p.pin[0]), float(p.sign[0]), int(p.leaving[0]), int(p.arriving[0]), int(p.periods[0])
 
     counted = 0
     for one in here:
@@ -243,7 +244,7 @@ def test_a_list_of_at_most_so_many_periods_says_so() -> None:
 def random_on_the_axis(rng: np.random.Generator) -> tuple[float, ...]:
     """Ends exactly on a saddle of a random problem, or a little beside it, of length up to r L of a million."""
     lam, mu, phi = rng.uniform(-2, 2, 3) * rng.choice([0, 1, 1, 10], 3)
-    b = extrema(Reduced(*(np.array([v]) for v in (lam, mu, phi, 1.0, 0.0))))
+    b = critical_points(Reduced(*(np.array([v]) for v in (lam, mu, phi, 1.0, 0.0))))
     saddles = b.beta[0, : b.count[0]][~b.centre[0, : b.count[0]]]
     first = rng.choice(saddles) + rng.choice([0, 0, 1e-3, -1e-6, 1e-9])
     last = rng.choice(saddles) if rng.random() < 0.3 else rng.uniform(-4, 4)

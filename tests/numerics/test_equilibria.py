@@ -8,10 +8,10 @@ import pytest
 from scipy.linalg import solve_banded
 
 from solver import Case, Ends, Start, equilibria, solve
-from solver.boundary.end_angle import follow
-from solver.boundary.levels import many
+from solver.boundary.end_angle_branch import follow
 from solver.boundary.search import search
 from solver.boundary.stability import jacobi_zeros, morse_index
+from solver.boundary.transit_times import repeated
 from solver.equilibria import Equilibrium
 from solver.problem.reduced import reduce
 from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
@@ -131,7 +131,7 @@ def test_zeros_of_the_jacobi_field_are_the_negative_pivots(name: str) -> None:
     problem = reduce(ends_in_units_of_rho(*PROBLEMS[name]))
     all_of_them = search(problem)
     assert all_of_them is not None
-    wide = many(problem, all_of_them.slope.size)
+    wide = repeated(problem, all_of_them.slope.size)
     span = PROBLEMS[name][3]
     beta = all_of_them.orbit.at(np.tile(np.linspace(0, span, 8001), (wide.size, 1)))[0]
     zeros = jacobi_zeros(all_of_them.orbit)

@@ -6,8 +6,8 @@ import pytest
 from solver import Case, equilibria, solve
 from solver.boundary.stability import jacobi_end, jacobi_zeros, morse_index
 from solver.mechanics.potential import slope_rate
-from solver.methods.orbit import solve_orbit
 from solver.observe.observables import observe
+from solver.orbit.periodic_orbit import solve_orbit
 from solver.problem.reduced import Reduced, reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 

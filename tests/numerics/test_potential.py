@@ -1,10 +1,13 @@
 """The algebra of G: every helix and every turning point, against the eigenvalues of companion matrices."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solver.mechanics.potential import extrema, potential, slope, slope_rate
+from solver.mechanics.potential import dimensional_slope, potential, slope, slope_rate
+from solver.methods import METHODS
+from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import Reduced
 
 loads = st.floats(-3, 3).map(lambda x: round(x, 6))
@@ -34,7 +37,7 @@ def helices(lam: float, mu: float, phi: float) -> np.ndarray:
 @settings(max_examples=150)
 @given(lam=loads, mu=loads, phi=loads)
 def test_no_helix_is_missed(lam: float, mu: float, phi: float) -> None:
-    found = extrema(problem(lam, mu, phi))
+    found = critical_points(problem(lam, mu, phi))
     angles = found.beta[0, : found.count[0]]
     expected = helices(lam, mu, phi)
     flat = np.abs(slope_rate(problem(lam, mu, phi), np.append(expected, angles))).min(initial=1.0)
@@ -50,7 +53,7 @@ def test_no_helix_is_missed(lam: float, mu: float, phi: float) -> None:
 @given(lam=loads, mu=loads, phi=loads)
 def test_hills_and_valleys_alternate_and_valleys_are_centres(lam: float, mu: float, phi: float) -> None:
     one = problem(lam, mu, phi)
-    found = extrema(one)
+    found = critical_points(one)
     n = int(found.count[0])
     centre = found.centre[0, :n]
     assert n >= 2
@@ -75,4 +78,44 @@ def test_the_slope_is_half_the_derivative_of_the_potential(lam: float, mu: float
 @given(lam=loads, mu=loads, phi=loads)
 def test_h_minus_g_has_eight_turning_points_at_most(lam: float, mu: float, phi: float) -> None:
     """G is of degree 4 in exp(i beta), so a level is met at most eight times and G has at most eight extrema."""
-    assert extrema(problem(lam, mu, phi)).count[0] <= 8
+    assert critical_points(problem(lam, mu, phi)).count[0] <= 8
+
+
+FORMS = np.array([(0.3, -0.7, 0.9), (1e3, 1e3, -2e3), (-0.4, -0.4, 0.0), (0.0, 0.0, 0.0)])  # lam, mu, phi
+ANGLES = np.array([-3.1, -1.2, -1e-3, 0.0, 1e-6, 0.7, np.pi / 2, 2.9, np.pi])
+
+
+def reference(lam: float, mu: float, phi: float) -> np.ndarray:
+    one = np.ones(ANGLES.size)
+    return slope(Reduced(lam * one, mu * one, phi * one, one, ANGLES), ANGLES)
+
+
+@pytest.mark.parametrize("numbers", FORMS)
+def test_the_form_in_units_of_the_case_is_the_dimensionless_one(numbers: np.ndarray) -> None:
+    (lam, mu, phi), rho = numbers, 0.37
+    H = dimensional_slope(lam / rho, mu / rho, phi / rho**2, rho, ANGLES) * rho**2
+    np.testing.assert_allclose(H, reference(*numbers), rtol=0, atol=1e-14 * (1 + np.abs(numbers).sum()))
+
+
+@pytest.mark.parametrize("numbers", FORMS)
+@pytest.mark.parametrize("method", [m for m in ("verlet", "dop853", "lsoda", "heyoka", "swing") if m in METHODS])
+def test_every_form_of_the_equation_accelerates_a_rod_alike(method: str, numbers: np.ndarray) -> None:
+    """beta(t) = beta(0) - H t^2/2 + O(t^4) from beta_t = 0: the methods that write H in a form of their own."""
+    one, t = np.ones(ANGLES.size), 1e-3 / (1 + np.sqrt(np.abs(numbers).sum()))
+    problem = Reduced(*(x * one for x in numbers), t * one, ANGLES, 0 * one)
+    options = {"steps": 64} if method == "verlet" else {}
+    speed = METHODS[method].run(problem, np.array([[0.0, t]]) * one[:, None], 1e-12, **options).dbeta[:, 1]
+    size = 1 + np.abs(numbers).sum()
+    np.testing.assert_allclose(-speed / t, reference(*numbers), rtol=0, atol=3e-6 * size)  # O(t^2)
+
+
+def test_the_difference_equation_takes_the_same_H() -> None:
+    """On three nodes the one inner value solves beta0 - 2 beta + beta2 + h^2 H(beta) = 0, eq. (41)."""
+    for lam, mu, phi in FORMS[[0, 2]]:
+        one = np.ones(1)
+        problem = Reduced(lam * one, mu * one, phi * one, 0.2 * one, 0.4 * one, betaL=0.5 * one)
+        sol = METHODS["difference"].run(problem, np.array([[0.0, 0.1, 0.2]]), 1e-9, nodes=5, extrapolate=False)
+        beta = sol.beta[0]
+        second = (beta[0] - 2 * beta[1] + beta[2]) / 0.1**2
+        H = float(slope(Reduced(lam * one, mu * one, phi * one, one, beta[1:2]), beta[1:2])[0])
+        assert abs(second + H) < 1e-3 * (1 + abs(H))  # nodes 0.05 apart

@@ -1,9 +1,12 @@
 """`swing`, the compiled march over half a period, against `orbit`, which knows no march."""
 
+import os
+
 import numpy as np
 import pytest
 
 from solver import InputError, solve
+from solver.core import loader
 from solver.methods import METHODS
 from solver.observe.observables import OBSERVABLES, observe
 from solver.orbit.pieces import ROTATION
@@ -69,7 +72,7 @@ def test_its_condition_number_by_transfer_matrices_is_that_of_the_shear() -> Non
 
 
 @compiled
-def test_both_find_the_same_legs_and_turns() -> None:
+def test_both_find_the_same_arcs_and_turning_points() -> None:
     fast, exact = both(random(1500, 7, 1, (0, 3)), 1e-12)
     own = ~fast.orbit.lost
     assert (fast.orbit.kind == exact.orbit.kind).all()
@@ -97,7 +100,7 @@ def test_what_a_march_would_lose_goes_to_the_quadrature() -> None:
     rows = np.array([NEAR_SADDLE, (0.1, 0.2, -0.5, 30.0, 0.4, 0.3), (0.0, 0.0, -1.0, 5.0, 0.0, 0.0)])
     problem = Reduced(*rows.T)
     fast, exact = both(problem, 1e-9)
-    assert list(fast.orbit.lost) == [True, False, True]  # next to a saddle, a swing, a helix
+    assert list(fast.orbit.lost) == [True, False, True]  # next to a saddle, a libration, a helix
     assert solved(fast).all()
     slow = METHODS["orbit"].run(problem, problem.span[:, None] * np.linspace(0, 1, 61), 1e-9)
     assert (fast.beta[[0, 2]] == slow.beta[[0, 2]]).all()
@@ -141,11 +144,20 @@ def test_observables_are_those_of_the_quadrature(name: str) -> None:
 @compiled
 def test_where_no_folder_can_be_written_it_compiles_without_a_cache(monkeypatch) -> None:
     caching = pytest.importorskip("numba.core.caching")
-    from solver.core import kernels
-
     monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
-    twice = kernels.compiled(lambda x: 2 * x)
+    twice = loader.compiled(lambda x: 2 * x)
     assert twice(21.0) == 42.0
+
+
+def test_kernels_cached_before_a_source_was_edited_are_compiled_again(tmp_path) -> None:
+    cache, sources = tmp_path / "cache", tmp_path / "sources"
+    for folder in (cache, sources):
+        folder.mkdir()
+    for place, age in ((cache / "old.nbi", 3), (sources / "march.py", 2), (cache / "new.nbi", 1)):
+        place.touch()
+        os.utime(place, (1e9 - age, 1e9 - age))
+    loader.drop_stale_cache(cache, sources)
+    assert [file.name for file in cache.iterdir()] == ["new.nbi"]
 
 
 def test_where_it_is_not_installed_it_is_refused_with_how_to_get_it(monkeypatch) -> None:
@@ -156,8 +168,8 @@ def test_where_it_is_not_installed_it_is_refused_with_how_to_get_it(monkeypatch)
 
 @compiled
 def test_its_linearised_growth_is_that_of_the_arrays() -> None:
-    from solver.core.kernels import beside_helix as of_one
-    from solver.orbit.conditioning import beside_helix, slope_weight
+    from solver.core.orbit_condition import beside_helix as of_one
+    from solver.orbit.linearised_growth import beside_helix, slope_weight
 
     some = 0
     for kind in (*KINDS, *NEAR):

@@ -214,8 +214,8 @@ def faults(words: list[str], out: Path) -> list[str]:
     from workbench.commands import console
 
     told, said = io.StringIO(), io.StringIO()
-    before = console.out.file, console.err.file
-    console.out.file, console.err.file = told, said
+    before = console.out().file, console.err().file
+    console.out().file, console.err().file = told, said
     status: Any = "no end"
     try:
         with contextlib.redirect_stdout(told), contextlib.redirect_stderr(said), warnings.catch_warnings():
@@ -226,7 +226,7 @@ def faults(words: list[str], out: Path) -> list[str]:
     except BaseException as error:
         return [f"ended in {error!r:.300}"]
     finally:
-        console.out.file, console.err.file = before
+        console.out().file, console.err().file = before
     found, sentence = [], said.getvalue()
     obeyed = {one for one in told.getvalue() + sentence if not one.isprintable() and one not in "\n\t"}
     if obeyed:

@@ -24,7 +24,7 @@ def served(presets: Sequence[Any] | None = None) -> Iterator[int]:
     listener = explore.bound("127.0.0.1", 0)
     port = listener.getsockname()[1]
     loop = asyncio.new_event_loop()
-    app = server.application(explore.called("127.0.0.1", port, []), presets or PRESETS)
+    app = server.application(explore.host_names("127.0.0.1", port, []), presets or PRESETS)
     runner = web.AppRunner(app, access_log=None)
     loop.run_until_complete(runner.setup())
     loop.run_until_complete(web.SockSite(runner, listener).start())

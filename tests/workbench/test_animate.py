@@ -139,7 +139,7 @@ def test_what_is_missing_is_said_before_anything_is_drawn(ds, tmp_path, monkeypa
         made("film.mp4")
     said = []
     monkeypatch.setattr(opengl, "probe", lambda: (False, "no OpenGL here"))
-    monkeypatch.setattr(console.err, "print", lambda text, **_: said.append(text))
+    monkeypatch.setattr(console.err(), "print", lambda text, **_: said.append(text))
     assert made("film.gif") == 1
     assert said == ["workbench: no OpenGL here"]
     assert [path.name for path in tmp_path.iterdir()] == ["one.h5"]

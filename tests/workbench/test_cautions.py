@@ -60,7 +60,7 @@ def test_the_sentence_counts_the_cases_and_is_empty_where_there_is_nothing_to_sa
 def test_of_one_rod_it_speaks_in_the_singular() -> None:
     ds = in_memory.run(loads(small.HEAD))
     assert ds.attrs["caution"].startswith("The rod ")
-    assert "no real rod" in ds.attrs["caution"]
+    assert "not physically realisable" in ds.attrs["caution"]
 
 
 def test_an_unsolved_case_gives_no_caution() -> None:
@@ -135,6 +135,6 @@ def test_a_march_at_few_stations_says_what_was_not_checked_and_at_many_what_the_
 def test_the_sentence_tells_what_was_not_checked_from_what_was_found() -> None:
     texts = {"pulled, not checked: self-contact": 2, "": 3, "not checked: self-contact": 1}
     assert cautions.told(texts) == (
-        "Of 6 rods 2 would lift off where the cylinder has to pull: no real rod that only rests on the cylinder takes "
-        "such shapes. Not checked were 3 of 6 for self-contact."
+        "Of 6 rods 2 would lift off where the cylinder has to pull: such shapes are not physically realisable. "
+        "Not checked: 3 of 6 for self-contact."
     )

@@ -19,6 +19,7 @@ import xarray as xr
 
 from solver import InputError
 from studies import names
+from tests.test_layers import HEAVY
 from tests.workbench import small
 from workbench import cli
 from workbench.commands import at_option, scene
@@ -65,6 +66,18 @@ def test_help_lists_the_commands_and_each_has_help_of_its_own() -> None:
     for command in ("reproduce", "list", "run", "check", "plot", "scene", "solve", "doctor"):
         assert f"\n  {command} " in shown.stdout
     assert workbench().stdout == shown.stdout
+
+
+def test_the_help_of_no_command_loads_a_heavy_library() -> None:
+    code = (
+        "import sys\nfrom workbench import cli\n"
+        "for name in cli.COMMANDS:\n"
+        "    try:\n        cli.main([name, '--help'])\n    except SystemExit:\n        pass\n"
+        f"print(*({HEAVY | {'rich', 'solver', 'studies'}} & sys.modules.keys()), file=sys.stderr)"
+    )
+    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert run.stdout.count("Usage: workbench ") == len(cli.COMMANDS)
+    assert run.stderr.split() == []
 
 
 def test_list_names_every_study_also_for_programs(here) -> None:
@@ -125,13 +138,13 @@ def test_solve_of_nothing_is_the_rod_of_table_1_and_says_so(here) -> None:
     assert told["source"] == "Table 1, read force-first/tension/paper"
     assert (told["case"]["E"], told["case"]["F1"], told["case"]["stiffness"]) == (1.07e4, 5.0, "paper")
     assert len(told["along"]["beta"]) == 201
-    assert "the rod of Table 1, read force-first/tension/paper" in here("solve")
+    assert "rod: Table 1, read force-first/tension/paper" in here("solve")
 
 
 def test_solve_changes_table_1_only_where_that_is_asked_for(here) -> None:
     told = here("solve", "--table1", "--F3", "-10", "--json")
     assert told["case"]["F3"] == -10.0
-    assert told["source"] == "Table 1, read force-first/tension/paper, but for F3"
+    assert told["source"] == "Table 1, read force-first/tension/paper, except F3"
     assert told["observables"]["turns"] == 11  # the paper's stiffness, compression
     assert re.search(r"^turns +11 ", here("solve", "--reading", "compression"), re.M)
     for change in ("--dgamma=0.5", "--M3=0"):
@@ -170,7 +183,7 @@ def test_solve_tells_how_many_equilibria_there_are_and_takes_the_one_that_is_ask
     assert refused.returncode == 2
     assert "--choose must be nearest, lowest or a Morse index (0, 1, 2, ...), got 'near'" in refused.stderr
     refused = workbench("solve", "--table1", "--choose", "lowest")
-    assert "a rod given by its start has one" in refused.stderr
+    assert "a start problem has one solution" in refused.stderr
 
 
 def test_solve_reads_a_case_from_a_file_and_options_change_it(tmp_path) -> None:
@@ -192,18 +205,27 @@ def test_a_case_that_is_not_solved_gives_status_1() -> None:
 REFUSED = {
     "half a rod": (
         ["solve", "--E", "1e4", "--L", "20", "--beta", "0.5"],
-        "a rod given by its start also needs nu, a, R, dbeta and one of F1, dgamma, M3; --table1 takes",
+        "a start problem also needs nu, a, R, dbeta and one of F1, dgamma, M3; --table1 takes",
     ),
     "half a rod by its ends": (
         ["solve", "--E", "1e4", "--nu", "0.3", "--a", "1", "--R", "2", "--beta0", "0"],
-        "a rod given by its ends also needs L and betaL; --table1 takes the rod of Table 1",
+        "an ends problem also needs L and betaL; --table1 takes the rod of Table 1",
     ),
     "one load without a rod": (["solve", "--F3", "3"], "also needs E, nu, a, L, R, beta, dbeta and one of"),
-    "a start and an end": (["solve", "--beta", "1", "--betaL", "1"], "beta is of a start, betaL is of the ends"),
-    "ends of Table 1": (["solve", "--table1", "--betaL", "1"], "given by its start, which have no betaL; choose from"),
-    "units of Table 1": (["solve", "--table1", "--length-unit", "m"], "Table 1 is in cm and N: leave out the units"),
-    "units of a file": (["solve", "one.toml", "--force-unit", "kN"], "the units are those of one.toml"),
-    "a file and Table 1": (["solve", "one.toml", "--table1"], "--table1 and one.toml exclude each other"),
+    "a start and an end": (
+        ["solve", "--beta", "1", "--betaL", "1"],
+        "not both: beta is a field of the start, betaL of the ends",
+    ),
+    "ends of Table 1": (
+        ["solve", "--table1", "--betaL", "1"],
+        "this case is a start problem, which has no betaL; choose from",
+    ),
+    "units of Table 1": (["solve", "--table1", "--length-unit", "m"], "Table 1 is in cm and N: omit the units"),
+    "units of a file": (
+        ["solve", "one.toml", "--force-unit", "kN"],
+        "one.toml states its own units: change them in the file",
+    ),
+    "a file and Table 1": (["solve", "one.toml", "--table1"], "one.toml and --table1 exclude each other"),
     "an unknown unit": (
         ["solve", *map(str, OWN), "--beta=0", "--dbeta=0", "--M3=0", "--length-unit", "parsec"],
         "no unit of length 'parsec'; choose from nm, um",
@@ -233,8 +255,11 @@ REFUSED = {
     "an unknown command": (["frobnicate"], "No such command 'frobnicate'; choose from reproduce, list"),
     "an unknown study": (["run", "fig7_1"], "did you mean 'fig7_1_modulus'; choose from fig6"),
     "an unknown reading": (["run", "fig6", "--reading", "torsion"], "no reading 'torsion'; choose one word"),
-    "a missing file": (["check", "absent.h5"], "there is no file absent.h5"),
-    "a study for a dataset": (["check", "small.toml"], "small.toml is a study, not a dataset: workbench run makes"),
+    "a missing file": (["check", "absent.h5"], "file not found: absent.h5"),
+    "a study for a dataset": (
+        ["check", "small.toml"],
+        "small.toml is a study, not a dataset; make the dataset with: wo",
+    ),
     "half a file": (["check", "half.h5"], "half.h5 cannot be read as HDF5"),
     "half a file to draw": (["scene", "half.h5"], "half.h5 cannot be read as HDF5"),
     "an axis that is not there": (["scene", "small.h5", "--at", "Q=1"], "no axis 'Q'; choose from E, R"),
@@ -250,7 +275,7 @@ REFUSED = {
     "a picture that is there": (["plot", "small.h5", "--out", "there.png"], "there.png exists; give --force to"),
     "a scene that is there": (["scene", "small.h5", "--out", "there.png"], "there.png exists; give --force to"),
     "a picture of equilibria that is there": (["equilibria", "--plot", "there.png"], "there.png exists; give --force"),
-    "a picture in no folder": (["plot", "small.h5", "--out", "no/x.png"], "there is no folder no"),
+    "a picture in no folder": (["plot", "small.h5", "--out", "no/x.png"], "folder not found: no"),
     "a value that is none": (["scene", "small.h5", "--at", "E=x"], "E must be a finite number, got 'x'"),
     "a picture of no kind": (
         ["plot", "small.h5", "--out", "x.doc"],
@@ -258,11 +283,11 @@ REFUSED = {
     ),
     "a place that cannot be written": (
         ["run", "fig6", "--out", "small.toml/x.h5"],
-        "cannot write small.toml/x.h5: there is no folder small.toml",
+        "cannot write small.toml/x.h5: folder not found: small.toml",
     ),
     "a folder that is not there": (
         ["run", "fig6", "--out", "not/here.h5"],
-        "cannot write not/here.h5: there is no folder not",
+        "cannot write not/here.h5: folder not found: not",
     ),
     "an empty method": (["run", "fig6", "--out", "x.h5", "--method", ""], "no method ''; choose from auto, orbit"),
     "an empty method for one case": (["solve", "--method", ""], "no method ''; choose from auto, orbit"),
@@ -271,7 +296,7 @@ REFUSED = {
         ["run", "fig6", "--out", "small.h5"],
         "holds the study 'small', not 'fig6'; give --force",
     ),
-    "a file of another kind": (["run", "fig6", "--out", "small.toml"], "small.toml exists and is no dataset"),
+    "a file of another kind": (["run", "fig6", "--out", "small.toml"], "small.toml exists and is not a study"),
     "a grid without end": (
         ["run", "huge.toml"],
         "the grid has 1000000000000 cases, more than the limit of 1000000000",
@@ -279,7 +304,7 @@ REFUSED = {
     "a misspelt key": (["run", "typo.toml"], "typo.toml, line 2: no key 'readin', did you mean 'reading'"),
     "several cases at once": (
         ["solve", "small.toml"],
-        "small.toml has the axes E, R: workbench run solves it",
+        "small.toml has the axes E, R: use workbench run to solve it",
     ),
     "a folder that is a file": (
         ["reproduce", "--out", "small.toml"],

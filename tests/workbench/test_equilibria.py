@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Ends, InputError, equilibria, solve
-from solver.boundary.end_angle import follow
+from solver.boundary.end_angle_branch import follow
 from solver.equilibria import nearest
 from solver.observe.observables import observe
 from studies import load
@@ -15,12 +15,15 @@ from studies.loader import loads
 from tests.cases import ends_in_units_of_rho
 from workbench import cli
 from workbench.branches import branch_dataset
-from workbench.commands import list_equilibria as command
+from workbench.branches.equilibria import ends_problem, write_cases
+from workbench.branches.equilibria_dataset import dataset_of
+from workbench.commands.equilibria import DEFAULT, parse_axis
 from workbench.data import writing
 from workbench.figures import bifurcation, canvas
 from workbench.figures import equilibria as equilibria_figure
 from workbench.run import in_memory
 from workbench.run.block import solve_one
+from workbench.run.case_input import field_values
 
 MANY = -0.3655, 0.7464, -0.7506
 
@@ -33,19 +36,19 @@ def run(capsys, *words: object) -> tuple[int, str]:
 
 
 def default() -> Case:
-    return command.ends_of(load(command.DEFAULT))
+    return ends_problem(load(DEFAULT))
 
 
 @pytest.fixture(scope="module")
 def swept():
     """All equilibria of the default case while its far end turns by forty degrees, in steps of five."""
-    study = load(command.DEFAULT)
+    study = load(DEFAULT)
     values = np.deg2rad(np.arange(0, 46, 5.0))
     return branch_dataset.sweep(study, default(), "betaL", values, lambda text: None)
 
 
 def test_the_default_is_table_1_held_at_its_own_far_end() -> None:
-    start = load(command.DEFAULT).case()
+    start = load(DEFAULT).case()
     case = default()
     assert case.given.betaL == pytest.approx(solve(start, tol=1e-12).beta[-1], abs=1e-12)
     assert tuple(case.loads) == tuple(start.loads)
@@ -65,7 +68,7 @@ def test_it_lists_every_equilibrium_lowest_energy_first(capsys) -> None:
 
 
 def test_a_list_that_is_a_part_only_says_so_and_ends_with_status_1(capsys, monkeypatch) -> None:
-    monkeypatch.setattr(command, "every_equilibrium", partial(equilibria, most_swings=1))
+    monkeypatch.setattr("solver.equilibria", partial(equilibria, most_swings=1))
     status, text = run(capsys)
     assert status == 1
     assert "only equilibria of at most 1 whole periods of beta" in " ".join(text.split())
@@ -118,7 +121,7 @@ def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(
     status, table = run(capsys, *words, "--out", tmp_path / "mm.h5", "--export", tmp_path / "cases")
     assert status == 0
     assert "dbeta0 (rad/mm)" in table
-    assert "of the options, in mm and N" in table
+    assert "rod: the options, in mm and N" in table
     assert writing.read(tmp_path / "mm.h5", study=False).attrs["length_unit"] == "mm"
     first = sorted((tmp_path / "cases").glob("*.toml"))[0]
     assert load(str(first)).unit_system == {"length": "mm", "force": "N"}
@@ -126,23 +129,23 @@ def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(
 
 def test_units_go_with_a_whole_rod_of_ones_own(capsys) -> None:
     status, said = run(capsys, "--length-unit", "mm", "--a", "2.5", "--R", "7.5")
-    assert (status, said) == (2, "workbench: a rod given by its ends also needs E, nu, L, beta0 and betaL\n")
+    assert (status, said) == (2, "workbench: an ends problem also needs E, nu, L, beta0 and betaL\n")
     whole = ("--E", 107, "--nu", 0.25, "--a", 2.5, "--R", 7.5, "--L", 200, "--beta0", "30deg", "--betaL", "45deg")
     status, said = run(capsys, "--force-unit", "stone", *whole)
     assert status == 2
     assert "'stone' is no unit of force; choose from pN, nN, uN" in said
     status, said = run(capsys, "fig6", "--length-unit", "mm")
-    assert (status, said) == (2, "workbench: the units are those of fig6: change them there\n")
+    assert (status, said) == (2, "workbench: fig6 states its own units: change them in the file\n")
 
 
 def test_each_exported_case_solves_to_the_equilibrium_it_was_written_from(capsys, tmp_path) -> None:
     """Mirror images of one energy and shapes of one start slope among them: 40 rho long, most hug a saddle."""
     case = ends_in_units_of_rho(*MANY, 40.0, np.pi / 6, np.pi / 6)
-    study = load(command.DEFAULT)
+    study = load(DEFAULT)
     found = equilibria(case)
     slopes = [one.dbeta0 for one in found]
     assert len(set(slopes)) < len(slopes)
-    command.write_cases(study, case, found, tmp_path)
+    write_cases(study, case, found, tmp_path)
     files = sorted(tmp_path.glob("*.toml"))
     assert len(files) == len(found) == 63
     for k in (1, 2, 40):
@@ -163,9 +166,9 @@ def test_export_writes_one_file_each(capsys, tmp_path) -> None:
 
 
 def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
-    study, case = load(command.DEFAULT), default()
+    study, case = load(DEFAULT), default()
     found = equilibria(case)
-    path = writing.write(equilibria_figure.dataset_of(study, case, found), tmp_path / "all.h5")
+    path = writing.write(dataset_of(study, case, found), tmp_path / "all.h5")
     ds = writing.read(path, study=False)
     assert ds["beta"].dims == ("equilibrium", "u")
     np.testing.assert_array_equal(ds["index"], [one.index for one in found])
@@ -177,13 +180,11 @@ def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
     assert ["overlaps" in text for text in ds["caution"].values] == meets
 
 
-def test_pictures_are_drawn_from_the_datasets_alone(swept, tmp_path, monkeypatch) -> None:
-    study, case = load(command.DEFAULT), default()
-    ds = equilibria_figure.dataset_of(study, case, equilibria(case))
-    for module in (equilibria_figure, branch_dataset, bifurcation, command):
-        for name in ("equilibria", "every_equilibrium", "solve"):
-            if hasattr(module, name):
-                monkeypatch.setattr(module, name, None)
+def test_pictures_are_drawn_from_the_datasets_alone(swept, tmp_path) -> None:
+    study, case = load(DEFAULT), default()
+    ds = dataset_of(study, case, equilibria(case))
+    for module in (equilibria_figure, bifurcation):
+        assert not {"equilibria", "solve"} & set(vars(module))
     one = equilibria_figure.figure(ds)
     canvas.save(one, tmp_path / "gallery.png")
     two = bifurcation.figure(swept)
@@ -208,7 +209,7 @@ def test_branches_join_what_changes_little_and_keep_their_index(swept) -> None:
 def test_a_coarse_axis_has_the_branches_and_the_folds_of_a_fine_one(swept) -> None:
     """Two members are of one branch on both or on neither, though their shapes differ by up to a radian."""
     values = swept["betaL"].values[::3]
-    coarse = branch_dataset.sweep(load(command.DEFAULT), default(), "betaL", values, lambda text: None)
+    coarse = branch_dataset.sweep(load(DEFAULT), default(), "betaL", values, lambda text: None)
     fine = swept.isel(betaL=slice(None, None, 3))
     there = coarse["branch"].values >= 0
     np.testing.assert_array_equal(coarse["dbeta0"].values[there], fine["dbeta0"].values[:, : there.shape[1]][there])
@@ -219,7 +220,7 @@ def test_a_coarse_axis_has_the_branches_and_the_folds_of_a_fine_one(swept) -> No
 
 
 def test_a_fold_is_where_the_branch_of_table_1_is_known_to_end(swept) -> None:
-    known = follow(load(command.DEFAULT).case(), np.deg2rad(60))
+    known = follow(load(DEFAULT).case(), np.deg2rad(60))
     off = np.abs(swept["fold"].values - known.fold)
     # drawn on to zero from values that come nearer by a factor of five each time; measured 1e-9
     assert off.min() < 1e-6
@@ -233,7 +234,7 @@ def test_a_fold_is_where_the_branch_of_table_1_is_known_to_end(swept) -> None:
 def test_the_papers_claim_is_not_contradicted_on_its_own_branch_and_fails_on_others(swept) -> None:
     """Panel (4): turns do not fall (nor rise, as the sentence says) and kappa_mean rises with beta(L)."""
     rows = [row for row in branch_dataset.branches(swept) if row["values"] > 2]
-    known = follow(load(command.DEFAULT).case(), np.deg2rad(60))
+    known = follow(load(DEFAULT).case(), np.deg2rad(60))
     at = np.interp(0.0, known.betaL, known.dbeta0)
     own = int(swept["branch"].values[0, np.nanargmin(np.abs(swept["dbeta0"].values[0] - at))])
     assert rows[own]["turns not-falling"] == "qualified: not contradicted"
@@ -256,7 +257,7 @@ def test_over_a_load_too_and_for_programs(capsys, tmp_path) -> None:
 
 def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
     for text in ("betaL=60deg:-30deg:4", "betaL=-pi/6:pi/3:4"):
-        name, values = command.parse_axis(text)
+        name, values = parse_axis(text)
         assert name == "betaL"
         np.testing.assert_allclose(values, np.deg2rad([-30, 0, 30, 60]), atol=1e-15)  # rounding
 
@@ -304,14 +305,17 @@ def test_the_nearest_is_told_by_slope_and_energy_together() -> None:
 
 def test_ends_given_as_ends_are_taken_as_they_are(tmp_path) -> None:
     case = ends_in_units_of_rho(*MANY, 5.0, 0.3, 0.9)
-    command.write_cases(load(command.DEFAULT), case, equilibria(case), tmp_path)
-    again = command.ends_of(load(next(iter(sorted(tmp_path.glob("*.toml"))))))
+    write_cases(load(DEFAULT), case, equilibria(case), tmp_path)
+    again = ends_problem(load(next(iter(sorted(tmp_path.glob("*.toml"))))))
     assert isinstance(again.given, Ends)
-    assert command.told(again) == command.told(case)
+    assert field_values(again) == field_values(case)
 
 
 def test_whose_equilibria_they_are_is_said(capsys) -> None:
-    for options, said in ((["--L", "5"], "the rod of Table 1, held at its own far end, but for L"), ([], "far end\n")):
+    for options, said in (
+        (["--L", "5"], "Table 1, held at the angle at which its own rod ends, except L"),
+        ([], "own rod ends\n"),
+    ):
         with pytest.raises(SystemExit, match="0"):
             cli.main(["equilibria", *options])
         assert said in capsys.readouterr().out

@@ -13,7 +13,8 @@ from solver.problem.errors import InputError
 from studies import load
 from tests.workbench.live import asked, served, unpacked
 from workbench import cli
-from workbench.commands import explore, solve
+from workbench.commands import explore
+from workbench.run.case_input import read_case
 from workbench.web.live import own_case, page_model, page_shape
 from workbench.web.live.presets import PRESETS, Preset
 
@@ -91,7 +92,7 @@ def test_every_slider_of_a_file_has_a_value(tmp_path, text) -> None:
 def test_options_change_the_file_as_they_do_for_solve(tmp_path) -> None:
     for text in (PIPE, READ):
         own = begun(tmp_path, text, L=12.0)
-        solved = solve.read_case(tmp_path / "mine.toml", {"L": 12.0}, False, None, {})
+        solved = read_case(tmp_path / "mine.toml", {"L": 12.0}, {})
         assert asdict(page_model.study_of(own.state).case()) == asdict(solved.case)
 
 
@@ -148,11 +149,11 @@ def test_the_server_offers_the_own_rod_first_and_draws_it(tmp_path) -> None:
     [
         (["nothing.toml"], "cannot read the study nothing.toml"),
         (["fig7_1_modulus"], "a case is read from a .toml file"),
-        (["GRID"], "has the axes E: workbench run solves it"),
-        (["PIPE", "--length-unit", "mm"], "the units are those of PIPE.toml: change them there"),
+        (["GRID"], "has the axes E: use workbench run to solve it"),
+        (["PIPE", "--length-unit", "mm"], "PIPE.toml states its own units: change them in the file"),
         (["--length-unit", "mm"], "also needs E, nu, a, L, R"),
         (["--length-unit", "furlong"], "also needs E, nu, a, L, R"),
-        (["PIPE", "--beta", "0.1"], "this rod is given by its ends, which have no beta"),
+        (["PIPE", "--beta", "0.1"], "this case is an ends problem, which has no beta"),
     ],
 )
 def test_what_is_no_rod_is_refused_before_anything_is_served(words, sentence, tmp_path, monkeypatch, capsys) -> None:

@@ -249,15 +249,15 @@ def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, mon
 @pytest.mark.parametrize(
     "path, where", [("/equilibria", "list_equilibria"), ("/shape", "curves"), ("/numbers", "numbers")]
 )
-def test_a_fault_of_the_solver_is_a_sentence_and_no_traceback(port, monkeypatch, capsys, path, where) -> None:
+def test_a_fault_of_the_solver_is_a_sentence_and_no_traceback(port, monkeypatch, caplog, path, where) -> None:
     monkeypatch.setattr(page_model, where, live_process.broken)
     answer = asked(port, "POST", path, {"state": TABLE_1 if path != "/equilibria" else CABLE})
     assert answer.status == 500
     assert json.loads(answer.data) == {"sentence": server.FAULT, "field": ""}
     assert asked(port, "GET", "/presets").status == 200
-    said = capsys.readouterr().err
-    assert "Traceback" not in said
-    assert "\x1b[2J" not in said
+    assert f"{path} failed: " in caplog.text
+    assert "Traceback" not in caplog.text
+    assert "\x1b[2J" not in caplog.text
 
 
 def test_a_search_that_takes_too_much_memory_is_refused(port, monkeypatch) -> None:
@@ -309,11 +309,11 @@ def test_it_listens_to_this_machine_alone_unless_told() -> None:
     listener = explore.bound("127.0.0.1", 0)
     assert listener.getsockname()[0] == "127.0.0.1"
     port = listener.getsockname()[1]
-    with pytest.raises(InputError, match=f"cannot listen at 127.0.0.1:{port}: Address already in use"):
+    with pytest.raises(InputError, match=f"cannot listen on 127.0.0.1:{port}: Address already in use"):
         explore.bound("127.0.0.1", port)
     listener.close()
-    assert explore.called("127.0.0.1", 80, []) >= {"127.0.0.1", "127.0.0.1:80", "localhost"}
-    assert explore.called("lab", 81, ["x.example", "y.example:9"]) == {"lab:81", "x.example:81", "y.example:9"}
+    assert explore.host_names("127.0.0.1", 80, []) >= {"127.0.0.1", "127.0.0.1:80", "localhost"}
+    assert explore.host_names("lab", 81, ["x.example", "y.example:9"]) == {"lab:81", "x.example:81", "y.example:9"}
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent otherwise there")
@@ -333,8 +333,8 @@ def test_the_command_says_where_the_page_is_and_ends_quietly_when_interrupted() 
 @pytest.mark.parametrize(
     "args, sentence",
     [
-        (["--host", "0.0.0.0"], "say with --name by which name"),
-        (["--host", "no.such.host.invalid"], "cannot listen at no.such.host.invalid"),
+        (["--host", "0.0.0.0"], "give the name of this machine with --name"),
+        (["--host", "no.such.host.invalid"], "cannot listen on no.such.host.invalid"),
         (["--port", "70000"], "less than or equal to 65535"),
     ],
 )

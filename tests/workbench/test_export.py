@@ -436,7 +436,7 @@ REFUSED = {
     "a tolerance out of reach": (["moduli.h5", "-o", "x.stl", "--tolerance", "1e-8"], "201 stations fix the rod"),
     "triangles without end": (["moduli.h5", "-o", "x.stl", "--tolerance", "1e-6"], "give a larger --tolerance"),
     "a curve where there is a mesh": (["moduli.h5", "-o", "x.stl", "--centreline"], "--centreline is for .step"),
-    "a folder that is a file": (["moduli.h5", "-o", "there.csv/x.csv"], "there is no folder there.csv"),
+    "a folder that is a file": (["moduli.h5", "-o", "there.csv/x.csv"], "folder not found: there.csv"),
 }
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from solver.methods import METHODS
 from workbench.compare.extreme_cases import extremes, references
-from workbench.compare.extremes import INACCURATE, REFUSED, VERDICTS, at_one, labelled
+from workbench.compare.extremes import INACCURATE, REFUSED, VERDICTS, attempts_at, dataset_of
 from workbench.data import writing
 from workbench.figures import canvas, robustness
 
@@ -33,8 +33,7 @@ def test_orbit_is_right_to_its_promise_at_every_extreme_that_a_march_of_25_digit
 
 def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
     named = [one for one in extremes() if one.name in ("L/ρ = 1e-6", "R = 1e9 a")]
-    met = {(one.name, name): row for one in named for name, row in at_one(one, references()[one.name]).items()}
-    ds = labelled(named, references(), met)
+    ds = dataset_of({one.name: attempts_at(one, references()[one.name]) for one in named})
     writing.write(ds, tmp_path / "extremes.h5")
     again = writing.read(tmp_path / "extremes.h5", study=False)
     assert list(again["method"].values) == list(METHODS)

@@ -249,7 +249,7 @@ def test_ctrl_c_says_how_to_go_on_and_leaves_no_process(workers, whole, tmp_path
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to all
         _, err = process.communicate(timeout=600)
     assert process.returncode == 130, err
-    way = r"(\d+) of 150 cases are kept in many\.h5\.parts; the same command goes on from there"
+    way = r"(\d+) of 150 cases are kept in many\.h5\.parts; run the same command again to continue"
     said = re.fullmatch(rf"workbench: interrupted; {way}\n", err)
     assert said, err
     assert not alive(worker)
@@ -274,7 +274,7 @@ def test_a_disk_that_fills_is_told_and_what_is_finished_is_kept(size, kept, whol
     runs.study(tmp_path, GRID)
     done = runs.run(tmp_path, "many.toml", "--workers", 1, "--chunk", 32, before=LIMITED.format(size=size))
     assert done.returncode == 2, done.stderr
-    assert re.fullmatch(r"workbench: cannot write many\.h5: .*; what is finished is kept, and .*\n", done.stderr)
+    assert re.fullmatch(r"workbench: cannot write many\.h5: .*; finished cases are kept; .*\n", done.stderr)
     assert len(list(tmp_path.glob("many.h5.parts/*.shard"))) == kept
     assert not list(tmp_path.glob("many.h5.parts/.*"))
     assert not (tmp_path / "many.h5").exists()
@@ -295,7 +295,7 @@ def test_a_file_system_that_is_full_is_told_and_what_is_finished_is_kept(size, w
         believing = SMALL + "from workbench.run import shards; shards.free = lambda folder: 10**12\n"
         done = runs.run(small, "many.toml", "--workers", 1, "--chunk", 16, before=believing)
         assert done.returncode == 2, done.stderr
-        assert re.fullmatch(r"workbench: cannot write many\.h5: .*; what is finished is kept, and .*\n", done.stderr)
+        assert re.fullmatch(r"workbench: cannot write many\.h5: .*; finished cases are kept; .*\n", done.stderr)
         assert not (small / "many.h5").exists()
         kept = len(list(small.glob("many.h5.parts/*.shard")))
         assert kept > 0

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from solver import Ends, solve
-from solver.boundary.end_angle import follow
+from solver.boundary.end_angle_branch import follow
 from studies import READINGS, TABLE_1, load, names
 from studies.laws import VERDICTS as VERDICTS_OF_LAWS
 from workbench.data import law_verdicts

@@ -207,26 +207,26 @@ HOSTILE: dict[str, Callable[[h5py.File], None]] = {
 
 # Why some of them are refused: for what they are, and not for what then happens to go wrong.
 REASONS = {
-    "a link to another file": "is a link to elsewhere, which is not followed",
-    "a soft link": "is a link to elsewhere, which is not followed",
-    "an array in another file": "is stored in another file, which is not followed",
-    "a view of another file": "is stored in another file, which is not followed",
-    "a filter to be loaded": "is packed by the filter 32001",
-    "references": "holds neither numbers nor text, but object",
-    "records": "holds neither numbers nor text",
-    "a folder": "is no array",
-    "a size that is not there": "should hold 1008000000000 bytes, but only 0 packed ones are there",
+    "a link to another file": "is a link to another place; links are not followed",
+    "a soft link": "is a link to another place; links are not followed",
+    "an array in another file": "is stored in another file; links are not followed",
+    "a view of another file": "is stored in another file; links are not followed",
+    "a filter to be loaded": "is compressed with filter 32001",
+    "references": "must hold numbers or text, got object",
+    "records": "must hold numbers or text, got [(",
+    "a folder": "is not an array",
+    "a size that is not there": "claims 1008000000000 bytes, but only 0 compressed bytes are stored",
     "no values": "is empty: its shape is (0, 3)",
-    "NaN on an axis": "the axis 'E' holds values that are no finite numbers",
+    "NaN on an axis": "the axis 'E' holds values that are not finite",
     "a value twice on an axis": "the axis 'E' holds a value twice",
-    "laws nested without end": "the attribute laws is no list of laws in JSON",
-    "a title that clears the terminal": "the attribute title is no line of text",
-    "a label that is no text": "is no text in UTF-8",
-    "a newer format": "is of format 99, but this version reads up to format",
+    "laws nested without end": "the attribute laws is not a list of laws in JSON",
+    "a title that clears the terminal": "the attribute title must be one line of text",
+    "a label that is no text": "is not UTF-8 text",
+    "a newer format": "is of format 99, but this version reads format",
     "a real folder": "is a folder",
-    "a pipe": "is no regular file",
+    "a pipe": "is not a regular file",
     "a link in a circle": "Too many levels of symbolic links",
-    "a link to a device": "is no regular file",
+    "a link to a device": "is not a regular file",
     "a text": "cannot be read as HDF5",
 }
 
@@ -369,18 +369,18 @@ def test_a_dollar_in_a_units_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path
 
 
 NUMBERS = {
-    "no radius": ("rho", np.nan, "rho is not finite, but nan"),
+    "no radius": ("rho", np.nan, "rho must be finite, got nan"),
     "a radius of nothing": ("rho", 0.0, r"rho must be from 1e-50 to 1e\+50, got 0"),
     "a radius that is another": ("rho", 17.0, r"rho is not R \+ a"),
     "no load": ("FZ", np.nan, "FZ of a solved case is not finite, or far too large for its rod"),
     "a load without end": ("MZ", np.inf, "MZ of a solved case is not finite"),
     "a load that no float holds": ("M3", 1e300, "M3 of a solved case is not finite, or far too large for its rod"),
-    "no arc": ("s", np.nan, "s is not the share u of L"),
-    "an arc the other way": ("s", -1.0, "s is not the share u of L"),
-    "one station": ("u", 0.5, "u does not rise from 0 to 1"),
+    "no arc": ("s", np.nan, "s must be u L"),
+    "an arc the other way": ("s", -1.0, "s must be u L"),
+    "one station": ("u", 0.5, "u must rise from 0 to 1"),
     "an angle that is none": ("beta", np.nan, "'beta' of a solved case is not finite"),
-    "a leap along the cylinder": ("z", 1e3, "'z' of a solved case moves farther than the rod is long"),
-    "an error that is none": ("error", np.nan, "error of a solved case is no number, or negative"),
+    "a leap along the cylinder": ("z", 1e3, "z of a solved case moves farther than the rod is long"),
+    "an error that is none": ("error", np.nan, "error of a solved case must be a number and not negative"),
 }
 
 
@@ -399,16 +399,16 @@ def test_numbers_that_cannot_be_are_refused_on_reading_and_named(whole: bytes, t
 def test_numbers_in_place_of_words_are_refused(whole: bytes, tmp_path: Path, name: str) -> None:
     with xr.open_dataset(BytesIO(whole), engine="h5netcdf") as ds:
         ds.assign({name: xr.zeros_like(ds["error"])}).to_netcdf(tmp_path / "numbers.h5", engine="h5netcdf")
-    with pytest.raises(InputError, match=f"'{name}' holds no text, but float64"):
+    with pytest.raises(InputError, match=f"'{name}' must hold text, got float64"):
         writing.read(tmp_path / "numbers.h5")
 
 
 @pytest.mark.parametrize(
     "name, key, value, sentence",
     [
-        ("turns", "add_offset", "x", "'turns' has the attribute add_offset, with which no study is stored"),
-        ("E", "scale_factor", 2.0, "'E' has the attribute scale_factor, with which no study is stored"),
-        ("nu", "_FillValue", "$", "the attribute _FillValue of 'nu' is no number"),
+        ("turns", "add_offset", "x", "'turns' has the attribute add_offset, which the format does not allow"),
+        ("E", "scale_factor", 2.0, "'E' has the attribute scale_factor, which the format does not allow"),
+        ("nu", "_FillValue", "$", "the attribute _FillValue of 'nu' must be a number"),
     ],
 )
 def test_numbers_that_are_stored_as_others_are_refused(
@@ -460,12 +460,14 @@ def test_a_run_into_a_pipe_is_refused_and_waits_for_nobody(tmp_path: Path) -> No
     os.mkfifo(tmp_path / "many.h5")
     done = runs.run(tmp_path, "many.toml", limit=600)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "workbench: many.h5 exists and is no dataset of a study; give --force to replace it\n"
+    assert done.stderr == "workbench: many.h5 exists and is not a study's dataset; give --force to replace it\n"
 
 
 def test_a_study_given_for_a_dataset_is_told_how_to_become_one(tmp_path: Path) -> None:
     path = runs.study(tmp_path, runs.grid(2, 2))
-    with pytest.raises(InputError, match=r"many\.toml is a study, not a dataset: workbench run makes one of it"):
+    with pytest.raises(
+        InputError, match=r"is a study, not a dataset; make the dataset with: workbench run .*many\.toml"
+    ):
         writing.read(path)
 
 

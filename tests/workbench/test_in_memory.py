@@ -7,7 +7,7 @@ import pytest
 
 from solver import InputError, solve
 from solver.methods import METHODS
-from solver.methods.base import Trajectory
+from solver.problem.trajectory import Trajectory
 from studies.loader import loads
 from tests.workbench import small
 from workbench.data import dataset, law_verdicts

@@ -156,9 +156,9 @@ DIFFERENT = {
     "the stations: 21 and 11": (E1, E2, {"stations": 11}),
     "what is stored: a has beta, which b has not": (E1, E2, {"head": HEAD.replace("beta", "h")}),
     "laws: ": (E1 + LAW, E2 + LAW.replace("falls", "rises"), {}),
-    "the files differ along E and R; join along one": (E1 + axis("R", [0.5]), E2 + axis("R", [0.6]), {}),
-    "there is nothing to join: .* have the same values of E": (E1, E1, {}),
-    "there is nothing to join: .* have one case each, and no axis": ("", "", {}),
+    "the files differ along E and R; merge along one": (E1 + axis("R", [0.5]), E2 + axis("R", [0.6]), {}),
+    "there is nothing to merge: .* have the same values of E": (E1, E1, {}),
+    "there is nothing to merge: .* have one case each, and no axis": ("", "", {}),
     "E = 20000.0 and 20000.00000000002 differ in their last digits only": (E1, axis("E", [20000.00000000002]), {}),
 }
 
@@ -196,9 +196,9 @@ def test_one_file_a_followed_study_and_a_place_that_is_taken_are_refused(tmp_pat
     with pytest.raises(InputError, match="two files or more, got 1"):
         merge.merge(files[:1], tmp_path / "all.h5")
     (tmp_path / "mine.txt").write_text("mine")
-    with pytest.raises(InputError, match="is no dataset of a study; give --force"):
+    with pytest.raises(InputError, match="is not a study's dataset; give --force"):
         merge.merge(files, tmp_path / "mine.txt")
-    with pytest.raises(InputError, match="there is no folder"):
+    with pytest.raises(InputError, match="folder not found:"):
         merge.merge(files, tmp_path / "absent" / "all.h5")
     follow = '[axes.betaL]\nfollow = true\nto = {}\ncount = 3\nunit = "deg"\n'
     followed = [in_memory.run(small.study(follow.format(to))) for to in (50, 60)]
@@ -241,6 +241,6 @@ def test_a_run_goes_on_from_what_was_joined(tmp_path) -> None:
     merge.merge(files, joined)
     again = study_store.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), joined)
     assert again.finished_before
-    assert again.told["outcomes"] == {"solved": 9}
+    assert again.statistics["outcomes"] == {"solved": 9}
     grown = study_store.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4, 4e4]) + RADII, HEAD), joined)
     assert grown.solved == 3

@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 from solver import InputError
 from studies import READINGS
 from workbench.cli import app
-from workbench.commands import reproduce
-from workbench.commands.run import run_study
+from workbench.commands.reproduce import reproduce
+from workbench.commands.run import run
 from workbench.scene import opengl
 from workbench.web.report import readings_table
 
@@ -25,8 +25,8 @@ def fast(monkeypatch: pytest.MonkeyPatch) -> Any:
     """`reproduce` of three studies, without scenes, and the readings of one panel."""
     found = readings_table.run(readings_table.panels()[1:2], readings=tuple(READINGS)[:2])
     monkeypatch.setattr(opengl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
-    monkeypatch.setattr(reproduce, "names", lambda: STUDIES)
-    monkeypatch.setattr(reproduce.readings_run, "run", lambda panels, step: found)
+    monkeypatch.setattr("studies.names", lambda: STUDIES)
+    monkeypatch.setattr(readings_table, "run", lambda panels, step: found)
     opengl.probe.cache_clear()
     yield
     opengl.probe.cache_clear()
@@ -65,12 +65,12 @@ def test_reproduce_and_run_store_the_very_same_file_and_know_each_others(fast: A
     folder.mkdir()
     ran("fig6", folder / "fig6.h5")
     stored = (folder / "fig6.h5").stat().st_mtime_ns
-    reproduce.reproduce(folder, None)
+    reproduce(folder)
     assert (folder / "fig6.h5").stat().st_mtime_ns == stored  # complete already, and not solved again
     for name in STUDIES:
         ran(name, alone / f"{name}.h5")
         assert content(alone / f"{name}.h5") == content(folder / f"{name}.h5"), name
-        assert "finished before" in ran(name, folder / f"{name}.h5")
+        assert "already complete" in ran(name, folder / f"{name}.h5")
 
 
 def test_a_followed_study_of_another_length_is_solved_again(tmp_path: Path) -> None:
@@ -79,10 +79,10 @@ def test_a_followed_study_of_another_length_is_solved_again(tmp_path: Path) -> N
     study, output = tmp_path / "followed.toml", tmp_path / "followed.h5"
     for count in ("count = 9", "count = 8"):
         study.write_text(shipped.replace("count = 9", count), encoding="utf-8")
-        assert "finished before" not in ran(str(study), output)
-        assert "finished before" in ran(str(study), output)
+        assert "already complete" not in ran(str(study), output)
+        assert "already complete" in ran(str(study), output)
 
 
 def test_a_followed_study_refuses_a_method_for_starts_alone(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="method 'rk4' does not solve problems given by Ends"):
-        run_study("fig7_4_end_angle", tmp_path / "x.h5", None, None, "rk4", False)
+        run("fig7_4_end_angle", tmp_path / "x.h5", method="rk4")

@@ -11,7 +11,8 @@ from PIL import Image
 from studies import load
 from studies.loader import loads
 from tests.workbench import small
-from workbench.commands import list_equilibria as command
+from workbench.branches.equilibria import ends_problem
+from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands import plot
 from workbench.data import writing
 from workbench.figures import canvas, study_figure
@@ -30,10 +31,10 @@ def ds() -> xr.Dataset:
 
 def equilibria(path: Path) -> None:
     study = load("fig6")
-    case = command.ends_of(study)
+    case = ends_problem(study)
     from solver import equilibria as every
 
-    canvas.save(equilibria_figure.figure(equilibria_figure.dataset_of(study, case, every(case)[:2])), path)
+    canvas.save(equilibria_figure.figure(dataset_of(study, case, every(case)[:2])), path)
 
 
 @pytest.mark.parametrize("name", ["plot", "equilibria"])

@@ -294,15 +294,15 @@ def test_the_report_replaces_the_old_one_whole(results, measured, tmp_path, monk
 
 @pytest.mark.slow
 def test_on_a_machine_without_opengl_everything_else_is_done(readings, monkeypatch, tmp_path: Path, capsys) -> None:
-    from workbench.commands import reproduce
+    from workbench.commands.reproduce import reproduce
 
     # VTK would end this very process, as it does there
     monkeypatch.setattr(opengl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
     monkeypatch.setitem(sys.modules, "workbench.scene.layout", None)
-    monkeypatch.setattr(reproduce.readings_run, "run", lambda panels, step: readings)  # seconds saved
+    monkeypatch.setattr(readings_table, "run", lambda panels, step: readings)  # seconds saved
     opengl.probe.cache_clear()
     try:
-        assert reproduce.reproduce(tmp_path, None) == 0
+        assert reproduce(tmp_path) == 0
     finally:
         opengl.probe.cache_clear()
     assert "libegl1 libgl1-mesa-dri" in capsys.readouterr().out

@@ -108,5 +108,5 @@ def test_a_name_that_is_no_study_is_told_the_studies(tmp_path, monkeypatch) -> N
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match="no study 'fig7_1', did you mean 'fig7_1_modulus'; choose from fig6, "):
         scene.scene_file(Path("fig7_1"), [], None)
-    with pytest.raises(InputError, match=r"there is no file fig7_1\.h5"):
+    with pytest.raises(InputError, match=r"file not found: fig7_1\.h5"):
         scene.scene_file(Path("fig7_1.h5"), [], None)

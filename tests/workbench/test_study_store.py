@@ -123,17 +123,17 @@ def test_nothing_is_computed_along_the_rod_but_the_outputs(outputs, computed, mo
     monkeypatch.setattr(block, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
     ds = in_memory.run(study)
     assert read & set(OUTPUTS) == computed
-    assert set(ds.data_vars) & set(OUTPUTS) == computed
+    assert {schema.CURVES[str(name)] for name in ds.data_vars if name in schema.CURVES} == computed
 
 
 # going on, and starting over
 
 
 def test_a_finished_study_is_answered_at_once(whole, monkeypatch) -> None:
-    monkeypatch.setattr(study_store, "_solve", lambda *_: pytest.fail("solved again"))
+    monkeypatch.setattr(block, "block_of", lambda *_: pytest.fail("solved again"))
     before = whole.read_bytes()
     ran = run_to_file(load(whole.with_suffix(".toml")), whole)
-    assert (ran.finished_before, ran.solved, sum(ran.told["outcomes"].values())) == (True, 0, 150)
+    assert (ran.finished_before, ran.solved, sum(ran.statistics["outcomes"].values())) == (True, 0, 150)
     assert whole.read_bytes() == before
 
 
@@ -142,7 +142,7 @@ def test_a_finished_study_is_answered_without_xarray(whole) -> None:
                     "from workbench.run import plan; plan.BLOCK = 64\n"
                     "atexit.register(lambda: print('xarray' in sys.modules))")  # fmt: skip
     assert told.returncode == 0, told.stderr
-    assert "finished before; --restart solves it again" in told.stdout
+    assert "already complete; use --restart to solve again" in told.stdout
     assert told.stdout.splitlines()[-1] == "False"
 
 
@@ -204,7 +204,7 @@ def test_a_shard_damaged_after_it_was_looked_at_is_solved_again(whole, tmp_path,
     monkeypatch.setattr(study_store, "_solve", damaging)
     ran = run_to_file(load(path), tmp_path / "many.h5", Options(workers=1))
     assert len(times) == 2
-    assert sum(ran.told["outcomes"].values()) == 150
+    assert sum(ran.statistics["outcomes"].values()) == 150
     assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
 
 
@@ -223,7 +223,7 @@ def test_shards_of_another_run_are_refused_with_the_difference(change, sentence,
     folder = kept(path, monkeypatch)
     before = {file.name: file.read_bytes() for file in folder.glob("*.shard")}
     other = load(path).model_copy(update=change)
-    with pytest.raises(InputError, match=f"holds part of another run: {sentence}.*; --restart drops it"):
+    with pytest.raises(InputError, match=f"holds part of another run: {sentence}.*; use --restart to discard it"):
         run_to_file(other, tmp_path / "many.h5")
     assert {file.name: file.read_bytes() for file in folder.glob("*.shard")} == before
     run_to_file(other, tmp_path / "many.h5", Options(restart=True))
@@ -238,15 +238,15 @@ def test_shards_of_other_code_or_a_newer_format_are_refused(tmp_path, monkeypatc
         (f'"numpy": "{np.__version__}"', '"numpy": "1.0"', f"numpy was 1.0, now {np.__version__}"),
         (recipe.code_version(), "0.0.1+abc", r"code was 0\.0\.1\+abc, now"),
         ('"format": 1', '"format": 2', "is of format 2, but this version reads up to format 1"),
-        ('"format": 1', '"form": 1', "is damaged; --restart drops"),
-        (text, "{", "is damaged; --restart drops"),
+        ('"format": 1', '"form": 1', "is damaged; use --restart to discard"),
+        (text, "{", "is damaged; use --restart to discard"),
     ):
         assert old in text
         manifest.write_text(text.replace(old, new))
         with pytest.raises(InputError, match=sentence):
             run_to_file(load(path), tmp_path / "many.h5")
     manifest.unlink()
-    with pytest.raises(InputError, match="holds results of an unknown run; --restart drops them"):
+    with pytest.raises(InputError, match="holds results of an unknown run; use --restart to discard them"):
         run_to_file(load(path), tmp_path / "many.h5")
 
 
@@ -329,7 +329,7 @@ def test_values_added_to_an_axis_are_solved_alone_and_the_others_copied(half, ax
     with xr.open_dataset(output) as ds:
         new = ds.load()
     assert new.sizes["E"] * new.sizes["F1"] == size
-    assert sum(json.loads(new.attrs["told"])["outcomes"].values()) == size
+    assert sum(json.loads(new.attrs["statistics"])["outcomes"].values()) == size
     np.testing.assert_allclose(new["E"], axes["E"], rtol=1e-15)
     again = new.sel(E=old["E"], F1=old["F1"])  # by the very values: none has moved
     for name in old.data_vars:
@@ -354,7 +354,7 @@ def test_a_grown_study_that_was_stopped_goes_on(half, monkeypatch) -> None:
 def test_a_study_does_not_grow_with_other_code(half, monkeypatch) -> None:
     runs.study(half.parent, {"E": [1e4, 2e4, 3e4], "F1": FORCES.tolist()})
     monkeypatch.setattr(recipe, "code_version", lambda: "0.2.0+new")
-    with pytest.raises(InputError, match=r"holds part of this study, but code was .*, now 0\.2\.0\+new; --restart"):
+    with pytest.raises(InputError, match=r"holds part of this study, but code was .*, now 0\.2\.0\+new; use --restart"):
         run_to_file(load(half), half.with_suffix(".h5"))
 
 
@@ -387,6 +387,6 @@ def test_a_finished_study_whose_law_was_edited_is_judged_by_the_law_as_it_is_now
     for direction in ("falls", "rises", "rises"):
         path.write_text(text + law.format(direction))
         ran = run_to_file(load(path), tmp_path / "many.h5")
-        (row,) = ran.told["laws"]
+        (row,) = ran.statistics["laws"]
         told.append((row["verdict"], ran.finished_before))
     assert told == [("holds", False), ("fails", False), ("fails", True)]

@@ -272,7 +272,7 @@ axis = "betaL"
 direction = "rises"
 source = "made up"
 """
-    from solver.boundary.end_angle import follow
+    from solver.boundary.end_angle_branch import follow
     from solver.observe.observables import observe
     from tests.cases import table_1
 

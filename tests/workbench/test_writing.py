@@ -91,7 +91,7 @@ def test_a_result_replaces_one_of_the_same_study_and_nothing_else(ds, tmp_path) 
     with pytest.raises(InputError, match="holds the study 'small', not 'other'; give --force"):
         writing.write(ds.assign_attrs(study_name="other"), path)
     (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(InputError, match="no dataset of a study; give --force"):
+    with pytest.raises(InputError, match="is not a study's dataset; give --force"):
         writing.write(ds, tmp_path / "notes.txt")
     assert (tmp_path / "notes.txt").read_text() == "mine"
     writing.write(ds, tmp_path / "notes.txt", force=True)

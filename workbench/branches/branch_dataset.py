@@ -1,12 +1,13 @@
-"""All equilibria over an axis: joined into branches, folds marked, the study's laws judged on each branch."""
+"""All equilibria over an axis as a dataset: branches, folds, and the study's laws judged on each branch."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from solver import Case, equilibria
 from solver.equilibria import Equilibrium
@@ -15,52 +16,62 @@ from studies import Study
 from studies.axes import quantity_of
 from studies.laws import QUALIFIED, Law, decide
 
-from ..commands.own_case import with_fields
-from ..data import labels, schema
-from ..figures.equilibria import attributes, with_case
-from .folds import place
-from .tracking import joined
+from ..data import schema
+from ..run.case_input import with_fields
+from .equilibria_dataset import EACH, attributes, with_case
+from .folds import fold_at
+from .tracking import Meeting, track
 
-EACH = ("dbeta0", "energy", "turns", "index", "attached")
 STATIONS = 101
 
 
 def sweep(study: Study, case: Case, name: str, values: Any, step: Callable[[str], None]) -> xr.Dataset:
-    """Over (axis, member), members of each value by energy, NaN beyond their number: what is listed of each, the
-    observables that the study's laws on this axis judge, and `branch`, its number. Over `fold`: where two branches
-    meet. Attribute `branches`: a row each, with its laws' verdicts (`studies.laws.decide`), as JSON."""
+    """All equilibria of an ends problem at each value of one field, joined into branches.
+
+    Parameters
+    ----------
+    study
+        The study of the case: its units, and the laws to judge on each branch.
+    case
+        The ends problem.
+    name, values
+        The field that varies and its values, (n,), rising; angles in rad.
+    step
+        Called with a text before each value is solved.
+
+    Returns
+    -------
+    Over (axis, member), members by rising energy and NaN beyond their number: the numbers of `EACH`, the observables
+    of the study's laws on this axis, the outcome, and `branch`, the number of the branch (-1: no member). Over
+    `fold`: where two branches meet. The attribute `branches` holds a row for each branch, with the verdict of each
+    law, as JSON.
+    """
 
     @cache
     def at(value: float) -> list[Equilibrium]:
         return equilibria(with_fields(case, {name: value}), stations=STATIONS)
 
     laws = [law for law in study.laws if law.axis == name]
-    said = lambda value: step(f"{name} = {value:.4g}")  # noqa: E731
-    found, branch, meets = joined(at, [float(value) for value in values], said)
     units = study.unit_system
-    most = max((len(f) for f in found), default=0)
-    wanted = list(dict.fromkeys(one for law in laws for one in law.observables if one not in EACH))
-    table = {key: np.full((len(found), most), np.nan) for key in (*EACH, *wanted)}
-    for k, members in enumerate(found):
-        for i, one in enumerate(members):
-            for key in EACH:
-                table[key][k, i] = getattr(one, key)
-            for key, value in observe(one.solution, wanted).items():
-                table[key][k, i] = value
+    found, branch, meetings = track(at, [float(x) for x in values], lambda value: step(f"{name} = {value:.4g}"))
+    most = max((len(members) for members in found), default=0)
     dims = (name, "member")
-    data: dict[str, Any] = {key: xr.Variable(dims, v, schema.labels(key, units)) for key, v in table.items()}
+    data: dict[str, Any] = {
+        key: xr.Variable(dims, numbers, schema.labels(key, units))
+        for key, numbers in _numbers(found, most, laws).items()
+    }
     data["branch"] = xr.Variable(dims, _padded(branch, most), {"long_name": "number of the branch, -1 for none"})
     outcome = [[str(f[i].solution.outcome) if i < len(f) else "" for i in range(most)] for f in found]
     solved = [[i < len(f) and bool(f[i].solution.solved) for i in range(most)] for f in found]
     data["solved"] = xr.Variable(dims, np.array(solved, dtype=bool).reshape(len(found), most))
     data["outcome"] = xr.Variable(dims, np.array(outcome, dtype=str).reshape(len(found), most))
-    folded = [place(at, meet) for meet in meets]
+    folded = [fold_at(at, meeting) for meeting in meetings]
     for i, (key, row) in enumerate((("fold", name), ("fold_dbeta0", "dbeta0"), ("fold_energy", "energy"))):
         labels = schema.labels(quantity_of(row).name, units)
         labels["long_name"] += " where two equilibria meet and cease to exist"
         data[key] = xr.Variable(("fold",), np.array([f[i] for f in folded], dtype=float), labels)
-    numbers = np.array([[branch[m.k][m.i], branch[m.k][m.j]] for m in meets], dtype=np.int64).reshape(-1, 2)
-    data["fold_branches"] = xr.Variable(("fold", "two"), numbers, {"long_name": "the two branches that meet"})
+    pairs = _branch_pairs(branch, meetings)
+    data["fold_branches"] = xr.Variable(("fold", "two"), pairs, {"long_name": "the two branches that meet"})
     ds = xr.Dataset(data, {name: xr.Variable((name,), values, schema.labels(quantity_of(name).name, units))})
     ds.attrs = attributes(study, case, f"All equilibria over {quantity_of(name).symbol}")
     ds.attrs["branches"] = json.dumps(_rows(ds, name, laws))
@@ -68,14 +79,31 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Callable[[str]
 
 
 def branches(ds: xr.Dataset) -> list[dict[str, Any]]:
-    """A row a branch: where it begins and ends on the axis, index, turns at both ends, and each law's verdict."""
+    """A row for each branch: its first and last value of the axis, index, number of bends, and each law's verdict."""
     return list(json.loads(ds.attrs["branches"]))
 
 
 def folds(ds: xr.Dataset) -> list[dict[str, float]]:
-    """Where two branches meet."""
+    """Axis value, beta'(0) and energy of each fold."""
     names = ("fold", "fold_dbeta0", "fold_energy")
     return [{name: float(ds[name][i]) for name in names} for i in range(ds.sizes["fold"])]
+
+
+def _numbers(found: Sequence[Sequence[Equilibrium]], most: int, laws: Sequence[Law]) -> dict[str, NDArray[np.float64]]:
+    """The numbers of `EACH` and the observables of the laws, (values, most) each."""
+    judged = list(dict.fromkeys(one for law in laws for one in law.observables if one not in EACH))
+    table = {key: np.full((len(found), most), np.nan) for key in (*EACH, *judged)}
+    for k, members in enumerate(found):
+        for i, one in enumerate(members):
+            numbers = {key: getattr(one, key) for key in EACH} | observe(one.solution, judged)
+            for key, value in numbers.items():
+                table[key][k, i] = value
+    return table
+
+
+def _branch_pairs(branch: Sequence[Sequence[int]], meetings: Sequence[Meeting]) -> NDArray[np.int64]:
+    pairs = [[branch[m.k][m.i], branch[m.k][m.j]] for m in meetings]
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
 def _padded(rows: list[list[int]], most: int) -> Any:
@@ -87,7 +115,7 @@ def _padded(rows: list[list[int]], most: int) -> Any:
 
 def _rows(ds: xr.Dataset, name: str, laws: list[Law]) -> list[dict[str, Any]]:
     rows = []
-    scale = 180 / np.pi if labels.is_angle(ds[name]) else 1.0
+    scale = 180 / np.pi if ds[name].attrs["units"] == "rad" else 1.0
     for number in range(int(ds["branch"].max()) + 1 if ds["branch"].size else 0):
         k, i = np.nonzero(ds["branch"].values == number)
         turns = ds["turns"].values[k, i].astype(int)

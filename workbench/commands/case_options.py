@@ -1,57 +1,139 @@
-"""Options of the command line for the fields of a case, as types of arguments; solve and explore share them."""
+"""The options for the fields of a case: one table, from which the options of solve, explore and equilibria are made.
 
+The table is written out, and not derived from the dataclasses of `solver`, because --help must not import NumPy.
+`tests/workbench/test_case_options.py` compares it with those dataclasses and with the table of quantities.
+"""
+
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import wraps
 from typing import Annotated, Any
 
-import typer
+from .options import angle, numbered, option
 
 
-def number(text: str) -> float:
-    """A number from the command line; the refusal names what was given."""
-    try:
-        return float(text)
-    except ValueError:
-        raise typer.BadParameter(f"{text!r} is not a number") from None
+@dataclass(frozen=True)
+class CaseField:
+    """A field of a case.
+
+    Attributes
+    ----------
+    name, words
+        The field, and a phrase that begins with the long name of its quantity.
+    unit
+        In terms of "length" and "force"; "rad" for an angle, "1" for a ratio; empty if the value is a word.
+    problem
+        "start", "ends" or "start or ends", if the problems differ in it; else empty.
+    note
+        A rule for the field.
+    default
+        The value of an omitted field; None: the field is required, or one of F1, dgamma, M3 is.
+    choices
+        The words that the field takes; empty for a number.
+    """
+
+    name: str
+    words: str
+    unit: str
+    problem: str = ""
+    note: str = ""
+    default: float | str | None = None
+    choices: tuple[str, ...] = ()
 
 
-def angle(text: str) -> float:
-    """An angle from the command line, in rad; the refusal names what was given and the forms."""
-    from studies.angles import angle as read
+@dataclass(frozen=True)
+class Given:
+    """The fields that the command line gives, by name, and the units ("length", "force") that it states."""
 
-    try:
-        return read(text)
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from None
+    values: dict[str, float | str]
+    units: dict[str, str]
 
 
-def numbered(help: str, *names: str) -> Any:
-    """An option that is a number."""
-    return typer.Option(*names, help=help, parser=number, metavar="NUMBER")
+_TWIST = "give one of F1, dgamma, M3"
+_STIFFNESS = "bending stiffness of a solid section (solid), or a quarter of it as printed in the paper (paper)"
+
+FIELDS: dict[str, CaseField] = {
+    field.name: field
+    for field in (
+        CaseField("E", "Young's modulus", "force/length^2"),
+        CaseField("nu", "Poisson ratio", "1"),
+        CaseField("a", "radius of the rod", "length"),
+        CaseField("L", "length of the rod", "length"),
+        CaseField("stiffness", _STIFFNESS, "", default="solid", choices=("solid", "paper")),
+        CaseField("R", "radius of the cylinder", "length"),
+        CaseField("side", "side of the cylinder on which the rod lies", "", default="outside",
+                  choices=("outside", "inside")),
+        CaseField("beta", "angle from the axis at the start", "rad", "start"),
+        CaseField("dbeta", "rate of the angle at the start", "rad/length", "start"),
+        CaseField("F1", "internal force along the inward normal", "force", "start", _TWIST),
+        CaseField("dgamma", "rate of the section's own rotation at the start", "rad/length", "start", _TWIST),
+        CaseField("F2", "internal force in the surface, across the rod", "force", "start", default=0.0),
+        CaseField("F3", "internal force along the tangent, tension positive", "force", "start", default=0.0),
+        CaseField("beta0", "angle from the axis at the start", "rad", "ends"),
+        CaseField("betaL", "angle from the axis at the far end, full turns included", "rad", "ends"),
+        CaseField("FZ", "axial force, tension positive", "force", "ends", default=0.0),
+        CaseField("MZ", "axial moment", "force length", "ends", default=0.0),
+        CaseField("M3", "twisting moment", "force length", "start or ends"),
+        CaseField("alpha", "azimuth of the start", "rad", default=0.0),
+        CaseField("gamma", "rotation of the section at the start", "rad", default=0.0),
+    )
+}  # fmt: skip
+ENDS_FIELDS = tuple(
+    name for name, field in FIELDS.items() if field.problem != "start" and name not in ("alpha", "gamma")
+)
 
 
-def angled(help: str, *names: str) -> Any:
-    """An option that is an angle."""
-    return typer.Option(*names, help=help, parser=angle, metavar="ANGLE")
+def takes_case(names: Sequence[str] = tuple(FIELDS)) -> Callable[[Callable[..., int]], Callable[..., int]]:
+    """Decorate a command: its keyword `given` becomes the options of these fields and of the two units."""
+    whole = set(names) == set(FIELDS)
+
+    def decorate(command: Callable[..., int]) -> Callable[..., int]:
+        @wraps(command)
+        def parsed(**options: Any) -> int:
+            values = {name: options.pop(name) for name in names}
+            units = {kind: options.pop(f"{kind}_unit") for kind in ("length", "force")}
+            given = Given(*({k: v for k, v in said.items() if v is not None} for said in (values, units)))
+            return command(**options, given=given)
+
+        signature = inspect.signature(command)
+        parameters = []
+        for name, parameter in signature.parameters.items():
+            parameters += _options(names, whole) if name == "given" else [parameter]
+        parsed.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+        return parsed
+
+    return decorate
 
 
-LengthUnit = Annotated[str | None, typer.Option(help="Of every length given; cm where left out.")]
-ForceUnit = Annotated[str | None, typer.Option(help="Of every force given; N where left out.")]
-E = Annotated[float | None, numbered("Young's modulus [force/length^2].", "--E")]
-nu = Annotated[float | None, numbered("Poisson ratio.")]
-a = Annotated[float | None, numbered("Radius of the rod [length].", "--a")]
-L = Annotated[float | None, numbered("Length of the rod [length].", "--L")]
-stiffness = Annotated[str | None, typer.Option(help="solid or paper; solid where left out.")]
-R = Annotated[float | None, numbered("Radius of the cylinder [length].", "--R")]
-side = Annotated[str | None, typer.Option(help="outside or inside; outside where left out.")]
-beta = Annotated[float | None, angled("Start: angle from the axis.")]
-dbeta = Annotated[float | None, numbered("Start: its rate [rad/length].")]
-F1 = Annotated[float | None, numbered("Start: normal force, which fixes the twist.", "--F1")]
-dgamma = Annotated[float | None, numbered("Start: rotation rate of the section [rad/length].")]
-M3 = Annotated[float | None, numbered("Start or ends: twisting moment [force length].", "--M3")]
-F2 = Annotated[float | None, numbered("Start: in-surface shear; 0 where left out.", "--F2")]
-F3 = Annotated[float | None, numbered("Start: tangential force, tension positive; 0.", "--F3")]
-beta0 = Annotated[float | None, angled("Ends: angle from the axis at s = 0.", "--beta0")]
-betaL = Annotated[float | None, angled("Ends: angle at s = L, whole turns counted.", "--betaL")]
-FZ = Annotated[float | None, numbered("Ends: axial force, tension positive; 0.", "--FZ")]
-MZ = Annotated[float | None, numbered("Ends: axial moment [force length]; 0.", "--MZ")]
-alpha = Annotated[float | None, angled("Azimuth at s = 0; 0 where left out.")]
-gamma = Annotated[float | None, angled("Rotation of the section at s = 0; 0 where left out.")]
+def _options(names: Sequence[str], whole: bool) -> list[inspect.Parameter]:
+    """The parameters of the units and the fields; whole: of both problems, so that the help names the problem."""
+    notes = ("default: cm", "default: N") if whole else ("excludes Table 1", "excludes Table 1")
+    types: dict[str, Any] = {
+        f"{kind}_unit": Annotated[str | None, option("UNIT", f"Unit of {kind} of the options below; {note}.")]
+        for kind, note in zip(("length", "force"), notes, strict=True)
+    }
+    types |= {name: _type(FIELDS[name], help_of(FIELDS[name], whole)) for name in names}
+    return [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
+        for name, kind in types.items()
+    ]
+
+
+def _type(field: CaseField, help: str) -> Any:
+    flag = f"--{field.name}"
+    if field.choices:
+        return Annotated[str | None, option("|".join(field.choices), help, flag)]
+    if field.unit == "rad":
+        return Annotated[float | None, option("ANGLE", help, flag, parser=angle)]
+    return Annotated[float | None, numbered(help, flag)]
+
+
+def help_of(field: CaseField, whole: bool) -> str:
+    """The help of a field's option: ``Start: rate of the angle at the start [rad/length].``"""
+    unit = "" if field.unit in ("", "1", "rad") else f" [{field.unit}]"
+    default = f"default: {field.default:g}" if isinstance(field.default, float) else f"default: {field.default}"
+    parts = [field.words + unit, field.note, default if whole and field.default is not None else ""]
+    said = "; ".join(part for part in parts if part)
+    group = f"{field.problem.capitalize()}: " if whole and field.problem else ""
+    return f"{group}{said if group else said[0].upper() + said[1:]}."

@@ -1,44 +1,58 @@
-"""What is printed: tables for people, JSON for programs, progress on a terminal only."""
+"""Console output: tables for people, JSON for programs, progress bars on a terminal."""
 
 import json
-import math
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
-from typing import Any
-
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
+from typing import TYPE_CHECKING, Any
 
 from ..data import escaping
 
-# A pipe or a file has no width of its own: wide enough that no row of a table is broken.
-out = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 200)
-err = Console(stderr=True, highlight=False, soft_wrap=True)
+if TYPE_CHECKING:  # --help does not import rich
+    from rich.console import Console
 
 COLOURS = {  # verdict -> colour
     "holds": "green", "holds as a trend": "cyan", "qualified": "dark_orange", "not decided": "magenta", "fails": "red",
 }  # fmt: skip
 
 
+@cache
+def out() -> "Console":
+    """The console of stdout."""
+    from rich.console import Console
+
+    # A pipe or a file has no width of its own: the width is large enough that no row of a table is broken.
+    return Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 200)
+
+
+@cache
+def err() -> "Console":
+    """The console of stderr."""
+    from rich.console import Console
+
+    return Console(stderr=True, highlight=False, soft_wrap=True)
+
+
 def say(text: str) -> None:
-    """Lines for people, on stdout; what could command the terminal is escaped, as a file's text may be anyone's."""
-    out.print(escaping.lines(text), markup=False)
+    """Print lines on stdout; control characters are escaped, because text from a file may contain terminal commands."""
+    out().print(escaping.lines(text), markup=False)
 
 
 def warn(sentence: str) -> None:
-    """One sentence on stderr, of what does not hold or cannot be done."""
-    err.print(f"workbench: {escaping.line(sentence)}", markup=False)
+    """Print one sentence on stderr, behind the name of the program."""
+    err().print(f"workbench: {escaping.line(sentence)}", markup=False)
 
 
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str | None = None) -> None:
-    """A table; cells that begin with a verdict take its colour."""
+    """Print a table; a cell that begins with a verdict has the verdict's colour."""
+    from rich.table import Table
+
     table = Table(*columns, title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
     for row in rows:
         table.add_row(*(_cell(value) for value in row))
-    out.print(table, soft_wrap=False)
+    out().print(table, soft_wrap=False)
 
 
 def _cell(value: Any) -> Any:
@@ -50,28 +64,20 @@ def _cell(value: Any) -> Any:
 
 
 def print_json(data: Any) -> None:
-    """The data as JSON; what is not a finite number is null."""
-    print(escaping.in_json(json.dumps(finite(data), indent=2, ensure_ascii=False)))
-
-
-def finite(data: Any) -> Any:
-    if isinstance(data, dict):
-        return {str(key): finite(value) for key, value in data.items()}
-    if isinstance(data, list | tuple):
-        return [finite(value) for value in data]
-    if isinstance(data, float) and not math.isfinite(data):
-        return None
-    return data
+    """Print the data as JSON; NaN and infinity become null."""
+    print(escaping.in_json(json.dumps(escaping.finite(data), indent=2, ensure_ascii=False)))
 
 
 @contextmanager
 def progress(total: int, lines: bool = False) -> Iterator[Any]:
-    """A bar on stderr that counts to `total`; yields step(text), to be called as each piece of work begins.
+    """Show a progress bar on stderr; yields step(text), to be called when each of `total` pieces of work begins.
 
-    Where stderr is no terminal nothing is shown, or with `lines` a line a step: ``3 of 9: elliptic``.
+    Without a terminal nothing is shown, or with `lines` one line for each step: ``3 of 9: elliptic``.
     """
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
+    with Progress(*columns, console=err(), transient=True, disable=not err().is_terminal) as bar:
         task = bar.add_task("", total=total)
         begun = 0
 
@@ -79,21 +85,19 @@ def progress(total: int, lines: bool = False) -> Iterator[Any]:
             nonlocal begun
             bar.update(task, description=text, advance=1 if begun else 0)
             begun += 1
-            if lines and not err.is_terminal:
+            if lines and not err().is_terminal:
                 print(f"{begun} of {total}: {text}", file=sys.stderr, flush=True)
 
         yield step
 
 
 def stopped(error: BaseException, done: str, files: Sequence[Path]) -> None:
-    """Say what was kept of work that was cut short: as the interruption's own sentence, or before another error's."""
+    """Say what an interrupted or failed command has stored: in the message of an interruption, else on stderr.
+
+    done: what is finished, such as ``3 of 9 cases``. files: where it is stored.
+    """
     kept = f"{done} are stored in {', '.join(map(str, files))}" if files else "nothing was finished yet"
     if isinstance(error, KeyboardInterrupt):
         error.args = (f"interrupted; {kept}",)
     else:
-        say_aside(kept)
-
-
-def say_aside(text: str) -> None:
-    """A line on stderr, beside what a program may read."""
-    print(f"workbench: {escaping.line(text)}", file=sys.stderr, flush=True)
+        warn(kept)

@@ -1,26 +1,36 @@
-"""The command doctor: what works on this machine, found by trying it."""
+"""The command doctor: try every part of the workbench on this machine."""
 
-import platform
-import shutil
-import subprocess
-import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from importlib import import_module
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from solver.problem.errors import InputError
-
-from ..data import dataset, schema
 from . import console
+from .options import Json
 
-APT = "apt-get install"
+
+@dataclass(frozen=True)
+class Extra:
+    """An optional part: the extra of pip that installs it, a trial that raises if it does not work, and its use."""
+
+    what: str
+    extra: str
+    packages: tuple[str, ...]
+    trial: Callable[[], None]
+    use: str
 
 
-def examine(json: bool) -> int:
-    """Try everything and print what works; always 0, as examining is what was asked."""
-    findings = [_hdf5(), _opengl(), _font(), *(_extra(*row) for row in EXTRAS), _chromium()]
+def doctor(json: Json = False) -> int:
+    """Check what works on this machine.
+
+    Tries HDF5, OpenGL, fonts, optional parts and Chromium, and prints versions. Exit status is always 0.
+    """
+    import platform
+
+    from ..data import dataset
+
+    findings = examine()
     packages = {**dataset.versions(), **_drawing_versions()}
     if json:
         console.print_json({"system": platform.platform(), "checks": findings, "versions": packages})
@@ -33,15 +43,25 @@ def examine(json: bool) -> int:
     return 0
 
 
+def examine(extras: "Sequence[Extra] | None" = None, opengl: bool = True) -> list[dict[str, Any]]:
+    """What works: rows of what, works, installed, said. extras: default: all. opengl: also draw a scene."""
+    drawn = [_opengl()] if opengl else []
+    return [_hdf5(), *drawn, _font(), *map(_extra, EXTRAS if extras is None else extras), _chromium()]
+
+
 def _finding(what: str, works: bool, said: str, installed: bool = True) -> dict[str, Any]:
     return {"what": what, "works": works, "installed": installed, "said": said}
 
 
 def _hdf5() -> dict[str, Any]:
-    """Store a small dataset and read it back with compression."""
+    """Whether a compressed dataset can be stored and read."""
+    import tempfile
+
     import h5py
     import numpy as np
     import xarray as xr
+
+    from ..data import schema
 
     try:
         with tempfile.TemporaryDirectory() as folder:
@@ -51,18 +71,18 @@ def _hdf5() -> dict[str, Any]:
             works = xr.load_dataset(path, engine="h5netcdf").identical(ds)
     except (OSError, ValueError) as error:
         return _finding("HDF5", False, f"storing failed: {error}")
-    return _finding("HDF5", works, f"HDF5 {h5py.version.hdf5_version}, a dataset stored and read back")
+    return _finding("HDF5", works, f"HDF5 {h5py.version.hdf5_version}, stored and read a dataset")
 
 
 def _opengl() -> dict[str, Any]:
     from ..scene import opengl
 
     able, advice = opengl.probe()
-    return _finding("OpenGL", able, advice or "a scene was drawn off-screen")
+    return _finding("OpenGL", able, advice or "drew a scene off-screen")
 
 
 def _font() -> dict[str, Any]:
-    """Whether the font that Matplotlib would use has the Greek letters of the labels."""
+    """Whether the default font of Matplotlib has the Greek letters of the labels."""
     from matplotlib.font_manager import FontProperties, findfont, get_font
 
     path = findfont(FontProperties())
@@ -71,18 +91,23 @@ def _font() -> dict[str, Any]:
     return _finding("fonts", not missing, f"{Path(path).name} {said}")
 
 
-def _extra(what: str, extra: str, packages: tuple[str, ...], trial: Callable[[], None], use: str) -> dict[str, Any]:
-    """An optional part: not installed, or whether a trial of it works."""
-    what = f"{what} ({extra})"
+def _extra(part: Extra) -> dict[str, Any]:
+    """Whether an optional part is installed and its trial succeeds."""
+    from importlib import metadata
+
+    from solver.problem.errors import InputError
+
+    what = f"{part.what} ({part.extra})"
     try:
-        said = ", ".join(f"{name} {version(name)}" for name in packages)
+        versions = ", ".join(f"{name} {metadata.version(name)}" for name in part.packages)
     except ImportError as error:
-        return _finding(what, False, f"{use}: pip install 'rod-workbench[{extra}]' ({error.name} is missing)", False)
+        advice = f"pip install 'rod-workbench[{part.extra}]' ({error.name} is missing)"
+        return _finding(what, False, f"{part.use}: {advice}", installed=False)
     try:
-        trial()
+        part.trial()
     except (ImportError, InputError, OSError) as error:
         return _finding(what, False, str(error).partition("\n")[0])
-    return _finding(what, True, f"{use}: {said}")
+    return _finding(what, True, f"{part.use}: {versions}")
 
 
 def _cad() -> None:
@@ -112,6 +137,8 @@ def _dask() -> None:
 
 def _film() -> None:
     """A film of two white frames."""
+    import tempfile
+
     import numpy as np
 
     from ..scene.film import write
@@ -121,22 +148,24 @@ def _film() -> None:
         write([Path(folder) / "trial.mp4"], iter([white, white]), 3.0)
 
 
-# what, its extra, its packages, a trial, what it is for
-EXTRAS: tuple[tuple[str, str, tuple[str, ...], Callable[[], None], str], ...] = (
-    ("Open Cascade", "cad", ("cadquery-ocp-novtk",), _cad, "STEP files"),
-    ("live page", "explore", ("aiohttp", "trame-client", "trame-vtk"), _page, "workbench explore"),
-    ("films", "animate", ("imageio", "imageio-ffmpeg"), _film, "workbench animate"),
-    ("numba", "fast", ("numba",), _compiled, "the compiled method swing"),
-    ("heyoka", "taylor", ("heyoka",), _heyoka, "a method to compare with"),
-    ("Dask", "cluster", ("dask", "distributed"), _dask, "workbench run --scheduler"),
+EXTRAS = (
+    Extra("Open Cascade", "cad", ("cadquery-ocp-novtk",), _cad, "STEP files"),
+    Extra("live page", "explore", ("aiohttp", "trame-client", "trame-vtk"), _page, "workbench explore"),
+    Extra("films", "animate", ("imageio", "imageio-ffmpeg"), _film, "workbench animate"),
+    Extra("numba", "fast", ("numba",), _compiled, "compiled method swing"),
+    Extra("heyoka", "taylor", ("heyoka",), _heyoka, "method for comparison"),
+    Extra("Dask", "cluster", ("dask", "distributed"), _dask, "workbench run --scheduler"),
 )
 
 
 def _chromium() -> dict[str, Any]:
-    """The browser in which the tests drive the live page and the report."""
+    """The browser in which the tests use the live page and the report."""
+    import shutil
+    import subprocess
+
     what, missing = "Chromium", [name for name in ("chromium", "chromedriver") if shutil.which(name) is None]
     if missing:
-        return _finding(what, False, f"tests of the pages: {APT} chromium chromium-driver", False)
+        return _finding(what, False, "tests of the pages: apt-get install chromium chromium-driver", False)
     try:
         asked = subprocess.run(["chromium", "--version"], capture_output=True, text=True, timeout=60, check=True)
     except (OSError, subprocess.SubprocessError) as error:
@@ -145,4 +174,6 @@ def _chromium() -> dict[str, Any]:
 
 
 def _drawing_versions() -> dict[str, str]:
-    return {name: version(name) for name in ("pyvista", "vtk", "matplotlib", "typer", "rich", "pydantic")}
+    from importlib import metadata
+
+    return {name: metadata.version(name) for name in ("pyvista", "vtk", "matplotlib", "typer", "rich", "pydantic")}

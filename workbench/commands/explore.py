@@ -1,57 +1,69 @@
-"""The command explore: the live page, served on this machine."""
+"""The command explore: serve the live page on this machine."""
 
-import asyncio
 import contextlib
 import socket
 import sys
 import threading
-from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from solver.problem.errors import InputError
-
-from ..web.live.presets import PRESETS
 from . import console
+from .case_options import Given, takes_case
+from .options import CaseFile, option
 
 MISSING = "the live page needs aiohttp, trame-client and trame-vtk ({why}): pip install 'rod-workbench[explore]'"
+THIS_MACHINE = ("127.0.0.1", "localhost", "::1")
 EVERYWHERE = ("0.0.0.0", "::", "")
 
 
+@takes_case()
 def explore(
-    host: str,
-    port: int,
-    names: list[str],
-    file: Path | None = None,
-    options: dict[str, Any] | None = None,
-    units: dict[str, str] | None = None,
+    file: CaseFile = None,
+    host: Annotated[str, option("ADDRESS", "Address to listen on.")] = "127.0.0.1",
+    port: Annotated[int, option("PORT", "Port to listen on; 0 takes a free one.", min=0, max=65535)] = 8765,
+    name: Annotated[
+        list[str] | None, option("NAME", "Another host name under which browsers reach this machine; repeatable.")
+    ] = None,
+    *,
+    given: Given,
 ) -> int:
-    """Serve the page until interrupted; always 0.
+    """Serve the live page: sliders for a rod, in the browser.
 
-    names: further names by which the browser may call this machine, as `lab.example` or `lab.example:8080`. file,
-    options, units: the rod that the page begins with, as `explore_own.preset` takes them; default: Table 1. Raises
-    `InputError` where that is no rod, a part is missing, or the port is taken.
+    The page shows the shape, forces and equilibria of a rod while its sliders move. It begins with Table 1, or with
+    the rod of a file or of options, as for the command solve. Only this machine can open the page unless --host says
+    otherwise. Ctrl-C ends the command.
     """
+    from solver.problem.errors import InputError
+
     try:
         from ..web.live import own_case, server
     except ImportError as error:
         raise InputError(MISSING.format(why=error)) from None
+    from ..web.live.presets import PRESETS
+
+    names = name or []
     if host in EVERYWHERE and not names:
-        raise InputError(f"--host {host!r} listens on every address: say with --name by which name it is to be called")
-    own = own_case.preset(file, options or {}, units or {})
+        raise InputError(f"--host {host!r} listens on every address: give the name of this machine with --name")
+    own = own_case.preset(file, given.values, given.units)
     listener = bound(host, port)
     port = listener.getsockname()[1]
     presets = PRESETS if own is None else (own, *PRESETS)
-    app = server.application(called(host, port, names), presets)
+    app = server.application(host_names(host, port, names), presets, console.warn)
     console.say(f"the live page is at http://{_bracketed(host)}:{port}/ (Ctrl-C ends it)")
     sys.stdout.flush()
-    if host not in ("127.0.0.1", "::1", "localhost"):
-        console.warn(f"everyone who reaches {host} can use it; there is no password")
-
+    if host not in THIS_MACHINE:
+        console.warn(f"everyone who can reach {host} can use the page; it has no password")
     threading.Thread(target=server.warm, daemon=True).start()
+    _serve(app, listener)
+    return 0
+
+
+def _serve(app: Any, listener: socket.socket) -> None:
+    """Serve until Ctrl-C."""
+    import asyncio
+
+    from aiohttp import web
 
     async def serve() -> None:
-        from aiohttp import web
-
         runner = web.AppRunner(app, access_log=None, handler_cancellation=True)
         await runner.setup()
         try:
@@ -60,13 +72,14 @@ def explore(
         finally:
             await runner.cleanup()
 
-    with contextlib.suppress(KeyboardInterrupt):  # how it is ended
+    with contextlib.suppress(KeyboardInterrupt):  # Ctrl-C is the normal end
         asyncio.run(serve())
-    return 0
 
 
 def bound(host: str, port: int) -> socket.socket:
-    """A socket that listens there; `InputError` where it cannot."""
+    """A socket that listens on an address. Raises `InputError` if it cannot."""
+    from solver.problem.errors import InputError
+
     try:
         family, kind, proto, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         listener = socket.socket(family, kind, proto)
@@ -75,13 +88,17 @@ def bound(host: str, port: int) -> socket.socket:
         listener.listen(64)
     except (OSError, OverflowError) as error:
         why = getattr(error, "strerror", None) or error
-        raise InputError(f"cannot listen at {host}:{port}: {why}; choose another --port, 0 takes a free one") from None
+        raise InputError(f"cannot listen on {host}:{port}: {why}; choose another --port (0 takes a free one)") from None
     return listener
 
 
-def called(host: str, port: int, names: list[str]) -> set[str]:
-    """What a browser may send as Host: the address, `names`, and this machine's own where it listens there."""
-    own = ["127.0.0.1", "localhost", "[::1]"] if host in ("127.0.0.1", "localhost", "::1", *EVERYWHERE) else []
+def host_names(host: str, port: int, names: list[str]) -> set[str]:
+    """The Host headers that a browser may send.
+
+    The address, the further names (such as `lab.example` or `lab.example:8080`), and the names of this machine if it
+    listens on its own address.
+    """
+    own = ["127.0.0.1", "localhost", "[::1]"] if host in (*THIS_MACHINE, *EVERYWHERE) else []
     found = {f"{name}:{port}" for name in [_bracketed(host), *own] if name}
     for name in names:
         found |= {name} if name.rpartition(":")[2].isdigit() else {f"{name}:{port}"}

@@ -53,16 +53,16 @@ def draw_all(out: Path, force: bool) -> int:
     if not able:
         console.warn(advice)
         return 1
-    from ..figures import equilibria as equilibria_figure
+    from ..branches.equilibria import ends_problem
+    from ..branches.equilibria_dataset import dataset_of
     from ..scene import composition, layout
-    from .list_equilibria import ends_of
 
     one, row, table = (in_memory.run(load(name)) for name in ("fig6", "fig7_1_modulus", "fig7_5_forces"))
     own = {"inside": INSIDE, "long": LONG, "longest": LONGEST}
     solved = {name: in_memory.run(loads(text, default_name="rod")) for name, text in own.items()}
     study = load("fig7_4_end_angle")
-    case = ends_of(study)
-    every = equilibria_figure.dataset_of(study, case, equilibria(case))
+    case = ends_problem(study)
+    every = dataset_of(study, case, equilibria(case))
     solved |= {"ghosts": row, "grid": table, "equilibria": every}
     for name, path in paths.items():
         axes = ["F1", "F3"] if name == "grid" else []

@@ -1,30 +1,33 @@
-"""The command merge: print what came of merging stored studies."""
+"""The command merge: join stored studies and print the verdicts of the whole."""
 
-from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated
 
-from ..data import law_verdicts
-from ..run.merge import merge
 from . import console
+from .options import ForceStudy, Json, argument, option
+from .study_result import print_verdicts
 
 
-def merge_files(files: Sequence[Path], out: Path, force: bool, json: bool) -> int:
-    """Merge the files into `out` and print the verdicts of its laws; the exit status is that of `check`.
+def merge(
+    files: Annotated[list[Path], argument("FILE...", "Two or more stored datasets of one study.")],
+    out: Annotated[Path, option("FILE", "File to store.", "--out", "-o")],
+    force: ForceStudy = False,
+    json: Json = False,
+) -> int:
+    """Join stored studies that extend each other along one axis.
 
-    Raises `InputError` where they are not one study along one axis; nothing is stored then.
+    Exit status 1 if a law does not hold in full or a case is unsolved.
     """
-    done = merge(files, out, force)
+    from ..data import law_verdicts
+    from ..run.merge import merge as join
+
+    done = join(files, out, force)
     status = law_verdicts.status(done["unsolved"], done["laws"])
     if json:
         console.print_json({**done, "status": status})
         return status
     if done["laws"]:
-        rows = [
-            [row["claim"], law_verdicts.stated(row), law_verdicts.measured(row), law_verdicts.said(row)]
-            for row in done["laws"]
-        ]
-        console.print_table(["claim", "law", "measured", "verdict"], rows)
-        console.say(law_verdicts.tallied(done["laws"]))
+        print_verdicts(done["laws"])
     console.say(f"{out}: {done['values']} values of {done['axis']} from {len(files)} files")
     console.say(f"{done['cases']} cases, {done['unsolved']} unsolved")
     if done["caution"]:

@@ -1,132 +1,87 @@
-"""The command solve: one case from a file or from options."""
+"""The command solve: one case from a file, from options or from Table 1."""
 
-from dataclasses import asdict, dataclass, field, fields
-from pathlib import Path
-from typing import Any
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
-
-from solver import Case, Ends, InputError, Solution
-from solver.boundary.selection import checked
-from solver.observe.observables import observe
-from solver.problem.errors import choices, no_such
-from solver.problem.quantities import quantity, unit_of
-from studies import Study, load
-from studies.axes import FORCES, LENGTHS, Which, quantity_of
-from studies.readings import DEFAULT, parse
-
-from ..data import cautions
-from ..run.block import solve_one
-from ..run.fidelity import Fidelity, fidelity
 from . import console
-from .own_case import own_case, with_fields
+from .case_options import Given, takes_case
+from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Tol, flag
 
-TABLE_UNITS = {"length": "cm", "force": "N"}
+if TYPE_CHECKING:
+    from solver import Solution
+    from studies.axes import Which
+
+    from ..run.fidelity import Fidelity as Level
+
 LOADS = ("FZ", "MZ", "M3")
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What is to be solved, in which units, and where each number comes from.
-
-    source: where the case comes from. assumed: name -> value of what nobody gave.
-    """
-
-    case: Case
-    units: dict[str, str]
-    source: str
-    assumed: dict[str, Any] = field(default_factory=dict)
-    study: Study | None = None
-
-
-def solve_case(
-    file: Path | None,
-    options: dict[str, Any],
-    tol: float | None,
-    method: str | None,
-    json: bool,
-    level: str | None = None,
-    table1: bool = False,
-    reading: str | None = None,
-    units: dict[str, str] | None = None,
-    choose: str | None = None,
+@takes_case()
+def solve(
+    file: CaseFile = None,
+    table1: Annotated[bool, flag("Start from the rod of Table 1; options replace its fields.", "--table1")] = False,
+    reading: Reading = None,
+    *,
+    given: Given,
+    tol: Tol = None,
+    method: Method = None,
+    level: Fidelity = None,
+    choose: Choose = None,
+    json: Json = False,
 ) -> int:
-    """Solve and print; 0, or 1 where it is not solved. Raises `InputError`, also for a file with axes.
+    """Solve one case and print it.
 
-    level: the name of a fidelity; a tolerance beside it replaces the fidelity's own. table1: the rod of Table 1, read
-    as `reading` says, with the options as changes; so it is also where nothing at all is given. units: of length and
-    force, where the options say them. choose: of the equilibria between two ends which one, in place of what the
-    file says.
+    The case comes from a TOML file, from Table 1 (--table1, --reading, or no option at all), or from options alone.
+    Options alone need E, nu, a, L and R. A start problem also needs beta, dbeta and one of F1, dgamma and M3; an ends
+    problem also needs beta0 and betaL.
+
+    An ends problem has many equilibria: --choose selects one, by default the stable equilibrium whose beta leaves the
+    interval between its end angles least. The command equilibria lists all.
+
+    Angles: a number in rad, or a form like 30deg or pi/6. Exit status 1 if the case is unsolved.
     """
+    from solver import Ends, InputError
+
+    from ..data import cautions
+    from ..run.block import solve_one
+    from ..run.case_input import read_case
+    from ..run.fidelity import fidelity
+
     chosen = fidelity(level or "standard")
-    asked = read_case(file, options, table1, reading, units or {})
+    asked = read_case(file, given.values, given.units, table1, reading)
     stations, which = 201, None
     if asked.study is not None:
         stations, which = asked.study.stations, asked.study.equilibrium
         tol = asked.study.tol if tol is None and level is None else tol
         method = asked.study.method if method is None else method
     tol = chosen.tol if tol is None else tol
-    method = "auto" if method is None else method
     if choose is not None:
-        which = which_of(choose)
+        which = parse_choose(choose)
         if not isinstance(asked.case.given, Ends):
-            raise InputError("--choose takes one of the equilibria between two ends; a rod given by its start has one")
-    sol = solve_one(asked.case, which, tol, method, chosen.stations or stations)
-    told = described(sol, asked.units, chosen)
-    told |= {
+            raise InputError(
+                "--choose selects among the equilibria of an ends problem; a start problem has one solution"
+            )
+    sol = solve_one(asked.case, which, tol, "auto" if method is None else method, chosen.stations or stations)
+    found = _found(sol, asked.units, chosen) | {
         "source": asked.source,
         "assumed": asked.assumed,
-        "which": f"{sol.selection} (workbench equilibria lists all)" if sol.selection is not None else "",
+        "which": f"{sol.selection} (use workbench equilibria to list all)" if sol.selection is not None else "",
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
         "caution": cautions.said(cautions.of_cases(sol, {})),
     }
     if json:
-        console.print_json(told)
+        console.print_json(found)
     else:
-        _print(told)
+        _print(found)
     return 0 if sol.solved else 1
 
 
-def read_case(
-    file: Path | None, options: dict[str, Any], table1: bool, reading: str | None, units: dict[str, str]
-) -> Asked:
-    """A case from a file, from Table 1, or from options alone. Raises `InputError`.
+def parse_choose(text: str) -> "Which":
+    """``nearest``, ``lowest`` or a Morse index as the [equilibrium] table of a study. Raises `InputError`."""
+    from solver import InputError
+    from solver.boundary.selection import checked
+    from studies.axes import Which
 
-    options: fields of the case, name -> value; they change the file's or Table 1's. units: of length and force, for a
-    rod of options alone. reading: how Table 1 is read.
-    """
-    changed = f", but for {choices(options)}" if options else ""
-    if file is not None:
-        if table1:
-            raise InputError(f"--table1 and {file.name} exclude each other: each is a rod of its own")
-        if units:
-            raise InputError(f"the units are those of {file.name}: change them there")
-        study = _study(file).under(reading)
-        return Asked(with_fields(study.case(), options), study.unit_system, f"{file.name}{changed}", study=study)
-    if table1 or reading is not None or not (options or units):
-        if units:
-            raise InputError("Table 1 is in cm and N: leave out the units")
-        read = DEFAULT if reading is None else parse(reading)
-        return Asked(with_fields(read.case(), options), dict(TABLE_UNITS), f"Table 1, read {read.name}{changed}")
-    case, assumed = own_case(options)
-    left = {f"unit of {kind}": unit for kind, unit in TABLE_UNITS.items() if kind not in units}
-    for kind, known in (("length", LENGTHS), ("force", FORCES)):
-        if units.get(kind, known[0]) not in known:
-            raise no_such(f"unit of {kind}", units[kind], known)
-    return Asked(case, {**TABLE_UNITS, **units}, "the options", {**assumed, **left})
-
-
-def _study(file: Path) -> Study:
-    if file.suffix != ".toml":
-        raise InputError(f"a case is read from a .toml file, got {str(file)!r}")
-    study = load(file)
-    if study.axes:
-        raise InputError(f"{file.name} has the axes {', '.join(study.axes)}: workbench run solves it")
-    return study
-
-
-def which_of(text: str) -> Which:
-    """``nearest``, ``lowest`` or a Morse index as a study's [equilibrium]. Raises `InputError`."""
     try:
         rule = checked(int(text) if text.isdecimal() else text)
     except InputError:
@@ -134,18 +89,17 @@ def which_of(text: str) -> Which:
     return Which(index=rule) if isinstance(rule, int) else Which.model_validate({"choose": rule})
 
 
-def described(sol: Solution, units: dict[str, str], level: Fidelity) -> dict[str, Any]:
-    """The case, how well it was solved, its loads, and the observables and arrays of a fidelity, as plain data."""
-    case = sol.case
-    asked = {
-        field.name: getattr(part, field.name)
-        for part in (case.rod, case.cylinder, case.given)
-        for field in fields(part)
-        if getattr(part, field.name) is not None
-    }
+def _found(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, Any]:
+    """The case, its loads, its accuracy, and the observables and arrays of a fidelity, as plain data."""
+    import numpy as np
+
+    from solver.observe.observables import observe
+
+    from ..run.case_input import field_values
+
     return {
-        "case": {name: value if isinstance(value, str) else float(value) for name, value in asked.items()},
-        "given": type(case.given).__name__,
+        "case": field_values(sol.case),
+        "given": type(sol.case.given).__name__,
         "units": units,
         "outcome": str(sol.outcome),
         "method": sol.method,
@@ -158,36 +112,38 @@ def described(sol: Solution, units: dict[str, str], level: Fidelity) -> dict[str
     }
 
 
-def _print(told: dict[str, Any]) -> None:
-    console.say(f"the rod of {told['source']}")
-    if told["assumed"]:
-        console.say(f"assumed: {', '.join(f'{name} = {value}' for name, value in told['assumed'].items())}")
+def _print(found: dict[str, Any]) -> None:
+    from solver.problem.quantities import quantity
+    from studies.axes import quantity_of
+
+    console.say(f"rod: {found['source']}")
+    if found["assumed"]:
+        console.say(f"assumed: {', '.join(f'{name} = {value}' for name, value in found['assumed'].items())}")
     console.say("")
     rows = []
-    for name, value in told["case"].items():
-        if isinstance(value, str):
-            rows.append([name, value, "", ""])
-        else:
-            row = quantity_of(name)
-            rows.append([name, value, _unit(row.name, told), row.long_name])
+    for name, value in found["case"].items():
+        row = None if isinstance(value, str) else quantity_of(name)
+        rows.append([name, value, _unit(row.name, found) if row else "", row.long_name if row else ""])
     console.print_table(["given", "value", "unit", ""], rows)
-    found = {**told["loads"], **told["observables"]}
+    results = {**found["loads"], **found["observables"]}
     console.say("")
     console.print_table(
         ["found", "value", "unit", ""],
-        [[name, value, _unit(name, told), quantity(name).long_name] for name, value in found.items()],
+        [[name, value, _unit(name, found), quantity(name).long_name] for name, value in results.items()],
     )
     console.say("")
     console.say(
-        f"{told['outcome']} ({told['method']}, tolerance {told['tolerance']:g}: "
-        f"error {told['error']:.1e}, condition {told['condition']:.3g})"
+        f"{found['outcome']} ({found['method']}, tolerance {found['tolerance']:g}: "
+        f"error {found['error']:.1e}, condition {found['condition']:.3g})"
     )
-    if told["which"]:
-        console.say(told["which"])
-    if told["caution"]:
-        console.say(f"caution: {told['caution']}")
+    if found["which"]:
+        console.say(found["which"])
+    if found["caution"]:
+        console.say(f"caution: {found['caution']}")
 
 
-def _unit(name: str, told: dict[str, Any]) -> str:
-    unit = unit_of(name, told["units"])
+def _unit(name: str, found: dict[str, Any]) -> str:
+    from solver.problem.quantities import unit_of
+
+    unit = unit_of(name, found["units"])
     return "" if unit == "1" else unit

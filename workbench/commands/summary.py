@@ -1,59 +1,63 @@
-"""The command summary: print what a stored dataset holds."""
+"""The command summary: print what a stored study holds."""
 
-from pathlib import Path
 from typing import Any
 
-from ..data import law_verdicts
-from ..run.summary import summary
 from . import console
+from .options import File, Json
 
 
-def summarise(path: Path, json: bool) -> int:
-    """Print what the file holds; always 0, as that is what was asked. Raises `InputError`."""
-    told = summary(path)
+def summary(file: File, json: Json = False) -> int:
+    """Summarise a stored study.
+
+    Prints its axes, observables, outcomes, laws and versions, and the cases of the largest error and condition number.
+    """
+    from ..run.summary import summary as summarise
+
+    found = summarise(file)
     if json:
-        console.print_json(told)
+        console.print_json(found)
     else:
-        _print(told)
+        _print(found)
     return 0
 
 
-def _print(told: dict[str, Any]) -> None:
-    reading = f", {told['reading']}" if told["reading"] else ""
-    console.say(f"{told['title']}{reading}")
-    size = f"{told['bytes'] / 1e6:.3g} MB" if told["bytes"] >= 1e6 else f"{told['bytes'] / 1e3:.3g} kB"
-    console.say(f"{told['file']}: {size}, format {told['format']}, study {told['study_name']}, made {told['created']}")
-    console.say(f"method {told['method']}, tolerance {told['tolerance']:g}; {_versions(told['versions'])}")
-    along = f"{', '.join(told['along'])} at {told['stations']} stations" if told["along"] else "nothing"
+def _print(found: dict[str, Any]) -> None:
+    from ..data import law_verdicts
+
+    reading = f", {found['reading']}" if found["reading"] else ""
+    console.say(f"{found['title']}{reading}")
+    size = f"{found['bytes'] / 1e6:.3g} MB" if found["bytes"] >= 1e6 else f"{found['bytes'] / 1e3:.3g} kB"
+    console.say(
+        f"{found['file']}: {size}, format {found['format']}, study {found['study_name']}, stored {found['created']}"
+    )
+    versions = ", ".join(f"{name} {number}" for name, number in found["versions"].items())
+    console.say(f"method {found['method']}, tolerance {found['tolerance']:g}; {versions}")
+    along = f"{', '.join(found['along'])} at {found['stations']} stations" if found["along"] else "nothing"
     console.say(f"along the rod: {along}")
     console.say("")
-    rows = [[a["name"], a["count"], a["from"], a["to"], a["units"]] for a in told["axes"]]
+    rows = [[a["name"], a["count"], a["from"], a["to"], a["units"]] for a in found["axes"]]
     console.print_table(["axis", "values", "from", "to", "units"], rows or [["(none)", "", "", "", ""]])
     console.say("")
-    if told["observables"]:
-        rows = [[_cell(o[key]) for key in ("name", "min", "median", "max", "units")] for o in told["observables"]]
+    if found["observables"]:
+        rows = [[_cell(o[key]) for key in ("name", "min", "median", "max", "units")] for o in found["observables"]]
         console.print_table(["observable", "min", "median", "max", "units"], rows)
         console.say("")
-    console.say(f"{told['cases']} cases, {told['unsolved']} unsolved")
-    for text, count in told["outcomes"].items():
+    console.say(f"{found['cases']} cases, {found['unsolved']} unsolved")
+    for text, count in found["outcomes"].items():
         console.say(f"  {count} x {text}")
-    for worst in told["worst"]:
+    for worst in found["worst"]:
         at = ", ".join(f"{name} = {value:.6g}" for name, value in worst["at"].items())
         console.say(f"largest {worst['name']}: {_cell(worst['value'])}{f' at {at}' if at else ''}")
     for name in ("equilibria", "branches"):
-        if told[name]:
-            console.say(told[name])
-    if told["caution"]:
-        console.say(f"caution: {told['caution']}")
-    if told["laws"]:
+        if found[name]:
+            console.say(found[name])
+    if found["caution"]:
+        console.say(f"caution: {found['caution']}")
+    if found["laws"]:
         console.say("")
-        console.print_table(["law", "", "verdict"], [[v["claim"], v["stated"], v["said"]] for v in told["laws"]])
-        console.say(law_verdicts.tallied(told["laws"]))
+        console.print_table(["law", "", "verdict"], [[v["claim"], v["stated"], v["said"]] for v in found["laws"]])
+        console.say(law_verdicts.tallied(found["laws"]))
 
 
 def _cell(value: Any) -> Any:
     return "-" if value is None else f"{value:.6g}" if isinstance(value, float) else value
-
-
-def _versions(versions: dict[str, str]) -> str:
-    return ", ".join(f"{name} {number}" for name, number in versions.items())

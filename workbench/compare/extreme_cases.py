@@ -1,4 +1,4 @@
-"""The extremes by name: one start problem each, at an end of what may be asked, and its reference."""
+"""The named extremes: start problems with extreme parameters, and their references."""
 
 import json
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ FILE = Path(__file__).with_name("extremes.json")
 
 @dataclass(frozen=True)
 class Extreme:
-    """A case, what it is called, and the row of the map it belongs to."""
+    """A start problem, its name, and the group of the map to which it belongs."""
 
     name: str
     group: str
@@ -25,28 +25,20 @@ class Extreme:
 
 @dataclass(frozen=True)
 class Reference:
-    """beta at SHARES of the length, (4,), and where it is from: "taylor", or nothing where no march arrives."""
+    """beta [rad] at `SHARES` of the length, (4,), and its source; None and empty if no series reaches the end."""
 
     beta: NDArray[np.float64] | None
     source: str
 
 
 def extremes() -> list[Extreme]:
-    """All of them, in the order of the map."""
-    return [
-        *_materials(),
-        *_lengths(),
-        *_loads(),
-        *_angles(),
-        *_helices(),
-        *_separatrices(),
-        *_tensions(),
-    ]
+    """All extremes, in the order of the map."""
+    return [*_materials(), *_lengths(), *_loads(), *_angles(), *_helices(), *_separatrices(), *_tensions()]
 
 
 @cache
 def references() -> dict[str, Reference]:
-    """What benchmarks/make_extremes.py has computed to 25 digits."""
+    """The references by name, which benchmarks/make_extremes.py computed to 25 digits."""
     rows = json.loads(FILE.read_text(encoding="utf-8"))
     return {
         name: Reference(None if row["beta"] is None else np.array(row["beta"]), row["source"])
@@ -55,13 +47,13 @@ def references() -> dict[str, Reference]:
 
 
 def _table_1(E: float = 1.07e4, nu: float = 0.25, R: float = 0.75, L: float = 20.0, twist: bool = False) -> Case:
-    """Table 1, force-first/tension/paper, or with its twist rate instead of F1."""
+    """Table 1 read force-first/tension/paper; twist: with its twist rate instead of F1."""
     given = {"dgamma": 0.5} if twist else {"F1": 5.0}
     return Case(Rod(E, nu, 0.25, L, "paper"), Cylinder(R), Start(np.pi / 6, 0.5, F3=10.0, **given))
 
 
 def _reduced(lam: float, mu: float, phi: float, span: float, beta: float, v: float) -> Case:
-    """A start problem from its dimensionless numbers: A = 1 and rho = 1 within rounding."""
+    """A start problem from its dimensionless numbers; A = 1 and rho = 1 up to rounding."""
     a = 0.25
     rod = Rod(4 / (np.pi * a**4), 0.25, a, span)
     A, s, c = rod.bending_stiffness, np.sin(beta), np.cos(beta)
@@ -129,7 +121,8 @@ def _helices() -> list[Extreme]:
 
 
 def _separatrices() -> list[Extreme]:
-    rows = [Extreme("on a separatrix", "separatrix", _reduced(0, 0, 1.0, 15.0, 0.5, -float(np.sqrt(2 - _height(0.5)))))]
+    speed = -float(np.sqrt(2 - _potential(0.5)))
+    rows = [Extreme("on a separatrix", "separatrix", _reduced(0, 0, 1.0, 15.0, 0.5, speed))]
     for gap in (1e-4, 1e-8, 1e-12, 1e-16, 1e-100):
         name = f"turns {gap:.0e} before a saddle".replace("e-0", "e-")
         rows.append(Extreme(name, "separatrix", _reduced(0, 0, 1.0, 25.0, gap, 0.0)))
@@ -137,9 +130,9 @@ def _separatrices() -> list[Extreme]:
     return rows
 
 
-def _height(beta: float) -> float:
-    """G(beta) with phi = 1 alone; its saddle is 0, at height 2."""
-    return float(-(np.sin(beta) ** 4) + 2 * np.cos(beta))
+def _potential(beta: float, phi: float = 1.0) -> float:
+    """G(beta) with lam = mu = 0; its saddle is beta = 0, where G = 2 phi."""
+    return float(-(np.sin(beta) ** 4) + 2 * phi * np.cos(beta))
 
 
 def _tensions() -> list[Extreme]:
@@ -149,12 +142,8 @@ def _tensions() -> list[Extreme]:
         Extreme(
             "tension φ = 1e4, next to e⁻ˢ",
             "tension",
-            _reduced(0, 0, 1e4, 0.4, 0.5, -float(np.sqrt(1e4 * 2 - _pulled(0.5, 1e4)))),
+            _reduced(0, 0, 1e4, 0.4, 0.5, -float(np.sqrt(1e4 * 2 - _potential(0.5, 1e4)))),
         ),
         Extreme("tension φ = 1e8, 1e-3 off", "tension", _reduced(0, 0, 1e8, 20.0, 1e-3, 0.0)),
         Extreme("compression φ = −1e8", "tension", _reduced(0, 0, -1e8, 20.0, 1e-3, 0.0)),
     ]
-
-
-def _pulled(beta: float, phi: float) -> float:
-    return float(-(np.sin(beta) ** 4) + 2 * phi * np.cos(beta))

@@ -1,4 +1,4 @@
-"""The command extremes: every method at every named extreme; what came of it, stored and drawn as a map."""
+"""Robustness: every method at every named extreme, as a dataset."""
 
 import json
 import multiprocessing
@@ -7,11 +7,10 @@ import platform
 import signal
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Generator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,15 +19,13 @@ import xarray as xr
 from solver import Case, Ends, Solution, solve
 from solver.methods import METHODS
 
-from ..commands import console
-from ..data import dataset, writing
-from ..figures import canvas, robustness
+from ..data import dataset
 from .extreme_cases import SHARES, Extreme, Reference, extremes, references
 
 TOL = 1e-6
-_NO_ANSWER = ("finite", "evaluations", "gave up")  # words of an overflow, a spent budget, an integrator's own end
+_NO_ANSWER = ("finite", "evaluations", "gave up")  # in the outcome of an overflow, a spent budget, an integrator's end
 SOLVED, REFUSED, INACCURATE, NONFINITE = VERDICTS = ("solved", "refused", "inaccurate", "non-finite")
-_SLACK = 10.0  # an answer this many times past tol * max(1, condition) is inaccurate
+_MARGIN = 10.0  # an error of this many times tol * max(1, condition) is inaccurate
 NUMBERS = {
     "error": ("rad", "largest error of the angle, against the reference"),
     "estimate": ("1", "the error that the method itself states"),
@@ -39,8 +36,8 @@ NUMBERS = {
 
 
 @dataclass(frozen=True)
-class Met:
-    """What a method made of an extreme."""
+class Attempt:
+    """The result of one method at one extreme."""
 
     verdict: str
     outcome: str
@@ -51,68 +48,38 @@ class Met:
     evaluations: float
 
 
-def run_extremes(out: Path, as_json: bool) -> int:
-    """Run every method at every extreme; store extremes.h5 and draw extremes.png in the folder. Raises `InputError`.
+def rows_of(named: Sequence[Extreme]) -> Generator[tuple[str, dict[str, Attempt]]]:
+    """The name and the attempts of each extreme, in the order in which the processes of this machine finish them.
 
-    0, or 1 where a method calls solved what is not. Interrupted, it stores and draws the extremes that are finished as
-    extremes_interrupted; extremes.h5 stays as it was.
+    The processes end when the generator is closed.
     """
-    writing.check_folder(out)
-    writing.check_free(out / "extremes.h5", "extremes")
-    named, known = extremes(), references()
-    met: dict[str, dict[str, Met]] = {}
-    try:
-        _meet(named, known, met)
-    except BaseException as error:
-        files = _stored(named, known, met, out, "extremes_interrupted")[1] if met else []
-        console.stopped(error, f"{len(met)} of {len(named)} extremes", files)
-        raise
-    ds, files = _stored(named, known, met, out, "extremes")
-    _tell(ds, files, as_json)
-    return 1 if (ds["verdict"] == INACCURATE).any() else 0
-
-
-def _meet(named: Sequence[Extreme], known: dict[str, Reference], met: dict[str, dict[str, Met]]) -> None:
-    """Fill in what each method makes of each extreme, as the processes of this machine finish them."""
+    known = references()
     pool = ProcessPoolExecutor(os.cpu_count(), initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN))
     try:
-        with console.progress(len(named), lines=True) as step:
-            waited = {pool.submit(at_one, one, known[one.name]): one.name for one in named}
-            for done in as_completed(waited):
-                met[waited[done]] = done.result()
-                step(waited[done])
+        waited = {pool.submit(attempts_at, one, known[one.name]): one.name for one in named}
+        for done in as_completed(waited):
+            yield waited[done], done.result()
     except BaseException:
         pool.shutdown(wait=False, cancel_futures=True)
-        for worker in multiprocessing.active_children():  # they would finish the extreme that they are at
+        for worker in multiprocessing.active_children():  # they would finish the extreme in hand
             worker.terminate()
         raise
     pool.shutdown()
 
 
-def _stored(
-    named: Sequence[Extreme], known: dict[str, Reference], met: dict[str, dict[str, Met]], out: Path, name: str
-) -> tuple[xr.Dataset, list[Path]]:
-    """The dataset of the extremes that were met, and the files made of it: NAME.h5 and NAME.png."""
-    rows = {(extreme, method): row for extreme, rows in met.items() for method, row in rows.items()}
-    ds = labelled([one for one in named if one.name in met], known, rows)
-    picture = out / f"{name}.png"
-    canvas.save(robustness.figure(ds), picture)
-    return ds, [writing.write(ds, out / f"{name}.h5"), picture]
-
-
-def at_one(one: Extreme, reference: Reference) -> dict[str, Met]:
-    """Each method at one extreme; methods for ends are given the angle at the far end, and the shape to look near."""
+def attempts_at(one: Extreme, reference: Reference) -> dict[str, Attempt]:
+    """Each method at one extreme; methods for ends problems get the angle at the far end and the solution as seed."""
     best = solve(one.case, tol=1e-12, stations=_stations(one.case))
     known = reference.beta if reference.beta is not None else best.beta[1:]
     rows = {}
     for name, method in METHODS.items():
         if "start" in method.kinds:
-            rows[name] = _met(one.case, name, known)
+            rows[name] = _attempt(one.case, name, known)
         elif not np.isfinite(best.beta).all():
-            rows[name] = Met(REFUSED, "failed: not tried, no shape to look near", *[np.nan] * 5)
+            rows[name] = Attempt(REFUSED, "failed: not tried, no finite solution as seed", *[np.nan] * 5)
         else:
             given = Ends(best.problem.beta0[0], known[-1], best.FZ, best.MZ, best.M3)
-            rows[name] = _met(Case(one.case.rod, one.case.cylinder, given), name, known, best)
+            rows[name] = _attempt(Case(one.case.rod, one.case.cylinder, given), name, known, best)
     return rows
 
 
@@ -120,33 +87,34 @@ def _stations(case: Case) -> np.ndarray:
     return float(case.rod.L) * np.array((0.0, *SHARES))
 
 
-def _met(case: Case, method: str, known: Any, seed: Solution | None = None) -> Met:
+def _attempt(case: Case, method: str, known: Any, seed: Solution | None = None) -> Attempt:
     began = time.perf_counter()
     with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")  # scipy speaks of what the outcome says
+        warnings.simplefilter("ignore")  # scipy repeats what the outcome says
         sol = solve(case, TOL, method, stations=_stations(case), seed=seed)
     seconds = time.perf_counter() - began
     finite = bool(np.isfinite([sol.beta, sol.dbeta, sol.alpha, sol.z]).all())
     error = float(np.abs(sol.beta[1:] - known).max()) if finite else np.nan
-    if seed is not None and finite:  # another shape between the same ends is no error
+    if seed is not None and finite:  # another equilibrium between the same ends is not an error
         own = METHODS["orbit"].run(sol.problem.started(sol.trajectory.dbeta[:, 0]), sol.t, 1e-12).beta
         error = min(error, float(np.abs(sol.trajectory.beta - own).max()))
-    allowed = _SLACK * TOL * max(1.0, float(sol.condition))
+    allowed = _MARGIN * TOL * max(1.0, float(sol.condition))
     if sol.solved:
         verdict = NONFINITE if not finite else SOLVED if error <= allowed else INACCURATE
     else:
         verdict = REFUSED if finite or not any(word in sol.outcome for word in _NO_ANSWER) else NONFINITE
     numbers = float(sol.error), float(sol.condition), seconds, float(sol.evaluations)
-    return Met(verdict, str(sol.outcome), error, *numbers)
+    return Attempt(verdict, str(sol.outcome), error, *numbers)
 
 
-def labelled(named: Sequence[Extreme], known: dict[str, Reference], met: dict[tuple[str, str], Met]) -> xr.Dataset:
-    """The rows over (extreme, method)."""
-    methods = list(dict.fromkeys(method for _, method in met))
+def dataset_of(found: Mapping[str, Mapping[str, Attempt]]) -> xr.Dataset:
+    """The attempts over (extreme, method), extremes in the order of the map; found: extreme -> method -> attempt."""
+    named, known = [one for one in extremes() if one.name in found], references()
+    methods = list(dict.fromkeys(method for rows in found.values() for method in rows))
     full = ("extreme", "method")
-    table = [[met[one.name, method] for method in methods] for one in named]
+    table = [[found[one.name][method] for method in methods] for one in named]
     data: dict[str, Any] = {}
-    for name, words in {"verdict": "what came of it", "outcome": "solved, or why not"}.items():
+    for name, words in {"verdict": "result of the method", "outcome": "solved, or why not"}.items():
         data[name] = (full, [[str(getattr(row, name)) for row in line] for line in table], {"long_name": words})
     for name, (units, words) in NUMBERS.items():
         values = np.array([[getattr(row, name) for row in line] for line in table], dtype=float)
@@ -162,7 +130,7 @@ def labelled(named: Sequence[Extreme], known: dict[str, Reference], met: dict[tu
 
 def _attributes() -> dict[str, Any]:
     return {
-        "title": f"What each method makes of the extremes, tolerance {TOL:g}",
+        "title": f"Result of every method at every extreme, tolerance {TOL:g}",
         "study_name": "extremes",
         "laws": "[]",
         "tolerance": TOL,
@@ -170,17 +138,3 @@ def _attributes() -> dict[str, Any]:
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(dataset.versions()),
     }
-
-
-def _tell(ds: xr.Dataset, files: Sequence[Path], as_json: bool) -> None:
-    counts = {
-        str(method): {verdict: int((ds["verdict"].sel({"method": method}) == verdict).sum()) for verdict in VERDICTS}
-        for method in ds["method"].values
-    }
-    if as_json:
-        console.print_json({"methods": counts, "files": [str(file) for file in files]})
-        return
-    rows = [[method, *(str(n) for n in row.values())] for method, row in counts.items()]
-    console.print_table(["method", *VERDICTS], rows, str(ds.attrs["title"]))
-    for file in files:
-        console.say(str(file))

@@ -1,11 +1,10 @@
-"""The command trade: every method over its ladder on the named cases, stored, drawn, and the cheapest told."""
+"""Accuracy against cost: every method over a ladder of its knob on the named cases, as a dataset."""
 
 import json
 import os
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,12 +13,10 @@ import xarray as xr
 from solver import Ends, InputError
 from solver.benchmark import STATIONS, Ladder, Row, cheapest, measure, offered
 from solver.methods import MISSING
-from solver.problem.errors import no_such
+from solver.problem.errors import choices, no_such
 
-from ..commands import console
-from ..data import dataset, writing
-from ..figures import canvas, work_precision
-from .trade_cases import CASES, chosen, reference
+from ..data import dataset
+from .trade_cases import CASES, Named, reference
 
 LEVELS = (1e-3, 1e-6, 1e-9, 1e-12)
 NOT_OF_KIND = "not tried: it solves another kind of problem"
@@ -38,47 +35,38 @@ LABELS = {
 }
 
 
-def trade(cases: Sequence[str], methods: Sequence[str], out: Path, json: bool) -> int:
-    """Measure, store trade.h5, draw trade_seconds.png and trade_evaluations.png in the folder, print the table.
+def rows_of(
+    cases: Mapping[str, Named], ladders: Mapping[str, Ladder], step: Callable[[str], None]
+) -> Iterator[list[Row]]:
+    """The measurements of each case in turn, so that an interrupted comparison keeps the cases before.
 
-    Interrupted, it stores and draws the cases that are finished as trade_interrupted; trade.h5 stays as it was.
+    Parameters
+    ----------
+    cases, ladders
+        By name; a ladder of the other kind of problem gives no row.
+    step
+        Called with the name of each case before it is measured.
+
+    Raises
+    ------
+    InputError
+        If no ladder solves the kind of problem of any case.
     """
-    named, ladders = chosen(_words(cases)), ladders_of(_words(methods))
-    writing.check_folder(out)
-    writing.check_free(out / "trade.h5", "trade")
-    rows: list[Row] = []
-    try:
-        with console.progress(len(named), lines=True) as step:
-            for name, one in named.items():
-                step(name)
-                rows += measure({name: (one.case, reference(name), one.slope)}, ladders)
-    except BaseException as error:
-        done = list(dict.fromkeys(row.case for row in rows))
-        files = _stored(rows, ladders, out, "trade_interrupted")[1] if rows else []
-        console.stopped(error, f"{len(done)} of {len(named)} cases", files)
-        raise
-    if not rows:
-        raise InputError(f"none of {', '.join(ladders)} solves problems of the kind of {', '.join(named)}")
-    ds, files = _stored(rows, ladders, out, "trade")
-    if json:
-        console.print_json(told(ds) | {"file": str(files[0]), "pictures": [str(picture) for picture in files[1:]]})
-    else:
-        _print(ds, files)
-    return 0
-
-
-def _stored(rows: Sequence[Row], ladders: Mapping[str, Ladder], out: Path, name: str) -> tuple[xr.Dataset, list[Path]]:
-    """The dataset of the rows, and the files made of it: NAME.h5 and its pictures."""
-    ds = labelled(rows, ladders)
-    path = writing.write(ds, out / f"{name}.h5")
-    pictures = [out / f"{name}_{cost}.png" for cost in work_precision.COSTS]
-    for cost, picture in zip(work_precision.COSTS, pictures, strict=True):
-        canvas.save(work_precision.figure(ds, cost), picture)
-    return ds, [path, *pictures]
+    count = 0
+    for name, one in cases.items():
+        step(name)
+        rows = measure({name: (one.case, reference(name), one.slope)}, ladders)
+        count += len(rows)
+        yield rows
+    if not count:
+        raise InputError(f"none of {choices(ladders)} solves problems of the kind of {choices(cases)}")
 
 
 def ladders_of(names: Sequence[str]) -> dict[str, Ladder]:
-    """The ladders of these names, or of these methods; all that can run for none. Raises `InputError`."""
+    """The ladders of these names, or of the methods of these names; default: all that can run here.
+
+    Raises `InputError` for an unknown name, and for a method that is not installed.
+    """
     able = offered()
     if not names:
         return able
@@ -93,8 +81,11 @@ def ladders_of(names: Sequence[str]) -> dict[str, Ladder]:
     return picked
 
 
-def labelled(rows: Sequence[Row], ladders: Mapping[str, Ladder]) -> xr.Dataset:
-    """The rows over (case, ladder, rung); a ladder's rungs are `knob` and `value`, what it never tried is NaN."""
+def dataset_of(rows: Sequence[Row], ladders: Mapping[str, Ladder]) -> xr.Dataset:
+    """The measurements, at least one, over (case, ladder, rung); NaN: not tried.
+
+    `knob` (ladder) names the knob of each ladder and `value` (ladder, rung) holds its values.
+    """
     cases = list(dict.fromkeys(row.case for row in rows))
     methods = [name for name in ladders if any(row.ladder == name for row in rows)]
     longest = max(len(ladders[name].values) for name in methods)
@@ -158,8 +149,8 @@ def _attributes() -> dict[str, Any]:
     }
 
 
-def told(ds: xr.Dataset) -> dict[str, Any]:
-    """The table and the failures of a stored trade as plain data."""
+def summary_of(ds: xr.Dataset) -> dict[str, Any]:
+    """The table of the cheapest methods and the counts of the outcomes of a stored comparison, as plain data."""
     table = [
         {"case": str(case), "about": str(ds["about"].sel(case=case).item()), "cheapest": [
             {"level": float(level), "method": str(ds["cheapest"].sel(case=case, level=level).item()) or None,
@@ -178,25 +169,3 @@ def told(ds: xr.Dataset) -> dict[str, Any]:
         "failed": int(sum(n for text, n in zip(outcomes, counts, strict=True) if text.startswith("failed"))),
         "not run": int(sum(n for text, n in zip(outcomes, counts, strict=True) if text.startswith("not run"))),
     }
-
-
-def _print(ds: xr.Dataset, files: Sequence[Path]) -> None:
-    data = told(ds)
-    rows = [
-        [
-            row["case"],
-            *(f"{b['method']}  {1e3 * b['seconds']:.2g} ms" if b["method"] else "none" for b in row["cheapest"]),
-        ]
-        for row in data["table"]
-    ]
-    console.print_table(["cheapest method for", *(f"{level:.0e}" for level in LEVELS)], rows)
-    console.say("")
-    counts = f"{data['solved']} rungs solved, {data['failed']} failed, {data['not run']} too long to run"
-    console.say(f"{counts}; {data['machine']}")
-    for file in files:
-        console.say(str(file))
-
-
-def _words(texts: Sequence[str]) -> list[str]:
-    """Each option may be given several times, and may hold several names with commas between."""
-    return [word.strip() for text in texts for word in text.split(",") if word.strip()]

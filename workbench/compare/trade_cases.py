@@ -1,7 +1,7 @@
-"""The named cases on which `workbench trade` measures, and their references.
+"""The named cases of `workbench trade`, and their references.
 
-The references are Taylor series in forty digits (benchmarks/make_trade_references.py), a family apart from every
-method; for the elliptic and the catenary rod the tests hold them against the closed forms.
+The references are Taylor series with forty digits (benchmarks/make_trade_references.py), which no method uses. Tests
+compare those of the elliptic and the catenary rod with the closed forms.
 """
 
 import json
@@ -24,7 +24,7 @@ FILE = "trade_references.json"
 
 @dataclass(frozen=True, eq=False)
 class Named:
-    """A case, what it is in words, and for an ends problem beta'(0) [rad/length] of the equilibrium that is meant."""
+    """A case, its description, and for an ends problem beta'(0) [rad/length] of the equilibrium to compare."""
 
     case: Case
     about: str
@@ -32,7 +32,7 @@ class Named:
 
 
 def in_units_of_rho(lam: float, mu: float, phi: float, span: float, beta0: float, dbeta0: float) -> Case:
-    """A start problem with A = rho = 1 (within rounding) from its dimensionless numbers."""
+    """A start problem from its dimensionless numbers; A = rho = 1 up to rounding."""
     rod, cylinder = _unit(span)
     s, c = np.sin(beta0), np.cos(beta0)
     A, FY = rod.bending_stiffness, lam - mu * c - s**3
@@ -41,7 +41,7 @@ def in_units_of_rho(lam: float, mu: float, phi: float, span: float, beta0: float
 
 
 def ends_in_units_of_rho(lam: float, mu: float, phi: float, span: float, beta0: float, betaL: float) -> Case:
-    """An ends problem with A = rho = 1 (within rounding) from its dimensionless numbers."""
+    """An ends problem from its dimensionless numbers; A = rho = 1 up to rounding."""
     rod, cylinder = _unit(span)
     A = rod.bending_stiffness
     return Case(rod, cylinder, Ends(beta0, betaL, FZ=A * phi, MZ=A * lam, M3=A * mu))
@@ -53,7 +53,7 @@ def _unit(span: float) -> tuple[Rod, Cylinder]:
 
 
 def _by_ends(case: Case, betaL: float) -> Case:
-    """The same rod under the same loads, by its two end angles."""
+    """The rod, beta(0) and loads of a start problem as an ends problem with this beta(L) [rad]."""
     FZ, MZ, M3 = case.loads
     return Case(case.rod, case.cylinder, Ends(case.given.beta, betaL, FZ, MZ, M3))  # type: ignore[union-attr]
 
@@ -68,13 +68,15 @@ def _table_1() -> dict[str, Named]:
 def _cases() -> dict[str, Named]:
     pressed, pulled = READINGS["twist-first/compression/paper"], READINGS["force-first/tension/paper"]
     b, quarter = float(np.pi / 6), float(np.pi / 4)
-    hugging = (-0.3655, 0.7464, -0.7506, 20.0, b, b)
+    near_saddle = (-0.3655, 0.7464, -0.7506, 20.0, b, b)
     return {
         **_table_1(),
-        "elliptic": Named(in_units_of_rho(0, 0, 0, 20.0, b, 0.0), "no load, at rest at the start: exact"),
-        "catenary": Named(in_units_of_rho(0, 0, 0, 20.0, b, float(np.sin(b) ** 2)), "no load, never turns: exact"),
+        "elliptic": Named(in_units_of_rho(0, 0, 0, 20.0, b, 0.0), "no load, beta'(0) = 0: exact"),
+        "catenary": Named(
+            in_units_of_rho(0, 0, 0, 20.0, b, float(np.sin(b) ** 2)), "no load, beta is monotonic: exact"
+        ),
         **{
-            f"gap {gap:.0e}": Named(in_units_of_rho(0, 0, 1.0, 60.0, gap, 0.0), "at rest that near to a saddle")
+            f"gap {gap:.0e}": Named(in_units_of_rho(0, 0, 1.0, 60.0, gap, 0.0), "beta'(0) = 0, that near to a saddle")
             for gap in GAPS
         },
         "long": Named(pulled.case({"L": 400.0}), "force-first/tension, L = 400 cm"),
@@ -85,10 +87,10 @@ def _cases() -> dict[str, Named]:
         ),
         "ends table 1": Named(_by_ends(pressed.case(), quarter), "twist-first/compression, 45 degrees at the end", 0.5),
         "ends stable 1": Named(
-            ends_in_units_of_rho(*hugging), "hugs a saddle and is stable: beta'(0) = -1.538", -1.53804
+            ends_in_units_of_rho(*near_saddle), "stays near a saddle and is stable: beta'(0) = -1.538", -1.53804
         ),
         "ends stable 2": Named(
-            ends_in_units_of_rho(*hugging), "hugs a saddle and is stable: beta'(0) = 2.002", 2.00163
+            ends_in_units_of_rho(*near_saddle), "stays near a saddle and is stable: beta'(0) = 2.002", 2.00163
         ),
     }
 
@@ -97,7 +99,7 @@ CASES: dict[str, Named] = _cases()
 
 
 def chosen(names: list[str]) -> dict[str, Named]:
-    """The cases of these names, or whose first word or part before a slash is one (gap, ends); all for none."""
+    """The cases with these names or first words (gap, ends); default: all. Raises `InputError` for another name."""
     if not names:
         return CASES
     picked: dict[str, Named] = {}
@@ -116,10 +118,10 @@ def _data() -> dict[str, Any]:
 
 
 def reference(name: str) -> Reference:
-    """The reference of a named case; `InputError` for a name without one."""
+    """The reference of a named case. Raises `InputError` if it has none."""
     data = _data()
     if name not in data["cases"]:
-        raise InputError(f"there is no reference for {name!r}: make it with benchmarks/make_trade_references.py")
+        raise InputError(f"no reference for {name!r}: compute it with benchmarks/make_trade_references.py")
     row = data["cases"][name]
     columns = {column: np.array(row[column]) for column in ("beta", "alpha", "z", "contact")}
     return Reference(u=np.array(data["u"]), condition=row["condition"], **columns)

@@ -1,4 +1,4 @@
-"""The branches of a sweep as numbers, and what is said of them."""
+"""The branches of a sweep: their numbers, and a sentence about them."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -10,21 +10,21 @@ NONE = -1  # the branch of a case without a solution
 
 
 def numbered(branch: NDArray[np.int64], every: Iterable[int]) -> NDArray[np.int64]:
-    """Branches counted from 0 in the order of the places that took them up; every: all the numbers that there are."""
+    """Branches renumbered from 0 in the order of the cases where they begin; every: all the old numbers."""
     order = sorted(set(every) - {NONE})
     ranks = np.array([NONE, *range(len(order))])
     return ranks[np.searchsorted(np.array([NONE, *order]), branch)]
 
 
 def counted(branch: NDArray[Any]) -> dict[int, int]:
-    """How many cases each branch has; what is no number counts as `NONE`."""
+    """How many cases each branch has; NaN counts as `NONE`."""
     known = np.nan_to_num(np.asarray(branch, dtype=float), nan=NONE, posinf=NONE, neginf=NONE)
     found, counts = np.unique(known, return_counts=True)
     return {int(one): int(count) for one, count in zip(found, counts, strict=True)}
 
 
 def sentence(counts: Mapping[int, int]) -> str:
-    """What is said of the branches of a grid; counts: branch -> how many cases."""
+    """One sentence about the branches of a grid; counts: branch -> how many cases."""
     sizes = [count for branch, count in sorted(counts.items()) if branch != NONE]
     if not sizes:
         return "no case has an equilibrium"

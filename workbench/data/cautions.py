@@ -1,6 +1,6 @@
-"""What a real rod could not do: shapes that solve the equations, told so that nobody takes them for more.
+"""Cautions: shapes that solve the equations but are not physically realisable.
 
-Judged on the whole rod, as the observables are, so neither on the stations nor on what is stored.
+Like the observables they are judged on the whole rod, whatever its stations and whatever is stored.
 """
 
 from collections import Counter
@@ -12,11 +12,11 @@ import numpy as np
 from solver import Solution
 from solver.observe.observables import error_name, observe
 
-if TYPE_CHECKING:  # a worker has no use for it
+if TYPE_CHECKING:  # workers do not need it
     import xarray as xr
 
 UNKNOWN = "not checked: "
-# what is stored of a case -> what is said of one rod, and of several
+# key stored of a case -> words for one rod, and for several
 TOLD = {
     "too tight": (
         "is bent tighter than its own radius (kappa a > 1)",
@@ -25,7 +25,7 @@ TOLD = {
     "overlaps": ("passes through itself", "pass through themselves"),
     "pulled": ("would lift off where the cylinder has to pull", "would lift off where the cylinder has to pull"),
 }
-UNTOLD = (f"{UNKNOWN}curvature", f"{UNKNOWN}self-contact", f"{UNKNOWN}lift-off")  # where it cannot be told
+UNTOLD = (f"{UNKNOWN}curvature", f"{UNKNOWN}self-contact", f"{UNKNOWN}lift-off")  # keys where it is unknown
 SLIGHT, ROUNDING = 1e-6, 1e-13  # of the largest push along the rod, and of A/rho^3: a smaller pull is none
 JUDGED = ("kappa_max", "overlaps", "push_min", "push_max")  # the observables that a caution is made of
 
@@ -33,10 +33,10 @@ JUDGED = ("kappa_max", "overlaps", "push_min", "push_max")  # the observables th
 def of_cases(sol: Solution, observed: Mapping[str, Any] | None = None) -> Any:
     """For each case the keys of `TOLD` and `UNTOLD` that fit it, commas between, (*cases) of str.
 
-    "" means that the rod was checked and is free of all three, or that the case is not solved. What could not be told
-    is said to be "not checked": the method knows no orbit and its stations are too few, or two stretches of the rod
-    lie so close for so long that looking for self-contact was given up. observed: observables that are known already
-    with their errors, by name.
+    "" means that the rod was checked and is free of all three, or that the case is not solved. "not checked" means that
+    the method knows no orbit and its stations are too few, or that two stretches of the rod are so close over such a
+    length that the search for self-contact was abandoned. observed: observables already known, with their errors, by
+    name.
     """
     known = dict(observed or {})
     needed = [*JUDGED, *(error for name in JUDGED if (error := error_name(name)))]
@@ -68,7 +68,7 @@ def _pulled(sol: Solution, known: Mapping[str, Any]) -> tuple[Any, Any]:
     """Whether the cylinder would have to pull somewhere, and whether it surely does nowhere, (*cases)."""
     told = np.isfinite(known["push_min_error"])
     low, high = np.asarray(known["push_min"]), np.asarray(known["push_max"])
-    if not told.all():  # the stations say what they say
+    if not told.all():  # the stations are all there is
         low, high = np.where(told, low, sol.push.min(axis=-1)), np.where(told, high, sol.push.max(axis=-1))
     least = SLIGHT * np.maximum(np.abs(low), np.abs(high))
     least = least + ROUNDING * sol.case.rod.bending_stiffness / sol.case.rho**3
@@ -86,7 +86,7 @@ def phrase(key: str) -> str:
 
 
 def sentence(ds: "xr.Dataset") -> str:
-    """One sentence on the cases that a real rod could not follow; empty where there are none, or none stored."""
+    """One sentence on the cases that are not physically realisable; empty where there are none, or none stored."""
     return said(ds["caution"].values) if "caution" in ds else ""
 
 
@@ -108,9 +108,9 @@ def _impossible(cases: int, counts: Mapping[str, int]) -> str:
         return ""
     if cases == 1:
         facts = [TOLD[key][0] for key in found]
-        return f"The rod {_listed(facts)}: no real rod that only rests on the cylinder takes this shape."
+        return f"The rod {_listed(facts)}: this shape is not physically realisable."
     facts = [f"{count} {TOLD[key][min(count - 1, 1)]}" for key, count in found.items()]
-    return f"Of {cases} rods {_listed(facts)}: no real rod that only rests on the cylinder takes such shapes."
+    return f"Of {cases} rods {_listed(facts)}: such shapes are not physically realisable."
 
 
 def _unknown(cases: int, counts: Mapping[str, int]) -> str:
@@ -119,7 +119,7 @@ def _unknown(cases: int, counts: Mapping[str, int]) -> str:
         return ""
     if cases == 1:
         return f"The rod was not checked for {_listed(list(found))}."
-    return f"Not checked were {_listed([f'{count} of {cases} for {what}' for what, count in found.items()])}."
+    return f"Not checked: {_listed([f'{count} of {cases} for {what}' for what, count in found.items()])}."
 
 
 def _listed(facts: list[str]) -> str:

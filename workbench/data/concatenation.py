@@ -1,4 +1,4 @@
-"""Datasets joined along one axis, streamed: a block of each variable is read, checked and written at a time."""
+"""Datasets concatenated along one axis, block by block, so that memory stays small."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -63,9 +63,9 @@ def unite(axis: str, rows: Sequence[NDArray[np.float64]]) -> Union:
 
 
 def layout(files: Sequence[xr.Dataset], union: Union, axes: Sequence[str]) -> tuple[xr.Dataset, list[Joined]]:
-    """What does not vary along the axis, as a dataset with all coordinates and their labels, and what does.
+    """A dataset of all coordinates and of what does not vary along the axis, and a list of the variables that do.
 
-    A field of the case is stored without an axis of one value: it has that axis here if the files differ in it.
+    A field of the case is stored without an axis of one value; it gets that axis if the files differ in the field.
     """
     first = files[0]
     fixed: dict[str, Any] = {}

@@ -1,4 +1,4 @@
-"""From a solution to a labelled dataset: one dimension an axis, units and long names on everything."""
+"""Make the labelled dataset of a study: one dimension for each axis, units and long names on every variable."""
 
 import json
 import platform
@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver import Case
-from solver.observe.sampling import ORBITS
+from solver.observe.solution_pieces import ORBITS
 from studies import Study
 from studies.axes import quantity_of
 
@@ -21,7 +21,7 @@ from . import cautions
 from .schema import COMPONENTS, FORMAT, INNER, LOADS, Columns, curve_name, dimension, labels, laws_text
 
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
-# How exact the observables are.
+# How exact the observables are, in words.
 RESOLVED = "the observables are those of the whole rod, taken from its orbit: each has its own error"
 AT_STATIONS = (
     "this method knows the rod at its stations only, and the observables are those of polynomials between them: their "
@@ -32,7 +32,7 @@ SCALARS = ("R", "a", "L", "rho", "E", "nu")
 
 @dataclass(frozen=True)
 class Stored:
-    """One variable over the axes: which column it is, the name in the file, its dimensions and its quantity."""
+    """A variable over the axes: its column, its name in the file, its dimensions and its quantity."""
 
     column: str
     name: str
@@ -61,7 +61,7 @@ def stored(study: Study, fields: Sequence[str]) -> list[Stored]:
 
 
 def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], columns: Columns, first: str = "") -> xr.Dataset:
-    """The dataset of a study as it was run, from its columns (`chunks.columns`) in the order of the grid.
+    """The dataset of a study as it was run, from its columns (`run.block.columns`) in the order of the grid.
 
     coordinates: the values of each axis. first: how the equilibrium of a sweep's first case was taken.
     """
@@ -75,7 +75,7 @@ def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], columns: 
 
 
 def frame(study: Study, coordinates: Mapping[str, NDArray[np.float64]], first: str = "") -> xr.Dataset:
-    """The dataset without what is stored of each case: coordinates, what varies with its own axis only, attributes."""
+    """The dataset without the variables of each case: coordinates, fields of the case, attributes."""
     axes = tuple(map(dimension, coordinates))
     units = study.unit_system
     case = study.case() if study.follow else study.case_of(_open(coordinates))

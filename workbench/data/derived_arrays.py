@@ -1,4 +1,4 @@
-"""Arrays along the rod of a stored dataset: read, or computed from what is stored, or of its cases solved again.
+"""Arrays along the rod of a stored dataset: as stored, else computed from stored ones, else solved again.
 
 Computed arrays are lazy where the stored ones are.
 """
@@ -13,7 +13,8 @@ import xarray as xr
 
 from solver import Case, Rod, Solution
 from solver.mechanics import frames, statics
-from solver.mechanics.potential import potential
+from solver.mechanics.contact import contact_force, push_from
+from solver.mechanics.potential import dimensional_slope, potential
 from studies import Study
 from studies.model import OUTPUTS
 
@@ -33,7 +34,7 @@ _LONG_NAMES = {
 
 @dataclass(frozen=True)
 class Stored:
-    """A dataset, or a selection of one, with its study; case and solution are asked for only at need."""
+    """A dataset, or a selection of one, with its study; case and solution are made only when needed."""
 
     ds: xr.Dataset
     study: Study
@@ -51,7 +52,10 @@ class Stored:
         return result.rename(name).assign_attrs(self._labels(name))
 
     def implied(self, name: str, above: tuple[str, ...]) -> Any:
-        """The array as stored, or from stored ones; None where they do not suffice. above: what asks for it."""
+        """The array as stored, or computed from stored ones; None where they do not suffice.
+
+        above: the arrays for which it is needed.
+        """
         key = schema.curve_name(name)
         if key in self.ds.data_vars:
             return self.ds[key]
@@ -80,7 +84,7 @@ class Stored:
         told = schema.labels("contact" if name == "push" else "u", units)
         return {"units": told["units"], "long_name": _LONG_NAMES[name]}
 
-    # what of a case does not vary along the rod, over the axes
+    # constants of each case
 
     def constant(self, name: str) -> xr.DataArray:
         """E, a, rho, FZ, MZ or M3: read, or from the case."""
@@ -128,8 +132,8 @@ class Stored:
 
 def _contact(at: Stored, FY: Any, beta: Any, dbeta: Any) -> Any:
     l, m, p = at.lmp
-    H = statics.slope(l, m, p, at.rho, beta)
-    return statics.contact(at.A, m, at.rho, FY, H, beta, dbeta)
+    H = dimensional_slope(l, m, p, at.rho, beta)
+    return contact_force(at.A, m, at.rho, FY, H, beta, dbeta)
 
 
 def _FY(at: Stored, beta: Any) -> Any:
@@ -138,7 +142,7 @@ def _FY(at: Stored, beta: Any) -> Any:
 
 
 def _push(at: Stored, contact: Any) -> Any:
-    return -contact if reading.text(at.ds, "side") == "inside" else contact
+    return push_from(contact, reading.text(at.ds, "side"))
 
 
 def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:
@@ -149,7 +153,7 @@ def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:
                           output_dtypes=[float], dask_gufunc_kwargs=sizes)  # fmt: skip
 
 
-# name -> what it is made of, and how; each formula is the solver's own.
+# name -> the arrays it needs, and the formula, which is the solver's own
 RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
     "dbeta": (("M1",), lambda at, M1: M1 / at.A),
     "kappa": (("beta", "dbeta"), lambda at, b, db: statics.curvature(at.rho, b, db)),

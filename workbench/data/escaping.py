@@ -1,16 +1,18 @@
-"""Text from files and from anyone, as a terminal and as a line of a message may have it. Imports nothing heavy."""
+"""Escape untrusted text for terminals, messages and JSON. Imports nothing heavy."""
 
 import json
+import math
 import re
+from typing import Any
 
-LONGEST = 4000  # characters of a line that is printed; what is longer is cut
-_COMMANDS = re.compile(r"[^\n\t\x20-\x7e]")  # what may command a terminal is among these
+LONGEST = 4000  # characters of a printed line; the rest is cut
+_COMMANDS = re.compile(r"[^\n\t\x20-\x7e]")  # control sequences of terminals are among these
 
 
 def lines(text: str) -> str:
-    """The text with its lines, without what would command a terminal: that is written as Python writes it.
+    """The text with control characters, direction marks and line separators escaped as by `repr`.
 
-    Control characters, marks of direction and line separators are `repr`'s escapes; a line beyond `LONGEST` is cut.
+    Line breaks stay; a line beyond `LONGEST` is cut.
     """
     safe = _COMMANDS.sub(lambda found: found[0] if found[0].isprintable() else repr(found[0])[1:-1], text)
     if len(safe) <= LONGEST:
@@ -19,15 +21,26 @@ def lines(text: str) -> str:
 
 
 def line(text: str) -> str:
-    """As `lines`, all in one line."""
+    """As `lines`, in one line."""
     return lines(text.replace("\n", "\\n").replace("\t", " "))
 
 
 def is_line(text: str, longest: int) -> bool:
-    """Whether it can be shown as it stands: printable characters of one line, at most so many."""
+    """Whether it is one line of at most so many printable characters."""
     return len(text) <= longest and text.isprintable()
 
 
 def in_json(text: str) -> str:
-    """JSON in which strings keep the letters of every language, but what would command a terminal is escaped."""
+    """JSON text in which unprintable characters are escaped; letters of every language stay."""
     return _COMMANDS.sub(lambda found: found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1], text)
+
+
+def finite(data: Any) -> Any:
+    """Plain data as JSON can hold it: NaN and infinity become None, keys become text."""
+    if isinstance(data, dict):
+        return {str(key): finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [finite(value) for value in data]
+    if isinstance(data, float) and not math.isfinite(data):
+        return None
+    return data

@@ -1,8 +1,7 @@
-"""Files at the door: what a file is, looked at with care before anything in it is believed. Needs no xarray.
+"""Validate untrusted HDF5 files. Needs no xarray.
 
-A file may come from anyone. Links out of it are not followed, filters that HDF5 would load from elsewhere are not
-loaded, claimed sizes are held against the bytes that are there, and nothing read from it is executed. What is refused
-is refused with `InputError`, in one sentence.
+Links out of a file are not followed, filter plug-ins are not loaded, claimed sizes are compared with the bytes that are
+stored, and nothing read from a file is executed. Each refusal is an `InputError` of one sentence.
 """
 
 import os
@@ -21,12 +20,12 @@ UNREADABLE = (
 )  # fmt: skip
 
 FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}  # HDF5's own, no plug-ins
-DEFLATED = 1032  # deflate packs no better than that; an array larger than this times its bytes is not all there
+DEFLATED = 1032  # the best ratio of deflate; an array that claims a better one is not all stored
 MOST_VARIABLES = 1000
 
 
 @contextmanager
-def looked_at(path: str | Path) -> Iterator[h5py.File]:
+def validated(path: str | Path) -> Iterator[h5py.File]:
     """An HDF5 file of plain arrays, open for reading; `InputError` where it is not one."""
     path = Path(path)
     _check_file(path)
@@ -37,7 +36,7 @@ def looked_at(path: str | Path) -> Iterator[h5py.File]:
 
 @contextmanager
 def refusing(path: str | Path) -> Iterator[None]:
-    """Whatever reading the file raises inside is an `InputError` that names it."""
+    """Turn whatever the body raises on reading the file into an `InputError` that names it."""
     try:
         yield
     except InputError:
@@ -51,7 +50,7 @@ def refusing(path: str | Path) -> Iterator[None]:
 
 @contextmanager
 def reading(path: str | Path) -> Iterator[None]:
-    """As `refusing`, for numbers that are read after the file was opened: only what HDF5 itself raises."""
+    """As `refusing`, for numbers read after the file was opened: only what HDF5 itself raises."""
     try:
         yield
     except (OSError, RuntimeError, UnicodeDecodeError):
@@ -59,11 +58,11 @@ def reading(path: str | Path) -> Iterator[None]:
 
 
 def _check_file(path: Path) -> None:
-    """A regular file that may be read; a pipe would keep a reader waiting for ever."""
+    """Raise `InputError` unless it is a regular file that may be read; a pipe would block for ever."""
     try:
         mode = os.stat(path).st_mode
     except FileNotFoundError:
-        raise InputError(f"there is no file {path}") from None
+        raise InputError(f"file not found: {path}") from None
     except PermissionError:
         raise InputError(f"cannot read {path}: permission denied") from None
     except (OSError, ValueError) as error:
@@ -72,49 +71,47 @@ def _check_file(path: Path) -> None:
     if stat.S_ISDIR(mode):
         raise InputError(f"{path} is a folder, not a dataset")
     if path.suffix == ".toml":
-        raise InputError(f"{path} is a study, not a dataset: workbench run makes one of it")
+        raise InputError(f"{path} is a study, not a dataset; make the dataset with: workbench run {path}")
     if not stat.S_ISREG(mode):
-        raise InputError(f"{path} is no regular file")
+        raise InputError(f"{path} is not a regular file")
 
 
 def _check_inside(file: h5py.File, path: Path) -> None:
-    """Plain arrays in one folder, all of them in this file."""
+    """Raise `InputError` unless the file holds plain arrays in one group and nothing else."""
     if len(file) > MOST_VARIABLES:
         raise InputError(f"{path} holds {len(file)} variables; a study's dataset has at most {MOST_VARIABLES}")
     for name in file:
         what = f"{path}: {shown(name)}"
         link = file.get(name, getlink=True)
         if not isinstance(link, h5py.HardLink):
-            raise InputError(f"{what} is a link to elsewhere, which is not followed")
+            raise InputError(f"{what} is a link to another place; links are not followed")
         variable = file[name]
         if not isinstance(variable, h5py.Dataset):
-            raise InputError(f"{what} is no array, but a study's dataset holds nothing else")
+            raise InputError(f"{what} is not an array; a study's dataset holds only arrays")
         _check_stored(variable, what)
 
 
 def _check_stored(variable: h5py.Dataset, what: str) -> None:
     if variable.is_virtual or variable.external:
-        raise InputError(f"{what} is stored in another file, which is not followed")
+        raise InputError(f"{what} is stored in another file; links are not followed")
     text = h5py.check_string_dtype(variable.dtype) is not None
     if not text and variable.dtype.kind not in "iufS":
-        raise InputError(f"{what} holds neither numbers nor text, but {variable.dtype}")
+        raise InputError(f"{what} must hold numbers or text, got {variable.dtype}")
     if variable.shape is None or 0 in variable.shape:
         raise InputError(f"{what} is empty: its shape is {variable.shape}")
     made = variable.id.get_create_plist()
     unknown = {made.get_filter(i)[0] for i in range(made.get_nfilters())} - FILTERS
     if unknown:
-        raise InputError(
-            f"{what} is packed by the filter {min(unknown)}, but only gzip, shuffle and fletcher32 are read"
-        )
+        raise InputError(f"{what} is compressed with filter {min(unknown)}; only gzip, shuffle and fletcher32 are read")
     without_values = variable.attrs.get("NAME", b"")
     if bytes(without_values).startswith(b"This is a netCDF dimension but not a netCDF variable"):
         return
     stored = variable.id.get_storage_size()
     if variable.nbytes > DEFLATED * stored:
-        raise InputError(f"{what} should hold {variable.nbytes} bytes, but only {stored} packed ones are there")
+        raise InputError(f"{what} claims {variable.nbytes} bytes, but only {stored} compressed bytes are stored")
 
 
 def shown(value: object) -> str:
-    """A value from a file as a message may show it: on one line, and not endless."""
+    """A value from a file as a message may show it: on one line, at most 60 characters."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."

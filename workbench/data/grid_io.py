@@ -1,4 +1,4 @@
-"""Rows of a grid that is stored with one dimension an axis: cases in flat order, read and written piece by piece."""
+"""Read and write cases in flat order, piece by piece, where the file has one dimension for each axis."""
 
 import math
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Slab = tuple[tuple[Any, ...], int]  # an index into the leading axes, and how many cases it picks
 
-PACKED = 2**16  # values packed together in the file: 512 kB
+PACKED = 2**16  # values of an HDF5 chunk: 512 kB
 
 
 def slabs(shape: tuple[int, ...], start: int, stop: int) -> Iterator[Slab]:
@@ -56,7 +56,7 @@ def read(variable: Any, shape: tuple[int, ...], start: int, stop: int) -> NDArra
 
 
 def packing(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """How many values along each dimension are packed together: a stretch of the flat order."""
+    """The shape of an HDF5 chunk: a stretch of the flat order."""
     sizes, left = [], PACKED
     for size in reversed(shape):
         sizes.append(max(1, min(size, left)))

@@ -1,4 +1,4 @@
-"""Do the laws of a stored dataset hold? Reads datasets and never solves."""
+"""The verdicts on the laws of a stored dataset; nothing is solved."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""Stored datasets, opened lazily: that a file is a study's dataset, and whole, after `door` has looked at it."""
+"""Stored datasets opened lazily, after their file (`file_checks`), layout and values (`value_checks`) are validated."""
 
 import json
 import warnings
@@ -12,24 +12,24 @@ from studies import names
 from studies.laws import Law
 
 from . import escaping, value_checks
-from .file_checks import looked_at, refusing, shown
+from .file_checks import refusing, shown, validated
 from .schema import CURVES, FORMAT, INNER
 
-# The attributes that say a dataset is a study's, and those that say how to read it.
+# The attributes that mark a study's dataset, and all that are text.
 NEEDED = ("title", "study_name", "laws")
 TEXTS = (*NEEDED, "study", "reading", "side", "stiffness", "length_unit", "force_unit", "method", "versions")
 
 EACH = ("solved", "caution", "error", "condition")  # of every case, beside the outcome
 WORDS = ("outcome", "caution", "xyz")  # the variables that are text; `solved` is boolean, all others are numbers
-SCALED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")  # by which numbers are stored as others
+SCALED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")  # attributes by which xarray changes numbers
 
 MOST_TEXT = 64_000_000  # bytes of an attribute
 
 
 def opened(path: str | Path) -> xr.Dataset:
-    """A study's dataset, opened lazily: numbers are read when they are asked for. To be closed after use.
+    """A study's dataset, opened lazily; to be closed after use.
 
-    Raises `InputError` where the file is missing, damaged, of a newer version, or no study's dataset.
+    Raises `InputError` where the file is missing, damaged, of another format, or not a study's dataset.
     """
     ds = raw(path)
     try:
@@ -43,15 +43,15 @@ def opened(path: str | Path) -> xr.Dataset:
 
 def raw(path: str | Path) -> xr.Dataset:
     """Any netCDF4 file of plain arrays, opened lazily; `InputError` where it is not one."""
-    with looked_at(path):
+    with validated(path):
         pass
     with refusing(path), warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # xarray's, of what is refused below
+        warnings.simplefilter("ignore")  # of xarray, on files that are refused below
         return xr.open_dataset(path, engine="h5netcdf", phony_dims="access", cache=False, decode_times=False)
 
 
 def _check_study(ds: xr.Dataset, path: str | Path) -> None:
-    """The attributes, dimensions and kinds that every command relies on."""
+    """Raise `InputError` unless it has the attributes, dimensions and kinds that every command relies on."""
     missing = [name for name in NEEDED if name not in ds.attrs]
     if missing or "outcome" not in ds:
         raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
@@ -59,7 +59,7 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
     for name in TEXTS:
         value = ds.attrs.get(name)
         if not isinstance(value, str) or len(value) > MOST_TEXT:
-            kind = "missing" if value is None else f"no text of at most {MOST_TEXT} characters"
+            kind = "missing" if value is None else f"not text of at most {MOST_TEXT} characters"
             raise InputError(f"{path}: the attribute {name} is {kind}")
     if not 0 < number(ds, "tolerance", path) < 1:
         raise InputError(f"{path}: the attribute tolerance is not between 0 and 1")
@@ -83,7 +83,7 @@ def _check_format(ds: xr.Dataset, path: str | Path) -> None:
     """Only the format of this version is read; a study is cheap to solve again."""
     found = np.asarray(ds.attrs.get("format", 1))
     if found.size != 1 or found.dtype.kind not in "iu":
-        raise InputError(f"{path}: the attribute format is no whole number, but {shown(ds.attrs['format'])}")
+        raise InputError(f"{path}: the attribute format must be a whole number, got {shown(ds.attrs['format'])}")
     if found.item() > FORMAT:
         raise InputError(f"{path} is of format {found.item()}, but this version reads format {FORMAT}")
     if found.item() < FORMAT:
@@ -94,12 +94,12 @@ def _check_format(ds: xr.Dataset, path: str | Path) -> None:
 
 
 def _check_axis(ds: xr.Dataset, name: str, path: str | Path) -> None:
-    """A coordinate of finite, different numbers."""
+    """Raise `InputError` unless the axis has finite, different numbers."""
     if name not in ds.coords or ds[name].dtype.kind != "f":
         raise InputError(f"{path}: the axis {shown(name)} has no values")
     values = ds[name].values
     if not np.isfinite(values).all():
-        raise InputError(f"{path}: the axis {shown(name)} holds values that are no finite numbers")
+        raise InputError(f"{path}: the axis {shown(name)} holds values that are not finite")
     if np.unique(values).size < values.size:
         raise InputError(f"{path}: the axis {shown(name)} holds a value twice")
 
@@ -114,22 +114,22 @@ def _check_variable(name: str, variable: xr.Variable, axes: list[str], path: str
         raise InputError(f"{path}: {shown(name)} has the dimensions {shown(dims)}, which do not fit the axes")
     scaled = [key for key in SCALED if key in variable.encoding]
     if scaled:
-        raise InputError(f"{path}: {shown(name)} has the attribute {scaled[0]}, with which no study is stored")
+        raise InputError(f"{path}: {shown(name)} has the attribute {scaled[0]}, which the format does not allow")
     fill = np.asarray(variable.encoding.get("_FillValue", np.nan))
     if fill.size != 1 or fill.dtype.kind not in "iuf":
-        raise InputError(f"{path}: the attribute _FillValue of {shown(name)} is no number")
+        raise InputError(f"{path}: the attribute _FillValue of {shown(name)} must be a number")
     wanted, kinds = ("text", "OUST") if name in WORDS else ("numbers", "iuf")
     if name == "solved":
         wanted, kinds = "booleans", "b"
     if variable.dtype.kind not in kinds:
-        raise InputError(f"{path}: {shown(name)} holds no {wanted}, but {variable.dtype}")
+        raise InputError(f"{path}: {shown(name)} must hold {wanted}, got {variable.dtype}")
 
 
 def text(ds: xr.Dataset, name: str) -> str:
-    """An attribute that is text, of a dataset that came by another door; `InputError` otherwise."""
+    """An attribute that is text, of a dataset that was not opened here; `InputError` otherwise."""
     value = ds.attrs.get(name)
     if not isinstance(value, str):
-        raise InputError(f"the dataset's attribute {name} is {'missing' if value is None else 'no text'}")
+        raise InputError(f"the dataset's attribute {name} is {'missing' if value is None else 'not text'}")
     return value
 
 
@@ -137,25 +137,25 @@ def number(ds: xr.Dataset, name: str, path: str | Path = "the dataset") -> float
     """An attribute that is one number; `InputError` otherwise."""
     value = np.asarray(ds.attrs.get(name))
     if value.size != 1 or value.dtype.kind not in "iuf":
-        raise InputError(f"{path}: the attribute {name} is no number, but {shown(ds.attrs.get(name))}")
+        raise InputError(f"{path}: the attribute {name} must be a number, got {shown(ds.attrs.get(name))}")
     return float(value.item())
 
 
 def laws(ds: xr.Dataset, path: str | Path = "the dataset") -> list[Law]:
-    """The laws that the dataset's study states; `InputError` where the attribute is no list of laws."""
+    """The laws that the dataset's study states; `InputError` where the attribute is not a list of laws."""
     try:
         found = [Law.model_validate(row) for row in json.loads(ds.attrs["laws"])]
     except (KeyError, ValueError, TypeError, RecursionError):
-        raise InputError(f"{path}: the attribute laws is no list of laws in JSON") from None
+        raise InputError(f"{path}: the attribute laws is not a list of laws in JSON") from None
     for law in found:
         for name, said in law.model_dump().items():
             if isinstance(said, str) and not escaping.is_line(said, value_checks.LINE):
-                raise InputError(f"{path}: {name} of a law is no line of text, but {shown(said)}")
+                raise InputError(f"{path}: {name} of a law must be one line of text, got {shown(said)}")
     return found
 
 
 def versions(ds: xr.Dataset, path: str | Path = "the dataset") -> dict[str, str]:
-    """What the dataset was made with, package -> version; `InputError` where the attribute says nothing of the kind."""
+    """The versions the dataset was made with, by package; `InputError` where the attribute is not such a table."""
     try:
         found = json.loads(ds.attrs["versions"])
     except (KeyError, ValueError, TypeError, RecursionError):
@@ -163,5 +163,5 @@ def versions(ds: xr.Dataset, path: str | Path = "the dataset") -> dict[str, str]
     if not isinstance(found, dict) or not all(
         escaping.is_line(f"{a} {b}", value_checks.LABEL) for a, b in found.items()
     ):
-        raise InputError(f"{path}: the attribute versions is no table in JSON")
+        raise InputError(f"{path}: the attribute versions is not a table in JSON")
     return {str(name): str(number) for name, number in found.items()}

@@ -1,7 +1,7 @@
-"""Whether the texts and numbers of a stored dataset can be what they are said to be: looked at before they are used.
+"""Validate the texts and numbers of a stored dataset before they are used.
 
-Nothing is changed. `opening` calls `texts`, `fields` and `each` of every file, which read no array along the rod, and
-`store.read` calls `curves` of what is then in memory. All raise `InputError`, which names the file and the variable.
+`reading` calls `texts`, `fields` and `each` for every file; they read no array along the rod. `writing.read` calls
+`curves` for the dataset in memory. All raise `InputError` with the file and the variable, and change nothing.
 """
 
 from collections.abc import Mapping
@@ -22,22 +22,21 @@ from .file_checks import shown
 from .schema import CURVES, LOADS, TEXTS
 
 LINE, LABEL = 10_000, 1000  # characters of an attribute of the file, and of a variable
-LONG = ("study", "laws", "versions", "recipe", "told", "branches", "rows")  # of many lines, or JSON; never printed
+LONG = ("study", "laws", "versions", "recipe", "statistics", "branches", "rows")  # of many lines, or JSON; not printed
 JUDGED = ("error", "condition")  # of each case
 BLOCK = 100_000  # cases that are read at a time
 LABELS = ("units", "long_name", "symbol", "reading")
 WORDS: Mapping[str, Any] = {"side": SIDES, "stiffness": STIFFNESS, "length_unit": LENGTHS, "force_unit": FORCES}
 POSITIVE = ("E", "a", "R", "L", "rho")
-# Of fields in their own units, and of loads and lengths in those of the problem without dimensions: beyond, squares and
-# fourth powers leave what a float can hold.
+# Of fields in their own units, and of dimensionless loads and lengths: beyond, squares and fourth powers overflow.
 SMALLEST, LARGEST, MOST = 1e-50, 1e50, 1e30
-MOST_ANGLE = 1e12  # rad: beyond, a float no longer says which way it points to a ten-thousandth
-SAME = 1e-9  # of itself that a number may differ from what others say it is
-STRAIGHT = 1e-6  # of the arc by which a chord may exceed it, for rounding and for the error of the method
+MOST_ANGLE = 1e12  # rad: beyond, a float cannot hold the direction to 1e-4
+SAME = 1e-9  # relative, between a stored number and what it follows from
+STRAIGHT = 1e-6  # share of the arc by which its chord may exceed it: rounding and the error of the method
 
 
 def texts(ds: xr.Dataset, path: str | Path) -> None:
-    """That every text is of letters, in a line that can be shown, and names what it is to name."""
+    """Raise `InputError` unless every text is printable and every word is one of its choices."""
     for key, value in ds.attrs.items():
         longest = None if key in LONG else LINE
         _text(str(key), LABEL, f"{path}: the name of an attribute")
@@ -53,7 +52,7 @@ def texts(ds: xr.Dataset, path: str | Path) -> None:
             if isinstance(value, str):
                 _text(value, LABEL, what)
             elif key in LABELS:
-                raise InputError(f"{what} is no text")
+                raise InputError(f"{what} is not text")
 
 
 def _text(text: str, longest: int | None, what: str) -> None:
@@ -61,23 +60,23 @@ def _text(text: str, longest: int | None, what: str) -> None:
     try:
         text.encode()
     except UnicodeEncodeError:
-        raise InputError(f"{what} is no text in UTF-8: {shown(text)}") from None
+        raise InputError(f"{what} is not UTF-8 text: {shown(text)}") from None
     if longest is None:
         if any(ord(one) < 32 and one not in "\n\r\t" for one in text) or any("\x7f" <= one <= "\x9f" for one in text):
             raise InputError(f"{what} holds control characters")
     elif not escaping.is_line(text, longest):
-        raise InputError(f"{what} is no line of text, but {shown(text)}")
+        raise InputError(f"{what} must be one line of text, got {shown(text)}")
 
 
 def fields(ds: xr.Dataset, path: str | Path) -> None:
-    """That the rod, its cylinder and the places along it can be: finite, positive, in order and in accord."""
+    """Raise `InputError` unless rod, cylinder and stations are finite, positive, in order and consistent."""
     number = {name: ds[name] for name in (*POSITIVE, "nu") if name in ds.variables}
     for name, variable in number.items():
         if variable.dtype.kind != "f":
-            raise InputError(f"{path}: {name} is no floating-point number, but {variable.dtype}")
+            raise InputError(f"{path}: {name} must be a floating-point number, got {variable.dtype}")
         values = variable.values.astype(float)
         if not np.isfinite(values).all():
-            raise InputError(f"{path}: {name} is not finite, but {_worst(values, np.isfinite(values))}")
+            raise InputError(f"{path}: {name} must be finite, got {_worst(values, np.isfinite(values))}")
         low, high = (SMALLEST, LARGEST) if name in POSITIVE else (np.nextafter(-1.0, 0.0), 0.5)
         good = (values >= low) & (values <= high)
         if not good.all():
@@ -92,26 +91,26 @@ def fields(ds: xr.Dataset, path: str | Path) -> None:
 
 
 def _places(ds: xr.Dataset, L: xr.DataArray | None, path: str | Path) -> None:
-    """u rises from 0 to 1, and s as L u."""
+    """Raise `InputError` unless u rises from 0 to 1 and s is u L."""
     if "u" not in ds.variables or ds["u"].dims != ("u",):
         return
     u = ds["u"].values
     if u.dtype.kind != "f" or not np.isfinite(u).all() or u.min() < 0 or u.max() > 1 or not (np.diff(u) > 0).all():
-        raise InputError(f"{path}: u does not rise from 0 to 1")
+        raise InputError(f"{path}: u must rise from 0 to 1")
     if "s" not in ds.variables or L is None:
         return
     expected = L * ds["u"]
     missing = {*expected.dims} - {*ds["s"].dims}  # an axis of one value is none of a field's
     fits = {*ds["s"].dims} <= {*expected.dims} and all(expected.sizes[dim] == 1 for dim in missing)
     if not fits or not bool((np.abs(ds["s"] - expected) <= SAME * L).all()):
-        raise InputError(f"{path}: s is not the share u of L")
+        raise InputError(f"{path}: s must be u L")
 
 
 def each(ds: xr.Dataset, path: str | Path) -> None:
-    """That what is one number or text a case can be: a line, an error of what was solved, loads that a float holds."""
+    """Raise `InputError` unless the texts, errors and loads of each case are valid, read block by block."""
     for name in (*JUDGED, *LOADS):
         if name in ds.variables and ds[name].dtype.kind not in "iuf":
-            raise InputError(f"{path}: {name} holds no numbers, but {ds[name].dtype}")
+            raise InputError(f"{path}: {name} must hold numbers, got {ds[name].dtype}")
     names = [name for name in ("solved", *TEXTS, *JUDGED, *LOADS, "E", "a", "rho") if name in ds.variables]
     for where in blocks(ds["outcome"].shape, BLOCK):
         _block(ds[names].isel(dict(zip(ds["outcome"].dims, where, strict=True))).load(), path)
@@ -125,7 +124,7 @@ def _block(ds: xr.Dataset, path: str | Path) -> None:
                 _text(str(text), LABEL, f"{path}: one of {name}")
     for name in JUDGED:
         if name in ds.data_vars and not (ds[name].values[solved] >= 0).all():
-            raise InputError(f"{path}: {name} of a solved case is no number, or negative")
+            raise InputError(f"{path}: {name} of a solved case must be a number and not negative")
     sizes = {name: ds[name] for name in ("E", "a", "rho") if name in ds.variables}
     if len(sizes) < 3:
         return
@@ -139,12 +138,12 @@ def _block(ds: xr.Dataset, path: str | Path) -> None:
 
 
 def curves(ds: xr.Dataset, path: str | Path) -> None:
-    """That the curves of solved cases are finite, and move along and about the cylinder no farther than their arc."""
+    """Raise `InputError` unless the curves of solved cases are finite, and no chord is longer than its arc."""
     solved = ds["solved"].variable
     for key, name in CURVES.items():
         if key in ds.data_vars and "u" in ds[key].dims:
             if ds[key].dtype.kind not in "iuf" or ds[key].dims[: solved.ndim] != solved.dims:
-                raise InputError(f"{path}: {shown(key)} is no array of numbers along each rod")
+                raise InputError(f"{path}: {shown(key)} is not an array of numbers along each rod")
             most = MOST_ANGLE if name in ("beta", "alpha", "gamma") else MOST
             if not (np.abs(ds[key].values[solved.values]) < most).all():
                 raise InputError(f"{path}: {shown(key)} of a solved case is not finite, or beyond {most:g}")

@@ -1,4 +1,4 @@
-"""Datasets to and from HDF5 (netCDF4-compatible), written aside and renamed: a half file replaces nothing."""
+"""Datasets written to HDF5 (netCDF4-compatible) by an atomic replacement, and read whole into memory."""
 
 import os
 from pathlib import Path
@@ -12,11 +12,10 @@ from . import atomic, file_checks, reading, schema, value_checks
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
-    """Store a dataset under `path` and return it.
+    """Store a dataset under `path` and return the path.
 
-    A file that is already there gives way only if it is a dataset of the same study, or with `force`. Raises
-    `InputError` where it is something else, or where the folder cannot be written; what was there then stays
-    as it was.
+    An existing file is replaced only if it is a dataset of the same study, or with `force`. Raises `InputError` where
+    it is something else, or where the folder cannot be written; the existing file then stays as it was.
     """
     path = Path(path)
     check_parent(path)
@@ -30,7 +29,7 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
 def read(path: str | Path, study: bool = True) -> xr.Dataset:
     """A study's dataset (or, where `study` is False, any that the workbench wrote), all in memory.
 
-    Raises `InputError` where the file is missing, cut short, not ours, or too large, or holds what cannot be.
+    Raises `InputError` where the file is missing, damaged, foreign or too large, or holds invalid values.
     """
     with reading.opened(path) if study else reading.raw(path) as ds:
         if ds.nbytes > _memory():
@@ -48,7 +47,7 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
 
 
 def _memory() -> int:
-    """Of this machine [bytes]."""
+    """The memory of this machine [bytes]."""
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
 
 
@@ -65,16 +64,16 @@ def check_free(path: str | Path, study_name: str) -> None:
     except InputError:
         there = None
     if there is None:
-        raise InputError(f"{path} exists and is no dataset of a study; give --force to replace it")
+        raise InputError(f"{path} exists and is not a study's dataset; give --force to replace it")
     if there != study_name:
         raise InputError(f"{path} holds the study {there!r}, not {study_name!r}; give --force to replace it")
 
 
 def check_parent(path: str | Path) -> None:
-    """Raise `InputError` unless the folder of a file is there and can be written."""
+    """Raise `InputError` unless the folder of a file exists and can be written."""
     folder = Path(path).parent
     if not folder.is_dir():
-        raise InputError(f"cannot write {path}: there is no folder {folder}")
+        raise InputError(f"cannot write {path}: folder not found: {folder}")
     check_folder(folder)
 
 

@@ -1,12 +1,12 @@
 """Every quantity at the stations of a stored rod, with its unit: the columns of CSV and VTP."""
 
 from dataclasses import dataclass
-from types import SimpleNamespace
 
 import numpy as np
 
 from solver.mechanics import frames, statics
-from solver.mechanics.potential import potential
+from solver.mechanics.contact import contact_force
+from solver.mechanics.potential import Loads, potential
 from solver.problem.quantities import QUANTITIES, unit_of
 
 from ..data import schema
@@ -53,12 +53,12 @@ def computed(line: Centreline) -> dict[str, Array]:
     A, l, m, p, rho, beta, dbeta = line.A, line.l, line.m, line.p, line.rho, line.beta, line.dbeta
     FY = statics.circumferential_force(A, l, m, rho, beta)
     F2, F3 = statics.surface_forces(FY, A * p, beta)
-    reduced = SimpleNamespace(lam=l * rho, mu=m * rho, phi=p * rho**2)
+    reduced = Loads(lam=l * rho, mu=m * rho, phi=p * rho**2)
     return {
         "s": line.s, "alpha": line.alpha, "beta": beta, "dbeta": dbeta, "z": line.z,
         "kappa": statics.curvature(rho, beta, dbeta),
         "F1": statics.normal_force(A, m, rho, beta, dbeta), "F2": F2, "F3": F3, "FY": FY,
-        "contact": statics.contact(A, m, rho, FY, -line.bend, beta, dbeta),
+        "contact": contact_force(A, m, rho, FY, -line.bend, beta, dbeta),
         "M1": A * dbeta, "M2": A * np.sin(beta) ** 2 / rho,
         "h": dbeta**2 + potential(reduced, beta) / rho**2,
     }  # fmt: skip

@@ -1,6 +1,5 @@
-"""All equilibria of one case: their dataset, and the figure of their developed curves and energies."""
+"""The figure of all equilibria of one case: their developed curves and energies."""
 
-import json
 from typing import Any
 
 import numpy as np
@@ -9,66 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from solver import Case
-from solver.equilibria import Equilibrium
-from studies import Study
-
-from ..data import cautions, dataset, labels, schema
+from ..data import labels
 from . import canvas, style
 
-ALONG = ("beta", "alpha", "z", "contact")
-EACH = ("dbeta0", "energy", "turns", "index", "attached")
 WIDTH, MOST = 10.0, 40  # inches; curves shown
 COLUMNS = (4, 8)  # the fewest and the most panels in a row
-
-
-def dataset_of(study: Study, case: Case, found: list[Equilibrium]) -> xr.Dataset:
-    """Over `equilibrium`, lowest energy first: what is listed, and along `u` the shape; the case as scalars."""
-    units = study.unit_system
-    data: dict[str, Any] = {}
-    stations = found[0].solution.s.size if found else 2
-    for name in ALONG:
-        values = np.array([getattr(one.solution, name) for one in found]).reshape(len(found), stations)
-        data[name] = xr.Variable(("equilibrium", "u"), values, schema.labels(name, units))
-    for name in EACH:
-        values = np.array([getattr(one, name) for one in found])
-        data[name] = xr.Variable(("equilibrium",), values, schema.labels(name, units))
-    solved = np.array([bool(one.solution.solved) for one in found], dtype=bool)
-    data["solved"] = xr.Variable(("equilibrium",), solved)
-    data["outcome"] = xr.Variable(("equilibrium",), np.array([str(one.solution.outcome) for one in found], dtype=str))
-    solved = np.array([bool(one.solution.solved) for one in found], dtype=bool)
-    data["solved"] = xr.Variable(("equilibrium",), solved)
-    cautions_of = [str(cautions.of_cases(one.solution, {})) for one in found]
-    data["caution"] = xr.Variable(("equilibrium",), np.array(cautions_of, dtype=str))
-    u = np.linspace(0, 1, stations)
-    coords = {
-        "equilibrium": xr.Variable(("equilibrium",), np.arange(1, len(found) + 1), {"long_name": "rank by energy"}),
-        "u": xr.Variable(("u",), u, schema.labels("u", units)),
-        "s": xr.Variable(("u",), u * float(case.rod.L), schema.labels("s", units)),
-    }
-    ds = xr.Dataset(data, coords, attributes(study, case, "All equilibria between two ends"))
-    return with_case(ds, case, units)
-
-
-def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:
-    """What every dataset of equilibria says of itself."""
-    return {
-        "title": title, "study_name": "equilibria", "study": study.text, "reading": study.reading or "",
-        "side": case.cylinder.side, "stiffness": case.rod.stiffness, "length_unit": study.units.length,
-        "force_unit": study.units.force, "laws": json.dumps([]), "versions": json.dumps(dataset.versions()),
-        "stability": "both end angles held, FZ, MZ and M3 dead loads, the ends free to move",
-    }  # fmt: skip
-
-
-def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: str = "") -> xr.Dataset:
-    """The dataset with the numbers of the case as scalars, but for the axis."""
-    ends = {name: getattr(case.given, name) for name in ("beta0", "betaL", "FZ", "MZ", "M3")}
-    rod = {name: getattr(case.rod, name) for name in ("E", "nu", "a", "L")}
-    numbers = {**rod, "R": case.cylinder.R, "rho": case.rho, **ends}
-    for name, value in numbers.items():
-        if name != skip and not (name == "rho" and skip in ("R", "a")):
-            ds[name] = xr.Variable((), float(value), schema.labels(name, units))
-    return ds
 
 
 def figure(ds: xr.Dataset) -> Figure:

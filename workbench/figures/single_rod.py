@@ -7,6 +7,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from solver.mechanics.contact import push_from
+
 from ..data import labels
 from . import canvas, developed, style
 
@@ -16,8 +18,7 @@ DOTS = {"linestyle": "none", "marker": ".", "markersize": 3}
 
 def pushes(ds: xr.Dataset) -> Any:
     """The cylinder's push along one rod, (n,) [force/length], negative where it would have to pull."""
-    sign = -1.0 if ds.attrs.get("side") == "inside" else 1.0
-    return sign * ds["contact"].values
+    return push_from(ds["contact"].values, str(ds.attrs.get("side", "outside")))
 
 
 def figure(ds: xr.Dataset) -> Figure:

@@ -16,6 +16,8 @@ from scipy.interpolate import BPoly
 
 from solver import Rod
 from solver.mechanics import frames, statics
+from solver.mechanics.contact import contact_force, push_from
+from solver.mechanics.potential import dimensional_slope
 from solver.problem.errors import InputError
 
 Array = NDArray[np.float64]
@@ -54,7 +56,7 @@ class Centreline:
     @property
     def bend(self) -> Array:
         """beta'' at the stations, (n,) [1/length^2]."""
-        return -statics.slope(self.l, self.m, self.p, self.rho, self.beta)
+        return -dimensional_slope(self.l, self.m, self.p, self.rho, self.beta)
 
     @cached_property
     def _angle(self) -> Any:
@@ -88,12 +90,12 @@ class Centreline:
         """The cylinder's push per length at s, (k,) [force/length], positive outward; eq. (34), corrected."""
         beta, dbeta = self._angle(s), self._angle(s, 1)
         around = statics.circumferential_force(self.A, self.l, self.m, self.rho, beta)
-        H = statics.slope(self.l, self.m, self.p, self.rho, beta)
-        return statics.contact(self.A, self.m, self.rho, around, H, beta, dbeta)
+        H = dimensional_slope(self.l, self.m, self.p, self.rho, beta)
+        return contact_force(self.A, self.m, self.rho, around, H, beta, dbeta)
 
     def push(self, s: Array) -> Array:
         """The cylinder's push at s on either side, (k,) [force/length], negative where it would have to pull."""
-        return -self.contact(s) if self.side == "inside" else self.contact(s)
+        return push_from(self.contact(s), self.side)
 
     @cached_property
     def error(self) -> float:
@@ -170,11 +172,11 @@ def _slopes(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> 
     common station of neighbouring intervals are averaged.
     """
     h = np.diff(s)
-    bend = -statics.slope(l, m, p, rho, beta)
+    bend = -dimensional_slope(l, m, p, rho, beta)
     dbeta = np.gradient(beta, s)
     for _ in range(ROUNDS):
         angle = through(s, np.stack([beta, dbeta, bend], axis=-1))
-        inside = -statics.slope(l, m, p, rho, angle(s[:-1, None] + h[:, None] * GAUSS))
+        inside = -dimensional_slope(l, m, p, rho, angle(s[:-1, None] + h[:, None] * GAUSS))
         chord = np.diff(beta) / h
         leaving = chord - h * (inside @ (WEIGHT * (1 - GAUSS)))
         arriving = chord + h * (inside @ (WEIGHT * GAUSS))

@@ -1,8 +1,7 @@
-"""From shards to the final file: streamed, so that memory stays small, and renamed when it is whole."""
+"""Assemble the shards into the output file, window by window, so that memory stays small."""
 
 import json
-from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,19 +16,17 @@ from ..data.schema import Columns
 from . import shards
 from .plan import Plan, bytes_a_case, bytes_of_file, first_of
 from .recipe import recipe
-from .resume import There, places, told_of
+from .resume import StoredRun, places
+from .tally import Tally, statistics_of
 
 WINDOW = 2**25  # bytes of results held while they are copied
 
 
-def assemble(
-    plan: Plan, folder: Path, output: Path, there: There | None, tally: Mapping[str, Counter[Any]]
-) -> dict[str, Any]:
-    """Write the dataset of all shards, and of the cases that the file there holds already, in place of that file.
+def assemble(plan: Plan, folder: Path, output: Path, there: StoredRun | None, tally: Tally) -> dict[str, Any]:
+    """Write the dataset of all shards, and of the cases of the existing file, in place of that file.
 
-    tally: how often each outcome, caution and branch stands, of all cases. Returns these and the verdicts.
-    Raises `chunks.Damaged` where a shard is not whole, and `OSError` where the disk is full; the file there then stays
-    as it was.
+    tally: counts of solved, outcome, caution and branch over all cases. Returns the statistics of the file. Raises
+    `shards.Damaged` for a damaged shard and `OSError` where the disk is full; the existing file then stays as it was.
     """
     aside = folder / f".{output.name}"
     try:
@@ -40,27 +37,27 @@ def assemble(
         shards.reserve(aside, bytes_of_file(plan))
         with h5netcdf.File(aside, "a") as file:
             _write_cases(file, plan, _rows(plan, folder, output, there), tally)
-        told = _told(aside, tally)
+        statistics = _statistics(aside, tally)
         with h5py.File(aside, "a") as file:
             file.attrs["recipe"] = json.dumps(recipe(plan))
-            file.attrs["told"] = json.dumps(told)
+            file.attrs["statistics"] = json.dumps(statistics)
         atomic.move(aside, output)
-        return told
+        return statistics
     except RuntimeError as error:  # HDF5 closing a file for which the disk has no room
         raise OSError(f"HDF5: {error}") from None
     finally:
         aside.unlink(missing_ok=True)
 
 
-def _told(path: Path, tally: Mapping[str, Counter[Any]]) -> dict[str, Any]:
-    """What `run` says of a file at once, without reading its cases."""
+def _statistics(path: Path, tally: Tally) -> dict[str, Any]:
+    """The statistics of the file, from which `run` reports without reading its cases again."""
     with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
         verdicts, first = law_verdicts.verdicts(ds), str(ds.attrs.get("equilibria", ""))
     branches = branch_numbers.sentence(tally["branch"]) if tally["branch"] else ""
-    return {**told_of(tally, verdicts), "equilibria": first, "branches": branches}
+    return {**statistics_of(tally, verdicts), "equilibria": first, "branches": branches}
 
 
-def _write_cases(file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], tally: Mapping[str, Counter[Any]]) -> None:
+def _write_cases(file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], tally: Tally) -> None:
     """Every variable over the axes, window by window. Whole numbers stay whole where all cases are solved."""
     all_solved = not tally["solved"][False]
     variables: dict[str, Any] = {}
@@ -94,8 +91,8 @@ def _created(file: Any, plan: Plan, row: dataset.Stored, values: NDArray[Any]) -
     return variable
 
 
-def _rows(plan: Plan, folder: Path, output: Path, there: There | None) -> Iterator[tuple[int, Columns]]:
-    """The columns of all cases in flat order, a window at a time: its first case, and its columns."""
+def _rows(plan: Plan, folder: Path, output: Path, there: StoredRun | None) -> Iterator[tuple[int, Columns]]:
+    """The first case and the columns of each window of cases, in flat order."""
     window = max(1, WINDOW // bytes_a_case(plan.study))
     new = _Shards(folder, plan.todo)
     if plan.new is None:
@@ -112,7 +109,7 @@ def _rows(plan: Plan, folder: Path, output: Path, there: There | None) -> Iterat
 
 
 def _merged(new: Columns, at: NDArray[np.int64], held: "_Held", start: int, stop: int) -> Columns:
-    """New rows at their places in a window, and those of the file at the others."""
+    """The columns of a window: new rows at their places, rows of the existing file at the others."""
     other = np.setdiff1d(np.arange(stop - start), at, assume_unique=True)
     if not other.size:
         return new
@@ -128,11 +125,11 @@ def _merged(new: Columns, at: NDArray[np.int64], held: "_Held", start: int, stop
 
 
 class _Shards:
-    """The results of the cases that were to be solved, in order; one shard is held at a time."""
+    """The results in the shards, in order; one shard is held at a time."""
 
     def __init__(self, folder: Path, cases: int) -> None:
         self._folder = folder
-        self._there = shards.stretches(folder, cases)
+        self._there = shards.stored_ranges(folder, cases)
         self._held: tuple[int, int] = (0, 0)
         self._columns: Columns = {}
 
@@ -149,9 +146,9 @@ class _Shards:
 
 
 class _Held:
-    """The cases of the file that grows."""
+    """The cases of the existing file that is extended."""
 
-    def __init__(self, file: h5py.File, plan: Plan, there: There) -> None:
+    def __init__(self, file: h5py.File, plan: Plan, there: StoredRun) -> None:
         self._file, self._plan = file, plan
         self._places = places(there, plan)
         self._shape = tuple(values.size for values in there.coordinates.values())
@@ -165,7 +162,7 @@ class _Held:
         return {**found, "solved": found["solved"].astype(bool)}
 
     def _read(self, variable: h5py.Dataset, old: NDArray[np.int64]) -> NDArray[Any]:
-        """Rows at flat places of the file: one stretch where they lie close together, else each run of neighbours."""
+        """Rows at flat indices of the file: in one read where they lie close together, else a read for each run."""
         if h5py.check_string_dtype(variable.dtype):
             variable = variable.asstr()
         low, high = int(old.min()), int(old.max()) + 1

@@ -1,8 +1,8 @@
-"""What a worker does: arrays of axis values in, arrays of results out. Imports nothing that only files need.
+"""Solve a block of cases: arrays of axis values in, columns of results out. Workers import this and no xarray.
 
-A study's cases are counted along its axes, the last fastest. They are solved in blocks of a fixed size, which the study
-alone decides: products of matrices round a case's last bits differently among other neighbours, so a case always has
-the same. A chunk is any number of whole blocks, and whoever solves it, the bits are the same.
+Cases are numbered along the axes, the last fastest, and solved in blocks whose size depends on the study alone: matrix
+products round a case's last bits differently among other neighbours, so a case always has the same ones. A chunk is a
+number of whole blocks; whichever process solves it, the bits are the same.
 """
 
 import re
@@ -33,9 +33,10 @@ _NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?")
 
 @dataclass(frozen=True, eq=False)
 class Chunk:
-    """Cases `start` to `stop` of those to be solved. values: of each axis, (cases,). deaths: of workers at it.
+    """Cases `start` to `stop` of those to be solved.
 
-    shape, states: of a sweep, the grid and the cases that its blocks begin with (`sweep.Spine`).
+    values: of each axis, (cases,). deaths: how many workers died at it. shape, states: of a sweep, the shape of the
+    grid and the states of the cases from which its blocks begin (`sweep.Spine`).
     """
 
     start: int
@@ -59,12 +60,12 @@ class Chunk:
 
 
 def solved(study: Study, chunk: Chunk, block: int) -> bytes:
-    """The chunk's results, as `encode` packs them. Raises `InputError` for what cannot be asked."""
+    """The chunk's results as packed by `shards.encode`. Raises `InputError` for an invalid study."""
     return encode(joined([block_of(study, part) for part in chunk.blocks(block)]))
 
 
 def joined(parts: list[Columns]) -> Columns:
-    """Columns one after the other."""
+    """Columns concatenated."""
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
@@ -78,7 +79,7 @@ def block_of(study: Study, part: Chunk) -> Columns:
 
 
 def _columns_of(study: Study, state: State) -> Columns:
-    """What is stored of one case of a sweep: as of `columns`, and its branch."""
+    """The columns of one case of a sweep, with its branch."""
     found = columns(study, shown(study, state))
     if state.remark:
         found["outcome"] = np.array([f"{found['outcome'][0]}; {state.remark}"])
@@ -95,17 +96,17 @@ def solve_one(case: Case, which: Which | None, tol: float, method: str, stations
 
 
 def columns(study: Study, sol: Solution) -> Columns:
-    """What is stored of each case, (cases, ...): outputs, observables, loads, how well it was solved, and the caution.
+    """What is stored of each case, (cases, ...): outputs, observables, loads, outcome, errors and caution.
 
-    Whether a real rod can take the shape is looked at for every case, whatever is stored of it.
-    Numbers of a case that was not solved are NaN, but for its loads.
+    The caution is judged for every case, whatever else is stored. Numbers of a case that is not solved are NaN, except
+    its loads.
     """
     cases = sol.case.size
     mine = np.asarray(sol.solved).reshape(-1)
     found: Columns = {}
     for name in study.outputs:
         found[name] = _where(mine, np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *inner_shape(name)))
-    # all in one call: what several are measured from is measured once
+    # in one call, as several observables share what they are measured from
     observed = observe(sol, dict.fromkeys((*study.wanted, *cautions.JUDGED)), errors=True)
     for name in study.recorded:
         found[name] = _where(mine, np.asarray(observed[name]).reshape(-1))
@@ -119,7 +120,7 @@ def columns(study: Study, sol: Solution) -> Columns:
 
 
 def unsolved(study: Study, cases: int, outcome: str) -> Columns:
-    """The columns of cases of which nothing is known but why."""
+    """The columns of cases that were not solved, with that outcome."""
     found = {name: np.full((cases, study.stations, *inner_shape(name)), np.nan) for name in study.outputs}
     for name in (*study.recorded, *(name for name in LOADS if name not in study.axes)):
         found[name] = np.full(cases, np.nan)
@@ -130,12 +131,12 @@ def unsolved(study: Study, cases: int, outcome: str) -> Columns:
 
 
 def kind_of(outcome: str) -> str:
-    """An outcome without its numbers, which differ from case to case: what is counted."""
+    """An outcome without its numbers, which differ from case to case; outcomes are counted by it."""
     return _NUMBER.sub("...", outcome)
 
 
 def _where(mine: NDArray[np.bool_], values: NDArray[Any]) -> NDArray[Any]:
-    """The values, NaN where the case is not solved; whole numbers stay whole where all are."""
+    """The values, NaN where the case is not solved; integers stay integers where all cases are solved."""
     if values.dtype.kind == "b":
         values = values.astype(np.int64)
     if mine.all():

@@ -1,6 +1,6 @@
-"""Who solves the chunks: the workers of a Dask cluster that is there already (extra `cluster`).
+"""Chunks solved by the workers of a running Dask cluster (extra `cluster`).
 
-Results come back to this process, which alone writes; so the workers need the packages, and no folder in common.
+Results come back to this process, which alone writes: workers need the packages, but no shared folder.
 """
 
 import itertools
@@ -21,15 +21,15 @@ from .recipe import check_worker, code_version
 
 MISSING = "--scheduler needs the packages dask and distributed: pip install 'rod-workbench[cluster]'"
 PATIENCE = 20.0  # seconds to wait for a scheduler, and for its first worker
-AHEAD = 2  # chunks handed out for each thread of a worker: one to work on, one to come
+AHEAD = 2  # chunks submitted for each thread of a worker: one to solve, one to wait
 
 
 def cluster(work: Plan, missing: Iterable[tuple[int, int]], address: str, asked: int | None) -> Results:
-    """On the cluster of that address (tcp://host:port).
+    """Solve the missing cases on the cluster at that address (tcp://host:port).
 
-    Dask itself solves a chunk again whose worker died, as often as its scheduler allows. Beyond that it blames all that
-    the worker had, so the blocks of what it blames are solved in the end, one at a time; a block that kills workers
-    even then is given up. Raises `InputError` where there is no such cluster, no worker, or one with other code.
+    Where a worker dies, Dask solves its chunks again, as often as its scheduler allows, and then gives up all of them;
+    their blocks are solved at the end, one at a time, and a block at which workers die even then is given up. Raises
+    `InputError` where there is no such cluster, no worker, or a worker with other code.
     """
     try:
         from distributed import Client
@@ -44,8 +44,7 @@ def cluster(work: Plan, missing: Iterable[tuple[int, int]], address: str, asked:
     try:
         _check_workers(client, work.light)
         threads = sum(client.nthreads().values())
-        size = work.chunk_size(threads) if asked is None else work.block * max(1, round(asked / work.block))
-        yield from _handed_out(client, work, work.chunks(missing, size))
+        yield from _handed_out(client, work, work.chunks(missing, work.chunk_size(threads, asked)))
     finally:
         client.close(timeout=2)
 
@@ -72,7 +71,7 @@ def _check_workers(client: Any, study: Study) -> None:
 
 
 def _solved(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
-    """In a worker, which may have come later than the others."""
+    """Solve a chunk in a worker, which may have joined later than the others."""
     check_worker(study, code)
     memory.keep()
     try:
@@ -81,12 +80,12 @@ def _solved(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
         raise
     except Exception:
         wrong = traceback.format_exc()
-    # Not inside the handler: Dask sends what an exception was raised from too, and waits for ever where it cannot.
+    # Outside the handler: Dask also sends the exception's context, and waits for ever where it cannot be sent.
     raise RuntimeError(f"in a worker of the cluster:\n{wrong}")
 
 
 def _handed_out(client: Any, work: Plan, chunks: Iterable[Chunk]) -> Results:
-    """Chunks in, results out; a few are under way for each thread, so that no side holds many."""
+    """Submit chunks and yield results; a few chunks are submitted for each thread, so that neither side holds many."""
     from distributed import CancelledError, KilledWorker, as_completed
     from distributed.comm.core import CommClosedError
 
@@ -111,7 +110,7 @@ def _handed_out(client: Any, work: Plan, chunks: Iterable[Chunk]) -> Results:
         future = next(done)
         chunk = under_way.pop(future.key)
         try:
-            results = future.result()  # solved again where the worker that held them died before they were fetched
+            results = future.result()  # Dask solves it again where the worker died before the results were fetched
         except KilledWorker:
             if chunk.deaths + 1 < DEATHS:
                 suspects.extend(chunk.blocks(work.block, chunk.deaths + 1))
@@ -120,7 +119,7 @@ def _handed_out(client: Any, work: Plan, chunks: Iterable[Chunk]) -> Results:
             results = KILLED
         except (CancelledError, CommClosedError):
             raise InputError(
-                "the Dask scheduler went away; what is finished is kept, and the same command goes on from there"
+                "the Dask scheduler no longer answers; finished cases are kept; run the same command again to continue"
             ) from None
         future.release()
         fill()

@@ -1,4 +1,4 @@
-"""The dial in plain words: each setting is a tolerance, a number of stations, and what is computed."""
+"""The fidelities draft, standard, fine and exact: a tolerance, a number of stations, and what is computed."""
 
 from dataclasses import dataclass
 
@@ -13,9 +13,9 @@ FORCES = ("F1", "F2", "F3", "M1", "M2")
 
 @dataclass(frozen=True)
 class Fidelity:
-    """One setting.
+    """A fidelity.
 
-    tol: the error allowed. stations: along the rod; None leaves the study's own. computes: "shape" (angle, azimuth,
+    tol: the tolerance. stations: along the rod; None keeps the study's own. computes: "shape" (angle, azimuth,
     height and contact, and of the observables those that a law needs), "asked" (what the study names) or "all" (every
     array along the rod and every observable).
     """
@@ -26,7 +26,7 @@ class Fidelity:
     computes: str
 
     def of(self, study: Study) -> Study:
-        """The study with this setting's tolerance, stations and what it computes."""
+        """The study at this fidelity."""
         changes: dict[str, object] = {"tol": self.tol}
         if self.stations is not None:
             changes["stations"] = self.stations
@@ -59,7 +59,7 @@ FIDELITIES: dict[str, Fidelity] = {
 
 
 def fidelity(name: str) -> Fidelity:
-    """The setting of that name; `InputError` with the choices for another."""
+    """The fidelity of that name; `InputError` with the choices for another."""
     if name not in FIDELITIES:
         raise no_such("fidelity", name, FIDELITIES)
     return FIDELITIES[name]

@@ -1,10 +1,10 @@
-"""A study that follows one equilibrium while its far end turns: branch, then the shapes along it."""
+"""Run a study that follows one equilibrium over the angle at its far end, up to its fold."""
 
 import numpy as np
 import xarray as xr
 
 from solver import solve
-from solver.boundary.end_angle import follow
+from solver.boundary.end_angle_branch import follow
 from studies import Study
 
 from ..data import dataset, schema
@@ -14,7 +14,7 @@ AXIS = "betaL"
 
 
 def run_followed(study: Study, tol: float, method: str) -> xr.Dataset:
-    """The dataset of a followed study, over betaL [rad] from the base rod's own value to fold or limit.
+    """The dataset of a followed study, over betaL [rad] from the base rod's own value to the fold or the limit.
 
     Besides what every study stores: `dbeta0` over betaL; `fold` and `fold_dbeta0`, where the equilibrium
     ceases to exist, NaN where the limit comes first; attribute `fold_note`, the same in words. Raises

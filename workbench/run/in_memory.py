@@ -1,4 +1,4 @@
-"""From a study to a dataset in memory."""
+"""Run a study in memory."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,9 +18,9 @@ MOST_IN_MEMORY = 2_000_000_000
 
 @dataclass(frozen=True, eq=False)
 class StudyResult:
-    """A study that was run: its dataset, its laws' verdicts, and where things are.
+    """A study that was run: its dataset, the verdicts on its laws, and its files.
 
-    verdicts: rows of `check.verdicts`. path: the stored file. pictures: name -> file.
+    verdicts: rows of `law_verdicts.verdicts`. path: the stored file. pictures: name -> file.
     """
 
     study: Study
@@ -31,10 +31,10 @@ class StudyResult:
 
 
 def run(study: Study, tol: float | None = None, method: str | None = None) -> xr.Dataset:
-    """Solve every case of a study, in memory, and label the answer; tol and method, where given, replace the study's.
+    """Solve every case of a study and return the dataset; tol and method, where given, replace the study's own.
 
-    A case that fails keeps its outcome and leaves its neighbours alone. Raises `InputError` for what cannot
-    be asked, and for a study that is better stored as it is solved (`storing.run_to_file`).
+    A case that fails has an outcome that says why and does not affect the others. Raises `InputError` for an invalid
+    study, and for one that needs too much memory (`study_store.run_to_file` stores it as it is solved).
     """
     if study.follow is not None:
         from .following import run_followed

@@ -22,18 +22,18 @@ from ..data.selection import SAME
 from . import stored_case, summary
 from .recipe import axis_line
 
-# Attributes in which files that are joined may not differ, and what they are called.
+# Attributes in which merged files may not differ, and their names in messages.
 ALIKE = {
     "reading": "the reading", "side": "the side", "stiffness": "the stiffness", "tolerance": "the tolerance",
     "method": "the method", "length_unit": "the unit of length", "force_unit": "the unit of force",
 }  # fmt: skip
-# Of a study: what a file says better itself, or what does not change a number.
+# Fields of a study that are compared in the dataset, or that do not change a number.
 APART = {"name", "title", "axes", "base", "observables", "outputs", "stations", "tol", "method"}
-OF_ONE_RUN = ("recipe", "told", "caution")  # attributes that are of one run alone
+OF_ONE_RUN = ("recipe", "statistics", "caution")  # attributes that are of one run alone
 
 
 def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, Any]:
-    """Join the files into `out`; what came of it as plain data. Raises `InputError`."""
+    """Merge the files into `out`; what it holds as plain data. Raises `InputError`, and then stores nothing."""
     if len(files) < 2:
         raise InputError(f"merge takes two files or more, got {len(files)}")
     with contextlib.ExitStack() as stack:
@@ -55,7 +55,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
 
 
 def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence[str]) -> concatenation.Union:
-    """The one axis in which the files differ, and its values together. Raises `InputError` naming what else differs."""
+    """The union of the one axis in which the files differ. Raises `InputError` where anything else differs."""
     for ds, study, name in zip(files[1:], studies[1:], names[1:], strict=True):
         for what, (a, b) in _differences(files[0], studies[0], ds, study).items():
             if a != b:
@@ -67,16 +67,16 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
                 )
     axes = schema.axes_of(files[0])
     if studies[0].follow is not None:
-        raise InputError(f"{names[0]} follows an equilibrium up to its fold, which cannot be joined to another")
+        raise InputError(f"{names[0]} follows an equilibrium up to its fold, which cannot be merged")
     if studies[0].sweeps:
         why = "each case continued from its neighbour: run all values as one study"
         raise InputError(f"{names[0]} is a sweep of ends problems, {why}")
     differing = [axis for axis in axes if any(not np.array_equal(files[0][axis], ds[axis]) for ds in files[1:])]
     if len(differing) > 1:
-        raise InputError(f"the files differ along {' and '.join(differing)}; join along one axis at a time")
+        raise InputError(f"the files differ along {' and '.join(differing)}; merge along one axis at a time")
     if not differing:
         what = f"the same values of {choices(axes)}" if axes else "one case each, and no axis"
-        raise InputError(f"there is nothing to join: {choices(names)} have {what}")
+        raise InputError(f"there is nothing to merge: {choices(names)} have {what}")
     union = concatenation.unite(differing[0], [ds[differing[0]].values for ds in files])
     close = np.flatnonzero(np.diff(union.values) <= SAME * np.abs(union.values[1:]))
     if close.size:
@@ -86,7 +86,7 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
 
 
 def _differences(a: xr.Dataset, of_a: Study, b: xr.Dataset, of_b: Study) -> dict[str, tuple[Any, Any]]:
-    """What must be alike in two files, in words, with what each of them has."""
+    """What must be equal in two files: its name in messages -> the two values."""
     pairs: dict[str, tuple[Any, Any]] = {"the axes": (schema.axes_of(a), schema.axes_of(b))}
     pairs |= {what: (a.attrs.get(key), b.attrs.get(key)) for key, what in ALIKE.items()}
     pairs["the stations"] = (a.sizes.get("u", 0), b.sizes.get("u", 0))
@@ -99,7 +99,7 @@ def _differences(a: xr.Dataset, of_a: Study, b: xr.Dataset, of_b: Study) -> dict
 
 
 def _said(value: Any) -> str:
-    """A value as a refusal tells it: lists without what is not told apart anyway."""
+    """A value as a message shows it, at most 60 characters."""
     if isinstance(value, list) and all(isinstance(one, str) for one in value):
         return choices(value) or "none"
     text = "nothing" if value is None else str(value)
@@ -109,7 +109,7 @@ def _said(value: Any) -> str:
 def _attributes(
     files: Sequence[xr.Dataset], study: Study, union: concatenation.Union, names: Sequence[str]
 ) -> dict[str, Any]:
-    """Those of the first file; the study's text has the axis's values of all, and is read again to be sure of it."""
+    """The attributes of the merged file: those of the first, with the study over all values, which is read again."""
     attrs = {key: value for key, value in files[0].attrs.items() if key not in OF_ONE_RUN}
     field = schema.field_of(study, union.axis)
     text = dumps(study, {field: told(union.values)})
@@ -131,13 +131,13 @@ def _attributes(
 
 
 def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
-    """The versions of all files: where they differ, each of them."""
+    """The versions of all files; where they differ, each of them."""
     packages = dict.fromkeys(package for row in versions for package in row)
     return {name: ", ".join(dict.fromkeys(row[name] for row in versions if name in row)) for name in packages}
 
 
 def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Judge the laws of a file that was just written, and say in it what a run says of its file (`there.look`)."""
+    """Judge the laws of the merged file, and store the recipe and the statistics in it as a run does."""
     with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
         outcomes, verdicts = summary.counted(ds["outcome"], ds["solved"]), law_verdicts.verdicts(ds)
         texts, unsolved = summary.counted(ds["caution"]), summary.unsolved(ds)
@@ -146,7 +146,7 @@ def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
         file.attrs["caution"] = caution
         if recipe is not None:
             file.attrs["recipe"] = json.dumps(recipe)
-            file.attrs["told"] = json.dumps(
+            file.attrs["statistics"] = json.dumps(
                 {"unsolved": unsolved, "outcomes": outcomes, "cautions": texts, "laws": verdicts}
             )
     counts = {"cases": sum(outcomes.values()), "unsolved": unsolved}
@@ -154,9 +154,9 @@ def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
 
 
 def _recipe(files: Sequence[xr.Dataset], field: str, union: concatenation.Union) -> dict[str, Any] | None:
-    """What a run of all values would call its recipe, so that a later one goes on from here; None where it may not.
+    """The recipe of a run of all values, so that a later run can extend the merged file; None where it may not.
 
-    It may where every file was stored by a run, and nothing but the values differ: the code and the libraries neither.
+    It may where every file was stored by a run, with the same code and libraries.
     """
     try:
         recipes = [json.loads(ds.attrs["recipe"]) for ds in files]

@@ -1,4 +1,4 @@
-"""What a run is, before it starts: its cases in order, their blocks, what identifies it, and how much room it takes."""
+"""The plan of a run: its cases in order, their blocks and chunks, and the disk space that they need."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 import solver
 from solver import Case, Ends, Start
-from solver.methods import METHODS
 from solver.solve import AUTO
 from studies import Study
 from studies.axes import Axis
@@ -21,20 +20,20 @@ from .block import Chunk
 
 Coordinates = Mapping[str, NDArray[np.float64]]
 
-# Cases a block: enough for NumPy to be busy, few enough to stay in the cache; few where each is solved by itself.
+# Cases in a block: enough for NumPy, few enough for the cache; fewer where each case is solved by itself.
 BLOCK, BLOCK_ALONE = 512, 32
-BLOCK_VALUES = 2**18  # stations of all cases of a block, at most: some MB an array
-TOGETHER = ("orbit", "swing")  # the methods that solve a block in one go
-MOST_BLOCKS, MOST_BYTES = 8, 32 * 2**20  # of a chunk: what a death costs, and what a process holds of it
-TEXT_BYTES = 200  # of outcome and caution in the file: their places, and texts with a remark
+BLOCK_VALUES = 2**18  # stations of all cases of a block, at most: some MB for each array
+TOGETHER = ("orbit", "swing")  # the methods that solve all cases of a block together
+MOST_BLOCKS, MOST_BYTES = 8, 32 * 2**20  # of a chunk: what the death of a worker costs, and what a process holds
+TEXT_BYTES = 200  # of outcome and caution in the file: references, and texts with a remark
 SPARE = 4 * 2**20  # bytes for coordinates, attributes, half-filled packets and the lists of an HDF5 file
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A study about to be run: tolerance and method decided, the values of its axes, and which cases are left to do.
+    """A study to be run, with its tolerance and method decided, the values of its axes, and the cases to be solved.
 
-    new: flat places in the grid of the cases to be solved, rising; None for all.
+    new: flat indices in the grid of the cases to be solved, rising; None for all.
     """
 
     study: Study
@@ -57,7 +56,7 @@ class Plan:
 
     @cached_property
     def block(self) -> int:
-        """Cases solved together; the study alone decides it."""
+        """Cases in a block; depends on the study alone."""
         if self.study.sweeps:
             return sweep_order.block_size(self.shape, BLOCK_VALUES // self.study.stations)
         most = BLOCK if self.study.method in TOGETHER else BLOCK_ALONE
@@ -65,7 +64,7 @@ class Plan:
 
     @cached_property
     def light(self) -> Study:
-        """The study as a worker needs it: without the values of its axes, which come with each chunk."""
+        """The study as workers need it: without the values of its axes, which come with each chunk."""
         axes = {name: Axis.model_validate({"values": [float(values[0])]}) for name, values in self.coordinates.items()}
         update = {"axes": axes, "laws": [], "observables": self.study.wanted}
         light = self.study.model_copy(update=update)
@@ -73,7 +72,7 @@ class Plan:
         return light
 
     def chunk(self, start: int, stop: int) -> Chunk:
-        """The chunk of those cases of the ones to be solved."""
+        """The chunk of the cases `start` to `stop` of those to be solved."""
         flat = np.arange(start, stop) if self.new is None else self.new[start:stop]
         if not self.shape:
             return Chunk(start, stop, {})
@@ -92,17 +91,19 @@ class Plan:
 
     @cached_property
     def spine(self) -> sweep.Spine:
-        """The cases of a sweep from which its blocks begin."""
+        """The cases from which the blocks of a sweep begin."""
         return sweep.Spine(self.study, self.coordinates, self.block)
 
     def chunks(self, missing: Iterable[tuple[int, int]], most: int) -> Iterator[Chunk]:
-        """The missing stretches in chunks of at most so many cases, each of whole blocks."""
+        """The missing cases in chunks of at most so many cases, whole blocks each."""
         for start, stop in missing:
             for a in range(start, stop, most):
                 yield self.chunk(a, min(a + most, stop))
 
-    def chunk_size(self, workers: int = 1) -> int:
-        """Cases a chunk: a few seconds' work, and enough chunks for all workers to be busy."""
+    def chunk_size(self, workers: int = 1, asked: int | None = None) -> int:
+        """Cases in a chunk, whole blocks: as asked, else a few seconds' work and enough chunks for all workers."""
+        if asked is not None:
+            return self.block * max(1, round(asked / self.block))
         fair = -(-self.todo // self.block) // (4 * workers)
         held = MOST_BYTES // (self.block * bytes_a_case(self.study))
         return self.block * max(1, min(MOST_BLOCKS, fair, held))
@@ -113,6 +114,8 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
 
     Raises `InputError` for a tolerance or method that `solve` refuses.
     """
+    from solver.methods import METHODS
+
     coordinates = study.coordinates()
     first = study.case_of({name: values[0] for name, values in coordinates.items()})
     if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
@@ -122,12 +125,12 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
     method = study.method if method is None else method
     name = AUTO[kind] if method == "auto" else method
     if name not in METHODS or kind not in METHODS[name].kinds or not 0 < tol < 1:
-        solver.solve(first, tol, method, 2)  # says what is wrong
+        solver.solve(first, tol, method, 2)  # raises the InputError
     return Plan(study.model_copy(update={"tol": tol, "method": name}), coordinates)
 
 
 def first_of(plan: Plan) -> str:
-    """How the equilibrium of the first case of a sweep was taken, in one sentence; empty for other studies."""
+    """How the equilibrium of the first case of a sweep was selected, in one sentence; empty for other studies."""
     if not plan.study.sweeps:
         return ""
     spine = plan.study.whole or plan.spine
@@ -140,11 +143,11 @@ def first_of(plan: Plan) -> str:
 
 
 def bytes_a_case(study: Study) -> int:
-    """What a case takes in memory and, at most, in the file."""
+    """Bytes of a case in memory and, at most, in the file."""
     along = sum(math.prod(inner_shape(name)) for name in study.outputs) * study.stations
     return 8 * (along + len(study.recorded) + 2 + len(LOADS)) + TEXT_BYTES
 
 
 def bytes_of_file(plan: Plan) -> int:
-    """What the finished file takes at most."""
+    """Bytes of the finished file, at most."""
     return int(1.02 * plan.size * bytes_a_case(plan.study)) + SPARE

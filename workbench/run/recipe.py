@@ -24,7 +24,7 @@ NEEDS = {"heyoka": ("heyoka",), "swing": ("numba",)}  # packages whose version d
 
 
 def recipe(plan: "Plan") -> dict[str, Any]:
-    """What the numbers depend on: two runs of the same recipe give the same bits on the same kind of machine."""
+    """Everything the numbers depend on: two runs of one recipe give the same bits on the same kind of machine."""
     study = plan.study
     return {
         "units": study.unit_system,
@@ -47,7 +47,7 @@ def recipe(plan: "Plan") -> dict[str, Any]:
 
 
 def differences(was: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """What two recipes differ in, in words: ``tol was 1e-08, now 1e-09``."""
+    """The differences of two recipes in words: ``tol was 1e-08, now 1e-09``."""
     told = []
     for key in dict.fromkeys([*was, *now]):
         before, after = was.get(key), now.get(key)
@@ -67,7 +67,7 @@ def code_version() -> str:
 
 
 def check_worker(study: Study, code: str) -> None:
-    """Raise `InputError` where this process would not give the same numbers: other code, or a method it lacks."""
+    """Raise `InputError` where this process would give other numbers: other code, or a method that is missing."""
     if code_version() != code:
         raise InputError(f"a worker has the code {code_version()}, but the run was started with {code}")
     if study.method not in METHODS:
@@ -86,16 +86,16 @@ def _digest(content: bytes) -> str:
 
 
 def axis_line(values: NDArray[np.float64]) -> str:
-    """An axis in one line: equal lines, equal values."""
+    """An axis in one line, with a digest of its values."""
     return f"{values.size} values {values[0]:g}..{values[-1]:g} ({_digest(values.tobytes())})"
 
 
 def _law_line(law: Law) -> str:
-    """All that a law says, in one line."""
+    """A law in one line."""
     return ", ".join(f"{name} {value}" for name, value in law.model_dump(exclude_defaults=True).items())
 
 
 def _told(value: object) -> str:
     if isinstance(value, list):
         return ", ".join(map(str, value)) or "none"
-    return "not there" if value is None else str(value)
+    return "missing" if value is None else str(value)

@@ -1,4 +1,4 @@
-"""The output that is already there: is it this study finished, or a part of it that grows? Read without xarray."""
+"""Resume: whether an existing output is this study complete, or a part of it to be extended. Read without xarray."""
 
 import json
 from collections.abc import Mapping
@@ -17,28 +17,27 @@ from ..data.schema import FORMAT, dimension
 from .plan import Coordinates, Plan
 from .recipe import axis_line, differences, recipe
 
-VERSIONS = ("code", "numpy", "scipy", "numba", "heyoka", "block")  # of a recipe: what is not the study
-_ROUNDING = 8 * 2.0**-52  # values of an axis closer than this share are the same
+VERSIONS = ("code", "numpy", "scipy", "numba", "heyoka", "block")  # the keys of a recipe that are not of the study
+_ROUNDING = 8 * 2.0**-52  # relative; values of an axis that differ by less are the same
 
 
 @dataclass(frozen=True, eq=False)
-class There:
-    """A finished file: its study's name, its recipe, the values of its axes, and what its run said of it
-    (`storing.Ran`)."""
+class StoredRun:
+    """A complete file: its study's name, its recipe, the values of its axes, and its statistics."""
 
     name: str
     recipe: dict[str, Any]
     coordinates: Coordinates
-    told: dict[str, Any]
+    statistics: dict[str, Any]
 
 
-def look(path: Path) -> There | None:
-    """What the file says of itself; None where there is none, or one that was not stored by a run.
+def look(path: Path) -> StoredRun | None:
+    """The run that stored the file; None where there is no file of this format that was stored by a run.
 
-    Raises `InputError` for a file of a newer version.
+    Raises `InputError` for a file of a newer format.
     """
     try:
-        with file_checks.looked_at(path) as file:
+        with file_checks.validated(path) as file:
             found = np.asarray(file.attrs["format"]).item()
             there = _read(file) if found == FORMAT else None
     except InputError:
@@ -48,29 +47,23 @@ def look(path: Path) -> There | None:
     return there
 
 
-def _read(file: h5py.File) -> There | None:
-    made, told = (json.loads(file.attrs[name]) for name in ("recipe", "told"))
+def _read(file: h5py.File) -> StoredRun | None:
+    made, told = (json.loads(file.attrs[name]) for name in ("recipe", "statistics"))
     axes = {name: np.asarray(file[dimension(name)][...], dtype=float) for name in made["order"]}
     if any(made["axes"][name] != axis_line(values) for name, values in axes.items()):
-        return None  # joined or cut by another hand since
-    return There(str(file.attrs["study_name"]), made, axes, told)
+        return None  # changed since by another program
+    return StoredRun(str(file.attrs["study_name"]), made, axes, told)
 
 
-def told_of(tally: Mapping[str, Mapping[Any, int]], laws: list[dict[str, Any]]) -> dict[str, Any]:
-    """What a file says of itself, beside its recipe: how often each outcome and caution stands, and the verdicts."""
-    outcomes, cautions = (dict(sorted(tally[name].items())) for name in ("outcome", "caution"))
-    return {"unsolved": tally["solved"][False], "outcomes": outcomes, "cautions": cautions, "laws": laws}
-
-
-def is_finished(there: There, plan: Plan) -> bool:
+def is_finished(there: StoredRun, plan: Plan) -> bool:
     """Whether the file is what the plan would make."""
     return not differences(there.recipe, _plain(recipe(plan)))
 
 
-def grown(there: There, plan: Plan) -> Plan | None:
-    """The plan with only the cases left that the file does not hold; None where it is of another study.
+def grown(there: StoredRun, plan: Plan) -> Plan | None:
+    """The plan of the cases that the file does not hold yet; None where it is of another study.
 
-    Raises `InputError` where only the code or a library has changed since: old and new cases would not be alike.
+    Raises `InputError` where only the code or a library has changed: old and new cases would not be consistent.
     """
     now = _plain(recipe(plan))
     if there.recipe.get("order") != now["order"] or not plan.shape:
@@ -91,19 +84,21 @@ def grown(there: There, plan: Plan) -> Plan | None:
     if changed:
         was = {key: there.recipe.get(key) for key in changed}
         told = "; ".join(differences(was, {key: now.get(key) for key in changed}))
-        raise InputError(f"the file there holds part of this study, but {told}; --restart solves all of it again")
+        raise InputError(
+            f"the existing file holds part of this study, but {told}; use --restart to solve all of it again"
+        )
     return Plan(plan.study, coordinates, _new(there, plan))
 
 
-def places(there: There, plan: Plan) -> list[NDArray[np.int64]]:
-    """For each axis the place of each value in the file, -1 where it has none."""
+def places(there: StoredRun, plan: Plan) -> list[NDArray[np.int64]]:
+    """For each axis the index of each value in the file, -1 where the file has no such value."""
     matched = _matched(there.coordinates, plan.coordinates)
     assert matched is not None
     return matched[1]
 
 
-def _new(there: There, plan: Plan) -> NDArray[np.int64]:
-    """The flat places of the cases that the file does not hold."""
+def _new(there: StoredRun, plan: Plan) -> NDArray[np.int64]:
+    """The flat indices of the cases that the file does not hold."""
     held = np.ones(plan.shape, dtype=bool)
     for i, place in enumerate(places(there, plan)):
         held &= (place >= 0).reshape([-1 if i == k else 1 for k in range(len(plan.shape))])
@@ -111,7 +106,7 @@ def _new(there: There, plan: Plan) -> NDArray[np.int64]:
 
 
 def _matched(old: Coordinates, new: Coordinates) -> tuple[dict[str, NDArray[np.float64]], list[Any]] | None:
-    """The new axes, with the old ones' values to the last digit, and each value's place among the old.
+    """The new axes, with the old values to the last digit, and the index of each value among the old.
 
     None where an old value is not among the new.
     """
@@ -132,6 +127,6 @@ def _matched(old: Coordinates, new: Coordinates) -> tuple[dict[str, NDArray[np.f
 
 
 def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
-    """As JSON gives it back."""
+    """The data as it comes back from JSON."""
     plain: dict[str, Any] = json.loads(json.dumps(data))
     return plain

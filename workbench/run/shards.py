@@ -112,26 +112,26 @@ def _owner(lock: Path) -> str | None:
 
 
 def check_recipe(folder: Path, recipe: dict[str, Any]) -> None:
-    """Write down what the shards are of, or raise `InputError` where those there are of something else."""
+    """Store the recipe of the shards, or raise `InputError` where existing shards have another recipe."""
     path = folder / _MANIFEST
     if not path.exists():
         if _shards(folder):
-            raise InputError(f"{folder} holds results of an unknown run; --restart drops them")
+            raise InputError(f"{folder} holds results of an unknown run; use --restart to discard them")
         _put(path, json.dumps({"format": FORMAT, "recipe": recipe}, indent=1).encode())
         return
     try:
         was = json.loads(path.read_text(encoding="utf-8"))
         newer, before = int(was["format"]) > FORMAT, dict(was["recipe"])
     except (ValueError, KeyError, TypeError):
-        raise InputError(f"{path} is damaged; --restart drops what {folder.name} holds") from None
+        raise InputError(f"{path} is damaged; use --restart to discard what {folder.name} holds") from None
     if newer:
         raise InputError(f"{folder} is of format {was['format']}, but this version reads up to format {FORMAT}")
     if told := differences(before, json.loads(json.dumps(recipe))):
-        raise InputError(f"{folder} holds part of another run: {'; '.join(told)}; --restart drops it")
+        raise InputError(f"{folder} holds part of another run: {'; '.join(told)}; use --restart to discard it")
 
 
 def is_left_over(folder: Path, recipe: dict[str, Any]) -> bool:
-    """Whether the folder is of a run of that recipe, which was killed when it had ended and was tidying up."""
+    """Whether the folder is left from a run of that recipe that was killed after its output was complete."""
     try:
         was = json.loads((folder / _MANIFEST).read_text(encoding="utf-8"))["recipe"]
         return not differences({key: was[key] for key in was if key != "grows"}, json.loads(json.dumps(recipe)))
@@ -142,12 +142,12 @@ def is_left_over(folder: Path, recipe: dict[str, Any]) -> bool:
 
 
 def store_shard(folder: Path, start: int, stop: int, content: bytes) -> None:
-    """Keep the packed results of cases `start` to `stop`. Raises `OSError`."""
+    """Store the packed results of cases `start` to `stop`. Raises `OSError`."""
     _put(_name(folder, start, stop), content)
 
 
 def read_shard(folder: Path, start: int, stop: int) -> Columns:
-    """The results of cases `start` to `stop`; raises `Damaged`, and removes the shard, where it is not whole."""
+    """The results of cases `start` to `stop`; a damaged shard is removed and raises `Damaged`."""
     path = _name(folder, start, stop)
     try:
         found = decode(path.read_bytes())
@@ -159,8 +159,8 @@ def read_shard(folder: Path, start: int, stop: int) -> Columns:
     return found
 
 
-def stretches(folder: Path, cases: int) -> list[tuple[int, int]]:
-    """The stretches of cases of which there are shards, in order; none overlaps the next."""
+def stored_ranges(folder: Path, cases: int) -> list[tuple[int, int]]:
+    """The ranges of cases that have shards, in order, without overlaps."""
     found: list[tuple[int, int]] = []
     for start, stop in sorted(_shards(folder)):
         if (found[-1][1] if found else 0) <= start < stop <= cases:
@@ -169,19 +169,19 @@ def stretches(folder: Path, cases: int) -> list[tuple[int, int]]:
 
 
 def is_empty(folder: Path) -> bool:
-    """Whether there is no shard at all."""
+    """Whether the folder has no shard."""
     return not _shards(folder)
 
 
-def missing(there: list[tuple[int, int]], cases: int) -> list[tuple[int, int]]:
-    """The stretches of cases between those that are there."""
-    ends = [0, *(stop for _, stop in there)]
-    starts = [*(start for start, _ in there), cases]
+def missing_ranges(stored: list[tuple[int, int]], cases: int) -> list[tuple[int, int]]:
+    """The ranges of cases between those that have shards."""
+    ends = [0, *(stop for _, stop in stored)]
+    starts = [*(start for start, _ in stored), cases]
     return [(a, b) for a, b in zip(ends, starts, strict=True) if a < b]
 
 
 def clear(folder: Path, keep_lock: bool = False) -> None:
-    """Remove what a run has kept; what is not a run's own stays, and the folder with it."""
+    """Remove what a run has stored; other files stay, and the folder with them."""
     for path in [*(_name(folder, *ends) for ends in _shards(folder)), folder / _MANIFEST]:
         path.unlink(missing_ok=True)
     clear_asides(folder)
@@ -192,7 +192,7 @@ def clear(folder: Path, keep_lock: bool = False) -> None:
 
 
 def clear_asides(folder: Path) -> None:
-    """Remove what a killed run was about to rename."""
+    """Remove unfinished files of a killed run."""
     for path in [*folder.glob(".*.part.shard"), *folder.glob(".*.part.json")]:
         path.unlink(missing_ok=True)
 
@@ -214,9 +214,9 @@ def _name(folder: Path, start: int, stop: int) -> Path:
 
 
 def reserve(path: Path, size: int) -> None:
-    """Have the disk keep so much room for a file, so that HDF5 never meets a full one, which it does not survive.
+    """Reserve disk space for a file, as HDF5 does not survive a full disk.
 
-    Raises `OSError` where there is none. Without `posix_fallocate` nothing is kept.
+    Raises `OSError` where there is too little. Without `posix_fallocate` nothing is reserved.
     """
     if hasattr(os, "posix_fallocate"):
         with path.open("ab") as file:
@@ -224,5 +224,5 @@ def reserve(path: Path, size: int) -> None:
 
 
 def free(folder: Path) -> int:
-    """Bytes that may still be written there."""
+    """Free bytes on the disk of the folder."""
     return shutil.disk_usage(folder).free

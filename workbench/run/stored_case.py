@@ -1,4 +1,4 @@
-"""The study and the case that a stored dataset came from, and a case of it solved again or next to it."""
+"""The study and the case of a stored dataset, and its cases solved again, or at other values."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -18,21 +18,21 @@ from ..data.selection import SAME, real
 from . import sweep_solutions
 from .block import solve_one
 
-MOST_SOLVED = 10_000  # cases that are solved again without being asked twice: seconds
+MOST_SOLVED = 10_000  # cases that are solved again: seconds
 
 
 def study_of(ds: xr.Dataset) -> Study:
-    """The study that a dataset was made by, under its reading; `InputError` where it says none."""
+    """The study of a dataset, under its reading; `InputError` where the dataset has none."""
     if not ds.attrs.get("study"):
-        raise InputError("the dataset does not say which study it is of: it has no attribute study")
+        raise InputError("the dataset has no attribute study, so its study is unknown")
     study = loads(reading.text(ds, "study"), "the dataset's study", reading.text(ds, "study_name"))
     return study.under(reading.text(ds, "reading") or None)
 
 
 def case_of(ds: xr.Dataset, study: Study, values: Mapping[str, float] | None = None) -> Case:
-    """The case of a dataset's coordinates, of the shape of its axes, at other values of some fields.
+    """The case of a dataset, of the shape of its remaining axes, at other values of some fields.
 
-    An axis that is given a value has no dimension. Raises `InputError`.
+    An axis whose value is given has no dimension. Raises `InputError`.
     """
     values = dict(values or {})
     for name in study.axes:
@@ -48,7 +48,7 @@ def case_of(ds: xr.Dataset, study: Study, values: Mapping[str, float] | None = N
 
 
 def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solution:
-    """The dataset's cases, at other values of some fields, solved with its tolerance, method and stations.
+    """Solve the dataset's cases, at other values of some fields, with its tolerance, method and stations.
 
     Raises `InputError` for a field that the study has not, or for more than `MOST_SOLVED` cases.
     """
@@ -83,7 +83,7 @@ def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str
 
 
 def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -> Solution:
-    """Cases of a sweep or next to it, each continued from the sweep's nearest."""
+    """Cases at or between those of a sweep, each continued from the nearest of the sweep."""
     from .plan import plan
 
     work = plan(study)
@@ -98,7 +98,7 @@ def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -
 
 
 def _stations(ds: xr.Dataset, study: Study, case: Case) -> Any:
-    """How many stations; or where they are, if the dataset's are not spread evenly from end to end."""
+    """The number of stations; or their arc lengths, where they are not evenly spaced from end to end."""
     if "u" not in ds.coords:
         return study.stations
     u = np.atleast_1d(ds["u"].values)

@@ -1,40 +1,36 @@
-"""A study stored as it is solved: in chunks, by as many workers as there are, going on where an earlier run stopped."""
+"""Run a study into a file: in chunks, by several workers, continuing where an earlier run stopped."""
 
 import json
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from solver.problem.errors import InputError
 from studies import Study
 
 from ..data.schema import TEXTS
 from . import local_pool, shards, worker_processes
-from .block import kind_of, unsolved
+from .block import unsolved
 from .plan import TOGETHER, Plan, bytes_a_case, bytes_of_file, plan
 from .progress import Meter, Progress, unshown
 from .recipe import recipe
-from .resume import There, grown, is_finished, look, told_of
+from .resume import StoredRun, grown, is_finished, look
 from .shards import Damaged, decode, encode
+from .tally import Tally, count, statistics_of, tally_of
 
-WORTH, WORTH_TOGETHER = 4, 10  # blocks for which a worker is worth its start
-
-Tally = dict[str, Counter[Any]]
+WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker
 
 
 @dataclass(frozen=True)
 class Options:
     """How a study is run; none of these changes a bit of what is stored.
 
-    workers: processes on this machine, None for as many as are of use. scheduler: of a Dask cluster, instead.
-    chunk: cases a chunk, None for a few seconds' work. restart: drop what an earlier run has kept, and solve a complete
-    study again.
+    workers: processes on this machine; None: chosen automatically. scheduler: address of a Dask cluster, instead.
+    chunk: cases in a chunk; None: a few seconds' work. restart: discard what an earlier run has kept, and solve a
+    complete study again.
     """
 
     workers: int | None = None
@@ -48,9 +44,9 @@ DEFAULT = Options()
 
 @dataclass(frozen=True)
 class Ran:
-    """What a run did. told: outcomes, cautions and verdicts of the file. solved: cases this run solved itself."""
+    """What a run did. statistics: of the file (`tally.statistics_of`). solved: cases that this run solved itself."""
 
-    told: dict[str, Any]
+    statistics: dict[str, Any]
     solved: int
     seconds: float
     finished_before: bool = False
@@ -85,7 +81,7 @@ def run_to_file(
     folder = shards.folder_of(output)
     with _refusing_disk(output), shards.locked(folder):
         try:
-            if (finished := _finished(work, output, options)) is not None:  # by the run that held it
+            if (finished := _finished(work, output, options)) is not None:  # by the run that held the lock
                 return finished
             there, work = _growing(work, output, options)
             if options.restart:
@@ -95,22 +91,24 @@ def run_to_file(
             return _run(work, output, folder, there, options, say, progress)
         finally:
             if shards.is_empty(folder):
-                shards.clear(folder)  # nothing was kept that a later run could use
+                shards.clear(folder)  # there is nothing that a later run could use
 
 
 def _follow(work: Plan, output: Path) -> Ran:
-    """A study along one branch is one line: it cannot be cut, and is solved in memory."""
+    """A study that follows one equilibrium cannot be cut into chunks, and is solved in memory."""
     from ..data import law_verdicts, writing
     from .following import run_followed
 
     writing.check_parent(output)
     began = time.monotonic()
     ds = run_followed(work.study, work.study.tol, work.study.method)
-    tally = _of_file(None)
-    _count({name: ds[name].values for name in ("solved", *TEXTS)}, tally)
-    told = told_of(tally, law_verdicts.verdicts(ds))
-    writing.write(ds.assign_attrs(recipe=json.dumps(recipe(work)), told=json.dumps(told)), output, force=True)
-    return Ran(told, ds["outcome"].size, time.monotonic() - began)
+    tally = tally_of(None)
+    count({name: ds[name].values for name in ("solved", *TEXTS)}, tally)
+    statistics = statistics_of(tally, law_verdicts.verdicts(ds))
+    writing.write(
+        ds.assign_attrs(recipe=json.dumps(recipe(work)), statistics=json.dumps(statistics)), output, force=True
+    )
+    return Ran(statistics, ds["outcome"].size, time.monotonic() - began)
 
 
 def _finished(work: Plan, output: Path, options: Options) -> Ran | None:
@@ -118,11 +116,11 @@ def _finished(work: Plan, output: Path, options: Options) -> Ran | None:
     if there is None:
         return None
     work = grown(there, work) or work
-    return Ran(there.told, 0, 0.0, True) if is_finished(there, work) else None
+    return Ran(there.statistics, 0, 0.0, True) if is_finished(there, work) else None
 
 
 def _tidy(work: Plan, output: Path) -> None:
-    """Remove what a run left that was killed after its file was whole."""
+    """Remove what is left of a run that was killed after its file was complete."""
     folder = shards.folder_of(output)
     if not folder.is_dir():
         return
@@ -131,14 +129,14 @@ def _tidy(work: Plan, output: Path) -> None:
             shards.clear(folder)
 
 
-def _growing(work: Plan, output: Path, options: Options) -> tuple[There | None, Plan]:
-    """The file there that the study extends, if any, and the plan of what is left."""
+def _growing(work: Plan, output: Path, options: Options) -> tuple[StoredRun | None, Plan]:
+    """The existing file that the study extends, if any, and the plan of the remaining cases."""
     there = None if options.restart else look(output)
     larger = grown(there, work) if there is not None else None
     return (there, larger) if larger is not None and larger.new is not None else (None, work)
 
 
-def _grows(there: There | None) -> dict[str, Any]:
+def _grows(there: StoredRun | None) -> dict[str, Any]:
     return {} if there is None else {"grows": there.recipe["axes"]}
 
 
@@ -146,14 +144,14 @@ def _run(
     work: Plan,
     output: Path,
     folder: Path,
-    there: There | None,
+    there: StoredRun | None,
     options: Options,
     say: Callable[[str], None],
     progress: Progress,
 ) -> Ran:
     from .assembly import assemble
 
-    tally = _of_file(there)
+    tally = tally_of(there)
     kept = _verified(work, folder, tally)
     say(_room(work, folder, kept))
     with progress(work.size, work.size - work.todo + kept) as meter:
@@ -162,49 +160,28 @@ def _run(
             _solve(work, folder, options, meter, tally)
             try:
                 told = assemble(work, folder, output, there, tally)
-            except Damaged:  # between the two, by another hand: what is left is solved again
-                tally = _of_file(there)
+            except Damaged:  # by another program since it was read: its cases are solved again
+                tally = tally_of(there)
                 meter.done = work.size - work.todo + _verified(work, folder, tally)
     shards.clear(folder)
     return Ran(told, work.todo - kept, meter.seconds)
 
 
-def _of_file(there: There | None) -> Tally:
-    if there is None:
-        return {"solved": Counter(), "outcome": Counter(), "caution": Counter(), "branch": Counter()}
-    texts = {"outcome": Counter(there.told["outcomes"]), "caution": Counter(there.told["cautions"])}
-    return {"solved": Counter({False: there.told["unsolved"]}), **texts, "branch": Counter()}  # a sweep does not grow
-
-
 def _verified(work: Plan, folder: Path, tally: Tally) -> int:
-    """Count the cases of the shards that are there, each looked at; damaged ones are removed."""
+    """Count the cases of the existing shards, each verified; damaged ones are removed."""
     kept = 0
-    for start, stop in shards.stretches(folder, work.todo):
+    for start, stop in shards.stored_ranges(folder, work.todo):
         try:
-            _count(shards.read_shard(folder, start, stop), tally)
+            count(shards.read_shard(folder, start, stop), tally)
         except Damaged:
             continue
         kept += stop - start
     return kept
 
 
-def _count(columns: dict[str, Any], tally: Tally) -> int:
-    """Add the columns to the tally; how many of their cases are not solved."""
-    for branch in columns.get("branch", ()):
-        tally["branch"][int(branch)] += 1
-    for name in TEXTS:
-        counts = tally[name]
-        texts, times = np.unique(columns[name].astype(str), return_counts=True)
-        for text, count in zip(texts.tolist(), times.tolist(), strict=True):
-            counts[kind_of(text)] += count
-    unsolved = int(np.count_nonzero(~columns["solved"]))
-    tally["solved"][False] += unsolved
-    return unsolved
-
-
 def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tally) -> None:
-    """Solve what is missing, and keep it."""
-    missing = shards.missing(shards.stretches(folder, work.todo), work.todo)
+    """Solve the missing cases and store their shards."""
+    missing = shards.missing_ranges(shards.stored_ranges(folder, work.todo), work.todo)
     if not missing:
         return
     try:
@@ -212,17 +189,17 @@ def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tall
             if isinstance(results, str):
                 results = encode(unsolved(work.study, chunk.cases, results))
             shards.store_shard(folder, chunk.start, chunk.stop, results)
-            meter.add(chunk.cases, _count(decode(results), tally))
+            meter.add(chunk.cases, count(decode(results), tally))
     except KeyboardInterrupt:
         raise KeyboardInterrupt(_kept(work, folder)) from None
 
 
 def _kept(work: Plan, folder: Path) -> str:
-    """How to go on; counted from the shards, as the interruption may come between a shard and the meter."""
-    missing = shards.missing(shards.stretches(folder, work.todo), work.todo)
+    """How to continue; counted from the shards, as the interruption may come between a shard and the meter."""
+    missing = shards.missing_ranges(shards.stored_ranges(folder, work.todo), work.todo)
     done = work.size - sum(stop - start for start, stop in missing)
-    kept = f"{done} of {work.size} cases are kept in {folder}; the same command goes on from there"
-    return f"interrupted; {kept if done else 'nothing was finished yet'}"
+    kept = f"{done} of {work.size} cases are kept in {folder}; run the same command again to continue"
+    return f"interrupted; {kept if done else 'no case was finished yet'}"
 
 
 def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> local_pool.Results:
@@ -232,34 +209,29 @@ def _engine(work: Plan, missing: list[tuple[int, int]], options: Options) -> loc
 
         return cluster(work, missing, options.scheduler, options.chunk)
     workers = _workers(work, left, options)
-    chunks = work.chunks(missing, _chunk_size(work, workers, options.chunk))
+    chunks = work.chunks(missing, work.chunk_size(workers, options.chunk))
     if workers == 1:
         return local_pool.serial(work.light, chunks, work.block)
     return local_pool.pool(work.light, chunks, work.block, workers)
 
 
 def _workers(work: Plan, left: int, options: Options) -> int:
-    """Processes for so many cases; the first worker takes a second to start, or some blocks' time."""
+    """How many workers are worth starting for so many cases."""
     if options.workers is not None:
         return options.workers
     blocks = WORTH_TOGETHER if work.study.method in TOGETHER else WORTH
     return max(1, min(local_pool.cores(), left // (blocks * work.block)))
 
 
-def _chunk_size(work: Plan, workers: int, asked: int | None) -> int:
-    """In whole blocks."""
-    return work.chunk_size(workers) if asked is None else work.block * max(1, round(asked / work.block))
-
-
 def _room(work: Plan, folder: Path, kept: int) -> str:
-    """What the run takes, in words; raises `InputError` where the disk has less."""
+    """The disk space that the run needs, in words; raises `InputError` where there is less."""
     case = bytes_a_case(work.study)
     final, parts = bytes_of_file(work), (work.todo - kept) * case
     there = shards.free(folder)
     if final + parts > there:
         needed = f"{_bytes(final)} for the file and {_bytes(parts)} for its parts until it is whole"
         raise InputError(f"the study needs up to {needed}, but {folder.parent} has {_bytes(there)} left")
-    new = f", {work.size - work.todo} of them there already" if work.todo < work.size else ""
+    new = f", {work.size - work.todo} of them already stored" if work.todo < work.size else ""
     going = f", {kept} kept from an earlier run" if kept else ""
     room = f"a file of at most {_bytes(final)}, and {_bytes(parts)} more while it runs"
     return f"{work.size} case{'s' * (work.size != 1)}{new}{going}: {room}"
@@ -274,10 +246,10 @@ def _bytes(count: int) -> str:
 
 @contextmanager
 def _refusing_disk(output: Path) -> Iterator[None]:
-    """What the disk refuses is told in one sentence; what is kept stays."""
+    """An `OSError` of the body becomes an `InputError` of one sentence; finished shards stay."""
     try:
         yield
     except OSError as error:
         why = error.strerror or str(error).partition(",")[0]
-        kept = "what is finished is kept, and the same command goes on from there"
+        kept = "finished cases are kept; run the same command again to continue"
         raise InputError(f"cannot write {output}: {why}; {kept}") from None

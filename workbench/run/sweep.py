@@ -1,10 +1,10 @@
 """A sweep over ends problems: each case continues from its neighbour, so that a study stays on one branch.
 
-The order is that of `sweep_order`. Where a branch ends, the case takes the equilibrium that the study's rule takes
-there, its branch has another number, and its own neighbours continue from it.
+The order is that of `sweep_order`. Where a branch ends, the case takes the equilibrium that the study's rule selects,
+begins a branch of another number, and its neighbours continue from it.
 
-The process of the run follows the cases from which others continue (`Spine`), with nothing along the rod; whoever
-solves a block begins at the cases that came with it, so every bit is the same whoever that is.
+The process of the run solves the cases from which blocks begin (`Spine`), without arrays along the rod. A worker begins
+at the cases that came with its block, so the bits do not depend on which worker it is.
 """
 
 import math
@@ -25,16 +25,16 @@ from ..data.branch_numbers import NONE
 from .sweep_order import Grid
 
 LOST = "unstable here, stable where its branch begins"
-MOST_KEPT = 2000  # cases of a single line that are all followed by the run itself
+MOST_KEPT = 2000  # cases of a single line that the run itself solves
 
 
 @dataclass(frozen=True, eq=False)
 class State:
     """The equilibrium of one case, with stations at its two ends only.
 
-    branch: 0 for that of the first case, else 1 + the place in the grid of the case that took it up; `NONE` where the
-    case is not solved. stable: whether the branch was stable where it was taken up. remark: what the case's outcome
-    says besides: where the branch begins, or that it is no longer stable.
+    branch: 0 for that of the first case, else 1 + the flat index of the case where it begins; `NONE` where the case is
+    not solved. stable: whether the branch is stable where it begins. remark: an addition to the outcome: where the
+    branch begins, or that it is no longer stable.
     """
 
     solution: Solution
@@ -49,7 +49,7 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Spine:
-    """The cases from which blocks begin, each followed from the first case when it is first asked for."""
+    """The cases from which blocks begin, each continued from the first case when it is first needed."""
 
     study: Study
     coordinates: Mapping[str, NDArray[np.float64]]
@@ -124,8 +124,7 @@ def rule_of(which: Which | None) -> Choose:
 
 
 def begun(study: Study, case: Case) -> State:
-    """The state of the first case: the equilibrium that the study means. Raises `InputError` where it names one of
-    none."""
+    """The state of the first case: the equilibrium that the study selects. Raises `InputError` where there is none."""
     which = study.equilibrium
     if which is not None and which.dbeta0 is not None and which.energy is not None:
         return state_of(nearest(equilibria(case, study.tol, 2), which.dbeta0, which.energy).solution, 0)
@@ -133,9 +132,9 @@ def begun(study: Study, case: Case) -> State:
 
 
 def stepped(study: Study, case: Case, before: State, place: int, neighbour: str) -> State:
-    """The state of a case that continues from its neighbour's, or takes up another branch where that one ends.
+    """The state of a case continued from its neighbour's, or on another branch where that one ends.
 
-    neighbour: where it is, in words.
+    neighbour: its value of the axis, in words.
     """
     if before.solved:
         continued = solve(case, tol=study.tol, stations=2, seed=before.solution)
@@ -147,7 +146,7 @@ def stepped(study: Study, case: Case, before: State, place: int, neighbour: str)
 
 
 def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str = "") -> State:
-    """A state that another process can be sent. stable: of its branch where that was taken up; None for here."""
+    """A state that can be sent to another process. stable: of its branch where that begins; None: it begins here."""
     light = replace(sol, trajectory=replace(sol.trajectory, swirl=_not_kept))
     if not sol.solved:
         return State(light, NONE, False)

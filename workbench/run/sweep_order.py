@@ -1,4 +1,4 @@
-"""The order of a sweep: which case each case continues from, and where blocks begin. The grid alone decides it.
+"""The order of a sweep: which case each case continues from, and where blocks begin. It depends on the grid alone.
 
 The first case is the middle of the grid. From it the cases continue along the first axis, from each of these along the
 second, and so on: a tree in which each case is one step from the one it continues from.
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-LINE = 256  # cases of a line that is solved in one go where there are several
+LINE = 256  # cases of a line that is solved in one block where there are several lines
 BLOCK_OF_ONE, BLOCK_OF_LONG = 8, 32  # cases a block: of a single line, and of lines longer than that
 
 

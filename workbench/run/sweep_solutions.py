@@ -1,4 +1,4 @@
-"""The solutions of a sweep: a case's state read at the stations that are wanted, and cases next to the sweep's."""
+"""The solutions of a sweep: a case's state at the stations wanted, and cases between those of the sweep."""
 
 from dataclasses import replace
 from functools import partial
@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Solution, solve
-from solver.methods.base import Trajectory
 from solver.problem.reduced import flat, reduce
+from solver.problem.trajectory import Trajectory
 from studies import Study
 
 from .sweep import State, state_of
 
-_DENSE = 2001  # points of a shape that is handed to a method which knows it by its points
+_DENSE = 2001  # stations of the seed of a method that knows the rod at stations only
 
 
 def shown(study: Study, state: State, stations: Any = None) -> Solution:

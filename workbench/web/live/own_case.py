@@ -1,6 +1,5 @@
 """The preset of the live page that a file or options give, in its own units."""
 
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +7,7 @@ from solver import Case
 from studies.axes import quantity_of
 from studies.readings import TABLE_1
 
-from ...commands.solve import Asked, read_case
+from ...run.case_input import CaseInput, field_values, read_case
 from .presets import Preset
 
 NAME = "own"
@@ -23,18 +22,18 @@ def preset(file: Path | None, options: dict[str, Any], units: dict[str, str]) ->
     """
     if file is None and not options and not units:
         return None
-    rod = read_case(file, options, False, None, units)
+    rod = read_case(file, options, units)
     title = rod.study.title if rod.study is not None else "A rod of the command line's options"
     assumed = ", ".join(f"{name} = {value}" for name, value in rod.assumed.items())
     source = f"From {rod.source}.{f' Assumed: {assumed}.' if assumed else ''} {_units(rod)}."
     return Preset(NAME, title, source, _state(rod, title, not options), _spans(rod.case))
 
 
-def _units(rod: Asked) -> str:
+def _units(rod: CaseInput) -> str:
     return f"{rod.units['length']} and {rod.units['force']}"
 
 
-def _state(rod: Asked, title: str, as_printed: bool) -> dict[str, Any]:
+def _state(rod: CaseInput, title: str, as_printed: bool) -> dict[str, Any]:
     """The state of `page_model.study_of`; as_printed: values of Table 1 stay as a reading has them."""
     state: dict[str, Any] = {"title": title, "units": rod.units}
     study = rod.study
@@ -46,14 +45,8 @@ def _state(rod: Asked, title: str, as_printed: bool) -> dict[str, Any]:
 
 
 def _fields(case: Case) -> dict[str, Any]:
-    """The fields of a case by name, those left out of a start not among them."""
-    found = {}
-    for part in (case.rod, case.cylinder, case.given):
-        for field in fields(part):
-            value = getattr(part, field.name)
-            if value is not None and not (field.name in HIDDEN and value == 0):
-                found[field.name] = value if isinstance(value, str) else float(value)
-    return found
+    """The fields of a case by name, without those that are None or turn the whole rod by 0."""
+    return {name: value for name, value in field_values(case).items() if not (name in HIDDEN and value == 0)}
 
 
 def _spans(case: Case) -> dict[str, float | tuple[float, float]]:

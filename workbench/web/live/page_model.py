@@ -24,12 +24,12 @@ from studies.loader import loads
 from studies.readings import parse
 from studies.writer import dumps
 
-from ...commands.list_equilibria import ends_of
-from ...commands.list_equilibria import row as equilibrium_row
-from ...commands.list_equilibria import told as case_fields
+from ...branches.equilibria import ends_problem
+from ...branches.equilibria import row as equilibrium_row
 from ...data import cautions, dataset, labels
 from ...export.stored_rod import export
 from ...run.block import columns
+from ...run.case_input import field_values
 from .page_shape import STATIONS, TOL, Shape, refuse_many
 
 KEYS = ("title", "units", "reading", "base", "equilibrium")
@@ -153,8 +153,8 @@ def list_equilibria(study: Study) -> list[dict[str, Any]]:
 
 def ends_state(study: Study) -> dict[str, Any]:
     """The state of the ends problem with the same loads that names the rod's own equilibrium. Raises `InputError`."""
-    case = ends_of(study)
-    base = {name: value for name, value in case_fields(case).items() if name not in HIDDEN}
+    case = ends_problem(study)
+    base = {name: value for name, value in field_values(case).items() if name not in HIDDEN}
     sol = solve(study.case(), TOL, stations=STATIONS)
     return {"title": study.title, "units": study.unit_system, "base": base, "equilibrium": _which(sol)}
 

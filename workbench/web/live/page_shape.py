@@ -17,7 +17,7 @@ from solver.problem.reduced import reduce
 from studies import Study
 from studies.axes import Which
 
-from ...commands.list_equilibria import told
+from ...run.case_input import field_values
 
 TOL, NEAR = 1e-8, 1e-6  # tolerances of a rod, and of one that follows another as a slider moves
 STATIONS, BETWEEN, MOST = 201, 401, 4001  # of a start problem, an ends problem, and a rod with many bends
@@ -125,7 +125,7 @@ def _between(study: Study, case: Case, lost: bool) -> Solution:
 
 def _followed(study: Study, case: Case, near: Solution) -> Solution | None:
     """The solution next to another by Newton's method, in one step or in more; None where a step fails."""
-    before, after = told(near.case), told(case)
+    before, after = field_values(near.case), field_values(case)
     for steps in STEPS:
         sol: Solution = near
         for k in range(1, steps):

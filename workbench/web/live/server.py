@@ -7,6 +7,7 @@ state (plain data), and a download is written in a temporary folder.
 import asyncio
 import gc
 import json
+import logging
 import secrets
 import time
 from collections import OrderedDict
@@ -24,8 +25,8 @@ from aiohttp import web
 from solver.problem.errors import InputError
 from studies.readings import READINGS
 
-from ...commands import console
-from ...commands.console import finite
+from ...data import escaping
+from ...data.escaping import finite
 from ...run import worker_processes
 from .. import browser_assets
 from . import mesh, page_model, page_shape, search_processes
@@ -76,11 +77,15 @@ class Shapes:
             return self._kept.get(ticket) if isinstance(ticket, str) else None
 
 
-def application(names: set[str], presets: Sequence[Preset] = PRESETS) -> web.Application:
+Report = Callable[[str], None]
+log = logging.getLogger(__name__)
+
+
+def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Report = log.error) -> web.Application:
     """The application.
 
     names: the `host:port` that it accepts in Host and Origin. presets: the rods to begin with; the first is drawn when
-    the page is opened.
+    the page is opened. report: called with one sentence on each error of the server.
     """
     shapes, few, tasks = Shapes(), ThreadPoolExecutor(THREADS, "shapes"), search_processes.Tasks()
 
@@ -103,7 +108,7 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS) -> web.App
     app.router.add_get("/presets", _offering(presets))
     for path, work in (("/shape", _shape), ("/numbers", _numbers), ("/equilibria", _equilibria), ("/ends", _ends),
                        ("/study", _study), ("/download", _download)):  # fmt: skip
-        app.router.add_post(path, _answering(work, shapes, few, tasks))
+        app.router.add_post(path, _answering(work, shapes, few, tasks, report))
     return app
 
 
@@ -165,7 +170,9 @@ class Context:
 Work = Callable[[dict[str, Any], Context], Awaitable[web.Response]]
 
 
-def _answering(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: search_processes.Tasks) -> Handler:
+def _answering(
+    work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: search_processes.Tasks, report: Report
+) -> Handler:
     """Answer a request's JSON; an `InputError` becomes status 422 with a sentence and the field."""
 
     async def handler(request: web.Request) -> web.StreamResponse:
@@ -189,7 +196,7 @@ def _answering(work: Work, shapes: Shapes, few: ThreadPoolExecutor, tasks: searc
         except search_processes.ClientLeft:
             return web.Response(status=499)  # nobody receives it
         except Exception as error:  # an error of ours: reported in the terminal, and as a sentence to the page
-            console.warn(f"{request.path} failed: {type(error).__name__}: {error}")
+            report(escaping.line(f"{request.path} failed: {type(error).__name__}: {error}"))
             return web.json_response({"sentence": FAULT, "field": ""}, status=500)
 
     return handler

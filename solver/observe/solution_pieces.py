@@ -1,30 +1,31 @@
-"""The rod as pieces on which beta and beta_t are Chebyshev series in time: where its observables are read.
+"""The pieces of the rods of a solution.
 
-Where the method knows the orbit, the pieces are the orbit's own panels or steps, which are graded towards saddles; each
-counts as often as the rod passes it, and the panel in which the rod ends is cut there. Elsewhere the pieces lie
-between neighbouring stations: quintic polynomials through beta and beta_t and their rates, which the equation gives.
+Where the method knows the orbit, the pieces are the panels or steps of the orbit, which are graded towards saddles;
+each counts as often as the rod passes it, and the panel in which the rod ends is cut there. Elsewhere the pieces lie
+between neighbouring stations: quintic polynomials through beta, beta_t and their rates, which the equation gives.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev as C
-from numpy.typing import NDArray
 
-from ..mechanics.potential import slope, slope_rate
-from ..numerics.chebyshev import basis, polynomials, through
+from ..mechanics.potential import Loads, slope, slope_rate
+from ..numerics.arrays import Array, Booleans
+from ..numerics.chebyshev import through
+from ..orbit.marched_orbit import MarchedOrbit, march_orbit
 from ..orbit.pieces import LIBRATION
-from ..problem.reduced import Array, Reduced
+from ..problem.reduced import Reduced
 from ..solution import Solution
+from .rod_pieces import Pieces, joined_pieces
 
 ORBITS = ("orbit", "swing", "shooting")  # the methods that know the orbit
 
-NODES = 24  # of each piece, at which what is measured is read
-_CASES = 192  # of a block: what is worked on stays in the cache; 48 cost `swing` 1.3 times as much, `orbit` 1.5 times
-_RESOLVED = 1.0  # stations at most so far apart, in units of 1/sqrt(|H'|), show every bend
+_CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
+_RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend
 _HERMITE = np.array(  # y(0), y(1), y'(0), y'(1), y''(0), y''(1) to powers of x, rising
     [
         [1, 0, 0, -10, 15, -6],
@@ -37,70 +38,8 @@ _HERMITE = np.array(  # y(0), y(1), y'(0), y'(1), y''(0), y''(1) to powers of x,
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Angles:
-    """beta, |beta_t|, and sin and cos of beta at the nodes of Q pieces, (Q, NODES) each."""
-
-    beta: Array
-    speed: Array
-    sin: Array
-    cos: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Pieces:
-    """Q pieces of the rods of B problems.
-
-    series: (P, 2, N), Chebyshev coefficients of beta and |beta_t| on panels. case: (Q,), of which problem. row: (Q,),
-    on which panel. low, high: (Q,), from where to where on it, in [-1, 1]. time: (Q,), length in t. count: (Q,), how
-    often the rod passes the piece.
-    """
-
-    problem: Reduced
-    series: Array
-    case: NDArray[np.int64]
-    row: NDArray[np.int64]
-    low: Array
-    high: Array
-    time: Array
-    count: Array
-
-    def take(self, index: Any) -> "Pieces":
-        """The pieces that an index picks."""
-        names = ("case", "row", "low", "high", "time", "count")
-        return replace(self, **{name: getattr(self, name)[index] for name in names})
-
-    def halves(self) -> "Pieces":
-        """Each piece as two, one after the other."""
-        twice = self.take(np.repeat(np.arange(self.case.size), 2))
-        second = np.arange(twice.case.size) % 2 == 1
-        middle = (twice.low + twice.high) / 2
-        low, high = np.where(second, middle, twice.low), np.where(second, twice.high, middle)
-        return replace(twice, low=low, high=high, time=twice.time / 2)
-
-    @cached_property
-    def angles(self) -> Angles:
-        """The angles at the nodes, from which every density is made."""
-        beta, speed = self.at(basis(NODES).nodes)
-        return Angles(beta, speed, np.sin(beta), np.cos(beta))
-
-    def at(self, nodes: Array) -> tuple[Array, Array]:
-        """beta and |beta_t| at nodes (m,) of [-1, 1] on each piece, (Q, m) each."""
-        n = self.series.shape[2]
-        out = np.empty((self.case.size, 2, nodes.size))
-        whole = (self.low == -1) & (self.high == 1)
-        if whole.any():
-            out[whole] = self.series[self.row[whole]] @ polynomials(nodes, n)
-        cut = np.flatnonzero(~whole)
-        if cut.size:
-            low, high = self.low[cut, None], self.high[cut, None]
-            x = np.clip(low + (high - low) * (1 + nodes) / 2, -1, 1)
-            out[cut] = np.einsum("qcn,nqm->qcm", self.series[self.row[cut]], polynomials(x, n), optimize=True)
-        return out[:, 0], out[:, 1]
-
-
 def blocks(sol: Solution) -> Iterator[tuple[slice, Pieces]]:
-    """The pieces of all cases of a solution, some cases at a time, counted from the first of them."""
+    """The pieces of the cases of a solution, in blocks; in each the cases are numbered from 0."""
     orbit = sol.trajectory.orbit
     for start in range(0, sol.problem.size, _CASES):
         some = slice(start, min(start + _CASES, sol.problem.size))
@@ -109,39 +48,38 @@ def blocks(sol: Solution) -> Iterator[tuple[slice, Pieces]]:
 
 def of_orbit(orbit: Any, some: slice) -> Pieces:
     """The pieces of some of the problems of an `Orbit` or a `Swing`."""
-    if not hasattr(orbit, "lost"):
+    if not isinstance(orbit, MarchedOrbit):
         return _of_panels(orbit, np.arange(some.start, some.stop), np.arange(some.stop - some.start), some)
     lost = orbit.lost[some]
     found = [_of_steps(orbit, some, np.flatnonzero(~lost))] if not lost.all() else []
     if lost.any() and orbit.rest is not None:
         first = int(np.count_nonzero(orbit.lost[: some.start]))
         found.append(_of_panels(orbit.rest, first + np.arange(int(lost.sum())), np.flatnonzero(lost), some, orbit))
-    return _joined(found, orbit.problem.take(some))
+    return joined_pieces(found, orbit.problem.take(some))
 
 
 def _of_panels(orbit: Any, own: Array, case: Array, some: slice, whole: Any = None) -> Pieces:
     """The pieces of the problems `own` of an `Orbit`, which are the problems `case` of the block."""
     panels = orbit.panels
-    first, last = np.searchsorted(panels.part, [2 * own[0], 2 * own[-1] + 2])
+    first, last = np.searchsorted(panels.arc, [2 * own[0], 2 * own[-1] + 2])
     mine = slice(int(first), int(last))
-    part = panels.part[mine]
-    local = part // 2 - own[0]
+    arc = panels.arc[mine]
+    local = arc // 2 - own[0]
     problem = orbit.problem.take(own)
     times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
     clock = orbit.since[mine], panels.duration[mine]
-    found = _covered(problem, panels.series[mine, :2], local, part % 2 == 1, *clock, *times)
+    found = _covered(problem, panels.series[mine, :2], local, arc % 2 == 1, *clock, *times)
     block = (orbit if whole is None else whole).problem.take(some)
     return replace(found, problem=block, case=np.asarray(case)[found.case])
 
 
-def _of_steps(swing: Any, some: slice, case: Array) -> Pieces:
-    """The pieces of the problems `case` of a block of a `Swing`: its steps, marched again."""
-    from ..methods.swing import _march
-
+def _of_steps(orbit: MarchedOrbit, some: slice, case: Array) -> Pieces:
+    """The pieces of the problems `case` of a block of a marched orbit: its steps, marched again."""
     own = some.start + case
-    problem = swing.problem.take(own)
-    _, (_, count, since, width, taylor) = _march(problem, swing.tol)
-    part = np.repeat(np.arange(2 * case.size), count.reshape(-1))
+    problem = orbit.problem.take(own)
+    _, steps = march_orbit(problem, orbit.tol)
+    width, taylor = steps.width, steps.series
+    arc = np.repeat(np.arange(2 * case.size), steps.number.reshape(-1))
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
         order = np.arange(taylor.shape[2])
         power = width[:, None] ** order
@@ -150,9 +88,9 @@ def _of_steps(swing: Any, some: slice, case: Array) -> Pieces:
     series = np.zeros((width.size, 2, order.size))
     series[:, 0] = through(angle, _from_powers(order.size))
     series[:, 1, :-1] = through(rate, _from_powers(order.size - 1))
-    times = swing.ahead[own], swing.back[own], swing.period[own], swing.kind[own]
-    found = _covered(problem, series, part // 2, part % 2 == 1, since, width, *times)
-    return replace(found, problem=swing.problem.take(some), case=case[found.case])
+    times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
+    found = _covered(problem, series, arc // 2, arc % 2 == 1, steps.since, width, *times)
+    return replace(found, problem=orbit.problem.take(some), case=case[found.case])
 
 
 def _covered(
@@ -167,13 +105,13 @@ def _covered(
     period: Array,
     kind: Array,
 ) -> Pieces:
-    """What the rods cover of panels on courses of the lengths ahead and back, and how often."""
+    """The pieces of panels that the rods cover, and how often, on arcs that last ahead and back."""
     span = problem.span
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         rest = np.where(np.isfinite(period), np.fmod(span, period), span)
-        rounds = np.where(np.isfinite(period), np.round((span - rest) / period), 0.0)
+        periods = np.where(np.isfinite(period), np.round((span - rest) / period), 0.0)
     folded = (kind == LIBRATION)[case]
-    whole = rounds[case] * np.where(folded, 2, 1)
+    whole = periods[case] * np.where(folded, 2, 1)
     begins = since + np.where(second, 2 * ahead[case], 0), 2 * (ahead[case] + second * back[case]) - since - duration
     cut: list[tuple[Array, Array, Array, Array]] = []
     for begin, returns in zip(begins, (False, True), strict=True):
@@ -193,14 +131,14 @@ def _covered(
     found = Pieces(problem, series, case[row], row, low, high, time, count)
     still = np.flatnonzero(np.bincount(found.case, minlength=problem.size) == 0)  # nothing moves
     if still.size:
-        found = _joined([found, _still(problem, still)], problem)
+        found = joined_pieces([found, _still(problem, still)], problem)
     return found
 
 
-def _still(problem: Reduced, case: Array) -> Pieces:
-    """Rods of constant angle, each in one piece."""
+def _still(problem: Reduced, case: Array, speed: Array | float = 0.0) -> Pieces:
+    """Rods of constant angle, each one piece."""
     series = np.zeros((case.size, 2, 1))
-    series[:, 0, 0] = problem.beta0[case]
+    series[:, 0, 0], series[:, 1, 0] = problem.beta0[case], speed
     one = np.ones(case.size)
     return Pieces(problem, series, case, np.arange(case.size), -one, one, problem.span[case], one)
 
@@ -212,7 +150,7 @@ def of_stations(sol: Solution, some: slice, step: int = 1) -> Pieces:
     t, beta, rate = (v[some][:, kept] for v in (sol.t, sol.trajectory.beta, sol.trajectory.dbeta))
     B, case = t.shape[0], np.repeat(np.arange(t.shape[0]), max(t.shape[1] - 1, 0))
     time = np.diff(t, axis=1).reshape(-1)
-    at = Reduced(*(v[:, None] for v in (problem.lam, problem.mu, problem.phi, problem.span, problem.beta0)))
+    at = Loads.columns(problem)
     with np.errstate(over="ignore", invalid="ignore"):
         second = -slope(at, beta)
         third = -slope_rate(at, beta) * rate
@@ -225,35 +163,23 @@ def of_stations(sol: Solution, some: slice, step: int = 1) -> Pieces:
     short = np.flatnonzero(np.bincount(found.case, minlength=B) == 0)
     if not short.size:
         return found
-    points = _still(replace(problem, beta0=beta[:, 0]), short)
-    points.series[:, 1, 0] = rate[short, 0]
-    return _joined([found, points], problem)
+    points = _still(replace(problem, beta0=beta[:, 0]), short, rate[short, 0])
+    return joined_pieces([found, points], problem)
 
 
 _ENDS = (slice(None, -1), slice(1, None))
 
 
-def resolved(sol: Solution) -> NDArray[np.bool_]:
-    """Whether the stations of each case cover its rod and show every bend that the loads allow, (B,)."""
+def resolved(sol: Solution) -> Booleans:
+    """Whether the stations of each case cover its rod and resolve every bend that the loads allow, (B,)."""
     t, beta, span = sol.t, sol.trajectory.beta, sol.problem.span
-    column = Reduced(*(v[:, None] for v in (sol.problem.lam, sol.problem.mu, sol.problem.phi, span, span)))
+    column = Loads.columns(sol.problem)
     with np.errstate(invalid="ignore", over="ignore"):
         quickest = np.sqrt(np.abs(slope_rate(column, beta)).max(axis=1))
         swift = np.abs(sol.trajectory.dbeta).max(axis=1)
         step = np.diff(t, axis=1).max(axis=1, initial=0.0)
         dense = step * np.maximum(np.maximum(quickest, swift), 1) <= _RESOLVED
     return dense & (t[:, 0] == 0) & (t[:, -1] >= span * (1 - 1e-12)) & (t.shape[1] >= 5)
-
-
-def _joined(parts: list[Pieces], problem: Reduced) -> Pieces:
-    """Pieces one after the other, as those of `problem`."""
-    N = max(p.series.shape[2] for p in parts)
-    padded = [np.pad(p.series, ((0, 0), (0, 0), (0, N - p.series.shape[2]))) for p in parts]
-    before = np.cumsum([0, *(p.series.shape[0] for p in parts)])
-    row = np.concatenate([p.row + k for p, k in zip(parts, before, strict=False)])
-    names = ("case", "low", "high", "time", "count")
-    rest = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
-    return Pieces(problem, np.concatenate(padded), row=row, **rest)
 
 
 @cache

@@ -1,34 +1,37 @@
-"""Pairs of neighbouring levels between which the length of a path passes the rod's, and the levels inside them.
+"""Brackets of the levels at which the length of a path equals that of the rod, and the levels inside them.
 
-The sign of the length less the rod's, read along the chain of levels, shows every bracket but those of two roots
-between two rungs; these are looked for wherever the length comes near the rod's without passing it.
+The sign of the length less the rod's, along the grid of levels, shows every bracket but those of two roots between two
+points of the grid; these are searched for wherever the length comes near the rod's without passing it (a dip).
 """
 
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..problem.reduced import Array
-from .levels import Chain
-from .transit import Boundary, Levels, Paths, Transit, transit
+from ..numerics.arrays import Array, Booleans, Integers
+from .level_grid import LevelGrid
+from .paths import Levels, Paths
+from .transit_times import Boundary, TransitTimes, transit_times
 
-_ZOOM, _ROUNDS = 17, 6  # rungs of a closer look at a dip, and how often it is made closer
-_NOISE = 1e-14  # of the rod's length, what the rounding of a sum of times may come to
+_ZOOM, _ROUNDS = 17, 6  # points of the finer grid at a dip, and how often it is refined
+_ROUNDING = 1e-14  # of the rod's length: bound of the rounding of a sum of times
 
 
 @dataclass(frozen=True, eq=False)
 class Brackets:
-    """K pairs of levels between which the length of a path passes the rod's, (K,) each: pin, sign, y of both; the same
-    y twice where it is known already. path: its number. rises: whether the length grows with the level."""
+    """K pairs of levels between which the length of a path passes that of the rod, (K,) each.
 
-    pin: NDArray[np.int64]
+    pin, sign: of both levels. first, second: their y, equal where the root is known already. path: number of the path.
+    rises: whether the length grows with the level.
+    """
+
+    pin: Integers
     sign: Array
     first: Array
     second: Array
-    path: NDArray[np.int64]
-    rises: NDArray[np.bool_]
+    path: Integers
+    rises: Booleans
 
     def take(self, index: Any) -> "Brackets":
         return Brackets(**{name: v[index] for name, v in vars(self).items()})
@@ -40,73 +43,78 @@ def joined_brackets(parts: list[Brackets]) -> Brackets:
     return Brackets(**columns)
 
 
-def on_chain(boundary: Boundary, chain: Chain, seen: Transit, some: Paths, before: int) -> tuple[Brackets, int]:
-    """The brackets of N paths, the first of which is number `before` of all; and evaluations."""
-    levels, counts = chain.levels, some.counts(boundary.rising)
+def brackets_on_grid(
+    boundary: Boundary, grid: LevelGrid, seen: TransitTimes, some: Paths, before: int
+) -> tuple[Brackets, int]:
+    """The brackets of N paths, of which the first has the number `before`; and the evaluations of G."""
+    levels, counts = grid.levels, some.counts(boundary.rising)
     if not levels.y.size:  # no level joins the ends but a helix's own
         none = np.empty(0)
         return Brackets(none.astype(int), none, none, none, none.astype(int), none.astype(bool)), 0
     off = seen.lengths(counts) - boundary.problem.span[0]
     rate = seen.rates(counts)
-    for own in np.flatnonzero(chain.place):  # at a saddle's own height the length is infinite, or continuous
+    for own in np.flatnonzero(grid.place):  # at a saddle's own height the length is infinite, or continuous
         sides = [rate[:, j] for j in (own - 1, own + 1) if 0 <= j < levels.y.size]
         steep = np.fmax.reduce(sides) > 0
         off[:, own] = np.where(steep, np.inf, off[:, own] if own else np.nan)
     known, above = _above(off, boundary.problem.span[0])
     n, k = np.nonzero(known[:, :-1] & known[:, 1:] & (above[:, :-1] != above[:, 1:]))
-    beside = chain.place[k] | chain.place[k + 1]
-    rung = np.where(chain.place[k], k + 1, k)  # the real one, beside a saddle's own height
-    place = levels.take(np.where(beside, rung, k + 1))
+    beside = grid.place[k] | grid.place[k + 1]
+    real = np.where(grid.place[k], k + 1, k)  # the real one, beside a saddle's own height
+    place = levels.take(np.where(beside, real, k + 1))
     with np.errstate(divide="ignore", invalid="ignore"):
-        deep = place.y + np.where(rate[n, rung] > 0, off[n, rung] / rate[n, rung], 0.0)
+        deep = place.y + np.where(rate[n, real] > 0, off[n, real] / rate[n, real], 0.0)
         # next to the level at which the rod begins or ends at rest the length is linear in beta_t there
         share = -off[n, k] / (off[n, k + 1] - off[n, k])
-        rests = chain.at_end & (k == 1) & (rate[n, k] == 0)
+        rests = grid.at_end & (k == 1) & (rate[n, k] == 0)
         at_rest = np.maximum(levels.y[min(2, levels.y.size - 1)] + 2 * np.log(share), boundary.deepest)
     y = np.where(beside, deep, np.where(rests, at_rest, np.nan))
     first = np.where(np.isnan(y), levels.y[k], y)
     second = np.where(np.isnan(y), place.y, y)
     direct = Brackets(place.pin, place.sign, first, second, n + before, above[n, k + 1])
-    dips, calls = _dips(boundary, chain, some, off)
+    dips, calls = _dips(boundary, grid, some, off)
     return joined_brackets([direct, replace(dips, path=dips.path + before)]), calls
 
 
-def _above(off: Array, span: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Where lengths are known, and where they are not below the rod's, (N, M); what differs from the rod's by rounding
-    alone goes with the rung before it, so that noise brackets nothing."""
+def _above(off: Array, span: float) -> tuple[Booleans, Booleans]:
+    """Where lengths are known, and where they are not below the rod's, (N, M).
+
+    A length that differs from the rod's by rounding alone takes the side of the level before it, so that rounding makes
+    no bracket.
+    """
     known = ~np.isnan(off)
     with np.errstate(invalid="ignore"):
-        above, sure = off >= 0, ~(np.abs(off) <= _NOISE * span)
+        above, sure = off >= 0, ~(np.abs(off) <= _ROUNDING * span)
     sure[:, 1:] |= ~known[:, :-1]
     sure[:, 0] = True
     last = np.maximum.accumulate(np.where(sure, np.arange(off.shape[1]), 0), axis=1)
     return known, np.take_along_axis(above, last, axis=1)
 
 
-def closed_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array, int]:
-    """y of the root in each bracket, (K,), NaN where there turned out to be none; and evaluations."""
+def roots_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array, int]:
+    """y of the root in each bracket, (K,), NaN where none was found; and the evaluations of G."""
     y = some.second.copy()
     open_ = np.flatnonzero(some.first != some.second)
     if not open_.size:
         return y, 0
     some, counts = some.take(open_), counts[open_]
-    from scipy.optimize import elementwise  # SciPy does not fetch this part by itself, and it need not come sooner
+    from scipy.optimize import elementwise  # an import of scipy does not import this part
 
     calls = 0
 
     def off(y: Array, which: Array) -> Array:
         nonlocal calls
         i = which.astype(int)
-        seen = transit(boundary, Levels(some.pin[i], some.sign[i], y))
+        seen = transit_times(boundary, Levels(some.pin[i], some.sign[i], y))
         calls += seen.calls
         return seen.lengths_along(counts[i]) - boundary.problem.span[0]
 
     low, high = np.minimum(some.first, some.second), np.maximum(some.first, some.second)
     which = np.arange(low.size, dtype=float)
     tolerances = {"xatol": 1e-14, "xrtol": 1e-15}
-    told = elementwise.find_root(off, (low, high), args=(which,), tolerances=tolerances, maxiter=60)
-    root = np.where(told.success, told.x, np.nan)
-    for i in np.flatnonzero(~told.success):  # within rounding of one end of its bracket
+    found = elementwise.find_root(off, (low, high), args=(which,), tolerances=tolerances, maxiter=60)
+    root = np.where(found.success, found.x, np.nan)
+    for i in np.flatnonzero(~found.success):  # within rounding of one end of its bracket
         ends = np.array([low[i], high[i]])
         size = np.abs(off(ends, np.full(2, float(i))))
         if np.nanmin(size) < 1e-9 * boundary.problem.span[0]:
@@ -115,20 +123,20 @@ def closed_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array,
     return y, calls
 
 
-def _dips(boundary: Boundary, chain: Chain, some: Paths, off: Array) -> tuple[Brackets, int]:
-    """Brackets of the two roots between rungs where the length comes near the rod's, passes it and returns."""
+def _dips(boundary: Boundary, grid: LevelGrid, some: Paths, off: Array) -> tuple[Brackets, int]:
+    """Brackets of the two roots between grid points where the length comes near the rod's, passes it and returns."""
     counts, size = some.counts(boundary.rising), np.abs(off)
     with np.errstate(invalid="ignore"):
         same = (off[:, 1:-1] * off[:, :-2] > 0) & (off[:, 1:-1] * off[:, 2:] > 0)
         least = same & (size[:, 1:-1] < size[:, :-2]) & (size[:, 1:-1] <= size[:, 2:])
-        # the bottom of a dip lies below its lowest rung by a fraction of the rise to the next ones
+        # the bottom of a dip lies below its lowest point by a fraction of the rise to the next ones
         rise = np.fmax(size[:, :-2] - size[:, 1:-1], size[:, 2:] - size[:, 1:-1])
         near = least & (size[:, 1:-1] < 0.25 * rise) & np.isfinite(rise)
-    path, rung = np.nonzero(near)
+    path, least_at = np.nonzero(near)
     out: list[tuple[int, float, float, float, int, bool]] = []
     calls = 0
-    for n, k in zip(path, rung + 1, strict=True):
-        cells = chain.cell(int(k) - 1), chain.cell(int(k))
+    for n, k in zip(path, least_at + 1, strict=True):
+        cells = grid.cell(int(k) - 1), grid.cell(int(k))
         if None in cells:
             continue
         found, more = _dip(boundary, cells, counts[n], bool(off[n, k] > 0))
@@ -140,13 +148,15 @@ def _dips(boundary: Boundary, chain: Chain, some: Paths, off: Array) -> tuple[Br
 
 
 def _dip(boundary: Boundary, cells: Any, counts: Array, above: bool) -> tuple[list[Any], int]:
-    """The cells in which the length of one path passes the rod's, and whether it rises with the level, among two
-    neighbouring cells in which it comes near; and evaluations."""
+    """The cells in which the length of one path passes that of the rod, of two neighbouring cells refined.
+
+    Each with whether the length grows with the level; and the evaluations of G.
+    """
     calls = 0
     for _ in range(_ROUNDS):
         y = np.stack([np.linspace(a, b, _ZOOM) for _, _, a, b in cells])
         pin, sign = (np.repeat([cell[j] for cell in cells], _ZOOM) for j in (0, 1))
-        seen = transit(boundary, Levels(pin, sign, y.reshape(-1)))
+        seen = transit_times(boundary, Levels(pin, sign, y.reshape(-1)))
         calls += seen.calls
         length = seen.lengths_along(np.broadcast_to(counts, (pin.size, 3))).reshape(2, _ZOOM)
         off = length - boundary.problem.span[0]

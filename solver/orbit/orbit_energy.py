@@ -1,29 +1,27 @@
-"""Integrals along an orbit that grow by the same amount each period, and the energy made of one of them."""
+"""Integrals along an orbit that grow by the same amount each period, and the energy, made of one of them."""
 
 from typing import Any
 
 import numpy as np
 
+from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
-from ..problem.reduced import Array
 from .panels import running
+from .phase import unfolded
 from .pieces import HELIX, LIBRATION
 
 
 def accumulated(orbit: Any, series: Array, t: Array) -> Array:
-    """The value at t (B, n) of integrals from the start, whose series on each panel from its near end are `series`,
-    (P, n + 1); 0 on a helix."""
+    """The value at t (B, n) of an integral from the start; 0 on a helix.
+
+    series: (P, n + 1), the integral on each panel from the panel's near end.
+    """
     ends = series.sum(axis=1)
-    total = np.bincount(orbit.panels.part, weights=ends, minlength=2 * orbit.problem.size).reshape(-1, 2)
+    gain = np.bincount(orbit.panels.arc, weights=ends, minlength=2 * orbit.problem.size).reshape(-1, 2)
     series = series.copy()
     series[:, 0] += running(ends[:, None], orbit.first, orbit.count)[:, 0]
-    where = orbit.locate(t)
-    value = orbit.read(series[:, None], where)[..., 0]
-    there, after = total[:, :1], total[:, 1:]
-    limit = np.where(where.second, after, there)
-    value = np.where(where.mirrored, 2 * limit - value, value) + np.where(where.second, 2 * there, 0.0)
-    swings = (orbit.kind == LIBRATION)[:, None]
-    value = value + where.rounds * np.where(swings, 2 * (there + after), there)
+    phase = orbit.locate(t)
+    value = unfolded(orbit.read(series[:, None], phase)[..., 0], phase, gain, (orbit.kind == LIBRATION)[:, None])
     return np.where((orbit.kind == HELIX)[:, None], 0.0, value)
 
 
@@ -38,7 +36,7 @@ def action(orbit: Any) -> Array:
 def energies(orbit: Any, level: Array) -> Array:
     """Bending energy less the work of the dead loads, the twist eliminated, in units of A/rho, (B,).
 
-    beta_t^2/2 - G/2 integrated over the rod is the action less level span/2, level = eta (B,). The two parts are each
-    exact to a few roundings, so the energy is to that share of the larger of them.
+    beta_t^2/2 - G/2 integrated over the rod is the action less level span/2, level = eta (B,). Both terms are exact to
+    a few roundings, so the error of the energy is a few roundings of the larger one.
     """
     return action(orbit) - level * orbit.problem.span / 2

@@ -1,21 +1,24 @@
-"""The levels at which two end angles can be joined, as a chain of rungs from the lowest to beyond the highest.
+"""A grid over the levels at which an orbit can join two end angles.
 
-The lowest is the height of G at an end, or of a saddle between the ends; the heights of the saddles above it divide the
-rest. Next to each of these the rungs are even in log gap, as the times are smooth in it; between two they meet in the
-middle. So the sign of an orbit's length less the rod's, read from rung to rung, shows every level where it is zero.
+The lowest level is the height of G at an end, or at a saddle between the ends; the heights of the higher saddles divide
+the rest. Next to each of these heights the grid is even in log gap, as the transit times are smooth in it; between two
+heights the grids from either side meet in the middle. So the sign of an orbit's length less the rod's, compared from
+point to point, shows every level where the two are equal.
 """
 
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..mechanics.potential import TAU, Extrema, extrema, slope, slope_bends, slope_rate
-from ..orbit.pieces import _apart
-from ..problem.reduced import Array, Reduced
-from .transit import Boundary, Levels, fall, height_scale, wrapped
-from .transit import many as many
+from ..mechanics.potential import TAU, slope, slope_higher_rates, slope_rate
+from ..numerics.arrays import Array, Booleans
+from ..orbit.arcs import apart
+from ..orbit.critical_points import CriticalPoints, critical_points
+from ..problem.reduced import Reduced
+from .paths import Levels
+from .transit_times import Boundary, fall, height_scale, wrapped
+from .transit_times import repeated as repeated
 
 _ON = 1e-110  # an end this near to a saddle lies on it
 _ROUNDING = 4e-16  # of H, in units of the size of G
@@ -23,45 +26,54 @@ _LOWEST = -575.0  # log of the smallest gap that a float can hold with what is m
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
-    """Rungs in order of rising level. place: (M,), True where the rung stands for the height of a saddle itself, of gap
-    zero: its pin and sign are those of the rung after it (before it, for the last)."""
+class LevelGrid:
+    """M levels in rising order.
+
+    place: (M,), whether the point stands for the height of a saddle itself, of gap zero; its pin and sign are those of
+    the next point (of the one before, for the last).
+    """
 
     levels: Levels
-    place: NDArray[np.bool_]
-    at_end: bool  # whether the first rung is pinned at an end of the rod, where beta_t is 0
+    place: Booleans
+    at_end: bool  # whether the lowest level is measured from an end of the rod, where beta_t is 0
 
     def cell(self, k: int) -> tuple[int, float, float, float] | None:
-        """Pin, sign and the two y of the levels between rung k and the next; None beside a saddle's own height."""
+        """Pin, sign and the two y of the levels between point k and the next; None beside a saddle's own height."""
         if self.place[k] or self.place[k + 1]:
             return None
         one, y = self.levels, self.levels.y
         return int(one.pin[k + 1]), float(one.sign[k + 1]), float(y[k]), float(y[k + 1])
 
 
-def bounded(problem: Reduced) -> Boundary:
-    """The ends problem (of size 1) with what its search needs; ends within rounding of a helix are moved onto it."""
+def boundary_of(problem: Reduced) -> Boundary:
+    """The ends problem (of size 1) with the critical points of G; ends within rounding of a helix are moved onto it.
+
+    `pins`, `falls` and `deepest` are left to `level_grid_of`.
+    """
     assert problem.betaL is not None
-    found = extrema(problem)
+    found = critical_points(problem)
     angles = found.beta[0, : found.count[0]]
     helix = helix_of(problem, found)
     ends = [float(problem.beta0[0]), float(problem.betaL[0])]
     rising = ends[0] <= ends[1]
     around = [wrapped(b) for b in sorted(ends)]
     for i, b in enumerate(around):
-        near = angles[np.abs(_apart(np.full(angles.size, b), angles)) < _ON]
+        near = angles[np.abs(apart(np.full(angles.size, b), angles)) < _ON]
         around[i] = float(near[0]) if near.size else b
     low, high = around if helix is None else (helix[0], helix[0])
     rest = high - low + (TAU if high < low else 0.0)
-    rounds = round((max(ends) - min(ends) - rest) / TAU)
+    whole_turns = round((max(ends) - min(ends) - rest) / TAU)
     behind = [int(np.count_nonzero(angles <= b)) - 1 for b in (low, high)]
     passed = behind[1] - behind[0] + (angles.size if high < low else 0)
-    return Boundary(problem, found, low, high, rounds, passed, rising, np.empty(0), np.empty((0, 2)), _LOWEST)
+    return Boundary(problem, found, low, high, whole_turns, passed, rising, np.empty(0), np.empty((0, 2)), _LOWEST)
 
 
-def helix_of(problem: Reduced, found: Extrema) -> tuple[float, float] | None:
-    """The rod that lies as a helix from end to end, which has no level to close in on: its angle in [-pi, pi), and
-    counted on to beta(0); None where the ends are no helix's, to rounding."""
+def helix_of(problem: Reduced, found: CriticalPoints) -> tuple[float, float] | None:
+    """The rod that is a helix from end to end, which has no level to search for.
+
+    Its angle in [-pi, pi), and the same plus the whole turns of beta(0); None where the ends are those of no helix, to
+    rounding.
+    """
     assert problem.betaL is not None
     beta = problem.beta0
     if problem.betaL[0] != beta[0] or np.abs(slope(problem, beta))[0] > _ROUNDING * height_scale(problem):
@@ -72,8 +84,8 @@ def helix_of(problem: Reduced, found: Extrema) -> tuple[float, float] | None:
     return float(angles[k]), float(angles[k] + TAU * turns[k])
 
 
-def chained(blank: Boundary, step: float = 0.25) -> tuple[Boundary, Chain]:
-    """The boundary with its pins, and the chain of its levels with rungs of `step` in log gap where they are dense."""
+def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelGrid]:
+    """The boundary with its pins, and the grid of its levels, in steps of `step` in log gap where it is dense."""
     problem, angles = blank.problem, blank.found.beta[0, : blank.found.count[0]]
     saddles = angles[~blank.found.centre[0, : angles.size]]
     floor, at_end = floor_of(blank, angles, saddles)
@@ -93,18 +105,19 @@ def chained(blank: Boundary, step: float = 0.25) -> tuple[Boundary, Chain]:
                 for k, p in enumerate(pins)]  # fmt: skip
     width = np.diff(height)
     tops = [np.log(w / 2) for w in width]
-    way = blank.rounds > 0 or blank.high != blank.low
-    if way:
+    if blank.whole_turns > 0 or blank.high != blank.low:
         reach = abs(float(problem.betaL[0] - problem.beta0[0])) / float(problem.span[0])  # type: ignore[index]
         tops.append(np.log((2 * reach) ** 2 + 1e-3 * height_scale(problem)))
     lowest = min([*tops, *(f for some in features for f in some)])
     deepest = max(_LOWEST, lowest - (80 if at_end else 40))
     boundary = replace(blank, pins=pins, falls=falls, deepest=deepest)
-    return boundary, _chain(tops, features, deepest, step, len(groups), at_end)
+    return boundary, _levels_between(tops, features, deepest, step, len(groups), at_end)
 
 
-def _chain(tops: list[float], features: list[Any], deepest: float, step: float, groups: int, at_end: bool) -> Chain:
-    """Up from the floor, through the saddles above it, to the top."""
+def _levels_between(
+    tops: list[float], features: list[Any], deepest: float, step: float, groups: int, at_end: bool
+) -> LevelGrid:
+    """The levels from the lowest, past the heights of the saddles, to the highest."""
     rows: list[tuple[Any, ...]] = []
 
     def add(pin: int, sign: float, y: Array, place: bool = False) -> None:
@@ -113,25 +126,28 @@ def _chain(tops: list[float], features: list[Any], deepest: float, step: float, 
     here = np.array([deepest])
     for k, top in enumerate(tops):
         add(k, 1.0, here, True)
-        up = rungs(top, features[k], deepest, step)[::-1]
-        if at_end and k == 0:  # from rest on the times are linear in beta_t at that end
+        up = grid_levels(top, features[k], deepest, step)[::-1]
+        if at_end and k == 0:  # next to rest the times are linear in beta_t at that end
             law = min([top, *features[0]]) - 36
             up = up[(up == deepest) | (up >= law)]
         add(k, 1.0, up)
         if k < groups:
-            add(k + 1, -1.0, rungs(top, features[k + 1], deepest, step)[1:])
+            add(k + 1, -1.0, grid_levels(top, features[k + 1], deepest, step)[1:])
     if len(tops) == groups and groups:
         add(groups, -1.0, here, True)
     if not rows:  # no level joins the ends but a helix's own
         empty = np.empty(0)
-        return Chain(Levels(empty.astype(int), empty, empty), empty.astype(bool), at_end)
+        return LevelGrid(Levels(empty.astype(int), empty, empty), empty.astype(bool), at_end)
     pin, sign, y, place = (np.concatenate(column) for column in zip(*rows, strict=True))
-    return Chain(Levels(pin, sign, y), place, at_end)
+    return LevelGrid(Levels(pin, sign, y), place, at_end)
 
 
-def rungs(top: float, features: Array, deepest: float, step: float) -> Array:
-    """Values of log gap from `top` down to `deepest`: dense below the top and about the features, where the times
-    change their law, and sparse between, where they are linear."""
+def grid_levels(top: float, features: Array, deepest: float, step: float) -> Array:
+    """Values of log gap from `top` down to `deepest`.
+
+    They are dense below the top and about the `features`, where the transit times change their law, and sparse between,
+    where the times are linear in log gap.
+    """
     parts = [top - np.arange(0, 8, step), np.arange(top - 8, deepest, -8 * step), np.array([deepest])]
     parts += [f + np.arange(-8, 5, 2 * step) for f in np.unique(np.round(features))]
     y = np.unique(np.concatenate(parts))[::-1]
@@ -146,15 +162,15 @@ def rungs(top: float, features: Array, deepest: float, step: float) -> Array:
 
 
 def floor_of(blank: Boundary, angles: Array, saddles: Array) -> tuple[float, bool]:
-    """The highest of both ends and of the saddles from one to the other: its angle, and whether it is an end and no
-    critical point."""
+    """The highest of both ends and of the saddles between them: its angle, and whether it is an end that is no critical
+    point."""
     problem = blank.problem
     low, high = blank.low, blank.high
     best = low
     if fall(problem, low, high, bool((angles == low).any())) < 0:
         best = high
     extremum = bool((angles == best).any())
-    inside = saddles if blank.rounds else saddles[_between(saddles, low, high)]
+    inside = saddles if blank.whole_turns else saddles[_between(saddles, low, high)]
     for s in inside:
         rise = fall(problem, s, best, True)
         if rise > 0 or (rise == 0 and not extremum):
@@ -170,14 +186,16 @@ def _between(angle: Array, low: float, high: float) -> Any:
 
 
 def _features(problem: Reduced, pin: float, angles: Array, ends: tuple[float, float], extremum: bool) -> Array:
-    """Values of log gap about which the times change their law, seen from a pin: the heights of the other critical
-    points and of the ends from there, and where G ceases to be a parabola."""
+    """Values of log gap about which the transit times change their law, measured from a pin.
+
+    They are the heights of the other critical points and of the ends above the pin, and where G stops being a parabola.
+    """
     apart = [abs(fall(problem, a, pin, True)) for a in angles]
     apart += [abs(fall(problem, pin, b, extremum)) for b in ends]
     if extremum:
         at = np.array([pin])
         bend = abs(float(slope_rate(problem, at)[0]))
-        second, third = (abs(float(v[0])) for v in slope_bends(problem, at))
+        second, third = (abs(float(v[0])) for v in slope_higher_rates(problem, at))
         reach = min(bend / max(second, 1e-300), np.sqrt(bend / max(third, 1e-300)), 1.0)
         apart.append(bend * reach**2)
     apart = [a for a in apart if a > 0]

@@ -1,7 +1,8 @@
-"""Coordinates on the equilibria of one path, in which an equilibrium can be followed.
+"""Coordinates on the equilibria of one path, in which continuation follows an equilibrium.
 
-The level of an orbit is measured from a saddle or from one of the two ends (`Path`). Next to a saddle log|gap| is the
-coordinate, as times are linear in it; where beta_t at an end is small, that is, with its sign.
+The level of an orbit is measured from a saddle or from one of the two ends (`Path`). Next to a saddle the coordinate is
+log|gap|, as transit times are linear in it; where beta_t is small at an end, the coordinate is that beta_t, with its
+sign.
 """
 
 from dataclasses import dataclass, replace
@@ -10,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.potential import TAU, slope
-from ..problem.reduced import Array, Reduced
-from .levels import bounded, floor_of, helix_of
-from .search import Way
-from .transit import DOWN, UP, Boundary, Levels, Paths, fall, transit, wrapped
+from ..numerics.arrays import Array
+from ..problem.reduced import Reduced
+from .level_grid import boundary_of, floor_of, helix_of
+from .paths import DOWN, UP, LevelPaths, Levels, Paths
+from .transit_times import Boundary, fall, transit_times, wrapped
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class Path:
     y: float
     leaving: int
     turns: int
-    helix: bool = False  # a rod that lies as a helix from end to end: it has no level, and its angle is the pin
+    helix: bool = False  # the rod is a helix from end to end: it has no level, and its angle is the pin
 
     @property
     def arriving(self) -> int:
@@ -38,25 +40,26 @@ class Path:
         return self.leaving if self.turns % 2 == 0 else -self.leaving
 
     @property
-    def way(self) -> Way:
-        """The same as `search.Way` of one."""
+    def level_path(self) -> LevelPaths:
+        """The same as `paths.LevelPaths` of one."""
         numbers = self.pin, self.sign, self.y, self.leaving, self.arriving, self.turns // 2, self.helix
-        return Way(*(np.array([number]) for number in numbers))
+        return LevelPaths(*(np.array([number]) for number in numbers))
 
 
-def path_of(way: Way, i: int) -> Path:
+def path_of(paths: LevelPaths, i: int) -> Path:
     """Equilibrium i of a search."""
-    turns = 2 * int(way.swings[i]) + int(way.leaving[i] != way.arriving[i])
-    return Path(float(way.pin[i]), float(way.sign[i]), float(way.y[i]), int(way.leaving[i]), turns, bool(way.helix[i]))
+    turns = 2 * int(paths.periods[i]) + int(paths.leaving[i] != paths.arriving[i])
+    level = float(paths.pin[i]), float(paths.sign[i]), float(paths.y[i])
+    return Path(*level, int(paths.leaving[i]), turns, bool(paths.helix[i]))
 
 
-class Place:
-    """One ends problem between the first and the last, with what every look at it needs."""
+class LinePoint:
+    """One ends problem on the line between the first and the last, with the critical points of its G."""
 
     def __init__(self, problem: Reduced) -> None:
         assert problem.betaL is not None
         self.problem = problem
-        self.blank = bounded(problem)
+        self.blank = boundary_of(problem)
         found = self.blank.found
         self.angles = found.beta[0, : found.count[0]]
         self.saddles = self.angles[~found.centre[0, : found.count[0]]]
@@ -64,7 +67,7 @@ class Place:
 
     @property
     def helix(self) -> Path | None:
-        """The rod that lies as a helix from end to end, where there is one."""
+        """The rod that is a helix from end to end, where there is one."""
         found = helix_of(self.problem, self.blank.found)
         return None if found is None else Path(found[0], 1.0, -np.inf, 0, 0, True)
 
@@ -78,17 +81,17 @@ class Place:
         return replace(self.blank, pins=np.array([pin]), falls=np.array(falls))
 
     def joined_at(self, path: Path) -> bool:
-        """Whether the level lies above all that is between the two ends."""
+        """Whether the level lies above every maximum of G between the two ends."""
         highest, _ = floor_of(self.blank, self.angles, self.saddles)
         gap = path.sign * float(np.exp(max(path.y, self.blank.deepest)))
         return (path.pin == highest and path.sign > 0) or gap + self.fall(path.pin, highest) >= 0
 
     def lengths(self, some: list[Path]) -> Array:
-        """Lengths of paths of one pin, (M,)."""
+        """Lengths of paths whose levels have one pin, (M,)."""
         boundary = self.boundary(some[0].pin)
         y, sign = np.array([path.y for path in some]), np.full(len(some), some[0].sign)
         columns = np.array([(path.leaving, path.arriving, path.turns // 2) for path in some])
-        seen = transit(boundary, Levels(np.zeros(y.size, dtype=np.int64), sign, y))
+        seen = transit_times(boundary, Levels(np.zeros(y.size, dtype=np.int64), sign, y))
         return seen.lengths_along(Paths(*columns.T).counts(boundary.rising))
 
 
@@ -96,8 +99,8 @@ class Place:
 class Chart:
     """A coordinate x on the equilibria of one path near `at`.
 
-    kind: what the level is measured from, a "saddle", the "start" or the "end". scale: by how much x may change before
-    the orbit is another. logarithmic: x is log|gap|; else it is beta_t at that end, with its sign.
+    kind: where the level is measured from, a "saddle", the "start" or the "end". scale: the change of x over which the
+    orbit changes its form. logarithmic: whether x is log|gap|; else x is beta_t at that end, with its sign.
     """
 
     kind: str
@@ -106,10 +109,10 @@ class Chart:
     logarithmic: bool
 
 
-def charts(place: Place, path: Path) -> list[Chart]:
+def charts(place: LinePoint, path: Path) -> list[Chart]:
     """Coordinates in which the equilibrium can be followed, the best first.
 
-    The others are for where the best one ends though the branch does not, as where its saddle meets a centre.
+    The others are needed where the best one ends and the branch does not, as where its saddle meets a centre.
     """
     gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
     angles, gaps, reached = _saddles(place, path, gap)
@@ -132,13 +135,15 @@ def charts(place: Place, path: Path) -> list[Chart]:
 
 
 def _scale(y: float) -> float:
-    """By how much log|gap| may change: far down the length is linear in it."""
+    """The scale of log|gap|: where y is large and negative, the length is linear in it."""
     return max(1.0, 0.2 * abs(y))
 
 
-def _saddles(place: Place, path: Path, gap: float) -> tuple[Array, Array, Any]:
-    """The saddles that the orbit passes or turns before: angles, the orbit's level above each, and which of them the
-    rod itself, from end to end, reaches."""
+def _saddles(place: LinePoint, path: Path, gap: float) -> tuple[Array, Array, Any]:
+    """The saddles that the orbit passes or turns before.
+
+    Their angles, the orbit's level above each, and whether the rod itself, from end to end, reaches it.
+    """
     problem, angles, m = place.problem, place.angles, place.angles.size
     assert problem.betaL is not None
     level = np.array([gap + place.fall(path.pin, float(b)) for b in angles])
@@ -164,20 +169,20 @@ def _saddles(place: Place, path: Path, gap: float) -> tuple[Array, Array, Any]:
 
 def _behind(angles: Array, angle: float) -> int:
     """The number of the last critical point not above an angle, counted on through whole turns."""
-    rounds = int(np.floor((angle + np.pi) / TAU))
-    return int(np.count_nonzero(angles <= angle - TAU * rounds)) - 1 + angles.size * rounds
+    whole_turns = int(np.floor((angle + np.pi) / TAU))
+    return int(np.count_nonzero(angles <= angle - TAU * whole_turns)) - 1 + angles.size * whole_turns
 
 
 def coordinate(chart: Chart) -> float:
-    """x of the path that the chart was made at."""
+    """x of the path at which the chart was made."""
     if chart.logarithmic:
         return chart.at.y
-    way = chart.at.leaving if chart.kind == "start" else chart.at.arriving
-    return way * float(np.exp(chart.at.y / 2))
+    direction = chart.at.leaving if chart.kind == "start" else chart.at.arriving
+    return direction * float(np.exp(chart.at.y / 2))
 
 
-def path_at(place: Place, chart: Chart, x: float) -> Path | None:
-    """The path at x; None where its saddle is no more."""
+def path_at(place: LinePoint, chart: Chart, x: float) -> Path | None:
+    """The path at x; None where its saddle no longer exists."""
     at = chart.at
     if chart.kind == "saddle":
         apart = np.abs((place.saddles - at.pin + np.pi) % TAU - np.pi)
@@ -187,21 +192,21 @@ def path_at(place: Place, chart: Chart, x: float) -> Path | None:
     if chart.logarithmic:
         return replace(at, pin=pin, y=x)
     y = 2 * float(np.log(max(abs(x), 1e-150)))
-    way, was = (UP if x > 0 else DOWN), (at.leaving if chart.kind == "start" else at.arriving)
-    if way == was:
+    now, was = (UP if x > 0 else DOWN), (at.leaving if chart.kind == "start" else at.arriving)
+    if now == was:
         return replace(at, pin=pin, y=y)
-    # one turning point more where the rod now goes on through it, one fewer where it no longer does
+    # one turning point more where the rod now passes it, one fewer where it no longer does
     lower = float(slope(problem, np.array([pin]))[0]) < 0
     if chart.kind == "end":
-        more = 1 if lower == (way == UP) else -1
+        more = 1 if lower == (now == UP) else -1
         return Path(pin, 1.0, y, at.leaving, at.turns + more)
-    more = 1 if lower == (way == DOWN) else -1
+    more = 1 if lower == (now == DOWN) else -1
     both = problem.beta0[0] == problem.betaL[0] and at.turns % 2 == 1  # type: ignore[index]
-    return Path(pin, 1.0, y, way, at.turns + (2 * more if both else more))
+    return Path(pin, 1.0, y, now, at.turns + (2 * more if both else more))
 
 
-def excess(place: Place, chart: Chart, x: Array) -> Array:
-    """Length of the orbit less the rod's at each x, (M,); NaN where there is no such orbit."""
+def excess(place: LinePoint, chart: Chart, x: Array) -> Array:
+    """Length of the orbit less that of the rod at each x, (M,); NaN where there is no such orbit."""
     every = [path_at(place, chart, float(one)) for one in x]
     some = [path for path in every if path is not None and path.turns >= 0]
     return place.lengths(some) - place.problem.span[0] if len(some) == x.size else np.full(x.size, np.nan)

@@ -1,24 +1,26 @@
-"""One equilibrium followed while its far end is turned, the loads held, up to the fold where it ceases to exist."""
+"""The branch of one equilibrium while its end angle beta(L) changes, the loads held, up to the fold where it ends."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
-from ..methods.orbit import solve_orbit
+from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import solve_orbit
 from ..problem.case import Case, Ends, Start
 from ..problem.errors import InputError
-from ..problem.reduced import Array, Reduced, reduce
+from ..problem.reduced import Reduced, reduce
 
-_STEP, _STEPS, _CHUNK = 2e-3, 5000, 50  # in beta_t(0); the walk ends after at most 10
+_STEP, _STEPS, _CHUNK = 2e-3, 5000, 50  # in beta_t(0); at most 10 in all
 
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """Equilibria with the same beta(0) and loads. betaL [rad], dbeta0 [rad/length]: (count,), from the start's own end.
+    """Equilibria with the same beta(0) and loads.
 
-    fold: the largest beta(L) [rad] that the branch reaches, and fold_dbeta0 there; None where the limit comes first.
-    ends: the ends problems, one case a value.
+    betaL: (count,), end angles [rad], from that of the start problem on. dbeta0: (count,), beta'(0) [rad/length].
+    fold: the largest beta(L) [rad] on the branch; fold_dbeta0: beta'(0) there; None where the limit comes before the
+    fold. ends: the ends problems, one case for each value.
     """
 
     betaL: Array
@@ -29,11 +31,25 @@ class Branch:
 
 
 def follow(case: Case, limit: float, count: int = 9, tol: float = 1e-12) -> Branch:
-    """Follow a start problem's own equilibrium while beta(L) rises to `limit` [rad] or to the fold, `count` values.
+    """Follow the equilibrium of a start problem while beta(L) rises to a limit or to the fold.
 
-    At the fold d beta(L)/d beta'(0) = 0: the two ways of reaching an end angle meet there and both end.
-    `limit` is met on the rod's own turn of beta: whole turns are added to it. Raises `InputError` for an ends
-    problem, a grid of cases, or a limit below the rod's own beta(L).
+    At the fold d beta(L)/d beta'(0) = 0: two equilibria with one end angle meet there and both end.
+
+    Parameters
+    ----------
+    case : Case
+        One start problem.
+    limit : float
+        Largest beta(L) [rad]. Whole turns are added so that it lies on the rod's own turn of beta.
+    count : int
+        Number of values of beta(L).
+    tol : float
+        Allowed error of beta(L) [rad].
+
+    Raises
+    ------
+    InputError
+        For an ends problem, a grid of cases, fewer than two values, or a limit below the rod's own beta(L).
     """
     if not isinstance(case.given, Start) or case.shape:
         raise InputError("follow takes one start problem at a time")
@@ -46,8 +62,8 @@ def follow(case: Case, limit: float, count: int = 9, tol: float = 1e-12) -> Bran
     limit += 2 * np.pi * np.round(own / (2 * np.pi))
     if limit <= own:
         raise InputError(f"the rod itself already ends at beta(L) = {own:.6g} rad, beyond the limit of {limit:.6g} rad")
-    way = float(np.sign(_rate(problem, first, tol)))
-    slopes, ends = _walk(problem, first, way, limit, tol)
+    sign = float(np.sign(_rate(problem, first, tol)))
+    slopes, ends = _stepped(problem, first, sign, limit, tol)
     falls = np.flatnonzero(np.diff(ends) <= 0)
     over = np.flatnonzero(ends >= limit)
     fold: tuple[float, float] | None = None
@@ -74,11 +90,11 @@ def follow(case: Case, limit: float, count: int = 9, tol: float = 1e-12) -> Bran
     )
 
 
-def _walk(problem: Reduced, first: float, way: float, limit: float, tol: float) -> tuple[Array, Array]:
+def _stepped(problem: Reduced, first: float, sign: float, limit: float, tol: float) -> tuple[Array, Array]:
     """beta_t(0) in small steps and beta(L) there, until it falls or passes the limit."""
     slopes, ends = np.array([first]), _far(problem, np.array([first]), tol)
     while slopes.size <= _STEPS and ends[-1] < limit and (np.diff(ends[-_CHUNK - 1 :]) > 0).all():
-        more = slopes[-1] + way * _STEP * np.arange(1, _CHUNK + 1)
+        more = slopes[-1] + sign * _STEP * np.arange(1, _CHUNK + 1)
         slopes, ends = np.append(slopes, more), np.append(ends, _far(problem, more, tol))
     return slopes, ends
 

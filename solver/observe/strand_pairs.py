@@ -1,9 +1,9 @@
-"""Stretches of a rod that come near stretches of the same rod: many rods at a time, by halving. Units of rho.
+"""Pairs of stretches of a rod that come near each other: many rods at a time, by halving. Lengths in units of rho.
 
-beta repeats, so the curve repeats but for a screw: a turn and a rise, each period the same. Whatever two points meet,
-so do the two that lie whole periods before them, the first of them in the first period. So the first period is held
-against itself and against each later one that the rises bring near; stretches of both are halved where they might
-meet. The pairs of all rods are worked on together; what is found of one rod depends on no other.
+beta is periodic, so the curve repeats but for a screw: a turn and a rise, each period the same. Where two points meet,
+so do the two that lie whole periods before them, the first of them in the first period. So the first period is compared
+with itself and with each later one that comes near it; stretches of both are halved where they might meet. The pairs of
+all rods are compared together; the result for one rod does not depend on the others.
 """
 
 from collections.abc import Iterator
@@ -13,22 +13,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..problem.reduced import Array
+from ..numerics.arrays import Array
 
 PARTS = 16  # of a period, to begin with
-FINEST = 2.0**-8  # of the radius: stretches no longer than that are points, which a thousandth of 2 a may escape
-_GRID = 4 * PARTS  # of a period: the middles of the parts and of their halves are among them
-_ROUNDS, PAIRS = 10_000_000, 300_000  # periods and pairs of stretches of a rod looked at before giving up
-_WINDOW, TOGETHER, _FEW = 2**16, 8, 64  # periods listed at once; looked at together; of a rod that needs no list
-_ROWS, _MANY = 128, 2**20  # periods held against the first, and pairs of all rods, worked on at once
+FINEST = 2.0**-8  # of the radius: shorter stretches count as points, with an error of a thousandth of 2 a
+_GRID = 4 * PARTS  # of a period: contains the middles of the parts and of their halves
+_ROUNDS, PAIRS = 10_000_000, 300_000  # largest number of periods and of pairs of stretches compared for a rod
+_WINDOW, TOGETHER, _FEW = 2**16, 8, 64  # periods listed at once; compared together; of a rod that needs no list
+_ROWS, _MANY = 128, 2**20  # periods compared with the first, and pairs of all rods, at once
 
 Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class Strands:
-    """B rods: their orbits, (B,) of what alpha and z gain each period; length; radius a; how far apart along the rod
-    points that meet must be; alpha and z of the first period, (B, _GRID + 1)."""
+    """B rods.
+
+    orbit: their orbits. period, turn, rise: (B,), the period and the gain of alpha and of z in it. length, a: (B,), of
+    the rod, and its radius. apart: (B,), smallest distance along the rod of points that meet. alpha, z: (B, _GRID + 1),
+    of the first period.
+    """
 
     orbit: Any
     period: Array
@@ -64,30 +68,33 @@ class Pairs:
 
 
 def strands(orbit: Any, length: Array, a: Array, tightest: Array) -> Strands:
-    """The rods of an `Orbit` or a `Swing`; length, a, largest curvature: (B,), in units of rho."""
-    with np.errstate(divide="ignore"):  # a helix is its own image at any step
+    """The rods of an `Orbit` or a `MarchedOrbit`; length, a, largest curvature: (B,), in units of rho."""
+    with np.errstate(divide="ignore"):  # a helix repeats after any length
         period = np.where(np.isfinite(orbit.period), orbit.period, 1 / tightest)
     _, _, alpha, z = orbit.at((period / _GRID)[:, None] * np.arange(_GRID + 1))
     return Strands(orbit, period, alpha[:, -1], z[:, -1], length, a, apart(a, tightest), alpha, z)
 
 
 def apart(a: Array, tightest: Array) -> Any:
-    """How far apart along the rod two points that meet must be, (B,)."""
+    """The smallest distance along the rod of two points that meet, (B,)."""
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(tightest > 0, 2 / tightest * (np.pi - np.arcsin(np.minimum(a * tightest, 1))), np.inf)
 
 
-def meets(rods: Strands) -> Array:
-    """1 or 0, or NaN where more would have to be looked at than is bearable, (B,). Never 0 for a rod of which a
-    shorter one gives 1: the points looked at do not depend on the length."""
-    rounds = np.minimum(rods.length // rods.period, _ROUNDS).astype(np.int64)
+def meets(rods: Strands, most_pairs: int = PAIRS, together: int = TOGETHER) -> Array:
+    """Whether each rod meets itself, (B,): 1 or 0, NaN where more than `most_pairs` pairs would have to be compared.
+
+    Never 0 for a rod of which a shorter one gives 1: the points compared do not depend on the length. together: the
+    number of periods of a rod compared at once; it does not change the result.
+    """
+    periods = np.minimum(rods.length // rods.period, _ROUNDS).astype(np.int64)
     # no point between two of the grid is farther from both than half their distance
     margin = rods.a + rods.period / _GRID
     high = np.ptp(rods.z, axis=1) + 2 * margin
     wide = np.ptp(rods.alpha, axis=1) + 2 * np.arcsin(np.minimum(1.0, margin))
-    enough = (rounds < _ROUNDS) | (np.abs(rounds * rods.rise) > high)
-    met, left = np.zeros(rounds.size, dtype=bool), np.full(rounds.size, PAIRS)
-    rod, k, lists = _near_periods(rods, rounds, high, wide)
+    enough = (periods < _ROUNDS) | (np.abs(periods * rods.rise) > high)
+    met, left = np.zeros(periods.size, dtype=bool), np.full(periods.size, most_pairs)
+    rod, k, lists = _near_periods(rods, periods, high, wide, together)
     while k.size:
         here, used = _searched(rods, rod, k, left)
         met, left = met | here, left - used
@@ -96,14 +103,16 @@ def meets(rods: Strands) -> Array:
     return np.where(met, 1.0, np.where(enough & (left > 0), 0.0, np.nan))
 
 
-def _near_periods(rods: Strands, rounds: Integers, high: Array, wide: Array) -> tuple[Integers, Integers, Any]:
-    """Which periods k come near the first one of which rod, (R,) each: the first of them; and lists of more."""
-    k = np.arange(min(int(rounds.max()), _FEW - 1) + 1)
+def _near_periods(
+    rods: Strands, periods: Integers, high: Array, wide: Array, together: int
+) -> tuple[Integers, Integers, Any]:
+    """Rods and periods k that come near the first period, (R,) each, to begin with; and lists of more."""
+    k = np.arange(min(int(periods.max()), _FEW - 1) + 1)
     near = _comes_near(k, rods.turn[:, None], rods.rise[:, None], high[:, None], wide[:, None])
-    near &= k <= rounds[:, None]
-    simple = (rounds < _FEW) & (np.count_nonzero(near, axis=1) <= TOGETHER)
+    near &= k <= periods[:, None]
+    simple = (periods < _FEW) & (np.count_nonzero(near, axis=1) <= together)
     lists = {
-        int(i): _listed(int(rounds[i]), float(rods.turn[i]), float(rods.rise[i]), float(high[i]), float(wide[i]))
+        int(i): _listed(int(periods[i]), rods.turn[i], rods.rise[i], high[i], wide[i], together)
         for i in np.flatnonzero(~simple)
     }
     rod, k = np.nonzero(near & simple[:, None])
@@ -118,14 +127,14 @@ def _comes_near(k: Any, turn: Any, rise: Any, high: Any, wide: Any) -> Any:
     return (np.abs(k * rise) <= high) & (around <= wide)
 
 
-def _listed(rounds: int, turn: float, rise: float, high: float, wide: float) -> Iterator[Integers]:
+def _listed(periods: int, turn: float, rise: float, high: float, wide: float, together: int) -> Iterator[Integers]:
     """The periods that come near the first one of a rod, some at a time."""
-    last = min(rounds, int(min(high / abs(rise), float(_ROUNDS))) + 1) if rise else rounds
+    last = min(periods, int(min(high / abs(rise), float(_ROUNDS))) + 1) if rise else periods
     for begin in range(0, last + 1, _WINDOW):
         k = np.arange(begin, min(begin + _WINDOW, last + 1))
         k = k[_comes_near(k, turn, rise, high, wide)]
-        for block in range(0, k.size, TOGETHER):
-            yield k[block : block + TOGETHER]
+        for block in range(0, k.size, together):
+            yield k[block : block + together]
 
 
 def _next(lists: dict[int, Iterator[Integers]]) -> tuple[Integers, Integers]:
@@ -137,8 +146,10 @@ def _next(lists: dict[int, Iterator[Integers]]) -> tuple[Integers, Integers]:
 
 
 def _searched(rods: Strands, rod: Integers, k: Integers, left: Integers) -> tuple[NDArray[np.bool_], Integers]:
-    """Whether stretches of the first period meet those k periods on of the same rod, (R,), and how many pairs were
-    looked at, hardly more than `left`; (B,) each."""
+    """Whether stretches of the first period of each rod meet those of its periods k, and the pairs compared, (B,) each.
+
+    rod, k: (R,). left: (B,), how many pairs may be compared, about.
+    """
     met, used = np.zeros(left.size, dtype=bool), np.zeros(left.size, dtype=np.int64)
     waiting = [_whole(rods, rod, k, used)]
     while waiting:
@@ -159,7 +170,7 @@ def _searched(rods: Strands, rod: Integers, k: Integers, left: Integers) -> tupl
 
 
 def _split(pairs: Pairs) -> list[Pairs]:
-    """The pairs, those of whole rods together, in as many lots as their memory asks for."""
+    """The pairs in as many lots as memory requires; those of one rod stay together."""
     if 4 * pairs.k.size <= _MANY or pairs.rod[0] == pairs.rod[-1]:
         return [pairs]
     counts = np.bincount(pairs.rod)
@@ -169,8 +180,10 @@ def _split(pairs: Pairs) -> list[Pairs]:
 
 
 def _whole(rods: Strands, rod: Integers, k: Integers, used: Integers) -> Pairs:
-    """The pairs of parts of the first and the k-th periods that may meet, by their heights; adds to `used` (B,) how
-    many are on the rod, in order, and far enough apart along it."""
+    """The pairs of parts of the first and the k-th period whose heights allow them to meet.
+
+    Adds to `used` (B,) the number of pairs that are on the rod, in order, and far enough apart along it.
+    """
     part, middle = np.arange(PARTS), slice(2, None, 4)
     found: list[tuple[Integers, ...]] = []
     for block in (slice(b, b + _ROWS) for b in range(0, rod.size, _ROWS)):
@@ -191,7 +204,7 @@ def _whole(rods: Strands, rod: Integers, k: Integers, used: Integers) -> Pairs:
 
 
 def _possible(rods: Strands, pairs: Pairs, size: Array) -> Any:
-    """Whether two stretches are on the rod, in order, and anywhere far enough apart along it, (N,)."""
+    """Whether two stretches are on the rod, in order, and somewhere far enough apart along it, (N,)."""
     size, length = size[pairs.rod], rods.length[pairs.rod]
     begins, before = pairs.k * rods.period[pairs.rod] + pairs.j * size, pairs.i * size
     some = (before < length) & (begins < length) & (begins >= before)
@@ -211,7 +224,7 @@ def _near(rods: Strands, pairs: Pairs, size: Array) -> tuple[Any, Any]:
 
 
 def _middles(rods: Strands, pairs: Pairs, size: Array) -> Any:
-    """alpha and z in the middles of stretches i and j, ((N,), (N,)) each: each point of a rod is read once."""
+    """alpha and z in the middles of stretches i and j, ((N,), (N,)) each; each point of a rod is computed once."""
     step = 2 >> pairs.level
     if step:  # of the grid
         places = [(pairs.rod, step * (2 * v + 1)) for v in (pairs.i, pairs.j)]

@@ -1,0 +1,222 @@
+"""Periodic orbits: the paper's quadrature (36) made exact, over half a period; the rest follows by symmetry.
+
+The arcs of the orbit, from its start to the turning points (or once round), are cut into pieces on which time is a
+smooth function of one variable u (`pieces`). On panels of these, short enough for a Chebyshev series to reach rounding
+or the tolerance, t(u) is integrated and inverted, and beta, beta_t, alpha, z become series in t. Reflection at the
+turning points and repetition give the rest, so a rod of a million bends costs as much as one of three. The series
+converge geometrically; all problems are solved together.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..numerics.arrays import Array, Integers
+from ..numerics.chebyshev import basis, polynomials
+from ..problem.reduced import Reduced
+from .arcs import Arcs, arcs_of
+from .panels import Panels, joined, panelled, running
+from .phase import Phase, located, unfolded
+from .pieces import HELIX, LIBRATION
+
+_BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
+
+
+@dataclass(frozen=True, eq=False)
+class Orbit:
+    """The orbits of B problems, ready to be read anywhere along the rod.
+
+    arcs, panels: see there. since: (P,), time from the start to each panel. first, count: (2 B,), the panels of each
+    arc. duration: (2 B,), of each arc. gain: (2 B, 3), what alpha, z and the swirl gain over it.
+
+    The rest is known of equilibria, and None for other orbits. lengthens: (B,), 1 where the length of the orbit between
+    the two end angles grows with its level, 0 where it shrinks, NaN where that is unknown; the Morse index needs it.
+    response: (B,), largest |d beta(t)/d beta(L)| along the rod. passed: (B,), turning points passed. path: the level
+    and the path of each, `boundary.paths.LevelPaths`.
+    """
+
+    problem: Reduced
+    arcs: Arcs
+    panels: Panels
+    since: Array
+    first: Integers
+    count: Integers
+    duration: Array
+    gain: Array
+    lengthens: Array | None = None
+    response: Array | None = None
+    passed: Array | None = None
+    path: Any = None
+
+    @property
+    def kind(self) -> Integers:
+        """HELIX, LIBRATION or ROTATION, (B,)."""
+        return self.arcs.kind
+
+    @property
+    def ahead(self) -> Array:
+        """Time from the start to the turning point ahead, or of a whole turn of a rotation, (B,)."""
+        return self.duration[0::2]
+
+    @property
+    def back(self) -> Array:
+        """Time from the turning point behind to the start; 0 in a rotation, (B,)."""
+        return self.duration[1::2]
+
+    @cached_property
+    def period(self) -> Array:
+        """Period of beta_t, (B,); inf on a helix."""
+        arcs = np.where(self.arcs.kind == LIBRATION, 2.0, 1.0)
+        return np.where(self.arcs.kind == HELIX, np.inf, arcs * (self.ahead + self.back))
+
+    @cached_property
+    def turns(self) -> Array:
+        """Turning points passed by the far end, (B,); 0 where beta does not librate."""
+        if self.passed is not None:
+            return self.passed
+        return self.locate(self.problem.span[:, None]).turns[:, 0]
+
+    def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
+        """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
+        phase = self.locate(t)
+        values = self.read(self.panels.series[:, 0:4], phase)
+        return self._unfold(values, phase)
+
+    def take(self, i: int) -> "Orbit":
+        """The orbit of problem i alone."""
+        return self.pick(np.array([i]))
+
+    def pick(self, rows: Integers) -> "Orbit":
+        """The orbits of the problems `rows`, (b,) rising."""
+        both = (2 * rows[:, None] + [0, 1]).reshape(-1)
+        count = self.count[both]
+        first = np.cumsum(count) - count
+        mine = np.repeat(self.first[both] - first, count) + np.arange(count.sum())
+        panels = replace(self.panels.take(mine), arc=np.repeat(np.arange(both.size), count))
+        arcs = Arcs(self.arcs.kind[rows], self.arcs.direction[rows], self.arcs.pieces)
+        known = [None if v is None else v[rows] for v in (self.lengthens, self.response, self.passed)]
+        known.append(None if self.path is None else self.path.take(rows))
+        some, since = self.problem.take(rows), self.since[mine]
+        return Orbit(some, arcs, panels, since, first, count, self.duration[both], self.gain[both], *known)
+
+    def along(self, case: Integers, t: Array) -> tuple[Array, Array]:
+        """alpha and z at single points of the rods: at t (N,) of the problems `case` (N,), (N,) each."""
+        phase = located(t[:, None], self.kind[case], self.ahead[case], self.back[case], self.period[case])
+        phase = replace(phase, arc=2 * case[:, None] + phase.second)
+        values, beta0 = self.read(self.panels.series[:, 2:4], phase), self.problem.beta0
+        alpha = self._repeat(values[..., 0], phase, 0, np.sin(beta0), case)
+        z = self._repeat(values[..., 1], phase, 1, np.cos(beta0), case)
+        return alpha[:, 0], z[:, 0]
+
+    def swirl(self, t: Array) -> Array:
+        """The integral of sin(beta) cos(beta) from the start, (B, n)."""
+        phase = self.locate(t)
+        value = self.read(self.panels.series[:, 4:5], phase)[..., 0]
+        s = np.sin(self.problem.beta0) * np.cos(self.problem.beta0)
+        return self._repeat(value, phase, 2, s)
+
+    @property
+    def exact(self) -> "Orbit":
+        """The orbits by quadrature, which the Morse index needs: these themselves."""
+        return self
+
+    def locate(self, t: Array) -> "Phase":
+        """The phases of the times t, (B, n)."""
+        return located(t, self.kind, self.ahead, self.back, self.period)
+
+    def read(self, series: Array, phase: Phase) -> Array:
+        """Series of the panels (P, k, n + 1) at the phases, (B, n, k)."""
+        arc, local = phase.arc.reshape(-1), phase.local.reshape(-1)
+        out = np.empty((arc.size, series.shape[1]))
+        if not self.panels.arc.size:
+            out[:] = 0
+            return out.reshape(*phase.arc.shape, -1)
+        since, duration = self.since, self.panels.duration
+        for k in range(0, arc.size, _BLOCK):
+            p, x = arc[k : k + _BLOCK], local[k : k + _BLOCK]
+            panel, last = self.first[p], self.first[p] + np.maximum(self.count[p] - 1, 0)
+            for _ in range(int(self.count[p].max(initial=0)).bit_length()):  # bisection
+                middle = (panel + last + 1) // 2
+                begun = x >= since[np.minimum(middle, since.size - 1)]
+                panel, last = np.where(begun, middle, panel), np.where(begun, last, middle - 1)
+            panel = np.minimum(panel, since.size - 1)
+            with np.errstate(over="ignore"):  # a panel may be shorter than a float can be
+                x = np.clip(2 * (x - since[panel]) / np.maximum(duration[panel], 5e-324) - 1, -1, 1)
+            out[k : k + _BLOCK] = np.einsum(
+                "pcn,np->pc", series[panel], polynomials(x, series.shape[2]), optimize=False
+            )
+        return out.reshape(*phase.arc.shape, -1)
+
+    def _unfold(self, values: Array, phase: Phase) -> tuple[Array, Array, Array, Array]:
+        kind, direction = self.arcs.kind[:, None], self.arcs.direction[:, None]
+        sign = np.where(phase.second, -direction, direction) * np.where(phase.mirrored, -1.0, 1.0)
+        helix = kind == HELIX
+        around = np.where(kind == LIBRATION, 0.0, 2 * np.pi) * direction * phase.periods
+        beta = np.where(helix, self.problem.beta0[:, None], values[..., 0] + around)
+        dbeta = np.where(helix, 0.0, values[..., 1] * sign)
+        alpha = self._repeat(values[..., 2], phase, 0, np.sin(self.problem.beta0))
+        z = self._repeat(values[..., 3], phase, 1, np.cos(self.problem.beta0))
+        return beta, dbeta, alpha, z
+
+    def _repeat(self, value: Array, phase: Phase, column: int, straight: Array, case: Any = slice(None)) -> Array:
+        """An integral of the problems `case` from its value within an arc; column: of `gain`; straight: (B,), its rate
+        on a helix."""
+        kind = self.arcs.kind[case, None]
+        gain = self.gain[:, column].reshape(-1, 2)[case]
+        grown = unfolded(value, phase, gain, kind == LIBRATION)
+        return np.where(kind == HELIX, straight[case, None] * phase.t, grown)
+
+
+def joined_orbits(orbits: list[Orbit]) -> Orbit:
+    """The orbits of several batches, concatenated."""
+    sizes = np.array([orbit.problem.size for orbit in orbits])
+    before = np.cumsum(sizes) - sizes
+    panels = joined([replace(o.panels, arc=o.panels.arc + 2 * k) for o, k in zip(orbits, before, strict=True)])
+
+    def column(name: str) -> Any:
+        values = [getattr(orbit, name) for orbit in orbits]
+        return None if any(v is None for v in values) else np.concatenate(values)
+
+    fields: dict[str, Any] = {
+        name: None if value is None else np.concatenate([getattr(o.problem, name) for o in orbits])
+        for name, value in vars(orbits[0].problem).items()
+    }
+    kind, direction = (np.concatenate([getattr(o.arcs, n) for o in orbits]) for n in ("kind", "direction"))
+    arcs = Arcs(kind, direction, orbits[0].arcs.pieces)
+    count = column("count")
+    rest = (column(name) for name in ("duration", "gain", "lengthens", "response", "passed"))
+    return Orbit(Reduced(**fields), arcs, panels, column("since"), np.cumsum(count) - count, count, *rest)
+
+
+def solve_orbit(problem: Reduced, tol: float, pin: tuple[Array, Array] | None = None, stretch: float = 1.0) -> Orbit:
+    """The orbits of B start problems with finite numbers.
+
+    Parameters
+    ----------
+    problem : Reduced
+        B start problems.
+    tol : float
+        Allowed error of beta [rad].
+    pin, stretch
+        As in `arcs.arcs_of` and `panels.panelled`.
+    """
+    arcs = arcs_of(problem, pin)
+    n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
+    return assembled(problem, arcs, panelled(problem, arcs, basis(n), length, 0.05 * tol, stretch=stretch))
+
+
+def assembled(problem: Reduced, arcs: Arcs, panels: Panels) -> Orbit:
+    """The orbits made of panels whose integrals count from their own near ends."""
+    number = 2 * problem.size
+    count = np.bincount(panels.arc, minlength=number)
+    first = np.cumsum(count) - count
+    duration = np.bincount(panels.arc, weights=panels.duration, minlength=number)
+    ends = panels.series[:, 2:].sum(axis=2)
+    gain = np.stack([np.bincount(panels.arc, weights=ends[:, k], minlength=number) for k in range(3)], axis=1)
+    # times and integrals count from the start of the orbit
+    before = running(np.column_stack([ends, panels.duration]), first, count)
+    series = panels.series.copy()
+    series[:, 2:, 0] += before[:, :3]
+    return Orbit(problem, arcs, replace(panels, series=series), before[:, 3], first, count, duration, gain)

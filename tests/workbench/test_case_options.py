@@ -1,0 +1,80 @@
+"""The options for the fields of a case: their table says what the solver says, and every command offers all of them."""
+
+from dataclasses import MISSING, fields
+
+import pytest
+from typer.main import get_command
+
+from solver import Cylinder, Ends, Rod, Start
+from solver.problem.case import SIDES, STIFFNESS, TWISTS
+from solver.problem.quantities import unit_of
+from studies.axes import quantity_of
+from workbench import cli
+from workbench.commands.case_options import ENDS_FIELDS, FIELDS, help_of
+
+PARTS = {"": (Rod, Cylinder), "start": (Start,), "ends": (Ends,)}
+
+
+def declared() -> dict[str, set[type]]:
+    """Every field of a case, and the parts that have it."""
+    found: dict[str, set[type]] = {}
+    for part in (Rod, Cylinder, Start, Ends):
+        for field in fields(part):
+            found.setdefault(field.name, set()).add(part)
+    return found
+
+
+def test_the_table_has_every_field_of_a_case_and_no_other() -> None:
+    assert set(FIELDS) == set(declared())
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_a_field_belongs_to_the_problem_that_the_table_names(name: str) -> None:
+    parts, problem = declared()[name], FIELDS[name].problem
+    if name in ("alpha", "gamma"):  # of both problems, with one meaning
+        assert (problem, parts) == ("", {Start, Ends})
+    elif problem == "start or ends":
+        assert parts == {Start, Ends}
+    else:
+        assert parts <= set(PARTS[problem])
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_unit_and_words_are_those_of_the_quantity(name: str) -> None:
+    field = FIELDS[name]
+    if field.choices:
+        assert field.unit == ""
+        return
+    assert field.unit == unit_of(quantity_of(name).name, {"length": "length", "force": "force"})
+    assert field.words.startswith(quantity_of(name).long_name)
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_the_default_is_that_of_the_solver(name: str) -> None:
+    defaults = {field.default for part in declared()[name] for field in fields(part) if field.name == name}
+    if name in TWISTS:  # required in one way or another at a start
+        assert FIELDS[name].default is None
+    else:
+        assert defaults == {MISSING if FIELDS[name].default is None else FIELDS[name].default}
+
+
+def test_words_have_the_choices_of_the_solver() -> None:
+    assert FIELDS["stiffness"].choices == tuple(STIFFNESS)
+    assert FIELDS["side"].choices == tuple(SIDES)
+
+
+@pytest.mark.parametrize("command, names", [("solve", FIELDS), ("explore", FIELDS), ("equilibria", ENDS_FIELDS)])
+def test_a_command_offers_each_field_with_its_help(command: str, names) -> None:
+    options = {param.opts[0]: param for param in get_command(cli.app).commands[command].params}  # type: ignore[attr-defined]
+    for name in names:
+        assert options[f"--{name}"].help == help_of(FIELDS[name], len(names) == len(FIELDS))
+    assert {f"--{name}" for name in FIELDS} & set(options) == {f"--{name}" for name in names}
+    assert {"--length-unit", "--force-unit"} <= set(options)
+
+
+def test_the_help_of_a_field_says_problem_unit_rule_and_default() -> None:
+    assert help_of(FIELDS["dgamma"], whole=True) == (
+        "Start: rate of the section's own rotation at the start [rad/length]; give one of F1, dgamma, M3."
+    )
+    assert help_of(FIELDS["F2"], whole=True).endswith("across the rod [force]; default: 0.")
+    assert help_of(FIELDS["FZ"], whole=False) == "Axial force, tension positive [force]."

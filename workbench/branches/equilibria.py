@@ -1,0 +1,67 @@
+"""The equilibria between two ends: the ends problem of a study, rows as plain data, one TOML file for each."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from solver import Case, Ends, InputError, solve
+from solver.equilibria import Equilibrium
+from solver.problem.errors import choices
+from studies import Study
+
+from ..data import writing
+from ..run.case_input import field_values
+
+
+def ends_problem(study: Study) -> Case:
+    """The case of a study as an ends problem.
+
+    A start problem keeps its loads; its end angles become beta(0) and beta(L) of its solution.
+
+    Raises
+    ------
+    InputError
+        For a study with axes, or a start problem that is not solved.
+    """
+    if any(not axis.follow for axis in study.axes.values()):
+        raise InputError(f"{study.name} has the axes {choices(study.axes)}: equilibria takes one case")
+    case = study.case()
+    if isinstance(case.given, Ends):
+        return case
+    sol = solve(case, tol=1e-12, stations=2)
+    if not sol.solved:
+        raise InputError(f"{study.name}: its start problem is not solved: {sol.outcome}")
+    g = case.given
+    return Case(case.rod, case.cylinder, Ends(g.beta, float(sol.beta[-1]), *case.loads, g.alpha, g.gamma))
+
+
+def row(one: Equilibrium) -> dict[str, Any]:
+    """The numbers of an equilibrium as plain data."""
+    return {
+        "dbeta0": one.dbeta0, "energy": one.energy, "turns": one.turns, "index": one.index, "stray": one.stray,
+        "attached": one.attached,
+        "outcome": str(one.solution.outcome), "error": float(one.solution.error),
+    }  # fmt: skip
+
+
+def study_text(title: str, units: Mapping[str, str], values: Mapping[str, Any]) -> str:
+    """The TOML text of a study of one case; values: fields of the case by name, in the units."""
+    base = "\n".join(f'{k} = "{v}"' if isinstance(v, str) else f"{k} = {v!r}" for k, v in values.items())
+    return f'title = "{title}"\n\n[units]\nlength = "{units["length"]}"\nforce = "{units["force"]}"\n\n[base]\n{base}\n'
+
+
+def write_cases(study: Study, case: Case, found: Sequence[Equilibrium], folder: Path) -> None:
+    """Write each equilibrium as a TOML case that `workbench solve` and `run` read.
+
+    Raises `InputError` if the folder cannot be written.
+    """
+    writing.check_folder(folder)
+    width = len(str(len(found)))
+    for i, one in enumerate(found, 1):
+        title = f"Equilibrium {i} of {len(found)}: index {one.index}, {one.turns} bends"
+        text = (
+            f"{study_text(title, study.unit_system, field_values(case))}\n"
+            f"[equilibrium] # selects one of the {len(found)}: the nearest to both values\n"
+            f"dbeta0 = {one.dbeta0!r}\nenergy = {one.energy!r}\n"
+        )
+        (folder / f"equilibrium_{i:0{width}d}.toml").write_text(text, encoding="utf-8")

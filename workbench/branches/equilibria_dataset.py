@@ -1,0 +1,78 @@
+"""The dataset of all equilibria of one case, and what it shares with the dataset of branches."""
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver import Case
+from solver.equilibria import Equilibrium
+from studies import Study
+
+from ..data import cautions, dataset, schema
+
+ALONG = ("beta", "alpha", "z", "contact")
+EACH = ("dbeta0", "energy", "turns", "index", "attached")
+
+
+def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dataset:
+    """The equilibria of a case as a dataset over `equilibrium`, lowest energy first.
+
+    Parameters
+    ----------
+    study
+        The study of the case; the dataset takes its units and stores its text.
+    case
+        One ends problem; its numbers become scalars.
+    found
+        Its equilibria, all at the same stations.
+
+    Returns
+    -------
+    The arrays of `ALONG` over (equilibrium, u), u = s/L, and the numbers of `EACH` over (equilibrium).
+    """
+    units = study.unit_system
+    data: dict[str, Any] = {}
+    stations = found[0].solution.s.size if found else 2
+    for name in ALONG:
+        values = np.array([getattr(one.solution, name) for one in found]).reshape(len(found), stations)
+        data[name] = xr.Variable(("equilibrium", "u"), values, schema.labels(name, units))
+    for name in EACH:
+        values = np.array([getattr(one, name) for one in found])
+        data[name] = xr.Variable(("equilibrium",), values, schema.labels(name, units))
+    solved = np.array([bool(one.solution.solved) for one in found], dtype=bool)
+    data["solved"] = xr.Variable(("equilibrium",), solved)
+    data["outcome"] = xr.Variable(("equilibrium",), np.array([str(one.solution.outcome) for one in found], dtype=str))
+    cautions_of = [str(cautions.of_cases(one.solution, {})) for one in found]
+    data["caution"] = xr.Variable(("equilibrium",), np.array(cautions_of, dtype=str))
+    u = np.linspace(0, 1, stations)
+    coords = {
+        "equilibrium": xr.Variable(("equilibrium",), np.arange(1, len(found) + 1), {"long_name": "rank by energy"}),
+        "u": xr.Variable(("u",), u, schema.labels("u", units)),
+        "s": xr.Variable(("u",), u * float(case.rod.L), schema.labels("s", units)),
+    }
+    ds = xr.Dataset(data, coords, attributes(study, case, "All equilibria between two ends"))
+    return with_case(ds, case, units)
+
+
+def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:
+    """The attributes that every dataset of equilibria has."""
+    return {
+        "title": title, "study_name": "equilibria", "study": study.text, "reading": study.reading or "",
+        "side": case.cylinder.side, "stiffness": case.rod.stiffness, "length_unit": study.units.length,
+        "force_unit": study.units.force, "laws": json.dumps([]), "versions": json.dumps(dataset.versions()),
+        "stability": "both end angles held, FZ, MZ and M3 dead loads, the ends free to move",
+    }  # fmt: skip
+
+
+def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: str = "") -> xr.Dataset:
+    """The dataset with the numbers of the case as scalars; skip: the field that is an axis."""
+    ends = {name: getattr(case.given, name) for name in ("beta0", "betaL", "FZ", "MZ", "M3")}
+    rod = {name: getattr(case.rod, name) for name in ("E", "nu", "a", "L")}
+    numbers = {**rod, "R": case.cylinder.R, "rho": case.rho, **ends}
+    for name, value in numbers.items():
+        if name != skip and not (name == "rho" and skip in ("R", "a")):
+            ds[name] = xr.Variable((), float(value), schema.labels(name, units))
+    return ds

@@ -1,0 +1,46 @@
+"""The command check: judge the laws of a stored study."""
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .options import File, Json
+from .study_result import print_result
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def check(file: File, json: Json = False) -> int:
+    """Judge the laws of a stored study.
+
+    Exit status 1 if a law does not hold in full or a case is unsolved.
+    """
+    from ..data import file_checks, reading
+
+    with reading.opened(file) as ds, file_checks.refusing(file):
+        found = _found_in(ds, file)
+    return print_result(found, json)
+
+
+def _found_in(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
+    """The counts and verdicts of a dataset, computed from its numbers."""
+    import numpy as np
+
+    from ..data import branch_numbers, law_verdicts
+    from ..run.block import kind_of
+
+    outcomes, caution = ([str(text) for text in np.ravel(ds[name].values)] for name in ("outcome", "caution"))
+    counts = branch_numbers.counted(ds["branch"].values) if "branch" in ds else None
+    return {
+        "title": ds.attrs["title"],
+        "study": ds.attrs["study_name"],
+        "equilibria": str(ds.attrs.get("equilibria", "")),
+        "branches": branch_numbers.sentence(counts) if counts else "",
+        "reading": ds.attrs["reading"],
+        "file": str(path),
+        "unsolved": law_verdicts.unsolved(ds),
+        "outcomes": Counter(map(kind_of, outcomes)),
+        "cautions": Counter(caution),
+        "laws": law_verdicts.verdicts(ds),
+    }

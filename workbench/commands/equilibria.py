@@ -1,0 +1,212 @@
+"""The command equilibria: list, draw, store and export all equilibria between two ends, or follow them over an axis."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from . import console
+from .case_options import ENDS_FIELDS, FIELDS, Given, takes_case
+from .options import Choose, Json, argument, flag, option
+from .solve import parse_choose
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from solver import Case
+    from solver.equilibria import Equilibria
+    from studies import Study
+
+DEFAULT = "fig7_4_end_angle"
+OPTIONS_STUDY = "equilibria"  # the name of a study made of options
+MAX_COUNT = 401  # values of an axis
+COLUMNS = ("dbeta0", "energy", "turns", "index", "stray", "attached")
+
+
+@takes_case(ENDS_FIELDS)
+def equilibria(
+    file: Annotated[
+        Path | None, argument("FILE|STUDY", "TOML file or name of a study of one case; default: Table 1.")
+    ] = None,
+    *,
+    given: Given,
+    axis: Annotated[
+        str | None,
+        option(
+            "NAME=FROM:TO:COUNT",
+            "Follow all equilibria over a field, such as betaL=-90deg:60deg:41, and print their branches.",
+        ),
+    ] = None,
+    plot: Annotated[
+        Path | None, option("FILE", "Picture of the curves and their energies, or with --axis of branches and folds.")
+    ] = None,
+    out: Annotated[Path | None, option("FILE", "File for the dataset.")] = None,
+    export: Annotated[
+        Path | None, option("FOLDER", "Folder for one TOML case of each equilibrium, for the command solve.")
+    ] = None,
+    force: Annotated[bool, flag("Replace an existing picture, or a file that holds no equilibria.", "--force")] = False,
+    choose: Choose = None,
+    json: Json = False,
+) -> int:
+    """List all equilibria between two end angles under dead loads.
+
+    Lowest energy first, with Morse index (0: stable). Exit status 1 if there is none or the list is incomplete.
+
+    Without units, omitted fields come from Table 1 (cm, N; read force-first/tension/paper): its beta(0), its loads,
+    and the beta(L) at which its own rod ends. With --length-unit or --force-unit the options describe the whole rod:
+    E, nu, a, L, R, beta0 and betaL are required, and omitted loads are 0.
+
+    Angles: a number in rad, or a form like 30deg or pi/6.
+    """
+    from solver import InputError
+    from solver import equilibria as all_equilibria
+
+    from ..branches.equilibria import write_cases
+    from ..branches.equilibria_dataset import dataset_of
+    from ..data import writing
+    from . import output_file
+
+    study, case = _study_and_case(file, given)
+    if axis is not None and export is not None:
+        raise InputError("--export writes the equilibria of one case, so it excludes --axis")
+    picture = output_file.check(plot, (".png", ".pdf", ".svg"), force) if plot else None
+    if out is not None and not force:
+        writing.check_free(out, "equilibria")
+    if axis is not None:
+        return _over_axis(study, case, parse_axis(axis), picture, out, json, force)
+    found = all_equilibria(case)
+    _print(study, case, found, choose, _source(study, file, given), json)
+    if picture or out:
+        ds = dataset_of(study, case, found)
+        if out:
+            writing.write(ds, out, force)
+        if picture:
+            from ..figures import canvas
+            from ..figures import equilibria as equilibria_figure
+
+            canvas.save(equilibria_figure.figure(ds), picture)
+    if export:
+        write_cases(study, case, found, export)
+        if not json:
+            console.say(f"{len(found)} cases in {export}")
+    return 0 if found and found.complete else 1
+
+
+def _study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
+    """The case of a file or of Table 1 with some fields replaced, or with units that of the options alone."""
+    from solver import Ends, InputError
+    from studies import load
+    from studies.loader import loads
+
+    from ..branches.equilibria import ends_problem, study_text
+    from ..run.case_input import TABLE_UNITS, from_values, with_fields
+
+    if not given.units:
+        study = load(DEFAULT if file is None else str(file))
+        return study, with_fields(ends_problem(study), given.values)
+    if file is not None:
+        raise InputError(f"{file.name} states its own units: change them in the file")
+    case, defaults = from_values(given.values, Ends)
+    units = {**TABLE_UNITS, **given.units}
+    values = {name: value for name, value in (defaults | given.values).items() if value is not None}
+    return loads(study_text("a rod of the options", units, values), OPTIONS_STUDY), case
+
+
+def _source(study: "Study", file: Path | None, given: Given) -> str:
+    if given.units:
+        return f"the options, in {study.units.length} and {study.units.force}"
+    changed = f", except {', '.join(given.values)}" if given.values else ""
+    return f"{study.title if file else 'Table 1, held at the angle at which its own rod ends'}{changed}"
+
+
+def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None, source: str, as_json: bool) -> None:
+    """Print the equilibria and which of them the rule selects."""
+    import numpy as np
+
+    from solver.boundary.selection import selection
+    from solver.equilibria import meant
+
+    from ..branches.equilibria import row
+    from ..run.case_input import field_values
+    from ..run.sweep import rule_of
+
+    rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule
+    assert rule is not None
+    taken = meant(found, rule)
+    rows = [{**row(one), "taken": one is taken} for one in found]
+    how = selection(rule, np.array([one.index for one in found], dtype=int), len(found), found.complete)
+    if as_json:
+        console.print_json({
+            "case": field_values(case), "units": study.unit_system, "selection": {**asdict(how), "rule": how.rule},
+            "equilibria": rows, "complete": found.complete, "remark": found.remark,
+        })  # fmt: skip
+        return
+    _print_table(study, rows)
+    stable = sum(r["index"] == 0 for r in rows)
+    console.say(f"{len(rows)} equilibria, {stable} stable with the end angles held and dead loads")
+    if not found.complete:
+        console.say(f"the list may be incomplete: {found.remark}")
+    if found:
+        console.say(f"* {how.rule}" if taken else f"none has index {rule}")
+    console.say(f"rod: {source}")
+
+
+def _print_table(study: "Study", rows: Sequence[dict[str, Any]]) -> None:
+    units = [f"rad/{study.units.length}", f"{study.units.force} {study.units.length}", "", "", "rad", ""]
+    heads = [f"{name} ({unit})" if unit else name for name, unit in zip(COLUMNS, units, strict=True)]
+    marks = [f"{i} *" if r["taken"] else f"{i}" for i, r in enumerate(rows, 1)]
+    table = [[mark, *(r[name] for name in COLUMNS)] for mark, r in zip(marks, rows, strict=True)]
+    console.print_table(["", *heads], table)
+
+
+def parse_axis(text: str) -> "tuple[str, np.ndarray]":
+    """``betaL=-90deg:60deg:41`` as a field and its values, rising, angles in rad. Raises `InputError`."""
+    import numpy as np
+
+    from solver import InputError
+    from solver.problem.errors import no_such
+    from studies.angles import angle
+
+    name, equals, said = text.partition("=")
+    names = [field for field in ENDS_FIELDS if not FIELDS[field].choices]
+    if name not in names:
+        raise no_such("axis", name, names)
+    parts = said.split(":")
+    if not equals or len(parts) != 3:
+        raise InputError(f"--axis takes NAME=FROM:TO:COUNT, got {text!r}")
+    try:
+        ends = [(angle if FIELDS[name].unit == "rad" else float)(part) for part in parts[:2]]
+        count = int(parts[2])
+    except ValueError:
+        raise InputError(f"--axis takes NAME=FROM:TO:COUNT with numbers, got {text!r}") from None
+    if not 2 <= count <= MAX_COUNT or ends[0] == ends[1] or not np.isfinite(ends).all():
+        raise InputError(f"--axis needs two different ends and a count from 2 to {MAX_COUNT}, got {text!r}")
+    return name, np.linspace(min(ends), max(ends), count)
+
+
+def _over_axis(
+    study: "Study", case: "Case", axis: "tuple[str, np.ndarray]", picture: Path | None, out: Path | None,
+    as_json: bool, force: bool,
+) -> int:  # fmt: skip
+    """Store, draw and print the branches of equilibria over an axis; 0, or 1 if there is none."""
+    from ..branches import branch_dataset
+    from ..data import writing
+
+    name, values = axis
+    with console.progress(values.size) as step:
+        ds = branch_dataset.sweep(study, case, name, values, step)
+    if out:
+        writing.write(ds, out, force)
+    if picture:
+        from ..figures import bifurcation, canvas
+
+        canvas.save(bifurcation.figure(ds), picture)
+    rows, folds = branch_dataset.branches(ds), branch_dataset.folds(ds)
+    if as_json:
+        console.print_json({"axis": name, "units": study.unit_system, "branches": rows, "folds": folds})
+    else:
+        unit = "deg" if ds[name].attrs["units"] == "rad" else ds[name].attrs["units"]
+        heads = [f"{key} ({unit})" if key in ("from", "to") else key for key in rows[0]] if rows else ["branch"]
+        console.print_table(heads, [list(r.values()) for r in rows])
+        console.say(f"{len(rows)} branches, {len(folds)} folds over {values.size} values of {name}")
+    return 0 if rows else 1

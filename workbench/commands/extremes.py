@@ -1,0 +1,69 @@
+"""The command extremes: store, draw and print the result of every method at every named extreme."""
+
+from collections.abc import Mapping
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from . import console
+from .options import Json, option
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..compare.extremes import Attempt
+
+
+def extremes(
+    out: Annotated[Path, option("FOLDER", "Folder for extremes.h5 and its map.")] = Path("extremes"), json: Json = False
+) -> int:
+    """Test the robustness of every method at extreme parameters.
+
+    The folder receives extremes.h5 and extremes.png, a map of methods against extremes. Exit status 1 if a method
+    calls an inaccurate answer solved.
+
+    When interrupted, the command stores and draws the finished extremes as extremes_interrupted; extremes.h5 stays
+    unchanged.
+    """
+    from ..compare import extreme_cases
+    from ..compare.extremes import INACCURATE, VERDICTS, rows_of
+    from ..data import writing
+
+    writing.check_folder(out)
+    writing.check_free(out / "extremes.h5", "extremes")
+    named = extreme_cases.extremes()
+    found: dict[str, dict[str, Attempt]] = {}
+    try:
+        with console.progress(len(named), lines=True) as step, closing(rows_of(named)) as finished:
+            for name, attempts in finished:
+                found[name] = attempts
+                step(name)
+    except BaseException as error:
+        files = _stored(found, out, "extremes_interrupted")[1] if found else []
+        console.stopped(error, f"{len(found)} of {len(named)} extremes", files)
+        raise
+    ds, files = _stored(found, out, "extremes")
+    counts = {
+        str(method): {verdict: int((ds["verdict"].sel({"method": method}) == verdict).sum()) for verdict in VERDICTS}
+        for method in ds["method"].values
+    }
+    if json:
+        console.print_json({"methods": counts, "files": [str(file) for file in files]})
+    else:
+        rows = [[method, *map(str, row.values())] for method, row in counts.items()]
+        console.print_table(["method", *VERDICTS], rows, str(ds.attrs["title"]))
+        for file in files:
+            console.say(str(file))
+    return 1 if any(row[INACCURATE] for row in counts.values()) else 0
+
+
+def _stored(found: "Mapping[str, Mapping[str, Attempt]]", out: Path, name: str) -> "tuple[xr.Dataset, list[Path]]":
+    """The dataset of the finished extremes, and the files made of it: NAME.h5 and NAME.png."""
+    from ..compare.extremes import dataset_of
+    from ..data import writing
+    from ..figures import canvas, robustness
+
+    ds = dataset_of(found)
+    picture = out / f"{name}.png"
+    canvas.save(robustness.figure(ds), picture)
+    return ds, [writing.write(ds, out / f"{name}.h5"), picture]

@@ -1,0 +1,57 @@
+"""The command list: print the shipped studies."""
+
+from typing import TYPE_CHECKING, Any
+
+from . import console
+from .options import Json
+
+if TYPE_CHECKING:
+    from studies.axes import Axis
+
+
+def list_studies(json: Json = False) -> int:
+    """List the shipped studies with their axes and laws."""
+    from ..data import law_verdicts
+
+    rows = _listed()
+    if json:
+        console.print_json(rows)
+        return 0
+    table = []
+    for row in rows:
+        axes = ", ".join(_range(axis) for axis in row["axes"])
+        laws = ", ".join(f"{law['claim']} {law_verdicts.stated(law)}" for law in row["laws"])
+        table.append([row["study"], row["title"], axes or "-", laws or "-"])
+    console.print_table(["study", "title", "axes", "laws"], table)
+    return 0
+
+
+def _listed() -> list[dict[str, Any]]:
+    """The shipped studies as plain data: study, title, axes (axis, from, to, count, unit, follow) and laws."""
+    from solver.problem.quantities import unit_of
+    from studies import load, names
+    from studies.axes import quantity_of
+
+    rows = []
+    for name in names():
+        study = load(name)
+        units = study.unit_system
+        axes = [_axis(field, axis, unit_of(quantity_of(field).name, units)) for field, axis in study.axes.items()]
+        laws = [{key: getattr(law, key) for key in ("claim", "observable", "direction", "axis")} for law in study.laws]
+        rows.append({"study": name, "title": study.title, "axes": axes, "laws": laws})
+    return rows
+
+
+def _axis(field: str, axis: "Axis", unit: str) -> dict[str, Any]:
+    """An axis as plain data; from is None for a followed axis, which begins at the value of the base case."""
+    first, last = (axis.values[0], axis.values[-1]) if axis.values else (axis.from_, axis.to)
+    data = {"axis": field, "from": first, "to": last, "count": axis.size, "unit": axis.unit or unit}
+    return {**data, "follow": axis.follow}
+
+
+def _range(axis: dict[str, Any]) -> str:
+    """The range of an axis in words."""
+    unit = "deg" if axis["unit"] == "deg" else ""
+    if axis["follow"]:
+        return f"{axis['axis']} followed to {axis['to']:g}{unit}"
+    return f"{axis['axis']} {axis['from']:g}..{axis['to']:g}{unit} ({axis['count']})"

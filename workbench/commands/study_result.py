@@ -1,0 +1,60 @@
+"""Print the outcomes and verdicts of a stored study, for run, check, merge and reproduce."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from . import console
+
+if TYPE_CHECKING:
+    from ..run.study_store import Ran
+
+
+def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None, alternatives: bool = False) -> None:
+    """Print a table of laws and their verdicts, and how many hold.
+
+    alternatives: with the alternative observables of each law in the rows below it.
+    """
+    from ..data import law_verdicts
+
+    rows = []
+    for row in verdicts:
+        rows.append([row["claim"], law_verdicts.stated(row), law_verdicts.measured(row), law_verdicts.said(row)])
+        for also in row["also"] if alternatives else ():
+            rows.append(["", f"  or {also['observable']}", law_verdicts.measured(also), law_verdicts.said(also)])
+    console.print_table(["claim", "law", "measured", "verdict"], rows, title=title)
+    console.say(law_verdicts.tallied(list(verdicts)))
+
+
+def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None) -> int:
+    """Print what a stored study holds, and after a run what the run did.
+
+    Returns the exit status of the command check: 0, or 1 if a law does not hold in full or a case is unsolved.
+    """
+    from ..data import cautions, law_verdicts
+
+    outcomes, cases, unsolved = found["outcomes"], sum(found["outcomes"].values()), found["unsolved"]
+    status = law_verdicts.status(unsolved, found["laws"])
+    caution = cautions.told(found["cautions"])
+    if as_json:
+        counts = {"cases": cases, "unsolved": unsolved, "outcomes": sorted(outcomes), "caution": caution}
+        run = {} if ran is None else {"solved_now": ran.solved, "seconds": ran.seconds}
+        named = {name: found[name] for name in ("study", "reading", "file")}
+        named |= {name: found[name] for name in ("equilibria", "branches") if found.get(name)}
+        laws = {"verdicts": law_verdicts.tally(found["laws"]), "laws": found["laws"]}
+        console.print_json({**named, **counts, **run, **laws, "status": status})
+        return status
+    console.say(f"{found['title']}, {found['reading']}" if found["reading"] else found["title"])
+    if found["laws"]:
+        print_verdicts(found["laws"], alternatives=True)
+    console.say(f"{found['file']}: {law_verdicts.counted(cases, 'case')}, {unsolved} unsolved")
+    for text, count in sorted(outcomes.items()):
+        if text != "solved":
+            console.say(f"  {count} x {text}")
+    for name in ("equilibria", "branches"):
+        if found.get(name):
+            console.say(found[name])
+    if caution:
+        console.say(f"caution: {caution}")
+    if ran is not None and ran.finished_before:
+        console.say("already complete; use --restart to solve again")
+    return status

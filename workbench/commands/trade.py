@@ -1,0 +1,91 @@
+"""The command trade: store, draw and print accuracy against cost of every method."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from . import console
+from .options import Json, option
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from solver.benchmark import Ladder, Row
+
+
+def trade(
+    cases: Annotated[list[str] | None, option("NAMES", "Cases to measure, separated by commas; default: all.")] = None,
+    methods: Annotated[
+        list[str] | None, option("NAMES", "Methods to measure, separated by commas; default: all.")
+    ] = None,
+    out: Annotated[Path, option("FOLDER", "Folder for trade.h5 and its pictures.")] = Path("trade"),
+    json: Json = False,
+) -> int:
+    """Measure accuracy against cost of every method.
+
+    Each method solves cases with a known solution, at several values of its own setting of accuracy (steps, nodes or
+    a tolerance). The folder receives trade.h5, trade_seconds.png and trade_evaluations.png.
+
+    When interrupted, the command stores and draws the finished cases as trade_interrupted; trade.h5 stays unchanged.
+    """
+    from ..compare import trade as comparison
+    from ..compare.trade_cases import chosen
+    from ..data import writing
+
+    named, ladders = chosen(_names(cases)), comparison.ladders_of(_names(methods))
+    writing.check_folder(out)
+    writing.check_free(out / "trade.h5", "trade")
+    rows: list[Row] = []
+    try:
+        with console.progress(len(named), lines=True) as step:
+            for more in comparison.rows_of(named, ladders, step):
+                rows += more
+    except BaseException as error:
+        files = _stored(rows, ladders, out, "trade_interrupted")[1] if rows else []
+        console.stopped(error, f"{len({row.case for row in rows})} of {len(named)} cases", files)
+        raise
+    ds, files = _stored(rows, ladders, out, "trade")
+    found = comparison.summary_of(ds)
+    if json:
+        console.print_json(found | {"file": str(files[0]), "pictures": [str(picture) for picture in files[1:]]})
+    else:
+        _print(found, files)
+    return 0
+
+
+def _stored(
+    rows: "Sequence[Row]", ladders: "Mapping[str, Ladder]", out: Path, name: str
+) -> "tuple[xr.Dataset, list[Path]]":
+    """The dataset of the rows, and the files made of it: NAME.h5 and its pictures."""
+    from ..compare.trade import dataset_of
+    from ..data import writing
+    from ..figures import canvas, work_precision
+
+    ds = dataset_of(rows, ladders)
+    path = writing.write(ds, out / f"{name}.h5")
+    pictures = [out / f"{name}_{cost}.png" for cost in work_precision.COSTS]
+    for cost, picture in zip(work_precision.COSTS, pictures, strict=True):
+        canvas.save(work_precision.figure(ds, cost), picture)
+    return ds, [path, *pictures]
+
+
+def _print(found: Mapping[str, Any], files: Sequence[Path]) -> None:
+    rows = [
+        [
+            row["case"],
+            *(f"{b['method']}  {1e3 * b['seconds']:.2g} ms" if b["method"] else "none" for b in row["cheapest"]),
+        ]
+        for row in found["table"]
+    ]
+    levels = [f"{best['level']:.0e}" for best in found["table"][0]["cheapest"]]
+    console.print_table(["cheapest method for", *levels], rows)
+    console.say("")
+    counts = f"{found['solved']} runs solved, {found['failed']} failed, {found['not run']} omitted as too slow"
+    console.say(f"{counts}; {found['machine']}")
+    for file in files:
+        console.say(str(file))
+
+
+def _names(texts: Sequence[str] | None) -> list[str]:
+    """The names in the values of a repeated option, each with one or more names separated by commas."""
+    return [name.strip() for text in texts or () for name in text.split(",") if name.strip()]

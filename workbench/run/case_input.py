@@ -1,0 +1,184 @@
+"""One case from a study file, from Table 1, or from fields by name."""
+
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from solver import Case, Cylinder, Ends, InputError, Rod, Start
+from solver.problem.case import TWISTS, from_fields
+from solver.problem.errors import choices, no_such
+from studies import Study, load
+from studies.axes import FORCES, LENGTHS
+from studies.readings import DEFAULT, parse
+
+START_ONLY = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
+ENDS_ONLY = {f.name for f in fields(Ends)} - {f.name for f in fields(Start)}
+TABLE_UNITS = {"length": "cm", "force": "N"}
+
+
+@dataclass(frozen=True)
+class CaseInput:
+    """A case, its units, and where its numbers come from.
+
+    Attributes
+    ----------
+    source
+        The file, Table 1 or the options, in words.
+    assumed
+        Field -> default value, of the fields that the input did not give.
+    study
+        The study of the file; None for a case of Table 1 or of fields alone.
+    """
+
+    case: Case
+    units: dict[str, str]
+    source: str
+    assumed: dict[str, Any] = field(default_factory=dict)
+    study: Study | None = None
+
+
+def read_case(
+    file: Path | None,
+    values: Mapping[str, Any],
+    units: Mapping[str, str],
+    table1: bool = False,
+    reading: str | None = None,
+) -> CaseInput:
+    """A case from a file, from Table 1, or from fields alone.
+
+    Parameters
+    ----------
+    file
+        A TOML study without axes.
+    values
+        Fields of the case by name; they replace those of the file or of Table 1.
+    units
+        "length" and "force" of the values, for a case of fields alone; default: cm and N.
+    table1
+        Start from the rod of Table 1; also the default when nothing else is given.
+    reading
+        How Table 1 is read.
+
+    Raises
+    ------
+    InputError
+        For two sources at once, a file with axes, a missing or unknown field, an unknown unit or an invalid value.
+    """
+    changed = f", except {choices(values)}" if values else ""
+    if file is not None:
+        if table1:
+            raise InputError(f"{file.name} and --table1 exclude each other: each describes a whole rod")
+        if units:
+            raise InputError(f"{file.name} states its own units: change them in the file")
+        study = _study(file).under(reading)
+        return CaseInput(with_fields(study.case(), values), study.unit_system, f"{file.name}{changed}", study=study)
+    if table1 or reading is not None or not (values or units):
+        if units:
+            raise InputError("Table 1 is in cm and N: omit the units")
+        read = DEFAULT if reading is None else parse(reading)
+        return CaseInput(with_fields(read.case(), values), dict(TABLE_UNITS), f"Table 1, read {read.name}{changed}")
+    case, assumed = from_values(values)
+    for kind, known in (("length", LENGTHS), ("force", FORCES)):
+        if units.get(kind, known[0]) not in known:
+            raise no_such(f"unit of {kind}", units[kind], known)
+    assumed |= {f"unit of {kind}": unit for kind, unit in TABLE_UNITS.items() if kind not in units}
+    return CaseInput(case, {**TABLE_UNITS, **units}, "the options", assumed)
+
+
+def _study(file: Path) -> Study:
+    if file.suffix != ".toml":
+        raise InputError(f"a case is read from a .toml file, got {str(file)!r}")
+    study = load(file)
+    if study.axes:
+        raise InputError(f"{file.name} has the axes {choices(study.axes)}: use workbench run to solve it")
+    return study
+
+
+def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple[Case, dict[str, Any]]:
+    """A case of fields alone, and the defaults of the fields that were omitted.
+
+    Parameters
+    ----------
+    values
+        Fields of the rod, the cylinder and the start or the ends, by name.
+    problem
+        `Start` or `Ends`; default: decided by the names of the values.
+
+    Returns
+    -------
+    The case, and the defaults that it took, field -> value. Only loads, alpha, gamma, stiffness and side have one.
+
+    Raises
+    ------
+    InputError
+        For missing fields, which it lists, and for fields of both a start and the ends.
+    """
+    advice = "; --table1 takes the rod of Table 1" if problem is None else ""
+    problem = _problem(values) if problem is None else problem
+    parts = (Rod, Cylinder, problem)
+    known = [f for part in parts for f in fields(part)]
+    _check_complete(problem, known, values, advice)
+    chosen = [{f.name: values[f.name] for f in fields(part) if f.name in values} for part in parts]
+    rod, cylinder, given = (from_fields(part, found) for part, found in zip(parts, chosen, strict=True))
+    assumed = {f.name: f.default for f in known if f.name not in values and f.default is not None}
+    return Case(rod, cylinder, given), assumed
+
+
+def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
+    """The case with some fields replaced; a new F1, dgamma or M3 of a start replaces the other two.
+
+    Raises `InputError` for a field that the case does not have.
+    """
+    parts: list[Any] = []
+    left = dict(changes)
+    for part in (case.rod, case.cylinder, case.given):
+        kind = type(part)
+        own = {f.name: getattr(part, f.name) for f in fields(kind)}
+        if kind not in (Rod, Cylinder):  # whatever is left must be one of its fields
+            _check_known(kind, left)
+            if kind is Start and any(name in changes for name in TWISTS):
+                own |= dict.fromkeys(TWISTS)
+            parts.append(from_fields(kind, {**{k: v for k, v in own.items() if v is not None}, **left}))
+            break
+        parts.append(from_fields(kind, {**own, **{name: left.pop(name) for name in own if name in left}}))
+    return Case(*parts)
+
+
+def field_values(case: Case) -> dict[str, Any]:
+    """The fields of a case by name, as plain numbers and words; without those that are None."""
+    values = {f.name: getattr(part, f.name) for part in (case.rod, case.cylinder, case.given) for f in fields(part)}
+    return {name: v if isinstance(v, str) else float(v) for name, v in values.items() if v is not None}
+
+
+def _problem(values: Mapping[str, Any]) -> type:
+    """Start or Ends, by the names that only one of them has."""
+    start, ends = ([name for name in values if name in names] for names in (START_ONLY, ENDS_ONLY))
+    if start and ends:
+        raise InputError(
+            f"a case is a start problem or an ends problem, not both: {start[0]} is a field of the start, "
+            f"{ends[0]} of the ends"
+        )
+    return Ends if ends else Start
+
+
+def _check_complete(problem: type, known: list[Field[Any]], values: Mapping[str, Any], advice: str) -> None:
+    missing = [f.name for f in known if f.default is MISSING and f.name not in values]
+    if problem is Start and not any(name in values for name in TWISTS):
+        missing.append(f"one of {choices(TWISTS)}")
+    if missing:
+        undecided = problem is Start and not START_ONLY & set(values)
+        other = "; an ends problem needs beta0 and betaL instead" if undecided else ""
+        said = f"{choices(missing[:-1])} and {missing[-1]}" if len(missing) > 1 else missing[0]
+        raise InputError(f"{_named(problem)} also needs {said}{other}{advice}")
+
+
+def _check_known(problem: type, values: Mapping[str, Any]) -> None:
+    known = [f.name for f in fields(problem)]
+    for name in values:
+        if name not in known:
+            raise InputError(f"this case is {_named(problem)}, which has no {name}; choose from {choices(known)}")
+
+
+def _named(problem: type) -> str:
+    return "a start problem" if problem is Start else "an ends problem"
