@@ -36,7 +36,7 @@ LISTS = {
 }  # fmt: skip
 
 # What still points upward, to be carved: no pair may be added.
-TO_CARVE = {}
+TO_CARVE: set[tuple[str, str]] = set()
 TO_SILENCE: set[str] = set()
 
 STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics
