@@ -21,11 +21,11 @@ import xarray as xr
 
 from studies.loader import loads
 from workbench.data import writing
-from workbench.geometry import tube
 from workbench.geometry.centreline import Array, Centreline
-from workbench.geometry.refinement import Detail, detail
+from workbench.geometry.refinement import Rings, rings
 from workbench.run import in_memory
 from workbench.scene import opengl
+from workbench.scene.body import Body, Surface, read
 from workbench.scene.kinds import KINDS
 
 WIDE = 1450  # pixels of the picture that the rod's length fills
@@ -42,10 +42,10 @@ RODS = {
 }
 
 
-def off(body: tube.Body, drawn: Detail) -> float:
+def off(body: Body, drawn: Rings) -> float:
     """The largest distance of the drawn triangles from the true surface [length], at the middles of their sides."""
     n, line = drawn.s.size, body.line
-    made = tube.mesh(body, drawn)
+    made = body.surface(drawn).mesh
     walls = made.triangles[: 2 * (n - 1) * drawn.sides].reshape(n - 1, -1, 3)
     lift = np.array([0, 0, line.at(drawn.s[:1])[2][0]])
     worst = 0.0
@@ -75,13 +75,13 @@ def _away(line: Centreline, s: Array, points: Array) -> Array:
     return best
 
 
-def uniform(body: tube.Body, allowed: float) -> tuple[int, int]:
+def uniform(body: Body, allowed: float) -> tuple[int, int]:
     """The fewest evenly spaced rings, with sides that lose half of it, whose surface is off by no more [length]."""
     line = body.line
     sides = max(int(np.ceil(np.pi / np.arccos(max(1 - allowed / 2 / line.a, 0)))), 6)
 
-    def misses(rings: int) -> bool:
-        return off(body, Detail(np.linspace(line.s[0], line.s[-1], rings), sides, 0.0)) > allowed
+    def misses(count: int) -> bool:
+        return off(body, Rings(np.linspace(line.s[0], line.s[-1], count), sides, 0.0)) > allowed
 
     few, many = 2, 4
     while misses(many) and many < 200_000:
@@ -102,22 +102,22 @@ def solved(name: str) -> xr.Dataset:
 
 def measure(name: str, pixel_error: float) -> list[object]:
     ds, stations = solved(name), RODS[name][0]
-    body = tube.read(ds, {}, KINDS["plain"])
+    body = read(ds, {}, KINDS["plain"])
     line = body.line
     per_unit = WIDE / max(float(np.ptp(body.z)), 2 * body.reach)
     allowed = pixel_error / per_unit
     line.frame(line.s)  # the curve itself is not what is timed
     start = perf_counter()
-    found = detail(line, body.span, allowed)
+    found = rings(line, body.span, allowed)
     seconds = perf_counter() - start
     start = perf_counter()
-    mesh = tube.mesh(body, found)
+    mesh = body.surface(found).mesh
     meshing = perf_counter() - start
     made = off(body, found)
     even = "-"
     if stations <= 2001 and float(line.a) * per_unit > 0.5:
-        rings, sides = uniform(body, max(made, allowed * 0.5))
-        even = f"{2 * rings * sides}"
+        count, sides = uniform(body, max(made, allowed * 0.5))
+        even = f"{2 * count * sides}"
     return [name, int(ds["turns"]), stations, pixel_error, found.s.size, found.sides, len(mesh.triangles),
             f"{1e3 * seconds:.0f} + {1e3 * meshing:.0f}", f"{made * per_unit:.2f}", even]  # fmt: skip
 
@@ -133,22 +133,22 @@ def whole(name: str, file: Path, pixel_error: float) -> list[object]:
 def scene(file: Path, pixel_error: float) -> None:
     """What `whole` asks of a process of its own: draws, and prints what it took as JSON."""
     opengl.probe()
-    from workbench.scene import composition, layout, rendering
+    from workbench.scene import composition, layout
 
     triangles: list[int] = []
-    made = tube.mesh
+    made = Body.surface
 
-    def counted(body: tube.Body, drawn: Detail) -> tube.Mesh:
+    def counted(body: Body, drawn: Rings) -> Surface:
         found = made(body, drawn)
-        triangles.append(len(found.triangles))
+        triangles.append(len(found.mesh.triangles))
         return found
 
-    rendering.tube.mesh = counted  # type: ignore[attr-defined]
+    Body.surface = counted  # type: ignore[method-assign]
     start = perf_counter()
     ds = writing.read(file)
-    tube.read(ds, {}, KINDS["plain"])
+    read(ds, {}, KINDS["plain"])
     reading = perf_counter() - start
-    layout.render(ds, file.with_suffix(".png"), kind="plain", look=composition.Look(pixel_error))
+    layout.render(ds, file.with_suffix(".png"), kind="plain", settings=composition.Settings(pixel_error))
     seconds = perf_counter() - start - 2 * reading  # the scene reads once more
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
     told = {"views": len(triangles), "triangles": sum(triangles), "memory": memory}
@@ -179,29 +179,27 @@ def main() -> None:
 
 def draw(path: Path) -> None:
     """Where the rings stand on the rod of Table 1, against its curvature."""
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    from workbench.figures import style
+    from workbench.figures import canvas, style
 
-    body = tube.read(solved("Table 1"), {}, KINDS["plain"])
+    body = read(solved("Table 1"), {}, KINDS["plain"])
     per_unit = WIDE / float(np.ptp(body.z))
-    with rc_context(style.RC):
-        fig = Figure(figsize=(8, 3.4), layout="constrained")
-        FigureCanvasAgg(fig)
+
+    def draw_on(fig: Figure) -> None:
         ax = fig.add_subplot()
         s = np.linspace(0, body.line.L, 2000)
         ax.plot(s, body.line.kappa(s), color=style.SOFT, label="curvature [1/cm]")
-        colours = style.colours(len(ERRORS) + 1)
+        colours = style.ramp_colours(len(ERRORS) + 1)
         for colour, pixel_error in zip(colours, ERRORS, strict=False):
-            rings = detail(body.line, body.span, pixel_error / per_unit).s
-            ax.plot((rings[1:] + rings[:-1]) / 2, 1 / np.diff(rings), drawstyle="steps-mid", color=colour,
+            s = rings(body.line, body.span, pixel_error / per_unit).s
+            ax.plot((s[1:] + s[:-1]) / 2, 1 / np.diff(s), drawstyle="steps-mid", color=colour,
                     label=f"rings per cm, {pixel_error:g} pixels allowed")  # fmt: skip
         ax.set(xlabel="arc length s [cm]", yscale="log")
         ax.legend(ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
-        style.quiet(ax)
-        fig.savefig(path, dpi=130)
+        style.with_grid(ax)
+
+    canvas.save(canvas.figure((8, 3.4), draw_on), path, dpi=130)
 
 
 if __name__ == "__main__":

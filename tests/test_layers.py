@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SOLVER = {"numpy", "scipy", "heyoka", "numba"}  # the last two are optional: a method's each, imported where it runs
 STUDIES = SOLVER | {"solver", "tomllib", "pydantic", "tomli_w"}
 WORKBENCH = STUDIES | {
-    "studies", "xarray", "h5netcdf", "h5py", "filelock", "pyvista", "matplotlib", "typer", "rich", "jinja2",
+    "studies", "xarray", "h5netcdf", "h5py", "filelock", "pyvista", "matplotlib", "trimesh", "typer", "rich", "jinja2",
     "distributed",  # optional: the engine of a cluster, imported where it runs
     "imageio",  # optional: films
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
@@ -36,13 +36,7 @@ LISTS = {
 }  # fmt: skip
 
 # What still points upward, to be carved: no pair may be added.
-TO_CARVE = {
-    ("workbench.geometry.tube", "workbench.figures"),
-    ("workbench.geometry.tube", "workbench.figures.style"),
-    ("workbench.geometry.tube", "workbench.scene.kinds"),
-    ("workbench.web.live.page_model", "workbench.commands"),
-    ("workbench.web.live.page_model", "workbench.commands.export_rod"),
-}
+TO_CARVE: set[tuple[str, str]] = set()
 TO_SILENCE: set[str] = set()
 
 STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics

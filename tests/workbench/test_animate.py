@@ -15,7 +15,7 @@ from workbench.commands import animate, console
 from workbench.data import writing
 from workbench.figures import style
 from workbench.run import in_memory
-from workbench.scene import opengl
+from workbench.scene import film, opengl
 
 draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 DPI = 50  # pages of 400 x 300
@@ -27,20 +27,20 @@ def ds() -> xr.Dataset:
     return in_memory.run(small.study(AXIS, 'observables = ["wraps", "height"]'))
 
 
-def wish(**more) -> animate.Wish:
-    return animate.Wish("E", {}, **{"kind": "plain", "show": "height", "pixel_error": 1.0, "dpi": DPI, **more})
+def shown() -> film.Film:
+    return film.Film("E", {}, "height", "plain", 1.0, DPI)
 
 
 @pytest.fixture(scope="module")
 def made(ds) -> list[np.ndarray]:
-    return list(animate.frames(ds, wish()))
+    return list(film.frames(ds, shown()))
 
 
 @draws
 def test_a_still_is_the_scene_of_its_case_along_the_axis(ds, made, tmp_path) -> None:
     from workbench.scene import composition, layout
 
-    layout.render(ds, tmp_path / "one.png", {"E": 2e4}, "plain", (), "E", composition.Look(1.0, DPI))
+    layout.render(ds, tmp_path / "one.png", {"E": 2e4}, "plain", (), "E", composition.Settings(1.0, DPI))
     scene = (255 * pixels(tmp_path / "one.png")).round().astype(np.uint8)
     still = made[1][: scene.shape[0], : scene.shape[1]]
     # all but the random dots of the ambient shading
@@ -62,7 +62,7 @@ def test_the_cylinder_stands_still_and_the_curve_grows_to_the_right(made) -> Non
 @draws
 def test_a_case_without_a_shape_is_a_frame_that_says_so(ds, made) -> None:
     lost = small.with_outcomes(ds, ["solved", "no solution", "solved"]).assign(height=("E", [1.0, np.nan, 2.0]))
-    frames = list(animate.frames(lost, wish()))
+    frames = list(film.frames(lost, shown()))
     assert {frame.shape for frame in frames} == {made[0].shape}
     assert (frames[1][60:240, :400] == 255).all()
 
@@ -72,12 +72,12 @@ def test_both_kinds_of_film_are_read_by_others_with_a_frame_a_case(tmp_path) -> 
     pytest.importorskip("imageio_ffmpeg")
     shades = [np.full((120, 160, 3), shade, dtype=np.uint8) for shade in (40, 120, 200)]
     paths = [tmp_path / "film.mp4", tmp_path / "film.gif"]
-    animate.write(paths, iter(shades), fps=2.0)
-    with iio.get_reader(paths[0]) as film:
-        seen = [frame.mean() for frame in film]
+    film.write(paths, iter(shades), fps=2.0)
+    with iio.get_reader(paths[0]) as mp4:
+        seen = [frame.mean() for frame in mp4]
     np.testing.assert_allclose(seen, [40, 120, 200, 200, 200], atol=4)  # colours are rounded in MP4; one second held
-    with Image.open(paths[1]) as film:
-        assert (film.size, film.info["duration"], film.info["loop"]) == ((160, 120), 500, 0)
+    with Image.open(paths[1]) as gif:
+        assert (gif.size, gif.info["duration"], gif.info["loop"]) == ((160, 120), 500, 0)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["film.gif", "film.mp4"]
 
 
@@ -89,20 +89,20 @@ def test_a_film_that_cannot_be_drawn_leaves_nothing(tmp_path) -> None:
         raise InputError("the second frame fails")
 
     with pytest.raises(InputError, match="the second frame"):
-        animate.write([tmp_path / "film.mp4", tmp_path / "film.gif"], broken(), fps=2.0)
+        film.write([tmp_path / "film.mp4", tmp_path / "film.gif"], broken(), fps=2.0)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_frame_has_even_sides() -> None:
-    assert animate._even(np.zeros((3, 5, 3), dtype=np.uint8)).shape == (4, 6, 3)
-    assert animate._even(np.zeros((4, 6, 3), dtype=np.uint8)).shape == (4, 6, 3)
+    assert film.even(np.zeros((3, 5, 3), dtype=np.uint8)).shape == (4, 6, 3)
+    assert film.even(np.zeros((4, 6, 3), dtype=np.uint8)).shape == (4, 6, 3)
 
 
 def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
     grid = in_memory.run(small.grid())
-    assert animate.observable(grid, "R", None) == "kappa_max"  # of its law
-    assert animate.observable(grid, "E", None) in ("turns", "wraps", "kappa_max")
-    assert animate.observable(ds, "E", "height") == "height"
+    assert film.observable_of(grid, "R", None) == "kappa_max"  # of its law
+    assert film.observable_of(grid, "E", None) in ("turns", "wraps", "kappa_max")
+    assert film.observable_of(ds, "E", "height") == "height"
 
 
 @pytest.mark.parametrize(
@@ -113,7 +113,7 @@ def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
         ({"at": ["E=1e4"]}, "--at E: the film runs along E"),
         ({"kind": "ghosts"}, "a frame shows one case, so --kind is one of plain, contact"),
         ({"show": "outcome"}, "no observable 'outcome'"),
-        ({"out": [Path("film.avi")]}, r"cannot draw 'film.avi': choose a name that ends in \.mp4"),
+        ({"out": [Path("film.avi")]}, r"cannot write 'film.avi': choose a name that ends in \.mp4"),
         ({"fps": 0.0}, "--fps must be between 0.1 and 60, got 0"),
     ],
 )
@@ -129,17 +129,17 @@ def test_what_cannot_be_a_film_is_refused_in_a_sentence(asked, sentence, tmp_pat
 def test_what_is_missing_is_said_before_anything_is_drawn(ds, tmp_path, monkeypatch) -> None:
     writing.write(ds, tmp_path / "one.h5")
 
-    def film(name: str) -> int:
+    def made(name: str) -> int:
         return animate.animate_file(
             tmp_path / "one.h5", None, [], "contact", None, [tmp_path / name], 3.0, 0.5, DPI, False
         )
 
-    monkeypatch.setattr(animate, "find_spec", lambda name: None)
+    monkeypatch.setattr(film, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"imageio-ffmpeg, which is not installed.*\.gif does not"):
-        film("film.mp4")
+        made("film.mp4")
     said = []
     monkeypatch.setattr(opengl, "probe", lambda: (False, "no OpenGL here"))
     monkeypatch.setattr(console.err(), "print", lambda text, **_: said.append(text))
-    assert film("film.gif") == 1
+    assert made("film.gif") == 1
     assert said == ["workbench: no OpenGL here"]
     assert [path.name for path in tmp_path.iterdir()] == ["one.h5"]

@@ -22,7 +22,7 @@ from studies import names
 from tests.test_layers import HEAVY
 from tests.workbench import small
 from workbench import cli
-from workbench.commands import plot_and_scene
+from workbench.commands import at_option, scene
 from workbench.data import writing
 from workbench.run import study_store
 from workbench.scene import opengl
@@ -334,26 +334,26 @@ def test_a_value_is_taken_for_the_stored_one_that_it_is_when_rounded_as_it_is_wr
     ):
         if which is None:
             with pytest.raises(InputError, match=re.escape("its values are 9962, 10700.4, 10905.0773")):
-                plot_and_scene.chosen(ds, [f"E={text}"])
+                at_option.values(ds, [f"E={text}"])
         else:
-            assert plot_and_scene.chosen(ds, [f"E={text}"]) == {"E": values["E"][which]}
+            assert at_option.values(ds, [f"E={text}"]) == {"E": values["E"][which]}
     for text, which in (("0deg", 0), ("27.2deg", 1), ("pi/6", 2), ("30deg", 2), ("0.5236", 2), ("27deg", None)):
         if which is None:
             with pytest.raises(InputError, match=re.escape("its values are 0deg, 27.1875deg, 30deg")):
-                plot_and_scene.chosen(ds, [f"beta={text}"])
+                at_option.values(ds, [f"beta={text}"])
         else:
-            assert plot_and_scene.chosen(ds, [f"beta={text}"]) == {"beta0": values["beta0"][which]}
+            assert at_option.values(ds, [f"beta={text}"]) == {"beta0": values["beta0"][which]}
 
 
 def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stored, tmp_path, monkeypatch) -> None:
     drawn = []
     monkeypatch.setattr(opengl, "probe", lambda: (True, ""))
-    taken = SimpleNamespace(off=0.0)
-    scenes = SimpleNamespace(render=lambda ds, path, *_: drawn.append(path) or taken, Look=lambda *_: None)
+    picture = SimpleNamespace(error=0.0)
+    scenes = SimpleNamespace(render=lambda ds, path, *_: drawn.append(path) or picture)
     monkeypatch.setitem(sys.modules, "workbench.scene.layout", scenes)
     monkeypatch.setattr("workbench.scene.layout", scenes, raising=False)
     for at in ([], ["E=1e4"], ["E=2e4", "R=0.75"]):
-        assert plot_and_scene.scene_file(stored, at, None) == 0
+        assert scene.scene_file(stored, at, None) == 0
     assert [path.name for path in drawn] == [
         "small_scene.png", "small_scene_E=10000.png", "small_scene_E=20000_R=0.75.png",
     ]  # fmt: skip

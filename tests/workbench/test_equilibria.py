@@ -19,7 +19,8 @@ from workbench.branches.equilibria import ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands.equilibria import DEFAULT, parse_axis
 from workbench.data import writing
-from workbench.figures import bifurcation, equilibria_gallery
+from workbench.figures import bifurcation, canvas
+from workbench.figures import equilibria as equilibria_figure
 from workbench.run import in_memory
 from workbench.run.block import solve_one
 from workbench.run.case_input import field_values
@@ -182,10 +183,12 @@ def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
 def test_pictures_are_drawn_from_the_datasets_alone(swept, tmp_path) -> None:
     study, case = load(DEFAULT), default()
     ds = dataset_of(study, case, equilibria(case))
-    for module in (equilibria_gallery, bifurcation):
+    for module in (equilibria_figure, bifurcation):
         assert not {"equilibria", "solve"} & set(vars(module))
-    one = equilibria_gallery.figure(ds, tmp_path / "gallery.png")
-    two = bifurcation.figure(swept, tmp_path / "branches.pdf")
+    one = equilibria_figure.figure(ds)
+    canvas.save(one, tmp_path / "gallery.png")
+    two = bifurcation.figure(swept)
+    canvas.save(two, tmp_path / "branches.pdf")
     assert (tmp_path / "gallery.png").stat().st_size > 20_000
     assert (tmp_path / "branches.pdf").stat().st_size > 5_000
     assert len(one.axes) == ds.sizes["equilibrium"] + 1

@@ -12,7 +12,7 @@ from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError
 from studies.loader import loads
 from workbench.run import block
-from workbench.web.live import page_mesh, page_model, page_shape
+from workbench.web.live import mesh, page_model, page_shape
 from workbench.web.live.presets import PRESETS
 
 BY_NAME = {preset.name: preset for preset in PRESETS}
@@ -34,7 +34,7 @@ def test_every_preset_is_solved_and_says_its_source_and_units(name) -> None:
     assert found.whole
     units = BY_NAME[name].state["units"]
     assert f"{units['length']} and {units['force']}" in BY_NAME[name].source
-    assert page_model.told(found)["outcome"] == "solved"
+    assert page_model.facts(found)["outcome"] == "solved"
     assert json.loads(json.dumps(page_model.numbers(found)))["rows"]
 
 
@@ -86,7 +86,7 @@ def test_what_cannot_be_is_refused_with_the_field_and_without_a_line_of_a_file(c
         shape(**changes)
     assert sentence in str(refused.value)
     assert "line" not in str(refused.value).partition(":")[0]
-    assert page_model.blamed(str(refused.value)) == field
+    assert page_model.field_of(str(refused.value)) == field
 
 
 @pytest.mark.parametrize("odd", [None, 3, [], {"path": "/etc/passwd"}, {"base": 3}, {"units": {}}, {"base": {"E": {}}}])
@@ -97,7 +97,7 @@ def test_a_state_of_another_kind_is_refused(odd) -> None:
 
 def test_a_reading_drops_what_it_drops_and_says_so() -> None:
     found = shape()
-    assert page_model.told(found)["meaning"]["dgamma"] == "printed, but dropped by the reading"
+    assert page_model.facts(found)["meaning"]["dgamma"] == "printed, but dropped by the reading"
     twist = page_shape.shape(page_model.study_of(state() | {"reading": "twist-first/tension/paper"}))
     assert not np.allclose(found.sol.beta, twist.sol.beta)
 
@@ -109,23 +109,23 @@ def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_
     part = shape(L=2e4)
     assert not part.whole
     assert part.sol.s.size == page_shape.MOST
-    assert "Only the first" in page_model.told(part)["notes"][0]
+    assert "Only the first" in page_model.facts(part)["notes"][0]
     with pytest.raises(InputError, match="only a part of this rod is shown"):
         page_model.stored(part)
 
 
 def test_held_by_both_its_ends_a_rod_keeps_its_shape_and_is_one_of_the_list() -> None:
     first = shape()
-    ends = page_model.by_ends(first.study)
+    ends = page_model.ends_state(first.study)
     study = page_model.study_of(ends)
     held = page_shape.shape(study)
     # measured 5e-12: the far angle is told to the last bit, and the condition is 10
     np.testing.assert_allclose(held.sol.beta[::2], first.sol.beta, atol=1e-9)
     assert held.sol.dbeta[0] == pytest.approx(0.5, abs=1e-8)
-    rows = page_model.every(study)
+    rows = page_model.list_equilibria(study)
     assert min(abs(row["dbeta0"] - 0.5) for row in rows) < 1e-8
-    with pytest.raises(InputError, match="one shape only"):
-        page_model.every(first.study)
+    with pytest.raises(InputError, match="one solution only"):
+        page_model.list_equilibria(first.study)
 
 
 def test_of_more_equilibria_than_can_be_looked_through_the_default_one_is_shown_and_a_list_refused() -> None:
@@ -134,15 +134,15 @@ def test_of_more_equilibria_than_can_be_looked_through_the_default_one_is_shown_
     A, rho = pipe.sol.case.rod.bending_stiffness, float(pipe.sol.case.rho)
     # Lubinski's helix, F = 2 A sin(beta)^2 / rho^2, to the first order in beta, which is 0.013 rad
     assert middle == pytest.approx(np.degrees(np.sqrt(200.0 * rho**2 / (2 * A))), rel=1e-3)
-    named = state("pipe") | {"equilibrium": page_model.told(pipe)["which"]}
+    named = state("pipe") | {"equilibrium": page_model.facts(pipe)["which"]}
     np.testing.assert_array_equal(page_shape.shape(page_model.study_of(named)).sol.beta, pipe.sol.beta)
-    with pytest.raises(InputError, match="may swing some 716 times, and the page looks through at most 100"):
-        page_model.every(pipe.study)
+    with pytest.raises(InputError, match="some 716 half periods, and the page searches at most 100"):
+        page_model.list_equilibria(pipe.study)
     named["equilibrium"] = {"dbeta0": 0.2, "energy": 0.0}
-    with pytest.raises(InputError, match="the equilibrium that is named is not the one taken by default"):
+    with pytest.raises(InputError, match="the named equilibrium is not the one selected by default"):
         page_shape.shape(page_model.study_of(named))
     soft = page_model.study_of(state("cable", E=0.5))
-    with pytest.raises(InputError, match="may swing some 3223 times"):  # four minutes without the limit
+    with pytest.raises(InputError, match="some 3223 half periods"):  # four minutes without the limit
         page_shape.shape(soft)
 
 
@@ -167,7 +167,7 @@ def test_a_slider_follows_the_equilibrium_it_began_with() -> None:
     base = {"E": 5e3, "nu": 0.25, "a": 0.25, "L": 12.0, "R": 0.75, "side": "outside", "beta0": 0.5, "betaL": 0.8,
             "FZ": -5.0, "MZ": 1.0, "M3": 2.0}  # fmt: skip
     made = {"units": {"length": "cm", "force": "N"}, "base": base}
-    rows = page_model.every(page_model.study_of(made))
+    rows = page_model.list_equilibria(page_model.study_of(made))
     third = {name: rows[2][name] for name in ("dbeta0", "energy")}
     began = page_shape.shape(page_model.study_of(made | {"equilibrium": third}))
     moved = page_model.study_of(made | {"base": base | {"R": 0.76}})
@@ -205,7 +205,7 @@ def test_the_warnings_are_those_of_the_shape() -> None:
 @pytest.mark.parametrize("name", BY_NAME)
 def test_the_mesh_is_a_closed_tube_that_touches_the_cylinder(name) -> None:
     found = shape(name)
-    drawn = page_mesh.rod(found.sol)
+    drawn = mesh.rod(found.sol)
     triangles = drawn.polygons.reshape(-1, 4)
     assert (triangles[:, 0] == 3).all()
     corners = drawn.points.astype(float)[triangles[:, 1:]]
@@ -225,9 +225,9 @@ def test_the_mesh_is_a_closed_tube_that_touches_the_cylinder(name) -> None:
 @pytest.mark.parametrize("name", BY_NAME)
 def test_the_light_tube_is_closed_too_and_off_by_no_more_than_it_says(name) -> None:
     found = shape(name)
-    drawn = page_mesh.rod(found.sol)
-    n, sides = found.sol.s.size, page_mesh.sides_of(found.sol.s.size)
-    triangles = drawn.light.reshape(-1, 4)[:, 1:]
+    drawn = mesh.rod(found.sol)
+    n, sides = found.sol.s.size, mesh.sides_of(found.sol.s.size)
+    triangles = drawn.coarse.reshape(-1, 4)[:, 1:]
     assert len(triangles) < 0.51 * drawn.polygons.size / 4  # every other side
     _, at = np.unique(drawn.points, axis=0, return_inverse=True)
     edges = np.sort(at.reshape(-1)[triangles[:, [0, 1, 1, 2, 2, 0]]].reshape(-1, 2), axis=1)
@@ -237,12 +237,12 @@ def test_the_light_tube_is_closed_too_and_off_by_no_more_than_it_says(name) -> N
     straight = np.stack([np.interp(np.arange(n), rings, centre[rings, i]) for i in range(3)], axis=-1)
     size = max(np.ptp(centre[:, 2]), 2 * np.hypot(centre[:, 0], centre[:, 1]).max())
     off = np.sqrt(((straight - centre) ** 2).sum(axis=-1)).max()
-    assert off < 1.1 * page_mesh.ROUGH * size / page_mesh.HIGH  # a quadratic and single precision
+    assert off < 1.1 * mesh.COARSE * size / mesh.HIGH  # a quadratic and single precision
 
 
 def test_a_tall_scene_is_compressed_along_the_axis_and_says_by_how_much() -> None:
     found = shape("pipe")
-    drawn = page_mesh.rod(found.sol)
+    drawn = mesh.rod(found.sol)
     tall = np.ptp(drawn.points[:, 2])
     assert drawn.squeeze == pytest.approx(9 * 2 * 0.10795 / found.sol.z[-1], rel=1e-6)
     assert tall == pytest.approx(9 * 2 * 0.10795, rel=0.05)
@@ -250,8 +250,8 @@ def test_a_tall_scene_is_compressed_along_the_axis_and_says_by_how_much() -> Non
 
 def test_the_colours_are_where_the_cylinder_pushes_and_where_it_pulls() -> None:
     found = shape()
-    drawn = page_mesh.rod(found.sol)
-    n, sides = found.sol.s.size, page_mesh.sides_of(found.sol.s.size)
+    drawn = mesh.rod(found.sol)
+    n, sides = found.sol.s.size, mesh.sides_of(found.sol.s.size)
     rings = drawn.colours[: n * sides].reshape(n, sides, 3)
     assert len(np.unique(drawn.colours, axis=0)) == 2
     np.testing.assert_array_equal(rings[:, 0, 0] > 100, found.sol.push < 0)  # orange has much red

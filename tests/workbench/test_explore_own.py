@@ -98,7 +98,7 @@ def test_options_change_the_file_as_they_do_for_solve(tmp_path) -> None:
 
 def test_the_equilibrium_that_a_file_names_is_the_one_that_is_drawn(tmp_path) -> None:
     text = PIPE.replace("30.0", "4.0").replace("-200.0", "-2000.0")
-    plain = page_model.every(page_model.study_of(begun(tmp_path, text).state))
+    plain = page_model.list_equilibria(page_model.study_of(begun(tmp_path, text).state))
     assert len(plain) > 1
     wanted = plain[1]
     named = f"{text}[equilibrium]\ndbeta0 = {wanted['dbeta0']!r}\nenergy = {wanted['energy']!r}\n"

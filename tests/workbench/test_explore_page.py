@@ -285,5 +285,5 @@ def test_picture_and_csv_are_downloaded(page, driver) -> None:
 
 def test_what_cannot_be_downloaded_is_explained(page) -> None:
     page.click("step")
-    told = page.until(lambda: page("return document.getElementById('said').innerText"), "a reason")
+    told = page.until(lambda: page("return document.getElementById('message').innerText"), "a reason")
     assert "no solid: the rod passes through itself" in told or "Open Cascade" in told

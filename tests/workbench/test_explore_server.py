@@ -23,7 +23,7 @@ from tests.workbench import live_process
 from tests.workbench.live import asked, served, unpacked
 from workbench import cli
 from workbench.commands import explore
-from workbench.web.live import page_model, searches, server
+from workbench.web.live import page_model, search_processes, server
 from workbench.web.live.presets import PRESETS
 
 ROOT = Path(__file__).parents[2]
@@ -91,7 +91,7 @@ def test_a_shape_comes_with_mesh_curves_and_polygons_only_once(port) -> None:
     assert arrays["s"][-1] == 20.0
     has = {"rod_has": head["rod_key"], "wall_has": head["wall_key"]}
     _, fewer = unpacked(asked(port, "POST", "/shape", {"state": TABLE_1, **has}).data)
-    assert set(arrays) - set(fewer) == {"rod.polygons", "rod.light", "wall.polygons"}
+    assert set(arrays) - set(fewer) == {"rod.polygons", "rod.coarse", "wall.polygons"}
 
 
 def test_what_cannot_be_is_answered_with_a_sentence_and_the_field(port) -> None:
@@ -217,7 +217,7 @@ def alive(pid: int) -> bool:
 
 
 def test_a_search_ends_when_its_client_leaves(port, monkeypatch, tmp_path) -> None:
-    monkeypatch.setattr(page_model, "every", live_process.endless)
+    monkeypatch.setattr(page_model, "list_equilibria", live_process.endless)
     client = left(port, "/equilibria", titled(tmp_path / "told"))
     (pid,) = processes(tmp_path / "told", 1)
     assert pid != os.getpid()
@@ -227,16 +227,16 @@ def test_a_search_ends_when_its_client_leaves(port, monkeypatch, tmp_path) -> No
 
 
 def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, monkeypatch, tmp_path) -> None:
-    monkeypatch.setattr(page_model, "every", live_process.endless)
-    most = searches.AT_ONCE + searches.WAITING
+    monkeypatch.setattr(page_model, "list_equilibria", live_process.endless)
+    most = search_processes.AT_ONCE + search_processes.WAITING
     clients = [left(port, "/equilibria", titled(tmp_path / "told")) for _ in range(most)]
-    running = processes(tmp_path / "told", searches.AT_ONCE)
+    running = processes(tmp_path / "told", search_processes.AT_ONCE)
     ticket = None
     for k in range(5):
         answer = asked(port, "POST", "/shape", {"state": with_field(TABLE_1, L=20.0 + k), "near": ticket})
         ticket = unpacked(answer.data)[0]["ticket"]
     refused = asked(port, "POST", "/equilibria", {"state": CABLE})
-    assert (refused.status, json.loads(refused.data)["sentence"]) == (422, searches.MANY)
+    assert (refused.status, json.loads(refused.data)["sentence"]) == (422, search_processes.MANY)
     assert processes(tmp_path / "told", 1) == running
     for client in clients:
         client.close()
@@ -246,7 +246,9 @@ def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, mon
     assert asked(port, "POST", "/equilibria", {"state": CABLE}).status == 200
 
 
-@pytest.mark.parametrize("path, where", [("/equilibria", "every"), ("/shape", "curves"), ("/numbers", "numbers")])
+@pytest.mark.parametrize(
+    "path, where", [("/equilibria", "list_equilibria"), ("/shape", "curves"), ("/numbers", "numbers")]
+)
 def test_a_fault_of_the_solver_is_a_sentence_and_no_traceback(port, monkeypatch, caplog, path, where) -> None:
     monkeypatch.setattr(page_model, where, live_process.broken)
     answer = asked(port, "POST", path, {"state": TABLE_1 if path != "/equilibria" else CABLE})
@@ -259,9 +261,9 @@ def test_a_fault_of_the_solver_is_a_sentence_and_no_traceback(port, monkeypatch,
 
 
 def test_a_search_that_takes_too_much_memory_is_refused(port, monkeypatch) -> None:
-    monkeypatch.setattr(page_model, "every", live_process.greedy)
+    monkeypatch.setattr(page_model, "list_equilibria", live_process.greedy)
     answer = asked(port, "POST", "/equilibria", {"state": CABLE})
-    assert (answer.status, json.loads(answer.data)["sentence"]) == (422, searches.TOO_LARGE)
+    assert (answer.status, json.loads(answer.data)["sentence"]) == (422, search_processes.TOO_LARGE)
 
 
 def slid(moves: int) -> tuple[float, float]:

@@ -1,13 +1,17 @@
 """What other programs read of an exported rod: each file by a reader of another make, against the solver."""
 
 import csv
+import json
 import os
 import re
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista as pv
+import trimesh
 import xarray as xr
 from scipy.interpolate import BPoly, BSpline
 from scipy.spatial import cKDTree
@@ -17,10 +21,12 @@ from solver.problem.errors import InputError
 from studies.loader import loads
 from tests.workbench import small
 from workbench import cli
-from workbench.commands import export_rod, plot_and_scene
-from workbench.commands.export_rod import Wish, export
+from workbench.commands import at_option
 from workbench.data import writing
-from workbench.export import step
+from workbench.export import formats, step
+from workbench.export.base import Format, Options
+from workbench.export.base import Rod as StoredRod
+from workbench.export.stored_rod import export, put
 from workbench.geometry import centreline, self_contact
 from workbench.run import in_memory
 
@@ -86,11 +92,11 @@ def test_too_few_stations_are_refused_and_the_number_named_is_enough(ds) -> None
 def test_a_bend_tighter_than_the_rod_and_turns_that_meet_are_found_where_they_are(ds) -> None:
     tight, meets = self_contact.findings(line(ds, 0), "cm")
     assert tight.tight
-    radius, at = map(float, re.search(r"radius of (\S+) cm at s = (\S+) cm", tight.said).groups())
+    radius, at = map(float, re.search(r"radius of (\S+) cm at s = (\S+) cm", tight.sentence).groups())
     assert radius == pytest.approx(1 / rod(5e3, np.linspace(0, 20, 20001)).kappa.max(), rel=1e-3)  # four digits
     assert radius == pytest.approx(1 / rod(5e3, np.array([at])).kappa[0], rel=1e-2)
     assert not meets.tight
-    place = re.search(r"s = (\S+) and s = (\S+) cm its centreline is (\S+) cm apart", meets.said)
+    place = re.search(r"s = (\S+) and s = (\S+) cm its centreline is (\S+) cm apart", meets.sentence)
     one, other, gap = map(float, place.groups())
     ends = rod(5e3, np.array([one, other])).position
     assert gap == pytest.approx(np.linalg.norm(ends[0] - ends[1]), abs=1e-3)  # s is told to four digits
@@ -137,7 +143,7 @@ def kernel():
 @pytest.fixture(scope="module")
 def step_file(ds, kernel, tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("step") / "rod.step"
-    assert export(ds, Wish(path, SOUND)).warnings == []
+    assert export(ds, path, Options(SOUND)).warnings == []
     return path
 
 
@@ -192,7 +198,7 @@ LINES = {
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n == "long" else n for n in LINES])
 def test_open_cascades_default_measures_the_volume_of_pappus(kernel, tmp_path, name, tolerance) -> None:
     path, line = tmp_path / "rod.step", LINES[name]()
-    step.write(path, line, "mm", "rod", tolerance, True)
+    step.write_line(path, line, "mm", "rod", tolerance, True)
     (solid,) = parts(kernel, shapes(kernel, path), "SOLID")
     measured = kernel.GProp_GProps()
     kernel.BRepGProp.VolumeProperties_s(solid, measured)
@@ -235,7 +241,7 @@ def test_the_text_of_a_step_file_says_the_same_to_a_reader_without_a_cad_kernel(
 @pytest.mark.parametrize("length, size", [("nm", 1e-9), ("dm", 0.1), ("in", 0.0254)])
 def test_a_step_file_keeps_the_studys_unit(kernel, tmp_path, length, size) -> None:
     ds = in_memory.run(loads(STUDY.format(length=length), default_name="moduli"))
-    export(ds, Wish(tmp_path / "rod.step", SOUND, centreline=True))
+    export(ds, tmp_path / "rod.step", Options(SOUND, centreline=True))
     (edge,) = parts(kernel, shapes(kernel, tmp_path / "rod.step"), "EDGE")
     properties = kernel.GProp_GProps()
     kernel.BRepGProp.LinearProperties_s(edge, properties)
@@ -243,40 +249,47 @@ def test_a_step_file_keeps_the_studys_unit(kernel, tmp_path, length, size) -> No
 
 
 def test_a_step_file_is_no_nearer_than_it_says_and_needs_no_more_spans_than_that(ds, kernel, tmp_path) -> None:
-    fine = export(ds, Wish(tmp_path / "fine.step", SOUND, 1e-6, centreline=True)).told
-    rough = export(ds, Wish(tmp_path / "rough.step", SOUND, 1e-3, centreline=True)).told
+    fine = export(ds, tmp_path / "fine.step", Options(SOUND, 1e-6, centreline=True)).facts
+    rough = export(ds, tmp_path / "rough.step", Options(SOUND, 1e-3, centreline=True)).facts
     assert rough["spans"] < fine["spans"]
     assert rough["within"] <= 5e-4
 
 
 def test_no_solid_is_made_of_a_rod_that_cannot_be_one(ds, kernel, tmp_path) -> None:
     with pytest.raises(InputError, match=r"bends with a radius of 0.22.* less than its own radius.*--centreline"):
-        export(ds, Wish(tmp_path / "rod.step", {"E": 5e3}, overlap=True))
+        export(ds, tmp_path / "rod.step", Options({"E": 5e3}, overlap=True))
     with pytest.raises(InputError, match=r"passes through itself: at s = .*--overlap"):
-        export(ds, Wish(tmp_path / "rod.step", {"E": 1.07e4}))
+        export(ds, tmp_path / "rod.step", Options({"E": 1.07e4}))
     assert list(tmp_path.iterdir()) == []
-    done = export(ds, Wish(tmp_path / "rod.step", {"E": 1.07e4}, overlap=True))
+    done = export(ds, tmp_path / "rod.step", Options({"E": 1.07e4}, overlap=True))
     assert "passes through itself" in done.warnings[0]
-    assert done.told["volume"] == pytest.approx(VOLUME, rel=1e-8)
+    assert done.facts["volume"] == pytest.approx(VOLUME, rel=1e-8)
 
 
 def test_without_open_cascade_one_sentence_says_what_to_install(ds, tmp_path, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "OCP", None)
     with pytest.raises(InputError, match=r"STEP files need Open Cascade.*rod-workbench\[cad\].*libgl1"):
-        export(ds, Wish(tmp_path / "rod.step", SOUND))
+        export(ds, tmp_path / "rod.step", Options(SOUND))
     assert list(tmp_path.iterdir()) == []
 
 
 # meshes
 
 
+def read_mesh(path: Path) -> trimesh.Trimesh:
+    """STL and OBJ, which VTK writes, by trimesh; glTF, which trimesh writes, by VTK."""
+    if path.suffix in (".stl", ".obj"):
+        return trimesh.load(path, force="mesh", process=path.suffix == ".stl")  # STL repeats its points
+    found = pv.read(path).combine().extract_surface(algorithm="dataset_surface")
+    return trimesh.Trimesh(found.points, found.faces.reshape(-1, 4)[:, 1:], process=False)
+
+
 @pytest.mark.parametrize("kind, scale", [(".stl", 1.0), (".obj", 1.0), (".glb", 0.01), (".gltf", 0.01)])
 def test_a_mesh_is_closed_and_has_the_rods_volume(ds, tmp_path, kind, scale) -> None:
-    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed: pip install '.[test]'")
     path = tmp_path / f"rod{kind}"
-    told = export(ds, Wish(path, SOUND, 5e-4)).told
-    mesh = trimesh.load(path, force="mesh", process=kind == ".stl")  # STL repeats its points
-    assert len(mesh.faces) == told["triangles"]
+    facts = export(ds, path, Options(SOUND, 5e-4)).facts
+    mesh = read_mesh(path)
+    assert len(mesh.faces) == facts["triangles"]
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
     # positive: the faces look outward; the rings' chords are 1e-3 short at this tolerance, measured 4e-4
@@ -284,12 +297,11 @@ def test_a_mesh_is_closed_and_has_the_rods_volume(ds, tmp_path, kind, scale) -> 
 
 
 def test_the_mesh_is_as_near_to_the_rod_as_asked(ds, tmp_path) -> None:
-    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed: pip install '.[test]'")
     s = np.linspace(0, 20, 20001)
     centre = rod(2e4, s).position
     for tolerance in (5e-3, 5e-4):
         path = tmp_path / f"{tolerance}.stl"
-        export(ds, Wish(path, SOUND, tolerance))
+        export(ds, path, Options(SOUND, tolerance))
         mesh = trimesh.load(path)
         away = cKDTree(centre).query(np.concatenate([mesh.vertices, mesh.triangles.mean(axis=1)]))[0]
         inner = away > 0.2  # not the two flat ends
@@ -300,9 +312,7 @@ def test_the_mesh_is_as_near_to_the_rod_as_asked(ds, tmp_path) -> None:
 
 
 def test_gltf_has_the_scenes_two_colours_where_the_cylinder_pushes_and_where_not(ds, tmp_path) -> None:
-    import pyvista as pv
-
-    export(ds, Wish(tmp_path / "rod.glb", SOUND))
+    export(ds, tmp_path / "rod.glb", Options(SOUND))
     mesh = pv.read(tmp_path / "rod.glb").combine()
     colours, count = np.unique(np.round(mesh.point_data["COLOR_0"], 4), axis=0, return_counts=True)
     assert len(colours) == 2
@@ -314,8 +324,27 @@ def test_gltf_has_the_scenes_two_colours_where_the_cylinder_pushes_and_where_not
     assert away.max() == pytest.approx(0.0125, rel=1e-3)  # rho + a
 
 
+@pytest.mark.parametrize("kind", [".glb", ".gltf", ".stl", ".obj"])
+def test_the_same_rod_is_the_same_file(ds, tmp_path, kind) -> None:
+    files = [tmp_path / f"{name}{kind}" for name in ("one", "other")]
+    for path in files:
+        export(ds, path, Options(SOUND, 5e-3))
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_gltf_is_of_no_metal_and_names_the_case(ds, tmp_path) -> None:
+    export(ds, tmp_path / "rod.gltf", Options(SOUND, 5e-3))
+    tree = json.loads((tmp_path / "rod.gltf").read_text())
+    (mesh,) = tree["meshes"]
+    (primitive,) = mesh["primitives"]
+    assert tree["materials"][primitive["material"]]["pbrMetallicRoughness"]["metallicFactor"] == 0
+    assert {"POSITION", "NORMAL", "COLOR_0"} <= set(primitive["attributes"])
+    assert "moduli E=20000" in [node.get("name") for node in tree["nodes"]]
+    assert all(buffer["uri"].startswith("data:") for buffer in tree["buffers"])  # one file
+
+
 def test_a_mesh_of_a_rod_that_meets_itself_is_written_and_said(ds, tmp_path) -> None:
-    done = export(ds, Wish(tmp_path / "rod.stl", {"E": 5e3}, 5e-3))
+    done = export(ds, tmp_path / "rod.stl", Options({"E": 5e3}, 5e-3))
     assert ["kappa a >= 1" in done.warnings[0], "passes through itself" in done.warnings[1]] == [True, True]
     assert done.path.exists()
 
@@ -324,7 +353,7 @@ def test_a_mesh_of_a_rod_that_meets_itself_is_written_and_said(ds, tmp_path) -> 
 
 
 def test_a_csv_file_has_every_quantity_with_its_unit_as_the_solver_has_it(ds, tmp_path) -> None:
-    export(ds, Wish(tmp_path / "rod.csv", SOUND))
+    export(ds, tmp_path / "rod.csv", Options(SOUND))
     with (tmp_path / "rod.csv").open(encoding="utf-8", newline="") as file:
         head, *rows = csv.reader(file)
     table = dict(zip((name.split(" ")[0] for name in head), np.array(rows, float).T, strict=True))
@@ -338,9 +367,7 @@ def test_a_csv_file_has_every_quantity_with_its_unit_as_the_solver_has_it(ds, tm
 
 
 def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path) -> None:
-    import pyvista as pv
-
-    export(ds, Wish(tmp_path / "rod.vtp", SOUND))
+    export(ds, tmp_path / "rod.vtp", Options(SOUND))
     shape = pv.read(tmp_path / "rod.vtp")
     sol = rod(2e4, shape.point_data["s"])
     np.testing.assert_allclose(shape.points, sol.position, atol=1e-9)
@@ -353,10 +380,35 @@ def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path
 def test_a_study_that_varies_the_angle_is_exported_with_the_one_along_the_rod(tmp_path) -> None:
     axis = "[axes.beta]\nvalues = [15.0, 30.0]\nunit = 'deg'\n"
     varied = in_memory.run(loads(STUDY.format(length="cm").partition("[axes.E]")[0] + axis, default_name="angles"))
-    export(varied, Wish(tmp_path / "rod.csv", plot_and_scene.chosen(varied, ["beta=15deg"])))
+    export(varied, tmp_path / "rod.csv", Options(at_option.values(varied, ["beta=15deg"])))
     with (tmp_path / "rod.csv").open() as file:
         first = next(csv.DictReader(file))
     assert float(first["beta [rad]"]) == pytest.approx(np.radians(15))
+
+
+# the table of formats
+
+
+def test_a_format_is_one_module_and_its_suffixes_in_the_table() -> None:
+    modules = [import_module(f"workbench.export.{path.stem}") for path in Path(formats.__file__).parent.glob("*.py")]
+    declared = [module.FORMAT for module in modules if hasattr(module, "FORMAT")]
+    assert {suffix for one in declared for suffix in one.suffixes} == set(formats.FORMATS)
+    assert len(declared) == len(set(map(id, formats.FORMATS.values())))
+
+
+def test_a_row_in_the_table_is_all_that_a_new_format_needs(folder, tmp_path, monkeypatch, capsys) -> None:
+    def write(path: Path, rod: StoredRod) -> dict[str, float]:
+        path.write_text(f"{rod.title}: {rod.line.L:g} {rod.unit}")
+        return {"letters": 5}
+
+    monkeypatch.setitem(formats.FORMATS, ".toy", Format((".toy",), write))
+    with pytest.raises(SystemExit) as end:
+        cli.main(["export", str(folder / "moduli.h5"), "--at", "E=2e4", "-o", str(tmp_path / "rod.toy")])
+    assert not end.value.code
+    assert (tmp_path / "rod.toy").read_text() == "moduli E=20000: 20 cm"
+    assert "letters 5" in capsys.readouterr().out
+    with pytest.raises(InputError, match=r"cannot export to 'rod.none'.*\.toy"):
+        formats.format_of(Path("rod.none"))
 
 
 # the command
@@ -427,7 +479,7 @@ def test_a_writer_that_fails_leaves_what_was_there(tmp_path, monkeypatch, at) ->
     if at != "write":
         monkeypatch.setattr(os, at, fails)
     with pytest.raises(InputError, match="No space left"):
-        export_rod.put(path, work, force=True)
+        put(path, work, force=True)
     monkeypatch.undo()
     assert [p.name for p in tmp_path.iterdir()] == ["rod.csv"]
     assert path.read_text() == "before"

@@ -8,7 +8,7 @@ from solver.methods import available
 from workbench.compare.extreme_cases import extremes, references
 from workbench.compare.extremes import INACCURATE, REFUSED, VERDICTS, attempts_at, dataset_of
 from workbench.data import writing
-from workbench.figures.robustness import draw
+from workbench.figures import canvas, robustness
 
 
 def test_every_extreme_has_a_name_of_its_own_and_a_reference_or_none_said() -> None:
@@ -41,4 +41,5 @@ def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
     assert not (again["verdict"].sel({"extreme": "L/ρ = 1e-6"}) == INACCURATE).any()
     assert (again["verdict"].sel({"extreme": "L/ρ = 1e-6", "method": "orbit"}) == "solved").all()
     assert (again["verdict"].sel({"extreme": "R = 1e9 a", "method": "euler"}) == REFUSED).all()
-    assert draw(again, tmp_path / "map.png").stat().st_size > 10_000
+    canvas.save(robustness.figure(again), tmp_path / "map.png")
+    assert (tmp_path / "map.png").stat().st_size > 10_000

@@ -24,7 +24,7 @@ from studies.loader import loads
 from tests.workbench import runs, small
 from workbench import cli
 from workbench.data import escaping, schema, writing
-from workbench.figures import trends
+from workbench.figures import canvas, study_figure
 from workbench.run import in_memory, resume
 from workbench.run.study_store import run_to_file
 from workbench.scene import opengl
@@ -364,7 +364,7 @@ def test_a_dollar_in_a_units_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path
             file[name].attrs["units"] = file[name].attrs["long_name"] = text
         file.attrs["title"] = text
     out = tmp_path / "out.png"
-    trends.figure(writing.read(path), out, 50)
+    canvas.save(study_figure.figure(writing.read(path)), out, 50)
     assert out.exists()
 
 

@@ -59,9 +59,8 @@ def test_the_answer_is_asked_for_once(monkeypatch) -> None:
 
 
 def test_the_first_kind_of_window_that_works_is_left_in_the_environment(monkeypatch) -> None:
-    monkeypatch.setattr(opengl, "_windows", lambda: ["vtkFirst", "vtkSecond", "vtkThird"])
     child(monkeypatch, f"import os; print('drawn' if os.environ['{opengl.WINDOW}'] == 'vtkSecond' else 'empty')")
-    assert opengl.probe() == (True, "")
+    assert opengl.find_window(["vtkFirst", "vtkSecond", "vtkThird"], []) == (True, "")
     assert os.environ[opengl.WINDOW] == "vtkSecond"
 
 
@@ -91,10 +90,8 @@ def test_the_libraries_of_the_wheel_are_loaded_each_after_what_it_needs(monkeypa
 
 def test_without_any_library_the_wheels_are_tried_and_kept_where_they_draw(monkeypatch) -> None:
     loaded: list[list[str]] = []
-    monkeypatch.setattr(opengl, "in_wheel", lambda: ["/here/libOSMesa.so"])
-    monkeypatch.setattr(opengl, "_load", loaded.append)
     child(monkeypatch, "import sys; print('drawn' if sys.argv[1:] == ['/here/libOSMesa.so'] else 'empty')")
-    assert opengl.probe() == (True, "")
+    assert opengl.find_window(opengl.windows(), ["/here/libOSMesa.so"], loaded.append) == (True, "")
     assert os.environ[opengl.WINDOW] == opengl.OSMESA
     assert loaded == [["/here/libOSMesa.so"]]
 
@@ -111,7 +108,7 @@ def test_where_no_wheel_is_installed_it_is_named_among_what_to_install(monkeypat
 
 @pytest.mark.skipif(not opengl.in_wheel(), reason=f"the wheel with OSMesa is not here: {opengl.PIP}")
 def test_the_wheel_draws() -> None:
-    assert opengl._try({**os.environ, opengl.WINDOW: opengl.OSMESA}, opengl.in_wheel()) == (
+    assert opengl.try_window({**os.environ, opengl.WINDOW: opengl.OSMESA}, opengl.in_wheel()) == (
         True,
         "a trial picture came out empty",
     )

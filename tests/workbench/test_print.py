@@ -13,9 +13,10 @@ from studies.loader import loads
 from tests.workbench import small
 from workbench.branches.equilibria import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.commands import plot_and_scene
+from workbench.commands import plot
 from workbench.data import writing
-from workbench.figures import equilibria_gallery, trends
+from workbench.figures import canvas, study_figure
+from workbench.figures import equilibria as equilibria_figure
 from workbench.run import in_memory
 from workbench.scene import opengl
 
@@ -33,14 +34,14 @@ def equilibria(path: Path) -> None:
     case = ends_problem(study)
     from solver import equilibria as every
 
-    equilibria_gallery.figure(dataset_of(study, case, every(case)[:2]), path)
+    canvas.save(equilibria_figure.figure(dataset_of(study, case, every(case)[:2])), path)
 
 
 @pytest.mark.parametrize("name", ["plot", "equilibria"])
 def test_a_diagram_for_print_is_vectors_with_its_letters_inside(ds, tmp_path, name: str) -> None:
     for kind in ("pdf", "svg"):
         path = tmp_path / f"one.{kind}"
-        trends.figure(ds, path) if name == "plot" else equilibria(path)
+        canvas.save(study_figure.figure(ds), path) if name == "plot" else equilibria(path)
         said = path.read_bytes()
         assert b"/Subtype /Image" not in said
         assert b"<image" not in said
@@ -56,7 +57,7 @@ def test_the_dots_an_inch_of_a_plot_change_its_pixels_and_not_its_inches(ds, tmp
     file = writing.write(ds, tmp_path / "one.h5")
     sizes = {}
     for dpi in (100, 300):
-        plot_and_scene.plot_file(file, tmp_path / f"{dpi}.png", dpi=dpi)
+        plot.plot_file(file, tmp_path / f"{dpi}.png", dpi=dpi)
         with Image.open(tmp_path / f"{dpi}.png") as picture:
             assert picture.info["dpi"] == pytest.approx((dpi, dpi), abs=0.1)  # stored in dots a metre
             sizes[dpi] = np.array(picture.size) / dpi
@@ -70,7 +71,7 @@ def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
     pages = []
     for dpi in (50, 75, 110):
         path = tmp_path / f"{dpi}.png"
-        layout.render(ds, path, kind="plain", look=composition.Look(1.0, dpi))
+        layout.render(ds, path, kind="plain", settings=composition.Settings(1.0, dpi))
         with Image.open(path) as picture:
             assert picture.size == (8 * dpi, 6 * dpi)
             assert picture.info["dpi"] == pytest.approx((dpi, dpi), abs=0.1)
@@ -80,20 +81,20 @@ def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
 
 
 @draws
-def test_a_picture_too_large_to_be_taken_twice_as_fine_is_the_same_picture(ds, tmp_path, monkeypatch) -> None:
+def test_a_picture_too_large_to_be_rendered_twice_as_fine_is_the_same_picture(ds) -> None:
     from workbench.scene import composition, layout, rendering
 
     taken = []
     for most in (rendering.MOST_PIXELS, 1):
-        monkeypatch.setattr(rendering, "MOST_PIXELS", most)
-        taken.append(layout.take(ds, kind="plain", look=composition.Look(1.0, 60)).sheet.pixels.astype(float))
+        settings = composition.Settings(1.0, 60, most_pixels=most)
+        taken.append(layout.compose(ds, kind="plain", settings=settings).page.pixels.astype(float))
     assert taken[0].shape == taken[1].shape
     assert not np.array_equal(taken[0], taken[1])
     assert (np.abs(taken[0] - taken[1]).max(axis=-1) > 60).mean() < 0.06  # edges are rough where nothing is averaged
 
 
 def test_the_pages_of_a_pdf_are_as_wide_as_the_pictures(ds, tmp_path) -> None:
-    trends.figure(ds, tmp_path / "one.pdf")
+    canvas.save(study_figure.figure(ds), tmp_path / "one.pdf")
     box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ([0-9.]+) ?\]", (tmp_path / "one.pdf").read_bytes())
     assert box is not None
-    assert float(box[1]) == pytest.approx(72 * trends.WIDTH, abs=0.5)  # points
+    assert float(box[1]) == pytest.approx(72 * study_figure.WIDTH, abs=0.5)  # points

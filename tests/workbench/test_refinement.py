@@ -8,9 +8,9 @@ import pytest
 from benchmarks.detail import off
 from solver.problem.errors import InputError
 from studies.loader import loads
-from workbench.geometry import tube
-from workbench.geometry.refinement import detail, slack, stations_for
+from workbench.geometry.refinement import chord_error, rings, stations_for
 from workbench.run import in_memory
+from workbench.scene.body import Body, read
 from workbench.scene.kinds import KINDS
 
 TEXT = """title = "a rod"
@@ -25,15 +25,15 @@ L = {L}
 """
 
 
-def body(stations: int = 201, L: float = 20.0, kind: str = "plain") -> tube.Body:
+def body(stations: int = 201, L: float = 20.0, kind: str = "plain") -> Body:
     ds = in_memory.run(loads(TEXT.format(stations=stations, L=L), default_name="rod"))
-    return tube.read(ds, {}, KINDS[kind])
+    return read(ds, {}, KINDS[kind])
 
 
 @pytest.mark.parametrize("tolerance", [0.05, 0.01])
 def test_the_drawn_surface_is_within_the_tolerance_and_not_needlessly_fine(tolerance: float) -> None:
     rod = body()
-    found = detail(rod.line, rod.span, tolerance)
+    found = rings(rod.line, rod.span, tolerance)
     made = off(rod, found)
     assert made <= tolerance
     assert made > 0.7 * tolerance  # measured 0.89 and 0.93: sides and rings have 0.48 each, and meet on the diagonals
@@ -41,7 +41,7 @@ def test_the_drawn_surface_is_within_the_tolerance_and_not_needlessly_fine(toler
 
 def test_rings_stand_where_the_rod_bends() -> None:
     rod = body()
-    s = detail(rod.line, rod.span, 0.01).s
+    s = rings(rod.line, rod.span, 0.01).s
     middle, apart = (s[1:] + s[:-1]) / 2, np.diff(s)
     kappa = rod.line.kappa(middle)
     assert np.median(apart[kappa > 2.5]) < 0.7 * np.median(apart[kappa < 0.6])
@@ -49,40 +49,40 @@ def test_rings_stand_where_the_rod_bends() -> None:
 
 def test_four_times_the_tolerance_takes_half_the_rings_and_half_the_sides() -> None:
     rod = body()
-    coarse, fine = (detail(rod.line, rod.span, tolerance) for tolerance in (0.008, 0.002))
+    coarse, fine = (rings(rod.line, rod.span, tolerance) for tolerance in (0.008, 0.002))
     assert fine.s.size / coarse.s.size == pytest.approx(2, rel=0.1)  # the error goes with the square of the distance
     assert fine.sides / coarse.sides == pytest.approx(2, rel=0.1)
 
 
 def test_bends_smaller_than_a_pixel_cost_nothing() -> None:
     rod = body(2001, 200.0)
-    found = detail(rod.line, rod.span, 10.0)  # the rod swings by 2, and it gets ahead of its mean by some 1
+    found = rings(rod.line, rod.span, 10.0)  # the rod swings by 2, and it gets ahead of its mean by some 1
     assert found.s.size <= 20  # 19 stretches for 57 bends
-    assert found.off <= 10.0
+    assert found.error <= 10.0
 
 
 def test_between_stations_that_are_too_few_the_surface_is_said_to_be_off() -> None:
     rod = body(stations=11)
-    found = detail(rod.line, rod.span, 0.01)
+    found = rings(rod.line, rod.span, 0.01)
     true = body(stations=2001).line
     place = [line.frame(np.linspace(0, 20, 4001))[0] for line in (rod.line, true)]
     missed = np.linalg.norm(place[0] - place[1], axis=1).max()
-    assert found.off > 0.01
-    assert slack(rod.line) > missed / 2 or rod.line.error > missed / 2  # the warning is of the miss's own size
+    assert found.error > 0.01
+    assert chord_error(rod.line) > missed / 2 or rod.line.error > missed / 2  # the warning is of the miss's own size
 
 
 @pytest.mark.parametrize("turn", [30.0, -30.0])
 def test_a_stripe_is_followed_as_it_turns_either_way(turn: float) -> None:
     rod = body(kind="twist")
-    plain = detail(rod.line, rod.span, 0.05)
+    plain = rings(rod.line, rod.span, 0.05)
     rod = replace(rod, gamma=-turn * rod.line.s)
-    turned = rod.detail(0.05, 0.0)
+    turned = rod.rings(0.05, 0.0)
     assert turned.s.size > 3 * plain.s.size
     assert off(rod, turned) <= 0.05
 
 
 def test_the_rings_change_their_distance_smoothly() -> None:
-    apart = np.diff(detail(body().line, (0.0, 20.0), 0.005).s)
+    apart = np.diff(rings(body().line, (0.0, 20.0), 0.005).s)
     ratio = apart[1:] / apart[:-1]
     # a ring stands on one of some eight probes to the next, which changes a distance by an eighth; a half doubles it
     assert np.maximum(ratio, 1 / ratio).max() < 1.5
@@ -91,7 +91,7 @@ def test_the_rings_change_their_distance_smoothly() -> None:
 def test_what_would_fill_the_memory_is_refused_with_what_to_do() -> None:
     rod = body()
     with pytest.raises(InputError, match=r"triangles.*--pixel-error.*--from and --to"):
-        detail(rod.line, rod.span, 1e-10)
+        rings(rod.line, rod.span, 1e-10)
 
 
 @pytest.mark.parametrize(
@@ -103,4 +103,4 @@ def test_the_stations_that_are_said_to_be_enough_are(stations: int, L: float, to
     assert wanted > stations
     line = body(wanted, L).line
     assert stations_for(line, tolerance) == wanted
-    assert detail(line, (0.0, 20.0), tolerance).off <= tolerance * (1 + 1e-9)
+    assert rings(line, (0.0, 20.0), tolerance).error <= tolerance * (1 + 1e-9)

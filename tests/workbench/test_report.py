@@ -25,13 +25,13 @@ from solver.problem.errors import InputError
 from studies import READINGS, load, names
 from tests.workbench import small
 from tests.workbench.pictures import share_of_hue
-from workbench.data import law_verdicts, writing
+from workbench.data import labels, law_verdicts, writing
 from workbench.figures import style
 from workbench.run import in_memory
 from workbench.run.in_memory import StudyResult
 from workbench.scene import opengl
 from workbench.web import browser_assets
-from workbench.web.report import document, measured_runs, readings_table, turning_view
+from workbench.web.report import document, interactive_view, measured_runs, readings_table
 from workbench.web.report.errata import ERRATA
 
 ADVICE = "OpenGL does not work here, so no scenes are drawn; install libegl1 libgl1-mesa-dri"
@@ -183,7 +183,7 @@ def test_each_claim_stands_on_top_with_the_words_and_values_of_its_laws(text, re
     for result in results:
         for row in result.verdicts:
             assert f": {law_verdicts.measured(row)}, {row['verdict']}" in top
-            assert style.reason(row, law_verdicts.detail(row)) in top
+            assert labels.law_text(row, law_verdicts.detail(row)) in top
             if row["lines"] > 1:
                 assert f"of {row['lines']} lines {row['lines_hold']} hold, " in top
     rows = [row for result in results for row in result.verdicts]
@@ -266,7 +266,7 @@ def test_without_opengl_a_note_says_what_to_install(results, readings) -> None:
 
 
 def test_without_readings_the_report_says_so(results) -> None:
-    assert "The readings were not run." in document.html(results[:1])
+    assert "The readings were not computed." in document.html(results[:1])
 
 
 def test_a_study_that_a_reading_does_not_admit_is_named_with_its_reason(results, readings) -> None:
@@ -347,7 +347,7 @@ def test_the_scene_that_turns_is_the_stored_rod(text, results) -> None:
 def test_without_the_extra_the_still_picture_stays_and_the_report_says_so(results, readings, monkeypatch) -> None:
     monkeypatch.setattr(browser_assets, "FILES", {"vtk.js": ("no_such_package", "vtk.js")})
     page = Page(document.html(results, readings))
-    assert "still picture only: vtk.js is not here: pip install 'rod-workbench[explore]'" in page.text
+    assert "still picture only: vtk.js is not installed: pip install 'rod-workbench[explore]'" in page.text
     assert page.packed == {}
     assert len(page.pictures) == sum(len(result.pictures) for result in results)
 
@@ -357,12 +357,12 @@ def test_a_rod_without_a_shape_does_not_turn(results) -> None:
     ds = small.with_outcomes(one.ds, "failed: for the test")
     if find_spec("trame_vtk"):
         with pytest.raises(InputError, match="failed: for the test"):
-            turning_view.view(ds)
+            interactive_view.view(ds)
 
 
 def test_paper_gets_the_still_picture_and_whole_tables(text) -> None:
     paper = text.partition("@media print {")[2].partition("</style>")[0]
-    assert re.search(r"\.turns\.live \.stage[^}]*display: none", paper)
+    assert re.search(r"\.turns\.live \.viewport[^}]*display: none", paper)
     assert re.search(r"\.turns\.live \.still \{ display: block", paper)
     assert "overflow: visible" in paper
     # wider than a page of paper only on a screen
@@ -413,7 +413,7 @@ def shown(text, tmp_path_factory) -> Iterator[Any]:
 @needs_explore
 def test_in_a_browser_the_rod_is_drawn_turns_and_nobody_is_asked(shown) -> None:
     def seen() -> np.ndarray:
-        png = shown.find_element("css selector", ".turns .stage").screenshot_as_png
+        png = shown.find_element("css selector", ".turns .viewport").screenshot_as_png
         return np.asarray(image.imread(BytesIO(png)))[..., :3]
 
     front = seen()
@@ -422,7 +422,7 @@ def test_in_a_browser_the_rod_is_drawn_turns_and_nobody_is_asked(shown) -> None:
     from selenium.webdriver.common.action_chains import ActionChains
 
     hand = ActionChains(shown, duration=20)  # ms a move; vtk.js takes moves 200 ms apart for different ones
-    hand = hand.move_to_element(shown.find_element("css selector", ".turns .stage")).click_and_hold()
+    hand = hand.move_to_element(shown.find_element("css selector", ".turns .viewport")).click_and_hold()
     for _ in range(10):
         hand = hand.move_by_offset(15, 6)
     hand.pause(0.3).release().perform()

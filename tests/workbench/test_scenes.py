@@ -2,6 +2,7 @@
 
 import resource
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,13 +16,14 @@ from studies import load
 from studies.loader import loads
 from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
-from workbench.commands import plot_and_scene
-from workbench.data import selection
+from workbench.commands import at_option, scene
+from workbench.data import selection, writing
 from workbench.figures import style
 from workbench.geometry import refinement, tube
 from workbench.geometry.centreline import Centreline
 from workbench.run import in_memory
-from workbench.scene import captions, line_breaks, opengl, page_layout
+from workbench.scene import body as rods
+from workbench.scene import captions, colours, kinds, long_rod, opengl, page
 from workbench.scene.kinds import KINDS, kind_of
 
 HEAD = 'title = "a rod"\nstations = %d\n[units]\nlength = "cm"\nforce = "N"\n'
@@ -56,12 +58,12 @@ def fig6() -> xr.Dataset:
     return in_memory.run(load("fig6"))
 
 
-def body(ds: xr.Dataset, kind: str = "contact", **where: int) -> tube.Body:
-    return tube.read(ds, where, kind_of(kind))
+def body(ds: xr.Dataset, kind: str = "contact", **where: int) -> rods.Body:
+    return rods.read(ds, where, kind_of(kind))
 
 
-def fine(rod: tube.Body) -> tube.Mesh:
-    return tube.mesh(rod, rod.detail(1e-3, 0.0))
+def fine(rod: rods.Body) -> tube.Mesh:
+    return rod.surface(rod.rings(1e-3, 0.0)).mesh
 
 
 @pytest.mark.parametrize("side", ["outside", "inside"])
@@ -75,20 +77,20 @@ def test_the_tube_touches_the_surface_and_has_the_rods_radius(side: str) -> None
 
 def test_the_tube_is_closed_and_its_faces_look_outward(fig6) -> None:
     rod = body(fig6)
-    detail = rod.detail(1e-3, 0.0)
-    mesh = tube.mesh(rod, detail)
+    rings = rod.rings(1e-3, 0.0)
+    mesh = rod.surface(rings).mesh
     points, normals, triangles = mesh.points, mesh.normals, mesh.triangles
     corners = points[triangles]
     face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     # inside a bend tighter than the rod is thick the tube folds; elsewhere faces and normals agree
     assert (np.einsum("ij,ij->i", face, normals[triangles[:, 0]]) > 0).mean() > 0.99
     volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
-    lost = 1 - np.sinc(2 / detail.sides)  # a polygon's area against its circle's
+    lost = 1 - np.sinc(2 / rings.sides)  # a polygon's area against its circle's
     assert volume == pytest.approx(np.pi * 0.25**2 * 20 * (1 - lost), rel=2e-3)
     edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     _, count = np.unique(edges, axis=0, return_counts=True)
     # only the rims of the two flat ends, which have points of their own
-    assert (count == 1).sum() == 4 * detail.sides
+    assert (count == 1).sum() == 4 * rings.sides
 
 
 def test_a_study_that_varies_the_angle_is_drawn_with_its_stored_tangents() -> None:
@@ -114,16 +116,17 @@ def test_push_and_curvature_are_those_of_the_solution(side: str) -> None:
 def test_the_stripe_turns_with_the_material() -> None:
     ds = dataset(outputs='outputs = ["beta", "alpha", "z", "gamma"]\n')
     rod = body(ds, "twist")
-    rod = replace(rod, paint=tube.Paint("white", stripe="blue"))
-    detail = rod.detail(1e-3, 0.0)
-    mesh = tube.mesh(rod, detail)
-    middle = mesh.normals[: detail.s.size * detail.sides].reshape(-1, detail.sides, 3)[:, 0]
-    alpha, beta, _ = rod.line.at(detail.s)
-    gamma = np.interp(detail.s, ds["s"], ds["gamma"])
+    rod = replace(rod, paint=colours.Paint("white", stripe="blue"))
+    rings = rod.rings(1e-3, 0.0)
+    surface = rod.surface(rings)
+    mesh = surface.mesh
+    middle = mesh.normals[: rings.s.size * rings.sides].reshape(-1, rings.sides, 3)[:, 0]
+    alpha, beta, _ = rod.line.at(rings.s)
+    gamma = np.interp(rings.s, ds["s"], ds["gamma"])
     d1 = frames.material(alpha, beta, gamma)[:, 0]
     # the stripe's middle is opposite the section's first axis; gamma is interpolated linearly here
     np.testing.assert_allclose(middle, -d1, atol=5e-3)
-    assert mesh.striped[: -2 * detail.sides].mean() == pytest.approx(1 / 3, abs=1e-12)
+    assert surface.striped[: -2 * rings.sides].mean() == pytest.approx(1 / 3, abs=1e-12)
 
 
 def test_what_is_not_stored_is_named() -> None:
@@ -138,34 +141,34 @@ def test_what_is_not_stored_is_named() -> None:
 def test_a_long_rod_is_set_in_lines_that_show_all_of_it() -> None:
     rod = body(dataset(stations=20_001, L=2000.0))
     room = (1400, 960)
-    found = line_breaks.lines_for([rod], room)
+    found = long_rod.lines_for([rod], room)
     pieces = found.cut(rod)
-    assert line_breaks.is_long([rod])
-    assert not line_breaks.is_long([body(dataset())])
+    assert long_rod.is_long([rod])
+    assert not long_rod.is_long([body(dataset())])
     assert [piece.span[0] for piece in pieces] == pytest.approx([0.0, *(piece.span[1] for piece in pieces[:-1])])
     assert pieces[-1].span[1] == pytest.approx(2000.0)
     assert all(found.ends[0] < piece.z.min() and piece.z.max() < found.ends[1] for piece in pieces)
     assert (found.ends[1] - found.ends[0]) * found.per_unit <= room[0] * (1 + 1e-9)
     assert found.count * 2 * rod.reach * found.per_unit <= room[1]  # no line reaches into the next
-    assert 2 * rod.reach * found.per_unit > 4 * line_breaks.THINNEST  # in one row it would be a hair of two pixels
+    assert 2 * rod.reach * found.per_unit > 4 * long_rod.THINNEST  # in one row it would be a hair of two pixels
     assert found.cells(pieces, "cm")[0].before == "s = 0 cm"
 
 
 def test_with_far_too_few_stations_a_long_rod_is_no_taller_than_it_is_long_and_more_are_asked_for() -> None:
     rod = body(dataset(stations=21, L=2000.0))
-    found = line_breaks.lines_for([rod], (1400, 960))
+    found = long_rod.lines_for([rod], (1400, 960))
     assert np.ptp(found.ends) <= 2 * (2000.0 / found.count + rod.a + 0.3 * rod.R) * (1 + 1e-9)
     assert refinement.stations_for(rod.line, 0.5 / found.per_unit) > 21
 
 
 def test_of_a_rod_too_long_for_the_page_stretches_are_set_and_the_rest_is_told() -> None:
     rod = body(dataset(stations=20_001, L=2000.0))
-    found = line_breaks.lines_for([rod], (60, 40))
+    found = long_rod.lines_for([rod], (60, 40))
     pieces = found.cut(rod)
-    assert 2 * rod.reach * found.per_unit > 0.9 * line_breaks.THINNEST  # swings at the ends of a line may take a little
+    assert 2 * rod.reach * found.per_unit > 0.9 * long_rod.THINNEST  # swings at the ends of a line may take a little
     assert (pieces[0].span[0], pieces[-1].span[1]) == (0.0, pytest.approx(2000.0))
     assert sum(piece.span[1] - piece.span[0] for piece in pieces) < 2000.0
-    assert found.told(pieces, "cm")[0].startswith(f"only {found.count} stretches")
+    assert found.notes(pieces, "cm")[0].startswith(f"only {found.count} pieces")
 
 
 class Counted:
@@ -190,13 +193,14 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
         real = getattr(line, name)
         monkeypatch.setattr(line, name, lambda self, s, n=name, real=real: (counted.append(n), real(self, s))[1])
     opened: set[str] = set()
-    rod = tube.read(Counted(fig6, opened), {}, KINDS[kind])
-    low_high = rod.extremes() if KINDS[kind].tint in ("contact", "kappa") else (0.0, 1.0)
-    ramp = style.RAMP if KINDS[kind].tint in ("contact", "kappa") else None
-    rod = replace(rod, paint=tube.Paint(ramp=ramp, low=low_high[0], high=low_high[1]))
-    tube.mesh(rod, rod.detail(0.01, 0.0))
+    rod = rods.read(Counted(fig6, opened), {}, KINDS[kind])
+    shown = {"contact": {"contact"}, "grid": {"contact"}, "curvature": {"kappa"}}.get(kind, set())
+    low_high = rod.extremes() if shown else (0.0, 1.0)
+    ramp = style.RAMP if shown else None
+    rod = replace(rod, paint=colours.Paint(ramp=ramp, low=low_high[0], high=low_high[1]))
+    rod.surface(rod.rings(0.01, 0.0))
     assert opened <= KINDS[kind].reads | {"solved", "outcome", "caution", "dbeta"}
-    assert set(counted) == ({KINDS[kind].tint} & {"contact", "kappa"})
+    assert set(counted) == shown
 
 
 def _lab(rgb) -> np.ndarray:
@@ -224,7 +228,7 @@ def test_lift_off_is_told_from_every_push_whatever_the_eyes(eyes: str) -> None:
         mixed = np.clip(linear @ np.array(BLIND[eyes]).T, 0, 1)
         return _lab(np.where(mixed <= 0.0031308, 12.92 * mixed, 1.055 * mixed ** (1 / 2.4) - 0.055))
 
-    ramp = style.PUSH_RAMP(np.linspace(0, 1, 64))[:, :3]
+    ramp = colours.PUSH_RAMP(np.linspace(0, 1, 64))[:, :3]
     lifted = np.array(to_rgb(style.LIFTED))
     # some 2.3 is a just noticeable difference between neighbouring patches; ten times that is another colour
     assert np.linalg.norm(seen(ramp) - seen(lifted), axis=1).min() > 23
@@ -253,8 +257,8 @@ def test_an_axis_or_value_that_is_not_there_is_answered_with_what_is() -> None:
 def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
     ds = in_memory.run(load("fig7_1_modulus").at_stations(2))
     for i in range(ds.sizes["E"]):
-        said = captions.described(ds, {"E": i}).partition(" = ")[2].partition(" ")[0]
-        assert plot_and_scene.chosen(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
+        said = captions.case_values(ds, {"E": i}).partition(" = ")[2].partition(" ")[0]
+        assert at_option.values(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
 
 
 def test_at_most_so_many_are_chosen_and_both_ends_among_them() -> None:
@@ -267,9 +271,28 @@ def test_at_most_so_many_are_chosen_and_both_ends_among_them() -> None:
 
 def test_a_scale_bar_is_a_round_length_that_fits() -> None:
     targets = np.geomspace(1e-3, 1e6, 200)
-    bars = np.array([page_layout.round_length(target) for target in targets])
+    bars = np.array([page.round_length(target) for target in targets])
     assert ((bars <= targets * (1 + 1e-9)) & (bars > targets / 2.6)).all()
     assert {f"{bar:.0e}"[0] for bar in bars} == {"1", "2", "5"}
+
+
+def test_a_kind_of_scene_is_one_module_and_one_row_of_the_table() -> None:
+    modules = {path.stem for path in Path(kinds.__file__).parent.glob("*.py")} - {"__init__", "base"}
+    assert modules == set(KINDS)
+
+
+@draws
+def test_a_row_in_the_table_is_all_that_a_new_kind_needs(fig6, tmp_path, monkeypatch, capsys) -> None:
+    def red(ds: xr.Dataset, bodies: list[rods.Body]) -> colours.Painted:
+        return colours.Paint("#ff0000"), None
+
+    toy = kinds.Kind("toy", "the rod in red", "one", paint=red, legend=lambda bodies: [("#ff0000", "a toy")])
+    monkeypatch.setitem(KINDS, "toy", toy)
+    file = writing.write(fig6, tmp_path / "fig6.h5")
+    assert scene.scene_file(file, [], None, kind="toy", dpi=60) == 0
+    assert share_of_hue(pixels(tmp_path / "fig6_scene_toy.png"), "#ff0000") > 0.02
+    with pytest.raises(InputError, match=r"no kind of scene 'none'.*toy"):
+        scene.scene_file(file, [], None, kind="none")
 
 
 @draws
@@ -277,11 +300,11 @@ def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> N
     from workbench.scene import layout
 
     taken = layout.render(fig6, tmp_path / "fig6.png")
-    assert taken.off <= 0.5 * (1 + 1e-9)
+    assert taken.error <= 0.5 * (1 + 1e-9)
     picture = pixels(tmp_path / "fig6.png")
     assert picture.shape == (1200, 1600, 3)
     assert share_of_ink(picture) > 0.25
-    assert share_of_hue(picture, style.hex_of(style.PUSH_RAMP, 0.9)) > 0.01
+    assert share_of_hue(picture, colours.hex_of(colours.PUSH_RAMP, 0.9)) > 0.01
     assert share_of_hue(picture, style.LIFTED) > 0.05
     edge = np.concatenate([picture[:8].ravel(), picture[-8:].ravel(), picture[:, :8].ravel(), picture[:, -8:].ravel()])
     assert (edge > 0.98).all()  # nothing is cut off
@@ -290,15 +313,13 @@ def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> N
 @draws
 def test_a_row_has_one_scale_and_one_camera() -> None:
     from workbench.scene import rendering
-    from workbench.scene.page_layout import Cell
+    from workbench.scene.page import Cell
 
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n")
     rods = [body(ds, E=i) for i in (0, 1, 0, 1)]
     ends = rendering.ends_of(rods)
-    view = rendering.view_of(rods, ends, (160, 300), lying=False)
-    picture = rendering.photograph([[rendering.Shot([rod], Cell("")) for rod in rods]], ends, view, 0.5, 76)[0].astype(
-        int
-    )
+    view = rendering.front_camera(rods, ends, (160, 300), lying=False)
+    picture = rendering.render([[rendering.View([rod], Cell("")) for rod in rods]], ends, view, 0.5, 76)[0].astype(int)
     first, second, third, fourth = np.split(picture, 4, axis=1)
     # the same rod in another cell, even of another part of the picture: the ambient shading is random in places
     assert (np.abs(first - third).max(axis=-1) > 24).mean() < 0.002
@@ -309,12 +330,12 @@ def test_a_row_has_one_scale_and_one_camera() -> None:
 @draws
 def test_the_cylinder_is_as_wide_as_the_scale_bar_says() -> None:
     from workbench.scene import rendering
-    from workbench.scene.page_layout import Cell
+    from workbench.scene.page import Cell
 
     rod = body(dataset())
     ends = rendering.ends_of([rod])
-    view = rendering.view_of([rod], ends, (300, 600), lying=False)
-    picture, _ = rendering.photograph([[rendering.Shot([rod], Cell(""))]], ends, view, 0.5, 76)
+    view = rendering.front_camera([rod], ends, (300, 600), lying=False)
+    picture, _ = rendering.render([[rendering.View([rod], Cell(""))]], ends, view, 0.5, 76)
     top = picture[:40].min(axis=-1) < 250  # only the cylinder reaches up there
     assert top.sum(axis=1).max() == pytest.approx(2 * 0.75 * view.per_unit, abs=2)  # a pixel on either side
 
@@ -357,8 +378,8 @@ def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     layout.render(dataset(stations=20_001, L=2000.0), tmp_path / "long.png")
     long = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n", stations=2001, L=2000.0)
-    with pytest.raises(InputError, match="pixels wide in the picture: give a shorter stretch"):
-        layout.take(long, kind="ghosts", look=composition.Look(span=(0.0, 2000.0)))
+    with pytest.raises(InputError, match="pixels wide in the picture: draw a shorter part"):
+        layout.compose(long, kind="ghosts", settings=composition.Settings(span=(0.0, 2000.0)))
     # kilobytes; a process of its own takes 0.9e6 for it, of which 0.8e6 for any picture
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1.2e6
 
@@ -375,6 +396,6 @@ def test_a_table_of_two_axes_says_how_many_values_it_shows(tmp_path) -> None:
     from workbench.scene import composition, layout
 
     axes = "[axes.E]\nfrom = 1e4\nto = 4e4\ncount = 11\n[axes.R]\nfrom = 0.5\nto = 1.5\ncount = 7\n"
-    taken = layout.take(dataset(axes=axes), None, "grid", ["E", "R"], look=composition.Look(2.0, 60))
-    assert taken.sheet.notes[:2] == ["9 of 11 values of E", "5 of 7 values of R"]
-    assert [len(row) for row in taken.sheet.cells] == [9] * 5
+    taken = layout.compose(dataset(axes=axes), None, "grid", ["E", "R"], settings=composition.Settings(2.0, 60))
+    assert taken.page.notes[:2] == ["9 of 11 values of E", "5 of 7 values of R"]
+    assert [len(row) for row in taken.page.cells] == [9] * 5

@@ -11,7 +11,7 @@ from solver import Case, Ends, InputError, solve
 from studies.laws import FAILS, UNDECIDED
 from studies.loader import loads
 from workbench import cli
-from workbench.commands import needed_cases
+from workbench.commands import study_scene
 from workbench.data import branch_numbers, law_verdicts
 from workbench.run import block, in_memory, merge, plan, sweep_order
 from workbench.run.block import solved
@@ -194,8 +194,8 @@ def test_a_stored_sweep_is_solved_again_on_its_branch(tmp_path) -> None:
 def test_a_picture_of_a_study_shows_the_branch_that_the_study_is_on(tmp_path) -> None:
     path = tmp_path / "pipe.toml"
     path.write_text(TEXT.format(base="L = 20.0", more="") + FORCES.replace("21", "5") + "[equilibrium]\nindex = 2\n")
-    whole, rough = needed_cases.rough(path)
-    some = needed_cases.only(whole, rough, kinds.kind_of("plain"), {"FZ": -60.0}, [])
+    whole, rough = study_scene.two_stations(path)
+    some = study_scene.needed_cases(whole, rough, kinds.kind_of("plain"), {"FZ": -60.0}, [])
     ds = in_memory.run(some.at_stations(51))
     np.testing.assert_array_equal(ds["beta"].values[0], in_memory.run(whole)["beta"].values[0])
 

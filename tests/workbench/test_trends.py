@@ -15,9 +15,11 @@ from studies import load, names
 from studies.reasons import DOES
 from tests.workbench.pictures import pixels, share_of_ink
 from tests.workbench.small import grid, study
-from workbench.data import law_verdicts, selection
-from workbench.figures import single_rod, style, trends
-from workbench.figures.scales import stretch
+from workbench.data import labels, law_verdicts, selection
+from workbench.figures import canvas, single_rod, study_figure, style
+from workbench.figures.developed import developed, stretch
+from workbench.figures.law_panel import panel
+from workbench.figures.trends import trend
 from workbench.run import in_memory
 
 
@@ -35,6 +37,11 @@ def axes():
     return Figure().subplots()
 
 
+def panels(ds: xr.Dataset) -> list:
+    """The panel of each law."""
+    return [panel(ds, axes(), row) for row in law_verdicts.verdicts(ds)]
+
+
 def said(ax) -> str:
     return " ".join([ax.get_title(loc="left"), *(text.get_text() for text in ax.texts)]).replace("\n", " ")
 
@@ -42,7 +49,7 @@ def said(ax) -> str:
 @pytest.mark.parametrize("name", names())
 def test_every_shipped_study_has_a_figure_that_is_not_empty(name: str, tmp_path) -> None:
     path = tmp_path / f"{name}.png"
-    trends.figure(in_memory.run(load(name)), path)
+    canvas.save(study_figure.figure(in_memory.run(load(name))), path)
     picture = pixels(path)
     assert picture.shape[1] >= 1800
     assert 0.02 < share_of_ink(picture) < 0.6
@@ -53,54 +60,54 @@ def test_every_shipped_study_has_a_figure_that_is_not_empty(name: str, tmp_path)
 @pytest.mark.parametrize("suffix", [".pdf", ".svg"])
 def test_a_figure_is_also_a_drawing(suffix: str, tmp_path) -> None:
     path = tmp_path / f"figure{suffix}"
-    trends.figure(in_memory.run(grid()), path)
+    canvas.save(study_figure.figure(in_memory.run(grid())), path)
     assert path.read_bytes()[:5] in (b"%PDF-", b"<?xml")
 
 
 def test_another_ending_is_refused(tmp_path) -> None:
     with pytest.raises(InputError, match=r"figure\.txt.*\.png, \.pdf, \.svg"):
-        trends.figure(in_memory.run(grid()), tmp_path / "figure.txt")
+        canvas.save(study_figure.figure(in_memory.run(grid())), tmp_path / "figure.txt")
 
 
 def test_a_panel_shows_the_stored_numbers(angles) -> None:
-    ax = trends.panel(angles, axes(), 0)
+    ax = panels(angles)[0]
     drawn = np.vstack([points.get_offsets() for points in ax.collections if len(points.get_offsets()) == 9])
     np.testing.assert_allclose(drawn[:, 0], np.rad2deg(angles["beta0"]))
     np.testing.assert_array_equal(drawn[:, 1], angles["turns"])
 
 
 def test_a_panel_tells_the_verdict_and_marks_each_step_the_wrong_way(angles) -> None:
-    holds, trend = trends.panel(angles, axes(), 0), trends.panel(angles, axes(), 1)
+    holds, qualified = panels(angles)
     assert "holds" in said(holds)
-    assert "qualified" in said(trend)
+    assert "qualified" in said(qualified)
     assert holds.get_legend() is None
-    (label,) = [text.get_text() for text in trend.get_legend().get_texts()]
+    (label,) = [text.get_text() for text in qualified.get_legend().get_texts()]
     assert label == "a step the wrong way"
     row = law_verdicts.verdicts(angles)[1]
-    marked = [line.get_ydata().tolist() for line in trend.lines if line.get_linewidth() == 3]
+    marked = [line.get_ydata().tolist() for line in qualified.lines if line.get_linewidth() == 3]
     assert marked == [step["values"] for step in row["exceptions"]]
 
 
 def test_a_panel_tells_what_became_of_the_other_observables_of_the_sentence(angles) -> None:
     for i, row in enumerate(law_verdicts.verdicts(angles)):
-        told = said(trends.panel(angles, axes(), i))
+        told = said(panels(angles)[i])
         for also in row["also"]:
-            assert f"{style.short(angles[also['observable']])} {DOES[also['verdict']][0]}" in told
+            assert f"{labels.symbol(angles[also['observable']])} {DOES[also['verdict']][0]}" in told
 
 
 def test_a_qualified_law_stands_in_orange_with_its_reason_beside_it_in_symbols(angles) -> None:
-    ax = trends.panel(angles, axes(), 1)
+    ax = panels(angles)[1]
     row = law_verdicts.verdicts(angles)[1]
     written = {text.get_text().replace("\n", " "): text.get_color() for text in ax.texts}
     assert written["qualified"] == style.VERDICT_COLOURS["qualified"]
     (reason,) = [text for text in written if text.startswith("depends on the observable (mean κ rises as a trend")]
     assert written[reason] == style.VERDICT_COLOURS["qualified"]
     assert "max κ does not rise at 2 of 8 steps" in reason
-    assert reason == style.reason(row, row["reason"])
+    assert reason == labels.law_text(row, row["reason"])
 
 
 def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:
-    ax = trends.panel(forces, axes(), 0)
+    ax = panels(forces)[0]
     faint = [line for line in ax.lines if line.get_color() == style.FAINT]
     (strong,) = [line for line in ax.lines if line.get_color() == style.SOFT and len(line.get_xdata()) == 9]
     assert len(faint) == 9
@@ -108,15 +115,13 @@ def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:
     assert "F₃ = 10 N" in ax.get_xlabel()
 
 
-def test_there_is_no_panel_for_a_law_that_is_not_there(angles) -> None:
-    with pytest.raises(InputError, match="no law number 2: the study has 2"):
-        trends.panel(angles, axes(), 2)
+def test_there_is_no_trend_of_an_observable_that_is_not_stored(angles) -> None:
     with pytest.raises(InputError, match="'bends'"):
-        trends.trend(angles, axes(), "bends", "beta0")
+        trend(angles, axes(), "bends", "beta0")
 
 
 def test_unrolled_curves_keep_their_shape_and_do_not_touch(angles) -> None:
-    ax = trends.developed(angles, axes(), "beta0")
+    ax = developed(angles, axes(), "beta0")
     assert ax.get_aspect() == 1
     curves = [line for line in ax.lines if len(line.get_xdata()) == angles.sizes["u"]]
     assert len(curves) == 9
@@ -134,8 +139,8 @@ def test_an_unsolved_case_is_said_to_be_so() -> None:
     ds = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4, 4e4]\n", 'observables = ["kappa_mean"]'))
     for name in ("kappa_mean", "alpha", "z"):
         ds[name][1] = np.nan
-    assert "unsolved" in said(trends.developed(ds, axes(), "E"))
-    ax = trends.trend(ds, axes(), "kappa_mean", "E")
+    assert "unsolved" in said(developed(ds, axes(), "E"))
+    ax = trend(ds, axes(), "kappa_mean", "E")
     assert "unsolved" in ax.get_legend_handles_labels()[1]
 
 
@@ -143,8 +148,8 @@ def test_lift_off_is_shaded_where_the_cylinder_would_have_to_pull() -> None:
     ds = in_memory.run(load("fig6"))
     assert (single_rod.pushes(ds) == ds["contact"].values).all()
     assert (single_rod.pushes(ds.assign_attrs(side="inside")) == -ds["contact"].values).all()
-    labels = single_rod.contact(ds, axes()).get_legend_handles_labels()[1]
-    assert any("lift off" in label for label in labels)
+    entries = single_rod.contact(ds, axes()).get_legend_handles_labels()[1]
+    assert any("lift off" in entry for entry in entries)
 
 
 @pytest.mark.parametrize("side", ["outside", "inside"])
@@ -165,7 +170,7 @@ def test_drawing_leaves_no_state_behind(tmp_path) -> None:
     import matplotlib
 
     before = dict(matplotlib.rcParams)
-    trends.figure(in_memory.run(grid()), tmp_path / "figure.png")
+    canvas.save(study_figure.figure(in_memory.run(grid())), tmp_path / "figure.png")
     assert dict(matplotlib.rcParams) == before
     assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()
 
@@ -176,7 +181,7 @@ def test_drawing_leaves_no_state_behind(tmp_path) -> None:
      (-3.14159, "-3.142"), (123456.0, "123500")],
 )  # fmt: skip
 def test_numbers_are_written_as_one_writes_them(value: float, text: str) -> None:
-    assert style.number(value) == text
+    assert labels.number(value) == text
 
 
 LAW = """
@@ -209,19 +214,20 @@ def of_user(kind: str) -> xr.Dataset:
 
 @pytest.mark.parametrize("kind", ["one value", "large numbers", "wide verdict", "thin beside a law", "flat"])
 def test_whatever_a_study_asks_for_no_word_is_cut_off_and_no_two_ticks_meet(kind: str, tmp_path) -> None:
-    fig = trends.figure(of_user(kind), tmp_path / "figure.png")
+    fig = study_figure.figure(of_user(kind))
+    canvas.save(fig, tmp_path / "figure.png")
     page, across, outside = fig.bbox, [], []
     for ax in fig.axes:
-        for labels, k, limits in ((ax.get_xticklabels(), 0, ax.get_xlim()), (ax.get_yticklabels(), 1, ax.get_ylim())):
-            outside += [label for label in labels if not limits[0] <= label.get_position()[k] <= limits[1]]
+        for ticks, k, limits in ((ax.get_xticklabels(), 0, ax.get_xlim()), (ax.get_yticklabels(), 1, ax.get_ylim())):
+            outside += [label for label in ticks if not limits[0] <= label.get_position()[k] <= limits[1]]
         across.append([label for label in ax.get_xticklabels() if label.get_text() and label not in outside])
     for text in fig.findobj(Text):
         if text.get_text() and text.get_visible() and text not in outside:  # those outside are not drawn
             box = text.get_window_extent()
             assert page.x0 <= box.x0 <= box.x1 <= page.x1, text.get_text()
             assert page.y0 <= box.y0 <= box.y1 <= page.y1, text.get_text()
-    for labels in across:
-        edges = sorted((label.get_window_extent().x0, label.get_window_extent().x1) for label in labels)
+    for ticks in across:
+        edges = sorted((label.get_window_extent().x0, label.get_window_extent().x1) for label in ticks)
         assert all(left[1] < right[0] for left, right in pairwise(edges))
 
 
@@ -229,7 +235,7 @@ def test_whatever_a_study_asks_for_no_word_is_cut_off_and_no_two_ticks_meet(kind
 def test_curves_too_thin_to_see_are_drawn_at_two_scales_and_the_axis_says_so(kind: str, said: str | None) -> None:
     ds = of_user(kind)
     fig = Figure(figsize=(9, 6))
-    ax = trends.developed(ds, fig.add_subplot(), "E")
+    ax = developed(ds, fig.add_subplot(), "E")
     if said is None:
         assert ax.get_aspect() == 1
         assert "times larger" not in ax.get_ylabel()
@@ -252,7 +258,7 @@ def test_one_scale_is_left_only_where_the_curves_would_be_a_hair() -> None:
 def test_what_differs_by_rounding_is_drawn_as_level() -> None:
     ds = of_user("large numbers")
     ds["wraps"] = ds["wraps"] * 0 + 3.5 + 1e-13 * np.arange(9)
-    low, high = trends.trend(ds, axes(), "wraps", "E").get_ylim()
+    low, high = trend(ds, axes(), "wraps", "E").get_ylim()
     assert (low, high) == pytest.approx((3.15, 3.85))
 
 
@@ -260,7 +266,7 @@ def test_a_rod_that_bends_between_its_stations_is_dotted_and_said_to_be_and_else
     for stations, dotted in ((21, True), (401, False)):
         one = in_memory.run(study("").at_stations(stations))
         two = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]").at_stations(stations))
-        for ax in (single_rod.angle(one, axes()), single_rod.curve(one, axes()), trends.developed(two, axes(), "E")):
+        for ax in (single_rod.angle(one, axes()), single_rod.curve(one, axes()), developed(two, axes(), "E")):
             title = ax.get_title(loc="left").replace("\n", " ")
             assert ("dots" in title) == (f"{stations} stations" in title) == dotted
             assert any(line.get_marker() == "." for line in ax.lines) == dotted

@@ -141,7 +141,7 @@ def _film() -> None:
 
     import numpy as np
 
-    from .animate import write
+    from ..scene.film import write
 
     with tempfile.TemporaryDirectory() as folder:
         white = np.full((16, 16, 3), 255, dtype=np.uint8)

@@ -16,7 +16,7 @@ def plot(
 
     Developed curves are the centrelines on the unrolled cylinder. Each law is drawn in the panel of its observable.
     """
-    from .plot_and_scene import plot_file
+    from .plot import plot_file
 
     plot_file(file, out, force, dpi)
     return 0
@@ -56,7 +56,7 @@ def scene(
 
     Exit status 1 if OpenGL does not work here, or if the file has too few stations for the pixel error.
     """
-    from .plot_and_scene import scene_file
+    from .scene import scene_file
 
     return scene_file(file, at or [], out, force, kind, axis, along, (low, high), pixel_error, dpi)
 
@@ -90,7 +90,7 @@ def gallery(
     out: Annotated[Path, option("FOLDER", "Folder for the pictures.")] = Path("gallery"), force: ForcePicture = False
 ) -> int:
     """Draw one picture of every kind of scene, as in docs/reference/scenes.md."""
-    from .showcase import draw_all
+    from .gallery import draw_all
 
     return draw_all(out, force)
 
@@ -120,6 +120,6 @@ def export(
 
     Exit status 1 if the rod intersects itself or is bent tighter than its own radius.
     """
-    from .export_rod import export_file
+    from .export import export_file
 
     return export_file(file, at or [], out, tolerance, centreline, overlap, force, json)

@@ -64,12 +64,12 @@ def equilibria(
     from ..branches.equilibria import write_cases
     from ..branches.equilibria_dataset import dataset_of
     from ..data import writing
-    from . import plot_and_scene
+    from . import output_file
 
     study, case = _study_and_case(file, given)
     if axis is not None and export is not None:
         raise InputError("--export writes the equilibria of one case, so it excludes --axis")
-    picture = plot_and_scene.free_picture(plot, plot_and_scene.PLOTS, force) if plot else None
+    picture = output_file.check(plot, (".png", ".pdf", ".svg"), force) if plot else None
     if out is not None and not force:
         writing.check_free(out, "equilibria")
     if axis is not None:
@@ -81,9 +81,10 @@ def equilibria(
         if out:
             writing.write(ds, out, force)
         if picture:
-            from ..figures import equilibria_gallery
+            from ..figures import canvas
+            from ..figures import equilibria as equilibria_figure
 
-            equilibria_gallery.figure(ds, picture)
+            canvas.save(equilibria_figure.figure(ds), picture)
     if export:
         write_cases(study, case, found, export)
         if not json:
@@ -197,9 +198,9 @@ def _over_axis(
     if out:
         writing.write(ds, out, force)
     if picture:
-        from ..figures import bifurcation
+        from ..figures import bifurcation, canvas
 
-        bifurcation.figure(ds, picture)
+        canvas.save(bifurcation.figure(ds), picture)
     rows, folds = branch_dataset.branches(ds), branch_dataset.folds(ds)
     if as_json:
         console.print_json({"axis": name, "units": study.unit_system, "branches": rows, "folds": folds})

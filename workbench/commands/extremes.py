@@ -61,7 +61,9 @@ def _stored(found: "Mapping[str, Mapping[str, Attempt]]", out: Path, name: str) 
     """The dataset of the finished extremes, and the files made of it: NAME.h5 and NAME.png."""
     from ..compare.extremes import dataset_of
     from ..data import writing
-    from ..figures import robustness
+    from ..figures import canvas, robustness
 
     ds = dataset_of(found)
-    return ds, [writing.write(ds, out / f"{name}.h5"), robustness.draw(ds, out / f"{name}.png")]
+    picture = out / f"{name}.png"
+    canvas.save(robustness.figure(ds), picture)
+    return ds, [writing.write(ds, out / f"{name}.h5"), picture]

@@ -78,17 +78,18 @@ def _results(
             continue
         result = in_memory.result(study, writing.read(files[study.name]), files[study.name])
         step(f"drawing {study.name}")
-        results.append(replace(result, pictures=_draw(result.ds, out, able)))
+        results.append(replace(result, pictures=_draw(result, out, able)))
     return results, refusals
 
 
-def _draw(ds: "xr.Dataset", out: Path, able: bool) -> dict[str, Path]:
+def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:
     """The pictures of one dataset, name -> file; scenes only if OpenGL works."""
-    from ..figures import trends
+    from ..figures import canvas, study_figure
 
+    ds = result.ds
     name = ds.attrs["study_name"]
     pictures = {"figure": out / f"{name}.png"}
-    trends.figure(ds, pictures["figure"])
+    canvas.save(study_figure.figure(ds, result.verdicts), pictures["figure"])
     if able:
         from ..scene import layout
 

@@ -60,11 +60,13 @@ def _stored(
     """The dataset of the rows, and the files made of it: NAME.h5 and its pictures."""
     from ..compare.trade import dataset_of
     from ..data import writing
-    from ..figures import work_precision
+    from ..figures import canvas, work_precision
 
     ds = dataset_of(rows, ladders)
     path = writing.write(ds, out / f"{name}.h5")
-    pictures = [work_precision.figure(ds, cost, out / f"{name}_{cost}.png") for cost in ("seconds", "evaluations")]
+    pictures = [out / f"{name}_{cost}.png" for cost in work_precision.COSTS]
+    for cost, picture in zip(work_precision.COSTS, pictures, strict=True):
+        canvas.save(work_precision.figure(ds, cost), picture)
     return ds, [path, *pictures]
 
 

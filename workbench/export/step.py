@@ -1,8 +1,8 @@
-"""The rod as STEP: its centreline as a B-spline over the arc length, and the solid about it. Needs Open Cascade.
+"""STEP: the centreline as a B-spline over the arc length, and the solid about it. Needs Open Cascade.
 
-The tube is no sweep of the CAD kernel's: its surface r(s) + a (cos v n(s) + sin v b(s)) is a rational B-spline as soon
-as r, n and b are B-splines over the same knots, because a circle is one. So its error is that of three splines, which
-is measured here before anything is handed over.
+The tube is not made by a sweep of the CAD kernel: its surface r(s) + a (cos v n(s) + sin v b(s)) is a rational B-spline
+as soon as r, n and b are B-splines over the same knots, because a circle is one. So its error is that of three splines,
+which is measured here before the kernel gets them.
 """
 
 from itertools import pairwise
@@ -16,39 +16,59 @@ from scipy.interpolate import BSpline, make_interp_spline
 from solver.problem.errors import InputError
 
 from ..geometry.centreline import Array, Centreline
+from .base import Format, Rod
 
 DEGREE = 5
-SPANS = (16, 4096)  # the fewest and the most that are tried
+NEAR = 1e-6  # of rho: the default tolerance
+SPANS = (16, 4096)  # the fewest and the most spans that are tried
 FACES = (16, 8, 4, 2)  # spans of a face, tried in this order
-MEASURED = 1e-4  # of the volume: the most that the kernel's default measure, which other programs show, may be off
+MEASURED = 1e-4  # of the volume: the error allowed of the kernel's default measure, which other programs show
 MISSING = (
     "STEP files need Open Cascade ({why}): pip install 'rod-workbench[cad]', and on a bare Debian or Ubuntu "
     "apt-get install libgl1"
 )
-# Units of length that Open Cascade knows how to name; what it does not is written as SI with this prefix.
+# Units of length that Open Cascade names; the others are written as SI with a prefix.
 NAMED = {"um": "UM", "mm": "MM", "cm": "CM", "m": "M", "km": "KM", "in": "INCH", "ft": "FT"}
 PREFIXED = {"nm": ".NANO.", "dm": ".DECI."}
 
 
-def write(path: Path, line: Centreline, unit: str, name: str, tolerance: float, solid: bool) -> dict[str, Any]:
-    """Write the centreline, and the solid where asked for; returns what was made, as plain data.
+def write(path: Path, rod: Rod) -> dict[str, Any]:
+    """Write the rod to its tolerance, without the solid where the options say so; see `write_line`."""
+    return write_line(path, rod.line, rod.unit, rod.title, rod.tolerance / 2, not rod.options.centreline)
 
-    tolerance: the most that curve and surface may miss the rod [length]. Raises `InputError` where Open Cascade is
-    missing or cannot write the file, no spline of `SPANS` is near enough, or the solid is not measured to `MEASURED`.
+
+def write_line(path: Path, line: Centreline, unit: str, name: str, tolerance: float, solid: bool) -> dict[str, Any]:
+    """Write the centreline, and the solid where asked for; returns numbers about the file by name.
+
+    Parameters
+    ----------
+    tolerance
+        The greatest distance of curve and surface from the rod [length].
+
+    Raises
+    ------
+    InputError
+        Open Cascade is missing or cannot write the file, no spline of `SPANS` is within the tolerance, or the volume of
+        the solid is not measured to `MEASURED`.
     """
     occ = kernel()
     splines, missed = fit(line, tolerance)
     shapes = [occ.BRepBuilderAPI_MakeEdge(_curve(occ, splines)).Edge()]
-    told: dict[str, Any] = {"spans": splines.c.shape[0] - DEGREE, "within": missed}
+    facts: dict[str, Any] = {"spans": splines.c.shape[0] - DEGREE, "within": missed}
     if solid:
-        body, told["volume"] = _measurable(occ, splines, line.a)
+        body, facts["volume"] = _measurable(occ, splines, line.a)
         shapes.insert(0, body)
     _write(occ, path, shapes, unit, name)
-    return told
+    return facts
+
+
+def near(line: Centreline) -> float:
+    """The default tolerance [length]."""
+    return NEAR * line.rho
 
 
 def kernel() -> Any:
-    """The names of Open Cascade that are used here; `InputError` with what to install where it is not there."""
+    """The names of Open Cascade that are used here. Raises `InputError` with what to install where it is missing."""
     try:
         from OCP import (
             BRepBuilderAPI,
@@ -77,9 +97,9 @@ def kernel() -> Any:
 
 
 def fit(line: Centreline, tolerance: float) -> tuple[BSpline, float]:
-    """r(s), n(s) and b(s) as one quintic spline with values (9,), and the most that its tube misses the rod [length].
+    """r(s), n(s) and b(s) as one quintic spline with values (9,), and the error of its tube [length].
 
-    Raises `InputError` where no number of spans within `SPANS` is near enough.
+    Raises `InputError` where no number of spans within `SPANS` reaches the tolerance.
     """
     missed, spans = np.inf, SPANS[0]
     while spans <= SPANS[1]:
@@ -93,12 +113,12 @@ def fit(line: Centreline, tolerance: float) -> tuple[BSpline, float]:
         spans *= 2
     raise InputError(
         f"a spline of {SPANS[1]} spans misses this rod of length {line.L:g} by {missed:.1e}, and {tolerance:.1e} is "
-        "asked for: give a larger --tolerance"
+        "needed: give a larger --tolerance"
     )
 
 
 def volume(occ: Any, body: Any, within: float | None = 1e-6) -> float:
-    """Volume of a solid, its integrals taken to `within`; None: by the kernel's default, without any bound."""
+    """Volume of a solid, its integrals to a relative error `within`; None: by the kernel's default, without a bound."""
     properties = occ.GProp_GProps()
     if within is None:
         occ.BRepGProp.VolumeProperties_s(body, properties)
@@ -113,7 +133,7 @@ def _known(line: Centreline, s: Array) -> Array:
 
 
 def _knots(occ: Any, spline: BSpline) -> tuple[Any, Any]:
-    """Distinct knots and how often each stands there."""
+    """Distinct knots and their multiplicities."""
     values, count = np.unique(spline.t, return_counts=True)
     knots, often = occ.Array1_double(1, values.size), occ.Array1_int(1, values.size)
     for i, (value, times) in enumerate(zip(values, count, strict=True), 1):
@@ -151,8 +171,8 @@ def _quarter(occ: Any, splines: BSpline, a: float, k: int) -> Any:
 def _measurable(occ: Any, splines: BSpline, a: float) -> tuple[Any, float]:
     """The tube as a valid solid that the kernel's default measures to `MEASURED`, and its volume.
 
-    The default takes a fixed number of points a face, which is too few for one along a whole rod: 23 % too little for
-    20 cm of Table 1's, 16 % too much for 100 cm. So faces get shorter until it is near enough.
+    The default measures with a fixed number of points a face, too few for a face along a whole rod: 23 % too little for
+    20 cm of Table 1's rod, 16 % too much for 100 cm. So faces are made shorter until the measure is near enough.
     """
     true, off = None, np.inf
     for spans in FACES:
@@ -196,7 +216,7 @@ def _solid(occ: Any, splines: BSpline, a: float, spans: int) -> Any:
 
 
 def _quiet(occ: Any) -> None:
-    """Keep Open Cascade's report of a transfer off our output."""
+    """Silence Open Cascade's report of a transfer."""
     for printer in occ.Message.DefaultMessenger_s().Printers():
         printer.SetTraceLevel(occ.Message_Gravity.Message_Fail)
 
@@ -220,3 +240,6 @@ def _write(occ: Any, path: Path, shapes: list[Any], unit: str, name: str) -> Non
     if unit in PREFIXED:
         text = path.read_text(encoding="ascii")
         path.write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", f"SI_UNIT({PREFIXED[unit]},.METRE.)"))
+
+
+FORMAT = Format((".step", ".stp"), write, "solid", near, curve_share=0.5, has_centreline=True)

@@ -1,68 +1,65 @@
-"""The bifurcation diagram, drawn from the dataset of `bifurcation.sweep`."""
+"""The bifurcation diagram of a dataset of branches: every equilibrium over an axis, and the folds."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib import rc_context
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from studies.laws import HOLDS, QUALIFIED
 
 from ..branches.branch_dataset import branches
-from . import style
+from ..data import labels
+from . import canvas, legend, style
+
+SIZE = (9.6, 9.2)  # inches
 
 
-def figure(ds: xr.Dataset, path: Path) -> Figure:
-    """beta'(0) and energy against the axis: stable branches solid, unstable ones thin, folds marked; where laws were
-    judged, the branches on which none fails have a colour. Saved by the name's ending."""
-    style.picture_kind(path, (".png", ".pdf", ".svg"))
-    with rc_context(style.RC):
-        fig = Figure(figsize=(9.6, 9.2), layout="constrained")
-        FigureCanvasAgg(fig)
-        for i, key in enumerate(("dbeta0", "energy")):
-            panel(ds, fig.add_subplot(2, 1, i + 1), key)
-        style.entitle(fig, ds)
-        fig.savefig(path)
-    return fig
+def figure(ds: xr.Dataset) -> Figure:
+    """beta'(0) and the energy against the axis: stable branches solid, unstable ones thin, folds marked.
+
+    Where laws were judged, the branches on which none fails have a colour.
+    """
+
+    def draw(fig: Figure) -> None:
+        for i, name in enumerate(("dbeta0", "energy")):
+            ax = panel(ds, fig.add_subplot(2, 1, i + 1), name)
+            if i == 0:
+                legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=5)
+
+    return canvas.figure(SIZE, draw, ds)
 
 
 def panel(ds: xr.Dataset, ax: Axes, key: str) -> Axes:
     """One quantity of each equilibrium against the axis, a line a branch."""
     name = str(ds["outcome"].dims[0])
-    along = np.degrees(ds[name].values) if style.is_angle(ds[name]) else ds[name].values
+    along = labels.in_label_unit(ds[name], ds[name].values)
     for row in branches(ds):
         k, i = np.nonzero(ds["branch"].values == row["branch"])
         look, label = _look(row)
         ax.plot(along[k], ds[key].values[k, i], label=label, solid_capstyle="round",
                 marker="." if k.size == 1 else "", **look)  # fmt: skip
-    at = np.degrees(ds["fold"].values) if style.is_angle(ds[name]) else ds["fold"].values
+    folds = labels.in_label_unit(ds[name], ds["fold"].values)
     share = np.linspace(0, 1, 21)  # next to a fold a branch is a parabola
     for which, pair in enumerate(ds["fold_branches"].values):
-        fold, there = at[which], float(ds[f"fold_{key}"][which])
+        fold, height = folds[which], float(ds[f"fold_{key}"][which])
         for row in branches(ds):
             if row["branch"] in pair:
                 k, i = np.nonzero(ds["branch"].values == row["branch"])
                 tip = 0 if abs(along[k[0]] - fold) < abs(along[k[-1]] - fold) else -1
                 last = ds[key].values[k[tip], i[tip]]
-                bend = fold + (along[k[tip]] - fold) * share**2, there + (last - there) * share
+                bend = fold + (along[k[tip]] - fold) * share**2, height + (last - height) * share
                 ax.plot(*bend, **_look(row)[0])
-        ax.plot(fold, there, "o", color=style.INK, markersize=4, fillstyle="none", label="fold", zorder=5)
-    ax.set_xlabel(style.axis_label(name, ds[name]))
-    ax.set_ylabel(style.label(ds[key]))
+        ax.plot(fold, height, "o", color=style.INK, markersize=4, fillstyle="none", label="fold", zorder=5)
+    ax.set_xlabel(labels.axis_label(name, ds[name]))
+    ax.set_ylabel(labels.label(ds[key]))
     ax.margins(x=0.01)
-    if key == "dbeta0":
-        handles, labels = ax.get_legend_handles_labels()
-        once = dict(zip(labels, handles, strict=True))
-        ax.legend(list(once.values()), list(once), loc="lower left", bbox_to_anchor=(0, 1), ncols=5)
-    return style.quiet(ax)
+    return style.with_grid(ax)
 
 
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
-    """How a branch is drawn, and what that means."""
+    """The look of a branch, and its entry in the legend."""
     verdicts = [v for key, v in row.items() if " " in key]
     holds = bool(verdicts) and all(v.startswith((HOLDS, QUALIFIED)) for v in verdicts)
     stable = row["index"] == 0

@@ -1,41 +1,100 @@
-"""The unrolled curves of the rods along an axis, side by side."""
+"""Developed curves: the rods on the unrolled cylinder, rho alpha to the right and z up.
+
+A rod a thousand times as long as the cylinder is wide is a hair at one scale. The rule: one scale for both directions,
+unless the curves would then be less than `LEAST` inches across; then that direction is drawn larger, by the largest
+factor of one digit that fits its room.
+"""
 
 from collections.abc import Sequence
+from math import floor, log10
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from ..data import selection
-from . import single_rod, style
-from .scales import larger, stretch
+from ..data import labels, selection
+from . import style
 
 MOST_CURVES = 9
-STRIP = (1.5, 4.5)  # inches, the least and the most that a row of curves is high
+STRIP = (1.5, 4.5)  # inches, the least and the greatest height of a row of curves
+SHORT = 0.9  # of the arc: a shorter chord has turned by a right angle or more in between
+LEAST = 0.3  # inches
+STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
+
+
+def has_curve(ds: xr.Dataset) -> bool:
+    """Whether the dataset stores what the developed curve is made of."""
+    return all(name in ds.data_vars for name in ("alpha", "z", "rho"))
+
+
+def curve(ds: xr.Dataset, where: dict[str, int]) -> tuple[Any, Any] | None:
+    """rho (alpha - alpha(0)) and z of one case, (n,) each; None where it is not solved."""
+    one = ds.isel(where)
+    alpha, z = one["alpha"].values, one["z"].values
+    across = float(one["rho"]) * (alpha - alpha[0])
+    return (across, z) if np.isfinite([across, z]).all() else None
+
+
+def too_coarse(ds: xr.Dataset, where: dict[str, int]) -> bool:
+    """Whether the stations of one case miss a bend: some chord is much shorter than the arc between its ends."""
+    one, found = ds.isel(where), curve(ds, where)
+    if found is None:
+        return False
+    chords = np.hypot(np.diff(found[0]), np.diff(found[1]))
+    return bool((chords < SHORT * np.diff(one["s"].values)).any())
+
+
+def stretch(wide: float, high: float, room: tuple[float, float], widest: float | None = None) -> float:
+    """How many times larger the width is drawn than the height: 1, above 1, or below 1 where the height is enlarged.
+
+    Parameters
+    ----------
+    wide, high
+        The extent of what is drawn [length].
+    room
+        Inches to the right and up.
+    widest
+        Of the curves that stand side by side in `wide`, the widest [length]; default: `wide`.
+    """
+    widest = wide if widest is None else widest
+    if min(wide, high) <= STRAIGHT * max(wide, high):
+        return 1.0
+    across, up = room[0] / wide, room[1] / high  # inches per length that would fill the room
+    if widest * up < LEAST and across > up:
+        return _one_digit(across / up)
+    if high * across < LEAST and up > across:
+        return 1 / _one_digit(up / across)
+    return 1.0
+
+
+def larger(factor: float, name: str = "") -> str:
+    """The end of an axis label where a direction is enlarged: ``, drawn 50 times larger``; else nothing."""
+    return f", {name} drawn {factor:g} times larger".replace("  ", " ") if factor > 1 else ""
 
 
 def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
-    """The rods along an axis on the unrolled cylinder, side by side: rho alpha to the right, z up.
+    """The developed curves of the rods along an axis, side by side.
 
-    Each begins on its own line alpha = 0, at which its value is written. At one scale, unless they would be too thin
-    to see (`stretch`); then the vertical axis says so. Raises `InputError`.
+    Each begins on its own line alpha = 0, which carries the rod's value on the axis. Both directions have one scale,
+    unless the curves would be too thin to see (`stretch`); then the label of the vertical axis names the factor. Raises
+    `InputError`.
     """
     cases, lines, curves, width = _side_by_side(ds, axis)
     room = style.inches(ax)
     factor = _factor(curves, width, room)
     coarse = False
-    for where, line, found, colour in zip(cases, lines, curves, style.colours(len(cases)), strict=True):
+    for where, line, found, colour in zip(cases, lines, curves, style.ramp_colours(len(cases)), strict=True):
         ax.axvline(line, color=style.FAINT, linewidth=0.8, zorder=0)
         if found is None:
             ax.text(line, 0.5, "unsolved", transform=ax.get_xaxis_transform(), rotation=90, ha="center", va="center",
                     color=style.SOFT, size=style.SMALL)  # fmt: skip
         else:
-            how: dict[str, Any] = {"linewidth": 1.7, "solid_capstyle": "round"}
-            if single_rod.too_coarse(ds, where):  # a line would show bends that are not there
-                coarse, how = True, {"linestyle": "none", "marker": ".", "markersize": 3}
-            ax.plot(line + found[0], found[1], color=colour, **how)
-    values = [style.shown(float(ds[axis].values[where[axis]]), ds[axis]).partition(" ")[0] for where in cases]
+            look: dict[str, Any] = {"linewidth": 1.7, "solid_capstyle": "round"}
+            if too_coarse(ds, where):  # a line would show bends that are not there
+                coarse, look = True, {"linestyle": "none", "marker": ".", "markersize": 3}
+            ax.plot(line + found[0], found[1], color=colour, **look)
+    values = [labels.value(float(ds[axis].values[where[axis]]), ds[axis]).partition(" ")[0] for where in cases]
     ax.set_xticks(lines, values)
     ax.tick_params(axis="x", length=0)
     if _crowded(lines, values, min(room[0] / width, room[1] * factor / _height(curves))):
@@ -43,17 +102,18 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
     ax.set_aspect(1 / factor, adjustable="box", anchor="NW")
     ax.set_xlim(0, width)
     ax.set_xlabel(axis_label(ds, axis, cases[0]), loc="left")
-    ax.set_ylabel(f"z [{style.unit(str(ds.attrs['length_unit']))}]{larger(factor, 'ρα')}{larger(1 / factor)}")
-    scale = "all at one scale" if factor == 1 else "at two scales"
-    dots = f"; dots: it bends between {ds.sizes['u']} stations" if coarse else ""
-    ax.set_title(style.wrapped(f"Unrolled cylinder: ρα to the right, z up, {scale}{dots}", ax), loc="left")
+    ax.set_ylabel(f"z [{labels.unit(str(ds.attrs['length_unit']))}]{larger(factor, 'ρα')}{larger(1 / factor)}")
+    scale = "at one scale" if factor == 1 else "at two scales"
+    dots = f"; dots: {ds.sizes['u']} stations miss bends" if coarse else ""
+    title = f"Developed curves: ρα to the right, z up, {scale}{dots}"
+    ax.set_title(style.wrapped(title, ax), loc="left")
     ax.grid(axis="y", color=style.FAINT, linewidth=0.6)
     ax.set_axisbelow(True)
     return ax
 
 
 def strip_height(ds: xr.Dataset, axis: str, page: float) -> float:
-    """Inches that the curves along an axis are high, with their labels, on a page of that many inches."""
+    """The height in inches of the curves along an axis with their labels, on a page of that many inches."""
     _, _, curves, width = _side_by_side(ds, axis)
     room = page - 0.9, STRIP[1]
     tall = 1.1 * _height(curves)
@@ -61,15 +121,15 @@ def strip_height(ds: xr.Dataset, axis: str, page: float) -> float:
 
 
 def axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = True) -> str:
-    """The axis with its unit, and where the others are held."""
-    held = [f"{style.symbol(k)} = {style.shown(float(ds[k][i]), ds[k])}" for k, i in where.items() if k != axis]
-    return style.axis_label(axis, ds[axis], long) + (f", at {', '.join(held)}" if held else "")
+    """The axis with its unit, and the values at which the other axes are held."""
+    held = [f"{labels.axis_symbol(k)} = {labels.value(float(ds[k][i]), ds[k])}" for k, i in where.items() if k != axis]
+    return labels.axis_label(axis, ds[axis], long) + (f", at {', '.join(held)}" if held else "")
 
 
 def _side_by_side(ds: xr.Dataset, axis: str) -> tuple[list[dict[str, int]], list[float], list[Any], float]:
     """The cases along an axis, where each one's line alpha = 0 stands, its curve or None, and the width of all."""
     cases = selection.spread(selection.line(ds, axis), MOST_CURVES)
-    curves = [single_rod.unrolled(ds, where) for where in cases]
+    curves = [curve(ds, where) for where in cases]
     spans = [(min(c[0].min(), 0.0), max(c[0].max(), 0.0)) if c is not None else (0.0, 0.0) for c in curves]
     gap = 0.35 * float(np.mean([high - low for low, high in spans])) or 1.0
     edge, lines = gap / 2, []
@@ -80,7 +140,7 @@ def _side_by_side(ds: xr.Dataset, axis: str) -> tuple[list[dict[str, int]], list
 
 
 def _height(curves: Sequence[Any]) -> float:
-    """How high the curves are together, never 0 [length]."""
+    """The height of the curves together, never 0 [length]."""
     ups = [curve[1] for curve in curves if curve is not None] or [np.zeros(2)]
     return float(max(up.max() for up in ups) - min(up.min() for up in ups)) or 1.0
 
@@ -91,7 +151,13 @@ def _factor(curves: Sequence[Any], width: float, room: tuple[float, float]) -> f
     return stretch(width, _height(curves), room, widest)
 
 
-def _crowded(lines: Sequence[float], labels: Sequence[str], scale: float) -> bool:
-    """Whether labels at the lines would meet; scale: inches per length."""
+def _crowded(lines: Sequence[float], texts: Sequence[str], scale: float) -> bool:
+    """Whether texts at the lines would overlap; scale: inches per length."""
     gaps = np.diff(lines) * scale
-    return bool(gaps.size and gaps.min() < max(map(len, labels)) * style.SMALL * style.LETTER + 0.08)
+    return bool(gaps.size and gaps.min() < max(map(len, texts)) * style.SMALL * style.LETTER + 0.08)
+
+
+def _one_digit(ratio: float) -> float:
+    """The ratio cut to one digit."""
+    power = 10.0 ** floor(log10(ratio * (1 + 1e-9)))
+    return float(floor(ratio / power * (1 + 1e-9)) * power)

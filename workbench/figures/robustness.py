@@ -1,37 +1,30 @@
-"""The map of the extremes: a row each extreme, a column each method, its colour what came of it."""
+"""The map of the extremes: a row an extreme, a column a method, the colour of each cell the outcome."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from . import style
+from . import canvas, style
 
 COLOURS = {"solved": "#cfe8dc", "refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#f3cf8a"}
 WORDS = {
     "solved": "solved (error shown)",
-    "refused": "refused, and says why",
-    "inaccurate": "called solved, but wrong",
-    "non-finite": "no finite answer: overflow, or out of steps; says so",
+    "refused": "refused, with a reason",
+    "inaccurate": "reported as solved, but wrong",
+    "non-finite": "no finite answer: overflow, or out of steps; reported",
 }
 _ROW, _COLUMN, _NAMES = 0.2, 0.78, 2.6  # inches
 
 
-def draw(ds: xr.Dataset, path: Path) -> Path:
-    """Draw the map and save it by the name's ending."""
-    style.picture_kind(path, (".png", ".pdf", ".svg"))
+def figure(ds: xr.Dataset) -> Figure:
+    """Draw the map of a dataset of `compare.extremes`."""
     rows, columns = ds.sizes["extreme"], ds.sizes["method"]
-    with rc_context(style.RC):
-        fig = Figure(figsize=(_NAMES + _COLUMN * (columns + 2), _ROW * rows + 1.5), layout="constrained")
-        panel(ds, fig.add_subplot())
-        style.entitle(fig, ds)
-        fig.savefig(path)
-    return path
+    size = (_NAMES + _COLUMN * (columns + 2), _ROW * rows + 1.5)
+    return canvas.figure(size, lambda fig: panel(ds, fig.add_subplot()), ds)
 
 
 def panel(ds: xr.Dataset, ax: Axes) -> Axes:
@@ -41,9 +34,9 @@ def panel(ds: xr.Dataset, ax: Axes) -> Axes:
     for i in range(len(names)):
         for j in range(len(methods)):
             ax.add_patch(Rectangle((j, i), 1, 1, facecolor=COLOURS[str(verdict[i, j])], edgecolor="white", linewidth=1))
-            _write(ax, j + 0.5, i + 0.5, _figure(error[i, j]) if verdict[i, j] in ("solved", "inaccurate") else "")
-        _write(ax, len(methods) + 0.5, i + 0.5, _figure(_condition(ds, i)))
-        _write(ax, len(methods) + 1.5, i + 0.5, _figure(float(ds["span"].values[i])))
+            _write(ax, j + 0.5, i + 0.5, _number(error[i, j]) if verdict[i, j] in ("solved", "inaccurate") else "")
+        _write(ax, len(methods) + 0.5, i + 0.5, _number(_condition(ds, i)))
+        _write(ax, len(methods) + 1.5, i + 0.5, _number(float(ds["span"].values[i])))
     _groups(ax, [str(v) for v in ds["group"].values], len(methods) + 2)
     ax.set(xlim=(0, len(methods) + 2), ylim=(len(names), 0))
     ax.set_yticks(np.arange(len(names)) + 0.5, names)
@@ -56,7 +49,7 @@ def panel(ds: xr.Dataset, ax: Axes) -> Axes:
 
 
 def _condition(ds: xr.Dataset, i: int) -> float:
-    """The condition number that `orbit` states."""
+    """The condition number that the method `orbit` reports."""
     return float(ds["condition"].sel({"method": "orbit"}).values[i])
 
 
@@ -64,8 +57,8 @@ def _write(ax: Axes, x: float, y: float, text: str) -> None:
     ax.text(x, y, text, ha="center", va="center", fontsize=style.SMALL - 0.5, color=style.INK)
 
 
-def _figure(value: Any) -> str:
-    """2e-9; nothing for what is no number."""
+def _number(value: Any) -> str:
+    """``2e-9``; nothing for NaN."""
     if not np.isfinite(value):
         return "∞" if value == np.inf else ""
     if value == 0:

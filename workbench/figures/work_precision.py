@@ -1,43 +1,40 @@
 """Work-precision diagrams of a stored trade: error against seconds or evaluations, a panel a case."""
 
-from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib import rc_context
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
 from solver.problem.errors import no_such
 
-from . import style
+from ..data import labels
+from . import canvas, style
 
 if TYPE_CHECKING:
     from solver.methods.ladder import Ladder
 
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
-LOST = 1.0  # an error of this and more has no digit left
-FLOOR, TOP = 1e-16, 1e1  # what is shown; rounding's zero is drawn on the floor
+LOST = 1.0  # an error of this size and more has no correct digit
+FLOOR, TOP = 1e-16, 1e1  # the range of errors that is shown; an error of 0 is drawn at its lower end
 COLUMNS, PANEL = 3, (3.2, 1.8)  # inches
 
 
-def figure(ds: xr.Dataset, cost: str, path: Path) -> Path:
-    """Draw all cases of a trade against one cost and save it as PNG, PDF or SVG by the name's ending."""
-    style.picture_kind(path, (".png", ".pdf", ".svg"))
+def figure(ds: xr.Dataset, cost: str) -> Figure:
+    """All cases of a trade against one cost, a name of `COSTS`. Raises `InputError` for another name."""
     if cost not in COSTS:
         raise no_such("cost", cost, COSTS)
     cases = [str(case) for case in ds["case"].values]
     columns = min(COLUMNS, len(cases))
     lines = -(-len(cases) // columns)
-    with rc_context(style.RC):
-        fig = Figure(figsize=(COLUMNS * PANEL[0], lines * PANEL[1] + 1.5), layout="constrained")
-        FigureCanvasAgg(fig)
-        inch = 1 / fig.get_size_inches()[1]
+    size = (COLUMNS * PANEL[0], lines * PANEL[1] + 1.5)
+    inch = 1 / size[1]
+
+    def draw(fig: Figure) -> None:
         axes = fig.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
         for case, ax in zip(cases, axes.flat, strict=False):
             panel(ds, ax, case, cost)
@@ -46,23 +43,22 @@ def figure(ds: xr.Dataset, cost: str, path: Path) -> Path:
         for i, ax in enumerate(axes.flat[: len(cases)]):
             ax.tick_params(labelbottom=i + columns >= len(cases))
         fig.supxlabel(COSTS[cost], size=style.NORMAL, color=style.INK)
-        told = "error achieved: of angle [rad], or of position over max(ρ, L)"
-        fig.supylabel(told if lines > 2 else fill(told, 34), size=style.NORMAL)
-        fig.text(
-            0.012, 1 - 0.1 * inch, f"{ds.attrs['title']}: {COSTS[cost]}", va="top", weight="bold", size=style.LARGE
-        )
+        error = "error achieved: of angle [rad], or of position over max(ρ, L)"
+        fig.supylabel(error if lines > 2 else fill(error, 34), size=style.NORMAL)
+        title = f"{ds.attrs['title']}: {COSTS[cost]}"
+        fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=style.LARGE)
         for i, (title, handles) in enumerate(_legends(ds)):
             top = 1 - (0.33 + 0.19 * i) * inch
             fig.text(0.012, top - 0.1 * inch, title, va="center", size=style.SMALL, color=style.SOFT)
             fig.legend(handles=handles, loc="center left", bbox_to_anchor=(0.12, top - 0.1 * inch), ncols=len(handles),
                        borderaxespad=0, columnspacing=1.2, handlelength=1.8, handletextpad=0.5)  # fmt: skip
         fig.get_layout_engine().set(rect=(0, 0, 1, 1 - 1.0 * inch))  # type: ignore[union-attr, call-arg]
-        fig.savefig(path)
-    return path
+
+    return canvas.figure(size, draw)
 
 
 def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
-    """One case: a line a method from its cheapest rung to its dearest; what came to nothing is a cross at the top."""
+    """One case: a line a method over its ladder; a failed rung is a cross at the top. Raises `InputError`."""
     if case not in ds["case"].values:
         raise no_such("case", case, [str(name) for name in ds["case"].values])
     here = ds.sel(case=case)
@@ -86,16 +82,16 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
     ax.set(xscale="log", yscale="log", ylim=(FLOOR / 2, TOP))
     ax.set_yticks([10.0**k for k in range(-15, 1, 3)])
     for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_formatter(style.power)
+        axis.set_major_formatter(labels.power_of_ten)
         axis.set_minor_formatter(NullFormatter())
     ax.set_title(case, loc="left", size=style.SMALL, pad=3)
-    return style.quiet(ax)
+    return style.with_grid(ax)
 
 
 def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
     """A row of handles for each kind of problem, and one for the marks."""
     rows = []
-    for kind, title in (("start", "given the start"), ("ends", "given both ends")):
+    for kind, title in (("start", "start problems"), ("ends", "ends problems")):
         here = ds.isel(case=np.flatnonzero(ds["kind"].values == kind))
         tried = [str(m) for m in ds["ladder"].values if np.isfinite(here["seconds"].sel(ladder=m)).any()]
         handles: list[Any] = [
@@ -105,7 +101,7 @@ def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
         if handles:
             rows.append((title, handles))
     plain: dict[str, Any] = {"color": style.SOFT, "linestyle": ""}
-    lost = Line2D([], [], marker="x", markersize=4, label="failed, or no digit left", **plain)
+    lost = Line2D([], [], marker="x", markersize=4, label="failed, or no correct digit", **plain)
     more = Line2D(
         [], [], marker=">", markersize=7, markerfacecolor="none", label="its next rung takes too long", **plain
     )

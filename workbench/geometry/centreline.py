@@ -1,7 +1,7 @@
-"""The centreline of one stored case as a smooth curve, and how well its stations fix it. NumPy and SciPy only.
+"""The centreline of one stored case as a smooth curve, and its error between stations. NumPy and SciPy only.
 
-Nothing is solved. What the stations leave open follows from what is stored: the tangent from beta, its turning from
-beta'' = -H(beta), which needs the stored loads, and beta' from either side of a station.
+Nothing is solved. Between stations the curve follows from stored values: the tangent from beta, its rate from
+beta'' = -H(beta), which needs the stored loads, and beta' from both sides of a station.
 """
 
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ from scipy.interpolate import BPoly
 
 from solver import Rod
 from solver.mechanics import frames, statics
-from solver.mechanics.contact import contact_force
+from solver.mechanics.contact import contact_force, push_from
 from solver.mechanics.potential import dimensional_slope
 from solver.problem.errors import InputError
 
@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 
 NEEDED = ("beta", "alpha", "z", "R", "a", "rho", "L", "E", "nu", "FZ", "MZ", "M3")
 GAUSS, WEIGHT = (0.5 * (v + k) for v, k in zip(np.polynomial.legendre.leggauss(5), (1.0, 0.0), strict=True))
-ROUNDS = 6  # each brings beta' nearer by some (step x largest frequency)^2 / 10
-ORDER = 6  # of what the curve misses between stations, in their distance
+ROUNDS = 6  # each reduces the error of beta' by a factor of some (step x largest frequency)^2 / 10
+ORDER = 6  # of the error of the curve between stations, in their distance
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,9 +93,13 @@ class Centreline:
         H = dimensional_slope(self.l, self.m, self.p, self.rho, beta)
         return contact_force(self.A, self.m, self.rho, around, H, beta, dbeta)
 
+    def push(self, s: Array) -> Array:
+        """The cylinder's push at s on either side, (k,) [force/length], negative where it would have to pull."""
+        return push_from(self.contact(s), self.side)
+
     @cached_property
     def error(self) -> float:
-        """By how much the curve may miss the rod between stations [length].
+        """The estimated error of the curve between stations [length].
 
         The curve through the angles, integrated from one station, misses the next by this much at most.
         """
@@ -106,28 +110,28 @@ class Centreline:
         return float(np.hypot(across, up).max())
 
     def stations_for(self, tolerance: float) -> int:
-        """About how many stations would bring `error` down to the tolerance [length]."""
+        """About how many stations are needed for an `error` within the tolerance [length]."""
         n = self.s.size - 1
         return int(np.ceil(1.1 * n * max(self.error / tolerance, 1.0) ** (1 / ORDER))) + 1
 
     def check(self, tolerance: float) -> None:
-        """Raise `InputError`, with the number of stations that would do, where `error` is above the tolerance."""
+        """Raise `InputError`, with the number of stations that are needed, where `error` is above the tolerance."""
         if self.error > tolerance:
             more = self.stations_for(tolerance)
             raise InputError(
                 f"{self.s.size} stations fix the rod between them to {self.error:.1e} only, and {tolerance:.1e} is "
-                f"asked for: store about {more} (stations = {more} in the study), or give a larger --tolerance"
+                f"needed: store about {more} (stations = {more} in the study), or give a larger --tolerance"
             )
 
 
 def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     """The centreline of one case, by its indices along the axes.
 
-    Raises `InputError` where the dataset lacks what it is made of, or the case is not solved.
+    Raises `InputError` where the dataset lacks one of `NEEDED`, or the case is not solved.
     """
     missing = [name for name in NEEDED if name not in ds]
     if missing:
-        raise InputError(f"the dataset stores no {', '.join(missing)}, which the rod's curve is made of")
+        raise InputError(f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs")
     one = ds.isel(dict(where))
     outcome = str(one["outcome"].values)
     along = {name: np.asarray(one[name], dtype=float) for name in ("alpha", "beta", "z")}
@@ -151,8 +155,8 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
 def through(s: Array, known: Array) -> Any:
     """The piecewise polynomial with the derivatives `known`, (n, k, ...), at s, (n,): all its pieces at once.
 
-    SciPy's `BPoly.from_derivatives` makes one after the other, in seconds for a hundred thousand; but what it makes of
-    each derivative alone on a piece of length 1 says what every piece is.
+    SciPy's `BPoly.from_derivatives` makes one piece after the other, in seconds for a hundred thousand. Here its
+    polynomials on a piece of length 1, one for each derivative, are scaled and summed for every piece.
     """
     k = known.shape[1]
     unit = BPoly.from_derivatives([0.0, 1.0], np.eye(2 * k).reshape(2, k, 2 * k)).c[:, 0]
@@ -164,8 +168,8 @@ def through(s: Array, known: Array) -> Any:
 def _slopes(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> Array:
     """beta' at the stations from beta there and beta'' = -H(beta) between them, (n,).
 
-    On each stretch beta' at its two ends follows from the two angles and the integral of beta''; what two
-    neighbouring stretches say of their common station is averaged.
+    On each interval beta' at its two ends follows from the two angles and the integral of beta''; the two values at a
+    common station of neighbouring intervals are averaged.
     """
     h = np.diff(s)
     bend = -dimensional_slope(l, m, p, rho, beta)

@@ -1,11 +1,12 @@
 """As many rings and sides as a picture needs: the drawn tube stays within a tolerance of the true one.
 
-Two things are lost when a rod is drawn with flat triangles. A section of n sides misses its circle by
-a (1 - cos(pi/n)). And between two rings the surface is straight while the rod bends, turns and twists: that is
-measured, on points of the true surface between the rings, and rings are moved and added until it is small enough. So
-a rod whose bends are smaller than a pixel is drawn with hardly any, however many bends it has.
+Flat triangles lose two things. A section of n sides misses its circle by a (1 - cos(pi/n)). And between two rings the
+surface is straight while the rod bends, turns and twists: that error is measured at points of the true surface between
+the rings, and rings are moved and added until it is small enough. So a rod whose bends are smaller than a pixel is
+drawn with few rings, however many bends it has.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,74 +17,89 @@ from solver.problem.errors import InputError
 from .centreline import Array, Centreline
 
 LEAST_SIDES = 6
-PROBES = 8  # points a ring, on which the true surface is compared with the drawn one
-SETTLED = 2  # rounds of moving the rings, after which the errors of most stretches are within a tenth of each other
-ROUNDS = 10  # with those in which rings are taken away or added; what is off still, bends below a pixel, is halved
-MORE = 1.2  # times as many rings are added at most; where that does not do, it is a few stretches that are off
-TINTS = 48  # a colour may be off by one part in so many of its scale
+PROBES = 8  # points a ring, at which the true surface is compared with the drawn one
+SETTLED = 2  # rounds of moving the rings, after which the errors of most intervals are within a tenth of each other
+ROUNDS = 10  # with those that remove or add rings; intervals that still fail (bends below a pixel) are halved
+MORE = 1.2  # times as many rings are added at most; where that is not enough, only a few intervals fail
+COLOUR_STEPS = 48  # a colour may be off by one part in so many of its scale
 MOST_TRIANGLES = 4_000_000  # some 400 MB while it is drawn
-SHARE = 0.48  # of the tolerance for the sides, as much for the rings: on a diagonal both are off, elsewhere one
+SHARE = 0.48  # of the tolerance for the sides, as much for the rings: on a diagonal both add up, elsewhere one counts
 
 
 @dataclass(frozen=True, eq=False)
-class Detail:
-    """Where the rings of a tube stand, (n,) [length], how many sides it has, and how far the surface may be off."""
+class Rings:
+    """The rings of a tube: s (n,) [length], the number of sides of each, and the error of the surface [length]."""
 
     s: Array
     sides: int
-    off: float
+    error: float
 
 
-def detail(
+def rings(
     line: Centreline,
     span: tuple[float, float],
     tolerance: float,
-    turned: Any = None,
-    tint: Any = None,
-    blur: float = 0.0,
-    sides_of: int = 2,
-) -> Detail:
-    """Rings between the two arc lengths of `span`, and sides.
+    turned: Callable[[Array], Array] | None = None,
+    colour: Callable[[Array], Array] | None = None,
+    colour_length: float = 0.0,
+    sides_multiple: int = 2,
+) -> Rings:
+    """The rings and sides with which a tube is drawn to a tolerance.
 
-    tolerance: [length], half a pixel say. turned: the angle of the section at s, if a stripe turns with it. tint: what
-    is shown in colour at s, as a share of its scale; on stretches longer than `blur` it must be shown truly too.
-    sides_of: the sides are a multiple of that; of 2, a corner of each ring touches the cylinder.
-    Raises `InputError` where it would take more than `MOST_TRIANGLES`.
+    Parameters
+    ----------
+    span
+        The arc lengths between which the tube is drawn [length].
+    tolerance
+        The error allowed [length], half a pixel for example.
+    turned
+        The angle of the section at s [rad], for a stripe that turns with it.
+    colour
+        What the colour shows at s, as a share of its scale; it is shown truly on intervals longer than `colour_length`.
+    sides_multiple
+        The number of sides is a multiple of this; with 2, a corner of each ring touches the cylinder.
+
+    Raises
+    ------
+    InputError
+        The tube would take more than `MOST_TRIANGLES`.
     """
-    missed, smooth = left_open(line, tolerance)
+    missed, smooth = curve_error(line, tolerance)
     left = max(tolerance - missed, tolerance / 2)
     sides = int(np.ceil(np.pi / np.arccos(max(1 - SHARE * left / line.a, 0.0))))
-    sides = -(-max(sides, LEAST_SIDES) // sides_of) * sides_of
+    sides = -(-max(sides, LEAST_SIDES) // sides_multiple) * sides_multiple
     s = _probes(line, span, SHARE * left, turned, smooth)
     place = _surface(line, s, turned)
-    values = tint(s) if tint is not None else None
+    values = colour(s) if colour is not None else None
     if s.size * sides > 2 * PROBES * MOST_TRIANGLES:
         _refuse(line, s.size * sides // PROBES * 2)
-    chosen = _moved(s, place, values, SHARE * left, blur)
+    chosen = _placed(s, place, values, SHARE * left, colour_length)
     if 2 * chosen.size * sides > MOST_TRIANGLES:
         _refuse(line, 2 * chosen.size * sides)
-    return Detail(s[chosen], sides, missed + left)
+    return Rings(s[chosen], sides, missed + left)
 
 
-def left_open(line: Centreline, tolerance: float) -> tuple[float, bool]:
-    """How far the rod may be from the curve that is drawn [length], and whether this is the smooth one through the
-    stations; else straight lines between them are as good."""
-    known, loose = line.error, slack(line)
-    smooth = known <= max(tolerance / 4, min(loose, tolerance))
-    return (known, True) if smooth else (loose, False)
+def curve_error(line: Centreline, tolerance: float) -> tuple[float, bool]:
+    """The error of the curve that is drawn [length], and whether that is the smooth one through the stations.
+
+    Else straight lines between the stations are as good.
+    """
+    smooth, straight = line.error, chord_error(line)
+    is_smooth = smooth <= max(tolerance / 4, min(straight, tolerance))
+    return (smooth, True) if is_smooth else (straight, False)
 
 
 def stations_for(line: Centreline, tolerance: float) -> int:
-    """How many stations it takes to draw a rod to a tolerance [length]: those there are, or about how many more."""
-    if left_open(line, tolerance)[0] <= tolerance / 2:
+    """About how many stations it takes to draw a rod to a tolerance [length]; its own number where that is enough."""
+    if curve_error(line, tolerance)[0] <= tolerance / 2:
         return line.s.size
     return max(line.stations_for(tolerance / 6), line.s.size + 1)
 
 
-def slack(line: Centreline) -> float:
-    """How far the rod can be from straight lines between its stations [length], whatever it does there.
+def chord_error(line: Centreline) -> float:
+    """The greatest possible distance of the rod from straight lines between its stations [length], whatever its shape.
 
-    It is not stretched: of length h between two points c apart it stays within sqrt(h^2 - c^2)/2 of their chord.
+    The rod is not stretched: of length h between two points c apart it stays within sqrt(h^2 - c^2)/2 of their chord.
     """
     chord = np.hypot(line.rho * np.diff(line.alpha), np.diff(line.z))
     return float(np.sqrt(np.maximum(np.diff(line.s) ** 2 - chord**2, 0)).max() / 2)
@@ -91,8 +107,8 @@ def slack(line: Centreline) -> float:
 
 def _refuse(line: Centreline, triangles: int) -> None:
     raise InputError(
-        f"drawing this rod of length {line.L:.4g} as finely as asked takes some {triangles} triangles, and "
-        f"{MOST_TRIANGLES} are the limit: give a larger --pixel-error, or a stretch of it with --from and --to"
+        f"drawing this rod of length {line.L:.4g} with that pixel error takes some {triangles} triangles, and "
+        f"{MOST_TRIANGLES} are the limit: give a larger --pixel-error, or draw a part of the rod with --from and --to"
     )
 
 
@@ -106,10 +122,10 @@ def _surface(line: Centreline, s: Array, turned: Any) -> Array:
 
 
 def _probes(line: Centreline, span: tuple[float, float], tolerance: float, turned: Any, smooth: bool) -> Array:
-    """Points so near that the surface between them is as good as straight; the stations, where those are all there is.
+    """Points so near that the surface between them is as good as straight; the stations, where only those are known.
 
-    A point moves off a straight line by |r''| ds^2/8. Bends that are smaller than the tolerance are passed over: the
-    points then are rare, but they are so on those bends too.
+    A point moves off a straight line by |r''| ds^2/8. Bends that are smaller than the tolerance may lie between two
+    points: there the points are rare, also on those bends.
     """
     low, high = span
     inside = line.s[(line.s > low) & (line.s < high)]
@@ -131,45 +147,48 @@ def _probes(line: Centreline, span: tuple[float, float], tolerance: float, turne
     return np.interp(np.linspace(0, count[-1], wanted), count, fine) if count[-1] else np.linspace(low, high, wanted)
 
 
-def _off(s: Array, place: Array, values: Array | None, rings: Any, tolerance: float, blur: float) -> Array:
-    """How far the true surface is from the straight one between each two rings, at most, (n - 1,)."""
-    start = rings[:-1]
-    at = np.repeat(np.arange(start.size), np.diff(rings))  # the stretch of each probe but the last
-    first, last = rings[at], rings[at + 1]
+def _errors(s: Array, place: Array, values: Array | None, at: Any, tolerance: float, colour_length: float) -> Array:
+    """The greatest distance of the true surface from the straight one between each two rings, (n - 1,) [length].
+
+    at: the indices of the probes where rings stand. An error of colour counts as one of length, by `COLOUR_STEPS`.
+    """
+    start = at[:-1]
+    which = np.repeat(np.arange(start.size), np.diff(at))  # the interval of each probe but the last
+    first, last = at[which], at[which + 1]
     share = ((s[:-1] - s[first]) / (s[last] - s[first]))[:, None]
     gap = place[:-1] - (1 - share) * place[first] - share * place[last]
     u, v = gap[:, 3:6], gap[:, 6:]
     p, q, r = (np.einsum("ij,ij->i", *pair) for pair in ((u, u), (v, v), (u, v)))
-    turn = np.sqrt(np.maximum((p + q) / 2 + np.hypot((p - q) / 2, r), 0))  # the largest of |u cos + v sin|
-    off = np.linalg.norm(gap[:, :3], axis=1) + turn
+    section = np.sqrt(np.maximum((p + q) / 2 + np.hypot((p - q) / 2, r), 0))  # the largest of |u cos + v sin|
+    error = np.linalg.norm(gap[:, :3], axis=1) + section
     if values is not None:
-        tint = values[:-1] - (1 - share[:, 0]) * values[first] - share[:, 0] * values[last]
-        seen = s[last] - s[first] > blur
-        off = np.maximum(off, np.where(seen, tolerance * TINTS * np.abs(tint), 0.0))
-    return np.maximum.reduceat(off, start)
+        colour = values[:-1] - (1 - share[:, 0]) * values[first] - share[:, 0] * values[last]
+        visible = s[last] - s[first] > colour_length
+        error = np.maximum(error, np.where(visible, tolerance * COLOUR_STEPS * np.abs(colour), 0.0))
+    return np.maximum.reduceat(error, start)
 
 
-def _moved(s: Array, place: Array, values: Array | None, tolerance: float, blur: float) -> Any:
-    """Indices of the probes where rings stand: as few as keep each stretch within the tolerance, near enough."""
-    rings = np.unique(np.linspace(0, s.size - 1, max((s.size - 1) // PROBES, 2) + 1).round().astype(int))
+def _placed(s: Array, place: Array, values: Array | None, tolerance: float, colour_length: float) -> Any:
+    """Indices of the probes where rings stand: about as few as keep each interval within the tolerance."""
+    at = np.unique(np.linspace(0, s.size - 1, max((s.size - 1) // PROBES, 2) + 1).round().astype(int))
     middles, more = np.arange(s.size - 1) + 0.5, 1.0
     for step in range(ROUNDS):
-        off = _off(s, place, values, rings, tolerance, blur)
-        worst = float(off.max()) / tolerance
+        error = _errors(s, place, values, at, tolerance, colour_length)
+        worst = float(error.max()) / tolerance
         if step >= SETTLED and worst > 1:
             more = min(more * min(np.sqrt(worst), 1.05), MORE)
-        # off goes with the square of the distance; a stretch that is far better than needed is made four times as long
-        density = np.clip(np.sqrt(off / tolerance), 0.25, 4.0) / np.diff(rings)
-        count = np.concatenate([[0.0], np.cumsum(np.interp(middles, (rings[1:] + rings[:-1]) / 2, density))])
-        stretches = max(int(np.ceil(count[-1] * more)), 1)
-        if step >= SETTLED and worst <= 1 and stretches > 0.9 * (rings.size - 1):
+        # the error goes with the square of the distance; an interval far better than needed becomes four times as long
+        density = np.clip(np.sqrt(error / tolerance), 0.25, 4.0) / np.diff(at)
+        count = np.concatenate([[0.0], np.cumsum(np.interp(middles, (at[1:] + at[:-1]) / 2, density))])
+        intervals = max(int(np.ceil(count[-1] * more)), 1)
+        if step >= SETTLED and worst <= 1 and intervals > 0.9 * (at.size - 1):
             break
-        wanted = np.linspace(0, count[-1], stretches + 1)
-        rings = np.unique(np.interp(wanted, count, np.arange(s.size)).round().astype(int))
+        wanted = np.linspace(0, count[-1], intervals + 1)
+        at = np.unique(np.interp(wanted, count, np.arange(s.size)).round().astype(int))
     while True:
-        off = _off(s, place, values, rings, tolerance, blur)
-        halves = (rings[:-1] + rings[1:]) // 2
-        more = halves[(off > tolerance) & (halves > rings[:-1])]
+        error = _errors(s, place, values, at, tolerance, colour_length)
+        halves = (at[:-1] + at[1:]) // 2
+        more = halves[(error > tolerance) & (halves > at[:-1])]
         if not more.size:
-            return rings
-        rings = np.unique(np.concatenate([rings, more]))
+            return at
+        at = np.unique(np.concatenate([at, more]))

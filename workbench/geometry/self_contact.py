@@ -1,4 +1,4 @@
-"""Whether a rod can be a solid body: no bend tighter than its own radius, and no two turns in one place."""
+"""Whether a rod can be a solid body: no bend tighter than its own radius, and no self-contact."""
 
 from dataclasses import dataclass
 
@@ -11,29 +11,28 @@ from solver.problem.errors import InputError
 from .centreline import Array, Centreline
 
 MOST = 400_000  # points along the rod; some 300 MB of pairs
-APART = np.pi  # radii along the rod: nearer points of a bend of radius a are close as neighbours, not as turns
+APART = np.pi  # radii along the rod: nearer points are close as neighbours in a bend, not in self-contact
 
 
 @dataclass(frozen=True)
 class Finding:
     """What keeps a rod from being a solid.
 
-    tight: whether kappa a >= 1 somewhere, which no tube survives; else turns meet, which only a body minds. said: a
-    sentence with the place.
+    tight: kappa a >= 1 somewhere, so that no tube exists; else the rod passes through itself. sentence: what and where.
     """
 
     tight: bool
-    said: str
+    sentence: str
 
 
 def findings(line: Centreline, unit: str) -> list[Finding]:
-    """What keeps the rod from being a solid, nothing where it is one; `InputError` for a rod too long to tell."""
+    """What keeps the rod from being a solid; empty for a solid. Raises `InputError` for a rod too long to test."""
     step = line.a / 4
     count = int(np.ceil(line.L / step)) + 1
     if count > MOST:
         longest = MOST * step
         raise InputError(
-            f"a rod of length {line.L:g} {unit} and radius {line.a:g} {unit} is too long to look for turns that meet; "
+            f"a rod of length {line.L:g} {unit} and radius {line.a:g} {unit} is too long to test for self-contact; "
             f"at most {longest:g} {unit} of it can be exported as a body"
         )
     s = np.linspace(line.s[0], line.s[-1], max(count, 8 * line.s.size))
@@ -52,7 +51,7 @@ def findings(line: Centreline, unit: str) -> list[Finding]:
 
 
 def _nearest(line: Centreline, s: Array) -> tuple[float, float, float] | None:
-    """The least distance of two turns and where they are, where it is less than 2 a; else None."""
+    """The least distance of two points that are not neighbours, and their s, where it is less than 2 a; else None."""
     points = line.frame(s)[0]
     h = s[1] - s[0]
     pairs = cKDTree(points).query_pairs(2 * line.a + h, output_type="ndarray")  # a pair may lie between two samples

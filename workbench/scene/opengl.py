@@ -1,33 +1,25 @@
-"""Does OpenGL work on this machine? Asked in a child process, as VTK without OpenGL ends its process."""
+"""Whether OpenGL works on this machine: tried in a child process, as VTK without OpenGL ends its process."""
 
 import ctypes
 import functools
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 
 PACKAGES = "libegl1 libgl1-mesa-dri (or libosmesa6 libx11-6)"
-WINDOW = "VTK_DEFAULT_OPENGL_WINDOW"  # what VTK reads to choose how it draws off-screen
+WINDOW = "VTK_DEFAULT_OPENGL_WINDOW"  # the environment variable by which VTK chooses its off-screen window
 OSMESA = "vtkOSOpenGLRenderWindow"
 SECONDS = 60
-# A wheel that carries Mesa's OSMesa and what it needs, of which nothing else is used: so without its dependencies.
+# A wheel with Mesa's OSMesa and the libraries that it needs. Nothing else of it is used, hence --no-deps.
 WHEEL = "lavavu-osmesa"
 PIP = f"pip install --no-deps {WHEEL}==1.9.10"
-LOADED = [
-    "pcre2",
-    "selinux",
-    "tinfo",
-    "ffi",
-    "zstd",
-    "drm",
-    "glapi",
-    "LLVM",
-    "OSMesa",
-]  # each needs some of those before it
+# each needs some of those before it
+LOADED = ["pcre2", "selinux", "tinfo", "ffi", "zstd", "drm", "glapi", "LLVM", "OSMesa"]
 
-# Draws a sphere off-screen and looks at the pixels; VTK alone, as importing pyvista takes three times as long.
+# Draws a sphere off-screen and reads the pixels; with VTK alone, as importing pyvista takes three times as long.
 CHILD = """
 import ctypes, sys
 for library in sys.argv[1:]:
@@ -54,31 +46,36 @@ COMMAND = (sys.executable, "-c", CHILD)
 
 @functools.cache
 def probe() -> tuple[bool, str]:
-    """Whether scenes can be drawn, and if not a sentence that says what to install; asked once a process.
+    """Whether scenes can be drawn, and if not a sentence with what to install; tried once a process.
 
-    Tries what the environment asks for, or else EGL, the display and OSMesa, at last the OSMesa of a wheel, and leaves
-    in the environment the choice that works: call it before pyvista is imported.
+    Tries the window that the environment names, or else EGL, the display and OSMesa, at last the OSMesa of a wheel. The
+    one that works stays in the environment: call this before pyvista is imported.
     """
+    return find_window(windows(), in_wheel())
+
+
+def find_window(
+    names: Sequence[str], libraries: list[str], load: Callable[[list[str]], None] | None = None
+) -> tuple[bool, str]:
+    """Try windows of VTK by name, then OSMesa with libraries of a wheel, which `load` loads; returns as `probe`."""
     failures = []
-    for window in _windows():
-        env = {**os.environ, **({WINDOW: window} if window else {})}
-        works, said = _try(env)
+    for window in names:
+        works, failure = try_window({**os.environ, **({WINDOW: window} if window else {})})
         if works:
             if window:
                 os.environ[WINDOW] = window
             return True, ""
-        failures.append(said)
-    libraries = in_wheel()
-    if libraries and WINDOW not in os.environ and _try({**os.environ, WINDOW: OSMESA}, libraries)[0]:
+        failures.append(failure)
+    if libraries and WINDOW not in os.environ and try_window({**os.environ, WINDOW: OSMESA}, libraries)[0]:
         os.environ[WINDOW] = OSMESA
-        _load(libraries)
+        (load or load_libraries)(libraries)
         return True, ""
     advice = f"on Debian or Ubuntu install {PACKAGES}, or anywhere on Linux {PIP}"
-    return False, f"OpenGL does not work here ({failures[0]}), so no scenes are drawn; {advice}"
+    return False, f"OpenGL does not work here ({failures[0]}), so scenes cannot be drawn; {advice}"
 
 
 def in_wheel() -> list[str]:
-    """The libraries of `WHEEL` in the order in which they are loaded; empty where it is not installed."""
+    """The libraries of `WHEEL` in the order in which they must be loaded; empty where it is not installed."""
     try:
         named = [Path(str(file.locate())) for file in files(WHEEL) or [] if ".libs" in file.parts[0]]
     except PackageNotFoundError:
@@ -87,8 +84,8 @@ def in_wheel() -> list[str]:
     return [known[name] for name in LOADED if name in known]
 
 
-def _load(libraries: list[str]) -> None:
-    """VTK does not find a library in a wheel, but uses what is loaded; that it did not find it is not repeated."""
+def load_libraries(libraries: list[str]) -> None:
+    """Load libraries, as VTK does not find them in a wheel but uses loaded ones; silence its warnings about that."""
     for library in libraries:
         ctypes.CDLL(library, mode=ctypes.RTLD_GLOBAL)
     import pyvista as pv
@@ -96,15 +93,16 @@ def _load(libraries: list[str]) -> None:
     pv.vtk_verbosity("error")
 
 
-def _windows() -> list[str]:
-    """The kinds of window to try, best first; an empty one leaves the choice to VTK."""
+def windows() -> list[str]:
+    """The windows of VTK to try, best first; an empty name leaves the choice to VTK."""
     if WINDOW in os.environ:
         return [os.environ[WINDOW]]
-    # The display comes after EGL: a display that is named but not there only costs warnings.
+    # The display comes after EGL: a display that is named but missing only gives warnings.
     return ["vtkEGLRenderWindow", "", OSMESA] if sys.platform == "linux" else [""]
 
 
-def _try(env: dict[str, str], libraries: list[str] | None = None) -> tuple[bool, str]:
+def try_window(env: dict[str, str], libraries: list[str] | None = None) -> tuple[bool, str]:
+    """Whether a child process draws in this environment, with these libraries loaded; else why not."""
     command = [*COMMAND, *(libraries or [])]
     try:
         child = subprocess.run(command, env=env, capture_output=True, text=True, timeout=SECONDS, check=False)

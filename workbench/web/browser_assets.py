@@ -1,4 +1,4 @@
-"""What the extra `explore` brings for a browser, as files on this machine: Vue and vtk.js. No CDN is asked."""
+"""Vue and vtk.js, which the extra `explore` installs, as files on this machine. No CDN is contacted."""
 
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,6 +17,6 @@ def scripts() -> dict[str, Path]:
         spec = find_spec(package)
         file = Path(spec.origin).parent / path if spec and spec.origin else None
         if file is None or not file.is_file():
-            raise ImportError(f"{name} is not here: {INSTALL}", name=package)
+            raise ImportError(f"{name} is not installed: {INSTALL}", name=package)
         found[name] = file
     return found

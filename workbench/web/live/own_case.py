@@ -1,4 +1,4 @@
-"""The rod that the live page begins with where a file or options give one, in its own units."""
+"""The preset of the live page that a file or options give, in its own units."""
 
 from pathlib import Path
 from typing import Any
@@ -11,11 +11,11 @@ from ...run.case_input import CaseInput, field_values, read_case
 from .presets import Preset
 
 NAME = "own"
-HIDDEN = ("alpha", "gamma")  # they turn the whole rod; 0 need not be said
+HIDDEN = ("alpha", "gamma")  # they turn the whole rod; a value of 0 is left out
 
 
 def preset(file: Path | None, options: dict[str, Any], units: dict[str, str]) -> Preset | None:
-    """A rod for the page to begin with, as `workbench solve` understands the same words; None where nothing is given.
+    """The preset of a file or options, read as `workbench solve` reads them; None where none is given.
 
     file: a TOML study without axes. options: fields of the case, name -> value, which change it or, without a file, say
     all of it. units: of length and force, for a rod of options alone. Raises `InputError`.
@@ -34,7 +34,7 @@ def _units(rod: CaseInput) -> str:
 
 
 def _state(rod: CaseInput, title: str, as_printed: bool) -> dict[str, Any]:
-    """The state of `explore_model.study_of`; as_printed: values of Table 1 stay as a reading has them."""
+    """The state of `page_model.study_of`; as_printed: values of Table 1 stay as a reading has them."""
     state: dict[str, Any] = {"title": title, "units": rod.units}
     study = rod.study
     if study is not None and study.reading is not None and as_printed:
@@ -50,7 +50,7 @@ def _fields(case: Case) -> dict[str, Any]:
 
 
 def _spans(case: Case) -> dict[str, float | tuple[float, float]]:
-    """How far the slider of a quantity that is 0 goes to either side: what rho, L and the bending stiffness A make.
+    """The greatest size on the slider of a quantity that is 0, from rho, L and the bending stiffness A.
 
     A force to A/(rho L), a moment to A/sqrt(rho L), a rate to 1/sqrt(rho L): the same rod in other units has the same.
     """

@@ -1,6 +1,6 @@
-"""What the live page shows, without the page: from a state (a study of one case as plain data) to shape, curves, words.
+"""What the live page shows of a state (a study of one case as plain data): curves, observables, equilibria, files.
 
-Nothing is kept between calls but what the caller hands back; a state that cannot be raises `InputError`.
+Nothing is kept between calls; an invalid state raises `InputError`.
 """
 
 import re
@@ -26,36 +26,35 @@ from studies.writer import dumps
 
 from ...branches.equilibria import ends_problem
 from ...branches.equilibria import row as equilibrium_row
-from ...commands import export_rod
-from ...data import cautions, dataset
-from ...figures import style
+from ...data import cautions, dataset, labels
+from ...export.stored_rod import export
 from ...run.block import columns
 from ...run.case_input import field_values
 from .page_shape import STATIONS, TOL, Shape, refuse_many
 
 KEYS = ("title", "units", "reading", "base", "equilibrium")
-HIDDEN = ("alpha", "gamma")  # fields that turn the whole rod and change nothing that is shown
+HIDDEN = ("alpha", "gamma")  # fields that turn the whole rod and are not shown
 POSITIVE = ("E", "a", "L", "R")
 COUNTS = ("turns", "bend_number")
 LEVELS = 361  # points of the potential
 
 
 def study_of(state: Any) -> Study:
-    """The study that a state says. Raises `InputError`, for a value without the file and line that it has not."""
+    """The study of a state. Raises `InputError`, whose message names no file and line."""
     if not isinstance(state, dict):
         raise InputError("the state must be a table")
     for key in state:
         if key not in KEYS:
             raise InputError(f"no key {str(key)[:40]!r} in the state; choose from {choices(KEYS)}")
-    said = {key: value for key, value in state.items() if value is not None}
-    said.setdefault("title", "From the live page")
-    base = said.get("base")
+    data = {key: value for key, value in state.items() if value is not None}
+    data.setdefault("title", "From the live page")
+    base = data.get("base")
     if isinstance(base, dict):
-        said["base"] = {str(name): _plain(name, value) for name, value in base.items()}
+        data["base"] = {str(name): _plain(name, value) for name, value in base.items()}
     try:
-        text = tomli_w.dumps(said)
+        text = tomli_w.dumps(data)
     except (TypeError, ValueError, AttributeError):
-        raise InputError("the state must be numbers, words and tables of them") from None
+        raise InputError("the state must hold numbers, strings and tables of them") from None
     try:
         return loads(text, "page", "live")
     except InputError as error:
@@ -63,7 +62,7 @@ def study_of(state: Any) -> Study:
 
 
 def _plain(name: object, value: Any) -> Any:
-    """A field's value as TOML has it: whole numbers are numbers too, and nothing is no number."""
+    """A field's value as TOML stores it: numbers as floats. Raises `InputError` for anything else."""
     if name in WORDS:
         return value
     if isinstance(value, bool) or not isinstance(value, (int, float)):
@@ -72,8 +71,8 @@ def _plain(name: object, value: Any) -> Any:
     return float(value)
 
 
-def blamed(message: str) -> str:
-    """The field that a refusal is about, or nothing: ``Rod.E must be ...`` is E."""
+def field_of(message: str) -> str:
+    """The field that an error message is about, or nothing: ``Rod.E must be ...`` is about E."""
     found = re.match(r"(?:Rod|Cylinder|Start|Ends|base)\.(\w+)", message) or re.match(
         r"(\w+) must be a number", message
     )
@@ -81,10 +80,10 @@ def blamed(message: str) -> str:
 
 
 def curves(one: Shape) -> dict[str, Any]:
-    """What is drawn beside the rod, in the units of the study and degrees: arrays by name.
+    """The diagrams beside the rod, in the units of the study and degrees: arrays by name.
 
-    s, beta, push: along the rod. across, up: its curve on the unrolled cylinder. angle, potential: G over one turn of
-    beta; level: h.
+    s, beta, push: along the rod. across, up: its developed curve. angle, potential: G over one rotation of beta; level:
+    h.
     """
     sol = one.sol
     rho = float(sol.case.rho)
@@ -96,14 +95,14 @@ def curves(one: Shape) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def told(one: Shape) -> dict[str, Any]:
-    """What is said of a shape, as plain data: how well it is solved, its loads, and what is odd about it."""
+def facts(one: Shape) -> dict[str, Any]:
+    """Outcome, error, condition number, loads and notes of a solved rod, as plain data."""
     sol, study = one.sol, one.study
     units = study.unit_system
     notes = []
     if not one.whole:
         notes.append(
-            f"Only the first {style.number(one.shown)} {units['length']} are shown: the rod bends too often for more."
+            f"Only the first {labels.number(one.shown)} {units['length']} are shown: the rod bends too often for more."
         )
     reading = parse(study.reading) if study.reading else None
     return {
@@ -120,10 +119,10 @@ def _which(sol: Solution) -> dict[str, float]:
 
 
 def numbers(one: Shape) -> dict[str, Any]:
-    """Every observable as a row, and what a real rod could not do, in words."""
+    """Every observable as a row, and sentences on what a real rod could not do."""
     found = observe(one.sol, list(OBSERVABLES))
     keys = str(cautions.of_cases(one.sol))
-    if one.sol.method == "difference":  # followed to 1e-6 only: where beta is level its bends are the error's
+    if one.sol.method == "difference":  # followed to 1e-6 only: where beta is level, bends may be errors
         found |= dict.fromkeys(COUNTS, np.nan)
     warnings = [f"The rod {cautions.phrase(key)}." for key in cautions.keys(keys)]
     units = one.study.unit_system
@@ -135,25 +134,25 @@ def numbers(one: Shape) -> dict[str, Any]:
 
 def _row(name: str, value: float, units: dict[str, str]) -> dict[str, Any]:
     q = quantity(name)
-    unit, shown = style.unit(unit_of(name, units)), value
+    unit, shown = labels.unit(unit_of(name, units)), value
     if unit == "rad":
         unit, shown = "°", float(np.degrees(value))
-    text = "not known" if not np.isfinite(shown) else style.number(shown).replace("-", "−")
+    text = "not known" if not np.isfinite(shown) else labels.number(shown).replace("-", "−")
     return {"name": name, "symbol": q.symbol, "words": q.long_name, "unit": unit, "value": value, "text": text}
 
 
-def every(study: Study) -> list[dict[str, Any]]:
-    """All equilibria of a rod between two ends, lowest energy first, each as its numbers. Raises `InputError`."""
+def list_equilibria(study: Study) -> list[dict[str, Any]]:
+    """All equilibria of a rod between two ends, lowest energy first, as plain data. Raises `InputError`."""
     case = study.case()
     if not isinstance(case.given, Ends):
-        raise InputError("a rod given by its start has one shape only; give it by its two ends")
+        raise InputError("a start problem has one solution only; hold both ends to list equilibria")
     refuse_many(case)
     found: list[Equilibrium] = equilibria(case, TOL, STATIONS)
     return [equilibrium_row(one) for one in found]
 
 
-def by_ends(study: Study) -> dict[str, Any]:
-    """The same rod given by its two ends and loads, as a state that names its own shape. Raises `InputError`."""
+def ends_state(study: Study) -> dict[str, Any]:
+    """The state of the ends problem with the same loads that names the rod's own equilibrium. Raises `InputError`."""
     case = ends_problem(study)
     base = {name: value for name, value in field_values(case).items() if name not in HIDDEN}
     sol = solve(study.case(), TOL, stations=STATIONS)
@@ -161,13 +160,13 @@ def by_ends(study: Study) -> dict[str, Any]:
 
 
 def fields(study: Study) -> list[dict[str, Any]]:
-    """The inputs of a state, in order: name, symbol, words, unit as shown, and what kind of slider each has."""
+    """The inputs of a state, in order: name, symbol, words, unit as shown, and the kind of its slider."""
     rows = []
     for name in study.fields:
         if name in (*HIDDEN, *WORDS) or (name in TWISTS and not study.reading and name not in study.base.given):
             continue
         q = quantity_of(name)
-        unit = style.unit(unit_of(q.name, study.unit_system))
+        unit = labels.unit(unit_of(q.name, study.unit_system))
         kind = "positive" if name in POSITIVE else "ratio" if name == "nu" else "angle" if unit == "rad" else "signed"
         shown = "°" if kind == "angle" else unit
         rows.append({"name": name, "symbol": q.symbol, "words": q.long_name, "unit": shown, "kind": kind})
@@ -175,12 +174,12 @@ def fields(study: Study) -> list[dict[str, Any]]:
 
 
 def text(study: Study) -> str:
-    """The study file that `workbench run` and `solve` take."""
+    """The text of a study file for `workbench run` and `solve`."""
     return dumps(study)
 
 
 def stored(one: Shape) -> Any:
-    """The dataset of a shape, as `workbench run` would store it; `InputError` for a part of a rod."""
+    """The dataset of a solved rod, as `workbench run` stores it. Raises `InputError` for a part of a rod."""
     if not one.whole:
         raise InputError("only a part of this rod is shown: run it as a study to export it")
     study = one.study.model_copy(
@@ -190,12 +189,14 @@ def stored(one: Shape) -> Any:
 
 
 def file(one: Shape, kind: str) -> bytes:
-    """The bytes of a file of that kind, made in a folder of its own. Raises `InputError` as `exporting.export`."""
+    """The bytes of an exported file with that suffix. Raises `InputError` as `stored_rod.export` does."""
     ds = stored(one)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"rod.{kind}"
         try:
-            export_rod.export(ds, export_rod.Wish(path, {}))
+            export(ds, path)
         except InputError as error:
-            raise InputError(str(error).partition("; --")[0]) from None  # the page has no such options
+            raise InputError(
+                str(error).partition("; --")[0]
+            ) from None  # the page has none of the options that the rest names
         return path.read_bytes()

@@ -1,7 +1,7 @@
-"""The shape of a state's rod, soon enough for a page: followed, looked for, or refused.
+"""The solved rod of a state, fast enough for a page.
 
-Between two ends a shape follows the one before it where it can; else the rule of `solve` takes one of all equilibria,
-or the one that the study names is looked for where they are few. What would take minutes is refused with a sentence.
+Between two ends the rod follows the one before it where that works. Else all equilibria are searched for the one that
+the study names, or that the rule of `solve` selects. A search that would take minutes is refused.
 """
 
 from dataclasses import dataclass, replace
@@ -20,19 +20,19 @@ from studies.axes import Which
 
 from ...run.case_input import field_values
 
-TOL, NEAR = DEFAULT_TOLERANCE, 1e-6  # of a shape, and of one that follows another as a slider moves
-STATIONS, BETWEEN, MOST = 201, 401, 4001  # given by its start, by its ends, and of a rod of many bends
-MOST_SWINGS = 100  # of a rod between two ends whose equilibria are all looked through, in some tenths of a second
-MOST_TAKEN = 1000  # of one whose equilibrium is taken by the rule, without a list
-SAME = 1e-3  # of itself that beta'(0) may differ from the one that was named
-CHORD = 0.4  # rad that the rod may turn from one station to the next before more are taken
-STRIDES = (1, 4)  # in how many steps a shape follows another
+TOL, NEAR = DEFAULT_TOLERANCE, 1e-6  # tolerances of a rod, and of one that follows another as a slider moves
+STATIONS, BETWEEN, MOST = 201, 401, 4001  # of a start problem, an ends problem, and a rod with many bends
+MOST_LISTED = 100  # half periods of a rod between two ends whose equilibria are all found, in some tenths of a second
+MOST_SELECTED = 1000  # half periods of a rod whose equilibrium is selected by the rule, without a list
+SAME = 1e-3  # relative difference that beta'(0) may have from the one that is named
+CHORD = 0.4  # rad by which the rod may turn between two stations before more stations are solved
+STEPS = (1, 4)  # numbers of steps in which a rod follows another, tried in this order
 FOLLOWED = ("E", "nu", "a", "L", "R", "beta0", "betaL", "FZ", "MZ", "M3")
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A solved rod: study, solution, and how much of the rod is in it (a rod of very many bends is shown in part)."""
+    """A solved rod: its study and solution. Of a rod with very many bends only the beginning is solved and shown."""
 
     study: Study
     sol: Solution
@@ -46,10 +46,10 @@ class Shape:
         return self.shown >= float(self.sol.case.rod.L) * (1 - 1e-9)
 
 
-def soon(study: Study, near: Solution | None = None) -> Shape | None:
-    """The rod of a state where that takes no search: given by its start, or next to a shape; None where it does.
+def without_search(study: Study, near: Solution | None = None) -> Shape | None:
+    """The rod of a state where that needs no search: a start problem, or a rod next to another; None where it does.
 
-    near: a shape between ends that this one follows, where it can. Raises `InputError` where there is no shape.
+    near: a solution between ends that this one follows, where that works. Raises `InputError` for an unsolved rod.
     """
     case = study.case()
     if not isinstance(case.given, Ends):
@@ -61,40 +61,40 @@ def soon(study: Study, near: Solution | None = None) -> Shape | None:
 
 
 def shape(study: Study, near: Solution | None = None) -> Shape:
-    """The rod of a state; between two ends the one next to `near`, or that the study names, or that `solve` takes.
+    """The rod of a state; between two ends the one next to `near`, or that the study names, or that `solve` selects.
 
-    Raises `InputError` where there is no shape.
+    Raises `InputError` for an unsolved rod.
     """
-    return soon(study, near) or _looked_for(study, near is not None and near.problem.kind == "ends")
+    return without_search(study, near) or _search(study, near is not None and near.problem.kind == "ends")
 
 
-def _looked_for(study: Study, lost: bool) -> Shape:
-    """The rod between two ends; lost: what the study names is a shape before it, which could not be followed."""
+def _search(study: Study, lost: bool) -> Shape:
+    """The rod between two ends; lost: the study names the equilibrium of an earlier state, which was not followed."""
     sol = _between(study, study.case(), lost)
     _check(sol)
     return Shape(study, sol)
 
 
 def bare(one: Shape) -> Shape:
-    """The same shape without what was computed of it since."""
+    """The same rod without what was computed of it since."""
     return Shape(one.study, replace(one.sol))
 
 
 def portable(one: Shape) -> Shape:
-    """The same shape with its arrays alone: it can be sent to another process, and keeps no other shape alive."""
-    course = one.sol.trajectory
-    arrays = {name: np.array(getattr(course, name)) for name in ("beta", "dbeta", "alpha", "z")}
-    kept = replace(course, **arrays, swirl=partial(np.array, course.swirl()))
+    """The same rod with its arrays alone: it can be sent to another process, and holds no other rod in memory."""
+    trajectory = one.sol.trajectory
+    arrays = {name: np.array(getattr(trajectory, name)) for name in ("beta", "dbeta", "alpha", "z")}
+    kept = replace(trajectory, **arrays, swirl=partial(np.array, trajectory.swirl()))
     return Shape(one.study, replace(one.sol, trajectory=kept))
 
 
 def searched(study: Study, lost: bool) -> Shape:
-    """The rod where `soon` has none, to be sent to another process. Raises `InputError`."""
-    return portable(_looked_for(study, lost))
+    """The rod where `without_search` has none, to be sent to another process. Raises `InputError`."""
+    return portable(_search(study, lost))
 
 
 def _resolved(study: Study, case: Case, sol: Solution) -> Shape:
-    """The rod from its start at as many stations as its bends need, or the part of it that fits into `MOST`."""
+    """The start problem at as many stations as its bends need, or the part of the rod that fits into `MOST`."""
     _check(sol)
     turn = float((sol.kappa.max() if sol.kappa.size else 0.0) * sol.s[-1] / (sol.s.size - 1))
     if turn <= CHORD:
@@ -107,15 +107,15 @@ def _resolved(study: Study, case: Case, sol: Solution) -> Shape:
 
 
 def _between(study: Study, case: Case, lost: bool) -> Solution:
-    which, swings = study.equilibrium, _swings(case)
-    if lost and swings > MOST_SWINGS:
+    which, half_periods = study.equilibrium, _half_periods(case)
+    if lost and half_periods > MOST_LISTED:
         which = None
     rule = NEAREST if which is None or which.rule is None else which.rule
-    if swings > MOST_SWINGS:
-        return _of_many(case, which, rule, swings)
+    if half_periods > MOST_LISTED:
+        return _of_many(case, which, rule, half_periods)
     found = equilibria(case, TOL, BETWEEN)
     if not found:
-        raise InputError("no equilibrium joins these end angles under these loads")
+        raise InputError("no equilibrium has these end angles under these loads")
     if which is not None and which.dbeta0 is not None and which.energy is not None:
         return nearest(found, which.dbeta0, which.energy).solution
     one = meant(found, rule)
@@ -125,9 +125,9 @@ def _between(study: Study, case: Case, lost: bool) -> Solution:
 
 
 def _followed(study: Study, case: Case, near: Solution) -> Solution | None:
-    """The shape next to another by Newton's rule, in one step or in more; None where it is lost on the way."""
+    """The solution next to another by Newton's method, in one step or in more; None where a step fails."""
     before, after = field_values(near.case), field_values(case)
-    for steps in STRIDES:
+    for steps in STEPS:
         sol: Solution = near
         for k in range(1, steps):
             part = {name: before[name] + (after[name] - before[name]) * k / steps for name in FOLLOWED}
@@ -141,19 +141,19 @@ def _followed(study: Study, case: Case, near: Solution) -> Solution | None:
     return None
 
 
-def _of_many(case: Case, which: Which | None, rule: str | int, swings: float) -> Solution:
-    """Of more equilibria than are listed the one that the rule takes, or the one of a beta'(0) where it is found."""
+def _of_many(case: Case, which: Which | None, rule: str | int, half_periods: float) -> Solution:
+    """Of more equilibria than are listed the one with the named beta'(0), or else the one that the rule selects."""
     named = which is not None and which.dbeta0 is not None
     if which is not None and named:
         sol = solve(case, NEAR, "difference", BETWEEN, seed=which.dbeta0)
         if sol.solved and _same(sol, which):
             return sol
-    if swings <= MOST_TAKEN:
+    if half_periods <= MOST_SELECTED:
         sol = solve(case, TOL, stations=BETWEEN, choose=rule)
         if which is None or not named or (sol.solved and _same(sol, which)):
             return sol
-        raise InputError(f"the equilibrium that is named is not the one taken by default, and {_too_many(swings)}")
-    raise InputError(_too_many(swings))
+        raise InputError(f"the named equilibrium is not the one selected by default, and {_too_many(half_periods)}")
+    raise InputError(_too_many(half_periods))
 
 
 def _same(sol: Solution, which: Which) -> bool:
@@ -163,23 +163,23 @@ def _same(sol: Solution, which: Which) -> bool:
 
 
 def refuse_many(case: Case) -> None:
-    """Raise `InputError` where all equilibria of a rod would take the page too long to find."""
-    if (swings := _swings(case)) > MOST_SWINGS:
-        raise InputError(_too_many(swings))
+    """Raise `InputError` where finding all equilibria of a rod would take too long for the page."""
+    if (half_periods := _half_periods(case)) > MOST_LISTED:
+        raise InputError(_too_many(half_periods))
 
 
-def _too_many(swings: float) -> str:
+def _too_many(half_periods: float) -> str:
     return (
-        f"between these ends and under these loads the rod may swing some {swings:.0f} times, and the page looks "
-        f"through at most {MOST_SWINGS}: workbench equilibria takes its time"
+        f"between these ends and under these loads beta may have some {half_periods:.0f} half periods, and the page "
+        f"searches at most {MOST_LISTED}: use workbench equilibria"
     )
 
 
-def _swings(case: Case) -> float:
-    """A bound on how often beta can swing: L over the shortest half period that the loads and the cylinder allow."""
+def _half_periods(case: Case) -> float:
+    """A bound on the half periods of beta: L over the shortest that the loads and the cylinder allow."""
     p = reduce(case)
-    quickest = np.sqrt(np.abs(p.lam) + 2 * np.abs(p.mu) + np.abs(p.phi) + 1)
-    return float(p.span[0] * quickest[0] / np.pi)
+    frequency = np.sqrt(np.abs(p.lam) + 2 * np.abs(p.mu) + np.abs(p.phi) + 1)
+    return float(p.span[0] * frequency[0] / np.pi)
 
 
 def _check(sol: Solution) -> None:

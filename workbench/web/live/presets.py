@@ -1,4 +1,4 @@
-"""The rods that the live page begins with: each with its source, in its own units. A table."""
+"""The rods that the live page offers: each with its source, in its own units. A table."""
 
 from dataclasses import dataclass, field
 from math import pi, radians
@@ -9,9 +9,8 @@ from typing import Any
 class Preset:
     """A rod to begin with.
 
-    state: a study as plain data, see `explore_model.study_of`. spans: how far the sliders go to either side of zero, or
-    from where to where, of quantities that may have either sign. source: where the values come from, and which are
-    assumed.
+    state: a study as plain data, see `page_model.study_of`. spans: of sliders of quantities with either sign, the
+    greatest size or the two ends. source: where the values come from, and which are assumed.
     """
 
     name: str
@@ -26,7 +25,7 @@ PRESETS = (
         "table1",
         "Table 1 of the paper",
         "Table 1 of the paper, with the length from the text below its eq. (47); cm and N. The table contradicts "
-        "itself, so it is read: see the menu.",
+        "itself; the menu offers its readings.",
         {
             "units": {"length": "cm", "force": "N"},
             "reading": "force-first/tension/paper",
@@ -43,8 +42,8 @@ PRESETS = (
         "The left-handed superhelix of the nucleosome: 1.65 turns, radius 4.18 nm, pitch 2.39 nm (Luger et al., "
         "Nature 389, 1997). DNA of persistence length 50 nm at 298 K, which makes E, and twist stiffness 411 pN "
         "nm², which makes nu; measured are 386 to 448 (table 1 of PNAS 114, 7049, 2017). Assumed: the rod's radius, "
-        "1 nm; a tension of 5 pN; the torque that keeps this pitch; no charges: what holds real DNA on is not in "
-        "the equations. nm and pN.",
+        "1 nm; a tension of 5 pN; the torque that keeps this pitch; no charges: the equations do not contain what "
+        "holds real DNA on the histone. nm and pN.",
         {
             "units": {"length": "nm", "force": "pN"},
             "base": {

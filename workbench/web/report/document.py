@@ -1,4 +1,4 @@
-"""The report: one HTML file that needs nothing else, made from stored datasets and drawn pictures."""
+"""The report: one self-contained HTML file, made from stored datasets and their pictures."""
 
 import base64
 import json
@@ -15,12 +15,12 @@ from matplotlib import image
 
 from solver.problem.errors import InputError
 
-from ...data import atomic, law_verdicts
+from ...data import atomic, labels, law_verdicts
 from ...data.schema import axes_of
 from ...figures import style
 from ...run.in_memory import StudyResult
 from ...scene import opengl
-from . import measured_runs, turning_view
+from . import interactive_view, measured_runs
 from .errata import ERRATA
 from .law_cards import CLASSES, claims_of, law_of, of_readings, sentence
 from .measured_runs import Measured
@@ -32,7 +32,7 @@ SINGLE = (
     "push_max", "attached", "overlaps", "energy", "index",
 )  # fmt: skip
 TITLES = {"trade": "Accuracy against cost", "extremes": "The extremes"}
-SCENE, DRAWING = {"quality": 90}, {"lossless": True}  # of WebP: shaded bodies, and lines and letters
+SCENE, DRAWING = {"quality": 90}, {"lossless": True}  # options of WebP
 
 
 def write(
@@ -44,8 +44,8 @@ def write(
 ) -> Path:
     """Write `report.html` into the folder `out` and return it.
 
-    readings: the dataset of `readings_run`. advice: what to install where scenes could not be drawn. refusals:
-    studies that could not be run under this reading, and why. Raises `InputError` where it cannot be written.
+    readings: the dataset of `readings_table.run`. advice: what to install where OpenGL does not work. refusals: studies
+    that could not be run under this reading, and why. Raises `InputError` where it cannot be written.
     """
     text = html(results, readings, advice, refusals, measured_runs.both(Path(out)))
     return atomic.write(Path(out) / NAME, lambda aside: aside.write_text(text, encoding="utf-8"))
@@ -58,7 +58,7 @@ def html(
     refusals: Sequence[str] = (),
     measured: Sequence[Measured] = (),
 ) -> str:
-    """The report as text; every picture inside it, and where the extra `explore` is installed a view that turns."""
+    """The report as text, with every picture inside it and, with the extra `explore`, an interactive view."""
     if not results:
         raise InputError("a report needs at least one study")
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
@@ -79,7 +79,7 @@ def html(
         created=max(str(result.ds.attrs["created"]) for result in results),
         packages=opengl.PACKAGES,
         advice=advice,
-        refusals=[style.typeset(refusal) for refusal in refusals],
+        refusals=[labels.typeset(refusal) for refusal in refusals],
         turning=turning,
         view=view,
         unturned=unturned,
@@ -89,12 +89,12 @@ def html(
     )
 
 
-def _view(results: Sequence[StudyResult]) -> tuple[str, turning_view.View | None, str]:
-    """The first study of one case, its view that turns, and why there is none."""
+def _view(results: Sequence[StudyResult]) -> tuple[str, interactive_view.View | None, str]:
+    """The first study of one case, its interactive view, and why there is none."""
     for ds in (result.ds for result in results):
         if not axes_of(ds):
             try:
-                return str(ds.attrs["study_name"]), turning_view.view(ds), ""
+                return str(ds.attrs["study_name"]), interactive_view.view(ds), ""
             except (InputError, ImportError) as error:
                 return str(ds.attrs["study_name"]), None, str(error)
     return "", None, ""
@@ -106,7 +106,7 @@ def _measured(one: Measured) -> dict[str, Any]:
 
 
 def _section(result: StudyResult, advice: str) -> dict[str, Any]:
-    """What the report shows of one study."""
+    """The section of one study."""
     ds = result.ds
     scenes = [(name, path) for name, path in result.pictures.items() if name.startswith("scene")]
     others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
@@ -118,7 +118,7 @@ def _section(result: StudyResult, advice: str) -> dict[str, Any]:
         "laws": laws,
         "single": _single(ds) if not axes_of(ds) else [],
         "note": sentence(str(ds.attrs.get("fold_note", ""))),
-        "caution": style.typeset(str(ds.attrs.get("caution", ""))),
+        "caution": labels.typeset(str(ds.attrs.get("caution", ""))),
         "unsolved": law_verdicts.unsolved(ds),
         "cases": int(ds["outcome"].size),
         "scenes": [_picture(path, f"{ds.attrs['title']}: {_of(ds, name)}", SCENE) for name, path in scenes],
@@ -129,27 +129,27 @@ def _section(result: StudyResult, advice: str) -> dict[str, Any]:
 
 def _of(ds: xr.Dataset, name: str) -> str:
     axis = name.removeprefix("scene").strip()
-    return f"the rod along {style.axis_label(axis, ds[axis])}" if axis in ds.dims else "the rod on its cylinder"
+    return f"the rod along {labels.axis_label(axis, ds[axis])}" if axis in ds.dims else "the rod on its cylinder"
 
 
 def _single(ds: xr.Dataset) -> list[tuple[str, str]]:
-    """Words and value of each observable of a study of one case."""
+    """Long name and value of each observable of a study of one case."""
     rows = []
     for name in SINGLE:
         if name in ds and np.isfinite(ds[name]):
-            units = style.unit(str(ds[name].attrs["units"]))
-            value = f"{style.minus(style.number(float(ds[name])))} {units}".strip()
+            units = labels.unit(str(ds[name].attrs["units"]))
+            value = f"{labels.minus_signs(labels.number(float(ds[name])))} {units}".strip()
             if name == "overlaps":
                 rows.append(("passes through itself", "yes" if float(ds[name]) else "no"))
             elif name == "index":
                 rows.append(("Morse index, 0 where stable", value))
             else:
-                rows.append((style.words(ds[name]), value))
+                rows.append((labels.long_name(ds[name]), value))
     return rows
 
 
 def _source(result: StudyResult) -> dict[str, Any]:
-    """Where a study's numbers are and how well they were solved."""
+    """The file of a study, its method and its errors."""
     ds = result.ds
     error, condition = (np.asarray(ds[name].values, dtype=float) for name in ("error", "condition"))
     return {
@@ -173,7 +173,7 @@ def _versions(results: Sequence[StudyResult], readings: xr.Dataset | None) -> li
 
 
 def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, str]:
-    """A PNG as a data URL of WebP, which needs a fifth of the bytes."""
+    """A PNG as a data URL of WebP, a fifth of the size."""
     packed = BytesIO()
     image.imsave(packed, image.imread(file), format="webp", pil_kwargs=how)
     return {"src": f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}", "alt": alt}

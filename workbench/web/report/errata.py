@@ -1,4 +1,4 @@
-"""The misprints of the paper that a reader with it in hand will meet: where, what is printed, what is right, why."""
+"""The misprints of the paper: where, what is printed, what is right, and why."""
 
 from typing import NamedTuple
 
@@ -62,7 +62,7 @@ ERRATA = (
     Erratum(
         "eq. (36)",
         "one sign of the root",
-        "each sign on its own stretch",
+        "each sign on its own interval",
         "it holds between turning points only: β′ changes its sign at each of them",
     ),
     Erratum(

@@ -1,4 +1,4 @@
-"""What the report says of laws: words, verdicts with their reasons, the claims, and the table of all readings."""
+"""The laws in the report: sentences, verdicts with their reasons, the claims, and the table of all readings."""
 
 import json
 from collections import Counter
@@ -11,25 +11,24 @@ from solver.problem.quantities import quantity
 from studies import reasons
 from studies.laws import DIRECTIONS, FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
-from ...data import law_verdicts
-from ...figures import style
+from ...data import labels, law_verdicts
 
 CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
 
 
 def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
-    """One law and the others that its sentence admits, in words."""
-    words = style.words(ds[row["observable"]])
+    """One law, and the other observables that its sentence admits, as text."""
+    words = labels.long_name(ds[row["observable"]])
     return {
         "claim": row["claim"],
-        "stated": f"{words} {DIRECTIONS[row['direction']].does} with {style.symbol(row['axis'])}",
+        "stated": f"{words} {DIRECTIONS[row['direction']].does} with {labels.axis_symbol(row['axis'])}",
         "name": row["observable"],
         **_verdict(row),
         "fixed": row["fixed"] or "not stated",
         "fixed_note": row["fixed_note"] or "",
         "also": [
             {
-                "stated": style.words(ds[also["observable"]]),
+                "stated": labels.long_name(ds[also["observable"]]),
                 "name": also["observable"],
                 "role": "as plausible:" if also["alternative"] else "or",
                 **_verdict(also),
@@ -43,13 +42,13 @@ def _verdict(row: Mapping[str, Any]) -> dict[str, str]:
     return {
         "verdict": row["verdict"],
         "class": CLASSES[row["verdict"]],
-        "measured": style.minus(law_verdicts.measured(row)),
-        "detail": style.reason(row, law_verdicts.detail(row)),
+        "measured": labels.minus_signs(law_verdicts.measured(row)),
+        "detail": labels.law_text(row, law_verdicts.detail(row)),
     }
 
 
 def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Each claim with the worst verdict of its laws, these laws, and where it is shown."""
+    """Each claim with its laws, their worst verdict, and its section."""
     found: dict[str, dict[str, Any]] = {}
     for section in sections:
         for law in section["laws"]:
@@ -61,7 +60,7 @@ def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 
 def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
-    """The table reading x claim: in each cell the verdict and what was measured."""
+    """The table reading x claim: in each cell the verdict and the measured observables."""
     if readings is None:
         return None
     claims = [str(claim) for claim in readings["claim"].values]
@@ -72,7 +71,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
         for claim, verdict in zip(claims, verdicts, strict=True):
             laws = [row for row in found[str(reading)] if row["claim"] == claim]
             measured = [
-                f"{quantity(row['observable']).symbol} {style.minus(law_verdicts.measured(row))}"
+                f"{quantity(row['observable']).symbol} {labels.minus_signs(law_verdicts.measured(row))}"
                 for row in laws
                 if row["first"]
             ]
@@ -82,7 +81,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
                     "class": CLASSES[str(verdict)],
                     "measured": measured,
                     "reason": sentence(_short(str(verdict), laws)),
-                    "why": style.typeset("; ".join(f"{row['observable']}: {law_verdicts.said(row)}" for row in laws)),
+                    "why": labels.typeset("; ".join(f"{row['observable']}: {law_verdicts.said(row)}" for row in laws)),
                 }
             )
         counts = reasons.counted(Counter(str(verdict) for verdict in verdicts))
@@ -91,13 +90,13 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
 
 
 def sentence(text: str) -> str:
-    """A remark as a sentence of its own; what begins with a letter of physics keeps it."""
-    typeset = style.typeset(text)
+    """A remark as a sentence; a Greek letter at its beginning is kept."""
+    typeset = labels.typeset(text)
     return f"{typeset[0].upper() if typeset[0].isascii() else typeset[0]}{typeset[1:]}." if typeset else ""
 
 
 def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
-    """Why a claim was not put to the test, or how it is qualified."""
+    """Why a claim was not tested, or how it is qualified."""
     if untested := [row["reason"] for row in laws if not row["first"]]:
         return str(untested[0])
     kinds = dict.fromkeys(kind for row in laws for kind in row["qualifications"])

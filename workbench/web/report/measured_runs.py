@@ -1,18 +1,19 @@
-"""Accuracy against cost and the extremes in the report: measured runs, read and drawn and never measured anew here."""
+"""Accuracy against cost and the extremes in the report: stored measurements, which are drawn and not repeated."""
 
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import xarray as xr
+from matplotlib.figure import Figure
 
 from solver.methods import METHODS, available
 from solver.problem.errors import InputError
 
 from ...data import writing
-from ...figures import robustness, work_precision
+from ...figures import canvas, robustness, work_precision
 
 SHIPPED = Path(__file__).parents[2] / "compare" / "measured"  # made with benchmarks/make_measured.py
 CASES = (
@@ -27,7 +28,7 @@ CASES = (
 
 @dataclass(frozen=True)
 class Measured:
-    """A diagram (PNG), what it shows in a sentence, and of which run and machine it is."""
+    """A diagram (PNG), a sentence on what it shows, and the run and machine that it is from."""
 
     name: str
     picture: bytes
@@ -36,19 +37,17 @@ class Measured:
 
 
 def both(folder: Path) -> list[Measured]:
-    """Trade and extremes: of the runs stored in the folder, or else of those that are shipped."""
-    return [one(folder, "trade", _draw_trade, _trade), one(folder, "extremes", robustness.draw, _extremes)]
+    """Trade and extremes, of the runs stored in the folder; default: of those that are shipped."""
+    return [one(folder, "trade", _draw_trade, _trade), one(folder, "extremes", robustness.figure, _extremes)]
 
 
-def one(
-    folder: Path, name: str, draw: Callable[[xr.Dataset, Path], Path], shows: Callable[[xr.Dataset], str]
-) -> Measured:
-    """The diagram of `name`.h5; a file that is none gives way to the shipped one, and the page says why."""
+def one(folder: Path, name: str, draw: Callable[[xr.Dataset], Figure], shows: Callable[[xr.Dataset], str]) -> Measured:
+    """The diagram of `name`.h5; of the shipped run where that cannot be drawn, with the reason."""
     beside, why = Path(folder) / f"{name}.h5", ""
     try:
         if beside.is_file():
             return _made(writing.read(beside, study=False), name, draw, shows, f"{name}.h5 beside this report")
-    except (InputError, KeyError, ValueError) as error:  # a readable file may still lack what is drawn
+    except (InputError, KeyError, ValueError) as error:  # a readable file may still lack variables
         why = f" ({beside.name} beside this report cannot be drawn: {error})"
     shipped = writing.read(SHIPPED / f"{name}.h5", study=False)
     return _made(shipped, name, draw, shows, f"a run that comes with the workbench{why}")
@@ -57,34 +56,34 @@ def one(
 def _made(
     ds: xr.Dataset,
     name: str,
-    draw: Callable[[xr.Dataset, Path], Path],
+    draw: Callable[[xr.Dataset], Figure],
     shows: Callable[[xr.Dataset], str],
-    whence: str,
+    source: str,
 ) -> Measured:
-    with TemporaryDirectory() as folder:
-        picture = draw(ds, Path(folder) / f"{name}.png").read_bytes()
-    return Measured(name, picture, shows(ds), f"{_run(ds)}; {whence}")
+    picture = BytesIO()
+    canvas.save(draw(ds), picture)
+    return Measured(name, picture.getvalue(), shows(ds), f"{_run(ds)}; {source}")
 
 
 def _run(ds: xr.Dataset) -> str:
     versions = json.loads(ds.attrs["versions"])
-    told = ", ".join(f"{name} {versions[name]}" for name in ("python", "numpy", "scipy") if name in versions)
+    named = ", ".join(f"{name} {versions[name]}" for name in ("python", "numpy", "scipy") if name in versions)
     day = str(ds.attrs["created"]).replace("T", " ").removesuffix("+00:00")
-    return f"Measured {day} UTC on {ds.attrs.get('machine', 'a machine that was not stored')}, with {told}"
+    return f"Measured {day} UTC on {ds.attrs.get('machine', 'an unknown machine')}, with {named}"
 
 
-def _draw_trade(ds: xr.Dataset, path: Path) -> Path:
-    """The cases of `CASES` that were measured; of a run with none of them the first few."""
+def _draw_trade(ds: xr.Dataset) -> Figure:
+    """The cases of `CASES` that were measured; of a run without them the first few."""
     there = [str(case) for case in ds["case"].values]
     chosen = [case for case in CASES if case in there] or there[: len(CASES)]
-    return work_precision.figure(ds.sel(case=chosen), "seconds", path)
+    return work_precision.figure(ds.sel(case=chosen), "seconds")
 
 
 def _trade(ds: xr.Dataset) -> str:
     shown = min(ds.sizes["case"], len(CASES))
     return (
         f"{ds.sizes['ladder']} ladders of methods on {ds.sizes['case']} rods, {shown} of them shown: the error that is "
-        "achieved against the seconds of the whole call, as each method’s own knob is turned"
+        "achieved against the seconds of the whole call, over the ladder of each method’s knob"
     )
 
 
@@ -96,11 +95,9 @@ def _extremes(ds: xr.Dataset) -> str:
         if method.knows_orbit and "start" in method.problems and name in ds["method"].values
     ]
     wrong = int((verdict == "inaccurate").sum())
-    honest = (
-        "no answer that is called solved is wrong" if wrong == 0 else f"answers called solved that are wrong: {wrong}"
-    )
+    honest = "no case reported as solved is wrong" if wrong == 0 else f"cases reported as solved but wrong: {wrong}"
     counts = f"Solved by {', by '.join(solved)}; {honest}"
     left = [name for name in available() if name not in ds["method"].values]
     without = f" (not in this run: {', '.join(left)})" if left else ""
     methods = f"{ds.sizes['method']} methods{without}"
-    return f"{ds.sizes['extreme']} named extremes by {methods}. {counts}, and what is not solved says why"
+    return f"{ds.sizes['extreme']} named extremes by {methods}. {counts}, and each unsolved case has a reason"

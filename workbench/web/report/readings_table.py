@@ -32,7 +32,7 @@ def run(
     Over (reading, law): `verdict`, `reason`, `tau`, `first` and `last` (the observable at the ends of its axis, the
     mean over the lines of a grid), `lines`, `lines_hold`, `exceptions`. Over (reading, claim):
     `claim_verdict`, the worst of its laws. Over (reading, panel): `unsolved` cases. Attribute `rows`: for
-    each reading, each law's row as `check.verdicts` gives it, as JSON.
+    each reading, each law's row of `law_verdicts.verdicts`, as JSON.
     """
     studies = panels() if studies is None else list(studies)
     rows: list[list[dict[str, Any]]] = []
@@ -44,7 +44,7 @@ def run(
             step(f"{study.name} {reading}")
             try:
                 ds = in_memory.run(study.under(reading))
-            except InputError as error:  # as where the base rod already ends beyond a followed axis's limit
+            except InputError as error:  # for example where the base rod already ends beyond a followed axis's limit
                 found += [refused(law, str(error)) for law in study.laws]
                 missing.append(study.size)
                 continue

@@ -1,5 +1,5 @@
 "use strict";
-// A small line diagram as SVG. Values in, picture out: nothing here knows what a rod is.
+// A small line diagram as SVG, from values alone.
 
 const WIDE = 400, LEFT = 52, RIGHT = 16, TOP = 6, FOOT = 34, MOST = 1200;
 
@@ -16,8 +16,8 @@ function extent(lists, least = 0) {
   for (const list of lists) for (const v of list) if (Number.isFinite(v)) { low = Math.min(low, v); high = Math.max(high, v); }
   if (!(low <= high)) return [0, 1];
   const size = Math.max(Math.abs(low), Math.abs(high), 1e-300);
-  if (high - low < least) return [(low + high - least) / 2, (low + high + least) / 2]; // less than that says nothing
-  if (high - low < 1e-6 * size) return [low - 0.05 * size, high + 0.05 * size]; // a constant is drawn as one
+  if (high - low < least) return [(low + high - least) / 2, (low + high + least) / 2]; // smaller differences are rounding
+  if (high - low < 1e-6 * size) return [low - 0.05 * size, high + 0.05 * size]; // a constant is drawn as level
   return [low, high];
 }
 

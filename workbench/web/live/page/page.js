@@ -1,19 +1,19 @@
 "use strict";
-// The page: what is typed becomes a state, the server answers with arrays, the arrays are drawn. No mechanics here.
+// The page: the inputs make a state, the server answers with arrays, the arrays are drawn. No mechanics here.
 
 const DEGREE = Math.PI / 180;
 const TYPES = { f4: Float32Array, u1: Uint8Array, u4: Uint32Array };
 const RATIO = [-0.95, 0.5]; // of nu
-const WIDER = 5; // how far a slider goes to either side of what a preset has, as a factor
-const SMOOTH = 6, COARSEST = 3, SLOW = 1.2; // ms that drawing may take while a slider moves; how much coarser it may get, and from where
-const GROWN = 1.3, SHRUNK = 2; // times as large, or small, as when it was faced
-const PATIENCE = { whole: 200, link: 100, numbers: 150, equilibria: 500 }; // ms of rest before what takes longer is asked
+const WIDER = 5; // the ends of a slider, as a factor of the value of the preset
+const SMOOTH = 6, COARSEST = 3, SLOW = 1.2; // ms that drawing may take while a slider moves; largest and smallest factor by which pixels are made larger
+const GROWN = 1.3, SHRUNK = 2; // factors of the size in the last front view
+const PATIENCE = { whole: 200, link: 100, numbers: 150, equilibria: 500 }; // ms of rest before a longer request
 
 const SceneHandle = { inject: ["view"], emits: ["ready"], template: "<span></span>",
   mounted() { this.$nextTick(() => this.$emit("ready", this.view)); } };
 
 class Refused extends Error {
-  constructor(told) { super(told.sentence); this.told = told; }
+  constructor(reply) { super(reply.sentence); this.reply = reply; }
 }
 
 async function post(path, body, signal) {
@@ -25,8 +25,8 @@ async function post(path, body, signal) {
     throw new Refused({ sentence: "The server does not answer; start workbench explore again", field: "" });
   }
   if (!answer.ok) {
-    const isTold = (answer.headers.get("Content-Type") || "").includes("json");
-    throw new Refused(isTold ? await answer.json() : { sentence: await answer.text(), field: "" });
+    const isReply = (answer.headers.get("Content-Type") || "").includes("json");
+    throw new Refused(isReply ? await answer.json() : { sentence: await answer.text(), field: "" });
   }
   return answer;
 }
@@ -43,19 +43,19 @@ const toHash = (data) => btoa(String.fromCharCode(...new TextEncoder().encode(JS
 const fromHash = (text) => JSON.parse(new TextDecoder().decode(Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0))));
 
 const copied = (data) => JSON.parse(JSON.stringify(data));
-let view = null, actors = {}, keys = {}, polygons = {}, waiting = {}, asking = {}, busy = false, again = null; // none of it is to be watched by Vue
+let view = null, actors = {}, keys = {}, polygons = {}, waiting = {}, asking = {}, busy = false, again = null; // not observed by Vue
 
 const app = Vue.createApp({
   components: { SceneHandle },
   data: () => ({
     presets: [], readings: [], preset: "", centre: {}, state: { base: {}, units: {} }, fields: [], head: {}, rows: [], warnings: [],
-    list: [], unlisted: "", searching: false, wrong: { sentence: "", field: "" }, curves: null, took: {}, said: "", studyText: "",
+    list: [], unlisted: "", searching: false, wrong: { sentence: "", field: "" }, curves: null, took: {}, message: "", studyText: "",
     nothing: { points: [0, 0, 0], polys: [1, 0] },
     mouse: [{ button: 1, action: "Rotate" }, { button: 2, action: "Pan" }, { button: 3, action: "Zoom", scrollEnabled: true },
       { button: 1, action: "Pan", shift: true }],
   }),
   watch: {
-    here() { // into sight within the list, without moving the page
+    here() { // scroll the list, not the page
       this.$nextTick(() => {
         const box = this.$refs.list, row = box?.querySelector("tr.here");
         if (row) box.scrollTop = row.offsetTop - (box.clientHeight - row.offsetHeight) / 2;
@@ -75,17 +75,17 @@ const app = Vue.createApp({
     diagrams() {
       const c = this.curves, { length, force } = this.units;
       return [
-        { title: "Unrolled cylinder, seen from outside", x: c.across, y: c.up, xlabel: `ρα [${length}]`, ylabel: `z [${length}]`, equal: this.head.squeeze === 1, least: 1e-6 * this.state.base.L, dot: true, height: 230 },
+        { title: "Developed curve (unrolled cylinder), seen from outside", x: c.across, y: c.up, xlabel: `ρα [${length}]`, ylabel: `z [${length}]`, equal: this.head.squeeze === 1, least: 1e-6 * this.state.base.L, dot: true, height: 230 },
         { title: "Angle from the axis to the tangent", x: c.s, y: c.beta, xlabel: `s [${length}]`, ylabel: "β [°]", least: 0.2 },
         { title: "Potential G and the level h", x: c.angle, y: c.potential, xlabel: "β [°]", ylabel: `G [1/${length}²]`, level: { y: c.level[0], ranges: visited(c.beta) } },
-        { title: "Push of the cylinder per length (shaded: a pull)", x: c.s, y: c.push, xlabel: `s [${length}]`, ylabel: `push [${force}/${length}]`, zero: true, bands: below(c.s, c.push) },
+        { title: "Push of the cylinder per length (shaded: pull)", x: c.s, y: c.push, xlabel: `s [${length}]`, ylabel: `push [${force}/${length}]`, zero: true, bands: below(c.s, c.push) },
       ];
     },
   },
   async mounted() {
-    const told = await (await fetch("/presets")).json();
-    this.presets = told.presets;
-    this.readings = told.readings;
+    const reply = await (await fetch("/presets")).json();
+    this.presets = reply.presets;
+    this.readings = reply.readings;
     window.addEventListener("hashchange", () => this.follow());
     if (!this.follow()) this.begin(this.presets[0].name);
   },
@@ -99,8 +99,8 @@ const app = Vue.createApp({
       this.centre = copied({ ...state.base });
       this.state = state;
       this.list = [];
-      this.unlisted = this.said = "";
-      keys.turn = true; // the camera is set anew
+      this.unlisted = this.message = "";
+      keys.turn = true; // reset the camera
       this.ask({ fresh: true });
     },
     follow() {
@@ -111,11 +111,11 @@ const app = Vue.createApp({
         this.enter(this.presets.some((p) => p.name === preset) ? preset : this.presets[0].name, state);
         return true;
       } catch {
-        this.wrong = { sentence: "This link says nothing that can be read", field: "" };
+        this.wrong = { sentence: "This link is invalid", field: "" };
         return false;
       }
     },
-    // one number of the state: as stored, as shown, as a slider
+    // a number of the state: stored, shown, and on a slider
     span(f) { return (this.presets.find((p) => p.name === this.preset)?.spans || {})[f.name]; },
     range(f) {
       const c = this.centre[f.name];
@@ -138,15 +138,15 @@ const app = Vue.createApp({
       return v === null || v === undefined ? "" : Number((f.kind === "angle" ? v / DEGREE : v).toPrecision(7));
     },
     typed(f, event) {
-      const said = event.target.value, v = Number(said);
-      this.set(f, said === "" ? null : f.kind === "angle" ? v * DEGREE : v);
+      const text = event.target.value, v = Number(text);
+      this.set(f, text === "" ? null : f.kind === "angle" ? v * DEGREE : v);
     },
     set(f, value) { this.state.base[f.name] = value; this.ask(); },
     dropped(f) { return ((this.head.meaning || {})[f.name] || "").includes("dropped"); },
     digits: (v) => written(Number(v.toPrecision(5))),
     ms: (v) => (v === undefined ? "" : `${v.toFixed(1)} ms`),
     looks: (part) => part === "rod" ? { specular: 0.3, specularPower: 25, interpolation: 2, ambient: 0.12, diffuse: 0.9 } : { ambient: 0.5, diffuse: 0.55 },
-    // asking: one request at a time, and of those that wait only the last
+    // one request at a time; of those that wait only the last is sent
     async ask(how = {}) {
       const at = performance.now();
       if (busy) { again = { ...how, fresh: how.fresh || (again || {}).fresh }; return; }
@@ -164,7 +164,7 @@ const app = Vue.createApp({
         this.later(how);
       } catch (error) {
         if (!(error instanceof Refused)) throw error;
-        this.wrong = error.told;
+        this.wrong = error.reply;
       } finally {
         busy = false;
         if (again) { const next = again; again = null; this.ask({ ...next, since: at }); }
@@ -185,30 +185,30 @@ const app = Vue.createApp({
       clearTimeout(waiting.link);
       waiting.link = setTimeout(() => this.link(), PATIENCE.link);
       clearTimeout(waiting.numbers);
-      waiting.numbers = setTimeout(() => this.more("/numbers", (told) => { this.rows = told.rows; this.warnings = told.warnings; }), PATIENCE.numbers);
+      waiting.numbers = setTimeout(() => this.more("/numbers", (reply) => { this.rows = reply.rows; this.warnings = reply.warnings; }), PATIENCE.numbers);
       if (this.head.problem !== "ends") { this.list = []; return; }
       if (how.chosen) return;
       clearTimeout(waiting.list);
       this.searching = true;
-      waiting.list = setTimeout(() => this.more("/equilibria", (told) => this.found(told.rows), (why) => this.found([], why)), PATIENCE.equilibria);
+      waiting.list = setTimeout(() => this.more("/equilibria", (reply) => this.found(reply.rows), (why) => this.found([], why)), PATIENCE.equilibria);
     },
     found(rows, why = "") {
       this.list = rows;
       this.unlisted = why;
       this.searching = false;
-      if (this.head.method === "difference" && this.here >= 0) this.choose(this.here); // followed roughly: now exactly
+      if (this.head.method === "difference" && this.here >= 0) this.choose(this.here); // followed to 1e-6: now solved exactly
     },
-    async more(path, then, refused = (why) => { this.said = why; }) {
+    async more(path, then, refused = (why) => { this.message = why; }) {
       const ticket = this.head.ticket;
       if (asking[path]) asking[path].abort(); // the server then stops that search
       const mine = asking[path] = new AbortController();
       try {
-        const told = await (await post(path, { state: this.state, ticket }, mine.signal)).json();
-        if (ticket === this.head.ticket) then(told);
+        const reply = await (await post(path, { state: this.state, ticket }, mine.signal)).json();
+        if (ticket === this.head.ticket) then(reply);
       } catch (error) {
-        if (mine.signal.aborted) return; // asked anew, also while the answer was on its way
+        if (mine.signal.aborted) return; // a newer request replaced it
         if (!(error instanceof Refused)) throw error;
-        if (ticket === this.head.ticket) refused(error.told.sentence);
+        if (ticket === this.head.ticket) refused(error.reply.sentence);
       }
     },
     async byEnds() {
@@ -225,7 +225,7 @@ const app = Vue.createApp({
     step(by) { this.choose((Math.max(this.here, 0) + by + this.list.length) % this.list.length); },
     refuse(error) {
       if (!(error instanceof Refused)) throw error;
-      this.wrong = error.told;
+      this.wrong = error.reply;
     },
     // the scene
     ready(handle) {
@@ -244,16 +244,16 @@ const app = Vue.createApp({
         for (const [name, role] of [["normals", "setNormals"], ["colours", "setScalars"]]) {
           const array = points.getArrayByName(name);
           array.setData(arrays[`${part}.${name}`], 3);
-          points[role](array); // only once it has three components is it taken
+          points[role](array); // vtk.js takes it only once it has three components
         }
-        if (arrays[`${part}.polygons`]) polygons[part] = { all: arrays[`${part}.polygons`], light: arrays[`${part}.light`] };
-        const some = keys.turn || keys.coarse < SLOW ? polygons[part].all : polygons[part].light || polygons[part].all;
+        if (arrays[`${part}.polygons`]) polygons[part] = { all: arrays[`${part}.polygons`], few: arrays[`${part}.coarse`] };
+        const some = keys.turn || keys.coarse < SLOW ? polygons[part].all : polygons[part].few || polygons[part].all;
         if (data.getPolys().getData() !== some) data.getPolys().setData(some);
         keys[part] = head[`${part}_key`];
         points.modified();
         data.modified();
       }
-      actors.wall.getProperty().setFrontfaceCulling(head.side === "inside"); // cut open: the near half is not there
+      actors.wall.getProperty().setFrontfaceCulling(head.side === "inside"); // cut open: the near half is not drawn
       this.follows();
       view.renderer.resetCameraClippingRange();
       if (keys.turn) { keys.turn = false; this.face(); this.weigh(); } else this.sketch();
@@ -264,7 +264,7 @@ const app = Vue.createApp({
     weigh() {
       const gl = view.openglRenderWindow.get3DContext(), from = performance.now();
       view.renderWindow.render();
-      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits for them
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits until they are drawn
       keys.coarse = Math.min(Math.max(Math.sqrt((performance.now() - from) / SMOOTH), 1), COARSEST);
     },
     sketch() {
@@ -281,7 +281,7 @@ const app = Vue.createApp({
       data.modified();
       view.resize();
     },
-    // what has outgrown the view, or shrunk in it, is seen from as much farther or nearer, from the same side
+    // a rod that has grown or shrunk much is seen from farther or nearer, from the same side
     follows() {
       const { middle, size } = this.extent(), camera = view.renderer.getActiveCamera();
       if (!keys.size || (size < GROWN * keys.size && size > keys.size / SHRUNK)) return;
@@ -299,7 +299,7 @@ const app = Vue.createApp({
       if (!view) return;
       keys.size = this.extent().size;
       const alpha = (this.curves ? this.curves.across[this.curves.across.length >> 1] : 0), [x0, x1, y0, y1, z0, z1] = view.renderer.computeVisiblePropBounds();
-      const { middle } = this.extent(), lift = 0.3; // rad from which one looks down
+      const { middle } = this.extent(), lift = 0.3; // rad by which the camera looks down
       const camera = view.renderer.getActiveCamera(), turn = Number.isFinite(alpha) ? alpha / Math.max(x1, 1e-12) : 0;
       camera.setParallelProjection(true);
       camera.set({ focalPoint: middle, viewUp: [0, 0, 1], position: [middle[0] + Math.cos(turn), middle[1] + Math.sin(turn), middle[2] + Math.tan(lift)] });
@@ -310,7 +310,7 @@ const app = Vue.createApp({
       view.style.setCenterOfRotation(middle);
       view.renderWindow.render();
     },
-    // taking it along
+    // downloads
     save(data, type, name) {
       const url = URL.createObjectURL(data instanceof Blob ? data : new Blob([data], { type }));
       Object.assign(document.createElement("a"), { href: url, download: name }).click();
@@ -321,17 +321,17 @@ const app = Vue.createApp({
       view.renderWindow.render();
       const bytes = Uint8Array.from(atob((await made).split(",")[1]), (c) => c.charCodeAt(0));
       this.save(bytes, "image/png", `${this.preset}.png`);
-      this.said = "The picture is in your downloads.";
+      this.message = "The picture is saved in your downloads.";
     },
     async download(kind) {
-      this.said = "";
+      this.message = "";
       try {
         const answer = await post("/download", { kind, state: this.state, ticket: this.head.ticket });
         this.save(await answer.blob(), "", `${this.preset}.${kind}`);
-        this.said = `${kind.toUpperCase()} is in your downloads.`;
+        this.message = `The ${kind.toUpperCase()} file is saved in your downloads.`;
       } catch (error) {
         if (!(error instanceof Refused)) throw error;
-        this.said = error.told.sentence;
+        this.message = error.reply.sentence;
       }
     },
     async copyStudy() {
@@ -345,13 +345,13 @@ const app = Vue.createApp({
     async copy(text, then) {
       try {
         await navigator.clipboard.writeText(text);
-        this.said = then;
-      } catch { this.said = "The browser does not let the page copy; take it from the address bar or the text."; }
+        this.message = then;
+      } catch { this.message = "The browser does not allow copying; copy the address bar or the text by hand."; }
     },
   },
 });
 
-// the stretches of beta that the rod visits, brought into one turn [degrees]
+// the intervals of beta along the rod, within one rotation [degrees]
 function visited(beta) {
   let low = Infinity, high = -Infinity;
   for (const b of beta) { low = Math.min(low, b); high = Math.max(high, b); }
@@ -361,7 +361,7 @@ function visited(beta) {
   return high <= 180 ? [[low, high]] : [[low, 180], [-180, high - 360]];
 }
 
-// the stretches of s on which values are below zero
+// the intervals of s on which values are negative
 function below(s, values) {
   const found = [];
   let from = null;

@@ -1,9 +1,9 @@
 "use strict";
-// The view in the report: vtk.js and the scene are unpacked from the page itself, nothing is asked of anyone. The still
-// picture stays where the browser has no WebGL, where scripts are off, and on paper.
+// The interactive view in the report: vtk.js and the scene are unpacked from the page itself, no address is contacted. The
+// still picture stays where the browser has no WebGL, where scripts are off, and on paper.
 
-const ABOVE = 0.3; // rad from which one looks down
-const LYING = 1.3; // how much taller than wide a rod is laid on its side, where the page is wide
+const ABOVE = 0.3; // rad by which the camera looks down
+const LYING = 1.3; // how much taller than wide a rod must be to be laid on its side, where the page is wide
 const STEP = 1.25; // of a press on + or -
 const MOUSE = [{ button: 1, action: "Rotate" }, { button: 2, action: "Pan" }, { button: 3, action: "Zoom", scrollEnabled: true },
   { button: 1, action: "Pan", shift: true }];
@@ -18,10 +18,10 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 const plus = (a, s, b) => a.map((value, i) => value + s * b[i]);
 const unit = (a) => { const size = Math.sqrt(dot(a, a)); return a.map((value) => value / size); };
 
-// a component beside vtk.js's own: it hands out the view once it is there
+// a component beside those of vtk.js that hands out the view once it exists
 const Handle = (ready) => ({ inject: ["view"], mounted() { this.$nextTick(() => ready(this.view)); }, render: () => null });
 
-function mounted(stage, parts, ready) {
+function mounted(viewport, parts, ready) {
   const handle = Handle(ready), empty = { points: [0, 0, 0], polys: [1, 0] };
   const app = Vue.createApp({
     render() {
@@ -34,7 +34,7 @@ function mounted(stage, parts, ready) {
     },
   });
   app.use(vue_vtk);
-  app.mount(stage);
+  app.mount(viewport);
 }
 
 const looks = (part) => part.name === "wall"
@@ -51,16 +51,16 @@ function fill(view, parts) {
     data.getPoints().setData(new Float32Array(part.points), 3);
     const normals = values.getArrayByName("normals");
     normals.setData(new Float32Array(part.normals), 3);
-    values.setNormals(normals); // only once it has three components is it taken
+    values.setNormals(normals); // vtk.js takes it only once it has three components
     data.getPolys().setData(new Uint32Array(part.polygons));
     values.modified();
     data.modified();
   }
 }
 
-// The camera before the rod, turned about its axis by an angle; as near as the box allows
-function face(stage, view, scene, turned) {
-  const wide = stage.clientWidth, high = stage.clientHeight; // the view itself learns its size only later
+// The camera in front of the rod, turned about the axis by an angle; as near as the box allows
+function face(viewport, view, scene, turned) {
+  const wide = viewport.clientWidth, high = viewport.clientHeight; // the view itself gets its size only later
   const [x0, x1, y0, y1, z0, z1] = view.renderer.computeVisiblePropBounds();
   const lies = wide > high && z1 - z0 > LYING * (x1 - x0);
   const angle = scene.azimuth + turned, out = [Math.cos(angle), Math.sin(angle), 0], axis = [0, 0, 1];
@@ -93,31 +93,31 @@ function drawn(view) {
   view.renderWindow.render();
 }
 
-// The page scrolls over the view until it is touched, and when it is left again.
-function behave(stage, view) {
+// The wheel scrolls the page until the view is touched, and again once the pointer has left it.
+function behave(viewport, view) {
   let held = false;
-  stage.addEventListener("pointerdown", () => { held = true; }, true);
-  stage.addEventListener("pointerleave", () => { held = false; });
-  stage.addEventListener("wheel", (event) => { if (!held && !event.ctrlKey) event.stopPropagation(); }, true);
+  viewport.addEventListener("pointerdown", () => { held = true; }, true);
+  viewport.addEventListener("pointerleave", () => { held = false; });
+  viewport.addEventListener("wheel", (event) => { if (!held && !event.ctrlKey) event.stopPropagation(); }, true);
   view.openglRenderWindow.getContainer().style.touchAction = "pan-y";
 }
 
 async function begin(figure) {
-  const stage = figure.querySelector(".stage"), said = figure.querySelector(".said");
-  if (!document.createElement("canvas").getContext("webgl2")) { said.textContent = "This browser has no WebGL, so only the still picture is here."; return; }
+  const viewport = figure.querySelector(".viewport"), message = figure.querySelector(".message");
+  if (!document.createElement("canvas").getContext("webgl2")) { message.textContent = "This browser has no WebGL, so only the still picture is shown."; return; }
   for (const id of ["vue.js", "vtk.js"]) document.head.append(Object.assign(document.createElement("script"), { textContent: await unpacked(id) }));
   const scene = JSON.parse(await unpacked("scene"));
   figure.classList.add("live", "ready");
   let turned = 0, untouched = true;
-  mounted(stage, scene.parts, (view) => settled(() => { // its parts are made anew and its camera is reset until then
+  mounted(viewport, scene.parts, (view) => settled(() => { // until then its parts are replaced and its camera is reset
     fill(view, scene.parts);
-    behave(stage, view);
-    const turn = (angle) => { turned = angle; untouched = true; face(stage, view, scene, turned); };
+    behave(viewport, view);
+    const turn = (angle) => { turned = angle; untouched = true; face(viewport, view, scene, turned); };
     const acts = { front: () => turn(0), side: () => turn(-Math.PI / 2), nearer: () => nearer(view, STEP),
       farther: () => nearer(view, 1 / STEP), still: () => figure.classList.toggle("live") };
     for (const button of figure.querySelectorAll("button")) button.addEventListener("click", acts[button.name]);
-    stage.addEventListener("pointerdown", () => { untouched = false; }, true);
-    new ResizeObserver(() => settled(() => { if (untouched && stage.clientWidth) turn(turned); })).observe(stage);
+    viewport.addEventListener("pointerdown", () => { untouched = false; }, true);
+    new ResizeObserver(() => settled(() => { if (untouched && viewport.clientWidth) turn(turned); })).observe(viewport);
     turn(0);
     figure.view = view;
   }));

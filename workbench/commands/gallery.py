@@ -1,4 +1,4 @@
-"""The command gallery: one picture of every kind of scene, small enough for a page of documentation."""
+"""The command gallery: one small picture of every kind of scene."""
 
 from pathlib import Path
 
@@ -8,11 +8,10 @@ from studies.loader import loads
 
 from ..data import writing
 from ..run import in_memory
-from ..scene import kinds
-from . import console
-from .plot_and_scene import free_picture
+from ..scene import kinds, opengl
+from . import console, output_file
 
-DPI = 100  # 800 x 600 for one case: what half of the usual size is
+DPI = 100  # 800 x 600 for one case, half of the default
 INSIDE = """
 title = "A soft rod inside a tube, pushed"
 outputs = ["beta", "alpha", "z"]
@@ -46,12 +45,10 @@ LONGEST = LONG.replace("forty", "two thousand").replace("8001", "100001").replac
 
 
 def draw_all(out: Path, force: bool) -> int:
-    """Solve what is shown and draw it into a folder; 0, or 1 where this machine cannot. Raises `InputError`."""
-    from ..scene import opengl
-
+    """Solve and draw the pictures into a folder; 0, or 1 where OpenGL does not work. Raises `InputError`."""
     writing.check_folder(out)
     names = [*kinds.KINDS, "inside", "long", "longest"]
-    paths = {name: free_picture(out / f"{name}.png", (".png",), force) for name in names}
+    paths = {name: output_file.check(out / f"{name}.png", (".png",), force) for name in names}
     able, advice = opengl.probe()
     if not able:
         console.warn(advice)
@@ -65,11 +62,11 @@ def draw_all(out: Path, force: bool) -> int:
     solved = {name: in_memory.run(loads(text, default_name="rod")) for name, text in own.items()}
     study = load("fig7_4_end_angle")
     case = ends_problem(study)
-    shapes = dataset_of(study, case, equilibria(case))
-    solved |= {"ghosts": row, "grid": table, "equilibria": shapes}
+    every = dataset_of(study, case, equilibria(case))
+    solved |= {"ghosts": row, "grid": table, "equilibria": every}
     for name, path in paths.items():
         axes = ["F1", "F3"] if name == "grid" else []
-        look = composition.Look(dpi=150 if name == "longest" else DPI)
-        layout.render(solved.get(name, one), path, None, "contact" if name in own else name, axes, look=look)
+        settings = composition.Settings(dpi=150 if name == "longest" else DPI)
+        layout.render(solved.get(name, one), path, None, "contact" if name in own else name, axes, settings=settings)
         console.say(str(path))
     return 0

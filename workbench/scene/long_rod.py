@@ -1,25 +1,34 @@
-"""A long rod in lines, as a text is: each goes on where the one above it ends, all at one scale. No OpenGL."""
+"""A long rod set in lines, as text is: each line continues the one above it, all at one scale. No OpenGL."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..figures import style
-from ..geometry.tube import TALLEST, Body
-from .page_layout import Cell
+from ..data import labels
+from .body import TALLEST, Body
+from .page import Cell
 
 PITCH = 1.5  # from line to line, in widths of the rod on its cylinder
-THINNEST = 4.0  # pixels that a cylinder is wide; below, nothing of its rod is seen
+THINNEST = 4.0  # width of a cylinder in pixels; below, nothing of its rod is seen
 MOST = 500  # lines that are tried
-NAMED = 12  # lines at most that say where they begin
-ROOM = 0.98  # of a line is for the rod that is cut to fit, as its swings are not known before
+LABELLED = 12  # lines at most that carry the arc length at which they begin
+ROOM = 0.98  # of a line is for the rod that is cut to fit, as its bends at the cuts are not known before
 
 
 @dataclass(frozen=True)
 class Lines:
-    """How rods are set: in how many lines, how much arc is on each [length] where not all of the rod is (else 0), how
-    many pixels a length, and between which heights each line's cylinder stands."""
+    """How rods are set in lines.
+
+    Attributes
+    ----------
+    each
+        The arc on each line [length] where parts of the rod are left out, else 0.
+    per_unit
+        Pixels per length.
+    ends
+        The heights between which each line's cylinder stands [length].
+    """
 
     count: int
     each: float
@@ -34,30 +43,30 @@ class Lines:
         return [replace(body, span=(float(start), min(float(start + each), high))) for start in starts]
 
     def cells(self, pieces: Sequence[Body], unit: str) -> list[Cell]:
-        """What stands before each line: of some, where it begins."""
-        every = -(-self.count // NAMED)
-        begins = [style.number(piece.span[0]) for piece in pieces]
-        named = [f"s = {at} {unit}" if k == 0 else at if k % every == 0 else "" for k, at in enumerate(begins)]
-        return [Cell("", before=text) for text in named]
+        """The cell of each line; before some of them the arc length at which the line begins."""
+        every = -(-self.count // LABELLED)
+        begins = [labels.number(piece.span[0]) for piece in pieces]
+        texts = [f"s = {at} {unit}" if k == 0 else at if k % every == 0 else "" for k, at in enumerate(begins)]
+        return [Cell("", before=text) for text in texts]
 
-    def told(self, pieces: Sequence[Body], unit: str) -> list[str]:
-        """How the lines are read, and what is not seen."""
+    def notes(self, pieces: Sequence[Body], unit: str) -> list[str]:
+        """How the lines are read, and which parts are left out."""
         if not self.each:
             return [f"{self.count} lines, one after the other"]
-        low, high = (style.number(v) for v in (self.each, pieces[-1].span[1] - pieces[0].span[0]))
-        return [f"only {self.count} stretches of {low} {unit}", f"each, spread over {high} {unit}"]
+        low, high = (labels.number(v) for v in (self.each, pieces[-1].span[1] - pieces[0].span[0]))
+        return [f"only {self.count} pieces of {low} {unit} each,", f"spread over {high} {unit}"]
 
 
 def is_long(bodies: Sequence[Body]) -> bool:
-    """Whether one of the rods would be a hair in one view."""
+    """Whether one of the rods would be too thin to see in one view."""
     return any(np.ptp(body.z) > TALLEST * 2 * body.reach for body in bodies)
 
 
 def lines_for(bodies: Sequence[Body], room: tuple[int, int]) -> Lines:
-    """The lines in which rods on one cylinder are largest in a room of pixels, the same for all of them.
+    """The lines in which rods on one cylinder are largest in a room of pixels (width, height), the same for all rods.
 
-    Where a cylinder would then be less than `THINNEST` pixels wide there are as many lines as that leaves, and
-    stretches of the rod on them.
+    Where a cylinder would then be less than `THINNEST` pixels wide, it has that width, and the lines show pieces of the
+    rod only.
     """
     wide = 2 * bodies[0].reach
     beyond = bodies[0].a + 0.3 * bodies[0].R

@@ -1,7 +1,7 @@
-"""Searches of the live page, each in a process of its own that is killed when nobody waits for its answer any more.
+"""Searches of the live page, each in a process of its own that is killed once the client has left.
 
-A search is NumPy code that nothing can interrupt from outside, and takes memory in proportion to what it finds; a
-process gives all of it back. What may take long therefore never runs in the server itself.
+A search is NumPy code that cannot be interrupted from outside, and its memory grows with what it finds; a process that
+ends frees all of it. So no long search runs in the server itself.
 """
 
 import asyncio
@@ -15,25 +15,25 @@ from solver.problem.errors import InputError
 
 from ...run import worker_processes
 
-AT_ONCE, WAITING = 2, 16  # searches that run, and that wait for their turn
-MEMORY = 3 * 2**30  # bytes of addresses that a search may take, those of its libraries among them
-LOOK = 0.1  # seconds between two looks at whether the client is still there
+AT_ONCE, WAITING = 2, 16  # searches that run, and that wait
+MEMORY = 3 * 2**30  # bytes of address space of a search, its libraries included
+INTERVAL = 0.1  # seconds between two checks whether the client is still connected
 
-MANY = "too many searches wait already; ask again in a while"
-NO_FLOAT = "numbers as large or as small as these cannot be computed with"  # finite when asked, but not their powers
-TOO_LARGE = "this search takes more memory than the page gives it: workbench equilibria has no such bound"
+MANY = "too many searches are waiting; try again later"
+NO_FLOAT = "these numbers are too large or too small to compute with"  # they are finite, but not their powers
+TOO_LARGE = "this search needs more memory than the page allows; workbench equilibria has no such limit"
 
 
 class Failed(Exception):
-    """A search that ended otherwise than with an answer or a refusal; says how."""
+    """A search that ended without an answer; its message says how."""
 
 
-class Gone(Exception):
-    """The client left before the answer was there."""
+class ClientLeft(Exception):
+    """The client left before the answer was ready."""
 
 
 class Tasks:
-    """At most `AT_ONCE` processes at a time; who comes beyond `WAITING` more is refused."""
+    """At most `AT_ONCE` processes at a time, and `WAITING` searches in a queue; further ones are refused."""
 
     def __init__(self) -> None:
         self._turn = asyncio.Semaphore(AT_ONCE)
@@ -41,10 +41,10 @@ class Tasks:
         self.running: set[Any] = set()
 
     async def run(self, wanted: Callable[[], bool], function: Callable[..., Any], *args: Any) -> Any:
-        """What the function (of a module, as it is sent by name) returns for these arguments.
+        """The result of a function (of a module, as it is sent by name) for these arguments.
 
-        wanted: whether somebody still waits for it. Raises `InputError` for what the function refuses and where there
-        are too many, `Failed` for what else it raises, `Gone` once nobody waits.
+        wanted: whether the client is still connected. Raises `InputError` where the function does or the queue is full,
+        `Failed` for its other errors, `ClientLeft` once the client has left.
         """
         if self._asked >= AT_ONCE + WAITING:
             raise InputError(MANY)
@@ -67,7 +67,7 @@ class Tasks:
         self.running.add(process)
         try:
             while not pipe.poll():
-                await _pause(wanted, LOOK / 10)
+                await _pause(wanted, INTERVAL / 10)
             kind, answer = await asyncio.to_thread(_received, pipe)
         finally:
             self.running.discard(process)
@@ -81,9 +81,9 @@ class Tasks:
         return answer
 
 
-async def _pause(wanted: Callable[[], bool], seconds: float = LOOK) -> None:
+async def _pause(wanted: Callable[[], bool], seconds: float = INTERVAL) -> None:
     if not wanted():
-        raise Gone
+        raise ClientLeft
     await asyncio.sleep(seconds)
 
 
@@ -96,24 +96,24 @@ def _received(pipe: Connection) -> tuple[str, Any]:
 
 
 def _work(pipe: Connection, function: Callable[..., Any], args: Any) -> None:
-    """The life of a process: one call."""
+    """One call, and its result through the pipe."""
     _bound()
     try:
-        told = ("done", function(*args))
+        answer = ("done", function(*args))
     except InputError as error:
-        told = ("refused", str(error))
+        answer = ("refused", str(error))
     except ArithmeticError:
-        told = ("refused", NO_FLOAT)
+        answer = ("refused", NO_FLOAT)
     except MemoryError:
-        told = ("refused", TOO_LARGE)
+        answer = ("refused", TOO_LARGE)
     except Exception as error:
-        told = ("failed", f"{type(error).__name__}: {error}")
+        answer = ("failed", f"{type(error).__name__}: {error}")
     with contextlib.suppress(OSError):
-        pipe.send(told)
+        pipe.send(answer)
 
 
 def _bound() -> None:
-    """Take no more memory than `MEMORY`, where the system can be told so."""
+    """Limit the memory to `MEMORY`, where the system supports that."""
     try:
         import resource
     except ImportError:

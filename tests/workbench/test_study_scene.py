@@ -9,7 +9,7 @@ import pytest
 from solver.problem.errors import InputError
 from tests.workbench import small
 from tests.workbench.pictures import pixels
-from workbench.commands import needed_cases, plot_and_scene
+from workbench.commands import scene, study_scene
 from workbench.data import writing
 from workbench.run import in_memory
 from workbench.scene import kinds, opengl
@@ -35,49 +35,49 @@ def solved(monkeypatch) -> list:
 
 
 def test_only_the_cases_that_are_shown_and_what_their_kind_reads_are_solved(file) -> None:
-    study, ds = needed_cases.rough(file)
-    one = needed_cases.only(study, ds, kinds.KINDS["curvature"], {"E": 2e4}, [])
+    study, ds = study_scene.two_stations(file)
+    one = study_scene.needed_cases(study, ds, kinds.KINDS["curvature"], {"E": 2e4}, [])
     assert (one.size, one.axes["E"].values) == (1, [2e4])
     assert set(one.outputs) == {"beta", "dbeta", "alpha", "z"}
     assert one.wanted == []
-    assert set(needed_cases.only(study, ds, kinds.KINDS["twist"], {}, []).outputs) == {
+    assert set(study_scene.needed_cases(study, ds, kinds.KINDS["twist"], {}, []).outputs) == {
         "beta",
         "dbeta",
         "alpha",
         "z",
         "gamma",
     }
-    row = needed_cases.only(study, ds, kinds.KINDS["ghosts"], {"F1": 4.0}, ["E"])
+    row = study_scene.needed_cases(study, ds, kinds.KINDS["ghosts"], {"F1": 4.0}, ["E"])
     assert {name: axis.values for name, axis in row.axes.items()} == {"E": [1e4, 2e4, 3e4], "F1": [4.0]}
 
 
 def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
     pytest.importorskip("vtkmodules")
-    from workbench.scene.composition import TooFew
+    from workbench.scene.composition import TooFewStations
 
-    study, _ = needed_cases.rough(file)
+    study, _ = study_scene.two_stations(file)
     solved.clear()
 
     def draw(ds, exactly):
         n = ds.sizes["u"]
         if exactly and n < 100:
-            raise TooFew("too few", 3 * n)
-        return SimpleNamespace(off=0.5)
+            raise TooFewStations("too few", 3 * n)
+        return SimpleNamespace(error=0.5)
 
-    _, stations = needed_cases.at_need(study, draw)
-    assert [s.stations for s in solved] == [needed_cases.FIRST, 3 * needed_cases.FIRST, 9 * needed_cases.FIRST]
-    assert stations == 9 * needed_cases.FIRST
+    _, stations = study_scene.at_needed_stations(study, draw)
+    assert [s.stations for s in solved] == [study_scene.FIRST, 3 * study_scene.FIRST, 9 * study_scene.FIRST]
+    assert stations == 9 * study_scene.FIRST
 
 
 @draws
 def test_a_study_is_drawn_as_its_file_is_and_finer_takes_more_stations(file, solved, tmp_path, capsys) -> None:
     def draw(what: Path, name: str, error: float) -> np.ndarray:
         out = tmp_path / name
-        assert plot_and_scene.scene_file(what, ["E=2e4", "F1=4"], out, kind="plain", pixel_error=error, dpi=60) == 0
+        assert scene.scene_file(what, ["E=2e4", "F1=4"], out, kind="plain", pixel_error=error, dpi=60) == 0
         return (255 * pixels(out)).round().astype(int)
 
     stored = tmp_path / "stored.h5"
-    writing.write(in_memory.run(needed_cases.load(file)), stored)
+    writing.write(in_memory.run(study_scene.load(file)), stored)
     solved.clear()
     one, other = draw(file, "one.png", 1.0), draw(stored, "other.png", 1.0)
     assert len(solved) <= 3  # the ends of all, and the one that is shown once or twice
@@ -90,23 +90,23 @@ def test_a_study_is_drawn_as_its_file_is_and_finer_takes_more_stations(file, sol
 
 def test_a_file_goes_before_a_study_of_its_name(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert needed_cases.is_study(Path("fig6"))
+    assert study_scene.is_study(Path("fig6"))
     Path("fig6").write_text("")
-    assert not needed_cases.is_study(Path("fig6"))
-    assert not needed_cases.is_study(Path("mine.h5"))
+    assert not study_scene.is_study(Path("fig6"))
+    assert not study_scene.is_study(Path("mine.h5"))
 
 
 def test_a_study_of_too_many_cases_is_refused_before_it_is_solved(tmp_path, solved) -> None:
     path = tmp_path / "many.toml"
     path.write_text(small.study("[axes.E]\nfrom = 1e4\nto = 2e4\ncount = 10001\n", "").text)
     with pytest.raises(InputError, match=r"10001 cases.*workbench run"):
-        needed_cases.rough(path)
+        study_scene.two_stations(path)
     assert not solved
 
 
 def test_a_name_that_is_no_study_is_told_the_studies(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match="no study 'fig7_1', did you mean 'fig7_1_modulus'; choose from fig6, "):
-        plot_and_scene.scene_file(Path("fig7_1"), [], None)
+        scene.scene_file(Path("fig7_1"), [], None)
     with pytest.raises(InputError, match=r"file not found: fig7_1\.h5"):
-        plot_and_scene.scene_file(Path("fig7_1.h5"), [], None)
+        scene.scene_file(Path("fig7_1.h5"), [], None)

@@ -1,12 +1,8 @@
-"""What is known at each station: as CSV with units in the header, and as VTP with every quantity as point data."""
+"""Every quantity at the stations of a stored rod, with its unit: the columns of CSV and VTP."""
 
-import csv
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from solver.mechanics import frames, statics
 from solver.mechanics.contact import contact_force
@@ -15,6 +11,7 @@ from solver.problem.quantities import QUANTITIES, unit_of
 
 from ..data import schema
 from ..geometry.centreline import Array, Centreline
+from .base import Rod
 
 # columns before all others, whatever the study stores
 FIRST = ("s", "x", "y", "z", "alpha", "beta", "dbeta")
@@ -30,10 +27,11 @@ class Column:
     words: str
 
 
-def columns(ds: xr.Dataset, where: dict[str, int], line: Centreline) -> list[Column]:
+def columns(rod: Rod) -> list[Column]:
     """Every quantity at the stations: what is stored, and what follows from it by the equations of statics."""
+    ds, line = rod.ds, rod.line
     units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
-    one = ds.isel(where)
+    one = ds.isel(rod.where)
     known = computed(line)
     for stored, array in one.data_vars.items():
         name = schema.CURVES.get(str(stored), str(stored))
@@ -51,7 +49,7 @@ def columns(ds: xr.Dataset, where: dict[str, int], line: Centreline) -> list[Col
 
 
 def computed(line: Centreline) -> dict[str, Array]:
-    """What the angles at the stations and the loads fix, (n,) each."""
+    """What the angles at the stations and the loads determine, (n,) each."""
     A, l, m, p, rho, beta, dbeta = line.A, line.l, line.m, line.p, line.rho, line.beta, line.dbeta
     FY = statics.circumferential_force(A, l, m, rho, beta)
     F2, F3 = statics.surface_forces(FY, A * p, beta)
@@ -64,31 +62,3 @@ def computed(line: Centreline) -> dict[str, Array]:
         "M1": A * dbeta, "M2": A * np.sin(beta) ** 2 / rho,
         "h": dbeta**2 + potential(reduced, beta) / rho**2,
     }  # fmt: skip
-
-
-def write_csv(path: Path, found: list[Column]) -> None:
-    """One row a station; the header names each quantity with its unit: ``beta [rad]``. Numbers in full precision."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow([f"{c.name} [{c.unit}]" if c.unit != "1" else c.name for c in found])
-        writer.writerows(np.stack([c.values for c in found], axis=-1).tolist())
-
-
-def write_vtp(path: Path, found: list[Column], line: Centreline, told: dict[str, Any]) -> None:
-    """The centreline as a polyline with every quantity, the frame and the radius as point data.
-
-    told: what is said of the case, stored as field data beside the units.
-    """
-    import pyvista as pv
-
-    place = frames.position(line.rho, line.alpha, line.z)
-    shape = pv.PolyData(place, lines=np.concatenate([[len(place)], np.arange(len(place))]))
-    for column in found:
-        shape.point_data[column.name] = column.values
-    shape.point_data["radius"] = np.full(len(place), line.a)  # for a tube filter
-    shape.point_data["tangent"] = frames.tangent(line.alpha, line.beta)
-    shape.point_data["outward"] = frames.outward(line.alpha)
-    shape.field_data["units"] = [f"{c.name}: {c.unit}" for c in found]
-    for name, value in told.items():
-        shape.field_data[name] = [value]
-    shape.save(path)

@@ -1,7 +1,7 @@
-"""A scene of a study that is not stored: solved at as many stations as the picture needs, and nothing else is computed.
+"""A scene of a study that is not stored: its cases are solved at as many stations as the picture needs.
 
-The rods are solved at a few stations, the camera is set up, and if its pixels ask for more, again at as many as they
-ask for. What is solved is a dataset like any other, and drawing reads it like any other.
+The rods are solved at a few stations, and the camera is set up; where its pixels need more stations, the rods are
+solved again at as many. The result is a dataset like any other, and is drawn like any other.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,20 +21,20 @@ from ..run.plan import plan
 from ..scene.kinds import Kind
 
 if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
-    from ..scene.composition import Taken
+    from ..scene.composition import Picture
 
-FIRST = 21  # stations that are tried
-ROUNDS = 12  # each finds some six times as many stations where the first missed the bends
+FIRST = 21  # stations that are tried first
+ROUNDS = 12  # each finds some six times as many stations where the round before missed the bends
 MOST_CASES = 10_000
 
 
 def is_study(file: Path) -> bool:
-    """Whether a study is meant, by its name or its TOML file, and not a stored dataset."""
+    """Whether the path means a study, by its name or its TOML file, and not a stored dataset."""
     return file.suffix == ".toml" or not (file.exists() or file.suffix)
 
 
-def rough(file: Path) -> tuple[Study, xr.Dataset]:
-    """The study, and its cases at their two ends only, from which those that are drawn are chosen.
+def two_stations(file: Path) -> tuple[Study, xr.Dataset]:
+    """The study, and its dataset at two stations a case, from which the cases that are drawn are chosen.
 
     Raises `InputError`, also for more cases than are solved for one picture.
     """
@@ -44,16 +44,16 @@ def rough(file: Path) -> tuple[Study, xr.Dataset]:
             f"{study.name} has {study.size} cases, and at most {MOST_CASES} are solved for a picture: store it with "
             "workbench run, and draw the file"
         )
-    ds = in_memory.run(_lean(study, ()).at_stations(2))
-    return study, ds.assign_attrs(laws=schema.laws_text(study))  # they say where an axis is held
+    ds = in_memory.run(_with_outputs(study, ()).at_stations(2))
+    return study, ds.assign_attrs(laws=schema.laws_text(study))  # they fix where an axis is held
 
 
-def only(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: Sequence[str]) -> Study:
-    """The study with the cases that a scene shows, and the outputs that its kind reads.
+def needed_cases(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: Sequence[str]) -> Study:
+    """The study with the cases that a scene shows and the outputs that its kind reads.
 
-    ds: as of `rough`. shown: the axes of which all cases are shown.
+    ds: as of `two_stations`. shown: the axes of which all cases are shown.
     """
-    lean = _lean(study, kind.reads | {"dbeta"})
+    lean = _with_outputs(study, kind.reads | {"dbeta"})
     if study.follow is not None:
         return lean
     where = selection.case(ds, at)
@@ -65,23 +65,23 @@ def only(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: 
     return part.part_of(plan(study).spine) if study.sweeps else part
 
 
-def at_need(study: Study, draw: Callable[[xr.Dataset, bool], "Taken"]) -> tuple["Taken", int]:
-    """What `draw` makes of the study's dataset at the stations that it asks for, and how many these are.
+def at_needed_stations(study: Study, draw: Callable[[xr.Dataset, bool], "Picture"]) -> tuple["Picture", int]:
+    """The picture of the study's dataset at the stations that it needs, and their number.
 
-    draw: takes the dataset, and whether it shall raise `taking.TooFew` rather than draw less well than asked.
+    draw: takes the dataset, and whether it raises `composition.TooFewStations` rather than draw less well than asked.
     """
-    from ..scene.composition import TooFew
+    from ..scene.composition import TooFewStations
 
     stations = FIRST
     for _ in range(ROUNDS):
         try:
             return draw(in_memory.run(study.at_stations(stations)), stations < MAX_STATIONS), stations
-        except TooFew as error:
+        except TooFewStations as error:
             stations = min(max(error.stations, stations + 1), MAX_STATIONS)
     return draw(in_memory.run(study.at_stations(MAX_STATIONS)), False), MAX_STATIONS
 
 
-def _lean(study: Study, outputs: Any) -> Study:
+def _with_outputs(study: Study, outputs: Any) -> Study:
     return study.model_copy(
         update={"outputs": [name for name in OUTPUTS if name in outputs], "observables": [], "laws": []}
     )

@@ -1,0 +1,30 @@
+"""The command export: one stored rod as a file for other programs."""
+
+from pathlib import Path
+
+from ..data import writing
+from ..export import stored_rod
+from ..export.base import Options
+from ..export.formats import format_of
+from . import at_option, console
+
+
+def export_file(
+    file: Path, at: list[str], out: Path, tolerance: float | None, line: bool, overlap: bool, force: bool, json: bool
+) -> int:
+    """Export a case of a stored dataset; 0, or 1 where a real rod could not have its shape. Raises `InputError`."""
+    format_of(out)  # before a large file is read
+    ds = writing.read(file)
+    done = stored_rod.export(ds, out, Options(at_option.values(ds, at), tolerance, line, overlap), force)
+    status = 1 if done.warnings else 0
+    for warning in done.warnings:
+        console.warn(warning)
+    if json:
+        data = {"file": str(done.path), "at": done.at, **done.facts, "warnings": done.warnings, "status": status}
+        console.print_json(data)
+        return status
+    where = ", ".join(f"{name}={value:g}" for name, value in done.at.items())
+    facts = ", ".join(f"{key} {value:g}" if isinstance(value, float) else f"{key} {value}"
+                      for key, value in done.facts.items())  # fmt: skip
+    console.say(f"{done.path}{f' at {where}' if where else ''}: {facts}")
+    return status

@@ -1,0 +1,89 @@
+"""The command scene: a stored dataset, or a study, drawn in three dimensions."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import xarray as xr
+
+from solver.problem.errors import InputError
+
+from ..data import reading, schema, selection, writing
+from ..scene import kinds, opengl
+from . import at_option, console, output_file, study_scene
+
+if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
+    from ..scene.composition import Picture
+
+SUFFIXES = (".png", ".jpg")
+
+
+def scene_file(
+    file: Path, at: list[str], out: Path | None, force: bool = False, kind: str | None = None,
+    axes: list[str] | None = None, along: str | None = None, span: tuple[float | None, float | None] = (None, None),
+    pixel_error: float = 0.5, dpi: int = 200,
+) -> int:  # fmt: skip
+    """Draw a scene of a dataset or a study; 0, or 1 where OpenGL is missing or the stations are too few.
+
+    file: of a dataset, or the name or TOML file of a study, which is then solved at the stations that the picture
+    needs. kind: a name of `kinds.KINDS`; default: equilibria for a dataset of them, else contact. Raises `InputError`.
+    """
+    study = None
+    if study_scene.is_study(file):
+        study, ds = study_scene.two_stations(file)
+        file = Path(f"{study.name}.h5")
+    else:
+        ds = _read(file)
+    found = kinds.kind_of(kind or ("equilibria" if schema.axes_of(ds) == ["equilibrium"] else "contact"))
+    where = at_option.values(ds, at)
+    case = [f"{name}={selection.written(name, value)}" for name, value in where.items()]
+    named = [] if found.name in ("contact", "equilibria") else [found.name, *(axes or [])]
+    default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
+    path = output_file.check(out or default, SUFFIXES, force)
+    able, advice = opengl.probe()
+    if not able:
+        console.warn(advice)
+        return 1
+    from ..scene import composition, layout
+
+    part = part_of(ds, span)
+
+    def draw(ds: xr.Dataset, strict: bool) -> "Picture":
+        settings = composition.Settings(pixel_error, dpi, part, strict)
+        return layout.render(ds, path, where or None, found.name, axes or [], along, settings)
+
+    if found.cells == "one":  # the case is named also where --at was not given
+        indices = selection.case(ds, where).items()
+        case = [f"{name}={selection.written(name, float(ds[name].values[i]))}" for name, i in indices]
+    if study is None:
+        picture, stations = draw(ds, False), ds.sizes["u"]
+    else:
+        shown = axes or ([] if found.cells == "one" else schema.axes_of(ds)[:1])
+        needed = study_scene.needed_cases(study, ds, found, where, [*shown, along or ""])
+        picture, stations = study_scene.at_needed_stations(needed, draw)
+    solved = f", solved at {stations} stations" if study else ""
+    console.say(" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved)
+    if picture.error > pixel_error * (1 + 1e-9):
+        reached = f"{picture.error:.1f} pixels, not {pixel_error:g}: {stations} stations are too few for that"
+        console.warn(f"drawn to within {reached}, about {picture.stations} are needed")
+        return 1
+    return 0
+
+
+def part_of(ds: xr.Dataset, span: tuple[float | None, float | None]) -> tuple[float, float] | None:
+    """The arc lengths that --from and --to give, or None where neither is given."""
+    if span == (None, None):
+        return None
+    low, high = span
+    return (low or 0.0, float(ds["s"].max()) if high is None else high)
+
+
+def _read(file: Path) -> xr.Dataset:
+    """The dataset of a study, or of equilibria. Raises `InputError`."""
+    try:
+        return writing.read(file)
+    except InputError:
+        with reading.raw(file) as ds:
+            other = ds.attrs.get("study_name") != "equilibria" or "equilibrium" not in ds.dims or "solved" not in ds
+        if other:
+            raise
+    return writing.read(file, study=False)

@@ -1,0 +1,116 @@
+"""Numbers, units, symbols and axis labels as text, for diagrams, scenes, the report and the live page."""
+
+import re
+from collections.abc import Mapping
+from math import floor, log10
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver.problem.quantities import quantity
+from studies.axes import quantity_of
+
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value: float, digits: int = 4) -> str:
+    """A number with at most that many digits: ``10910``, ``0.625``, ``2e+06``; exponents only where they shorten it."""
+    if value == 0 or not abs(value) < float("inf"):
+        return f"{value:g}"
+    power = floor(log10(abs(value)))
+    if not -4 <= power <= 5:
+        return f"{value:.{digits}g}"
+    text = f"{round(value, digits - 1 - power):.{max(digits - 1 - power, 0)}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def unit(text: str) -> str:
+    """``N/cm^2`` as ``N/cm²``; nothing for a plain number."""
+    return "" if text == "1" else text.replace("^2", "²").replace("^3", "³").replace("^4", "⁴")
+
+
+def is_angle(array: xr.DataArray) -> bool:
+    """Whether it is stored in rad; labels and diagrams have angles in degrees."""
+    return array.attrs.get("units") == "rad"
+
+
+def in_label_unit(array: xr.DataArray, values: Any) -> Any:
+    """Values of a variable in the unit of its label: degrees for an angle, else the stored unit."""
+    return np.degrees(values) if is_angle(array) else np.asarray(values, dtype=float)
+
+
+def value(number_: float, array: xr.DataArray, digits: int = 4) -> str:
+    """A value of a variable with its unit: ``10910 N/cm²``, ``15°``."""
+    text = number(float(in_label_unit(array, number_)), digits)
+    return (f"{text}°" if is_angle(array) else f"{text} {_unit_of(array)}".strip()).replace("-", "−")
+
+
+def axis_symbol(axis: str) -> str:
+    """The letter of an axis; `beta` as an axis is the angle at the start."""
+    return quantity_of(axis).symbol
+
+
+def axis_label(name: str, array: xr.DataArray, long: bool = True) -> str:
+    """``Young's modulus  E [N/cm²]``, or with `long=False` ``E [N/cm²]``; angles in degrees."""
+    text = f"{long_name(array)}  " if long else ""
+    return f"{text}{axis_symbol(name)}{_bracketed('°' if is_angle(array) else _unit_of(array))}"
+
+
+def label(array: xr.DataArray) -> str:
+    """``mean κ [1/cm]``: symbol and unit of a stored variable."""
+    return f"{symbol(array)}{_bracketed(_unit_of(array))}"
+
+
+def symbol(array: xr.DataArray) -> str:
+    """The symbol of a stored variable; default: its name."""
+    return str(array.attrs.get("symbol", array.name))
+
+
+def long_name(array: xr.DataArray) -> str:
+    """The long name of a stored variable, without what stands in brackets."""
+    return typeset(str(array.attrs.get("long_name", array.name)).partition(" (")[0])
+
+
+def typeset(text: str) -> str:
+    """Plain text with the letters of physics: ``beta'(0) = -1 rad (5 deg)`` as ``β′(0) = −1 rad (5°)``."""
+    for plain, letters in ((r"\bbeta'", "β′"), (r"\bbeta\b", "β"), (r"\bkappa\b", "κ"), (r"(?<=\d) deg\b", "°")):
+        text = re.sub(plain, letters, text)
+    return minus_signs(text)
+
+
+def law_text(row: Mapping[str, Any], text: str) -> str:
+    """A text about a law (a row of `law_verdicts.verdicts`), with symbols for the names of its observables and axes."""
+    letters = {one["observable"]: quantity(one["observable"]).symbol for one in (row, *row.get("also", ()))}
+    letters |= {axis: axis_symbol(axis) for axis in (row.get("axis"), *row["at"]) if axis}
+    return typeset(re.sub(r"\w+", lambda word: letters.get(word[0], word[0]), text))
+
+
+def minus_signs(text: str) -> str:
+    """The text with minus signs for hyphens before numbers."""
+    return re.sub(r"(?<![\w.])-(?=[\d.])", "−", text)
+
+
+def reading(ds: xr.Dataset) -> str:
+    """The reading of Table 1 in words, or nothing."""
+    text = str(ds.attrs.get("reading", ""))
+    return f"Table 1 read {text.replace('/', ', ')}" if text else ""
+
+
+def tick(value: float, _: object = None) -> str:
+    """The number of a tick in full: no offset and no power of ten beside the axis."""
+    return f"{value:.10g}".replace("-", "−")
+
+
+def power_of_ten(value: float, _: object = None) -> str:
+    """The number of a tick on a logarithmic axis: ``10⁻³``; nothing where it is no power of ten."""
+    exponent = f"{log10(value):.10g}" if value > 0 else ""
+    return f"10{exponent.translate(SUPERSCRIPTS)}" if exponent.lstrip("-").isdigit() else ""
+
+
+def _unit_of(array: xr.DataArray) -> str:
+    return unit(str(array.attrs.get("units", "1")))
+
+
+def _bracketed(text: str) -> str:
+    return f" [{text}]" if text else ""

@@ -1,0 +1,81 @@
+"""What an export is made of: the rod, the options, and what a format declares of itself."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import xarray as xr
+
+from ..geometry.centreline import Centreline
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a user chooses.
+
+    Attributes
+    ----------
+    at
+        Values of axes, as stored.
+    tolerance
+        The greatest distance of the file from the rod [length]; default: that of the format.
+    centreline
+        STEP without the solid.
+    overlap
+        The solid also of a rod that passes through itself.
+    """
+
+    at: Mapping[str, float] = field(default_factory=dict)
+    tolerance: float | None = None
+    centreline: bool = False
+    overlap: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Rod:
+    """The rod of one case, by its indices along the axes; tolerance: the one to keep [length], 0 for tables."""
+
+    ds: xr.Dataset
+    where: dict[str, int]
+    line: Centreline
+    title: str
+    options: Options
+    tolerance: float = 0.0
+
+    @property
+    def unit(self) -> str:
+        """The unit of length of the dataset."""
+        return str(self.ds.attrs["length_unit"])
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format.
+
+    Attributes
+    ----------
+    suffixes
+        Those of its files.
+    write
+        Writes a rod to a path, and returns numbers about the file by name.
+    body
+        What the file holds. Of a rod that passes through itself a solid is refused, of a surface a warning is given; a
+        curve is not tested.
+    tolerance
+        The default tolerance of a rod [length]; None: the stations are written as they are.
+    curve_share
+        The share of the tolerance that the curve between stations may miss.
+    unit
+        The unit of length in the file; default: the dataset's.
+    has_centreline
+        Whether it can hold the centreline alone.
+    """
+
+    suffixes: tuple[str, ...]
+    write: Callable[[Path, Rod], dict[str, Any]]
+    body: Literal["solid", "surface", "curve"] = "curve"
+    tolerance: Callable[[Centreline], float] | None = None
+    curve_share: float = 0.1
+    unit: str = ""
+    has_centreline: bool = False

@@ -1,0 +1,50 @@
+"""glTF 2.0: the rod in metres, in the two colours of a push and of lift-off. Written by trimesh."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..figures.style import LIFTED, PUSHED
+from ..scene.colours import linear
+from .base import Format, Rod
+from .surfaces import near, tube
+
+METRES = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048}
+MATERIAL = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.55}}
+
+
+def write(path: Path, rod: Rod) -> dict[str, Any]:
+    """Write the rod as one binary file for the suffix .glb, else as JSON with the data inside.
+
+    The format has y up: the cylinder's axis is y.
+    """
+    import trimesh
+
+    mesh, s = tube(rod.line, rod.tolerance)
+    lifted = np.interp(s, rod.line.s, rod.line.push(rod.line.s))[:, None] < 0
+    colours = np.where(lifted, linear(LIFTED), linear(PUSHED))
+    rgba = np.round(255 * np.append(colours, np.ones_like(lifted, dtype=float), axis=1)).astype(np.uint8)
+    surface = trimesh.Trimesh(
+        mesh.points[:, [1, 2, 0]], mesh.triangles, vertex_normals=mesh.normals[:, [1, 2, 0]], vertex_colors=rgba,
+        process=False, validate=False,
+    )  # fmt: skip
+    scene = trimesh.Scene()
+    scene.add_geometry(surface, node_name=rod.title, transform=np.diag([*3 * [METRES[rod.unit]], 1.0]))
+    options: Any = {"include_normals": True, "tree_postprocessor": _with_material}
+    if path.suffix.lower() == ".glb":
+        path.write_bytes(trimesh.exchange.gltf.export_glb(scene, **options))
+    else:
+        files = trimesh.exchange.gltf.export_gltf(scene, embed_buffers=True, **options)
+        path.write_bytes(files["model.gltf"])
+    return {"triangles": len(mesh.triangles)}
+
+
+def _with_material(tree: dict[str, Any]) -> None:
+    """Not a metal, which is what the format takes a surface without a material for."""
+    tree["materials"] = [MATERIAL]
+    for primitive in (one for mesh in tree["meshes"] for one in mesh["primitives"]):
+        primitive["material"] = 0
+
+
+FORMAT = Format((".glb", ".gltf"), write, "surface", near, unit="m")

@@ -1,0 +1,85 @@
+"""One stored rod as a file for other programs. Nothing is solved."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver.problem.errors import InputError, choices
+
+from ..data import atomic, selection, writing
+from ..geometry import centreline, self_contact
+from .base import Options, Rod
+from .formats import FORMATS, format_of
+
+DEFAULT = Options()
+
+
+@dataclass(frozen=True)
+class Exported:
+    """A file that was written: the case, numbers about the file by name, and what a real rod could not do."""
+
+    path: Path
+    at: dict[str, float]
+    facts: dict[str, Any]
+    warnings: list[str]
+
+
+def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool = False) -> Exported:
+    """Write one case of a dataset to a file, whose suffix chooses the format. Nothing is left where it fails.
+
+    Raises
+    ------
+    InputError
+        An invalid name, value or file, an existing file without `force`, a case without a shape, too few stations, or a
+        solid that the rod cannot be.
+    """
+    format = format_of(path)
+    if options.centreline and not format.has_centreline:
+        able = [suffix for suffix, one in FORMATS.items() if one.has_centreline]
+        raise InputError(f"--centreline is for {choices(able)}, got {path.name!r}")
+    if options.tolerance is not None and not 0 < options.tolerance < np.inf:
+        raise InputError(f"--tolerance must be positive and finite, got {options.tolerance:g}")
+    where = selection.case(ds, options.at)
+    at = {name: float(ds[name].values[i]) for name, i in where.items()}
+    rod = Rod(ds, where, centreline.read(ds, where), _title(ds, at), options)
+    found = [] if format.body == "curve" or options.centreline else self_contact.findings(rod.line, rod.unit)
+    if format.body == "solid":
+        _refuse(found, options)
+    facts: dict[str, Any] = {}
+    if format.tolerance is not None:
+        tolerance = options.tolerance or format.tolerance(rod.line)
+        rod.line.check(format.curve_share * tolerance)
+        rod, facts = replace(rod, tolerance=tolerance), {"tolerance": tolerance, "unit": format.unit or rod.unit}
+    written: dict[str, Any] = {}
+    put(path, lambda aside: written.update(format.write(aside, rod)), force)
+    return Exported(path, at, {**written, **facts}, [finding.sentence for finding in found])
+
+
+def put(path: Path, work: Callable[[Path], None], force: bool) -> None:
+    """Have `work` write beside `path` under a name of the same suffix, and move that there once it is complete.
+
+    Raises `InputError` for an existing file without `force`, or where the folder cannot be written.
+    """
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; give the name of a file")
+    if path.exists() and not force:
+        raise InputError(f"{path} exists; give --force to replace it")
+    writing.check_parent(path)
+    atomic.write(path, work)
+
+
+def _refuse(found: list[self_contact.Finding], options: Options) -> None:
+    """Raise `InputError` where no solid can be made of the rod, or only with the option `overlap`."""
+    for finding in found:
+        if finding.tight or not options.overlap:
+            also = "" if finding.tight else ", --overlap the solid all the same"
+            raise InputError(f"no solid: {finding.sentence}; --centreline writes the curve alone{also}")
+
+
+def _title(ds: xr.Dataset, at: Mapping[str, float]) -> str:
+    """The study and where on its axes, in ASCII."""
+    return " ".join([str(ds.attrs["study_name"]), *(f"{name}={value:.6g}" for name, value in at.items())])

@@ -1,0 +1,33 @@
+"""VTP: the centreline as a polyline of VTK with every quantity as point data."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver.mechanics import frames
+
+from .base import Format, Rod
+from .columns import columns
+
+
+def write(path: Path, rod: Rod) -> dict[str, Any]:
+    """Write every quantity, the frame and the radius as point data; units, title and versions as field data."""
+    import pyvista as pv
+
+    found, line = columns(rod), rod.line
+    place = frames.position(line.rho, line.alpha, line.z)
+    shape = pv.PolyData(place, lines=np.concatenate([[len(place)], np.arange(len(place))]))
+    for column in found:
+        shape.point_data[column.name] = column.values
+    shape.point_data["radius"] = np.full(len(place), line.a)  # for a tube filter
+    shape.point_data["tangent"] = frames.tangent(line.alpha, line.beta)
+    shape.point_data["outward"] = frames.outward(line.alpha)
+    shape.field_data["units"] = [f"{c.name}: {c.unit}" for c in found]
+    for name, value in (("title", rod.title), ("versions", str(rod.ds.attrs["versions"]))):
+        shape.field_data[name] = [value]
+    shape.save(path)
+    return {"stations": line.s.size, "quantities": len(found)}
+
+
+FORMAT = Format((".vtp",), write)

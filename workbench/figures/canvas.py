@@ -1,0 +1,69 @@
+"""The canvas of every figure: a Matplotlib `Figure` without pyplot, its title, and the file it is saved to."""
+
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+import xarray as xr
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+from solver.problem.errors import InputError
+
+from ..data import labels
+from .style import BOLD, DPI, LARGE, LETTER, RC, SOFT
+
+DIAGRAMS = (".png", ".pdf", ".svg")
+
+
+def figure(
+    size: tuple[float, float],
+    draw: Callable[[Figure], Any],
+    ds: xr.Dataset | None = None,
+    dpi: float = DPI,
+    layout: Any = "constrained",
+) -> Figure:
+    """A figure of a size in inches with what `draw` draws on it; ds: the dataset whose title is written above it."""
+    with rc_context(RC):
+        fig = Figure(figsize=size, dpi=dpi, layout=layout)
+        FigureCanvasAgg(fig)
+        draw(fig)
+        if ds is not None:
+            _set_title(fig, ds)
+    return fig
+
+
+def check_name(path: str | Path, suffixes: tuple[str, ...] = DIAGRAMS) -> Path:
+    """The path; raises `InputError` unless its name ends in one of the suffixes."""
+    path = Path(path)
+    if path.suffix.lower() not in suffixes:
+        raise InputError(f"cannot write {path.name!r}: choose a name that ends in {', '.join(suffixes)}")
+    return path
+
+
+def save(fig: Figure, path: str | Path | BytesIO, dpi: float = DPI, suffixes: tuple[str, ...] = DIAGRAMS) -> None:
+    """Save a figure in the format of the suffix, or as PNG in memory; dpi: pixels per inch where it has pixels.
+
+    Raises `InputError` unless the name ends in one of the suffixes.
+    """
+    file = path if isinstance(path, BytesIO) else check_name(path, suffixes)
+    with rc_context(RC):
+        fig.savefig(file, dpi=dpi)
+
+
+def _set_title(fig: Figure, ds: xr.Dataset) -> None:
+    """The study's title and its reading above a constrained layout; the figure grows by the lines of a long title."""
+    title = fill(str(ds.attrs["title"]), int((fig.get_figwidth() - 0.3) / (LARGE * LETTER * BOLD)))
+    more = 0.2 * title.count("\n")  # inches
+    fig.set_figheight(fig.get_figheight() + more)
+    inch = 1 / fig.get_figheight()
+    reading = labels.reading(ds)
+    engine = fig.get_layout_engine()
+    assert isinstance(engine, ConstrainedLayoutEngine)
+    engine.set(rect=(0, 0, 1, 1 - ((0.62 if reading else 0.4) + more) * inch), w_pad=0.1, h_pad=0.08)
+    fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=LARGE)
+    fig.text(0.012, 1 - (0.36 + more) * inch, reading, va="top", color=SOFT)

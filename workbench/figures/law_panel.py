@@ -1,0 +1,66 @@
+"""The panel of a law: its observable against its axis, the verdict with its reason, and each step the wrong way."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import xarray as xr
+from matplotlib.axes import Axes
+
+from studies.laws import DIRECTIONS, FAILS
+from studies.reasons import DOES
+
+from ..data import labels, law_verdicts
+from . import legend, style
+from .trends import trend
+
+
+def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> Axes:
+    """Draw a law, given as a row of `law_verdicts.verdicts`: its trend, the verdict above it, its reason below that."""
+    trend(ds, ax, row["observable"], row["axis"], row["at"])
+    for step in row["exceptions"]:
+        if all(step["at"][name] == value for name, value in row["at"].items()):
+            ends = [labels.in_label_unit(ds[row["axis"]], step[end]) for end in ("from", "to")]
+            ax.plot(ends, step["values"], color=style.VERDICT_COLOURS[FAILS], linewidth=3, alpha=0.75, zorder=3,
+                    label="a step the wrong way")  # fmt: skip
+    law = f"{labels.long_name(ds[row['observable']])} {DIRECTIONS[row['direction']].does} with"
+    title = f"{row['claim']}  {law} {labels.axis_symbol(row['axis'])}:"
+    pad = 6 + _write_verdict(ax, row)
+    ax.set_title(style.wrapped(title, ax), loc="left", pad=pad)
+    if row["also"]:
+        text = style.wrapped(_other_observables(ds, row), ax, style.SMALL)
+        lines = "\n" * (text.count("\n") + 2)
+        ax.set_xlabel(ax.get_xlabel() + lines, linespacing=0.95)  # room that the layout sees
+        note = ax.annotate(text, (0, 0), (-8, -38), xycoords="axes fraction", textcoords="offset points", va="top",
+                           size=style.SMALL, color=style.SOFT)  # fmt: skip
+        note.set_in_layout(False)
+    legend.add(ax)
+    return ax
+
+
+def _write_verdict(ax: Axes, row: Mapping[str, Any]) -> float:
+    """Write the verdict above the axes and its reason below it, in the verdict's colour; their height in points."""
+    colour = style.VERDICT_COLOURS[row["verdict"]]
+    reason = style.wrapped(labels.law_text(row, law_verdicts.detail(row)), ax, style.SMALL)
+    below = 11 * (reason.count("\n") + 1) if reason else 0
+    above: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom",
+                             "color": colour}  # fmt: skip
+    ax.annotate(reason, (0, 1), (0, 3), size=style.SMALL, **above)
+    ax.annotate(row["verdict"], (0, 1), (0, 3 + below), weight="bold", **above)
+    return below + 14
+
+
+def _other_observables(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
+    """The verdicts of the other observables: those as plausible as the law's own, then the rest."""
+    sentences = []
+    for intro, equal in (("As plausible", True), ("Also admitted by the sentence", False)):
+        some = [also for also in row["also"] if also["alternative"] == equal]
+        if some:
+            brief = "; ".join(f"{labels.symbol(ds[also['observable']])} {_brief(also)}" for also in some)
+            sentences.append(f"{intro}: {brief}.")
+    return " ".join(sentences)
+
+
+def _brief(row: Mapping[str, Any]) -> str:
+    """What an observable does, in the words of its verdict, and how many of its steps go the wrong way."""
+    wrong, does = len(row["exceptions"]), DOES[row["verdict"]][0]
+    return f"{does} ({wrong} step{'s' * (wrong > 1)} wrong)" if wrong else does

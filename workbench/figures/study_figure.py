@@ -1,0 +1,72 @@
+"""The figure of a stored study: its developed curves along each axis, and a panel for each law."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from ..data import labels, law_verdicts, schema
+from . import canvas, legend, single_rod
+from .developed import developed, has_curve, strip_height
+from .law_panel import panel
+from .trends import trend
+
+WIDTH, LAW_HEIGHT = 9.6, 4.3  # inches
+BESIDE, LEAST_BESIDE = 0.55, 2.6  # the share of the width that curves have beside a law, and inches they then need
+MOST_PLAIN = 4  # observables shown where there is no law
+NOT_OBSERVED = ("outcome", "error", "condition", "FZ", "MZ", "M3", "dbeta0")
+
+
+def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) -> Figure:
+    """Draw all of a study.
+
+    With axes: for each axis the developed curves, beside them each law in its panel (where there is no law, the first
+    observables). One case alone: its angle, its push and its developed curve.
+
+    Parameters
+    ----------
+    verdicts
+        The rows of `law_verdicts.verdicts` where they are known already; default: they are computed.
+
+    Raises
+    ------
+    InputError
+        The dataset's laws are invalid.
+    """
+    axes = schema.axes_of(ds)
+    if not axes:
+        return single_rod.figure(ds)
+    rows = law_verdicts.verdicts(ds) if verdicts is None else verdicts
+    plain = [] if rows else [str(name) for name in ds.data_vars if _is_observable(ds, str(name))][:MOST_PLAIN]
+    count, strips = len(rows or plain), axes if has_curve(ds) else []
+    beside = count <= len(strips) and all(strip_height(ds, axis, WIDTH * BESIDE) > LEAST_BESIDE for axis in axes)
+    heights = [LAW_HEIGHT if beside else strip_height(ds, axis, WIDTH) for axis in strips]
+    below = 0 if beside else LAW_HEIGHT * -(-count // 2)
+    heights += [below] if below else []
+
+    def draw(fig: Figure) -> None:
+        ratios = (1.3, 1) if beside else (1,)
+        grid = fig.add_gridspec(len(heights), len(ratios), height_ratios=heights, width_ratios=ratios)
+        cells = [grid[i, 1] for i in range(count)] if beside else _pairs(grid[len(strips), 0], count) if below else []
+        for i, axis in enumerate(strips):
+            developed(ds, fig.add_subplot(grid[i, 0]), axis)
+        for row, cell in zip(rows, cells, strict=False):
+            panel(ds, fig.add_subplot(cell), row)
+        for name, cell in zip(plain, cells, strict=False):
+            ax = trend(ds, fig.add_subplot(cell), name, axes[0])
+            ax.set_title(labels.long_name(ds[name]), loc="left")
+            legend.add(ax)
+
+    return canvas.figure((WIDTH, 0.7 + sum(heights)), draw, ds)
+
+
+def _pairs(cell: Any, count: int) -> list[Any]:
+    """That many cells, two a row."""
+    grid = cell.subgridspec(-(-count // 2), min(count, 2))
+    return [grid[i // 2, i % 2] for i in range(count)]
+
+
+def _is_observable(ds: xr.Dataset, name: str) -> bool:
+    numbers = ds[name].dtype.kind in "iuf"  # `caution` is text
+    return numbers and ds[name].dims == ds["outcome"].dims and not name.endswith("error") and name not in NOT_OBSERVED

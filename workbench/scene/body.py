@@ -1,0 +1,157 @@
+"""The rod of one stored case as a scene draws it: its curve, the part that is drawn, its colours. No OpenGL."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from solver.problem.errors import InputError
+
+from ..geometry import centreline, tube
+from ..geometry.centreline import Array, Centreline
+from ..geometry.refinement import Rings, rings
+from .colours import Paint
+from .kinds import Kind
+
+TALLEST = 30.0  # diameters of the cylinder; beyond, the rod would be a hair
+STRIPE = 3  # one side in so many is painted
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A tube as it is drawn. values: what the colour shows at each point, or None; striped: triangles in the stripe."""
+
+    mesh: tube.Mesh
+    values: Array | None
+    striped: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A rod to be drawn.
+
+    Attributes
+    ----------
+    span
+        The arc lengths between which it is drawn [length].
+    value_of
+        What its colour shows at s (`Kind.value`), None for one colour.
+    gamma
+        The section's rotation at the stations, (n,) [rad], where a stripe shows it.
+    caution
+        What a real rod could not do, as `cautions` writes it.
+    """
+
+    line: Centreline
+    span: tuple[float, float]
+    value_of: Callable[[Centreline, Array], Array] | None = None
+    gamma: Array | None = None
+    caution: str = ""
+    paint: Paint = field(default_factory=Paint)
+
+    @property
+    def a(self) -> float:
+        return self.line.a
+
+    @property
+    def R(self) -> float:
+        return self.line.R
+
+    @property
+    def side(self) -> str:
+        return self.line.side
+
+    @property
+    def whole(self) -> bool:
+        """Whether all of the rod is drawn."""
+        return self.span[1] - self.span[0] >= self.line.L * (1 - 1e-9)
+
+    @property
+    def reach(self) -> float:
+        """The largest distance from the axis of the rod and the cylinder."""
+        return max(self.line.R, self.line.rho + self.line.a)
+
+    @cached_property
+    def _sampled(self) -> tuple[Array, Array]:
+        inside = self.line.s[(self.line.s > self.span[0]) & (self.line.s < self.span[1])]
+        s = np.concatenate([[self.span[0]], inside, [self.span[1]]])
+        alpha, _, z = self.line.at(s)
+        # with far too few stations the curve may go too far; the rod is not stretched, which bounds z
+        return alpha, np.clip(z - z[0], s[0] - s, s - s[0])
+
+    @property
+    def alpha(self) -> Array:
+        """Azimuth where the rod is drawn, at the stations, (k,) [rad]."""
+        return self._sampled[0]
+
+    @property
+    def z(self) -> Array:
+        """Height there, from where the drawing begins, (k,) [length]."""
+        return self._sampled[1]
+
+    def value(self, s: Array) -> Array:
+        """What the colour shows at s, (k,)."""
+        assert self.value_of is not None
+        return self.value_of(self.line, s)
+
+    def extremes(self) -> tuple[float, float]:
+        """Least and largest value where the rod is drawn."""
+        s = np.linspace(*self.span, max(4 * self.alpha.size, 400))
+        values = self.value(s)
+        return float(values.min()), float(values.max())
+
+    def turned(self) -> Any:
+        """The angle of the stripe about the tangent as a function of s, from the outward normal; None without one."""
+        return None if self.gamma is None else CubicSpline(self.line.s, -self.gamma)
+
+    def rings(self, tolerance: float, colour_length: float) -> Rings:
+        """Rings and sides for a tolerance [length]; colours are true on intervals longer than `colour_length`."""
+        scale = (self.paint.high - self.paint.low) or 1.0
+        multiple = 2 * STRIPE if self.paint.stripe else 2
+        colour = (lambda s: self.value(s) / scale) if self.paint.ramp is not None else None
+        return rings(self.line, self.span, tolerance, self.turned(), colour, colour_length, multiple)
+
+    def surface(self, drawn: Rings) -> Surface:
+        """The tube of radius a about the curve, closed at both ends, its corners on the true surface."""
+        s, sides = drawn.s, drawn.sides
+        place, *directions = self.line.frame(s)
+        place = place - [0, 0, self.line.at(s[:1])[2][0]]
+        turned = self.turned()
+        angle = np.zeros(s.size) if turned is None else turned(s)
+        made = tube.mesh((place, *directions), self.a, sides, angle)
+        values = None
+        if self.paint.ramp is not None:
+            values = tube.at_points(self.value(s), sides)
+        side = np.arange(sides)
+        painted = np.tile(np.repeat((side + sides // (2 * STRIPE)) % sides < sides // STRIPE, 2), s.size - 1)
+        return Surface(made, values, np.concatenate([painted, np.zeros(2 * sides, dtype=bool)]))
+
+
+def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None) -> Body:
+    """The rod of one case, by its indices along the axes; only what the kind reads is opened.
+
+    span: the arc lengths between which it is drawn; default: the whole rod. Raises `InputError` where the case has no
+    shape, or the dataset lacks what the kind needs.
+    """
+    stored = {name for name in kind.reads if name in ds}
+    for name in sorted(kind.reads - set(centreline.NEEDED)):
+        if name not in ds:
+            raise InputError(f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs")
+    also = {name for name in ("solved", "outcome", "caution", "dbeta") if name in ds}
+    one = ds[sorted(stored | also)]
+    line = centreline.read(one, where)
+    this = one.isel(dict(where))
+    gamma = np.asarray(this["gamma"], dtype=float) if "gamma" in kind.reads else None
+    caution = str(this["caution"].values) if "caution" in this else ""
+    return Body(line, span or (float(line.s[0]), float(line.s[-1])), kind.value, gamma, caution)
+
+
+def beginning(body: Body) -> Body:
+    """The rod, or its beginning that is no taller than `TALLEST` diameters of the cylinder."""
+    tall = TALLEST * 2 * body.reach
+    return body if np.ptp(body.z) <= tall else replace(body, span=(body.span[0], body.span[0] + tall))
