@@ -57,7 +57,7 @@ def test_the_dots_an_inch_of_a_plot_change_its_pixels_and_not_its_inches(ds, tmp
     file = writing.write(ds, tmp_path / "one.h5")
     sizes = {}
     for dpi in (100, 300):
-        plot.plot_file(file, tmp_path / f"{dpi}.png", dpi=dpi)
+        plot.plot(file, tmp_path / f"{dpi}.png", dpi=dpi)
         with Image.open(tmp_path / f"{dpi}.png") as picture:
             assert picture.info["dpi"] == pytest.approx((dpi, dpi), abs=0.1)  # stored in dots a metre
             sizes[dpi] = np.array(picture.size) / dpi

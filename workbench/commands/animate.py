@@ -1,12 +1,10 @@
 """The command animate: a film of the cases along an axis."""
 
 from pathlib import Path
+from typing import Annotated
 
-from solver.problem.errors import InputError, choices
-
-from ..data import schema, writing
-from ..scene import film, opengl
-from . import at_option, console, output_file
+from . import console
+from .options import At, File, ForcePicture, PixelError, numbered, option
 
 RATES = (0.1, 60.0)  # frames a second
 
@@ -16,6 +14,12 @@ def animate_file(
     pixel_error: float, dpi: int, force: bool,
 ) -> int:  # fmt: skip
     """Write the film of a stored dataset; 0, or 1 where this machine cannot draw. Raises `InputError`."""
+    from solver.problem.errors import InputError, choices
+
+    from ..data import schema, writing
+    from ..scene import film, opengl
+    from . import at_option, output_file
+
     ds = writing.read(file)
     axes = schema.axes_of(ds)
     if not axes:
@@ -42,3 +46,26 @@ def animate_file(
     for path in paths:
         console.say(f"{path}: {len(cases)} frames, {fps:g} per second")
     return 0
+
+
+def animate(
+    file: File,
+    axis: Annotated[str | None, option("AXIS", "Axis of the film; required if the study has several.")] = None,
+    at: At = None,
+    kind: Annotated[str, option("KIND", "plain, contact, curvature or twist.")] = "contact",
+    show: Annotated[
+        str | None, option("OBSERVABLE", "Observable drawn beside the rod; default: that of the axis's first law.")
+    ] = None,
+    out: Annotated[
+        list[Path] | None, option("FILE", "Film, .mp4 or .gif; repeatable; default: FILE_AXIS.mp4.", "--out", "-o")
+    ] = None,
+    fps: Annotated[float, numbered("Frames per second; each stored case is one frame.")] = 3.0,
+    pixel_error: PixelError = 0.5,
+    dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 120 gives 1488 x 720 pixels.")] = 120,
+    force: ForcePicture = False,
+) -> int:
+    """Make a film of the cases along an axis.
+
+    Each frame shows the rod and, beside it, the curve of an observable up to that case. Nothing is solved.
+    """
+    return animate_file(file, axis, at or [], kind, show, out or [], fps, pixel_error, dpi, force)

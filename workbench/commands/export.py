@@ -1,18 +1,22 @@
 """The command export: one stored rod as a file for other programs."""
 
 from pathlib import Path
+from typing import Annotated
 
-from ..data import writing
-from ..export import stored_rod
-from ..export.base import Options
-from ..export.formats import format_of
-from . import at_option, console
+from . import console
+from .options import At, File, Json, flag, numbered, option
 
 
 def export_file(
     file: Path, at: list[str], out: Path, tolerance: float | None, line: bool, overlap: bool, force: bool, json: bool
 ) -> int:
     """Export a case of a stored dataset; 0, or 1 where a real rod could not have its shape. Raises `InputError`."""
+    from ..data import writing
+    from ..export import stored_rod
+    from ..export.base import Options
+    from ..export.formats import format_of
+    from . import at_option
+
     format_of(out)  # before a large file is read
     ds = writing.read(file)
     done = stored_rod.export(ds, out, Options(at_option.values(ds, at), tolerance, line, overlap), force)
@@ -28,3 +32,31 @@ def export_file(
                       for key, value in done.facts.items())  # fmt: skip
     console.say(f"{done.path}{f' at {where}' if where else ''}: {facts}")
     return status
+
+
+def export(
+    file: File,
+    out: Annotated[
+        Path,
+        option("FILE", "File to write: .step .stl .obj .glb .gltf .vtp .csv.", "--out", "-o"),
+    ],
+    at: At = None,
+    tolerance: Annotated[
+        float | None,
+        numbered("Largest distance between the file and the rod [length]; default: 1e-6 rho for .step, 1e-3 a for "
+                 "meshes."),
+    ] = None,
+    centreline: Annotated[
+        bool, flag("Write the centreline to STEP, without a solid.", "--centreline")
+    ] = False,
+    overlap: Annotated[
+        bool, flag("Write a solid to STEP even if the rod intersects itself.", "--overlap")
+    ] = False,
+    force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
+    json: Json = False,
+) -> int:  # fmt: skip
+    """Export one stored rod to CAD, mesh or table formats.
+
+    Exit status 1 if the rod intersects itself or is bent tighter than its own radius.
+    """
+    return export_file(file, at or [], out, tolerance, centreline, overlap, force, json)

@@ -1,15 +1,10 @@
 """The command gallery: one small picture of every kind of scene."""
 
 from pathlib import Path
+from typing import Annotated
 
-from solver import equilibria
-from studies import load
-from studies.loader import loads
-
-from ..data import writing
-from ..run import in_memory
-from ..scene import kinds, opengl
-from . import console, output_file
+from . import console
+from .options import ForcePicture, option
 
 DPI = 100  # 800 x 600 for one case, half of the default
 INSIDE = """
@@ -44,8 +39,21 @@ L = 800.0
 LONGEST = LONG.replace("forty", "two thousand").replace("8001", "100001").replace("800.0", "40000.0")
 
 
-def draw_all(out: Path, force: bool) -> int:
-    """Solve and draw the pictures into a folder; 0, or 1 where OpenGL does not work. Raises `InputError`."""
+def gallery(
+    out: Annotated[Path, option("FOLDER", "Folder for the pictures.")] = Path("gallery"), force: ForcePicture = False
+) -> int:
+    """Draw one picture of every kind of scene, as in docs/reference/scenes.md.
+
+    Exit status 1 if OpenGL does not work here.
+    """
+    from solver import equilibria
+    from studies import load
+    from studies.loader import loads
+
+    from ..data import writing
+    from ..scene import kinds, opengl
+    from . import output_file
+
     writing.check_folder(out)
     names = [*kinds.KINDS, "inside", "long", "longest"]
     paths = {name: output_file.check(out / f"{name}.png", (".png",), force) for name in names}
@@ -55,6 +63,7 @@ def draw_all(out: Path, force: bool) -> int:
         return 1
     from ..branches.equilibria import ends_problem
     from ..branches.equilibria_dataset import dataset_of
+    from ..run import in_memory
     from ..scene import composition, layout
 
     one, row, table = (in_memory.run(load(name)) for name in ("fig6", "fig7_1_modulus", "fig7_5_forces"))

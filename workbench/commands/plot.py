@@ -1,16 +1,28 @@
-"""The command plot: the figure of a stored dataset."""
+"""The command plot: the figure of a stored study."""
 
 from pathlib import Path
+from typing import Annotated
 
-from ..data import writing
-from . import console, output_file
+from . import console
+from .options import File, ForcePicture, option
 
 
-def plot_file(file: Path, out: Path | None, force: bool = False, dpi: int = 200) -> None:
-    """Draw a dataset's developed curves and observables; dpi: of a PNG. Raises `InputError`."""
+def plot(
+    file: File,
+    out: Annotated[Path | None, option("FILE", "Picture, .png, .pdf or .svg; default: FILE.png.")] = None,
+    dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
+    force: ForcePicture = False,
+) -> int:
+    """Draw the developed curves and observables of a stored study.
+
+    Developed curves are the centrelines on the unrolled cylinder. Each law is drawn in the panel of its observable.
+    """
+    from ..data import writing
     from ..figures import canvas, study_figure
+    from . import output_file
 
     ds = writing.read(file)
     path = output_file.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
     canvas.save(study_figure.figure(ds), path, dpi)
     console.say(str(path))
+    return 0

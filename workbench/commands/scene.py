@@ -1,17 +1,14 @@
 """The command scene: a stored dataset, or a study, drawn in three dimensions."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-import xarray as xr
+from . import console
+from .options import At, ForcePicture, PixelError, argument, numbered, option
 
-from solver.problem.errors import InputError
+if TYPE_CHECKING:
+    import xarray as xr
 
-from ..data import reading, schema, selection, writing
-from ..scene import kinds, opengl
-from . import at_option, console, output_file, study_scene
-
-if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
     from ..scene.composition import Picture
 
 SUFFIXES = (".png", ".jpg")
@@ -27,6 +24,10 @@ def scene_file(
     file: of a dataset, or the name or TOML file of a study, which is then solved at the stations that the picture
     needs. kind: a name of `kinds.KINDS`; default: equilibria for a dataset of them, else contact. Raises `InputError`.
     """
+    from ..data import schema, selection
+    from ..scene import kinds, opengl
+    from . import at_option, output_file, study_scene
+
     study = None
     if study_scene.is_study(file):
         study, ds = study_scene.two_stations(file)
@@ -47,7 +48,7 @@ def scene_file(
 
     part = part_of(ds, span)
 
-    def draw(ds: xr.Dataset, strict: bool) -> "Picture":
+    def draw(ds: "xr.Dataset", strict: bool) -> "Picture":
         settings = composition.Settings(pixel_error, dpi, part, strict)
         return layout.render(ds, path, where or None, found.name, axes or [], along, settings)
 
@@ -69,7 +70,7 @@ def scene_file(
     return 0
 
 
-def part_of(ds: xr.Dataset, span: tuple[float | None, float | None]) -> tuple[float, float] | None:
+def part_of(ds: "xr.Dataset", span: tuple[float | None, float | None]) -> tuple[float, float] | None:
     """The arc lengths that --from and --to give, or None where neither is given."""
     if span == (None, None):
         return None
@@ -77,8 +78,12 @@ def part_of(ds: xr.Dataset, span: tuple[float | None, float | None]) -> tuple[fl
     return (low or 0.0, float(ds["s"].max()) if high is None else high)
 
 
-def _read(file: Path) -> xr.Dataset:
+def _read(file: Path) -> "xr.Dataset":
     """The dataset of a study, or of equilibria. Raises `InputError`."""
+    from solver.problem.errors import InputError
+
+    from ..data import reading, writing
+
     try:
         return writing.read(file)
     except InputError:
@@ -87,3 +92,40 @@ def _read(file: Path) -> xr.Dataset:
         if other:
             raise
     return writing.read(file, study=False)
+
+
+def scene(
+    file: Annotated[
+        Path,
+        argument(
+            "FILE|STUDY",
+            "Stored study; or TOML file or name of a study, which is solved with the stations that the picture needs.",
+        ),
+    ],
+    at: At = None,
+    kind: Annotated[
+        str | None,
+        option(
+            "KIND",
+            "plain, contact, curvature, twist, ghosts, grid or equilibria; default: contact, or equilibria "
+            "for a dataset of equilibria.",
+        ),
+    ] = None,
+    axis: Annotated[list[str] | None, option("AXIS", "Axis shown by ghosts, or one or two axes shown by grid.")] = None,
+    along: Annotated[
+        str | None, option("AXIS", "Fit camera and colours to all cases along this axis, as animate does.")
+    ] = None,
+    low: Annotated[float | None, numbered("First arc length drawn [length]; default: 0.", "--from")] = None,
+    high: Annotated[float | None, numbered("Last arc length drawn [length]; default: L.", "--to")] = None,
+    pixel_error: PixelError = 0.5,
+    dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 200 gives 1600 x 1200 pixels for one case.")] = 200,
+    out: Annotated[
+        Path | None, option("FILE", "Picture, .png or .jpg; default: FILE_scene.png or FILE_scene_E=10905.png.")
+    ] = None,
+    force: ForcePicture = False,
+) -> int:
+    """Draw the rod on its cylinder in three dimensions.
+
+    Exit status 1 if OpenGL does not work here, or if the file has too few stations for the pixel error.
+    """
+    return scene_file(file, at or [], out, force, kind, axis, along, (low, high), pixel_error, dpi)
