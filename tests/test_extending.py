@@ -21,7 +21,7 @@ from studies.verdicts import DIRECTIONS, FAILS, HOLDS, Direction, Line, Verdict
 from tests.workbench import small
 from workbench.compare.trade import ladders_of
 from workbench.data import law_verdicts
-from workbench.figures import trends, work_precision
+from workbench.figures import study_figure, work_precision
 from workbench.run import in_memory
 
 ROOT = Path(__file__).parents[1]
@@ -111,7 +111,7 @@ def test_an_observable_is_two_rows_and_is_then_observed_studied_stored_and_label
     assert law_verdicts.verdicts(ds)[0]["verdict"] == HOLDS
 
 
-def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monkeypatch, tmp_path) -> None:
+def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monkeypatch) -> None:
     def level(line: Line) -> Verdict:
         wrong = np.flatnonzero(np.abs(np.diff(line.values)) > line.noise)
         return Verdict(FAILS if wrong.size else HOLDS, None, [(int(i), int(i) + 1) for i in wrong])
@@ -125,5 +125,5 @@ def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monke
     (row,) = law_verdicts.verdicts(ds)
     assert (row["verdict"], len(row["exceptions"])) == (FAILS, 2)
     assert law_verdicts.stated(row) == "height stays level along E"
-    fig = trends.figure(ds, tmp_path / "figure.png")
+    fig = study_figure.figure(ds)
     assert any("stays level with" in " ".join(ax.get_title(loc="left").split()) for ax in fig.axes)

@@ -245,7 +245,7 @@ def test_what_would_take_too_long_is_refused(full, monkeypatch) -> None:
 def test_a_dataset_that_is_no_studys_is_refused_when_asked_and_not_before() -> None:
     ds = xr.Dataset({"x": ("u", [1.0])})
     assert "position" in dir(ds.rod)
-    with pytest.raises(InputError, match="does not say which study it is of"):
+    with pytest.raises(InputError, match="its study is unknown"):
         _ = ds.rod.position
     with pytest.raises(AttributeError, match=r"ds.rod has no 'shape'"):
         _ = ds.rod.shape

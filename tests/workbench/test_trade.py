@@ -13,10 +13,10 @@ import xarray as xr
 
 from solver import InputError
 from solver.observe.observables import OBSERVABLES
-from studies.model import OUTPUTS
 from tests.workbench import small
 from workbench import cli
 from workbench.data import writing
+from workbench.data.schema import CURVES
 from workbench.figures import canvas, work_precision
 from workbench.run import in_memory
 from workbench.run.fidelity import FIDELITIES, fidelity
@@ -151,12 +151,12 @@ def test_a_study_at_a_fidelity_has_its_tolerance_its_stations_and_what_it_comput
         "fine": 801,
         "exact": 1601,
     }
-    assert "F1" in found["standard"]
-    assert "F1" not in found["draft"]
+    assert "F1_along" in found["standard"]
+    assert "F1_along" not in found["draft"]
     assert "wraps" in found["draft"]  # a law admits it
     assert "turns" not in found["draft"]
     for name in ("fine", "exact"):
-        assert set(OUTPUTS) | set(OBSERVABLES) <= set(found[name].data_vars)
+        assert set(CURVES) | set(OBSERVABLES) <= set(found[name].data_vars)
 
 
 def test_solve_takes_a_fidelity_and_a_tolerance_goes_before_it() -> None:
