@@ -372,6 +372,7 @@ def test_only_pictures_can_be_asked_for(fig6, tmp_path) -> None:
 
 
 @draws
+@pytest.mark.slow
 def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
     from workbench.scene import composition, layout
 

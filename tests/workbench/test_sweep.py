@@ -123,7 +123,7 @@ def bits(path: Path) -> dict[str, bytes]:
         return {name: ds[name].values.tobytes() for name in ds.variables if ds[name].dtype.kind in "if"}
 
 
-@pytest.mark.parametrize("axes, base", ((FORCES, "L = 20.0"), (GRID, "")))
+@pytest.mark.parametrize("axes, base", ((FORCES, "L = 20.0"), pytest.param(GRID, "", marks=pytest.mark.slow)))
 def test_workers_chunks_and_memory_give_the_same_bits(tmp_path, axes, base) -> None:
     one = study(axes, base)
     run_to_file(one, tmp_path / "one.h5", Options(workers=1))
