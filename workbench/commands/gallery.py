@@ -42,7 +42,7 @@ LONGEST = LONG.replace("forty", "two thousand").replace("8001", "100001").replac
 def gallery(
     out: Annotated[Path, option("FOLDER", "Folder for the pictures.")] = Path("gallery"), force: ForcePicture = False
 ) -> int:
-    """Draw one picture of every kind of scene, as in docs/reference/scenes.md.
+    """Draw one picture of every kind of scene.
 
     Exit status 1 if OpenGL does not work here.
     """
