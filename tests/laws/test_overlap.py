@@ -53,6 +53,7 @@ def test_dense_points_agree() -> None:
     assert 15 < sum(seen) < 45
 
 
+@pytest.mark.slow
 def test_a_longer_rod_of_the_same_start_never_stops_passing_through_itself() -> None:
     late = 0
     for seed in range(40):

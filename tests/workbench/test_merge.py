@@ -212,6 +212,7 @@ def test_a_file_may_be_joined_into_itself(tmp_path) -> None:
     assert writing.read(files[0])["E"].values.tolist() == [1e4, 2e4, 3e4]
 
 
+@pytest.mark.slow
 def test_small_blocks_write_the_same_bits_as_large_ones(tmp_path, monkeypatch) -> None:
     parts = one_by_one(axis("E", [1e4, 3e4]) + RADII), one_by_one(axis("E", [2e4, 3e4, 4e4]) + RADII)
     files = stored(tmp_path, *parts)

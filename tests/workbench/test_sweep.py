@@ -135,6 +135,7 @@ def test_workers_chunks_and_memory_give_the_same_bits(tmp_path, axes, base) -> N
             assert ds[name].values.tobytes() == held[name].values.tobytes()
 
 
+@pytest.mark.slow
 def test_a_chunk_is_the_same_alone_as_among_others() -> None:
     work = plan.plan(study(GRID, ""))
     whole = solved(work.light, work.chunk(0, work.size), work.block)
