@@ -8,11 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from solver.core import loader
-
 ROOT = Path(__file__).resolve().parents[1]
 
-SOLVER = {"numpy", "scipy", "heyoka", "numba"}  # the last two are optional: a method's each, imported where it runs
+SOLVER = {"numpy", "scipy", "heyoka"}  # heyoka is optional, imported where its method runs
 STUDIES = SOLVER | {"solver", "tomllib", "pydantic", "tomli_w"}
 WORKBENCH = STUDIES | {
     "studies", "xarray", "h5netcdf", "h5py", "filelock", "pyvista", "matplotlib", "trimesh", "typer", "rich", "jinja2",
@@ -143,7 +141,7 @@ def test_drawing_loads_no_method_of_the_solver(part: str) -> None:
 
 
 def test_the_solver_loads_its_methods_only_when_a_case_is_solved() -> None:
-    apart = ["solver.methods", "solver.benchmark", *([] if loader.INSTALLED else ["solver.core"])]
+    apart = ["solver.methods", "solver.benchmark"]
     files = [file for file in files_of("solver/**/*.py") if not reaches({module_of(file)}, set(apart))]
     assert methods_loaded_by(files) == []
 

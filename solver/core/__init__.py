@@ -1,1 +1,1 @@
-"""The compiled march of periodic orbits, and the loader of its kernels."""
+"""The compiled core: C kernels in one shared library, and their calls on NumPy arrays."""

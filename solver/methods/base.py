@@ -53,8 +53,9 @@ class Method(ABC):
     name: for `solve(case, method=name)`. summary: one line. problems: the kinds of problem that it solves. order: its
     order of convergence; inf: geometric. knows_orbit: whether its trajectories carry the periodic orbit, so that
     observables are exact between stations. batched: whether many problems cost little more than one, so that a study
-    solves large blocks. requires: a package that must be installed, and whose version decides the last bits; extra: the
-    extra of rod-workbench that installs it. ladders: for the comparison of accuracy against cost.
+    solves large blocks. blockwise: whether it needs more memory than its answer, so that `solve` gives it its problems
+    in blocks. requires: a package that must be installed, and whose version decides the last bits; extra: the extra of
+    rod-workbench that installs it. ladders: for the comparison of accuracy against cost.
     """
 
     name: ClassVar[str]
@@ -63,6 +64,7 @@ class Method(ABC):
     order: ClassVar[float]
     knows_orbit: ClassVar[bool] = False
     batched: ClassVar[bool] = False
+    blockwise: ClassVar[bool] = True
     requires: ClassVar[str] = ""
     extra: ClassVar[str] = ""
     ladders: ClassVar[tuple[Ladder, ...]] = ()
@@ -74,16 +76,22 @@ class Method(ABC):
                 raise InputError(f"{one.name} must be {rule.rule}, got {value!r}")
 
     @classmethod
+    def lacks(cls) -> str:
+        """What the method needs and does not find, and what to do; empty where it can run."""
+        if not cls.requires or _found(cls.requires):
+            return ""
+        return f"the package {cls.requires}, which is not installed: pip install 'rod-workbench[{cls.extra}]'"
+
+    @classmethod
     def installed(cls) -> bool:
-        """Whether the package that the method requires is installed."""
-        return not cls.requires or _found(cls.requires)
+        """Whether the method can run here."""
+        return not cls.lacks()
 
     @classmethod
     def with_knobs(cls, knobs: dict[str, Any]) -> Self:
         """The method with these knobs. Raises `InputError` for an unknown knob, a bad value or a missing package."""
-        if not cls.installed():
-            needed = f"method {cls.name!r} needs the package {cls.requires}, which is not installed"
-            raise InputError(f"{needed}: pip install 'rod-workbench[{cls.extra}]'")
+        if lacks := cls.lacks():
+            raise InputError(f"method {cls.name!r} needs {lacks}")
         known = [one.name for one in fields(cls)]
         for name in knobs:
             if name not in known:

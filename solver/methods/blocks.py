@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.periodic_orbit import Orbit
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
@@ -29,7 +28,7 @@ def block_size(stations: int) -> int:
 def run_in_blocks(method: StartMethod, problem: StartProblem, t: Array, tol: float) -> Trajectory:
     """The answer of a method to B start problems at t (B, n), solved in blocks."""
     size, B = block_size(t.shape[1]), problem.size
-    if size >= B:
+    if size >= B or not method.blockwise:
         return method.run(problem, t, tol)
     whole, orbits, swirls = _Rows(B / size), _Orbits(B / size), _Rows(B / size)
     for block in (slice(k, k + size) for k in range(0, B, size)):
@@ -50,29 +49,20 @@ def run_in_blocks(method: StartMethod, problem: StartProblem, t: Array, tol: flo
 
 
 class _Orbits:
-    """The orbits of blocks, joined to one: an `Orbit`, a `MarchedOrbit`, or None if the method knows none."""
+    """The orbits of blocks, joined to one; None if the method knows none."""
 
     def __init__(self, share: float) -> None:
-        self.cases, self.panels, self.share = 0, 0, share
+        self.cases, self.panels = 0, 0
         self.rows = _Rows(share)
-        self.rest: _Orbits | None = None
 
-    def add(self, orbit: Any) -> None:
+    def add(self, orbit: Orbit) -> None:
         """Add the orbits of the next block."""
-        if isinstance(orbit, MarchedOrbit):
-            if orbit.rest is not None:
-                self.rest = self.rest or _Orbits(self.share)
-                self.rest.add(orbit.rest)
-            orbit = replace(orbit, rest=None)
-        else:
-            cases, panels = orbit.problem.size, orbit.panels.arc.size
-            orbit = _moved(orbit, self.cases, self.panels)
-            self.cases, self.panels = self.cases + cases, self.panels + panels
-        self.rows.add(orbit)
+        cases, panels = orbit.problem.size, orbit.panels.arc.size
+        self.rows.add(_moved(orbit, self.cases, self.panels))
+        self.cases, self.panels = self.cases + cases, self.panels + panels
 
     def joined(self) -> Any:
-        orbit = self.rows.joined()
-        return orbit if self.rest is None else replace(orbit, rest=self.rest.joined())
+        return self.rows.joined()
 
 
 def _moved(orbit: Orbit, cases: int, panels: int) -> Orbit:

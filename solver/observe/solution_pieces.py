@@ -16,7 +16,7 @@ from numpy.polynomial import chebyshev as C
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array, Booleans
 from ..numerics.chebyshev import through
-from ..orbit.marched_orbit import MarchedOrbit, march_orbit
+from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION
 from ..problem.reduced import Reduced
 from ..solution import Solution
@@ -75,9 +75,9 @@ def _of_steps(orbit: MarchedOrbit, some: slice, case: Array) -> Pieces:
     """The pieces of the problems `case` of a block of a marched orbit: its steps, marched again."""
     own = some.start + case
     problem = orbit.problem.take(own)
-    _, steps = march_orbit(problem, orbit.tol)
+    steps, number = orbit.pick(own).steps, orbit.found["count"][own]
     width, taylor = steps.width, steps.series
-    arc = np.repeat(np.arange(2 * case.size), steps.number.reshape(-1))
+    arc = np.repeat(np.arange(2 * case.size), number.reshape(-1))
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
         order = np.arange(taylor.shape[2])
         power = width[:, None] ** order

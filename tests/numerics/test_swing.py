@@ -1,14 +1,19 @@
 """`swing`, the compiled march over half a period, against `orbit`, which knows no march."""
 
 import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 from solver import InputError, solve
-from solver.core import loader
+from solver.core import march
+from solver.core.library import OFF, threads
 from solver.methods import METHODS, OrbitQuadrature, SwingTaylor, available
 from solver.observe.observables import OBSERVABLES, observe
+from solver.orbit.linearised_growth import beside_helix
 from solver.orbit.pieces import ROTATION
 from solver.problem.reduced import StartProblem
 from tests.cases import EXACT
@@ -16,7 +21,7 @@ from tests.extreme_cases import KINDS
 from tests.helix_cases import NEAR, problems
 from workbench.compare.trade_cases import CASES
 
-compiled = pytest.mark.skipif("swing" not in available(), reason="the extra fast is not installed")
+compiled = pytest.mark.skipif("swing" not in available(), reason="the compiled core is missing or switched off")
 NEAR_SADDLE = (0.0, 0.0, -1.0, 60.0, np.pi, 1e-9)  # a pendulum that all but stands on its head
 
 
@@ -142,45 +147,78 @@ def test_observables_are_those_of_the_quadrature(name: str) -> None:
 
 
 @compiled
-def test_where_no_folder_can_be_written_it_compiles_without_a_cache(monkeypatch) -> None:
-    caching = pytest.importorskip("numba.core.caching")
-    monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
-    twice = loader.compiled(lambda x: 2 * x)
-    assert twice(21.0) == 42.0
+def test_results_are_equal_to_the_bit_for_every_width_of_lanes_and_number_of_threads(monkeypatch) -> None:
+    problem = random(1100, 9, 1, (0, 2.5))
+    numbers, t = march.problems_of(problem), problem.span[:, None] * np.linspace(0, 1, 37)
+
+    def run(lanes: int, threads: str) -> tuple[bytes, ...]:
+        monkeypatch.setenv("OMP_NUM_THREADS", threads)
+        out, swirl = np.zeros((4, *t.shape)), np.zeros(t.shape)
+        orbits = march.march(numbers, 1e-9, t, out, swirl, lanes=lanes)
+        return orbits.tobytes(), out.tobytes(), swirl.tobytes()
+
+    expected = run(1, "1")
+    for lanes in (2, 4, 8, 0):
+        assert run(lanes, "1") == expected, lanes
+    assert run(0, "8") == expected
 
 
-def test_kernels_cached_before_a_source_was_edited_are_compiled_again(tmp_path) -> None:
-    cache, sources = tmp_path / "cache", tmp_path / "sources"
-    for folder in (cache, sources):
-        folder.mkdir()
-    for place, age in ((cache / "old.nbi", 3), (sources / "march.py", 2), (cache / "new.nbi", 1)):
-        place.touch()
-        os.utime(place, (1e9 - age, 1e9 - age))
-    loader.drop_stale_cache(cache, sources)
-    assert [file.name for file in cache.iterdir()] == ["new.nbi"]
+@compiled
+def test_eight_threads_that_solve_at_once_get_the_bits_of_one() -> None:
+    problems = [random(40, seed, 1, (0, 2.5)) for seed in range(24)]
+
+    def beta(problem: StartProblem) -> bytes:
+        return SwingTaylor().run(problem, problem.span[:, None] * np.linspace(0, 1, 21), 1e-9).beta.tobytes()
+
+    expected = [beta(problem) for problem in problems]
+    with ThreadPoolExecutor(8) as pool:
+        assert list(pool.map(beta, problems)) == expected
 
 
-def test_where_it_is_not_installed_it_is_refused_with_how_to_get_it(monkeypatch) -> None:
-    monkeypatch.setattr(METHODS["swing"], "requires", "a_package_that_nobody_has")
-    with pytest.raises(InputError, match=r"not installed: pip install 'rod-workbench\[fast\]'"):
-        solve(EXACT["catenary"].case, method="swing")
+def test_the_number_of_threads_is_that_of_the_environment(monkeypatch) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    assert threads() == 3
+    monkeypatch.setenv("OMP_NUM_THREADS", "many")
+    assert threads() >= 1
+
+
+@compiled
+def test_an_empty_batch_and_no_station_are_no_error() -> None:
+    assert march.march(np.empty((0, 6)), 1e-9, np.empty((0, 5)), np.empty((4, 0, 5))).size == 0
+    problem = random(3, 1, 1, (0, 1))
+    assert np.isfinite(march.march(march.problems_of(problem), 1e-9, np.empty((3, 0)))["error"]).all()
+
+
+def test_without_the_core_the_automatic_method_is_orbit_and_swing_says_why() -> None:
+    code = (
+        "from solver import InputError, solve; from tests.cases import EXACT\n"
+        "print(solve(EXACT['catenary'].case).method)\n"
+        "try: solve(EXACT['catenary'].case, method='swing')\n"
+        "except InputError as error: print(error)"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code], env=os.environ | {OFF: "1"}, capture_output=True, text=True, check=True
+    )
+    method, why = run.stdout.splitlines()
+    assert method == "orbit"
+    assert why == f"method 'swing' needs the compiled core, which is missing: switched off by {OFF}"
+
+
+def test_a_method_whose_package_is_missing_is_refused_with_how_to_get_it(monkeypatch) -> None:
+    monkeypatch.setattr(METHODS["heyoka"], "requires", "a_package_that_nobody_has")
+    with pytest.raises(InputError, match=r"not installed: pip install 'rod-workbench\[taylor\]'"):
+        solve(EXACT["catenary"].case, method="heyoka")
 
 
 @compiled
 def test_its_linearised_growth_is_that_of_the_arrays() -> None:
-    from solver.core.orbit_condition import beside_helix as of_one
-    from solver.orbit.linearised_growth import beside_helix, slope_weight
-
     some = 0
     for kind in (*KINDS, *NEAR):
         p = problems(kind, 200, 1)
         steady, growth = beside_helix(p)
-        some += int(steady.sum())
-        with np.errstate(all="ignore"):
-            rows = zip(p.lam, p.mu, p.phi, p.span, p.beta0, p.dbeta0, slope_weight(p), strict=True)
-            one = np.array([of_one(*row) for row in rows])
-        clear = growth < 1e10  # beyond, the last bit of H at the start decides how far the rod strays
-        assert ((one > 0) != steady)[clear].sum() <= 1  # one may lie on the limit itself
-        both = steady & (one > 0)
-        np.testing.assert_allclose(one[both], growth[both], rtol=1e-9)
+        found = march.march(march.problems_of(p), 1e-9, np.empty((p.size, 0)))
+        clear = steady & (growth < 1e10) & (found["status"][:, 0] != march.LOST)
+        differs = ~np.isclose(found["condition"][clear], growth[clear], rtol=1e-9)
+        assert differs.sum() <= 1  # one rod may lie on the limit of what counts as steady
+        some += int(clear.sum())
     assert some > 300

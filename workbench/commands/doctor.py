@@ -46,11 +46,22 @@ def doctor(json: Json = False) -> int:
 def examine(extras: "Sequence[Extra] | None" = None, opengl: bool = True) -> list[dict[str, Any]]:
     """What works: rows of what, works, installed, said. extras: default: all. opengl: also draw a scene."""
     drawn = [_opengl()] if opengl else []
-    return [_hdf5(), *drawn, _font(), *map(_extra, EXTRAS if extras is None else extras), _chromium()]
+    return [_core(), _hdf5(), *drawn, _font(), *map(_extra, EXTRAS if extras is None else extras), _chromium()]
 
 
 def _finding(what: str, works: bool, said: str, installed: bool = True) -> dict[str, Any]:
     return {"what": what, "works": works, "installed": installed, "said": said}
+
+
+def _core() -> dict[str, Any]:
+    """Whether the compiled core of the solver is there."""
+    from solver.core.library import lanes, library, why_missing
+
+    if library() is None:
+        return _finding(
+            "compiled core", False, f"start problems are solved by orbit, more slowly: {why_missing()}", False
+        )
+    return _finding("compiled core", True, f"start problems are solved by swing, {lanes()} rods at a time")
 
 
 def _hdf5() -> dict[str, Any]:
@@ -123,10 +134,6 @@ def _page() -> None:
     scripts()
 
 
-def _compiled() -> None:
-    import_module("numba").njit(lambda x: x + 1)(1)
-
-
 def _heyoka() -> None:
     import_module("heyoka")
 
@@ -152,7 +159,6 @@ EXTRAS = (
     Extra("Open Cascade", "cad", ("cadquery-ocp-novtk",), _cad, "STEP files"),
     Extra("live page", "explore", ("aiohttp", "trame-client", "trame-vtk"), _page, "workbench explore"),
     Extra("films", "animate", ("imageio", "imageio-ffmpeg"), _film, "workbench animate"),
-    Extra("numba", "fast", ("numba",), _compiled, "compiled method swing"),
     Extra("heyoka", "taylor", ("heyoka",), _heyoka, "method for comparison"),
     Extra("Dask", "cluster", ("dask", "distributed"), _dask, "workbench run --scheduler"),
 )

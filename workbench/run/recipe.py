@@ -59,7 +59,8 @@ def differences(was: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
 @cache
 def code_version() -> str:
     """The version of the package and a digest of the sources that make the numbers."""
-    sources = [*Path(solver.__file__).parent.rglob("*.py"), *Path(studies.__file__).parent.glob("*.py")]
+    own, language = Path(solver.__file__).parent, Path(studies.__file__).parent
+    sources = [*own.rglob("*.py"), *own.rglob("*.[ch]"), *language.glob("*.py")]
     content = b"".join(path.name.encode() + path.read_bytes() for path in sorted(sources))
     return f"{_version('rod-workbench')}+{_digest(content)}"
 

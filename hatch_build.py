@@ -1,0 +1,49 @@
+"""The build hook: compiles the core of the solver into every wheel, also into that of an editable install.
+
+Where no C compiler is found, the build asks for the package `ziglang`. Where this fails too, the package is installed
+without the core, and `workbench doctor` says so.
+"""
+
+import importlib.util
+import os
+import sys
+import sysconfig
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+ZIG = "ziglang==0.17.1"
+
+
+def core_build() -> Any:
+    """The module solver/core/build.py, without the packages that `import solver` needs."""
+    path = Path(__file__).parent / "solver" / "core" / "build.py"
+    spec = importlib.util.spec_from_file_location("core_build", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+class CoreHook(BuildHookInterface):  # type: ignore[type-arg]
+    """Compiles the core before a wheel is made."""
+
+    PLUGIN_NAME = "custom"
+
+    def dependencies(self) -> list[str]:
+        """The packages that the build needs beside hatchling."""
+        core = core_build()
+        return [] if core.compiler() or os.environ.get(core.OFF) else [ZIG]
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Add the library and the tag of the platform to the wheel."""
+        core = core_build()
+        path, why = (None, f"{core.OFF} is set") if os.environ.get(core.OFF) else core.build()
+        if path is None:
+            print(f"rod-workbench is installed without its compiled core: {why}", file=sys.stderr)
+            return
+        build_data["artifacts"].append(str(path.relative_to(self.root)))
+        build_data["pure_python"] = False
+        build_data["tag"] = f"py3-none-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"

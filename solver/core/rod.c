@@ -1,0 +1,377 @@
+/* Half periods of beta by Taylor's method, and what is read of them. C11, libm only; no global state.
+
+   A leg goes from the start of the rod to the turning point ahead or behind, or once round. It keeps its series for
+   reading, the transfer matrix of a change of its start for the condition number, and the covariance of what its steps
+   leave out and round off, carried along by the steps' own transfer matrices. */
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ORDER 20
+#define EPS DBL_EPSILON
+#define PI 3.14159265358979323846
+#define MOST 60    /* steps of a leg: more are needed only next to a saddle or by very large loads */
+#define NODES 2    /* of each step, at which the growth of a change is looked at */
+#define STEADY 1e6 /* a growth beyond this leaves the march too few digits to tell where the orbit goes */
+#define SAFETY 3.0
+#define SERIES (4 * (ORDER + 1)) /* numbers kept of a step: the series of beta, alpha, z and the swirl */
+
+enum { B, V, S, C, S2, C2, RATE, ETA, ZETA, ROWS };
+enum { LOST, TURNS, GOES_ROUND, GOES_ON };
+
+/* What is known of a leg. */
+typedef struct {
+    double time, alpha, z, swirl, error, late, fastest, steps, amplitude, e11, e12, e21, e22;
+} leg;
+
+/* What is known of an orbit. */
+typedef struct {
+    double error, condition;
+    leg legs[2];
+    int64_t status[2], count[2];
+} orbit;
+
+static inline int64_t bits_of(double x)
+{
+    int64_t y;
+    memcpy(&y, &x, sizeof y);
+    return y;
+}
+
+static inline double number_of(int64_t x)
+{
+    double y;
+    memcpy(&y, &x, sizeof y);
+    return y;
+}
+
+static inline double larger(double x, double y) { return x > y ? x : y; }
+static inline double smaller(double x, double y) { return x < y ? x : y; }
+
+static inline double value(const double *row, int n, double x)
+{
+    double total = row[n];
+    for (int k = n - 1; k >= 0; k--)
+        total = total * x + row[k];
+    return total;
+}
+
+static double crossing(const double *row, int n, double level, double h)
+{
+    double lo = 0, hi = h, x = h;
+    const int above = value(row, n, h) > level;
+    for (int round = 0; round < 60; round++) {
+        double y = row[n], rate = 0;
+        for (int k = n - 1; k >= 0; k--) {
+            rate = rate * x + y;
+            y = y * x + row[k];
+        }
+        if (y == level)
+            return x;
+        if ((y > level) == above)
+            hi = x;
+        else
+            lo = x;
+        double next = rate != 0 ? x - (y - level) / rate : -INFINITY;
+        if (!(lo < next && next < hi))
+            next = (lo + hi) / 2;
+        if (fabs(next - x) <= 1e-16 * h)
+            return next;
+        x = next;
+    }
+    return x;
+}
+
+/* The kernels for each width of lanes. */
+#define JOIN_(a, b) a##b
+#define JOIN(a, b) JOIN_(a, b)
+#define NAME(x) JOIN(x, SUFFIX)
+
+/* S E^-1 S E with S = diag(1, -1), det E = 1: the transfer out to a turning point and back. */
+static void and_back(const leg *e, double out[4])
+{
+    out[0] = out[3] = e->e22 * e->e11 + e->e12 * e->e21;
+    out[1] = 2 * e->e12 * e->e22, out[2] = 2 * e->e11 * e->e21;
+}
+
+typedef struct {
+    double span, period, rounds, more[4]; /* more: what the transfer of one period adds */
+} times;
+
+/* The largest growth of beta at the first n nodes of a leg travelled one way, at the times begin + sign t. */
+static double most_of(const double *grown, int n, const double m[4], double sign, double begin, const times *when,
+                      double weight, double best)
+{
+    for (int k = 0; k < n; k++) {
+        const double time = begin + sign * grown[3 * k];
+        if (time > when->span * (1 + 4 * EPS))
+            continue;
+        const double p = grown[3 * k + 1], q = grown[3 * k + 2];
+        double x = p * m[0] + q * m[2], y = p * m[1] + q * m[3];
+        best = larger(best, larger(fabs(x), weight * fabs(y)));
+        if (when->rounds > 0) {
+            const double many = time + when->rounds * when->period <= when->span ? when->rounds : when->rounds - 1;
+            const double xx = x + many * (x * when->more[0] + y * when->more[2]);
+            y = y + many * (x * when->more[1] + y * when->more[3]), x = xx;
+            best = larger(best, larger(fabs(x), weight * fabs(y)));
+        }
+    }
+    return best;
+}
+
+/* The largest values on [0, span] of the two solutions of eta_tt = -rate eta that begin as 1 and as t. */
+static void largest(double rate, double span, double *even, double *odd)
+{
+    const double root = sqrt(fabs(rate)), angle = smaller(root * span, 700.0);
+    *even = 1, *odd = span;
+    if (!(angle > 1e-150))
+        return;
+    if (rate > 0)
+        *odd = (angle < PI / 2 ? sin(angle) : 1.0) / root;
+    else
+        *even = cosh(angle), *odd = sinh(angle) / root;
+}
+
+/* The condition number of a rod along which H' hardly changes, else 0. */
+static double beside_helix(const double *p, double weight)
+{
+    const double lam = p[0], mu = p[1], phi = p[2], span = p[3], v = p[5];
+    const double s = sin(p[4]), c = cos(p[4]), s2 = 2 * s * c, c2 = (c - s) * (c + s), size = fabs(c);
+    const double force = (lam - (c < 0 ? -mu : mu)) * c + mu * s * s * (1 + 2 * size) / (1 + size) -
+                         (phi + 2 * c * s * s) * s;
+    const double rate = -lam * s + 2 * mu * s2 - phi * c - 2 * s * s * (3 * c * c - s * s);
+    const double second = -lam * c + 4 * mu * c2 + phi * s + 2 * s2 - 8 * s2 * c2;
+    double even, odd, half, unused;
+    largest(rate, span, &even, &odd);
+    largest(rate, span / 2, &unused, &half);
+    const double strays = fabs(v) * odd + 2 * fabs(force) * half * half;
+    const double change = fabs(second) * strays + (fabs(lam) + 8 * fabs(mu) + fabs(phi) + 20) * strays * strays / 2;
+    const double root = sqrt(fabs(rate)), time = root > 0 ? smaller(span, 1 / root) : span;
+    return change * span * time < 0.1 ? larger(1.0, larger(even, odd * weight)) : 0.0;
+}
+
+/* Error and condition of an orbit from its legs.
+
+   At the end of the way out the transfer is E; reflected at the turning point it comes back as S E^-1 S E, and the way
+   back is the way out's own transfer applied to S times that. A period adds a multiple of one shear. */
+static void judge(const double *p, double weight, const double *grown[2], orbit *o)
+{
+    const double span = p[3];
+    const leg *l = o->legs;
+    const int swings = o->status[0] == TURNS, n = (int)o->count[0] * NODES, k = (int)o->count[1] * NODES;
+    const double ahead = l[0].time, back = l[1].time, period = swings ? 2 * (ahead + back) : ahead;
+    times when = {span, period, floor(span / period), {0}};
+    double out[4] = {1, 0, 0, 1}, whole[4], other[4];
+    if (swings) {
+        and_back(&l[0], out);
+        memcpy(whole, out, sizeof out);
+        if (k > 0) {
+            and_back(&l[1], other);
+            for (int i = 0; i < 2; i++)
+                for (int j = 0; j < 2; j++)
+                    whole[2 * i + j] = other[2 * i] * out[j] + other[2 * i + 1] * out[2 + j];
+        }
+    } else
+        whole[0] = l[0].e11, whole[1] = l[0].e12, whole[2] = l[0].e21, whole[3] = l[0].e22;
+    for (int i = 0; i < 4; i++)
+        when.more[i] = whole[i] - (i == 0 || i == 3);
+    const double unit[4] = {1, 0, 0, 1};
+    double best = most_of(grown[0], n, unit, 1, 0, &when, weight, 1);
+    if (swings) {
+        const double turned[4] = {out[0], out[1], -out[2], -out[3]};
+        best = most_of(grown[0], n, turned, -1, 2 * ahead, &when, weight, best);
+        if (k > 0) {
+            const double again[4] = {whole[0], whole[1], -whole[2], -whole[3]};
+            best = most_of(grown[1], k, out, 1, 2 * ahead, &when, weight, best);
+            best = most_of(grown[1], k, again, -1, period, &when, weight, best);
+        }
+    }
+    /* what the products of large transfers round off, as often as it is repeated */
+    double most = 1;
+    for (int part = 0; part < 2; part++)
+        for (int i = 0; i < (part ? k : n); i++)
+            most = larger(most, larger(fabs(grown[part][3 * i + 1]), fabs(grown[part][3 * i + 2]) * weight));
+    o->condition = EPS * most * most * larger(1, when.rounds) < 0.1 * best ? best : INFINITY;
+    double late = when.rounds * l[0].late;
+    if (swings) {
+        late = 2 * (when.rounds + (span > when.rounds * period + ahead)) * l[0].late;
+        late += 2 * (when.rounds + (span > when.rounds * period + 2 * ahead + back)) * l[1].late;
+    }
+    const double fastest = larger(l[0].fastest, l[1].fastest);
+    double shift = fastest * late;
+    if (swings)
+        shift = smaller(shift, l[0].amplitude + l[1].amplitude);
+    o->error = SAFETY * (larger(l[0].error, l[1].error) + shift) + EPS * (span * fastest + larger(1, fabs(p[4])));
+}
+
+/* A problem: lam, mu, phi, span, beta0, beta_t(0). */
+enum { PROBLEM = 6 };
+
+/* Problems, (size, 6), and the allowed error of beta. */
+typedef struct {
+    int64_t size;
+    const double *numbers;
+    double tol;
+} problems;
+
+/* What a step may leave out of beta: an error of the time repeats in each period. */
+static double goal_of(const double *q, double tol)
+{
+    const double quickest = sqrt(fabs(q[0]) + 2 * fabs(q[1]) + fabs(q[2]) + 2);
+    return larger(0.002 * tol / larger(1, q[3] * quickest / 6), 1e-17);
+}
+
+/* The weight of a change of beta_t(0) beside one of beta(0). */
+static double weight_of(const double *q)
+{
+    const double s = sin(q[4]), c = cos(q[4]);
+    const double rate = -q[0] * s + 4 * q[1] * s * c - q[2] * c - 2 * s * s * (3 * c * c - s * s);
+    return larger(larger(1, fabs(q[5])), sqrt(fabs(rate)));
+}
+
+/* Where the values at stations go, each (rods, stations): either the first four, or swirl, or all five. */
+typedef struct {
+    double *beta, *rate, *alpha, *z, *swirl;
+} values;
+
+enum { AT_ONCE = 512, PAD = 8 }; /* stations that are read together; what a group may write beyond its end */
+
+/* Of each station: the time within a leg, the direction, in which leg, and what is added to beta, alpha, z, swirl. */
+typedef struct {
+    double local[AT_ONCE + PAD], sign[AT_ONCE + PAD], more[4][AT_ONCE + PAD];
+    int64_t second[AT_ONCE + PAD];
+} places;
+
+/* The steps of the rod that is being marched: room for both its legs. */
+typedef struct {
+    double since[2 * MOST], width[2 * MOST], series[2 * MOST * SERIES], grown[2][MOST * NODES * 3];
+} room;
+
+/* How an orbit is read at its stations; each width of lanes has its own, and all give the same bits. */
+typedef void reader(const orbit *, const double *, const double *, const double *, const double *, int64_t,
+                    const values *, int64_t);
+
+/* What is done with each orbit that is marched: read at `stations` times t (rods, stations), and its steps kept, from
+   number first[rod] on, where there is room for them. */
+typedef struct {
+    reader *read;
+    int64_t stations;
+    const double *t;
+    values out;
+    const int64_t *first;
+    double *since, *width, *series;
+} task;
+
+static void settle(const task *work, const problems *all, int64_t rod, orbit *o, const room *own)
+{
+    const double *q = all->numbers + PROBLEM * rod, *grown[2] = {own->grown[0], own->grown[1]};
+    const double weight = weight_of(q), steady = beside_helix(q, weight);
+    judge(q, weight, grown, o);
+    if (steady > 0)
+        o->condition = steady;
+    if (work->stations > 0)
+        work->read(o, own->since, own->width, own->series, work->t + rod * work->stations, work->stations, &work->out,
+                   rod * work->stations);
+    if (work->first) {
+        const int64_t at = work->first[rod], steps = o->count[0] + o->count[1];
+        memcpy(work->since + at, own->since, sizeof(double) * steps);
+        memcpy(work->width + at, own->width, sizeof(double) * steps);
+        memcpy(work->series + SERIES * at, own->series, sizeof(double) * SERIES * steps);
+    }
+}
+
+#define TARGET
+#define W 1
+#define SUFFIX _1
+#include "lanes.h"
+#define W 2
+#define SUFFIX _2
+#include "lanes.h"
+#undef TARGET
+#if defined(__x86_64__)
+#define TARGET __attribute__((target("avx2")))
+#define W 4
+#define SUFFIX _4
+#include "lanes.h"
+#undef TARGET
+#define TARGET __attribute__((target("avx512f,avx512dq")))
+#define W 8
+#define SUFFIX _8
+#include "lanes.h"
+#undef TARGET
+#endif
+
+#ifndef ROD_SOURCES
+#define ROD_SOURCES ""
+#endif
+
+/* A digest of the sources, by which the loader recognises a library that was compiled from others. */
+const char *rod_sources(void) { return ROD_SOURCES; }
+
+/* The widest lanes that the processor has. */
+int rod_lanes(void)
+{
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
+        return 8;
+    if (__builtin_cpu_supports("avx2"))
+        return 4;
+#endif
+    return 2;
+}
+
+static reader *reader_for(int most)
+{
+#if defined(__x86_64__)
+    if (most >= 4)
+        return most == 8 ? read_8 : read_4;
+#endif
+    (void)most;
+    return read_2;
+}
+
+/* March n problems (n, 6), read each at its times t (n, stations), and keep its steps.
+
+   tol: the allowed error of beta. orbits: (n,), filled. beta, rate, alpha, z, swirl: (n, stations), filled but for rods
+   that are lost; swirl may be NULL, or the other four. first: (n,), the number of each rod's first step in since (P,),
+   width (P,) and series (P, 4, ORDER + 1); or NULL, and none is kept. lanes: their width, 0 for the widest that n
+   problems fill. Returns 0, or 1 if there is no memory. */
+int rod_march(int64_t n, const double *numbers, double tol, orbit *orbits, int64_t stations, const double *t,
+              double *beta, double *rate, double *alpha, double *z, double *swirl, const int64_t *first, double *since,
+              double *width, double *series, int lanes)
+{
+    const int most = rod_lanes(), w = lanes > 0 && lanes <= most ? lanes : n < most ? 1 : most;
+    const problems all = {n, numbers, tol};
+    const task work = {reader_for(most), stations, t, {beta, rate, alpha, z, swirl}, first, since, width, series};
+#if defined(__x86_64__)
+    if (w == 8)
+        return run_8(&all, orbits, &work);
+    if (w == 4)
+        return run_4(&all, orbits, &work);
+#endif
+    return w == 1 ? run_1(&all, orbits, &work) : run_2(&all, orbits, &work);
+}
+
+/* Read n orbits whose steps were kept, as `rod_march` does; of a rod that is lost NaN. which: (n,), its orbit. */
+void rod_read(int64_t n, const int64_t *which, const orbit *orbits, const int64_t *first, const double *since,
+              const double *width, const double *series, int64_t stations, const double *t, double *beta, double *rate,
+              double *alpha, double *z, double *swirl)
+{
+    const values out = {beta, rate, alpha, z, swirl};
+    reader *read = reader_for(rod_lanes());
+    for (int64_t i = 0; i < n; i++) {
+        const orbit *o = orbits + which[i];
+        const int64_t at = first[which[i]];
+        if (o->status[0] != LOST)
+            read(o, since + at, width + at, series + SERIES * at, t + i * stations, stations, &out, i * stations);
+        else
+            for (int64_t j = i * stations; j < (i + 1) * stations; j++) {
+                beta[j] = rate[j] = alpha[j] = z[j] = NAN;
+                if (swirl)
+                    swirl[j] = NAN;
+            }
+    }
+}
