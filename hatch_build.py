@@ -1,11 +1,12 @@
 """The build hook: compiles the core of the solver into every wheel, also into that of an editable install.
 
-Where no C compiler is found, the build asks for the package `ziglang`. Where this fails too, the package is installed
-without the core, and `workbench doctor` says so.
+Where no C compiler is found, the build asks for the package `ziglang`, if the package index has it. Where this fails
+too, the package is installed without the core, and `workbench doctor` says so.
 """
 
 import importlib.util
 import os
+import subprocess
 import sys
 import sysconfig
 from pathlib import Path
@@ -27,6 +28,18 @@ def core_build() -> Any:
     return module
 
 
+def within_reach(package: str) -> bool:
+    """Whether pip finds the package. A dependency that nobody finds would end the installation.
+
+    -I: this process sees the build's own environment, which has no pip; the installing one has it.
+    """
+    pip = [sys.executable, "-I", "-m", "pip"]
+    if subprocess.run([*pip, "--version"], capture_output=True, check=False).returncode != 0:
+        return True  # another program than pip installs; it has to find the package itself
+    ask = [*pip, "install", "--dry-run", "--no-deps", "--ignore-installed", "--quiet", package]
+    return subprocess.run(ask, capture_output=True, check=False).returncode == 0
+
+
 class CoreHook(BuildHookInterface):  # type: ignore[type-arg]
     """Compiles the core before a wheel is made."""
 
@@ -35,7 +48,9 @@ class CoreHook(BuildHookInterface):  # type: ignore[type-arg]
     def dependencies(self) -> list[str]:
         """The packages that the build needs beside hatchling."""
         core = core_build()
-        return [] if core.compiler() or os.environ.get(core.OFF) else [ZIG]
+        if core.compiler() or os.environ.get(core.OFF):
+            return []
+        return [ZIG] if within_reach(ZIG) else []
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Add the library and the tag of the platform to the wheel."""
