@@ -1,5 +1,6 @@
 """From a case to its solution: reduce, run a method, restore the units."""
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,7 +9,7 @@ from .boundary.selection import NEAREST, Choose, checked
 from .numerics.arrays import Array
 from .problem.case import Case
 from .problem.errors import InputError
-from .problem.limits import OUT_OF_RANGE, TOO_LARGE, dimensionless, representable, units_held
+from .problem.limits import OUT_OF_RANGE, TOO_LARGE, dimensionless, ordinary, representable, units_held
 from .problem.reduced import EndsProblem, Reduced, StartProblem, flat, reduce
 from .problem.tolerance import DEFAULT_TOLERANCE, checked_tolerance
 from .problem.trajectory import Seed, Trajectory, blanked, stood_in
@@ -95,6 +96,8 @@ def _run(
     """The answer of the method; a case whose numbers overflow or underflow gets an outcome that says so."""
     from .methods.blocks import run_in_blocks
 
+    if ordinary(case, problem) and isinstance(problem, StartProblem):
+        return run_in_blocks(method, problem, t, tol)
     held, finite = representable(case, problem), dimensionless(problem)
     fit = held & finite
     if not fit.all():
@@ -116,7 +119,7 @@ def _stations(case: Case, problem: Reduced, stations: Any) -> Array:
         if not 2 <= stations <= 10_000_000:
             raise InputError(f"stations must be from 2 to 10000000, got {stations}")
         with np.errstate(invalid="ignore", over="ignore"):  # overflow of the span is reported in the outcome
-            return problem.span[:, None] * np.linspace(0, 1, int(stations))
+            return problem.span[:, None] * _equal_steps(int(stations))
     try:
         s = np.asarray(stations, dtype=float)
         s = np.broadcast_to(s, (*case.shape, s.shape[-1])).reshape(problem.size, -1)
@@ -131,6 +134,14 @@ def _stations(case: Case, problem: Reduced, stations: Any) -> Array:
         raise InputError(f"stations must rise within [0, L], L = {length.min()}, got {s.min()} to {s.max()}")
     with np.errstate(all="ignore"):
         return np.minimum(s / flat(case.rho, case.shape)[:, None], problem.span[:, None])
+
+
+@lru_cache(maxsize=8)
+def _equal_steps(stations: int) -> Array:
+    """So many numbers from 0 to 1, at equal steps; read-only."""
+    steps = np.linspace(0, 1, stations)
+    steps.setflags(write=False)
+    return steps
 
 
 def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:

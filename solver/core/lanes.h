@@ -66,6 +66,37 @@ static inline TARGET void NAME(sin_cos)(vec x, vec *sine, vec *cosine)
             LANE(*sine, i) = sin(LANE(x, i)), LANE(*cosine, i) = cos(LANE(x, i));
 }
 
+/* The term of order k of the product of two series, and of a square. The newest coefficients, those of order k, are
+   added last, and there are two partial sums, so that little waits for something else. */
+static inline ALWAYS TARGET vec NAME(product)(const vec *x, const vec *y, int k)
+{
+    if (k == 0)
+        return x[0] * y[0];
+    vec even = ZERO, odd = ZERO;
+    UNROLLED
+    for (int i = 1; i < k; i += 2)
+        even += x[i] * y[k - i];
+    UNROLLED
+    for (int i = 2; i < k; i += 2)
+        odd += x[i] * y[k - i];
+    return even + odd + (x[0] * y[k] + x[k] * y[0]);
+}
+
+static inline ALWAYS TARGET vec NAME(square)(const vec *x, int k)
+{
+    if (k == 0)
+        return x[0] * x[0];
+    vec even = ZERO, odd = ZERO;
+    UNROLLED
+    for (int i = 1; 2 * i < k; i += 2)
+        even += x[i] * x[k - i];
+    UNROLLED
+    for (int i = 2; 2 * i < k; i += 2)
+        odd += x[i] * x[k - i];
+    const vec half = even + odd + x[0] * x[k], twice = half + half;
+    return k % 2 ? twice : twice + x[k / 2] * x[k / 2];
+}
+
 /* Fills the table with the series about the points where beta and beta_t of each lane are. */
 static inline TARGET void NAME(expand)(NAME(lanes) *p)
 {
@@ -75,40 +106,22 @@ static inline TARGET void NAME(expand)(NAME(lanes) *p)
     w[B][0] = p->beta, w[B][1] = w[V][0] = p->v;
     NAME(sin_cos)(p->beta, &w[S][0], &w[C][0]);
     w[ETA][0] = one, w[ETA][1] = zero, w[ZETA][0] = zero, w[ZETA][1] = one;
+    UNROLLED
     for (int k = 0; k < ORDER; k++) {
-        vec sc = zero, ss = zero, vc = zero, vs = zero;
-        for (int i = 0; i <= k; i++) {
-            sc += w[S][i] * w[C][k - i];
-            ss += w[S][i] * w[S][k - i];
-            vc += w[V][i] * w[C][k - i];
-            vs += w[V][i] * w[S][k - i];
-        }
-        w[S][k + 1] = vc / (k + 1.0), w[C][k + 1] = -vs / (k + 1.0);
+        const double share = 1.0 / (k + 1.0), both = -1.0 / ((k + 1.0) * (k + 2.0));
+        w[S][k + 1] = NAME(product)(w[V], w[C], k) * share;
+        w[C][k + 1] = NAME(product)(w[V], w[S], k) * -share;
         if (k == ORDER - 1)
             break;
-        w[S2][k] = 2.0 * sc;
-        w[C2][k] = -2.0 * ss;
-        if (k == 0)
-            w[C2][0] += 1.0;
-        vec s4 = zero, c4 = zero;
-        for (int i = 0; i <= k; i++) {
-            s4 += w[S2][i] * w[C2][k - i];
-            c4 += w[S2][i] * w[S2][k - i];
-        }
-        s4 = 2.0 * s4, c4 = -2.0 * c4;
-        if (k == 0)
-            c4 += 1.0;
-        const vec force = lam * w[C][k] - mu * w[C2][k] - phi * w[S][k] - w[S2][k] / 2.0 + s4 / 4.0;
+        w[S2][k] = 2.0 * NAME(product)(w[S], w[C], k);
+        w[C2][k] = (k == 0) - 2.0 * NAME(square)(w[S], k);
+        const vec s4 = NAME(product)(w[S2], w[C2], k), c4 = (k == 0) - 2.0 * NAME(square)(w[S2], k);
+        const vec force = lam * w[C][k] - mu * w[C2][k] - phi * w[S][k] - 0.5 * w[S2][k] + 0.5 * s4;
         w[RATE][k] = -lam * w[S][k] + 2.0 * mu * w[S2][k] - phi * w[C][k] - w[C2][k] + c4;
-        vec eta = zero, zeta = zero;
-        for (int i = 0; i <= k; i++) {
-            eta += w[RATE][i] * w[ETA][k - i];
-            zeta += w[RATE][i] * w[ZETA][k - i];
-        }
-        const double both = (k + 1.0) * (k + 2.0);
-        w[V][k + 1] = -force / (k + 1.0);
-        w[B][k + 2] = -force / both;
-        w[ETA][k + 2] = -eta / both, w[ZETA][k + 2] = -zeta / both;
+        w[V][k + 1] = force * -share;
+        w[B][k + 2] = force * both;
+        w[ETA][k + 2] = NAME(product)(w[RATE], w[ETA], k) * both;
+        w[ZETA][k + 2] = NAME(product)(w[RATE], w[ZETA], k) * both;
     }
     w[V][ORDER] = w[S2][ORDER - 1] = zero;
 }
@@ -502,7 +515,7 @@ static TARGET int NAME(take)(NAME(lanes) *p, int lane, int64_t i, const problems
     const double *q = all->numbers + PROBLEM * i;
     memset(o, 0, sizeof *o);
     o->error = o->condition = INFINITY;
-    if (!(q[3] > 0))
+    if (!in_range(q))
         return 0;
     p->rod[lane] = i, p->used[lane] = 0;
     p->since[lane] = own->since, p->width[lane] = own->width, p->series[lane] = own->series;

@@ -49,9 +49,18 @@ def lanes() -> int:
     return int(library().rod_lanes())
 
 
-def address(array: NDArray[Any] | None) -> ctypes.c_void_p:
-    """Where the numbers of a contiguous array begin; NULL for None."""
-    return ctypes.c_void_p(None if array is None else array.__array_interface__["data"][0])
+@cache
+def function(name: str, result: Any, *arguments: Any) -> Any:
+    """A function of the library, with the ctypes of its result and arguments."""
+    found = getattr(library(), name)
+    found.restype, found.argtypes = result, arguments
+    return found
+
+
+def address(array: NDArray[Any]) -> int:
+    """Where the numbers of a contiguous array begin."""
+    begin: int = array.__array_interface__["data"][0]
+    return begin
 
 
 def threads() -> int:

@@ -7,16 +7,21 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
-from .library import address, library, shared_out
+from .library import address, function, shared_out
 
 LOST, TURNS, GOES_ROUND = 0, 1, 2  # how a leg ends
 ORDER = 20  # of the series
 
 _LEG = ("time", "alpha", "z", "swirl", "error", "late", "fastest", "steps", "amplitude", "e11", "e12", "e21", "e22")
 # What the core knows of an orbit: `orbit` in rod.c. A leg goes from the start to the turning point ahead, or behind, or
-# once round; status: how it ends. count: its steps.
+# once round; status: how it ends. count: its steps. sound: whether the error is within the tolerance and far below a
+# radian, and the condition number finite.
+_FLAGS = ("sound", "i8"), ("evaluations", "i8")
 _LEGS = ("legs", [(name, "f8") for name in _LEG], 2)
-ORBIT = np.dtype([("error", "f8"), ("condition", "f8"), _LEGS, ("status", "i8", 2), ("count", "i8", 2)])
+ORBIT = np.dtype([("error", "f8"), ("condition", "f8"), _LEGS, ("status", "i8", 2), ("count", "i8", 2), *_FLAGS])
+
+_NUMBERS = ORBIT.itemsize // 8
+_INT, _AT = ctypes.c_int64, ctypes.c_void_p
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,31 +80,41 @@ def march(
     array, (B,) of ORBIT
         Of an orbit whose first status is LOST nothing is filled.
     """
-    orbits = np.zeros(problems.shape[0], ORBIT)
-    call, stations = library().rod_march, ctypes.c_int64(t.shape[1] if out is not None or swirl is not None else 0)
-    kept = (steps.since, steps.width, steps.series) if steps else (None, None, None)
+    size, n = t.shape
+    orbits = np.zeros((size, _NUMBERS))
+    call = function("rod_march", ctypes.c_int, _INT, _AT, ctypes.c_double, _AT, _INT, *9 * [_AT], _AT, ctypes.c_int)
+    rods: list[tuple[int | None, int]] = [(address(problems), 6), (address(orbits), _NUMBERS), (address(t), n)]
+    rods += _rows(out, n) + ([(address(swirl), n)] if swirl is not None else [(None, n)])
+    rods += [(address(steps.first), 1)] if steps else [(None, 1)]
+    kept = (address(steps.since), address(steps.width), address(steps.series)) if steps else (None, None, None)
+    stations = 0 if out is None and swirl is None else n
 
     def part(a: int, b: int) -> None:
-        rows = [None] * 4 if out is None else [row[a:b] for row in out]
-        rows += [None if swirl is None else swirl[a:b], steps.first[a:b] if steps else None, *kept]
-        size, filled = ctypes.c_int64(b - a), address(orbits[a:b])
-        given = size, address(problems[a:b]), ctypes.c_double(tol), filled, stations, address(t[a:b])
-        if call(*given, *map(address, rows), lanes):
+        numbers, filled, times, *rows = (begin and begin + 8 * a * width for begin, width in rods)
+        if call(b - a, numbers, tol, filled, stations, times, *rows, *kept, lanes):
             raise MemoryError("the compiled core found no memory for its steps")
 
-    shared_out(part, problems.shape[0])
-    return orbits
+    shared_out(part, size)
+    return orbits.view(ORBIT)[:, 0]
+
+
+def _rows(out: Array | None, n: int) -> list[tuple[int | None, int]]:
+    """Where the four rows of `out` (4, B, n) begin, and how many numbers each rod takes there."""
+    if out is None:
+        return [(None, n) for _ in range(4)]
+    return [(address(out) + k * out[0].nbytes, n) for k in range(4)]
 
 
 def read(which: Integers, orbits: Array, steps: Steps, t: Array) -> Array:
     """beta, beta_t, alpha, z (4, N, n) of the orbits `which` (N,) at t (N, n), as `march` reads; NaN where lost."""
-    out = np.empty((4, *t.shape))
-    stored = address(orbits), address(steps.first), address(steps.since), address(steps.width), address(steps.series)
+    out, n = np.empty((4, *t.shape)), t.shape[1]
+    call = function("rod_read", None, _INT, *6 * [_AT], _INT, *6 * [_AT])
+    stored = [address(v) for v in (orbits, steps.first, steps.since, steps.width, steps.series)]
+    begins = [address(t), *(address(row) for row in out)]
 
     def part(a: int, b: int) -> None:
-        rows = [address(row[a:b]) for row in out]
-        size, stations = ctypes.c_int64(b - a), ctypes.c_int64(t.shape[1])
-        library().rod_read(size, address(which[a:b]), *stored, stations, address(t[a:b]), *rows, None)
+        times, *rows = (begin + 8 * a * n for begin in begins)
+        call(b - a, address(which) + 8 * a, *stored, n, times, *rows, None)
 
     shared_out(part, which.size)
     return out
@@ -107,5 +122,7 @@ def read(which: Integers, orbits: Array, steps: Steps, t: Array) -> Array:
 
 def problems_of(problem: Any) -> Array:
     """The numbers of B start problems as `march` takes them, (B, 6)."""
-    columns = problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, problem.dbeta0
-    return np.stack(columns, axis=1)
+    numbers = np.empty((problem.size, 6))
+    for k, name in enumerate(("lam", "mu", "phi", "span", "beta0", "dbeta0")):
+        numbers[:, k] = getattr(problem, name)
+    return numbers

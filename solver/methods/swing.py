@@ -11,10 +11,9 @@ import numpy as np
 
 from ..core.library import library, why_missing
 from ..numerics.arrays import Array
-from ..orbit.marched_orbit import march_orbit
-from ..problem.limits import TOO_LARGE, dimensionless
+from ..orbit.marched_orbit import MarchedOrbit, march_orbit
 from ..problem.reduced import StartProblem
-from ..problem.trajectory import Trajectory, blanked, stood_in, verdicts
+from ..problem.trajectory import Trajectory, Verdicts, all_solved, verdicts
 from .base import StartMethod
 from .blocks import run_in_blocks
 from .ladder import TOLERANCES, Ladder
@@ -41,20 +40,27 @@ class SwingTaylor(StartMethod):
 
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
         """All problems in one call; `orbit` solves those that a march loses or cannot do to the tolerance."""
-        fit = dimensionless(problem)
-        if not fit.all():
-            problem, t = stood_in(problem, fit), np.where(fit[:, None], t, 0)
         whole = np.empty((4, *t.shape))
-        found = march_orbit(problem, tol, t, whole)
-        whole[:, found.lost] = np.nan
-        solved, outcome = verdicts(whole[0], found.error, found.condition, tol)
-        # a quadrature also recovers digits that the condition number would excuse
-        lost = found.lost | ~solved | (found.error > _DIGITS * tol) | ~np.isfinite(found.condition)
-        if lost.any():
-            answer = run_in_blocks(OrbitQuadrature(), problem.take(lost), t[lost], tol)
-            whole[:, lost] = answer.beta, answer.dbeta, answer.alpha, answer.z
-            solved[lost], outcome[lost] = answer.solved, answer.outcome
-            found = found.completed(lost, answer)
-        beta, dbeta, alpha, z = whole
-        rest = (solved, outcome, found.error, found.condition, found.evaluations, found)
-        return blanked(Trajectory(beta, dbeta, alpha, z, lambda: found.swirl(t), *rest), fit, TOO_LARGE)
+        orbit = march_orbit(problem, tol, t, whole)
+        if orbit.found["sound"].all():
+            verdict = all_solved(problem.size)
+        else:
+            orbit, verdict = _mended(orbit, whole, t, tol)
+        (beta, dbeta, alpha, z), found = whole, orbit.found
+        told = *verdict, found["error"], found["condition"], found["evaluations"], orbit
+        return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), *told)
+
+
+def _mended(orbit: MarchedOrbit, whole: Array, t: Array, tol: float) -> tuple[MarchedOrbit, Verdicts]:
+    """The orbits and their verdicts, `orbit` in place of each march that fails; its values are written to `whole`."""
+    found = orbit.found
+    whole[:, orbit.lost] = np.nan
+    solved, outcome = verdicts(whole[0], found["error"], found["condition"], tol)
+    # a quadrature also recovers digits that the condition number would excuse
+    lost = orbit.lost | ~solved | (found["error"] > _DIGITS * tol) | ~np.isfinite(found["condition"])
+    if lost.any():
+        answer = run_in_blocks(OrbitQuadrature(), orbit.problem.take(lost), t[lost], tol)
+        whole[:, lost] = answer.beta, answer.dbeta, answer.alpha, answer.z
+        solved[lost], outcome[lost] = answer.solved, answer.outcome
+        orbit = orbit.completed(lost, answer)
+    return orbit, Verdicts(solved, outcome)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,24 +21,33 @@ if TYPE_CHECKING:
 class MarchedOrbit:
     """The orbits of B problems, ready to be read anywhere along the rod.
 
-    kind: (B,), HELIX, LIBRATION or ROTATION. lost: (B,), where the march fails; these orbits are in `rest`, in order.
-    found: (B,), records of the compiled core (`core.march.ORBIT`). ahead: (B,), time from the start to the turning
-    point ahead, or of a whole turn of a rotation; back: (B,), to the turning point behind, 0 in a rotation. error,
-    condition: (B,). evaluations: (B,), how many derivatives of the equation were computed. rest: the lost orbits by
-    quadrature.
+    found: (B,), records of the compiled core (`core.march.ORBIT`); those of `lost` orbits have what `rest` knows.
+    lost: (B,), where the march fails or is too inaccurate; these orbits are in `rest`, in order, by quadrature.
     """
 
     problem: StartProblem
     tol: float
-    kind: Integers
-    lost: Booleans
     found: Array
-    ahead: Array
-    back: Array
-    error: Array
-    condition: Array
-    evaluations: Integers
+    lost: Booleans
     rest: Orbit | None = None
+
+    @cached_property
+    def kind(self) -> Integers:
+        """HELIX, LIBRATION or ROTATION, (B,)."""
+        kind = np.where(self.found["status"][:, 0] == core.TURNS, LIBRATION, ROTATION)
+        if self.rest is not None:
+            kind[self.lost] = self.rest.kind
+        return kind
+
+    @cached_property
+    def ahead(self) -> Array:
+        """Time from the start to the turning point ahead, or of a whole turn of a rotation, (B,)."""
+        return np.ascontiguousarray(self.found["legs"]["time"][:, 0])
+
+    @cached_property
+    def back(self) -> Array:
+        """Time to the turning point behind; 0 in a rotation, (B,)."""
+        return np.ascontiguousarray(self.found["legs"]["time"][:, 1])
 
     @cached_property
     def period(self) -> Array:
@@ -84,13 +93,10 @@ class MarchedOrbit:
 
     def pick(self, rows: Integers) -> "MarchedOrbit":
         """The orbits of the problems `rows`, (b,) rising."""
-        names = ("kind", "lost", "found", "ahead", "back", "error", "condition", "evaluations")
-        rest = None
-        if self.rest is not None and self.lost[rows].any():
-            rest = self.rest.pick((np.cumsum(self.lost) - 1)[rows[self.lost[rows]]])
-        columns: dict[str, Any] = {name: getattr(self, name)[rows] for name in names}
-        columns["problem"] = self.problem.take(rows)
-        return replace(self, rest=rest, **columns)
+        lost, rest = self.lost[rows], None
+        if self.rest is not None and lost.any():
+            rest = self.rest.pick((np.cumsum(self.lost) - 1)[rows[lost]])
+        return MarchedOrbit(self.problem.take(rows), self.tol, self.found[rows], lost, rest)
 
     def along(self, case: Integers, t: Array) -> tuple[Array, Array]:
         """alpha and z at single points of the rods: at t (N,) of the problems `case` (N,), (N,) each."""
@@ -110,19 +116,12 @@ class MarchedOrbit:
     def completed(self, lost: Booleans, answer: "Trajectory") -> "MarchedOrbit":
         """The same orbits, those that are `lost` (B,) taken from an answer to them by quadrature."""
         rest: Orbit = answer.orbit
-        names = ("error", "condition", "evaluations")
-        new: dict[str, Any] = {name: _with(getattr(self, name), lost, getattr(answer, name)) for name in names}
-        new |= {name: _with(getattr(self, name), lost, getattr(rest, name)) for name in ("kind", "ahead", "back")}
-        found = self.found.copy()
+        found = np.array(self.found)
+        for name in ("error", "condition", "evaluations"):
+            found[name][lost] = getattr(answer, name)
+        found["legs"]["time"][lost] = np.stack([rest.ahead, rest.back], axis=1)
         found["status"][lost], found["count"][lost] = core.LOST, 0
-        return replace(self, lost=lost, found=found, rest=rest, **new)
-
-
-def _with(values: Array, rows: Booleans, new: Array) -> Array:
-    """A copy of the values (B,) with new ones in some rows."""
-    out = values.copy()
-    out[rows] = new
-    return out
+        return replace(self, found=found, lost=lost, rest=rest)
 
 
 def march_orbit(problem: StartProblem, tol: float, t: Array, out: Array) -> MarchedOrbit:
@@ -131,7 +130,7 @@ def march_orbit(problem: StartProblem, tol: float, t: Array, out: Array) -> Marc
     Parameters
     ----------
     problem : StartProblem
-        B start problems with finite numbers.
+        B start problems.
     tol : float
         Allowed error of beta [rad].
     t : array, (B, n)
@@ -145,8 +144,4 @@ def march_orbit(problem: StartProblem, tol: float, t: Array, out: Array) -> Marc
         `lost` where the march fails.
     """
     found = core.march(core.problems_of(problem), tol, np.ascontiguousarray(t), out)
-    status, time = found["status"][:, 0], found["legs"]["time"]
-    kind = np.where(status == core.TURNS, LIBRATION, ROTATION)
-    calls = found["count"].sum(axis=1) * core.ORDER
-    known = found["error"].copy(), found["condition"].copy(), calls
-    return MarchedOrbit(problem, tol, kind, status == core.LOST, found, time[:, 0].copy(), time[:, 1].copy(), *known)
+    return MarchedOrbit(problem, tol, found, found["status"][:, 0] == core.LOST)

@@ -10,6 +10,7 @@ LARGEST = 1e100  # a larger dimensionless number would overflow when squared
 SHORTEST = 1e-200  # for a smaller L/rho the time between two stations would underflow
 TOO_LARGE = "failed: loads, slope or L/rho are beyond 1e100 in units of A and rho, or L/rho below 1e-200"
 OUT_OF_RANGE = "failed: stiffness, radius, forces or curvatures are beyond 1e290 or 1e-290 in these units"
+_ORDINARY = 1e30  # with it the largest sum of decades in `representable` is 62 + 7 * 30 = 272
 _DECADES = 290.0  # a float has 308; the margin is for factors and sums
 
 
@@ -46,3 +47,16 @@ def representable(case: Case, problem: Reduced) -> NDArray[np.bool_]:
             A + q - 2 * rho + np.maximum(rho + span, 0),  # energy
         )
         return np.asarray(units_held(case) & (np.max(quantities, axis=0) < _DECADES))
+
+
+def ordinary(case: Case, problem: Reduced) -> bool:
+    """Whether all numbers of all cases lie so far inside the range of floats that every other limit is kept as well."""
+    least, numbers = 1 / _ORDINARY, vars(problem).values()
+    lengths = case.rod.bending_stiffness, case.rho, problem.span
+    if problem.size == 1:  # much quicker than arrays of one
+        fits = [abs(v.item()) < _ORDINARY for v in numbers]
+        fits += [least < np.asarray(v).item() < _ORDINARY for v in lengths]
+    else:
+        fits = [bool(np.abs(v).max() < _ORDINARY) for v in numbers]
+        fits += [bool(np.min(v) > least and np.max(v) < _ORDINARY) for v in lengths]
+    return all(fits)  # a comparison with NaN is False

@@ -4,6 +4,7 @@ In units of rho (t = s/rho, lam = l rho, mu = m rho, phi = p rho^2) every case l
 in none of them: doubling E and every load changes no bit.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -64,17 +65,20 @@ def reduce(case: Case) -> StartProblem | EndsProblem:
     """The dimensionless problems of a case; section 2 of the physics notes."""
     FZ, MZ, M3 = case.loads
     rho, A, given = case.rho, case.rod.bending_stiffness, case.given
-
-    def column(value: Any) -> Array:
-        return flat(value, case.shape)
-
+    numbers = np.empty((6, *case.shape))
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        loads = column(MZ / A * rho), column(M3 / A * rho), column(FZ / A * rho * rho), column(case.rod.L / rho)
+        numbers[0], numbers[1], numbers[2] = MZ / A * rho, M3 / A * rho, FZ / A * rho * rho
+        numbers[3] = case.rod.L / rho
         if isinstance(given, Ends):
-            return EndsProblem(*loads, column(given.beta0), column(given.betaL))
-        return StartProblem(*loads, column(given.beta), column(given.dbeta * rho))
+            numbers[4], numbers[5] = given.beta0, given.betaL
+            return EndsProblem(*numbers.reshape(6, -1))
+        numbers[4], numbers[5] = given.beta, given.dbeta * rho
+        return StartProblem(*numbers.reshape(6, -1))
 
 
 def flat(value: Any, shape: tuple[int, ...]) -> Array:
     """A field of a case as a contiguous array, (B,)."""
-    return np.ascontiguousarray(np.broadcast_to(np.asarray(value, dtype=float), shape)).reshape(-1)
+    value = np.asarray(value, dtype=float)
+    if value.ndim == 0:
+        return np.full(math.prod(shape), value)
+    return np.ascontiguousarray(np.broadcast_to(value, shape)).reshape(-1)
