@@ -57,10 +57,15 @@ def function(name: str, result: Any, *arguments: Any) -> Any:
     return found
 
 
-def address(array: NDArray[Any]) -> int:
+def begin_of(array: NDArray[Any]) -> int:
     """Where the numbers of a contiguous array begin."""
     begin: int = array.__array_interface__["data"][0]
     return begin
+
+
+def address(array: NDArray[Any] | None) -> ctypes.c_void_p:
+    """The same as an argument of a function whose ctypes are not given; NULL for None."""
+    return ctypes.c_void_p(None if array is None else begin_of(array))
 
 
 def threads() -> int:

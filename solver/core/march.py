@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
-from .library import address, function, shared_out
+from .library import begin_of, function, shared_out
 
 LOST, TURNS, GOES_ROUND = 0, 1, 2  # how a leg ends
 ORDER = 20  # of the series
@@ -83,10 +83,10 @@ def march(
     size, n = t.shape
     orbits = np.zeros((size, _NUMBERS))
     call = function("rod_march", ctypes.c_int, _INT, _AT, ctypes.c_double, _AT, _INT, *9 * [_AT], _AT, ctypes.c_int)
-    rods: list[tuple[int | None, int]] = [(address(problems), 6), (address(orbits), _NUMBERS), (address(t), n)]
-    rods += _rows(out, n) + ([(address(swirl), n)] if swirl is not None else [(None, n)])
-    rods += [(address(steps.first), 1)] if steps else [(None, 1)]
-    kept = (address(steps.since), address(steps.width), address(steps.series)) if steps else (None, None, None)
+    rods: list[tuple[int | None, int]] = [(begin_of(problems), 6), (begin_of(orbits), _NUMBERS), (begin_of(t), n)]
+    rods += _rows(out, n) + ([(begin_of(swirl), n)] if swirl is not None else [(None, n)])
+    rods += [(begin_of(steps.first), 1)] if steps else [(None, 1)]
+    kept = (begin_of(steps.since), begin_of(steps.width), begin_of(steps.series)) if steps else (None, None, None)
     stations = 0 if out is None and swirl is None else n
 
     def part(a: int, b: int) -> None:
@@ -102,19 +102,19 @@ def _rows(out: Array | None, n: int) -> list[tuple[int | None, int]]:
     """Where the four rows of `out` (4, B, n) begin, and how many numbers each rod takes there."""
     if out is None:
         return [(None, n) for _ in range(4)]
-    return [(address(out) + k * out[0].nbytes, n) for k in range(4)]
+    return [(begin_of(out) + k * out[0].nbytes, n) for k in range(4)]
 
 
 def read(which: Integers, orbits: Array, steps: Steps, t: Array) -> Array:
     """beta, beta_t, alpha, z (4, N, n) of the orbits `which` (N,) at t (N, n), as `march` reads; NaN where lost."""
     out, n = np.empty((4, *t.shape)), t.shape[1]
     call = function("rod_read", None, _INT, *6 * [_AT], _INT, *6 * [_AT])
-    stored = [address(v) for v in (orbits, steps.first, steps.since, steps.width, steps.series)]
-    begins = [address(t), *(address(row) for row in out)]
+    stored = [begin_of(v) for v in (orbits, steps.first, steps.since, steps.width, steps.series)]
+    begins = [begin_of(t), *(begin_of(row) for row in out)]
 
     def part(a: int, b: int) -> None:
         times, *rows = (begin + 8 * a * n for begin in begins)
-        call(b - a, address(which) + 8 * a, *stored, n, times, *rows, None)
+        call(b - a, begin_of(which) + 8 * a, *stored, n, times, *rows, None)
 
     shared_out(part, which.size)
     return out
