@@ -10,11 +10,14 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 OFF = "ROD_WORKBENCH_NO_CORE"  # an environment variable; set to any text, the core is neither built nor loaded
+WASM = "rod.wasm"  # in the repository: not every installation can make it
+WASM_SOURCES = ("rod.c", "lanes.h")
 # No operation is contracted or reordered, so that every compiler and every processor give the same bits.
 FLAGS = ("-O3", "-std=gnu11", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 
@@ -24,9 +27,9 @@ def library_name() -> str:
     return {"win32": "rod.dll", "darwin": "rod.dylib"}.get(sys.platform, "rod.so")
 
 
-def digest() -> str:
-    """A digest of the C files, by which the loader recognises a library that was compiled from others."""
-    files = sorted([*HERE.glob("*.c"), *HERE.glob("*.h")])
+def digest(names: Sequence[str] = ()) -> str:
+    """A digest of these C files, or of all, by which a library is recognised that was compiled from others."""
+    files = [HERE / name for name in names] or sorted([*HERE.glob("*.c"), *HERE.glob("*.h")])
     content = b"".join(path.name.encode() + path.read_bytes().replace(b"\r\n", b"\n") for path in files)
     return hashlib.blake2b(content, digest_size=8).hexdigest()
 
@@ -45,11 +48,30 @@ def commands() -> list[list[str]]:
     return [*found, [sys.executable, "-m", "ziglang", "cc", "-s"]] if find_spec("ziglang") else found
 
 
-def arguments(target: Path, *more: str) -> list[str]:
+def defined(digest: str) -> str:
+    """The flag that makes the digest of the sources a part of the library."""
+    return f'-DROD_SOURCES="{digest}"'
+
+
+def arguments(target: Path) -> list[str]:
     """What each compiler is given to write the library `target`."""
     unix = [] if sys.platform == "win32" else ["-fPIC", "-lm"]
     sources = [str(path) for path in sorted(HERE.glob("*.c"))]
-    return [*FLAGS, f'-DROD_SOURCES="{digest()}"', "-shared", *more, "-o", str(target), *sources, *unix]
+    return [*FLAGS, defined(digest()), "-shared", "-o", str(target), *sources, *unix]
+
+
+def build_for_browsers(target: Path = HERE / WASM) -> None:
+    """Compile rod.c to WebAssembly, by the package `ziglang`. Raises `RuntimeError` if that fails.
+
+    The target is WASI and not freestanding, because `rod.c` needs a C library. The file imports nothing.
+    """
+    kind = ["--target=wasm32-wasi", "-mexec-model=reactor", "-msimd128", "-Wl,--strip-all"]
+    kind += [f"-Wl,--export={name}" for name in ("rod_march", "rod_sources", "malloc", "free")]
+    options = [*kind, *FLAGS, defined(digest(WASM_SOURCES)), "-o", str(target), str(HERE / "rod.c")]
+    command = [sys.executable, "-m", "ziglang", "cc", *options]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(done.stderr)
 
 
 def build() -> tuple[Path | None, str]:

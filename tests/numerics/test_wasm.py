@@ -1,0 +1,80 @@
+"""rod.wasm, the core for browsers, against the core of this machine."""
+
+import json
+import shutil
+import subprocess
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver.core import build, march
+from solver.core.library import library
+from solver.problem.reduced import StartProblem
+
+HERE = build.HERE
+CASES, STATIONS, TOL = 200, 41, 1e-10
+SCRIPT = """
+const fs = require("fs"), [folder, cases] = process.argv.slice(1);
+const RodCore = require(folder + "/rod.js");
+RodCore.load(fs.readFileSync(folder + "/rod.wasm")).then(core => {
+  const told = JSON.parse(fs.readFileSync(cases)).map(([problem, times, tol]) => {
+    const orbit = core.solve(problem, tol, times);
+    for (const name of ["beta", "rate", "alpha", "z", "swirl"]) if (orbit[name]) orbit[name] = Array.from(orbit[name]);
+    return orbit;
+  });
+  console.log(JSON.stringify(told));
+});
+"""
+
+
+def problems() -> StartProblem:
+    rng = np.random.default_rng(12)
+    loads = rng.normal(0, 1, (3, CASES)) * 10 ** rng.uniform(-2, 1, CASES)
+    span, beta = 10 ** rng.uniform(0, 2.5, CASES), rng.uniform(-np.pi, np.pi, CASES)
+    problem = StartProblem(*loads, span, beta, rng.normal(0, 1, CASES))
+    problem.dbeta0[:3], problem.beta0[:3], problem.phi[:3] = [1e-9, 0, 0], [np.pi, 0.3, 0], [-1, 2, 1]
+    problem.lam[:3] = problem.mu[:3] = 0  # next to a saddle, released at rest, and a straight rod
+    return problem
+
+
+def in_node(folder: Path, problem: StartProblem, t: np.ndarray) -> list[dict]:
+    """What rod.js answers in Node."""
+    names = ("lam", "mu", "phi", "span", "beta0", "dbeta0")
+    rows = [({name: getattr(problem, name)[i] for name in names}, t[i].tolist(), TOL) for i in range(problem.size)]
+    (folder / "cases.json").write_text(json.dumps(rows))
+    command = ["node", "-e", SCRIPT, str(HERE), str(folder / "cases.json")]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    return json.loads(run.stdout)
+
+
+@pytest.mark.skipif(library() is None, reason="the compiled core is missing or switched off")
+@pytest.mark.skipif(shutil.which("node") is None, reason="Node is not installed")
+def test_the_core_for_browsers_gives_the_numbers_of_this_machine(tmp_path: Path) -> None:
+    problem = problems()
+    t = problem.span[:, None] * np.linspace(0, 1, STATIONS)
+    out, swirl = np.empty((4, *t.shape)), np.empty(t.shape)
+    known = march.march(march.problems_of(problem), TOL, t, out, swirl)
+    told = in_node(tmp_path, problem, t)
+    ends = [("lost", "turns", "goes round")[status] for status in known["status"][:, 0]]
+    assert [one["end"] for one in told] == ends
+    assert set(ends) == {"lost", "turns", "goes round"}
+    assert [one["sound"] for one in told] == (known["sound"] == 1).tolist()
+    for i in np.flatnonzero(known["status"][:, 0] != march.LOST):
+        size = np.maximum(1, problem.span[i])
+        for name, values in zip(("beta", "rate", "alpha", "z", "swirl"), (*out[:, i], swirl[i]), strict=True):
+            off = np.abs(np.array(told[i][name]) - values).max() / size
+            assert off <= 1e-12, (i, name)
+        for name in ("error", "condition"):
+            assert told[i][name] == pytest.approx(known[name][i], rel=1e-9)
+
+
+def test_the_file_was_compiled_from_the_sources_that_are_here() -> None:
+    assert build.digest(build.WASM_SOURCES).encode() in (HERE / build.WASM).read_bytes()
+
+
+@pytest.mark.skipif(find_spec("ziglang") is None, reason="the package ziglang is not installed")
+def test_compiling_it_again_gives_the_same_file(tmp_path: Path) -> None:
+    build.build_for_browsers(tmp_path / "again.wasm")
+    assert (tmp_path / "again.wasm").read_bytes() == (HERE / build.WASM).read_bytes()
