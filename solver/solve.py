@@ -46,8 +46,8 @@ def solve(
         that continues from this solution.
     choose : {"nearest", "lowest"} or int
         For an ends problem without a seed, which of its equilibria. "nearest": of the stable ones (of all, if none is
-        stable) the one whose beta strays least from the interval between its end angles. "lowest": the one of lowest
-        energy. A number K: of those of Morse index K the one that strays least.
+        stable) the one whose beta leaves the interval between its end angles least. "lowest": the one of
+        lowest energy. A number K: among those of Morse index K the one whose beta leaves that interval least.
     **knobs
         The knobs of a method given by its name: ``solve(case, method="verlet", steps=400)``.
 
@@ -69,7 +69,7 @@ def solve(
     >>> print(solution.beta.round(4))
     [ 0.5     5.9763 10.5736 15.1074 19.8569]
     >>> print(solve(Case(rod, cylinder, Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1))).selection)
-    17 equilibria, 3 stable; taken: the stable one whose beta strays least from between its end angles
+    17 equilibria, 3 stable; taken: the stable one whose beta leaves the interval between its end angles least
     """
     from .methods.automatic import chosen_method  # only a call of `solve` loads the methods
 

@@ -1,11 +1,11 @@
 """Laws and their verdicts: does an observable rise or fall along an axis, as a sentence claims?
 
-A law is judged line by line (`studies.verdicts`). Its verdict is that of the worst line, or of the line nearest to its
-`at`. A law that does not fail is *qualified* if the numbers support only part of the sentence:
+`line_verdicts.judge` judges each line of the grid; `decide` makes the verdict on the law: that of the worst line, or of
+the line nearest to its `at`. A law that does not fail is *qualified* if the numbers support only part of the sentence:
 
 *not contradicted*: the observable stays level, which the law allows, but the sentence says that it rises or falls;
 *on part of the grid*: the law is decided on one line of a grid, and another line has a worse verdict;
-*depends on the observable*: an observable that the law names as equally plausible fails.
+*depends on the observable*: one of its `alternatives` fails.
 """
 
 from collections.abc import Mapping
@@ -20,8 +20,7 @@ from solver.problem.errors import InputError, choices, no_such
 
 from . import reasons
 from .axes import Line, in_rad, is_angle
-from .reasons import ON_OBSERVABLE
-from .verdicts import (
+from .line_verdicts import (
     DIRECTIONS,
     FAILS,
     HOLDS,
@@ -35,6 +34,7 @@ from .verdicts import (
     judge,
     worst,
 )
+from .reasons import ON_OBSERVABLE
 
 __all__ = [
     "DIRECTIONS", "FAILS", "HOLDS", "NOISE", "QUALIFIED", "TREND", "UNDECIDED", "VERDICTS", "Law", "Verdict",

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .verdicts import (
+from .line_verdicts import (
     DIRECTIONS,
     FAILS,
     HOLDS,

@@ -1,9 +1,9 @@
 """The rule that selects one of the equilibria between two ends.
 
-Under dead loads the equilibrium of lowest energy of a long compressed rod is turned round: beta passes pi, which
-shortens the path of the load. A user mostly means the stable equilibrium that stays near its end angles. So the default
-is: of the stable equilibria the one whose beta strays least from the interval between its two end angles; of equal ones
-the one of lower energy, then the one with positive beta'(0); where none is stable, the one that strays least of all.
+Under dead loads the equilibrium of lowest energy of a long compressed rod points backwards: beta passes pi, which
+lets the load do more work. A user mostly means the stable equilibrium that stays near its end angles. So the default
+is: among the stable equilibria the one whose beta leaves the interval between its two end angles least; among equal
+ones the one of lower energy, then the one with positive beta'(0). If none is stable, all equilibria are compared.
 """
 
 from dataclasses import dataclass
@@ -46,10 +46,10 @@ class Selection:
         """Which equilibrium the rule takes, in words."""
         if self.choose == LOWEST:
             return "taken: the one of lowest energy"
+        least = "one whose beta leaves the interval between its end angles least"
         if self.choose == NEAREST:
-            of = "stable one" if self.stable else "one"
-            return f"taken: the {of} whose beta strays least from between its end angles"
-        return f"taken: of those of index {self.choose} the one whose beta strays least from between its end angles"
+            return f"taken: the {'stable ' if self.stable else ''}{least}"
+        return f"taken: among those of index {self.choose} the {least}"
 
 
 def checked(choose: Any) -> Choose:

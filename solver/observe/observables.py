@@ -88,7 +88,7 @@ def index(read: Reading) -> Any:
 
 
 def bend_number(read: Reading) -> Pair:
-    """L over half a period of beta: a continuous number of bends; 0 where beta does not librate.
+    """L divided by the half period of beta: a continuous number of bends; 0 where beta does not librate.
 
     NaN where the method knows no orbit.
     """

@@ -6,7 +6,7 @@ from scipy.stats import kendalltau
 
 from solver import InputError
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, Law, decide, judge, refused, worst
-from studies.verdicts import DIRECTIONS, Direction, Line, Verdict
+from studies.line_verdicts import DIRECTIONS, Direction, Line, Verdict
 
 LAW = Law(claim="(1)", observable="turns", axis="E", direction="falls", source="a sentence")
 

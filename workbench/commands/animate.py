@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from . import console
-from .options import At, File, ForcePicture, PixelError, numbered, option
+from .options import At, File, ForceOutput, PixelError, numbered, option
 
 RATES = (0.1, 60.0)  # frames a second
 
@@ -50,7 +50,7 @@ def animate_file(
 
 def animate(
     file: File,
-    axis: Annotated[str | None, option("AXIS", "Axis of the film; required if the study has several.")] = None,
+    axis: Annotated[str | None, option("AXIS", "Axis of the film; required if the study has several axes.")] = None,
     at: At = None,
     kind: Annotated[str, option("KIND", "plain, contact, curvature or twist.")] = "contact",
     show: Annotated[
@@ -62,10 +62,11 @@ def animate(
     fps: Annotated[float, numbered("Frames per second; each stored case is one frame.")] = 3.0,
     pixel_error: PixelError = 0.5,
     dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 120 gives 1488 x 720 pixels.")] = 120,
-    force: ForcePicture = False,
+    force: ForceOutput = False,
 ) -> int:
     """Make a film of the cases along an axis.
 
-    Each frame shows the rod and, beside it, the curve of an observable up to that case. Nothing is solved.
+    Each frame shows the rod and, beside it, the curve of an observable up to that case. Nothing is solved. Exit
+    status 1 if OpenGL does not work on this machine.
     """
     return animate_file(file, axis, at or [], kind, show, out or [], fps, pixel_error, dpi, force)

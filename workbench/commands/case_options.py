@@ -74,7 +74,8 @@ FIELDS: dict[str, CaseField] = {
         CaseField("betaL", "angle from the axis at the far end, full turns included", "rad", "ends"),
         CaseField("FZ", "axial force, tension positive", "force", "ends", default=0.0),
         CaseField("MZ", "axial moment", "force length", "ends", default=0.0),
-        CaseField("M3", "twisting moment", "force length", "start or ends"),
+        CaseField("M3", "twisting moment", "force length", "start or ends",
+                  "a start needs one of F1, dgamma, M3; default for ends: 0"),
         CaseField("alpha", "azimuth of the start", "rad", default=0.0),
         CaseField("gamma", "rotation of the section at the start", "rad", default=0.0),
     )
@@ -108,7 +109,7 @@ def takes_case(names: Sequence[str] = tuple(FIELDS)) -> Callable[[Callable[..., 
 
 def _options(names: Sequence[str], whole: bool) -> list[inspect.Parameter]:
     """The parameters of the units and the fields; whole: of both problems, so that the help names the problem."""
-    notes = ("default: cm", "default: N") if whole else ("excludes Table 1", "excludes Table 1")
+    notes = ("default: cm", "default: N") if whole else ("with a unit, no value comes from Table 1",) * 2
     types: dict[str, Any] = {
         f"{kind}_unit": Annotated[str | None, option("UNIT", f"Unit of {kind} of the options below; {note}.")]
         for kind, note in zip(("length", "force"), notes, strict=True)
@@ -133,7 +134,7 @@ def help_of(field: CaseField, whole: bool) -> str:
     """The help of a field's option: ``Start: rate of the angle at the start [rad/length].``"""
     unit = "" if field.unit in ("", "1", "rad") else f" [{field.unit}]"
     default = f"default: {field.default:g}" if isinstance(field.default, float) else f"default: {field.default}"
-    parts = [field.words + unit, field.note, default if whole and field.default is not None else ""]
+    parts = [field.words + unit, field.note if whole else "", default if whole and field.default is not None else ""]
     said = "; ".join(part for part in parts if part)
     group = f"{field.problem.capitalize()}: " if whole and field.problem else ""
     return f"{group}{said if group else said[0].upper() + said[1:]}."

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def check(file: File, json: Json = False) -> int:
     """Judge the laws of a stored study.
 
-    Exit status 1 if a law does not hold in full or a case is unsolved.
+    Exit status 1 if a case is unsolved, or if a law fails, is not decided or is qualified.
     """
     from ..data import file_checks, reading
 

@@ -34,27 +34,30 @@ def equilibria(
         str | None,
         option(
             "NAME=FROM:TO:COUNT",
-            "Follow all equilibria over a field, such as betaL=-90deg:60deg:41, and print their branches.",
+            "Follow all equilibria while one field varies, such as betaL=-90deg:60deg:41, and print the branches.",
         ),
     ] = None,
     plot: Annotated[
-        Path | None, option("FILE", "Picture of the curves and their energies, or with --axis of branches and folds.")
+        Path | None, option("FILE", "Picture, .png, .pdf or .svg: curves and energies; with --axis branches and folds.")
     ] = None,
-    out: Annotated[Path | None, option("FILE", "File for the dataset.")] = None,
+    out: Annotated[Path | None, option("FILE", "HDF5 file of the equilibria, or with --axis of the branches.")] = None,
     export: Annotated[
-        Path | None, option("FOLDER", "Folder for one TOML case of each equilibrium, for the command solve.")
+        Path | None, option("FOLDER", "Folder for one TOML file per equilibrium, which the command solve reads.")
     ] = None,
-    force: Annotated[bool, flag("Replace an existing picture, or a file that holds no equilibria.", "--force")] = False,
+    force: Annotated[
+        bool, flag("Replace an existing picture, and the file of --out even if it holds no equilibria.", "--force")
+    ] = False,
     choose: Choose = None,
     json: Json = False,
 ) -> int:
     """List all equilibria between two end angles under dead loads.
 
-    Lowest energy first, with Morse index (0: stable). Exit status 1 if there is none or the list is incomplete.
+    The list is sorted by energy, lowest first, and gives the Morse index (0: stable). Exit status 1 if there is none
+    or the list is incomplete.
 
-    Without units, omitted fields come from Table 1 (cm, N; read force-first/tension/paper): its beta(0), its loads,
-    and the beta(L) at which its own rod ends. With --length-unit or --force-unit the options describe the whole rod:
-    E, nu, a, L, R, beta0 and betaL are required, and omitted loads are 0.
+    Without --length-unit and --force-unit, omitted fields come from Table 1 (cm, N; read force-first/tension/paper):
+    beta(0), the loads, and beta(L), the angle at which that rod ends. With one of them the options describe the whole
+    rod: E, nu, a, L, R, beta0 and betaL are required, and omitted loads are 0.
 
     Angles: a number in rad, or a form like 30deg or pi/6.
     """

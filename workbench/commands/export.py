@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from . import console
-from .options import At, File, Json, flag, numbered, option
+from .options import At, File, ForceOutput, Json, flag, numbered, option
 
 
 def export_file(
@@ -43,8 +43,8 @@ def export(
     at: At = None,
     tolerance: Annotated[
         float | None,
-        numbered("Largest distance between the file and the rod [length]; default: 1e-6 rho for .step, 1e-3 a for "
-                 "meshes."),
+        numbered("Largest distance between the shape in the file and the rod [length]; default for .step: 1e-6 of the "
+                 "distance from the axis of the cylinder to the centreline; for meshes: 1e-3 of the rod's radius."),
     ] = None,
     centreline: Annotated[
         bool, flag("Write the centreline to STEP, without a solid.", "--centreline")
@@ -52,7 +52,7 @@ def export(
     overlap: Annotated[
         bool, flag("Write a solid to STEP even if the rod intersects itself.", "--overlap")
     ] = False,
-    force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
+    force: ForceOutput = False,
     json: Json = False,
 ) -> int:  # fmt: skip
     """Export one stored rod to CAD, mesh or table formats.

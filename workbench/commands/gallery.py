@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from . import console
-from .options import ForcePicture, option
+from .options import ForceOutput, option
 
 DPI = 100  # 800 x 600 for one case, half of the default
 INSIDE = """
@@ -40,11 +40,11 @@ LONGEST = LONG.replace("forty", "two thousand").replace("8001", "100001").replac
 
 
 def gallery(
-    out: Annotated[Path, option("FOLDER", "Folder for the pictures.")] = Path("gallery"), force: ForcePicture = False
+    out: Annotated[Path, option("FOLDER", "Folder for the pictures.")] = Path("gallery"), force: ForceOutput = False
 ) -> int:
     """Draw one picture of every kind of scene.
 
-    Exit status 1 if OpenGL does not work here.
+    Exit status 1 if OpenGL does not work on this machine.
     """
     from solver import equilibria
     from studies import load

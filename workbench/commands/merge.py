@@ -9,14 +9,16 @@ from .study_result import print_verdicts
 
 
 def merge(
-    files: Annotated[list[Path], argument("FILE...", "Two or more stored datasets of one study.")],
-    out: Annotated[Path, option("FILE", "File to store.", "--out", "-o")],
+    files: Annotated[
+        list[Path], argument("FILE...", "Two or more stored studies that differ in the values of one axis only.")
+    ],
+    out: Annotated[Path, option("FILE", "File of the joined study.", "--out", "-o")],
     force: ForceStudy = False,
     json: Json = False,
 ) -> int:
     """Join stored studies that extend each other along one axis.
 
-    Exit status 1 if a law does not hold in full or a case is unsolved.
+    Exit status 1 if a case is unsolved, or if a law fails, is not decided or is qualified.
     """
     from ..data import law_verdicts
     from ..run.merge import merge as join

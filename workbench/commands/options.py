@@ -44,28 +44,29 @@ def argument(metavar: str, help: str) -> Any:
     return typer.Argument(metavar=metavar, help=help, show_default=False)
 
 
-File = Annotated[Path, argument("FILE", "Stored study, as the commands run and reproduce write it.")]
+File = Annotated[Path, argument("FILE", "Stored study: a file that run, reproduce or merge wrote.")]
 CaseFile = Annotated[Path | None, argument("FILE", "TOML study without axes; options replace its fields.")]
 Reading = Annotated[
     str | None,
     option(
         "WORDS",
-        "How to read Table 1: words of force-first|twist-first|shear, tension|compression, paper|solid, "
-        "separated by /. An omitted word keeps the choice of the study.",
+        "Reading of Table 1: one to three words joined by /, at most one of force-first|twist-first|shear, one of "
+        "tension|compression and one of paper|solid; default for an omitted word: the study's.",
     ),
 ]
 Tol = Annotated[
     float | None,
     numbered(
-        "Tolerance: the error allowed, as a multiple of max(1, condition number); default: the study's, else 1e-08."
+        "Tolerance: a case is solved if its estimated error is at most this number times max(1, condition number); "
+        "default: the study's, else 1e-08."
     ),
 ]
 Fidelity = Annotated[
     str | None,
     option(
         "LEVEL",
-        "draft, standard, fine or exact: sets the tolerance, the stations and what is computed. --tol "
-        "overrides its tolerance; default: the study's settings, else standard.",
+        "draft, standard, fine or exact: sets the tolerance, the stations and what is computed; --tol replaces "
+        "that tolerance. Default: the study's settings, else standard.",
         "--fidelity",
     ),
 ]
@@ -80,10 +81,12 @@ Choose = Annotated[
 At = Annotated[
     list[str] | None,
     option(
-        "AXIS=VALUE", "Value of an axis, such as E=10905 or beta=30deg, to as many digits as identify it; repeatable."
+        "AXIS=VALUE",
+        "Stored value of an axis, such as E=10905 or beta=30deg. It may be rounded if only one stored value rounds to "
+        "it. Give --at once for each axis.",
     ),
 ]
 PixelError = Annotated[float, numbered("Largest error of the drawn surface [pixels].")]
-ForcePicture = Annotated[bool, flag("Replace existing pictures.", "--force")]
-ForceStudy = Annotated[bool, flag("Replace a file that does not hold this study.", "--force")]
+ForceOutput = Annotated[bool, flag("Replace output files that exist.", "--force")]
+ForceStudy = Annotated[bool, flag("Replace the file of --out even if it is not this study.", "--force")]
 Json = Annotated[bool, flag("Print JSON.", "--json")]

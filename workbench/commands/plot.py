@@ -4,18 +4,20 @@ from pathlib import Path
 from typing import Annotated
 
 from . import console
-from .options import File, ForcePicture, option
+from .options import File, ForceOutput, option
 
 
 def plot(
     file: File,
-    out: Annotated[Path | None, option("FILE", "Picture, .png, .pdf or .svg; default: FILE.png.")] = None,
+    out: Annotated[
+        Path | None, option("FILE", "Picture, .png, .pdf or .svg; default: FILE with the ending .png.")
+    ] = None,
     dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
-    force: ForcePicture = False,
+    force: ForceOutput = False,
 ) -> int:
     """Draw the developed curves and observables of a stored study.
 
-    Developed curves are the centrelines on the unrolled cylinder. Each law is drawn in the panel of its observable.
+    A developed curve is the centreline on the unrolled cylinder. The panel of a law shows its verdict.
     """
     from ..data import writing
     from ..figures import canvas, study_figure

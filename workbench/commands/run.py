@@ -11,7 +11,7 @@ from .study_result import print_result
 
 def run(
     study: Annotated[str, argument("STUDY", "Name of a shipped study (see list) or TOML file.")],
-    out: Annotated[Path | None, option("FILE", "File to store; default: STUDY.h5.")] = None,
+    out: Annotated[Path | None, option("FILE", "File of the stored study; default: STUDY.h5.")] = None,
     reading: Reading = None,
     tol: Tol = None,
     method: Method = None,
@@ -34,8 +34,9 @@ def run(
 ) -> int:
     """Solve and store every case of a study and judge its laws.
 
-    The command continues where an interrupted run stopped, and solves only new cases when the study has grown. Exit
-    status 1 if a law does not hold in full or a case is unsolved.
+    An interrupted run is resumed. If values were added to an axis of a complete study, only the new cases are solved.
+
+    Exit status 1 if a case is unsolved, or if a law fails, is not decided or is qualified.
     """
     from studies import load
 

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from . import console
-from .options import At, ForcePicture, PixelError, argument, numbered, option
+from .options import At, ForceOutput, PixelError, argument, numbered, option
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -99,7 +99,8 @@ def scene(
         Path,
         argument(
             "FILE|STUDY",
-            "Stored study; or TOML file or name of a study, which is solved with the stations that the picture needs.",
+            "Stored study or stored equilibria; or the TOML file or name of a study, which is then solved with the "
+            "stations that the picture needs.",
         ),
     ],
     at: At = None,
@@ -108,12 +109,14 @@ def scene(
         option(
             "KIND",
             "plain, contact, curvature, twist, ghosts, grid or equilibria; default: contact, or equilibria "
-            "for a dataset of equilibria.",
+            "for stored equilibria.",
         ),
     ] = None,
-    axis: Annotated[list[str] | None, option("AXIS", "Axis shown by ghosts, or one or two axes shown by grid.")] = None,
+    axis: Annotated[
+        list[str] | None, option("AXIS", "Axis shown by ghosts or grid; two axes of a grid: --axis E --axis R.")
+    ] = None,
     along: Annotated[
-        str | None, option("AXIS", "Fit camera and colours to all cases along this axis, as animate does.")
+        str | None, option("AXIS", "Axis along which the pictures of all cases have the same camera and colour scale.")
     ] = None,
     low: Annotated[float | None, numbered("First arc length drawn [length]; default: 0.", "--from")] = None,
     high: Annotated[float | None, numbered("Last arc length drawn [length]; default: L.", "--to")] = None,
@@ -122,10 +125,10 @@ def scene(
     out: Annotated[
         Path | None, option("FILE", "Picture, .png or .jpg; default: FILE_scene.png or FILE_scene_E=10905.png.")
     ] = None,
-    force: ForcePicture = False,
+    force: ForceOutput = False,
 ) -> int:
     """Draw the rod on its cylinder in three dimensions.
 
-    Exit status 1 if OpenGL does not work here, or if the file has too few stations for the pixel error.
+    Exit status 1 if OpenGL does not work on this machine, or if the file has too few stations for --pixel-error.
     """
     return scene_file(file, at or [], out, force, kind, axis, along, (low, high), pixel_error, dpi)

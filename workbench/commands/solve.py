@@ -19,7 +19,7 @@ LOADS = ("FZ", "MZ", "M3")
 @takes_case()
 def solve(
     file: CaseFile = None,
-    table1: Annotated[bool, flag("Start from the rod of Table 1; options replace its fields.", "--table1")] = False,
+    table1: Annotated[bool, flag("Take the rod of Table 1; options replace its fields.", "--table1")] = False,
     reading: Reading = None,
     *,
     given: Given,

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None, alternatives: bool = False) -> None:
     """Print a table of laws and their verdicts, and how many hold.
 
-    alternatives: with the alternative observables of each law in the rows below it.
+    alternatives: with the other observables of each law in the rows below it.
     """
     from ..data import law_verdicts
 
@@ -20,7 +20,9 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
     for row in verdicts:
         rows.append([row["claim"], law_verdicts.stated(row), law_verdicts.measured(row), law_verdicts.said(row)])
         for also in row["also"] if alternatives else ():
-            rows.append(["", f"  or {also['observable']}", law_verdicts.measured(also), law_verdicts.said(also)])
+            role = "alternative" if also["alternative"] else "for information"
+            name = f"  {role}: {also['observable']}"
+            rows.append(["", name, law_verdicts.measured(also), law_verdicts.said(also)])
     console.print_table(["claim", "law", "measured", "verdict"], rows, title=title)
     console.say(law_verdicts.tallied(list(verdicts)))
 

@@ -22,7 +22,7 @@ def trade(
     out: Annotated[Path, option("FOLDER", "Folder for trade.h5 and its pictures.")] = Path("trade"),
     json: Json = False,
 ) -> int:
-    """Measure accuracy against cost of every method.
+    """Measure the accuracy and the cost of every method.
 
     Each method solves cases with a known solution, at several values of its own setting of accuracy (steps, nodes or
     a tolerance). The folder receives trade.h5, trade_seconds.png and trade_evaluations.png.

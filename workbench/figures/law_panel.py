@@ -50,9 +50,9 @@ def _write_verdict(ax: Axes, row: Mapping[str, Any]) -> float:
 
 
 def _other_observables(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
-    """The verdicts of the other observables: those as plausible as the law's own, then the rest."""
+    """The verdicts of the other observables: the alternatives of the law, then those that decide nothing."""
     sentences = []
-    for intro, equal in (("As plausible", True), ("Also admitted by the sentence", False)):
+    for intro, equal in (("Alternative observables", True), ("For information only", False)):
         some = [also for also in row["also"] if also["alternative"] == equal]
         if some:
             brief = "; ".join(f"{labels.symbol(ds[also['observable']])} {_brief(also)}" for also in some)

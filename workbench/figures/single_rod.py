@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from solver.mechanics.contact import push_from
 
 from ..data import labels
-from . import canvas, developed, style
+from . import canvas, developed, legend, style
 
 SIZE = (9.6, 8.0)  # inches
 DOTS = {"linestyle": "none", "marker": ".", "markersize": 3}
@@ -54,7 +54,7 @@ def contact(ds: xr.Dataset, ax: Axes) -> Axes:
                         linewidth=0, label="the cylinder would have to pull: the rod would lift off")  # fmt: skip
         ax.fill_between(ds["s"], 0, push, where=~pulled, color=style.PUSHED, alpha=0.25, linewidth=0,
                         label="the cylinder pushes")  # fmt: skip
-        ax.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.2)
+        legend.add(ax, loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.2)
     ax.set_ylabel(f"push [{labels.unit(unit)}]")
     ax.set_title("push of the cylinder per length", loc="left")
     return _along(ds, ax)

@@ -17,7 +17,7 @@ CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "u
 
 
 def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
-    """One law, and the other observables that its sentence admits, as text."""
+    """One law and the other observables that it names, as text."""
     words = labels.long_name(ds[row["observable"]])
     return {
         "claim": row["claim"],
@@ -30,7 +30,7 @@ def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
             {
                 "stated": labels.long_name(ds[also["observable"]]),
                 "name": also["observable"],
-                "role": "as plausible:" if also["alternative"] else "or",
+                "role": "alternative:" if also["alternative"] else "for information:",
                 **_verdict(also),
             }
             for also in row["also"]

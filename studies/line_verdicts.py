@@ -3,7 +3,9 @@
 *holds*: every step goes the right way; a count may stay level between neighbours but must change over the whole axis.
 *holds as a trend*: Kendall's tau in the direction is at least 0.8; the steps that go the wrong way are listed.
 *not decided*: cases are unsolved or steps cross to another branch of equilibria, and the other steps leave it open.
-*fails*: none of these. (*qualified* is a verdict on a law, see `studies.laws`.)
+*fails*: none of these.
+
+The verdict on a law, which may also be *qualified*, is made from the verdicts on its lines by `studies.laws.decide`.
 
 Tau is tau-b: (right pairs - wrong pairs) / sqrt(all pairs x pairs whose values differ).
 """
