@@ -108,7 +108,7 @@ def test_the_first_case_is_the_one_that_equilibrium_chooses() -> None:
     index = in_memory.run(study(more="", axes=FORCES + "[equilibrium]\nindex = 2\n"))
     assert index["index"].sel(FZ=-50.0) == 2
     assert (index["branch"] == 0).all()
-    assert "of those of index 2" in index.attrs["equilibria"]
+    assert "among those of index 2" in index.attrs["equilibria"]
     low = in_memory.run(study(axes=FORCES.replace("21", "3") + '[equilibrium]\nchoose = "lowest"\n'))
     assert "the one of lowest energy" in low.attrs["equilibria"]
     named = float(solve(study().case_of({"FZ": -50.0}), choose=1, stations=3).dbeta[0])
