@@ -1,6 +1,6 @@
 """The pieces of the rods of a solution.
 
-Where the method knows the orbit, the pieces are the panels or steps of the orbit, which are graded towards saddles;
+If the method computes the orbit, the pieces are the panels or steps of the orbit, which are graded towards saddles;
 each counts as often as the rod passes it, and the panel in which the rod ends is cut there. Elsewhere the pieces lie
 between neighbouring stations: quintic polynomials through beta, beta_t and their rates, which the equation gives.
 """
