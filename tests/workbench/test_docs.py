@@ -123,6 +123,16 @@ def test_the_python_of_the_tutorial_prints_what_the_page_says(capsys) -> None:
         assert re.sub(r"(\.\d{6})\d+", r"\1", block) in re.sub(r"(\.\d{6})\d+", r"\1", shown)  # the last digits vary
 
 
+def test_the_python_of_large_studies_runs_on_a_small_one(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    (block,) = code(DOCS / "how-to" / "run-large-studies.md", "python")
+    small = block.replace("docs/million.toml", "fig7_1_modulus").replace("workers=2", "")
+    assert small.count("fig7_1_modulus") == small.count("Options()") == 1
+    exec(compile(small, "run-large-studies.md", "exec"), {"__name__": "__main__"})
+    assert "{'solved': 9}" in capsys.readouterr().out
+    assert Path("million.h5").exists()
+
+
 @pytest.mark.slow
 def test_the_commands_of_the_tutorial_run_as_they_stand(tmp_path, monkeypatch, capsys) -> None:
     page = DOCS / "tutorial" / "reproduce-a-figure.md"

@@ -30,7 +30,7 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
 def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None) -> int:
     """Print what a stored study holds, and after a run what the run did.
 
-    Returns the exit status of the command check: 0, or 1 if a case is unsolved or a law fails, is not decided or is qualified.
+    Returns the exit status of the command check: 0, or 1 if a case is unsolved or a law does not hold.
     """
     from ..data import cautions, law_verdicts
 
