@@ -33,7 +33,7 @@ class Equilibrium:
     index : int
         Morse index, the end angles held and the loads dead; 0: stable.
     energy : float
-        Bending and twist energy less the work of the loads [force length].
+        Bending and twist energy minus the work of the loads [force length].
     dbeta0 : float
         beta'(0) [rad/length].
     turns : int

@@ -202,7 +202,7 @@ def twist_energy(read: Reading) -> Pair:
 
 
 def energy(read: Reading) -> Pair:
-    """Bending and twist energy less the work of the dead loads FZ, MZ and M3 [force length].
+    """Bending and twist energy minus the work of the dead loads FZ, MZ and M3 [force length].
 
     That is bending_energy + twist_energy - FZ (z(L) - z(0)) - MZ (alpha(L) - alpha(0)) - M3 (gamma(L) - gamma(0)), the
     potential that equilibria under dead loads make stationary. As gamma(L) - gamma(0) = M3 L/C - integral of

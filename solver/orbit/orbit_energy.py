@@ -34,7 +34,7 @@ def action(orbit: Any) -> Array:
 
 
 def energies(orbit: Any, level: Array) -> Array:
-    """Bending energy less the work of the dead loads, the twist eliminated, in units of A/rho, (B,).
+    """Bending energy minus the work of the dead loads, the twist eliminated, in units of A/rho, (B,).
 
     beta_t^2/2 - G/2 integrated over the rod is the action less level span/2, level = eta (B,). Both terms are exact to
     a few roundings, so the error of the energy is a few roundings of the larger one.
