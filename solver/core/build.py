@@ -16,6 +16,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 OFF = "ROD_WORKBENCH_NO_CORE"  # an environment variable; set to any text, the core is neither built nor loaded
+OTHER = "ROD_WORKBENCH_CORE"  # an environment variable: the path of another library to load, for tests
+SANITIZED = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined", "-DROLLED")
 WASM = "rod.wasm"  # in the repository: not every installation can make it
 WASM_SOURCES = ("rod.c", "lanes.h")
 # No operation is contracted or reordered, so that every compiler and every processor give the same bits.
@@ -74,12 +76,12 @@ def build_for_browsers(target: Path = HERE / WASM) -> None:
         raise RuntimeError(done.stderr)
 
 
-def build() -> tuple[Path | None, str]:
+def build(target: Path | None = None, *flags: str) -> tuple[Path | None, str]:
     """Compile the library; its path and an empty text, or None and what each compiler said."""
-    target, told = HERE / library_name(), []
+    target, told = target or HERE / library_name(), []
     aside = target.with_name(f".{os.getpid()}.{target.name}")
     for command in commands():
-        done = subprocess.run([*command, *arguments(aside)], capture_output=True, text=True, check=False)
+        done = subprocess.run([*command, *flags, *arguments(aside)], capture_output=True, text=True, check=False)
         if done.returncode == 0:
             os.replace(aside, target)
             return target, ""

@@ -5,11 +5,12 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 from numpy.typing import NDArray
 
-from .build import HERE, OFF, digest, library_name
+from .build import HERE, OFF, OTHER, digest, library_name
 
 _SHARE = 256  # problems that a thread takes at a time
 
@@ -28,7 +29,7 @@ def why_missing() -> str:
 @cache
 def _loaded() -> tuple[Any, str]:
     """The library and an empty text; or None and why there is none."""
-    path = HERE / library_name()
+    path = Path(os.environ.get(OTHER) or HERE / library_name())
     if not path.exists():
         return None, "the installation could not compile it; install a C compiler, then rod-workbench again"
     try:
