@@ -1,7 +1,7 @@
 """Speed of the solver as ratios measured in one run, and the cost of `workbench reproduce`.
 
 Run from the checkout: `.venv/bin/python -m benchmarks.speed` (some minutes; `--skip-reproduce`: ratios alone). The rows
-against heyoka need the extras fast and taylor. Prints a table and, with `--json FILE`, writes it. Nothing here is
+against heyoka need the extra taylor. Prints a table and, with `--json FILE`, writes it. Nothing here is
 asserted: machines differ.
 """
 

@@ -1,4 +1,4 @@
-"""`swing` and `orbit` against heyoka, Taylor's method compiled: one rod, and ten thousand; needs the extras of both.
+"""`swing` and `orbit` against heyoka, Taylor's method compiled: one rod, and ten thousand; needs the extra taylor.
 
 Both get the loosest tolerance, in decades, that achieves the error asked for on every rod that is looked at; both give
 beta, beta', alpha and z at the same stations, on one core, compiled before the clock starts. heyoka gives no error and
@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.core import threads
 from benchmarks.timing import paired, peak_gigabytes, table1
 from solver import solve
 from solver.problem.reduced import reduce
@@ -56,9 +57,10 @@ def many_rods(L: float, cases: int = 10_000, wanted: float = 1e-10) -> dict[str,
     marches = {tol: _march(tol, together=True) for tol in _decades()}
     theirs = _loosest(lambda tol: np.abs(integrate(tol, looked_at) - exact).max(), wanted)
     ours = _loosest(lambda tol: np.abs(solve(few, tol=tol, method="swing", stations=400).beta - exact).max(), wanted)
-    slow, fast, ratio = paired(
-        lambda: integrate(theirs), lambda: solve(case, tol=ours, method="swing", stations=400), 5
-    )
+    with threads(1):
+        slow, fast, ratio = paired(
+            lambda: integrate(theirs), lambda: solve(case, tol=ours, method="swing", stations=400), 5
+        )
     return {
         "heyoka tolerance": theirs,
         "swing tolerance": ours,
