@@ -147,26 +147,24 @@ static inline TARGET vec NAME(value_and_rate)(const vec *row, int n, vec x, vec 
 
 static inline TARGET vec NAME(abs)(vec x)
 {
-    vec y;
-    for (int i = 0; i < W; i++)
-        LANE(y, i) = fabs(LANE(x, i));
-    return y;
+    return NUMBER(BITS(x) & 0x7fffffffffffffff);
 }
 
 static inline TARGET vec NAME(max)(vec x, vec y)
 {
-    vec z;
-    for (int i = 0; i < W; i++)
-        LANE(z, i) = LANE(x, i) > LANE(y, i) ? LANE(x, i) : LANE(y, i);
-    return z;
+    return PICK(MASK(x > y), x, y);
 }
 
 static inline TARGET vec NAME(root)(vec x)
 {
+#if W > 1 && defined(__clang__)
+    return __builtin_elementwise_sqrt(x);
+#else
     vec y;
     for (int i = 0; i < W; i++)
         LANE(y, i) = sqrt(LANE(x, i));
     return y;
+#endif
 }
 #define vabs NAME(abs)
 #define vmax NAME(max)

@@ -45,7 +45,8 @@ def _loaded() -> tuple[Any, str]:
     return core, ""
 
 
-def lanes() -> int:
+@cache
+def widest() -> int:
     """How many problems the core marches together on this processor."""
     return int(library().rod_lanes())
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
-from .library import begin_of, function, shared_out
+from .library import begin_of, function, shared_out, widest
 
 LOST, TURNS, GOES_ROUND = 0, 1, 2  # how a leg ends
 ORDER = 20  # of the series
@@ -82,7 +82,8 @@ def march(
     """
     size, n = t.shape
     orbits = np.zeros((size, _NUMBERS))
-    call = function("rod_march", ctypes.c_int, _INT, _AT, ctypes.c_double, _AT, _INT, *9 * [_AT], _AT, ctypes.c_int)
+    widths = ctypes.c_int, ctypes.c_int
+    call = function("rod_march", ctypes.c_int, _INT, _AT, ctypes.c_double, _AT, _INT, *10 * [_AT], *widths)
     rods: list[tuple[int | None, int]] = [(begin_of(problems), 6), (begin_of(orbits), _NUMBERS), (begin_of(t), n)]
     rods += _rows(out, n) + ([(begin_of(swirl), n)] if swirl is not None else [(None, n)])
     rods += [(begin_of(steps.first), 1)] if steps else [(None, 1)]
@@ -91,7 +92,7 @@ def march(
 
     def part(a: int, b: int) -> None:
         numbers, filled, times, *rows = (begin and begin + 8 * a * width for begin, width in rods)
-        if call(b - a, numbers, tol, filled, stations, times, *rows, *kept, lanes):
+        if call(b - a, numbers, tol, filled, stations, times, *rows, *kept, lanes, widest()):
             raise MemoryError("the compiled core found no memory for its steps")
 
     shared_out(part, size)
@@ -108,13 +109,13 @@ def _rows(out: Array | None, n: int) -> list[tuple[int | None, int]]:
 def read(which: Integers, orbits: Array, steps: Steps, t: Array) -> Array:
     """beta, beta_t, alpha, z (4, N, n) of the orbits `which` (N,) at t (N, n), as `march` reads; NaN where lost."""
     out, n = np.empty((4, *t.shape)), t.shape[1]
-    call = function("rod_read", None, _INT, *6 * [_AT], _INT, *6 * [_AT])
+    call = function("rod_read", None, _INT, *6 * [_AT], _INT, *6 * [_AT], ctypes.c_int)
     stored = [begin_of(v) for v in (orbits, steps.first, steps.since, steps.width, steps.series)]
     begins = [begin_of(t), *(begin_of(row) for row in out)]
 
     def part(a: int, b: int) -> None:
         times, *rows = (begin + 8 * a * n for begin in begins)
-        call(b - a, begin_of(which) + 8 * a, *stored, n, times, *rows, None)
+        call(b - a, begin_of(which) + 8 * a, *stored, n, times, *rows, None, widest())
 
     shared_out(part, which.size)
     return out

@@ -132,6 +132,8 @@ static double most_of(const double *grown, int n, const double m[4], double sign
     return best;
 }
 
+static inline void sin_cos_1(double, double *, double *);
+
 /* The largest values on [0, span] of the two solutions of eta_tt = -rate eta that begin as 1 and as t. */
 static void largest(double rate, double span, double *even, double *odd)
 {
@@ -149,7 +151,9 @@ static void largest(double rate, double span, double *even, double *odd)
 static double beside_helix(const double *p, double weight)
 {
     const double lam = p[0], mu = p[1], phi = p[2], span = p[3], v = p[5];
-    const double s = sin(p[4]), c = cos(p[4]), s2 = 2 * s * c, c2 = (c - s) * (c + s), size = fabs(c);
+    double s, c;
+    sin_cos_1(p[4], &s, &c);
+    const double s2 = 2 * s * c, c2 = (c - s) * (c + s), size = fabs(c);
     const double force = (lam - (c < 0 ? -mu : mu)) * c + mu * s * s * (1 + 2 * size) / (1 + size) -
                          (phi + 2 * c * s * s) * s;
     const double rate = -lam * s + 2 * mu * s2 - phi * c - 2 * s * s * (3 * c * c - s * s);
@@ -246,7 +250,8 @@ static double goal_of(const double *q, double tol)
 /* The weight of a change of beta_t(0) beside one of beta(0). */
 static double weight_of(const double *q)
 {
-    const double s = sin(q[4]), c = cos(q[4]);
+    double s, c;
+    sin_cos_1(q[4], &s, &c);
     const double rate = -q[0] * s + 4 * q[1] * s * c - q[2] * c - 2 * s * s * (3 * c * c - s * s);
     return larger(larger(1, fabs(q[5])), sqrt(fabs(rate)));
 }
@@ -332,16 +337,33 @@ static void settle(const task *work, const problems *all, int64_t rod, orbit *o,
 /* A digest of the sources, by which the loader recognises a library that was compiled from others. */
 const char *rod_sources(void) { return ROD_SOURCES; }
 
-/* The widest lanes that the processor has. */
+#if defined(__x86_64__)
+#include <cpuid.h>
+
+/* 8 where the processor and the system hold eight numbers in a register (AVX-512 F and DQ), 4 (AVX2), else 2.
+   Not by __builtin_cpu_supports, which finds nothing in a library that zig has compiled. */
+static int widest(void)
+{
+    unsigned a, b, c, d, saved, unused;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c >> 27 & 1)) /* OSXSAVE */
+        return 2;
+    __asm__("xgetbv" : "=a"(saved), "=d"(unused) : "c"(0));
+    if (!__get_cpuid_count(7, 0, &a, &b, &c, &d))
+        return 2;
+    if ((saved & 0xe6) == 0xe6 && (b >> 16 & 1) && (b >> 17 & 1))
+        return 8;
+    return (saved & 6) == 6 && (b >> 5 & 1) ? 4 : 2;
+}
+#endif
+
+/* The widest lanes that the processor has; slow on a virtual machine, so callers ask once and keep the answer. */
 int rod_lanes(void)
 {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
-        return 8;
-    if (__builtin_cpu_supports("avx2"))
-        return 4;
-#endif
+    return widest();
+#else
     return 2;
+#endif
 }
 
 static reader *reader_for(int most)
@@ -359,12 +381,12 @@ static reader *reader_for(int most)
    tol: the allowed error of beta. orbits: (n,), filled. beta, rate, alpha, z, swirl: (n, stations), filled but for rods
    that are lost; swirl may be NULL, or the other four. first: (n,), the number of each rod's first step in since (P,),
    width (P,) and series (P, 4, ORDER + 1); or NULL, and none is kept. lanes: their width, 0 for the widest that n
-   problems fill. Returns 0, or 1 if there is no memory. */
+   problems fill; most: what rod_lanes says. Returns 0, or 1 if there is no memory. */
 int rod_march(int64_t n, const double *numbers, double tol, orbit *orbits, int64_t stations, const double *t,
               double *beta, double *rate, double *alpha, double *z, double *swirl, const int64_t *first, double *since,
-              double *width, double *series, int lanes)
+              double *width, double *series, int lanes, int most)
 {
-    const int most = rod_lanes(), w = lanes > 0 && lanes <= most ? lanes : n < most ? 1 : most;
+    const int w = lanes > 0 && lanes <= most ? lanes : n < most ? 1 : most;
     const problems all = {n, numbers, tol};
     const task work = {reader_for(most), stations, t, {beta, rate, alpha, z, swirl}, first, since, width, series};
 #if defined(__x86_64__)
@@ -376,13 +398,14 @@ int rod_march(int64_t n, const double *numbers, double tol, orbit *orbits, int64
     return w == 1 ? run_1(&all, orbits, &work) : run_2(&all, orbits, &work);
 }
 
-/* Read n orbits whose steps were kept, as `rod_march` does; of a rod that is lost NaN. which: (n,), its orbit. */
+/* Read n orbits whose steps were kept, as `rod_march` does; of a rod that is lost NaN. which: (n,), its orbit. most: as
+   above. */
 void rod_read(int64_t n, const int64_t *which, const orbit *orbits, const int64_t *first, const double *since,
               const double *width, const double *series, int64_t stations, const double *t, double *beta, double *rate,
-              double *alpha, double *z, double *swirl)
+              double *alpha, double *z, double *swirl, int most)
 {
     const values out = {beta, rate, alpha, z, swirl};
-    reader *read = reader_for(rod_lanes());
+    reader *read = reader_for(most);
     for (int64_t i = 0; i < n; i++) {
         const orbit *o = orbits + which[i];
         const int64_t at = first[which[i]];

@@ -39,7 +39,7 @@ const RodCore = (() => {
       let numbers = new Float64Array(own.memory.buffer);
       numbers.set(["lam", "mu", "phi", "span", "beta0", "dbeta0"].map(name => problem[name]), at / 8);
       numbers.set(times, t / 8);
-      if (own.rod_march(1n, at, tol, orbit, BigInt(n), t, ...rows, 0, 0, 0, 0, 1)) throw new Error("no memory");
+      if (own.rod_march(1n, at, tol, orbit, BigInt(n), t, ...rows, 0, 0, 0, 0, 1, 2)) throw new Error("no memory");
       numbers = new Float64Array(own.memory.buffer); // the call may have moved it
       const integers = new BigInt64Array(own.memory.buffer);
       const end = ENDS[Number(integers[(orbit + STATUS) / 8])], sound = integers[(orbit + SOUND) / 8] === 1n;

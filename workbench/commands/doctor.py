@@ -55,13 +55,13 @@ def _finding(what: str, works: bool, said: str, installed: bool = True) -> dict[
 
 def _core() -> dict[str, Any]:
     """Whether the compiled core of the solver is there."""
-    from solver.core.library import lanes, library, why_missing
+    from solver.core.library import library, why_missing, widest
 
     if library() is None:
         return _finding(
             "compiled core", False, f"start problems are solved by orbit, more slowly: {why_missing()}", False
         )
-    return _finding("compiled core", True, f"start problems are solved by swing, {lanes()} rods at a time")
+    return _finding("compiled core", True, f"start problems are solved by swing, {widest()} rods at a time")
 
 
 def _hdf5() -> dict[str, Any]:
