@@ -103,7 +103,8 @@ def _rows(out: Array | None, n: int) -> list[tuple[int | None, int]]:
     """Where the four rows of `out` (4, B, n) begin, and how many numbers each rod takes there."""
     if out is None:
         return [(None, n) for _ in range(4)]
-    return [(begin_of(out) + k * out[0].nbytes, n) for k in range(4)]
+    begin, size = begin_of(out), out.nbytes // 4
+    return [(begin + k * size, n) for k in range(4)]
 
 
 def read(which: Integers, orbits: Array, steps: Steps, t: Array) -> Array:

@@ -119,7 +119,7 @@ class Rod:
         if self.stiffness not in STIFFNESS:
             raise no_such("stiffness", self.stiffness, STIFFNESS)
 
-    @property
+    @cached_property
     def bending_stiffness(self) -> Any:
         """A [force length^2], eq. (20) with the factor of `stiffness`; 0 or inf if it underflows or overflows."""
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
