@@ -5,11 +5,9 @@ uses the C compiler of the machine, and if there is none, that of the package `z
 library.
 """
 
-import hashlib
 import os
-import shutil
-import subprocess
 import sys
+import zlib
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
@@ -33,11 +31,13 @@ def digest(names: Sequence[str] = ()) -> str:
     """A digest of these C files, or of all, by which a library is recognised that was compiled from others."""
     files = [HERE / name for name in names] or sorted([*HERE.glob("*.c"), *HERE.glob("*.h")])
     content = b"".join(path.name.encode() + path.read_bytes().replace(b"\r\n", b"\n") for path in files)
-    return hashlib.blake2b(content, digest_size=8).hexdigest()
+    return f"rod-{zlib.crc32(content):08x}"
 
 
 def compiler() -> list[str]:
     """The command of the machine's C compiler; empty where there is none."""
+    import shutil  # the loader, which imports this module, has no need of it
+
     for name in (os.environ.get("CC", ""), "cc", "gcc", "clang"):
         if name and shutil.which(name.split()[0]):
             return name.split()
@@ -67,6 +67,8 @@ def build_for_browsers(target: Path = HERE / WASM) -> None:
 
     The target is WASI and not freestanding, because `rod.c` needs a C library. The file imports nothing.
     """
+    import subprocess
+
     kind = ["--target=wasm32-wasi", "-mexec-model=reactor", "-msimd128", "-Wl,--strip-all"]
     kind += [f"-Wl,--export={name}" for name in ("rod_march", "rod_sources", "malloc", "free")]
     options = [*kind, *FLAGS, defined(digest(WASM_SOURCES)), "-o", str(target), str(HERE / "rod.c")]
@@ -78,6 +80,8 @@ def build_for_browsers(target: Path = HERE / WASM) -> None:
 
 def build(target: Path | None = None, *flags: str) -> tuple[Path | None, str]:
     """Compile the library; its path and an empty text, or None and what each compiler said."""
+    import subprocess
+
     target, told = target or HERE / library_name(), []
     aside = target.with_name(f".{os.getpid()}.{target.name}")
     for command in commands():

@@ -3,7 +3,6 @@
 import ctypes
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -83,5 +82,7 @@ def shared_out(part: Callable[[int, int], None], size: int) -> None:
     if size < 2 * _SHARE or (count := min(threads(), size // _SHARE)) < 2:
         part(0, size)
         return
+    from concurrent.futures import ThreadPoolExecutor  # one rod has no need of it
+
     with ThreadPoolExecutor(count) as pool:
         list(pool.map(lambda a: part(a, min(a + _SHARE, size)), range(0, size, _SHARE)))
