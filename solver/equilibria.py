@@ -10,7 +10,8 @@ from .boundary.selected_equilibrium import equilibrium_trajectory
 from .boundary.selection import NEAREST, Choose, select
 from .boundary.transit_times import repeated
 from .numerics.arrays import Array
-from .observe.observables import observe
+from .observe.measurement import Reading
+from .observe.observables import OBSERVABLES
 from .orbit.periodic_orbit import Orbit
 from .problem.case import Case, Ends
 from .problem.errors import InputError
@@ -127,12 +128,16 @@ def equilibria(case: Case, tol: float = DEFAULT_TOLERANCE, stations: int = 201, 
     wide, index, stray = repeated(problem, K), all_of_them.index, all_of_them.stray
     t = wide.span[:, None] * np.linspace(0, 1, stations)
     together = equilibrium_trajectory(wide, orbit, t, tol)
-    seen = observe(Solution(_repeated(case, K), wide, together, t, "shooting", tol), ("energy", "turns", "attached"))
+    read = Reading(Solution(_repeated(case, K), wide, together, t, "shooting", tol))
+    for name, angle in (("low", all_of_them.lowest), ("high", all_of_them.highest)):
+        read.know(name, angle, read.error)
+    turns, attached = OBSERVABLES["turns"].compute(read), OBSERVABLES["attached"].compute(read)[0]
+    energy = read.A / read.rho * all_of_them.energy - OBSERVABLES["twist_energy"].compute(read)[0]
     found = []
     for i in range(K):
         solution = Solution(case, problem, _one(together, orbit.take(i), t, i), t[i : i + 1], "shooting", tol)
-        numbers = float(seen["energy"][i]), float(slopes[i] / case.rho), int(seen["turns"][i])
-        more = float(seen["attached"][i]), float(stray[i]), all_of_them.path.take(slice(i, i + 1))
+        numbers = float(energy[i]), float(slopes[i] / case.rho), int(turns[i])
+        more = float(attached[i]), float(stray[i]), all_of_them.path.take(slice(i, i + 1))
         found.append(Equilibrium(solution, int(index[i]), *numbers, *more))
     return Equilibria(_in_order(found), all_of_them.remark)
 

@@ -21,11 +21,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..core import levels as core
+from ..core.panels import available
+from ..orbit.critical_points import grid
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import LinePoint, Path
-from .continuation_steps import LEAPS, NEAR, SHORTEST, Line, advanced, leapt, settle, shape_of
+from .continuation_steps import FIELDS, LEAPS, NEAR, SHORTEST, Line, advanced, leapt, settle, shape_of
 from .path_orbits import orbit_of
 from .stability import jacobi_zeros
+from .transit_times import CUTTING, NODES
 
 _MOST_STEPS = 4000
 
@@ -55,6 +59,17 @@ def continued(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended
     Path or Ended
         `Ended` where the branch ends between the two; no other equilibrium is returned in its place.
     """
+    if available() and not path.helix:
+        begin, end = (np.concatenate([getattr(one, name) for name in FIELDS]) for one in (first, last))
+        level, way = (path.pin, path.sign, path.y), (path.leaving, path.turns)
+        found = core.continued(begin, end, level, way, grid(), NODES, CUTTING)
+        if found is not None:
+            return Path(*found)
+    return reference_continued(first, path, last)
+
+
+def reference_continued(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended:
+    """The same without the core, which leaves it what needs a leap, passes a helix, or ends."""
     line = Line(first, last)
     place, target = line.at(0.0), line.at(1.0)
     if path.helix and target.helix is not None and first.beta0[0] == last.beta0[0]:

@@ -22,7 +22,7 @@ NEAR, _CLEAR = 0.05, 4.0  # rad between two shapes of a branch after a leap; fac
 _EASY = 1e-3  # length of a step above which only the best coordinate is tried
 _CORRECTIONS = 12
 _REACH = 0.25  # largest change of the unknown in a step, in its scales
-_FIELDS = ("lam", "mu", "phi", "span", "beta0", "betaL")
+FIELDS = ("lam", "mu", "phi", "span", "beta0", "betaL")
 
 
 @dataclass(frozen=True)
@@ -35,12 +35,12 @@ class Line:
     @property
     def is_point(self) -> bool:
         """Whether the two are one problem."""
-        return all(np.array_equal(getattr(self.first, n), getattr(self.last, n)) for n in _FIELDS)
+        return all(np.array_equal(getattr(self.first, n), getattr(self.last, n)) for n in FIELDS)
 
     def at(self, share: float) -> LinePoint:
         if share >= 1:
             return LinePoint(self.last)
-        mixed = {n: (1 - share) * getattr(self.first, n) + share * getattr(self.last, n) for n in _FIELDS}
+        mixed = {n: (1 - share) * getattr(self.first, n) + share * getattr(self.last, n) for n in FIELDS}
         return LinePoint(EndsProblem(**mixed))
 
 

@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 import scipy
 
+from ..core import orbits as core
+from ..core.panels import available
 from ..mechanics.potential import load_size, slope, slope_rate
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
@@ -27,6 +29,11 @@ def end_response(orbit: Any) -> Array:
     array (B,)
         At least 1; unbounded at a fold.
     """
+    return core.response(orbit) if available() else reference_response(orbit)
+
+
+def reference_response(orbit: Any) -> Array:
+    """The same without the core."""
     problem, panels = orbit.problem, orbit.panels
     worst = np.where(orbit.kind == HELIX, _helix_response(problem), 1.0)
     if not panels.arc.size:

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from ..core import levels as core
+from ..core.panels import available
 from ..numerics.arrays import Array, Booleans, Integers
 from .level_grid import LevelGrid
 from .paths import Levels, Paths
-from .transit_times import Boundary, TransitTimes, transit_times
+from .transit_times import CUTTING, NODES, Boundary, TransitTimes, reference_transit_times, transit_times
 
 _ZOOM, _ROUNDS = 17, 6  # points of the finer grid at a dip, and how often it is refined
 _ROUNDING = 1e-14  # of the rod's length: bound of the rounding of a sum of times
@@ -98,6 +100,19 @@ def roots_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array, 
     if not open_.size:
         return y, 0
     some, counts = some.take(open_), counts[open_]
+    low, high = np.minimum(some.first, some.second), np.maximum(some.first, some.second)
+    if available():
+        told = core.level_roots(boundary, some.pin, some.sign, counts, low, high, NODES, CUTTING)
+        if told is not None:
+            y[open_] = told[0]
+            return y, told[1]
+    y[open_], calls = reference_roots(boundary, some, counts)
+    return y, calls
+
+
+def reference_roots(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array, int]:
+    """y of the root in each bracket of two levels, (K,), without the core; and the evaluations of G."""
+    low, high = np.minimum(some.first, some.second), np.maximum(some.first, some.second)
     from scipy.optimize import elementwise  # an import of scipy does not import this part
 
     calls = 0
@@ -105,11 +120,10 @@ def roots_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array, 
     def off(y: Array, which: Array) -> Array:
         nonlocal calls
         i = which.astype(int)
-        seen = transit_times(boundary, Levels(some.pin[i], some.sign[i], y))
+        seen = reference_transit_times(boundary, Levels(some.pin[i], some.sign[i], y))
         calls += seen.calls
         return seen.lengths_along(counts[i]) - boundary.problem.span[0]
 
-    low, high = np.minimum(some.first, some.second), np.maximum(some.first, some.second)
     which = np.arange(low.size, dtype=float)
     tolerances = {"xatol": 1e-14, "xrtol": 1e-15}
     found = elementwise.find_root(off, (low, high), args=(which,), tolerances=tolerances, maxiter=60)
@@ -119,8 +133,7 @@ def roots_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array, 
         size = np.abs(off(ends, np.full(2, float(i))))
         if np.nanmin(size) < 1e-9 * boundary.problem.span[0]:
             root[i] = ends[int(np.nanargmin(size))]
-    y[open_] = root
-    return y, calls
+    return root, calls
 
 
 def _dips(boundary: Boundary, grid: LevelGrid, some: Paths, off: Array) -> tuple[Brackets, int]:

@@ -16,6 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from ..core import levels as core
+from ..core.panels import Cutting, available
 from ..mechanics.potential import TAU, load_size, slope
 from ..numerics.arrays import Array, Booleans
 from ..numerics.chebyshev import basis
@@ -29,6 +31,7 @@ from .paths import Levels
 
 _SAME = 4e-16  # of the size of G: heights that differ by less are equal
 STRETCH = 4.0  # factor of the panels along saddles, where time is almost linear in u
+NODES, CUTTING = 22, Cutting(0.7, 1e-15, STRETCH)
 _BLOCK = 2048  # levels computed at once
 
 
@@ -76,6 +79,11 @@ def height_scale(problem: EndsProblem) -> float:
 
 def fall(problem: EndsProblem, pin: float, beta: float, extremum: bool) -> float:
     """G(pin) - G(beta) to relative accuracy in beta - pin; 0 for angles far apart where it is less than rounding."""
+    return core.fall(problem, pin, beta, extremum) if available() else reference_fall(problem, pin, beta, extremum)
+
+
+def reference_fall(problem: EndsProblem, pin: float, beta: float, extremum: bool) -> float:
+    """The same without the core."""
     x = float(apart(np.array([beta]), np.array([pin]))[0])
     at = np.array([pin])
     value = float(LocalPotential.about(problem, at).drop(np.array([[x]]))[0, 0])
@@ -116,9 +124,19 @@ class TransitTimes:
 
 def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> TransitTimes:
     """The times at M levels. deep: continue them below `boundary.deepest`, else take those at `deepest`."""
+    if available():
+        found = core.transit_times(boundary, levels.pin, levels.sign, levels.y, deep, NODES, CUTTING)
+        if found is not None:
+            return TransitTimes(*found)
+    return reference_transit_times(boundary, levels, deep)
+
+
+def reference_transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> TransitTimes:
+    """The same without the core."""
     if levels.y.size > _BLOCK:
         blocks = [
-            transit_times(boundary, levels.take(slice(k, k + _BLOCK)), deep) for k in range(0, levels.y.size, _BLOCK)
+            reference_transit_times(boundary, levels.take(slice(k, k + _BLOCK)), deep)
+            for k in range(0, levels.y.size, _BLOCK)
         ]
         time, rate = (np.concatenate([getattr(b, name) for b in blocks], axis=1) for name in ("time", "rate"))
         return TransitTimes(time, rate, np.concatenate([b.rotates for b in blocks]), sum(b.calls for b in blocks))
@@ -134,7 +152,7 @@ def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> Tran
     pieces = _three(boundary, arcs.pieces, v_high, M)
     twice = repeated(boundary.problem, 2 * M).started(np.tile(v_low, 2))
     cut = replace(arcs, pieces=pieces)
-    panels = panelled(twice, cut, basis(22), 0.7, 1e-15, times_only=True, stretch=STRETCH)
+    panels = panelled(twice, cut, basis(NODES), CUTTING.length, CUTTING.goal, times_only=True, stretch=CUTTING.stretch)
     time = _by_arc(panels.arc, panels.duration, M)
     rate = _by_arc(pieces.arc, half_passages(pieces, np.tile(gap, 2)).sum(axis=0), M)
     rotates = joins & (arcs.kind == ROTATION)

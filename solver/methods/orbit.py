@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..orbit.conditioning import condition
-from ..orbit.error_estimate import estimated_error
+from ..orbit.error_estimate import judged
 from ..orbit.panels import MOST
 from ..orbit.periodic_orbit import solve_orbit
 from ..problem.limits import TOO_LARGE, dimensionless
@@ -37,8 +36,7 @@ class OrbitQuadrature(StartMethod):
 def _run(problem: StartProblem, t: Array, tol: float) -> Trajectory:
     orbit = solve_orbit(problem, tol)
     beta, dbeta, alpha, z = orbit.at(t)
-    growth = condition(orbit)
-    error = estimated_error(orbit, growth)
+    growth, error = judged(orbit)
     spent = np.bincount(orbit.panels.arc // 2, minlength=problem.size) > MOST
     why = np.where(spent & (error > tol * growth), SPENT, "")
     verdict = verdicts(beta, error, growth, tol).failed(why)

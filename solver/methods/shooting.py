@@ -63,6 +63,8 @@ def _each(problem: EndsProblem) -> list[EndsProblem]:
 
 def together(found: list[Trajectory | str], t: Array) -> Trajectory:
     """The answers of B problems at t (B, n) as one; a problem without an answer is given by its outcome."""
+    if len(found) == 1 and not isinstance(found[0], str):
+        return found[0]
     plain = StartProblem(**{field.name: np.array([PLAIN[field.name]]) for field in fields(StartProblem)})
     nothing = solve_orbit(plain, 1e-6)
     orbits = [nothing if isinstance(one, str) else one.orbit for one in found]

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from ..core import orbits as core
+from ..core.panels import available
 from ..mechanics.potential import TAU, slope, slope_rate
 from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.roots import bracketed
@@ -26,7 +28,7 @@ class CriticalPoints:
 
 
 @cache
-def _grid() -> tuple[Array, Array]:
+def grid() -> tuple[Array, Array]:
     """Angles and H, H' there as linear functions of (lam - mu, lam + mu, mu, phi, 1): (M,), (5, 2 M).
 
     Even spacing leaves at most one pair of roots of H in a cell; small loads gather three roots about beta = 0 and
@@ -40,12 +42,21 @@ def _grid() -> tuple[Array, Array]:
     bent = s * s * (1 + 2 * size) / (1 + size)
     value = [c * up, c * ~up, bent, -s, -2 * c * s**3]
     rate = [-s * up, -s * ~up, np.where(up, -s, s) + 2 * np.sin(2 * angles), -c, -2 * s * s * (3 * c * c - s * s)]
-    return angles, np.hstack([value, rate])
+    return angles, np.ascontiguousarray(np.hstack([value, rate]))
 
 
 def critical_points(problem: Reduced) -> CriticalPoints:
     """All critical points of G: the roots of H, found as sign changes on a grid and refined inside their brackets."""
-    angles, basis = _grid()
+    if available():
+        found = core.critical_points(np.stack([problem.lam, problem.mu, problem.phi], axis=1), grid())
+        if found is not None:
+            return CriticalPoints(*found)
+    return reference_critical_points(problem)
+
+
+def reference_critical_points(problem: Reduced) -> CriticalPoints:
+    """The same without the core."""
+    angles, basis = grid()
     m = angles.size
     loads = np.array(
         [problem.lam - problem.mu, problem.lam + problem.mu, problem.mu, problem.phi, np.ones(problem.size)]

@@ -2,12 +2,23 @@
 
 import numpy as np
 
+from ..core import orbits as core
+from ..core.panels import available
 from ..mechanics.potential import load_size, slope_higher_rates, slope_rate, slope_size
 from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
+from .conditioning import condition
 from .panels import EPS
 from .periodic_orbit import Orbit
 from .pieces import LIBRATION
+
+
+def judged(orbit: Orbit) -> tuple[Array, Array]:
+    """The condition number and the estimated error of B orbits, (B,) each."""
+    if available():
+        return core.judge(orbit)
+    growth = condition(orbit)
+    return growth, estimated_error(orbit, growth)
 
 
 def estimated_error(orbit: Orbit, growth: Array) -> Array:

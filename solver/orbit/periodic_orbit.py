@@ -13,13 +13,16 @@ from typing import Any
 
 import numpy as np
 
+from ..core import orbits as core
+from ..core.panels import Cutting, available
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, polynomials
 from ..problem.reduced import StartProblem
 from .arcs import Arcs, arcs_of
+from .critical_points import grid
 from .panels import Panels, joined, panelled, running
 from .phase import Phase, located, unfolded
-from .pieces import HELIX, LIBRATION
+from .pieces import HELIX, LIBRATION, Pieces
 
 _BLOCK = 4096  # stations evaluated at once: series and points stay in the cache
 
@@ -80,13 +83,25 @@ class Orbit:
 
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
+        if available():
+            beta, dbeta, alpha, z, _ = core.read(self, t)
+            return beta, dbeta, alpha, z
         phase = self.locate(t)
         values = self.read(self.panels.series[:, 0:4], phase)
         return self._unfold(values, phase)
 
     def take(self, i: int) -> "Orbit":
         """The orbit of problem i alone."""
-        return self.pick(np.array([i]))
+        one, both = slice(i, i + 1), slice(2 * i, 2 * i + 2)
+        count = self.count[both]
+        mine = slice(int(self.first[2 * i]), int(self.first[2 * i] + count.sum()))
+        panels = self.panels.take(mine)
+        panels = replace(panels, arc=panels.arc - 2 * i)
+        arcs = Arcs(self.arcs.kind[one], self.arcs.direction[one], self.arcs.pieces)
+        known = [None if v is None else v[one] for v in (self.lengthens, self.response, self.passed)]
+        known.append(None if self.path is None else self.path.take(one))
+        some, since, first = self.problem.take(one), self.since[mine], np.array([0, count[0]])
+        return Orbit(some, arcs, panels, since, first, count, self.duration[both], self.gain[both], *known)
 
     def pick(self, rows: Integers) -> "Orbit":
         """The orbits of the problems `rows`, (b,) rising."""
@@ -112,6 +127,9 @@ class Orbit:
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
+        if available():
+            swirl: Array = core.read(self, t)[4]
+            return swirl
         phase = self.locate(t)
         value = self.read(self.panels.series[:, 4:5], phase)[..., 0]
         s = np.sin(self.problem.beta0) * np.cos(self.problem.beta0)
@@ -204,9 +222,30 @@ def solve_orbit(
     pin, stretch
         As in `arcs.arcs_of` and `panels.panelled`.
     """
-    arcs = arcs_of(problem, pin)
     n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
-    return assembled(problem, arcs, panelled(problem, arcs, basis(n), length, 0.05 * tol, stretch=stretch))
+    cutting = Cutting(length, 0.05 * tol, stretch)
+    if available():
+        found = core.orbits(core.numbers_of(problem), pin, grid(), n, cutting)
+        if found is not None:
+            return orbit_of(problem, found)
+    return reference_orbit(problem, n, cutting, pin)
+
+
+def reference_orbit(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, Array] | None = None) -> Orbit:
+    """The same without the core; n: nodes of a panel."""
+    arcs = arcs_of(problem, pin)
+    length, goal, stretch = cutting
+    return assembled(problem, arcs, panelled(problem, arcs, basis(n), length, goal, stretch=stretch))
+
+
+def orbit_of(problem: StartProblem, found: core.FoundOrbits) -> Orbit:
+    """The orbits that the core made."""
+    duration, fastest, error, time_error, time_rounding, since = found.columns
+    calls = np.full(found.arc.size, 2 * (found.series.shape[2] - 1))
+    panels = Panels(found.arc, found.rank, duration, found.series, fastest, error, time_error, time_rounding, calls)
+    first = np.cumsum(found.counts) - found.counts
+    arcs = Arcs(found.kind, found.direction, Pieces.from_core(found.pieces))
+    return Orbit(problem, arcs, panels, since, first, found.counts, found.duration, found.gain)
 
 
 def assembled(problem: StartProblem, arcs: Arcs, panels: Panels) -> Orbit:

@@ -41,6 +41,14 @@ class Pieces:
         arc, rank, kind, base, scale, u0, u1 = (v[index] for v in fields)
         return Pieces(arc, rank, kind, base, scale, u0, u1, self.local.take(index))
 
+    @classmethod
+    def from_core(cls, table: Array) -> "Pieces":
+        """The pieces that the core made, (P, 17): see `rod_orbits_fetch`."""
+        arc, rank, kind = table[:, :3].T.astype(np.int64)
+        base, scale, u0, u1 = table[:, 3:7].T
+        lam, mu, phi, o, level, *fixed = (table[:, k : k + 1] for k in range(7, table.shape[1]))
+        return cls(arc, rank, kind, base, scale, u0, u1, LocalPotential(lam, mu, phi, o, level, tuple(fixed)))
+
     def displacement(self, u: Array) -> Array:
         """x at u (P, n)."""
         return self.scale[:, None] * _by_kind(self.kind, u, (np.sinh, np.cosh, np.sin))
@@ -133,7 +141,7 @@ def start_variable(
         doubt = np.where(first & (form != PASS), local.weight(np.abs(x)) / root**2, 0)
         uncertain = doubt > _UNCERTAIN
         if uncertain.any():
-            lost = doubt * sine**2 > _UNCERTAIN
+            lost = uncertain & (doubt * sine**2 > _UNCERTAIN)
             moved = x / np.where(form == SADDLE, np.cosh(u), np.sin(u))
             scale = np.where(uncertain & ~lost, moved, scale)
             u = np.where(lost, variable(form, scale, x), u)

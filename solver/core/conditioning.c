@@ -1,0 +1,484 @@
+/* The growth of changes along orbits: the condition number and estimated error of start problems, the response of
+   equilibria to a change of the far angle, and the action. solver/orbit/conditioning.py, error_estimate.py,
+   linearised_growth.py and orbit_energy.py, solver/boundary/end_conditioning.py. */
+
+#include "panels.h"
+
+/* The flow on one panel at its nodes: |beta_t|, H and the integral a(t) of the shear, in units of the problem.
+   across: c; gain: what the panel adds to a, with what the change of c from the panel before it adds. */
+typedef struct {
+    double v[NODES], h[NODES], a[NODES], shear[NODES + 1];
+    double across, gain;
+} flow;
+
+/* One orbit with its panels: `at` .. `at + count[0] + count[1]`. total: what each arc adds to the shear. */
+typedef struct {
+    const start_problem *problem;
+    const read_orbits *all;
+    const points *points;
+    int64_t orbit, at, count[2];
+    int n, librates;
+    double ahead, back, period, direction, unit, speed, total[2];
+    flow *flows;
+} course;
+
+/* Values at the nodes to the series of the integral from -1, (n + 1,). */
+static void integrated(const points *at, const double *values, double *out)
+{
+    double coefficients[NODES];
+    product((int)at->n, (int)at->n, values, at->analyse, coefficients);
+    integral((int)at->n, coefficients, out);
+}
+
+static double sum(int n, const double *values)
+{
+    double total = 0;
+    for (int k = 0; k < n; k++)
+        total += values[k];
+    return total;
+}
+
+static double at_place(const double *series, int n, double x)
+{
+    double older = 1, now = x, total = series[0] + (n > 1 ? x * series[1] : 0);
+    for (int k = 2; k < n; k++) {
+        const double next = 2 * x * now - older;
+        older = now, now = next, total += next * series[k];
+    }
+    return total;
+}
+
+static double higher_rates(const start_problem *p, double *third)
+{
+    const double s = sin(p->beta0), c = cos(p->beta0), s2 = 2 * s * c, c2 = (c - s) * (c + s);
+    const double s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
+    *third = p->lam * s - 8 * p->mu * s2 + p->phi * c + 4 * c2 - 16 * c4;
+    return -p->lam * c + 4 * p->mu * c2 + p->phi * s + 2 * s2 - 4 * s4;
+}
+
+static double load_size(const start_problem *p) { return fabs(p->lam) + fabs(p->mu) + fabs(p->phi); }
+
+static double rate_at_start(const start_problem *p) { return slope_rate(p->lam, p->mu, p->phi, p->beta0); }
+
+static double slope_weight(const start_problem *p)
+{
+    return larger(larger(1, fabs(p->dbeta0)), sqrt(fabs(rate_at_start(p))));
+}
+
+static void largest_solutions(double rate, double span, double *even, double *odd)
+{
+    const double root = sqrt(fabs(rate)), angle = smaller(root * span, 700);
+    *even = rate >= 0 ? 1 : cosh(angle);
+    *odd = root * span > 1e-150 ? (rate > 0 ? (angle < PI / 2 ? sin(angle) : 1.0) : sinh(angle)) / root : span;
+}
+
+/* Whether H' hardly changes along the rod, and the condition number as if it did not. */
+static int beside_helix(const start_problem *p, double *worst)
+{
+    double even, odd, unused, half, third;
+    const double rate = rate_at_start(p), second = higher_rates(p, &third);
+    largest_solutions(rate, p->span, &even, &odd);
+    largest_solutions(rate, p->span / 2, &unused, &half);
+    const double strays = fabs(p->dbeta0) * odd + 2 * fabs(slope(p->lam, p->mu, p->phi, p->beta0)) * square(half);
+    const double bound = fabs(p->lam) + 8 * fabs(p->mu) + fabs(p->phi) + 20;
+    const double change = fabs(second) * strays + bound * square(strays) / 2;
+    *worst = larger(1, larger(even, odd * slope_weight(p)));
+    return change * p->span * fmin(p->span, 1 / sqrt(fabs(rate))) < 0.1;
+}
+
+static course course_of(const start_problem *p, const read_orbits *all, const points *at, int64_t b, flow *room)
+{
+    course o = {.problem = p, .all = all, .points = at, .orbit = b, .n = (int)at->n, .flows = room};
+    o.at = all->first[2 * b], o.count[0] = all->count[2 * b], o.count[1] = all->count[2 * b + 1];
+    o.librates = all->kind[b] == LIBRATION;
+    o.ahead = all->duration[2 * b], o.back = all->duration[2 * b + 1];
+    o.period = (o.librates ? 2 : 1) * (o.ahead + o.back);
+    o.direction = all->direction[b];
+    o.unit = sqrt(load_size(p) + 1), o.speed = 1;
+    return o;
+}
+
+static const double *series_of(const course *o, int64_t i, int function)
+{
+    return o->all->series + (FUNCTIONS * (o->at + i) + function) * o->all->coefficients;
+}
+
+/* beta and |beta_t| at the nodes of panel i. */
+static void nodes_of(const course *o, int64_t i, double *beta, double *v)
+{
+    product(o->n + 1, o->n, series_of(o, i, 0), o->points->values, beta);
+    product(o->n + 1, o->n, series_of(o, i, 1), o->points->values, v);
+}
+
+/* H at the nodes as one moves away from the start: by its formula, or where that loses more, from the speed. */
+static void slope_along(const course *o, const double *beta, const double *v, double half, int backward, double *h)
+{
+    const start_problem *p = o->problem;
+    const int n = o->n;
+    double least = v[0], most = v[0], size = 0, a[NODES];
+    for (int k = 0; k < n; k++) {
+        least = smaller(least, v[k]), most = larger(most, v[k]);
+        size = larger(size, slope_size(p->lam, p->mu, p->phi, beta[k]));
+    }
+    const double unit = o->speed * o->unit, sign = o->direction * (backward ? -1 : 1);
+    const double lost = EPS * n * n * (least < most / 2 ? 1 : most) / half;
+    if (EPS * size / unit < lost) {
+        for (int k = 0; k < n; k++)
+            h[k] = sign * slope(p->lam, p->mu, p->phi, beta[k]) / unit;
+        return;
+    }
+    product(n, n, v, o->points->analyse, a);
+    product(n, n, a, o->points->differentiate, h);
+    for (int k = 0; k < n; k++)
+        h[k] = -h[k] / half;
+}
+
+/* c of a panel: `conditioning._across`. */
+static double across_of(int n, const double *v, const double *h, const double *rate, double half)
+{
+    double fastest = v[0], slowest = v[0], steepest = fabs(h[0]), least = fabs(h[0]), most = fabs(rate[0]);
+    for (int k = 1; k < n; k++) {
+        fastest = larger(fastest, v[k]), slowest = smaller(slowest, v[k]);
+        steepest = larger(steepest, fabs(h[k])), least = smaller(least, fabs(h[k])), most = larger(most, fabs(rate[k]));
+    }
+    const int slows = slowest < fastest / 2, levels = least < steepest / 2;
+    const double ratio = square(fastest / steepest);
+    double c = 1 / larger(most, 1e-200);
+    if (levels)
+        c = fmin(c, 8 * ratio);
+    if (levels && !slows)
+        c = fmin(c, square(20 * half));
+    return slows ? fmax(c, ratio / 2) : c;
+}
+
+/* What a gains where c changes: the part of b(old) - b(new) along f. */
+static double jump(double v, double h, double old, double new)
+{
+    return v * h * ((old - new) / (v * v + old * h * h)) / (v * v + new * h * h);
+}
+
+static void flow_of(const course *o, int64_t i, flow *out)
+{
+    const start_problem *p = o->problem;
+    double beta[NODES], rate[NODES], pace[NODES];
+    const int n = o->n;
+    const double half = o->all->width[o->at + i] / 2 * o->unit;
+    nodes_of(o, i, beta, out->v);
+    for (int k = 0; k < n; k++)
+        out->v[k] /= o->speed;
+    slope_along(o, beta, out->v, half, i >= o->count[0], out->h);
+    for (int k = 0; k < n; k++)
+        rate[k] = slope_rate(p->lam, p->mu, p->phi, beta[k]) / square(o->unit);
+    const double c = out->across = across_of(n, out->v, out->h, rate, half);
+    for (int k = 0; k < n; k++) {
+        const double v = out->v[k], h = out->h[k], size = v * v + c * h * h;
+        pace[k] = (1 - c * rate[k]) * ((v * v - c * h * h) / size) / size * half;
+    }
+    integrated(o->points, pace, out->shear);
+    out->gain = sum(n + 1, out->shear);
+}
+
+/* The flows of all panels, each with the shear from the start of the orbit. */
+static void flows_of(course *o)
+{
+    const int64_t P = o->count[0] + o->count[1];
+    double before[2] = {0};
+    for (int64_t i = 0; i < P; i++) {
+        flow *one = &o->flows[i];
+        const int backward = i >= o->count[0];
+        flow_of(o, i, one);
+        /* the backward arc follows the forward one */
+        const int64_t last = i != o->count[0] ? i - 1 : 0;
+        const double more = i == 0 ? 0 : jump(one->v[0], one->h[0], o->flows[last].across, one->across);
+        one->shear[0] += before[backward] + more;
+        before[backward] += one->gain + more;
+        product(o->n + 1, o->n, one->shear, o->points->values, one->a);
+    }
+    for (int arc = 0; arc < 2; arc++) {
+        const int64_t start = arc ? o->count[0] : 0;
+        const flow *one = &o->flows[start];
+        o->total[arc] = before[arc];
+        if (!o->librates && o->count[arc])
+            o->total[arc] += jump(one->v[0], one->h[0], o->flows[start + o->count[arc] - 1].across, one->across);
+    }
+}
+
+/* The growth of two changes of the start, each given by its parts along the flow and across it. */
+static double grown(const double along[2], const double across[2], double a, double v, double h, double c)
+{
+    const double size = v * v + c * h * h, drift = c * h / size;
+    return larger(fabs((along[0] + across[0] * a) * v + across[0] * drift),
+                  fabs((along[1] + across[1] * a) * v + across[1] * drift));
+}
+
+/* One passage of a panel by the rod: where the times of its nodes begin, their sign, and what is added to the shear. */
+typedef struct {
+    double begin, sign, shift, way;
+} passage;
+
+static int passages_of(const course *o, int backward, passage out[2])
+{
+    const double begin = backward ? 2 * o->ahead : 0, end = backward ? 2 * (o->ahead + o->back) : 2 * o->ahead;
+    const double shift = backward ? 2 * o->total[0] : 0;
+    out[0] = (passage){begin, 1, shift, 1};
+    out[1] = (passage){end, -1, shift + 2 * o->total[backward], -1};
+    return o->librates ? 2 : 1;
+}
+
+static double growth_at_nodes(const course *o, const double along[2], const double across[2], double worst)
+{
+    const double span = o->problem->span, periods = floor(span / o->period);
+    const double a_period = o->librates ? 2 * (o->total[0] + o->total[1]) : o->total[0];
+    for (int64_t i = 0; i < o->count[0] + o->count[1]; i++) {
+        const flow *one = &o->flows[i];
+        const int backward = i >= o->count[0];
+        const double since = o->all->since[o->at + i], half = o->all->width[o->at + i] / 2, way = backward ? -1 : 1;
+        passage ways[2];
+        const int count = passages_of(o, backward, ways);
+        for (int w = 0; w < count; w++)
+            for (int k = 0; k < o->n; k++) {
+                const double time = ways[w].begin + ways[w].sign * (since + half * (1 + o->points->nodes[k]));
+                if (!(time <= span || periods > 0))
+                    continue;
+                const double a = ways[w].shift + ways[w].way * one->a[k], v = way * ways[w].sign * one->v[k];
+                const double many = periods > 0 ? periods - (time + periods * o->period > span) : 0;
+                worst = larger(worst, grown(along, across, a, v, way * one->h[k], one->across));
+                if (many > 0)
+                    worst = larger(worst, grown(along, across, a + a_period * many, v, way * one->h[k], one->across));
+            }
+    }
+    return worst;
+}
+
+static double growth_at_end(const course *o, const double along[2], const double across[2])
+{
+    phase where;
+    double x, h[NODES];
+    const int64_t panel = rod_place(o->all, o->orbit, o->problem->span, &where, &x);
+    const flow *one = &o->flows[panel - o->at];
+    product(o->n, o->n, one->h, o->points->analyse, h);
+    double v = at_place(series_of(o, panel - o->at, 1), o->n + 1, x) / o->speed, a = at_place(one->shear, o->n + 1, x);
+    a = rod_unfolded(a, &where, o->total[0], o->total[1], o->librates);
+    const double way = where.second ? -1 : 1;
+    return grown(along, across, a, way * (where.mirrored ? -v : v), way * at_place(h, o->n, x), one->across);
+}
+
+/* The errors of the panels of all orbits: `Panels`. */
+typedef struct {
+    const double *fastest, *error, *time_error, *time_rounding;
+} panel_errors;
+
+static double condition_of(course *o, const panel_errors *of)
+{
+    double worst;
+    const start_problem *p = o->problem;
+    const int steady = beside_helix(p, &worst);
+    const int64_t P = o->count[0] + o->count[1];
+    if (o->all->kind[o->orbit] == HELIX || !P || steady)
+        return worst;
+    double fastest = 0;
+    for (int64_t i = o->at; i < o->at + P; i++)
+        fastest = larger(fastest, of->fastest[i]);
+    o->speed = fastest > 0 ? fastest : 1;
+    flows_of(o);
+    const flow *first = &o->flows[0];
+    const double weight = slope_weight(p) / o->unit, c = first->across;
+    const double v = first->v[0], h = first->h[0] * (o->count[0] ? 1 : -1), size = v * v + c * h * h;
+    const double along[2] = {v / size, -c * h / size * weight}, across[2] = {h, v * weight};
+    worst = growth_at_nodes(o, along, across, 1);
+    worst = larger(worst, growth_at_end(o, along, across));
+    return worst == worst ? worst : INFINITY;
+}
+
+/* The change of the start's angle that has the same effect as the rounding of H over this time. */
+static double start_rounding(const start_problem *p, double time)
+{
+    double third;
+    const double second = higher_rates(p, &third), added = EPS * slope_size(p->lam, p->mu, p->phi, p->beta0);
+    const double first = fmin(added * time * time / 2, 2 * added / fabs(rate_at_start(p)));
+    return fmin(first, fmin(2 * sqrt(2 * added / fabs(second)), 2 * cbrt(6 * added / fabs(third))));
+}
+
+/* How far the series at t = 0 are from the given start, as a change of its angle. */
+static double mismatch(const course *o)
+{
+    const start_problem *p = o->problem;
+    if (!o->count[0])
+        return 0;
+    const double beta = at_place(series_of(o, 0, 0), o->n + 1, -1), speed = at_place(series_of(o, 0, 1), o->n + 1, -1);
+    const double v = fabs(p->dbeta0), quickest = sqrt(1 + load_size(p)) + v;
+    const double slip = larger(fabs(speed - v) - 16 * EPS * quickest, 0); /* beyond the rounding of a speed */
+    return fabs(beta - p->beta0) + slip * smaller(p->span, 1 / slope_weight(p));
+}
+
+static double error_of(const course *o, const panel_errors *of, double growth)
+{
+    const start_problem *p = o->problem;
+    double error = 0, fastest = 0, longest = 0, late = 0, range = 0;
+    for (int64_t i = 0; i < o->count[0] + o->count[1]; i++) {
+        const int64_t at = o->at + i;
+        const double width = o->all->width[at];
+        const double stay = p->span - o->all->since[at] - (i >= o->count[0] ? 2 * o->ahead : 0);
+        if (!(stay > 0))
+            continue;
+        const double *beta = series_of(o, i, 0);
+        double odd = 0;
+        for (int k = 1; k <= o->n; k += 2)
+            odd += beta[k];
+        error = larger(error, of->error[at]), fastest = larger(fastest, of->fastest[at]);
+        longest = larger(longest, width), range += 2 * fabs(odd);
+        late += smaller(stay, width) * (of->time_error[at] + of->time_rounding[at]);
+    }
+    /* no faster than the steepest fall from the start allows */
+    fastest = smaller(fastest, fabs(p->dbeta0) + (load_size(p) + 2) * p->span);
+    const double period = o->all->kind[o->orbit] == HELIX ? INFINITY : o->period;
+    late = late * (o->librates ? 2 : 1) * larger(1, p->span / period) + EPS * p->span;
+    /* however late, beta stays between its turning points; alpha and z are sums as long as the duration of a panel */
+    const double shift = o->librates ? smaller(fastest * late, range) : fastest * late;
+    const double sums = EPS * longest / larger(1, p->span);
+    const double start = start_rounding(p, smaller(p->span, o->ahead + o->back));
+    const double inputs = larger(1, fabs(p->beta0)) + start / EPS;
+    return 2 * error + shift + sums + growth * (mismatch(o) + 2 * EPS * inputs);
+}
+
+/* The most panels of one of n orbits. */
+static int64_t most_panels(const read_orbits *all, int64_t n)
+{
+    int64_t most = 1;
+    for (int64_t b = 0; b < n; b++)
+        most = all->count[2 * b] + all->count[2 * b + 1] > most ? all->count[2 * b] + all->count[2 * b + 1] : most;
+    return most;
+}
+
+/* The condition number and the estimated error of n start problems from their orbits, (n,) each. */
+int rod_orbits_judge(int64_t n, const start_problem *problems, const read_orbits *all, const points *at,
+                     const panel_errors *of, double *condition, double *error)
+{
+    flow *room = malloc(sizeof(flow) * (size_t)most_panels(all, n));
+    if (!room)
+        return NO_MEMORY;
+    for (int64_t b = 0; b < n; b++) {
+        course o = course_of(&problems[b], all, at, b, room);
+        condition[b] = condition_of(&o, of);
+        error[b] = error_of(&o, of, condition[b]);
+    }
+    free(room);
+    return DONE;
+}
+
+/* The flow for `end_response`: |beta_t| and H at the nodes, and the shear with c = 1. */
+static void plain_flows(course *o)
+{
+    const start_problem *p = o->problem;
+    double beta[NODES], pace[NODES];
+    o->total[0] = o->total[1] = 0;
+    for (int64_t i = 0; i < o->count[0] + o->count[1]; i++) {
+        flow *one = &o->flows[i];
+        const int backward = i >= o->count[0];
+        const double half = o->all->width[o->at + i] / 2 * o->unit;
+        nodes_of(o, i, beta, one->v);
+        for (int k = 0; k < o->n; k++) {
+            const double v = one->v[k] /= o->unit, h = slope(p->lam, p->mu, p->phi, beta[k]) / square(o->unit);
+            const double rate = slope_rate(p->lam, p->mu, p->phi, beta[k]) / square(o->unit), size = v * v + h * h;
+            one->h[k] = h;
+            pace[k] = (1 - rate) * ((v - h) * (v + h) / size) / size * half;
+        }
+        integrated(o->points, pace, one->shear);
+        one->gain = sum(o->n + 1, one->shear);
+        one->shear[0] += o->total[backward];
+        product(o->n + 1, o->n, one->shear, o->points->values, one->a);
+        o->total[backward] += one->gain;
+    }
+}
+
+/* The largest |eta| at the nodes that the rod passes, in its first period and in its last. */
+static double largest_response(const course *o, double v0, double fixed)
+{
+    const double span = o->problem->span, periods = floor(span / o->period);
+    const double a_period = o->librates ? 2 * (o->total[0] + o->total[1]) : o->total[0];
+    double largest = 0;
+    for (int64_t i = 0; i < o->count[0] + o->count[1]; i++) {
+        const flow *one = &o->flows[i];
+        const int backward = i >= o->count[0];
+        const double since = o->all->since[o->at + i], half = o->all->width[o->at + i] / 2;
+        passage ways[2];
+        const int count = passages_of(o, backward, ways);
+        for (int w = 0; w < count; w++)
+            for (int k = 0; k < o->n; k++) {
+                const double time = ways[w].begin + ways[w].sign * (since + half * (1 + o->points->nodes[k]));
+                if (!(time <= span || periods > 0))
+                    continue;
+                const double v = one->v[k] * o->direction * (backward ? -1 : 1) * ways[w].sign;
+                const double a = ways[w].shift + ways[w].way * one->a[k], h = one->h[k];
+                const double many = larger(periods - (time + periods * o->period > span), 0);
+                const double rest = v0 * (h / (one->v[k] * one->v[k] + h * h));
+                largest = larger(largest, fabs((fixed + v0 * a) * v + rest));
+                if (many > 0)
+                    largest = larger(largest, fabs((fixed + v0 * (a + a_period * many)) * v + rest));
+            }
+    }
+    return largest;
+}
+
+static double response_of(course *o)
+{
+    const start_problem *p = o->problem;
+    phase where;
+    double x;
+    plain_flows(o);
+    const double v0 = p->dbeta0 / o->unit, H0 = slope(p->lam, p->mu, p->phi, p->beta0) / square(o->unit);
+    const double fixed = -H0 / (v0 * v0 + H0 * H0);
+    const int64_t panel = rod_place(o->all, o->orbit, p->span, &where, &x);
+    const flow *one = &o->flows[panel - o->at];
+    const double a = rod_unfolded(at_place(one->shear, o->n + 1, x), &where, o->total[0], o->total[1], o->librates);
+    const double around = o->librates ? 0 : 2 * PI * o->direction * where.periods;
+    const double beta = at_place(series_of(o, panel - o->at, 0), o->n + 1, x) + around;
+    const double sign = (where.second ? -o->direction : o->direction) * (where.mirrored ? -1 : 1);
+    const double v = sign * at_place(series_of(o, panel - o->at, 1), o->n + 1, x) / o->unit;
+    const double H = slope(p->lam, p->mu, p->phi, beta) / square(o->unit);
+    const double eta = (fixed + v0 * a) * v + v0 * (H / (v * v + H * H));
+    const double ratio = largest_response(o, v0, fixed) / fabs(eta);
+    return isfinite(ratio) ? larger(ratio, 1) : INFINITY;
+}
+
+/* The largest |d beta(t)/d beta(L)| along n orbits whose beta(0) is held, (n,): `end_response`. */
+int rod_orbits_response(int64_t n, const start_problem *problems, const read_orbits *all, const points *at, double *out)
+{
+    flow *room = malloc(sizeof(flow) * (size_t)most_panels(all, n));
+    if (!room)
+        return NO_MEMORY;
+    for (int64_t b = 0; b < n; b++) {
+        course o = course_of(&problems[b], all, at, b, room);
+        const double rate = rate_at_start(&problems[b]), waves = sqrt(larger(rate, 0)) * problems[b].span;
+        if (all->kind[b] == HELIX)
+            out[b] = waves > PI / 2 ? 1 / fabs(sin(waves)) : 1;
+        else
+            out[b] = o.count[0] + o.count[1] ? response_of(&o) : 1;
+    }
+    free(room);
+    return DONE;
+}
+
+/* The integral of beta_t^2 over n rods, (n,): `orbit_energy.action`. */
+void rod_orbits_action(int64_t n, const start_problem *problems, const read_orbits *all, const points *at, double *out)
+{
+    for (int64_t b = 0; b < n; b++) {
+        course o = course_of(&problems[b], all, at, b, NULL);
+        double beta[NODES], v[NODES], series[NODES + 1], before[2] = {0}, value = 0, x;
+        phase where;
+        out[b] = 0;
+        if (all->kind[b] == HELIX || !(o.count[0] + o.count[1]))
+            continue;
+        const int64_t panel = rod_place(all, b, problems[b].span, &where, &x) - o.at;
+        for (int64_t i = 0; i < o.count[0] + o.count[1]; i++) {
+            nodes_of(&o, i, beta, v);
+            for (int k = 0; k < o.n; k++)
+                v[k] = v[k] * v[k] * (all->width[o.at + i] / 2);
+            integrated(at, v, series);
+            if (i == panel)
+                value = before[i >= o.count[0]] + at_place(series, o.n + 1, x);
+            before[i >= o.count[0]] += sum(o.n + 1, series);
+        }
+        out[b] = rod_unfolded(value, &where, before[0], before[1], o.librates);
+    }
+}

@@ -1,0 +1,243 @@
+/* Periodic orbits by quadrature, made of panels, and their values along the rod: solver/orbit/periodic_orbit.py and
+   phase.py. */
+
+#include "panels.h"
+
+enum { COLUMNS = 6, PIECE_COLUMNS = 17 };
+
+/* The orbits of a call until they are fetched. */
+typedef struct {
+    int64_t problems, pieces, piece_room;
+    points at;
+    int64_t *first; /* of the panels of each problem, -1 for none */
+    panels all;
+    piece *kept;
+} orbits;
+
+void rod_orbits_free(orbits *made)
+{
+    if (!made)
+        return;
+    rod_panels_free(&made->all);
+    free(made->first);
+    free(made->kept);
+    free(made);
+}
+
+static int keep(orbits *made, const piece *pieces, int count)
+{
+    if (made->pieces + count > made->piece_room) {
+        made->piece_room = 2 * (made->pieces + count) + 16;
+        piece *more = realloc(made->kept, sizeof(piece) * (size_t)made->piece_room);
+        if (!more)
+            return NO_MEMORY;
+        made->kept = more;
+    }
+    if (count)
+        memcpy(made->kept + made->pieces, pieces, sizeof(piece) * (size_t)count);
+    made->pieces += count;
+    return DONE;
+}
+
+static int is_finite(const start_problem *p)
+{
+    return isfinite(p->lam) && isfinite(p->mu) && isfinite(p->phi) && isfinite(p->span) && isfinite(p->beta0) &&
+           isfinite(p->dbeta0);
+}
+
+static int one_orbit(orbits *made, int64_t b, const start_problem *p, const double *pin, const double *gap, int64_t m,
+                     const double *angles, const double *table, const cutting *how, int64_t *kind, double *direction,
+                     int64_t *count)
+{
+    critical found;
+    arcs from;
+    if (!is_finite(p) || (pin && !(isfinite(pin[b]) && isfinite(gap[b]))))
+        return NOT_POSSIBLE;
+    int failed = rod_critical(p->lam, p->mu, p->phi, m, angles, table, &found);
+    if (!failed)
+        failed = rod_arcs(p, pin ? pin[b] : wrapped(p->beta0), pin ? gap[b] : p->dbeta0 * p->dbeta0, &found, &from);
+    if (!failed)
+        failed = rod_panelled(p, from.pieces, from.count, &made->at, how, &made->all);
+    if (failed)
+        return failed;
+    kind[b] = from.kind, direction[b] = from.direction, count[2 * b] = count[2 * b + 1] = 0;
+    made->first[b] = from.count ? made->all.first : -1;
+    for (int64_t i = made->first[b]; i >= 0; i = made->all.rows[i].next) {
+        panel *one = &made->all.rows[i];
+        const piece *own = &from.pieces[one->piece];
+        count[2 * b + own->arc]++;
+        one->piece = 2 * own->rank + own->arc;
+    }
+    for (int i = 0; i < from.count; i++)
+        from.pieces[i].arc += 2 * b;
+    return keep(made, from.pieces, from.count);
+}
+
+/* The orbits of n start problems (n, 6).
+
+   pin, gap: (n,), an angle and the height of the level above G there, or NULL: beta(0) and its own. angles (m,), table
+   (5, 2 m): the grid of `critical_points`. kind, direction: (n,); count: (n, 2), the panels of each arc; filled.
+   pieces: their number. Returns the orbits, to be fetched by `rod_orbits_fetch`, or NULL with the reason in `status`. */
+orbits *rod_orbits(int64_t n, const start_problem *problems, const double *pin, const double *gap, int64_t m,
+                   const double *angles, const double *table, const points *at, const cutting *how, int64_t *kind,
+                   double *direction, int64_t *count, int64_t *pieces, int64_t *status)
+{
+    orbits *made = calloc(1, sizeof(orbits));
+    int failed = at->n > NODES || at->n < 4 ? NOT_POSSIBLE : DONE;
+    if (made)
+        made->problems = n, made->at = *at, made->first = malloc(sizeof(int64_t) * (size_t)(n + 1));
+    if (!made || !made->first)
+        failed = NO_MEMORY;
+    for (int64_t b = 0; b < n && !failed; b++)
+        failed = one_orbit(made, b, &problems[b], pin, gap, m, angles, table, how, kind, direction, count);
+    *status = failed;
+    if (failed) {
+        rod_orbits_free(made);
+        return NULL;
+    }
+    *pieces = made->pieces;
+    return made;
+}
+
+/* Fetches and frees the orbits.
+
+   columns: (6, P), duration, fastest, error, time_error, time_rounding and the time since the start. arc, rank: (P,).
+   series: (P, 5, n + 1), its integrals from the start of the orbit. duration: (2 n,); gain: (2 n, 3), of the arcs.
+   pieces: (N, 17): arc, rank, kind, base, scale, u0, u1, and G about the base: lam, mu, phi, o, level and its constants. */
+void rod_orbits_fetch(orbits *made, int64_t P, double *columns, int64_t *arc, int64_t *rank, double *series,
+                      double *duration, double *gain, double *pieces)
+{
+    const int64_t n = made->at.n + 1;
+    int64_t row = 0;
+    for (int64_t b = 0; b < made->problems; b++) {
+        double before[2][4] = {{0}};
+        for (int64_t i = made->first[b]; i >= 0 && row < P; i = made->all.rows[i].next, row++) {
+            const panel *one = &made->all.rows[i];
+            const double *own = made->all.series + FUNCTIONS * n * i;
+            const int half = (int)(one->piece % 2);
+            arc[row] = 2 * b + half, rank[row] = one->piece / 2;
+            const double values[COLUMNS] = {one->duration,   one->fastest,       one->error,
+                                            one->time_error, one->time_rounding, before[half][3]};
+            for (int k = 0; k < COLUMNS; k++)
+                columns[k * P + row] = values[k];
+            memcpy(series + FUNCTIONS * n * row, own, sizeof(double) * (size_t)(FUNCTIONS * n));
+            for (int k = 0; k < 3; k++)
+                series[(FUNCTIONS * row + 2 + k) * n] += before[half][k];
+            for (int k = 0; k < 3; k++) {
+                double end = 0;
+                for (int64_t j = 0; j < n; j++)
+                    end += own[(2 + k) * n + j];
+                before[half][k] += end;
+            }
+            before[half][3] += one->duration;
+        }
+        for (int half = 0; half < 2; half++) {
+            duration[2 * b + half] = before[half][3];
+            memcpy(gain + 3 * (2 * b + half), before[half], sizeof(double) * 3);
+        }
+    }
+    for (int64_t i = 0; i < made->pieces; i++) {
+        const piece *p = &made->kept[i];
+        const local_potential *l = &p->local;
+        const double values[PIECE_COLUMNS] = {(double)p->arc, (double)p->rank, (double)p->kind, p->base, p->scale, p->u0,
+                                              p->u1, l->lam, l->mu, l->phi, l->o, l->level, l->s, l->c, l->turn, l->bend,
+                                              l->fixed};
+        memcpy(pieces + PIECE_COLUMNS * i, values, sizeof values);
+    }
+    rod_orbits_free(made);
+}
+
+static phase located(double t, int kind, double ahead, double back)
+{
+    const double period = kind == HELIX ? INFINITY : (kind == LIBRATION ? 2 : 1) * (ahead + back);
+    const double rest = isfinite(period) ? fmod(t, period) : t;
+    phase out = {0, 0, rest, isfinite(period) ? rint((t - rest) / period) : 0};
+    if (kind != LIBRATION)
+        return out;
+    out.second = rest > 2 * ahead;
+    if (out.second)
+        out.local = rest - 2 * ahead;
+    const double limit = out.second ? back : ahead;
+    out.mirrored = out.local > limit;
+    if (out.mirrored)
+        out.local = larger(2 * limit - out.local, 0);
+    return out;
+}
+
+/* What an integral along the orbit has grown to, from its value within an arc; there, after: over both. */
+double rod_unfolded(double value, const phase *where, double there, double after, int librates)
+{
+    const double limit = where->second ? after : there;
+    value = (where->mirrored ? 2 * limit - value : value) + (where->second ? 2 * there : 0.0);
+    return value + where->periods * (librates ? 2 * (there + after) : there);
+}
+
+/* The five series of a panel at x in [-1, 1]. */
+static void values_at(const double *series, int n, double x, double *out)
+{
+    double polynomial[NODES + 1];
+    polynomial[0] = 1, polynomial[1] = x;
+    for (int k = 2; k < n; k++)
+        polynomial[k] = 2 * x * polynomial[k - 1] - polynomial[k - 2];
+    for (int f = 0; f < FUNCTIONS; f++) {
+        double total = 0;
+        for (int k = 0; k < n; k++)
+            total += polynomial[k] * series[f * n + k];
+        out[f] = total;
+    }
+}
+
+/* The panel of orbit b in which the rod is at time t, and where in it, in [-1, 1]; the orbit has panels. */
+int64_t rod_place(const read_orbits *o, int64_t b, double t, phase *where, double *x)
+{
+    *where = located(t, (int)o->kind[b], o->duration[2 * b], o->duration[2 * b + 1]);
+    const int64_t arc = 2 * b + where->second;
+    int64_t panel = o->first[arc], last = o->first[arc] + (o->count[arc] > 1 ? o->count[arc] - 1 : 0);
+    while (panel < last) {
+        const int64_t middle = (panel + last + 1) / 2;
+        if (where->local >= o->since[middle])
+            panel = middle;
+        else
+            last = middle - 1;
+    }
+    const int64_t end = o->first[2 * b] + o->count[2 * b] + o->count[2 * b + 1] - 1;
+    panel = panel < end ? panel : end;
+    *x = smaller(larger(2 * (where->local - o->since[panel]) / larger(o->width[panel], 5e-324) - 1, -1), 1);
+    return panel;
+}
+
+static void value_on(const read_orbits *o, int64_t b, double t, double *out)
+{
+    const int kind = (int)o->kind[b], n = (int)o->coefficients;
+    const double *gain = o->gain + 6 * b;
+    if (kind == HELIX) {
+        const double s = sin(o->beta0[b]), c = cos(o->beta0[b]);
+        out[0] = o->beta0[b], out[1] = 0, out[2] = s * t, out[3] = c * t, out[4] = s * c * t;
+        return;
+    }
+    if (!(o->count[2 * b] + o->count[2 * b + 1]) || t != t) {
+        for (int f = 0; f < FUNCTIONS; f++)
+            out[f] = NAN;
+        return;
+    }
+    phase where;
+    double x;
+    const int64_t panel = rod_place(o, b, t, &where, &x);
+    values_at(o->series + FUNCTIONS * n * panel, n, x, out);
+    out[0] += kind == LIBRATION ? 0 : 2 * PI * o->direction[b] * where.periods;
+    out[1] *= (where.second ? -o->direction[b] : o->direction[b]) * (where.mirrored ? -1.0 : 1.0);
+    for (int k = 0; k < 3; k++)
+        out[2 + k] = rod_unfolded(out[2 + k], &where, gain[k], gain[3 + k], kind == LIBRATION);
+}
+
+/* beta, beta_t, alpha, z and the swirl of n orbits at t (n, stations) into out (5, n, stations). */
+void rod_orbits_read(const read_orbits *o, int64_t n, int64_t stations, const double *t, double *out)
+{
+    double values[FUNCTIONS];
+    for (int64_t b = 0; b < n; b++)
+        for (int64_t i = b * stations; i < (b + 1) * stations; i++) {
+            value_on(o, b, t[i], values);
+            for (int f = 0; f < FUNCTIONS; f++)
+                out[f * n * stations + i] = values[f];
+        }
+}

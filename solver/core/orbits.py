@@ -1,0 +1,165 @@
+"""Critical points of G and periodic orbits by the compiled core: `critical_points.c`, `orbits.c`, `conditioning.c`."""
+
+import ctypes
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..numerics.arrays import Array, Booleans, Integers
+from .library import address
+from .panels import Cutting, cut, fine, functions, points
+
+_CRITICAL = 16  # most critical points of a problem
+FUNCTIONS, PIECE_COLUMNS = 5, 17  # series of a panel; numbers of a piece
+
+
+class _ReadOrbits(ctypes.Structure):
+    """`read_orbits` in orbits.c."""
+
+    _fields_ = [(name, ctypes.c_int64) for name in ("coefficients", "panels")] + [
+        (name, ctypes.c_void_p)
+        for name in ("kind", "first", "count", "beta0", "direction", "duration", "gain", "since", "width", "series")
+    ]
+
+
+class FoundOrbits(NamedTuple):
+    """Orbits as `rod_orbits_fetch` fills them."""
+
+    kind: Integers
+    direction: Array
+    counts: Integers
+    columns: Array
+    arc: Integers
+    rank: Integers
+    series: Array
+    duration: Array
+    gain: Array
+    pieces: Array
+
+
+def critical_points(loads: Array, grid: tuple[Array, Array]) -> tuple[Array, Booleans, Integers] | None:
+    """Critical points of G, which are centres (B, K each) and their count (B,), from loads (B, 3).
+
+    None where a load is not finite, or critical points could not be told apart.
+    """
+    B, (angles, table) = loads.shape[0], grid
+    beta, centre = np.full((B, _CRITICAL), np.nan), np.zeros((B, _CRITICAL), np.bool_)
+    count = np.empty(B, np.int64)
+    status = functions().rod_critical_points(
+        ctypes.c_int64(B), address(loads), ctypes.c_int64(angles.size), address(angles), address(table),
+        address(beta), address(centre), address(count),
+    )  # fmt: skip
+    most = int(count.max(initial=0)) if fine(status) else 0
+    return (beta[:, :most], centre[:, :most], count) if fine(status) else None
+
+
+def orbits(numbers: Array, pin: Any, grid: tuple[Array, Array], n: int, cutting: Cutting) -> FoundOrbits | None:
+    """The orbits of B start problems.
+
+    Parameters
+    ----------
+    numbers : (B, 6)
+        lam, mu, phi, span, beta(0), beta_t(0).
+    pin : tuple of (B,), (B,), or None
+        Angles, and heights of the level above G there.
+    grid : tuple of (m,), (5, 2 m)
+        Of the search for critical points.
+    n : int
+        Nodes of a panel.
+    cutting : Cutting
+
+    Returns
+    -------
+    FoundOrbits or None
+        None where a number is not finite, or critical points could not be told apart.
+    """
+    core, B = functions(), numbers.shape[0]
+    kind, direction, count = np.empty(B, np.int64), np.empty(B), np.empty(2 * B, np.int64)
+    pieces, status = ctypes.c_int64(), ctypes.c_int64()
+    pinned = (None, None) if pin is None else tuple(np.ascontiguousarray(v, dtype=float) for v in pin)
+    angles, table = grid
+    made = core.rod_orbits(
+        ctypes.c_int64(B), address(numbers), address(pinned[0]), address(pinned[1]), ctypes.c_int64(angles.size),
+        address(angles), address(table), points(n), cut(cutting, False),
+        address(kind), address(direction), address(count), ctypes.byref(pieces), ctypes.byref(status),
+    )  # fmt: skip
+    if made is None:
+        fine(status.value)
+        return None
+    P = int(count.sum())
+    columns, arc, rank = np.empty((6, P)), np.empty(P, np.int64), np.empty(P, np.int64)
+    series, duration, gain = np.empty((P, FUNCTIONS, n + 1)), np.empty(2 * B), np.empty((2 * B, 3))
+    kept = np.empty((pieces.value, PIECE_COLUMNS))
+    rest = (columns, arc, rank, series, duration, gain, kept)
+    core.rod_orbits_fetch(ctypes.c_void_p(made), ctypes.c_int64(P), *(address(a) for a in rest))
+    return FoundOrbits(kind, direction, count, *rest)
+
+
+class _PanelErrors(ctypes.Structure):
+    """`panel_errors` in conditioning.c."""
+
+    _fields_ = [(name, ctypes.c_void_p) for name in ("fastest", "error", "time_error", "time_rounding")]
+
+
+def _reading(orbit: Any) -> tuple[_ReadOrbits, Any]:
+    """The orbits as the core reads them, and the arrays behind it."""
+    panels, arcs = orbit.panels, orbit.arcs
+    kept = [np.ascontiguousarray(a) for a in (
+        arcs.kind, orbit.first, orbit.count, orbit.problem.beta0, arcs.direction, orbit.duration, orbit.gain,
+        orbit.since, panels.duration, panels.series,
+    )]  # fmt: skip
+    return _ReadOrbits(panels.series.shape[2], panels.arc.size, *(address(a) for a in kept)), kept
+
+
+def read(orbit: Any, t: Array) -> Array:
+    """beta, beta_t, alpha, z and the swirl of the orbits at t (B, n): (5, B, n)."""
+    t, (of, kept) = np.ascontiguousarray(t), _reading(orbit)
+    out = np.empty((FUNCTIONS, *t.shape))
+    functions().rod_orbits_read(
+        ctypes.byref(of), ctypes.c_int64(t.shape[0]), ctypes.c_int64(t.shape[1]), address(t), address(out)
+    )
+    del kept
+    return out
+
+
+def numbers_of(problem: Any) -> Array:
+    """lam, mu, phi, span, beta(0) and beta_t(0) of B start problems, (B, 6)."""
+    p = problem
+    return np.stack([p.lam, p.mu, p.phi, p.span, p.beta0, p.dbeta0], axis=1)
+
+
+def judge(orbit: Any) -> tuple[Array, Array]:
+    """Condition number and estimated error of B start problems from their orbits, (B,) each."""
+    numbers, (of, kept), panels = numbers_of(orbit.problem), _reading(orbit), orbit.panels
+    told = [np.ascontiguousarray(a) for a in (panels.fastest, panels.error, panels.time_error, panels.time_rounding)]
+    condition, error = np.empty((2, numbers.shape[0]))
+    fine(functions().rod_orbits_judge(
+        ctypes.c_int64(numbers.shape[0]), address(numbers), ctypes.byref(of), _points_of(orbit),
+        ctypes.byref(_PanelErrors(*(address(a) for a in told))), address(condition), address(error),
+    ))  # fmt: skip
+    del kept
+    return condition, error
+
+
+def response(orbit: Any) -> Array:
+    """The largest |d beta(t)/d beta(L)| along B orbits, (B,)."""
+    numbers, (of, kept) = numbers_of(orbit.problem), _reading(orbit)
+    out = np.empty(numbers.shape[0])
+    size = ctypes.c_int64(out.size)
+    fine(functions().rod_orbits_response(size, address(numbers), ctypes.byref(of), _points_of(orbit), address(out)))
+    del kept
+    return out
+
+
+def action(orbit: Any) -> Array:
+    """The integral of beta_t^2 over B rods, (B,)."""
+    numbers, (of, kept) = numbers_of(orbit.problem), _reading(orbit)
+    out = np.empty(numbers.shape[0])
+    size = ctypes.c_int64(out.size)
+    functions().rod_orbits_action(size, address(numbers), ctypes.byref(of), _points_of(orbit), address(out))
+    del kept
+    return out
+
+
+def _points_of(orbit: Any) -> Any:
+    return points(orbit.panels.series.shape[2] - 1)

@@ -1,0 +1,443 @@
+/* Panels of one orbit: short parts of an arc on which beta and the developed curve are Chebyshev series in time.
+   solver/orbit/panels.py and, for the pace at the nodes, pieces.py and local_potential.py. */
+
+#include "panels.h"
+
+enum { MOST = 10000, ROUNDS = 14, PATIENCE = 3, CROWD = 16, NEWTON = 12, ARCS = 4 };
+#define TOO_LONG 1e4 /* times the rod's length: a first panel that lasts longer is cut */
+#define LONG 8.0     /* in u: a piece longer than this is stretched along a saddle */
+#define FAR 1e6      /* angles beyond which sin and cos are left to libm */
+
+/* The loops over nodes below have no branches, so the compiler uses the lanes of the processor; wider lanes do the
+   same operations in the same order and so give the same bits. */
+typedef union {
+    double number;
+    int64_t bits;
+} word;
+
+INLINE double chosen(int64_t mask, double x, double y) /* x where all bits are set, y where none is */
+{
+    word a = {x}, b = {y};
+    a.bits = (a.bits & mask) | (b.bits & ~mask);
+    return a.number;
+}
+
+/* sin and cos to about one unit in the last place, |x| < FAR */
+INLINE void sin_cos_of(int n, const double *restrict x, double *restrict sine, double *restrict cosine)
+{
+    /* pi/2 in three parts: the products of the first two with a whole number below 2^20 are exact */
+    const double p1 = 0x1.921fb54400000p+0, p2 = 0x1.0b4611a600000p-34, p3 = 0x1.3198a2e037073p-69;
+    const double nearest = 0x1.8p52;
+    for (int i = 0; i < n; i++) {
+        word shifted = {x[i] * (2 / PI) + nearest};
+        const double k = shifted.number - nearest;
+        const double r = ((x[i] - k * p1) - k * p2) - k * p3, q = r * r;
+        double s = -1.0 / 121645100408832000.0, c = -1.0 / 6402373705728000.0;
+        s = s * q + 1.0 / 355687428096000.0, c = c * q + 1.0 / 20922789888000.0;
+        s = s * q - 1.0 / 1307674368000.0, c = c * q - 1.0 / 87178291200.0;
+        s = s * q + 1.0 / 6227020800.0, c = c * q + 1.0 / 479001600.0;
+        s = s * q - 1.0 / 39916800.0, c = c * q - 1.0 / 3628800.0;
+        s = s * q + 1.0 / 362880.0, c = c * q + 1.0 / 40320.0;
+        s = s * q - 1.0 / 5040.0, c = c * q - 1.0 / 720.0;
+        s = s * q + 1.0 / 120.0, c = c * q + 1.0 / 24.0;
+        s = s * q - 1.0 / 6.0;
+        s = r + r * q * s, c = 1.0 - (0.5 * q - q * q * c);
+        const int64_t swap = -(shifted.bits & 1);
+        word a = {chosen(swap, c, s)}, b = {chosen(swap, s, c)};
+        a.bits ^= (int64_t)((uint64_t)(shifted.bits & 2) << 62);
+        b.bits ^= (int64_t)((uint64_t)((shifted.bits + 1) & 2) << 62);
+        sine[i] = a.number, cosine[i] = b.number;
+    }
+}
+
+/* sinh and cosh, |u| < 700 */
+INLINE void sinh_cosh_of(int n, const double *restrict u, double *restrict sinh_, double *restrict cosh_)
+{
+    const double nearest = 0x1.8p52, high = 0x1.62e42fee00000p-1, low = 0x1.a39ef35793c76p-33;
+    for (int i = 0; i < n; i++) {
+        word shifted = {u[i] * 1.44269504088896340736 + nearest};
+        const double k = shifted.number - nearest, r = (u[i] - k * high) - k * low;
+        double e = 1.0 / 6227020800.0;
+        e = e * r + 1.0 / 479001600.0;
+        e = e * r + 1.0 / 39916800.0;
+        e = e * r + 1.0 / 3628800.0;
+        e = e * r + 1.0 / 362880.0;
+        e = e * r + 1.0 / 40320.0;
+        e = e * r + 1.0 / 5040.0;
+        e = e * r + 1.0 / 720.0;
+        e = e * r + 1.0 / 120.0;
+        e = e * r + 1.0 / 24.0;
+        e = e * r + 1.0 / 6.0;
+        e = e * r + 0.5;
+        e = 1.0 + (r + r * r * e);
+        word scale = {0};
+        scale.bits = (int64_t)((uint64_t)(shifted.bits - 0x4338000000000000 + 1023) << 52);
+        e *= scale.number;
+        const double inverse = 1 / e, q = u[i] * u[i];
+        double s = 1.0 / 355687428096000.0; /* small u: the difference would lose its digits */
+        s = s * q + 1.0 / 1307674368000.0;
+        s = s * q + 1.0 / 6227020800.0;
+        s = s * q + 1.0 / 39916800.0;
+        s = s * q + 1.0 / 362880.0;
+        s = s * q + 1.0 / 5040.0;
+        s = s * q + 1.0 / 120.0;
+        s = s * q + 1.0 / 6.0;
+        s = u[i] + u[i] * q * s;
+        sinh_[i] = chosen(-(int64_t)(q < 1), s, (e - inverse) / 2), cosh_[i] = (e + inverse) / 2;
+    }
+}
+
+/* sqrt(speed2(x) / (x^2 + scale^2)) from sin and cos of x/2 */
+INLINE void passing(const piece *p, int n, const double *restrict x, const double *restrict sh,
+                    const double *restrict ch, double *restrict root)
+{
+    const local_potential l = p->local;
+    const double scale2 = p->scale * p->scale;
+    for (int i = 0; i < n; i++) {
+        const double S = l.s * (1 - 2 * sh[i] * sh[i]) + 2 * l.c * sh[i] * ch[i], C = l.c * ch[i] - l.s * sh[i];
+        const double bracket = S * S + l.s * (2 * S + 3 * l.s);
+        const double K = 4 * (l.fixed - 2 * ch[i] * (l.turn * sh[i] + l.bend * ch[i]) + C * C * bracket);
+        root[i] = sqrt((l.level + sh[i] * sh[i] * K) / (x[i] * x[i] + scale2));
+    }
+}
+
+/* beta_t over sqrt(x1^2 - x^2), kept above zero where the turning point is next to a helix: `local_potential.ratio` */
+INLINE void turning(const piece *p, int n, const double *restrict x, const double *restrict sh,
+                    const double *restrict ch, double *restrict root)
+{
+    const local_potential l = p->local;
+    const double turn = p->scale, sh1 = sin(turn / 2), ch1 = cos(turn / 2), faintest = rod_faintest(&l);
+    const double S1 = l.s * (1 - 2 * sh1 * sh1) + 2 * l.c * sh1 * ch1, C1 = l.c * ch1 - l.s * sh1;
+    const double twice = 2 * C1 * C1, more = 4 * sh1 * sh1, sin2o = 2 * l.s * l.c, cos2o = (l.c - l.s) * (l.c + l.s);
+    for (int i = 0; i < n; i++) {
+        const double s = sh[i], c = ch[i], d = (x[i] - turn) / 2, q = d * d;
+        const double S = l.s * (1 - 2 * s * s) + 2 * l.c * s * c, C = l.c * c - l.s * s;
+        const double bracket = S * S + l.s * (2 * S + 3 * l.s);
+        const double K = 4 * (l.fixed - 2 * c * (l.turn * s + l.bend * c) + C * C * bracket);
+        const double sin_mid = s * ch1 + c * sh1, cos_mid = c * ch1 - s * sh1;
+        double inner = twice * (l.c * cos_mid - l.s * sin_mid) * (S + S1 + 2 * l.s);
+        inner = inner - bracket * (sin2o * cos_mid + cos2o * sin_mid) - 2 * l.turn * cos_mid;
+        const double W = sin_mid * (K + 2 * more * l.bend) + more * inner;
+        double series = 1.0 / 355687428096000.0;
+        series = series * q - 1.0 / 1307674368000.0;
+        series = series * q + 1.0 / 6227020800.0;
+        series = series * q - 1.0 / 39916800.0;
+        series = series * q + 1.0 / 362880.0;
+        series = series * q - 1.0 / 5040.0;
+        series = series * q + 1.0 / 120.0;
+        series = series * q - 1.0 / 6.0;
+        series = series * q + 1.0;
+        const double apart_ = (s * ch1 - c * sh1) / d; /* sin(d)/d */
+        const double sinc = chosen(-(int64_t)(q < 0.25), series, apart_);
+        const double ratio = fabs(0.5 * sinc * W / (x[i] + turn));
+        root[i] = sqrt(ratio < faintest ? faintest : ratio);
+    }
+}
+
+INLINE void pace_of(const piece *p, int n, const double *u, double *x, double *pace, double *speed)
+{
+    double form[NODES], rate[NODES], half[NODES], sh[NODES], ch[NODES], root[NODES];
+    double far = 0;
+    for (int i = 0; i < n; i++)
+        far = larger(far, fabs(u[i]));
+    if (p->kind == CENTRE && far < FAR)
+        sin_cos_of(n, u, form, rate);
+    else if (p->kind != CENTRE && far < 700)
+        sinh_cosh_of(n, u, p->kind == PASS ? form : rate, p->kind == PASS ? rate : form);
+    else
+        for (int i = 0; i < n; i++) {
+            form[i] = p->kind == PASS ? sinh(u[i]) : p->kind == SADDLE ? cosh(u[i]) : sin(u[i]);
+            rate[i] = p->kind == PASS ? cosh(u[i]) : p->kind == SADDLE ? sinh(u[i]) : cos(u[i]);
+        }
+    far = 0;
+    for (int i = 0; i < n; i++)
+        x[i] = p->scale * form[i], half[i] = x[i] / 2;
+    for (int i = 0; i < n; i++)
+        far = larger(far, fabs(half[i]));
+    if (far < FAR)
+        sin_cos_of(n, half, sh, ch);
+    else
+        for (int i = 0; i < n; i++)
+            sh[i] = sin(half[i]), ch[i] = cos(half[i]);
+    if (p->kind == PASS)
+        passing(p, n, x, sh, ch, root);
+    else
+        turning(p, n, x, sh, ch, root);
+    for (int i = 0; i < n; i++)
+        pace[i] = 1 / root[i], speed[i] = fabs(p->scale * rate[i]) * root[i];
+}
+
+INLINE double most(int n, const double *values)
+{
+    double best = fabs(values[0]);
+    for (int i = 1; i < n; i++)
+        best = larger(best, fabs(values[i]));
+    return best;
+}
+
+/* Where in [-1, 1] the clock shows the nodes' shares of the duration; whether Newton converged. */
+INLINE int inverted(const points *at, const double *clock, const double *rate, double duration, double *place)
+{
+    const int n = (int)at->n;
+    double padded[NODES + 1], shown[NODES], paced[NODES], change[NODES], wanted[NODES], b1[NODES], b2[NODES];
+    double c1[NODES], c2[NODES], worst = INFINITY;
+    memcpy(padded, rate, sizeof(double) * (size_t)n);
+    padded[n] = 0;
+    product(n + 1, n, clock, at->values, shown);
+    product(n + 1, n, padded, at->values, paced);
+    product(n, n, rate, at->differentiate, change);
+    for (int i = 0; i < n; i++) {
+        wanted[i] = duration * ((1 + at->nodes[i]) / 2);
+        const double early = (wanted[i] - shown[i]) / paced[i];
+        place[i] = at->nodes[i] + early * (1 - 0.5 * (change[i] / paced[i]) * early);
+        place[i] = smaller(larger(place[i], -1), 1);
+    }
+    place[0] = -1, place[n - 1] = 1;
+    for (int round = 0; round < NEWTON && !(worst <= 1e-8); round++) { /* the next step is its square */
+        for (int i = 0; i < n; i++)
+            b1[i] = b2[i] = c1[i] = c2[i] = 0;
+        for (int k = n; k > 0; k--)
+            for (int i = 0; i < n; i++) {
+                const double b0 = 2 * place[i] * b1[i] - b2[i] + clock[k], c0 = 2 * place[i] * c1[i] - c2[i] + padded[k];
+                b2[i] = b1[i], b1[i] = b0, c2[i] = c1[i], c1[i] = c0;
+            }
+        worst = 0;
+        for (int i = 1; i < n - 1; i++) {
+            const double value = place[i] * b1[i] - b2[i] + clock[0], pace = place[i] * c1[i] - c2[i] + padded[0];
+            const double step = (value - wanted[i]) / pace;
+            place[i] = smaller(larger(place[i] - step, -1), 1);
+            worst = larger(worst, fabs(step));
+        }
+        if (worst != worst)
+            break;
+    }
+    return worst < 1e-7;
+}
+
+INLINE void series_of(const piece *p, const points *at, panel *out, double *series)
+{
+    const int n = (int)at->n;
+    const double middle = (out->near + out->far) / 2, half = (out->far - out->near) / 2;
+    double u[NODES], x[NODES], pace[NODES], speed[NODES], values[5][NODES], rate[NODES], clock[NODES + 1];
+    double place[NODES], cut[5][NODES], duration = 0, quickest;
+    for (int i = 0; i < n; i++)
+        u[i] = middle + half * at->nodes[i];
+    pace_of(p, n, u, x, pace, speed);
+    quickest = most(n, pace);
+    for (int i = 0; i < n; i++)
+        pace[i] *= fabs(half);
+    product(n, n, pace, at->analyse, rate);
+    integral(n, rate, clock);
+    for (int k = 0; k <= n; k++)
+        duration += clock[k];
+    const int converged = inverted(at, clock, rate, duration, place);
+    for (int i = 0; i < n; i++)
+        u[i] = middle + half * place[i];
+    pace_of(p, n, u, x, pace, speed);
+    double angle[NODES], far = 0;
+    for (int i = 0; i < n; i++)
+        angle[i] = p->base + x[i], far = larger(far, fabs(angle[i]));
+    if (far < FAR)
+        sin_cos_of(n, angle, values[2], values[3]);
+    else
+        for (int i = 0; i < n; i++)
+            values[2][i] = sin(angle[i]), values[3][i] = cos(angle[i]);
+    for (int i = 0; i < n; i++)
+        values[0][i] = x[i], values[1][i] = speed[i], values[4][i] = values[2][i] * values[3][i];
+    for (int k = 0; k < 5; k++)
+        product(n, n, values[k], at->analyse, cut[k]);
+    for (int k = 0; k < 2; k++) {
+        memcpy(series + k * (n + 1), cut[k], sizeof(double) * (size_t)n);
+        series[k * (n + 1) + n] = 0;
+    }
+    series[0] += p->base;
+    for (int k = 2; k < 5; k++) {
+        double *row = series + k * (n + 1);
+        integral(n, cut[k], row);
+        for (int i = 0; i <= n; i++)
+            row[i] *= duration / 2;
+    }
+    const double late = most(3, clock + n - 2);
+    out->duration = duration, out->fastest = most(n, speed);
+    out->error = larger(larger(most(2, cut[0] + n - 2), most(2, cut[2] + n - 2)), most(2, cut[3] + n - 2));
+    out->error = larger(out->error, late * out->fastest);
+    out->time_error = late / duration;
+    if (!converged) /* all that is known of beta is that it lies within the panel */
+        out->error = fabs(x[n - 1] - x[0]);
+    out->time_rounding = EPS / 2 * rod_weight(&p->local, most(n, x)) * square(quickest);
+}
+
+INLINE void times_of(const piece *p, const points *at, panel *out)
+{
+    const int n = (int)at->n;
+    const double middle = (out->near + out->far) / 2, half = (out->far - out->near) / 2;
+    double u[NODES], x[NODES], pace[NODES], speed[NODES], rate[NODES], clock[NODES + 1], duration = 0;
+    for (int i = 0; i < n; i++)
+        u[i] = middle + half * at->nodes[i];
+    pace_of(p, n, u, x, pace, speed);
+    for (int i = 0; i < n; i++)
+        pace[i] *= fabs(half);
+    product(n, n, pace, at->analyse, rate);
+    integral(n, rate, clock);
+    for (int k = 0; k <= n; k++)
+        duration += clock[k];
+    out->duration = duration;
+    out->time_error = most(3, clock + n - 2) / duration;
+    out->error = out->fastest = out->time_rounding = 0;
+}
+
+static void one_panel(const piece *p, const points *at, panel *out, double *series)
+{
+    if (series)
+        series_of(p, at, out, series);
+    else
+        times_of(p, at, out);
+}
+
+#ifdef WIDE
+static WIDE void one_panel_wide(const piece *p, const points *at, panel *out, double *series)
+{
+    if (series)
+        series_of(p, at, out, series);
+    else
+        times_of(p, at, out);
+}
+
+static int wide(void) { return __builtin_cpu_supports("avx2") != 0; }
+#else
+#define one_panel_wide one_panel
+static int wide(void) { return 0; }
+#endif
+
+/* Room for one panel more, with its series. */
+static int extended(panels *all, const points *at, int times_only)
+{
+    if (all->count < all->room)
+        return DONE;
+    const int64_t room = all->room ? 2 * all->room : 64;
+    panel *rows = realloc(all->rows, sizeof(panel) * (size_t)room);
+    if (!rows)
+        return NO_MEMORY;
+    all->rows = rows;
+    if (!times_only) {
+        double *series = realloc(all->series, sizeof(double) * (size_t)(room * FUNCTIONS * (at->n + 1)));
+        if (!series)
+            return NO_MEMORY;
+        all->series = series;
+    }
+    all->room = room;
+    return DONE;
+}
+
+/* The pieces in equal parts of about `length` in u, linked in their order. */
+static int first_cuts(const piece *pieces, int count, const points *at, const cutting *how, panels *all)
+{
+    all->first = all->count;
+    for (int p = 0; p < count; p++) {
+        const double u0 = pieces[p].u0, u1 = pieces[p].u1;
+        double wide = fabs(u1 - u0);
+        wide = isfinite(wide) ? wide : 0; /* beyond a float: one panel, without a number, which is refused */
+        const double share = larger(ceil(wide / (wide > LONG ? how->stretch * how->length : how->length)), 1);
+        if (share > MOST)
+            return NOT_POSSIBLE;
+        const int64_t parts = (int64_t)share;
+        const double step = (u1 - u0) / share;
+        for (int64_t k = 0; k < parts; k++) {
+            if (extended(all, at, how->times_only))
+                return NO_MEMORY;
+            panel *one = &all->rows[all->count];
+            *one = (panel){.piece = p, .next = all->count + 1, .open = 1, .order = (double)k};
+            one->near = u0 + (double)k * step, one->far = k + 1 == parts ? u1 : u0 + (double)(k + 1) * step;
+            all->count++;
+        }
+    }
+    if (all->count > all->first)
+        all->rows[all->count - 1].next = -1;
+    return DONE;
+}
+
+/* Marks which of the open panels are good enough; how many are left. share: of a panel, where it is cut, or NULL. */
+static int64_t judged(const start_problem *p, const piece *pieces, const cutting *how, panels *all, int round,
+                      int64_t *made)
+{
+    const double steep = 4 * (2 * fabs(p->lam) + 2 * fabs(p->phi) + fabs(p->mu) + 1);
+    const double repeats = larger(1, p->span * sqrt(p->dbeta0 * p->dbeta0 + steep));
+    const double goal = larger(how->goal, 20 * EPS), in_time = larger(how->goal / repeats, 40 * EPS);
+    int64_t left[ARCS] = {0}, open = 0;
+    for (int64_t i = all->first; i < all->count; i++) {
+        panel *one = &all->rows[i];
+        if (!one->open)
+            continue;
+        const piece *own = &pieces[one->piece];
+        const int leads = one->piece == 0 || own[-1].arc != own->arc;
+        int enough = one->error <= goal && one->time_error <= in_time;
+        /* a rod that ends long before its first panel needs a shorter one: sums over the long one would swamp its own */
+        const int too_long = one->order == 0 && leads && one->duration > TOO_LONG * larger(1, p->span);
+        one->open = enough && !too_long ? 1 : too_long ? 3 : 2;
+        left[own->arc] += one->open > 1;
+        made[own->arc / 2]++;
+    }
+    for (int64_t i = all->first; i < all->count; i++) {
+        panel *one = &all->rows[i];
+        if (!one->open)
+            continue;
+        const int64_t arc = pieces[one->piece].arc;
+        /* panels beside a singularity are few; many that halving does not help are at the limit of rounding */
+        const int hopeless = (round >= PATIENCE && left[arc] > CROWD) || round == ROUNDS || !isfinite(one->error) ||
+                             !isfinite(one->duration) || made[arc / 2] > MOST;
+        if (one->open == 1 || hopeless)
+            one->open = 0;
+        open += one->open > 0;
+    }
+    return open;
+}
+
+/* Each open panel as two. */
+static int halved(const start_problem *p, const points *at, const cutting *how, panels *all, int round)
+{
+    const int64_t count = all->count;
+    for (int64_t i = all->first; i < count; i++) {
+        if (!all->rows[i].open)
+            continue;
+        if (extended(all, at, how->times_only))
+            return NO_MEMORY;
+        panel *one = &all->rows[i], *second = &all->rows[all->count];
+        const double share = one->open == 3 ? smaller(4 * p->span / one->duration, 0.5) : 0.5;
+        const double middle = one->near + share * (one->far - one->near);
+        one->open = 1;
+        *second = *one;
+        one->far = second->near = middle;
+        second->order = one->order + ldexp(1.0, -round - 1);
+        one->next = all->count++;
+    }
+    return DONE;
+}
+
+/* The panels of the pieces of one problem behind those that are there: `panels.panelled`. Arcs 0 .. 3. */
+int rod_panelled(const start_problem *p, const piece *pieces, int count, const points *at, const cutting *how,
+                 panels *all)
+{
+    const int64_t size = FUNCTIONS * (at->n + 1);
+    const int lanes = wide();
+    int64_t made[ARCS / 2] = {0};
+    int failed = first_cuts(pieces, count, at, how, all);
+    for (int round = 0; !failed && round <= ROUNDS; round++) {
+        for (int64_t i = all->first; i < all->count; i++)
+            if (all->rows[i].open) {
+                panel *one = &all->rows[i];
+                (lanes ? one_panel_wide : one_panel)(&pieces[one->piece], at, one,
+                                                     how->times_only ? NULL : all->series + i * size);
+            }
+        if (!judged(p, pieces, how, all, round, made))
+            break;
+        failed = halved(p, at, how, all, round);
+    }
+    return failed;
+}
+
+void rod_panels_free(panels *all)
+{
+    free(all->rows);
+    free(all->series);
+    *all = (panels){0};
+}

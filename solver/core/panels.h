@@ -1,0 +1,217 @@
+/* What the files about quadrature over an orbit share: `orbit` and the search for equilibria.
+
+   Each function does for one problem what the NumPy code of the same name does for many (solver/orbit,
+   solver/boundary), in the same order of operations where that decides a digit next to a saddle. Pieces, panels and
+   levels are explained there. C11, libm only; no global state. */
+
+#ifndef ROD_PANELS_H
+#define ROD_PANELS_H
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define EPS DBL_EPSILON
+#define PI 3.14159265358979323846
+#define TAU (2 * PI)
+#define TINY 1e-150 /* angles and speeds below this have squares that a float cannot hold: they count as zero */
+
+enum { NODES = 32, CRITICAL = 16, PIECES = 3 * CRITICAL, FUNCTIONS = 5 };
+enum { PASS, SADDLE, CENTRE };           /* kinds of pieces */
+enum { HELIX, LIBRATION, ROTATION };     /* kinds of orbits */
+enum { DONE, NO_MEMORY, NOT_POSSIBLE };  /* what a function returns */
+
+typedef struct {
+    double lam, mu, phi, span, beta0, dbeta0;
+} start_problem;
+
+/* The critical points of G in [-pi, pi), rising; centre: whether each is a minimum of G. */
+typedef struct {
+    int count;
+    double beta[CRITICAL];
+    int centre[CRITICAL];
+} critical;
+
+/* G about one critical point o. */
+typedef struct {
+    double lam, mu, phi, o, level, s, c, turn, bend, fixed;
+} local_potential;
+
+typedef struct {
+    int64_t arc, rank, kind;
+    double base, scale, u0, u1;
+    local_potential local;
+} piece;
+
+typedef struct {
+    int kind, count;
+    double direction;
+    piece pieces[PIECES];
+} arcs;
+
+/* The nodes of a panel and the linear maps on them: `numerics.chebyshev.Basis`. */
+typedef struct {
+    int64_t n;
+    const double *nodes, *analyse, *values, *differentiate;
+} points;
+
+/* One panel. piece: its number; next: the number of the panel after it, -1 for none. */
+typedef struct {
+    int64_t piece, next, open;
+    double order, near, far, duration, fastest, error, time_error, time_rounding, beta;
+} panel;
+
+/* The panels of one problem after another; series: (room, FUNCTIONS, n + 1), NULL where durations alone are wanted. */
+typedef struct {
+    int64_t count, room, first;
+    panel *rows;
+    double *series;
+} panels;
+
+/* How panels are cut: see `panels.panelled`. */
+typedef struct {
+    double length, goal, stretch;
+    int times_only;
+} cutting;
+
+/* The orbits that are read: arrays as `rod_orbits_fetch` fills them; beta0: (B,). first, count, duration: (2 B,). */
+typedef struct {
+    int64_t coefficients, panels;
+    const int64_t *kind, *first, *count;
+    const double *beta0, *direction, *duration, *gain, *since, *width, *series;
+} read_orbits;
+
+/* Where a time lies on an orbit: `phase.Phase`. */
+typedef struct {
+    int second, mirrored;
+    double local, periods;
+} phase;
+
+/* One ends problem: see `transit_times.Boundary`. falls: (pins, 2). */
+typedef struct {
+    double lam, mu, phi, span, low, high, deepest;
+    int64_t whole_turns, passed, pins;
+    const double *pin, *falls;
+} boundary;
+
+typedef struct {
+    double time[3], rate[3];
+    int joins, rotates;
+} transit;
+
+/* What a call needs: the problem, its critical points, how panels are cut, and room for them. */
+typedef struct {
+    const boundary *of;
+    critical found;
+    const points *at;
+    cutting how;
+    panels room;
+    int64_t calls;
+} search;
+
+static inline double larger(double x, double y) { return x > y || x != x ? x : y; } /* NaN where one of them is */
+static inline double smaller(double x, double y) { return x < y || x != x ? x : y; }
+static inline double square(double x) { return x * x; }
+static inline int modulo(int64_t k, int64_t m) { return (int)(((k % m) + m) % m); }
+
+/* H and H' */
+static inline double slope(double lam, double mu, double phi, double beta)
+{
+    const double s = sin(beta), c = cos(beta), s2 = s * s, size = fabs(c);
+    return (lam - (c < 0 ? -mu : mu)) * c + mu * (s2 * (1 + 2 * size) / (1 + size)) - (phi + 2 * c * s2) * s;
+}
+
+static inline double slope_rate(double lam, double mu, double phi, double beta)
+{
+    const double s = sin(beta), c = cos(beta);
+    return -lam * s + 4 * mu * s * c - phi * c - 2 * s * s * (3 * c * c - s * s);
+}
+
+static inline double slope_size(double lam, double mu, double phi, double beta)
+{
+    const double s = sin(beta), c = cos(beta), s2 = s * s, size = fabs(c);
+    return fabs((lam - (c < 0 ? -mu : mu)) * c) + fabs(mu * (s2 * (1 + 2 * size) / (1 + size))) +
+           fabs((phi + 2 * c * s2) * s);
+}
+
+/* a - b moved into [-pi, pi), of angles in [-pi, pi); exact where they are neighbours across the cut at pi */
+static inline double apart(double a, double b)
+{
+    const double x = a - b;
+    return x >= PI ? (a - TAU) - b : x < -PI ? (a + TAU) - b : x;
+}
+
+static inline double wrapped(double angle)
+{
+    angle = angle - TAU * rint(angle / TAU);
+    return angle >= PI ? angle - TAU : angle;
+}
+
+/* Inlined, so that a caller compiled for wider lanes has its own copy. */
+#if defined(__x86_64__) && defined(__GNUC__)
+#define INLINE static inline __attribute__((always_inline))
+#define WIDE __attribute__((target("avx2")))
+#else
+#define INLINE static inline
+#endif
+
+/* out (m,) = values (n,) @ linear (n, m) */
+INLINE void product(int n, int m, const double *restrict values, const double *restrict linear, double *restrict out)
+{
+    for (int j = 0; j < m; j++)
+        out[j] = values[0] * linear[j];
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < m; j++)
+            out[j] += values[i] * linear[i * m + j];
+}
+
+/* Coefficients (n,) to those of the integral from -1, (n + 1,). */
+INLINE void integral(int n, const double *restrict a, double *restrict b)
+{
+    double sign = 1, total = 0;
+    b[1] = a[0] - a[2] / 2;
+    for (int k = 2; k < n - 1; k++)
+        b[k] = (a[k - 1] - a[k + 1]) / (2 * k);
+    b[n - 1] = a[n - 2] / (2 * (n - 1));
+    b[n] = a[n - 1] / (2 * n);
+    for (int k = 1; k <= n; k++, sign = -sign)
+        total += sign * b[k];
+    b[0] = total;
+}
+
+/* A root by Newton's rule kept inside a shrinking bracket: `numerics.roots.bracketed`. */
+typedef void function(const void *of, double x, double *value, double *rate);
+double rod_bracketed(function *f, const void *of, double lo, double hi, double x);
+
+/* critical_points.c */
+int rod_critical(double lam, double mu, double phi, int64_t m, const double *angles, const double *table, critical *);
+
+/* arcs.c */
+local_potential rod_local(double lam, double mu, double phi, double o, double level);
+double rod_steepness(const local_potential *, double x);
+double rod_drop(const local_potential *, double x);
+double rod_ratio(const local_potential *, double x, double turn);
+double rod_weight(const local_potential *, double reach);
+double rod_faintest(const local_potential *);
+double rod_start_variable(int form, double *scale, double x, double v, int first, const local_potential *);
+int rod_arcs(const start_problem *, double pin, double gap, const critical *, arcs *);
+
+/* panels.c */
+int rod_panelled(const start_problem *, const piece *, int count, const points *, const cutting *, panels *);
+void rod_panels_free(panels *);
+
+/* orbits.c */
+int64_t rod_place(const read_orbits *, int64_t b, double t, phase *, double *x);
+double rod_unfolded(double value, const phase *, double there, double after, int librates);
+
+/* transit_times.c */
+int rod_search(search *, const boundary *, int64_t count, const double *beta, const int64_t *centre, const points *,
+               const cutting *);
+int rod_transit_at(search *, int64_t pin, double sign, double y, int deep, transit *);
+/* Length of a path at one level less that of the rod; counts: how often it has each of the three times. */
+int rod_excess(search *, int64_t pin, double sign, const int64_t *counts, double y, double *off);
+double rod_fall(double lam, double mu, double phi, double pin, double beta, int extremum);
+
+#endif

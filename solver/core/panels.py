@@ -1,0 +1,76 @@
+"""What the calls for quadrature over orbits share: the library, how panels are cut, and their nodes, as in panels.h."""
+
+import ctypes
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..numerics.chebyshev import Basis, basis
+from .library import address, library
+
+_NO_MEMORY = 1
+
+
+class _Points(ctypes.Structure):
+    """`points` in panels.h."""
+
+    _fields_ = [("n", ctypes.c_int64)] + [(n, ctypes.c_void_p) for n in ("nodes", "analyse", "values", "differentiate")]
+
+
+class _Cutting(ctypes.Structure):
+    """`cutting` in panels.h."""
+
+    _fields_ = [(name, ctypes.c_double) for name in ("length", "goal", "stretch")]
+    _fields_ += [("times_only", ctypes.c_int)]
+
+
+class Cutting(NamedTuple):
+    """How panels are cut: see `orbit.panels.panelled`."""
+
+    length: float
+    goal: float
+    stretch: float
+
+
+@cache
+def _points(n: int) -> tuple[_Points, Any]:
+    """The nodes of panels and the maps on them, and the arrays that hold them."""
+    one: Basis = basis(n)
+    kept = [np.ascontiguousarray(a) for a in (one.nodes, one.analyse, one.values, one.differentiate)]
+    return _Points(n, *(address(a) for a in kept)), kept
+
+
+def points(n: int) -> Any:
+    """The nodes of panels, as an argument of the core."""
+    return ctypes.byref(_points(n)[0])
+
+
+def cut(cutting: Cutting, times_only: bool) -> Any:
+    """How panels are cut, as an argument of the core."""
+    return ctypes.byref(_Cutting(*cutting, int(times_only)))
+
+
+@cache
+def functions() -> Any:
+    """The library with the types of what its functions return; None where it is missing or switched off."""
+    core = library()
+    if core is not None:
+        core.rod_orbits.restype = ctypes.c_void_p
+        for one in (core.rod_orbits_fetch, core.rod_orbits_read, core.rod_orbits_action):
+            one.restype = None
+        core.rod_fall.restype = ctypes.c_double
+        core.rod_fall.argtypes = [ctypes.c_double] * 5 + [ctypes.c_int]
+    return core
+
+
+def available() -> bool:
+    """Whether the core is there and switched on."""
+    return functions() is not None
+
+
+def fine(status: int) -> bool:
+    """Whether a function of the core could do its work."""
+    if status == _NO_MEMORY:
+        raise MemoryError
+    return status == 0
