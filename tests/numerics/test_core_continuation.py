@@ -1,0 +1,77 @@
+"""Continuation by the compiled core reaches the path that the steps in NumPy reach."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver.boundary.branch_coordinates import Path, path_of
+from solver.boundary.continuation import Ended, continued, reference_continued
+from solver.boundary.continuation_steps import shape_of
+from solver.boundary.path_orbits import orbit_of
+from solver.boundary.search import search
+from solver.core.panels import available
+from solver.problem.reduced import EndsProblem
+from tests.numerics.test_core_orbits import REFERENCE
+
+pytestmark = pytest.mark.skipif(not available(), reason="the compiled core is missing or switched off")
+
+
+def problem_of(row: Any) -> EndsProblem:
+    return EndsProblem(*(np.array([float(v)]) for v in row))
+
+
+def pairs(count: int) -> list[tuple[EndsProblem, EndsProblem]]:
+    """Two neighbouring ends problems each: the reference problem first, then random ones."""
+    rng = np.random.default_rng(4)
+    rows = [
+        REFERENCE,
+        *((*rng.normal(size=3), 10 ** rng.uniform(0, 1.5), *rng.uniform(-3, 3, 2)) for _ in range(count)),
+    ]
+    steps = [10 ** rng.uniform(-4, -0.5) * rng.normal(size=6) for _ in rows]
+    return [(problem_of(row), problem_of(row * (1 + step))) for row, step in zip(rows, steps, strict=True)]
+
+
+def same_path(a: Any, b: Any) -> bool:
+    """Whether two paths are one to rounding: y counts in units of the gap."""
+    if (a.leaving, a.turns, a.sign) != (b.leaving, b.turns, b.sign):
+        return False
+    return abs(a.pin - b.pin) < 1e-12 and abs(a.y - b.y) < 1e-9 * max(1, abs(a.y))
+
+
+@pytest.mark.parametrize("count", [8, pytest.param(150, marks=pytest.mark.slow)])
+def test_the_core_reaches_the_path_of_the_steps_in_numpy(count: int) -> None:
+    reached = ended = 0
+    for first, last in pairs(count):
+        found = search(first)
+        assert found is not None
+        for path in [path_of(found.path, i) for i in range(min(found.slope.size, 6))]:
+            plain, compiled = reference_continued(first, path, last), continued(first, path, last)
+            if isinstance(plain, Ended):
+                assert isinstance(compiled, Ended)
+                assert compiled.reason == plain.reason
+                ended += 1
+            else:
+                assert isinstance(compiled, Path)
+                assert same_path(plain, compiled)
+                reached += 1
+    assert reached > 2 * count
+    assert ended >= count // 20
+
+
+def test_a_line_there_and_back_returns_to_the_equilibrium() -> None:
+    first, last = problem_of(REFERENCE), problem_of((-0.36, 0.75, -0.74, 20.3, 0.53, 0.51))
+    found = search(first)
+    assert found is not None
+    returned = 0
+    for path in [path_of(found.path, i) for i in range(found.slope.size)]:
+        there = continued(first, path, last)
+        if isinstance(there, Path):
+            back = continued(last, there, first)
+            assert isinstance(back, Path)
+            assert back.turns == path.turns
+            before, after = orbit_of(first, path), orbit_of(first, back)
+            assert before.response is not None
+            assert np.abs(shape_of(before) - shape_of(after)).max() < 1e-12 * (1 + before.response[0])
+            returned += 1
+    assert returned > 20
