@@ -1,0 +1,119 @@
+"""Quadrature over orbits with the compiled core and with it switched off: a rod at a saddle, all equilibria between two
+ends, and continuation.
+
+Run from the checkout: `.venv/bin/python -m benchmarks.quadrature` (a minute; `--json FILE` writes the rows). Two child
+processes, one with the core and one without it, measure in turn; each row holds medians and their ratio. Nothing is
+asserted: machines differ.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.ends import REFERENCE
+from solver import Case, Cylinder, Ends, Rod, equilibria, solve
+from solver.boundary.branch_coordinates import path_of
+from solver.boundary.continuation import continued
+from solver.core.build import OFF
+from solver.methods.orbit import OrbitQuadrature
+from solver.orbit.critical_points import critical_points
+from solver.problem.reduced import StartProblem, reduce
+from workbench.compare.trade_cases import ends_in_units_of_rho
+
+STATIONS = 201
+Work = dict[str, tuple[Callable[[], object], int]]  # what is measured, and how often
+
+
+def at_saddle(gap: float) -> Callable[[], object]:
+    """A rod of L = 20 rho that starts on a saddle, its level so far above it."""
+    lam, mu, phi, span = (np.array([v]) for v in REFERENCE[:4])
+    blank = StartProblem(lam, mu, phi, span, np.zeros(1), np.zeros(1))
+    found = critical_points(blank)
+    saddle = found.beta[:, : found.count[0]][~found.centre[:, : found.count[0]]][:1]
+    problem = StartProblem(lam, mu, phi, span, saddle, np.sqrt([gap]))
+    t = span[:, None] * np.linspace(0, 1, STATIONS)
+    return lambda: OrbitQuadrature().run(problem, t, 1e-8)
+
+
+def works() -> Work:
+    """What is measured, by name."""
+    case = ends_in_units_of_rho(*REFERENCE)
+    near = ends_in_units_of_rho(REFERENCE[0], REFERENCE[1], REFERENCE[2] - 1e-3, *REFERENCE[3:])
+    pipe = Case(Rod(9.585e7, 0.3, 0.0635, 300.0), Cylinder(0.108, "inside"), Ends(0.0, 0.0, FZ=-300.0))
+    seed = solve(case)
+    assert seed.trajectory.orbit is not None
+    first, last, path = reduce(case), reduce(near), path_of(seed.trajectory.orbit.path, 0)
+    return {
+        "rod at a saddle, gap 1e-4": (at_saddle(1e-4), 30),
+        "rod at a saddle, gap 1e-12": (at_saddle(1e-12), 30),
+        "rod at a saddle, gap 1e-100": (at_saddle(1e-100), 20),
+        "31 equilibria of the reference problem": (lambda: equilibria(case), 7),
+        "851 equilibria of the pipe of 300 m": (lambda: equilibria(pipe), 2),
+        "a step of continuation": (lambda: continued(first, path, last), 20),
+        "solve with a seed near": (lambda: solve(near, seed=seed), 20),
+    }
+
+
+def measured() -> dict[str, float]:
+    """Milliseconds of the processor that each takes, the median of its repeats after a first call."""
+    out = {}
+    for name, (work, repeats) in works().items():
+        work()
+        times = []
+        for _ in range(repeats):
+            begun = time.process_time()
+            work()
+            times.append(time.process_time() - begun)
+        out[name] = 1e3 * statistics.median(times)
+    return out
+
+
+def child(switched_off: bool) -> dict[str, float]:
+    """What a child process measures."""
+    environment = {key: value for key, value in os.environ.items() if key != OFF} | ({OFF: "1"} if switched_off else {})
+    command = [sys.executable, "-m", "benchmarks.quadrature", "--one"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    found: dict[str, float] = json.loads(done.stdout)
+    return found
+
+
+def compared(rounds: int = 3) -> list[dict[str, object]]:
+    """A row for each measurement, with the core and without it, measured in turn."""
+    pairs = [(child(switched_off=False), child(switched_off=True)) for _ in range(rounds)]
+    return [
+        {
+            "measured": name,
+            "ms with the core": statistics.median(fast[name] for fast, _ in pairs),
+            "ms without": statistics.median(slow[name] for _, slow in pairs),
+            "ratio": statistics.median(slow[name] / fast[name] for fast, slow in pairs),
+        }
+        for name in pairs[0][0]
+    ]
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--json", type=Path)
+    options.add_argument("--one", action="store_true", help="measure in this process and print the numbers")
+    asked = options.parse_args()
+    if asked.one:
+        print(json.dumps(measured()))
+        return
+    rows = compared()
+    for row in rows:
+        with_core, without, ratio = row["ms with the core"], row["ms without"], row["ratio"]
+        print(f"{row['measured']:<40} {with_core:9.3f} ms   {without:9.2f} ms   {ratio:6.1f} times")
+    if asked.json:
+        asked.json.write_text(json.dumps(rows, indent=2))
+
+
+if __name__ == "__main__":
+    main()
