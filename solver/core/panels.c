@@ -303,10 +303,8 @@ static WIDE void one_panel_wide(const piece *p, const points *at, panel *out, do
         times_of(p, at, out);
 }
 
-static int wide(void) { return __builtin_cpu_supports("avx2") != 0; }
 #else
 #define one_panel_wide one_panel
-static int wide(void) { return 0; }
 #endif
 
 /* Room for one panel more, with its series. */
@@ -418,14 +416,13 @@ int rod_panelled(const start_problem *p, const piece *pieces, int count, const p
                  panels *all)
 {
     const int64_t size = FUNCTIONS * (at->n + 1);
-    const int lanes = wide();
     int64_t made[ARCS / 2] = {0};
     int failed = first_cuts(pieces, count, at, how, all);
     for (int round = 0; !failed && round <= ROUNDS; round++) {
         for (int64_t i = all->first; i < all->count; i++)
             if (all->rows[i].open) {
                 panel *one = &all->rows[i];
-                (lanes ? one_panel_wide : one_panel)(&pieces[one->piece], at, one,
+                (how->lanes >= 4 ? one_panel_wide : one_panel)(&pieces[one->piece], at, one,
                                                      how->times_only ? NULL : all->series + i * size);
             }
         if (!judged(p, pieces, how, all, round, made))

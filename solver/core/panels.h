@@ -70,10 +70,10 @@ typedef struct {
     double *series;
 } panels;
 
-/* How panels are cut: see `panels.panelled`. */
+/* How panels are cut: see `panels.panelled`. lanes: what rod_lanes says, or fewer. */
 typedef struct {
     double length, goal, stretch;
-    int times_only;
+    int times_only, lanes;
 } cutting;
 
 /* The orbits that are read: arrays as `rod_orbits_fetch` fills them; beta0: (B,). first, count, duration: (2 B,). */

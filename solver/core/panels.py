@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..numerics.chebyshev import Basis, basis
-from .library import address, library
+from .library import address, library, widest
 
 _NO_MEMORY = 1
 
@@ -22,15 +22,17 @@ class _Cutting(ctypes.Structure):
     """`cutting` in panels.h."""
 
     _fields_ = [(name, ctypes.c_double) for name in ("length", "goal", "stretch")]
-    _fields_ += [("times_only", ctypes.c_int)]
+    _fields_ += [("times_only", ctypes.c_int), ("lanes", ctypes.c_int)]
 
 
 class Cutting(NamedTuple):
-    """How panels are cut: see `orbit.panels.panelled`."""
+    """How panels are cut: see `orbit.panels.panelled`. lanes: numbers computed at once, 0 for as many as there can be;
+    their number changes no bit."""
 
     length: float
     goal: float
     stretch: float
+    lanes: int = 0
 
 
 @cache
@@ -48,7 +50,8 @@ def points(n: int) -> Any:
 
 def cut(cutting: Cutting, times_only: bool) -> Any:
     """How panels are cut, as an argument of the core."""
-    return ctypes.byref(_Cutting(*cutting, int(times_only)))
+    length, goal, stretch, lanes = cutting
+    return ctypes.byref(_Cutting(length, goal, stretch, int(times_only), lanes or widest()))
 
 
 @cache

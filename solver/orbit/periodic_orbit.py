@@ -234,8 +234,8 @@ def solve_orbit(
 def reference_orbit(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, Array] | None = None) -> Orbit:
     """The same without the core; n: nodes of a panel."""
     arcs = arcs_of(problem, pin)
-    length, goal, stretch = cutting
-    return assembled(problem, arcs, panelled(problem, arcs, basis(n), length, goal, stretch=stretch))
+    panels = panelled(problem, arcs, basis(n), cutting.length, cutting.goal, stretch=cutting.stretch)
+    return assembled(problem, arcs, panels)
 
 
 def orbit_of(problem: StartProblem, found: core.FoundOrbits) -> Orbit:

@@ -20,7 +20,7 @@ from solver.core import orbits as core
 from solver.core.build import OFF
 from solver.core.panels import Cutting, available
 from solver.orbit.conditioning import condition
-from solver.orbit.critical_points import critical_points, reference_critical_points
+from solver.orbit.critical_points import critical_points, grid, reference_critical_points
 from solver.orbit.error_estimate import estimated_error
 from solver.orbit.orbit_energy import reference_action
 from solver.orbit.periodic_orbit import Orbit, reference_orbit, solve_orbit
@@ -138,6 +138,16 @@ def test_an_orbit_is_the_same_bits_alone_in_a_batch_and_in_any_thread() -> None:
 
     with ThreadPoolExecutor(8) as pool:
         list(pool.map(alone, range(problem.size)))
+
+
+def test_the_width_of_the_lanes_changes_no_bit() -> None:
+    for kind in KINDS:
+        numbers = core.numbers_of(problems(kind, 20))
+        one, two = (core.orbits(numbers, None, grid(), 22, Cutting(0.45, 1e-14, 1.0, lanes)) for lanes in (2, 0))
+        assert one is not None
+        assert two is not None
+        for first, second in zip(one, two, strict=True):
+            np.testing.assert_array_equal(first, second)
 
 
 @cache
