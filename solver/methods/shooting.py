@@ -5,7 +5,7 @@ finds the equilibrium near it, for all problems at once. Without a seed, and nea
 does not resolve the equilibria, the search over levels and paths of `equilibria` is used.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,9 @@ from ..boundary.search import search
 from ..boundary.selected_equilibrium import NO_EQUILIBRIUM, equilibrium_trajectory, selected
 from ..boundary.selection import NEAREST, Choose
 from ..numerics.arrays import Array
-from ..orbit.periodic_orbit import joined_orbits, solve_orbit
+from ..orbit.arcs import Arcs
+from ..orbit.panels import joined
+from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory
 from .base import EndsMethod
@@ -68,7 +70,7 @@ def together(found: list[Trajectory | str], t: Array) -> Trajectory:
     plain = StartProblem(**{field.name: np.array([PLAIN[field.name]]) for field in fields(StartProblem)})
     nothing = solve_orbit(plain, 1e-6)
     orbits = [nothing if isinstance(one, str) else one.orbit for one in found]
-    orbit = orbits[0] if len(orbits) == 1 else joined_orbits(orbits)
+    orbit = orbits[0] if len(orbits) == 1 else _joined_orbits(orbits)
     shown = np.array([not isinstance(one, str) for one in found])
     columns = np.full((4, *t.shape), np.nan)
     error, condition = np.full((2, t.shape[0]), np.inf)
@@ -85,6 +87,27 @@ def together(found: list[Trajectory | str], t: Array) -> Trajectory:
     beta, dbeta, alpha, z = columns
     told = solved, outcome, error, condition, calls, orbit, taken
     return Trajectory(beta, dbeta, alpha, z, lambda: np.where(shown[:, None], orbit.swirl(t), np.nan), *told)
+
+
+def _joined_orbits(orbits: list[Orbit]) -> Orbit:
+    """The orbits of several batches, concatenated."""
+    sizes = np.array([orbit.problem.size for orbit in orbits])
+    before = np.cumsum(sizes) - sizes
+    panels = joined([replace(o.panels, arc=o.panels.arc + 2 * k) for o, k in zip(orbits, before, strict=True)])
+
+    def column(name: str) -> Any:
+        values = [getattr(orbit, name) for orbit in orbits]
+        return None if any(v is None for v in values) else np.concatenate(values)
+
+    fields: dict[str, Any] = {
+        name: None if value is None else np.concatenate([getattr(o.problem, name) for o in orbits])
+        for name, value in vars(orbits[0].problem).items()
+    }
+    kind, direction = (np.concatenate([getattr(o.arcs, n) for o in orbits]) for n in ("kind", "direction"))
+    arcs = Arcs(kind, direction, orbits[0].arcs.pieces)
+    count = column("count")
+    rest = (column(name) for name in ("duration", "gain", "lengthens", "response", "passed"))
+    return Orbit(StartProblem(**fields), arcs, panels, column("since"), np.cumsum(count) - count, count, *rest)
 
 
 def _carried(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory | str:

@@ -20,7 +20,7 @@ from ..numerics.chebyshev import basis, polynomials
 from ..problem.reduced import StartProblem
 from .arcs import Arcs, arcs_of
 from .critical_points import grid
-from .panels import Panels, joined, panelled, running
+from .panels import Panels, panelled, running
 from .phase import Phase, located, unfolded
 from .pieces import HELIX, LIBRATION, Pieces
 
@@ -91,29 +91,27 @@ class Orbit:
         return self._unfold(values, phase)
 
     def take(self, i: int) -> "Orbit":
-        """The orbit of problem i alone."""
-        one, both = slice(i, i + 1), slice(2 * i, 2 * i + 2)
-        count = self.count[both]
-        mine = slice(int(self.first[2 * i]), int(self.first[2 * i] + count.sum()))
-        panels = self.panels.take(mine)
-        panels = replace(panels, arc=panels.arc - 2 * i)
-        arcs = Arcs(self.arcs.kind[one], self.arcs.direction[one], self.arcs.pieces)
-        known = [None if v is None else v[one] for v in (self.lengthens, self.response, self.passed)]
-        known.append(None if self.path is None else self.path.take(one))
-        some, since, first = self.problem.take(one), self.since[mine], np.array([0, count[0]])
-        return Orbit(some, arcs, panels, since, first, count, self.duration[both], self.gain[both], *known)
+        """The orbit of problem i alone; its arrays are views."""
+        both = slice(2 * i, 2 * i + 2)
+        begin = int(self.first[2 * i])
+        mine = slice(begin, begin + int(self.count[both].sum()))
+        return self._part(slice(i, i + 1), both, mine, self.panels.arc[mine] - 2 * i)
 
     def pick(self, rows: Integers) -> "Orbit":
         """The orbits of the problems `rows`, (b,) rising."""
         both = (2 * rows[:, None] + [0, 1]).reshape(-1)
         count = self.count[both]
-        first = np.cumsum(count) - count
-        mine = np.repeat(self.first[both] - first, count) + np.arange(count.sum())
-        panels = replace(self.panels.take(mine), arc=np.repeat(np.arange(both.size), count))
+        mine = np.repeat(self.first[both] - (np.cumsum(count) - count), count) + np.arange(count.sum())
+        return self._part(rows, both, mine, np.repeat(np.arange(both.size), count))
+
+    def _part(self, rows: Any, both: Any, mine: Any, arc: Integers) -> "Orbit":
+        """The orbits of the problems `rows`: `both`, their arcs; `mine`, their panels; `arc`, the arc of each panel."""
+        count = self.count[both]
         arcs = Arcs(self.arcs.kind[rows], self.arcs.direction[rows], self.arcs.pieces)
+        panels, since = replace(self.panels.take(mine), arc=arc), self.since[mine]
         known = [None if v is None else v[rows] for v in (self.lengthens, self.response, self.passed)]
         known.append(None if self.path is None else self.path.take(rows))
-        some, since = self.problem.take(rows), self.since[mine]
+        some, first = self.problem.take(rows), np.cumsum(count) - count
         return Orbit(some, arcs, panels, since, first, count, self.duration[both], self.gain[both], *known)
 
     def along(self, case: Integers, t: Array) -> tuple[Array, Array]:
@@ -185,27 +183,6 @@ class Orbit:
         gain = self.gain[:, column].reshape(-1, 2)[case]
         grown = unfolded(value, phase, gain, kind == LIBRATION)
         return np.where(kind == HELIX, straight[case, None] * phase.t, grown)
-
-
-def joined_orbits(orbits: list[Orbit]) -> Orbit:
-    """The orbits of several batches, concatenated."""
-    sizes = np.array([orbit.problem.size for orbit in orbits])
-    before = np.cumsum(sizes) - sizes
-    panels = joined([replace(o.panels, arc=o.panels.arc + 2 * k) for o, k in zip(orbits, before, strict=True)])
-
-    def column(name: str) -> Any:
-        values = [getattr(orbit, name) for orbit in orbits]
-        return None if any(v is None for v in values) else np.concatenate(values)
-
-    fields: dict[str, Any] = {
-        name: None if value is None else np.concatenate([getattr(o.problem, name) for o in orbits])
-        for name, value in vars(orbits[0].problem).items()
-    }
-    kind, direction = (np.concatenate([getattr(o.arcs, n) for o in orbits]) for n in ("kind", "direction"))
-    arcs = Arcs(kind, direction, orbits[0].arcs.pieces)
-    count = column("count")
-    rest = (column(name) for name in ("duration", "gain", "lengthens", "response", "passed"))
-    return Orbit(StartProblem(**fields), arcs, panels, column("since"), np.cumsum(count) - count, count, *rest)
 
 
 def solve_orbit(
