@@ -66,7 +66,7 @@ def _flow_of(orbit: "Orbit", unit: Array, speed: Array) -> _Flow:
     half = (panels.duration / 2)[:, None] * one
     h = _slope_along(orbit, loads, beta, v, half, speed[b, None] * one)
     rate = slope_rate(loads, beta) / one**2
-    c = _across(v, np.abs(h), rate, half[:, 0])
+    c = across(v, np.abs(h), rate, half[:, 0])
     column = c[:, None]
     size = v * v + column * h * h
     series = ((1 - column * rate) * ((v * v - column * h * h) / size) / size * half) @ points.analyse @ points.integrate
@@ -97,7 +97,7 @@ def _slope_along(orbit: "Orbit", loads: Loads, beta: Array, v: Array, half: Arra
     return np.where(direct[:, None], sign[:, None] * slope(loads, beta) / unit, derived)
 
 
-def _across(v: Array, h: Array, rate: Array, half: Array) -> Array:
+def across(v: Array, h: Array, rate: Array, half: Array) -> Array:
     """c of each panel from |beta_t|, |H| and H' at its nodes, (P, n), and half its duration, (P,) -> (P,).
 
     1/|H'| makes the shear small. Beside a turning point, where beta_t vanishes, c H^2 has to be as large as beta_t^2 is
