@@ -34,7 +34,7 @@ from .phase import Phase, unfolded
 from .pieces import LIBRATION
 
 PAIRS = ((0, 0, 0, 0, 1, 1, 1, 2, 2, 3), (0, 1, 2, 3, 1, 2, 3, 2, 3, 3))  # the rows and columns of M that are kept
-_POINTS, _LENGTH, _GOAL = 22, 0.45, 5e-15  # of the panels
+POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
 _NEAR = 0.5  # rad: the largest distance from a critical point at which its shift is split off
 _STEEP = 1e-3  # of the size of the loads: the least |H'| of such a point
 
@@ -156,7 +156,7 @@ def variations(problem: StartProblem, arcs: Arcs, stretch: float = 1.0) -> Varia
     """
     pieces = arcs.pieces
     plain = replace(arcs, pieces=replace(pieces, base=np.zeros_like(pieces.base)))
-    panels = panelled(problem, plain, basis(_POINTS), _LENGTH, _GOAL, stretch=stretch)
+    panels = panelled(problem, plain, basis(POINTS), LENGTH, GOAL, stretch=stretch)
     return variations_on(assembled(problem, plain, panels), arcs)
 
 
@@ -191,20 +191,19 @@ def _nodes(orbit: Orbit, origin: Array) -> _Nodes:
     v = np.maximum(v, 0.0)
     steep = slope_rate(loads, o)
     near = (np.abs(x).max(axis=1) < _NEAR) & (np.abs(steep[:, 0]) > _STEEP * (1 + load_size(problem))[b])
-    at = _by_loads(o)
+    at = slopes_by_loads(o)[..., 0]
     shift = np.where(near[:, None], -at / np.where(near[:, None], steep, 1.0), 0.0)
     H, gamma, H_q = _about(loads, o, x, steep, shift, at, near)
-    gamma = gamma + _heights(orbit, origin, x, v)[:, :, None]
     rate = slope_rate(loads, o + x)
     c = across(v, np.abs(H), rate, panels.duration / 2)
-    M = _rates(v, H, c[:, None], rate, shift, gamma, H_q, _by_loads(o + x, 1))
+    gamma = gamma + _heights(orbit, origin, (v * v + c[:, None] * H * H).min(axis=1))[:, :, None]
+    M = _rates(v, H, c[:, None], rate, shift, gamma, H_q, slopes_by_loads(o + x))
     return _Nodes(v, H, c, shift, gamma, M)
 
 
-def _by_loads(beta: Array, axis: int = -1) -> Array:
-    """The derivatives of H with respect to lam, mu and phi at beta (P, 1) or (P, n): (P, 3) or (P, 3, n)."""
-    found = np.stack([np.cos(beta), -np.cos(2 * beta), -np.sin(beta)], axis=1)
-    return found[..., 0] if axis == -1 else found
+def slopes_by_loads(beta: Array) -> Array:
+    """The derivatives of H with respect to lam, mu and phi at beta (P, n), (P, 3, n)."""
+    return np.stack([np.cos(beta), -np.cos(2 * beta), -np.sin(beta)], axis=1)
 
 
 def _about(
@@ -232,12 +231,13 @@ def _about(
     return steep * sx + R, gamma, H_q
 
 
-def _heights(orbit: Orbit, origin: Array, x: Array, v: Array) -> Array:
-    """-(G_q(o) - G_q(o*))/2 of each panel, (P, 3), o* the critical point that the orbit comes nearest to."""
-    panels, B = orbit.panels, orbit.problem.size
-    b = panels.arc // 2
-    closest = np.abs(x).min(axis=1)
-    order = np.lexsort((closest, b))
+def _heights(orbit: Orbit, origin: Array, D: Array) -> Array:
+    """-(G_q(o) - G_q(o*))/2 of each panel, (P, 3), o* the critical point to which the orbit comes closest.
+
+    D: (P,), the least beta_t^2 + c H^2 of each panel.
+    """
+    B, b = orbit.problem.size, orbit.panels.arc // 2
+    order = np.lexsort((D, b))
     first = np.searchsorted(b[order], np.arange(B))
     nearest = origin[order[np.minimum(first, order.size - 1)]][b]
     # products, so that points that are mirror images have exactly the same height where the load cannot tell them apart

@@ -1,0 +1,5 @@
+"""Derivatives of a solution and of its observables with respect to the fields of its case."""
+
+from .result import Sensitivity, sensitivity
+
+__all__ = ["Sensitivity", "sensitivity"]

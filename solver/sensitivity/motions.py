@@ -1,0 +1,106 @@
+"""The motions of the solved cases of a solution: how each orbit answers a unit of its end values and of its loads."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..boundary.branch_coordinates import Path, path_of
+from ..boundary.end_variations import equilibrium_variations, held_directions
+from ..boundary.path_orbits import path_from_start
+from ..numerics.arrays import Array, Integers
+from ..orbit import helix_variations
+from ..orbit.arcs import Arcs, arcs_of
+from ..orbit.pieces import HELIX
+from ..orbit.variations import Change, Place, Variations, changed, directions, variations
+from ..problem.reduced import EndsProblem, StartProblem
+from ..solution import Solution
+
+NO_PATH = "failed: no orbit with beta(0) and beta'(0) of this solution ends at beta(L), so it has no derivatives"
+_BLOCK = 256  # cases at once
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The motions of b cases, the `rows` of a solution, in five directions.
+
+    The directions are a unit of beta(0), of beta_t(0) or, for an ends problem, of beta(L), and of lam, mu and phi, each
+    with the others held.
+
+    problem: the start problems of the orbits. along: at the stations, (b, n, 5). far: at the far end, (b, 1, 5). rate:
+    beta_t at the far end, (b,). varied: the orbits' variations; None for helices, whose a0, e, start and end are None
+    too. a0 (b, 5), e (b, 5, 4): the directions as in `orbit.variations`. start, end: the places of the two ends, (b,).
+    """
+
+    rows: Integers
+    problem: StartProblem
+    along: Change
+    far: Change
+    rate: Array
+    varied: Variations | None = None
+    a0: Array | None = None
+    e: Array | None = None
+    start: Place | None = None
+    end: Place | None = None
+
+
+def motions(sol: Solution, outcome: Array) -> Iterator[Motion]:
+    """The motions of the solved cases, some at a time. outcome: (B,), set where a solved case has none."""
+    solved = np.flatnonzero(sol.trajectory.solved)
+    if isinstance(sol.problem, EndsProblem):
+        for i in solved:
+            one = sol.problem.take(slice(i, i + 1))
+            path = _path(sol, one, int(i))
+            if path is None:
+                outcome[i] = NO_PATH
+            else:
+                yield _of_equilibrium(sol, one, path, int(i))
+        return
+    for block in (solved[k : k + _BLOCK] for k in range(0, solved.size, _BLOCK)):
+        problem = sol.problem.take(block)
+        assert isinstance(problem, StartProblem)
+        arcs = arcs_of(problem)
+        still = arcs.kind == HELIX
+        if not still.any():
+            yield _of_orbits(sol, block, problem, arcs)
+            continue
+        yield _of_helices(sol, block[still], problem.take(still))
+        if not still.all():
+            some = problem.take(~still)
+            yield _of_orbits(sol, block[~still], some, arcs_of(some))
+
+
+def _of_orbits(sol: Solution, rows: Integers, problem: StartProblem, arcs: Arcs) -> Motion:
+    varied = variations(problem, arcs)
+    return _moved(varied, rows, problem, sol.t[rows], *directions(varied.start))
+
+
+def _moved(varied: Variations, rows: Integers, problem: StartProblem, t: Array, a0: Array, e: Array) -> Motion:
+    start, end = varied.start, varied.at(problem.span[:, None])
+    along, far = (changed(start, there, a0, e) for there in (varied.at(t), end))
+    end = end.take((slice(None), 0))
+    return Motion(rows, problem, along, far, end.v, varied, a0, e, start, end)
+
+
+def _of_helices(sol: Solution, rows: Integers, problem: StartProblem) -> Motion:
+    along, far = (helix_variations.started(problem, t) for t in (sol.t[rows], problem.span[:, None]))
+    return Motion(rows, problem, along, far, np.zeros(rows.size))
+
+
+def _of_equilibrium(sol: Solution, one: EndsProblem, path: Path, i: int) -> Motion:
+    rows, t = np.array([i]), sol.t[i : i + 1]
+    problem = one.started(sol.trajectory.dbeta[i : i + 1, 0])
+    if path.helix:
+        along, far = (helix_variations.held(one, where) for where in (t, one.span[:, None]))
+        return Motion(rows, problem, along, far, np.zeros(1))
+    varied = equilibrium_variations(one, path)
+    end = varied.at(one.span[:, None]).take((slice(None), 0))
+    return _moved(varied, rows, problem, t, *held_directions(varied.start, end))
+
+
+def _path(sol: Solution, one: EndsProblem, i: int) -> Path | None:
+    """The level and the path of the equilibrium of case i; None where no orbit is found that joins the ends."""
+    orbit = sol.trajectory.orbit
+    if orbit is not None and getattr(orbit, "path", None) is not None:
+        return path_of(orbit.path, i)
+    return path_from_start(one, float(sol.trajectory.dbeta[i, 0]))

@@ -1,0 +1,90 @@
+"""The derivatives of a solution with respect to the fields of its case."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from ..problem.field_rates import checked_fields, field_rates
+from ..problem.reduced import EndsProblem
+from ..problem.trajectory import SOLVED
+from ..solution import Solution
+from .along import along, of_rows
+from .motions import motions
+
+_ROUNDING = 32 * 2.0**-52  # of a derivative, times the condition number
+_SHAPELESS = 0.1  # relative: a larger error leaves no digit
+_ALONG = ("beta", "dbeta", "alpha", "z", "gamma")
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """The derivatives of a solution with respect to F fields of its case; `Solution.sensitivity` makes it.
+
+    The stations keep their place s/L when a field changes. The unit of each derivative is that of the quantity over
+    that of the field (`solver.problem.quantities`).
+
+    Attributes
+    ----------
+    solution : Solution
+        The solution.
+    fields : tuple of str
+        The names of the F fields.
+    beta, alpha, gamma : array, (*cases, F, n)
+        Derivatives of the angle, the azimuth and the rotation of the section at the stations.
+    dbeta, z : array, (*cases, F, n)
+        Derivatives of beta' and of the height.
+    solved : bool or array, (*cases)
+        Whether a case has derivatives; where not, all of them are NaN.
+    outcome : str or array, (*cases)
+        "solved", or "failed: " and the reason.
+    error : float or array, (*cases)
+        Estimated error of the derivatives along the rod, relative to the largest of each.
+    """
+
+    solution: Solution = field(repr=False)
+    fields: tuple[str, ...]
+    beta: Array = field(repr=False)
+    dbeta: Array = field(repr=False)
+    alpha: Array = field(repr=False)
+    z: Array = field(repr=False)
+    gamma: Array = field(repr=False)
+    solved: Any
+    outcome: Any
+    error: Any
+
+
+def sensitivity(sol: Solution, fields: Iterable[str]) -> Sensitivity:
+    """The derivatives of a solution; see `Solution.sensitivity`."""
+    names = checked_fields(sol.case, fields)
+    rates = field_rates(sol.case, names)
+    B, n = sol.t.shape
+    out = {name: np.full((B, len(names), n), np.nan) for name in _ALONG}
+    outcome = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
+    with np.errstate(all="ignore"):  # what leaves the finite numbers is told by the outcome
+        for motion in motions(sol, outcome):
+            own = of_rows(rates, motion.rows)
+            for name, values in along(sol, motion, own).items():
+                out[name][motion.rows] = values
+    return _judged(sol, names, out, outcome)
+
+
+def _judged(sol: Solution, names: tuple[str, ...], out: dict[str, Array], outcome: Array) -> Sensitivity:
+    """The result; a case in which no digit is left gets an outcome that says so."""
+    growth, held = np.asarray(sol.trajectory.condition), isinstance(sol.problem, EndsProblem)
+    with np.errstate(all="ignore"):
+        error = _ROUNDING * (growth**2 if held else growth)
+    finite = np.logical_and.reduce([np.isfinite(value).all(axis=(1, 2)) for value in out.values()])
+    begun = outcome == SOLVED
+    where = "at a fold, or next to one" if held else "next to a separatrix"
+    for i in np.flatnonzero(begun & ~((error < _SHAPELESS) & finite)):
+        outcome[i] = f"failed: {where}, condition {growth[i]:.1e} leaves no digit of the derivatives"
+    solved = outcome == SOLVED
+    shaped = {
+        name: np.where(solved[:, None, None], value, np.nan).reshape(*sol.case.shape, *value.shape[1:])
+        for name, value in out.items()
+    }
+    each = {"solved": solved, "outcome": outcome, "error": np.where(solved, error, np.inf)}
+    return Sensitivity(sol, names, **shaped, **{name: sol._each(value) for name, value in each.items()})
