@@ -197,6 +197,24 @@ class Reading:
         return flat(self.sol.case.rod.bending_stiffness, self.sol.case.shape)
 
     @cached_property
+    def nu(self) -> Array:
+        return flat(self.sol.case.rod.nu, self.sol.case.shape)
+
+    @property
+    def mu(self) -> Array:
+        """M3 rho/A, (B,)."""
+        return self.sol.problem.mu
+
+    @cached_property
+    def gain(self) -> tuple[Array, Array]:
+        """alpha(L) - alpha(0) [rad] and z(L)/rho, (B,)."""
+        shape = self.sol.trajectory
+        if shape.orbit is None or (self.sol.t[:, -1] == self.sol.problem.span).all():
+            return shape.alpha[:, -1], shape.z[:, -1]
+        _, _, alpha, z = shape.orbit.at(shape.orbit.problem.span[:, None])
+        return alpha[:, 0], z[:, 0]
+
+    @cached_property
     def length(self) -> Array:
         """Length of the rod in t, (B,); where no orbit is known, the length between the first and the last station."""
         t = self.sol.t

@@ -16,7 +16,6 @@ from ..numerics.arrays import Array
 from ..orbit.pieces import LIBRATION, ROTATION
 from ..problem.errors import no_such
 from ..problem.quantities import quantity
-from ..problem.reduced import flat
 from ..solution import Solution
 from .measurement import Pair, Reading
 from .self_contact import overlaps
@@ -126,21 +125,12 @@ def kappa_max(read: Reading) -> Pair:
 
 def wraps(read: Reading) -> Pair:
     """Turns about the axis, (alpha(L) - alpha(0))/2 pi."""
-    return _gain(read)[0] / (2 * np.pi), _far(read) / (2 * np.pi)
+    return read.gain[0] / (2 * np.pi), _far(read) / (2 * np.pi)
 
 
 def height(read: Reading) -> Pair:
     """z(L) [length]."""
-    return _gain(read)[1] * read.rho, _far(read) * read.rho
-
-
-def _gain(read: Reading) -> tuple[Array, Array]:
-    """alpha(L) - alpha(0) [rad] and z(L)/rho, (B,)."""
-    shape = read.sol.trajectory
-    if shape.orbit is None or (read.sol.t[:, -1] == read.sol.problem.span).all():
-        return shape.alpha[:, -1], shape.z[:, -1]
-    _, _, alpha, z = shape.orbit.at(shape.orbit.problem.span[:, None])
-    return alpha[:, 0], z[:, 0]
+    return read.gain[1] * read.rho, _far(read) * read.rho
 
 
 def _far(read: Reading) -> Array:
@@ -215,8 +205,7 @@ def energy(read: Reading) -> Pair:
 
 def _twist(read: Reading) -> Array:
     """M3^2/(2 C) in units of A/rho^2, (B,)."""
-    case = read.sol.case
-    return read.sol.problem.mu**2 * flat(1 + np.asarray(case.rod.nu), case.shape) / 2
+    return read.mu**2 * (1 + read.nu) / 2
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.potential import Loads, load_size, slope_rate
+from ..mechanics.potential import TAU, Loads, load_size, slope_rate
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, polynomials
 from ..problem.reduced import StartProblem
@@ -30,7 +30,7 @@ from .arcs import Arcs
 from .conditioning import across
 from .panels import Panels, panelled, running
 from .periodic_orbit import Orbit, assembled
-from .phase import Phase, unfolded
+from .phase import unfolded
 from .pieces import LIBRATION
 
 PAIRS = ((0, 0, 0, 0, 1, 1, 1, 2, 2, 3), (0, 1, 2, 3, 1, 2, 3, 2, 3, 3))  # the rows and columns of M that are kept
@@ -78,13 +78,17 @@ class Change:
 class Variations:
     """The variations of B orbits, none of them a helix, ready to be read anywhere along the rods.
 
-    orbit: the orbits; their series of beta count from the critical point `origin` (P,) of each panel. series: (P, 19,
-    n + 1), of |beta_t|, H, c, the shifts (3), gamma_q (3) and the ten elements of M. gain: (B, 2, 10), what M gains over
-    the forward and the backward arc.
+    orbit: the orbits; their series of beta count from the angle `base` (P,) of each panel. nodes: the
+    state at the nodes of the panels. jump: (P, 10), closing: (2 B, 10), what M gains on entering each panel, and where
+    the rotation of an arc closes. series: (P, 19, n + 1), of |beta_t|, H, c, the shifts (3), gamma_q (3) and the ten
+    elements of M. gain: (B, 2, 10), what M gains over the forward and the backward arc.
     """
 
     orbit: Orbit
-    origin: Array
+    base: Array
+    nodes: "Nodes"
+    jump: Array
+    closing: Array
     series: Array
     gain: Array
 
@@ -94,15 +98,67 @@ class Variations:
         values = orbit.read(self.series, phase)
         kind, direction = orbit.arcs.kind[:, None], orbit.arcs.direction[:, None]
         sign = np.where(phase.second, -direction, direction) * np.where(phase.mirrored, -1.0, 1.0)
-        ten = [
-            unfolded(values[..., 9 + k], phase, self.gain[..., k], kind == LIBRATION) for k in range(len(PAIRS[0]))
-        ]
+        ten = [unfolded(values[..., 9 + k], phase, self.gain[..., k], kind == LIBRATION) for k in range(10)]
         return _place(sign * values[..., 0], values[..., 1:9], ten)
 
     @property
     def start(self) -> Place:
         """The places at the starts of the rods, (B,) each."""
         return self.at(np.zeros((self.orbit.problem.size, 1))).take((slice(None), 0))
+
+    def beta(self, t: Array) -> Array:
+        """beta at t (B, n)."""
+        orbit, phase = self.orbit, self.orbit.locate(t)
+        series = orbit.panels.series[:, :1].copy()
+        series[:, 0, 0] += self.base
+        folded = (orbit.arcs.kind == LIBRATION)[:, None]
+        around = np.where(folded, 0.0, TAU) * orbit.arcs.direction[:, None] * phase.periods
+        return np.asarray(orbit.read(series, phase)[..., 0] + around)
+
+    def on_panels(self, panel: Array, x: Array) -> tuple[Array, Place]:
+        """beta and the places, without M, at x (N, m) in [-1, 1] on panels (N,), moving away from the start."""
+        arc = self.orbit.panels.arc[panel]
+        sign = self.orbit.arcs.direction[arc // 2] * np.where(arc % 2 == 1, -1.0, 1.0)
+        series = np.concatenate([self.orbit.panels.series[panel, :1], self.series[panel, :9]], axis=1)
+        values = np.einsum("nks,snm->nmk", series, polynomials(x, series.shape[2]), optimize=False)
+        ten = [np.zeros(x.shape)] * 10
+        place = _place(sign[:, None] * np.maximum(values[..., 1], 0), values[..., 2:], ten)
+        return self.base[panel, None] + values[..., 0], place
+
+    def sums(self, rates: Array, jump: Array, closing: Array) -> Array:
+        """Integrals over the rods, (B, k), of even rates (P, k, n) at the nodes with jumps (P, k), closings (2 B, k)."""
+        series, gain = _accumulated(self.orbit, rates, jump, closing)
+        phase = self.orbit.locate(self.orbit.problem.span[:, None])
+        values = self.orbit.read(series, phase)
+        folded = (self.orbit.arcs.kind == LIBRATION)[:, None]
+        parts = [unfolded(values[..., k], phase, gain[..., k], folded)[:, 0] for k in range(rates.shape[1])]
+        return np.stack(parts, axis=1)
+
+    def cut(self, panel: Integers, x: Array) -> "Variations":
+        """The same with panels cut at x in (-1, 1); a panel may be cut several times."""
+        panels, points = self.orbit.panels, basis(self.nodes.v.shape[1])
+        every = np.concatenate([np.arange(panels.arc.size), panel])
+        low = np.concatenate([np.full(panels.arc.size, -1.0), x])
+        order = np.lexsort((low, every))
+        every, low = every[order], low[order]
+        high = np.append(np.where(every[1:] == every[:-1], low[1:], 1.0), 1.0)
+        at = low[:, None] + (high - low)[:, None] * ((1 + points.nodes) / 2)
+        T = polynomials(at, panels.series.shape[2])
+
+        def moved(coefficients: Array) -> Array:
+            return np.einsum("nks,snm->nkm", coefficients[every], T[: coefficients.shape[2]], optimize=False)
+
+        series = np.zeros((every.size, *panels.series.shape[1:]))
+        series[:, :2, :-1] = moved(panels.series[:, :2]) @ points.analyse
+        duration = panels.duration[every] * (high - low) / 2
+        orbit = assembled(
+            self.orbit.problem, self.orbit.arcs, replace(panels.take(every), series=series, duration=duration)
+        )
+        state, M = moved(self.series[:, :9]), moved(self.nodes.M @ points.analyse)
+        v = np.maximum(state[:, 0], 0.0)
+        nodes = Nodes(v, state[:, 1], self.nodes.c[every], self.nodes.shift[every], state[:, 6:9], M)
+        jump = np.where((low == -1)[:, None], self.jump[every], 0.0)
+        return _varied(orbit, self.base[every], nodes, jump, self.closing)
 
 
 def _place(v: Array, values: Array, ten: list[Array]) -> Place:
@@ -161,18 +217,24 @@ def variations(problem: StartProblem, arcs: Arcs, stretch: float = 1.0) -> Varia
 
 
 def variations_on(orbit: Orbit, arcs: Arcs) -> Variations:
-    """The variations on panels whose series of beta count from the critical points of the pieces of `arcs`."""
+    """The variations on panels whose series of beta count from the angles from which the pieces of `arcs` count."""
     pieces, panels = arcs.pieces, orbit.panels
     most = int(pieces.rank.max(initial=0)) + 1
     place = np.searchsorted(pieces.arc * most + pieces.rank, panels.arc * most + panels.rank)
-    origin = pieces.local.o[place, 0]
-    nodes = _nodes(orbit, origin)
-    series, gain = _integrated(orbit, nodes)
-    return Variations(orbit, origin, series, gain)
+    nodes = _nodes(orbit, pieces.local.o[place, 0])
+    jump, closing = _jumps(orbit, nodes)
+    return _varied(orbit, pieces.base[place], nodes, jump, closing)
+
+
+def _varied(orbit: Orbit, base: Array, nodes: "Nodes", jump: Array, closing: Array) -> Variations:
+    summed, gain = _accumulated(orbit, nodes.M, jump, closing)
+    series = _states(nodes)
+    series[:, 9:] = summed
+    return Variations(orbit, base, nodes, jump, closing, series, gain)
 
 
 @dataclass(frozen=True, eq=False)
-class _Nodes:
+class Nodes:
     """The state at the nodes of P panels, (P, n); M: (P, 10, n), the rates of the elements of M."""
 
     v: Array
@@ -183,7 +245,7 @@ class _Nodes:
     M: Array
 
 
-def _nodes(orbit: Orbit, origin: Array) -> _Nodes:
+def _nodes(orbit: Orbit, origin: Array) -> Nodes:
     problem, panels = orbit.problem, orbit.panels
     points, b = basis(panels.series.shape[2] - 1), panels.arc // 2
     loads, o = Loads.columns(problem, b), origin[:, None]
@@ -198,7 +260,7 @@ def _nodes(orbit: Orbit, origin: Array) -> _Nodes:
     c = across(v, np.abs(H), rate, panels.duration / 2)
     gamma = gamma + _heights(orbit, origin, (v * v + c[:, None] * H * H).min(axis=1))[:, :, None]
     M = _rates(v, H, c[:, None], rate, shift, gamma, H_q, slopes_by_loads(o + x))
-    return _Nodes(v, H, c, shift, gamma, M)
+    return Nodes(v, H, c, shift, gamma, M)
 
 
 def slopes_by_loads(beta: Array) -> Array:
@@ -268,26 +330,28 @@ def _rates(
     return M
 
 
-def _integrated(orbit: Orbit, nodes: _Nodes) -> tuple[Array, Array]:
-    """The series of `Variations` and its gain."""
-    panels, points = orbit.panels, basis(nodes.v.shape[1])
-    P, size = panels.arc.size, points.nodes.size
-    series = np.zeros((P, 19, size + 1))
+def _states(nodes: Nodes) -> Array:
+    """The series of `Variations` without M."""
+    points = basis(nodes.v.shape[1])
+    series = np.zeros((nodes.v.shape[0], 19, points.nodes.size + 1))
     for k, value in enumerate((nodes.v, nodes.H)):
         series[:, k, :-1] = value @ points.analyse
     series[:, 2, 0], series[:, 3:6, 0] = nodes.c, nodes.shift
     series[:, 6:9, :-1] = nodes.gamma @ points.analyse
-    scale = (panels.duration / 2)[:, None, None]
-    own = (nodes.M @ points.analyse @ points.integrate) * scale
-    ends = own.sum(axis=2)
-    jump, closing = _jumps(orbit, nodes)
-    series[:, 9:] = own
-    series[:, 9:, 0] += running(ends + jump, orbit.first, orbit.count) + jump
-    gain = np.stack([np.bincount(panels.arc, (ends + jump)[:, k], orbit.first.size) for k in range(10)], axis=1) + closing
-    return series, gain.reshape(-1, 2, 10)
+    return series
 
 
-def _jumps(orbit: Orbit, nodes: _Nodes) -> tuple[Array, Array]:
+def _accumulated(orbit: Orbit, rates: Array, jump: Array, closing: Array) -> tuple[Array, Array]:
+    """Integrals from the start, (P, k, n + 1), and over both arcs, (B, 2, k); arguments as in `Variations.sums`."""
+    panels, points = orbit.panels, basis(rates.shape[2])
+    series = (rates @ points.analyse @ points.integrate) * (panels.duration / 2)[:, None, None]
+    ends = series.sum(axis=2) + jump
+    series[..., 0] += running(ends, orbit.first, orbit.count) + jump
+    gain = [np.bincount(panels.arc, ends[:, k], orbit.first.size) for k in range(ends.shape[1])]
+    return series, (np.stack(gain, axis=1) + closing).reshape(-1, 2, ends.shape[1])
+
+
+def _jumps(orbit: Orbit, nodes: Nodes) -> tuple[Array, Array]:
     """What M gains on entering each panel from the one before, (P, 10); and where a rotation closes, (2 B, 10)."""
     arc, panel = orbit.panels.arc, np.arange(orbit.panels.arc.size)
     starts = panel == orbit.first[arc]
@@ -301,7 +365,7 @@ def _jumps(orbit: Orbit, nodes: _Nodes) -> tuple[Array, Array]:
     return jump, closing
 
 
-def _jump(orbit: Orbit, nodes: _Nodes, old: Integers, new: Integers) -> Array:
+def _jump(orbit: Orbit, nodes: Nodes, old: Integers, new: Integers) -> Array:
     """What M gains where the transversal and the shift change from those of panels `old` to those of `new`, (N, 10)."""
     arc = orbit.panels.arc[new]
     sign = orbit.arcs.direction[arc // 2] * np.where(arc % 2 == 1, -1, 1)

@@ -13,6 +13,7 @@ from ..problem.trajectory import SOLVED
 from ..solution import Solution
 from .along import along, of_rows
 from .motions import motions
+from .observables import Moving, checked_observables, derivative_of, measured_of, why_missing
 
 _ROUNDING = 32 * 2.0**-52  # of a derivative, times the condition number
 _SHAPELESS = 0.1  # relative: a larger error leaves no digit
@@ -42,6 +43,10 @@ class Sensitivity:
         "solved", or "failed: " and the reason.
     error : float or array, (*cases)
         Estimated error of the derivatives along the rod, relative to the largest of each.
+    observables : dict
+        Name of an observable -> its derivatives, (*cases, F).
+    remarks : dict
+        Name of an observable -> (*cases), a sentence where one of its derivatives does not exist and is NaN, else "".
     """
 
     solution: Solution = field(repr=False)
@@ -54,24 +59,32 @@ class Sensitivity:
     solved: Any
     outcome: Any
     error: Any
+    observables: dict[str, Any] = field(default_factory=dict)
+    remarks: dict[str, Any] = field(default_factory=dict)
 
 
-def sensitivity(sol: Solution, fields: Iterable[str]) -> Sensitivity:
+def sensitivity(sol: Solution, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
     """The derivatives of a solution; see `Solution.sensitivity`."""
-    names = checked_fields(sol.case, fields)
+    names, wanted = checked_fields(sol.case, fields), checked_observables(observables)
     rates = field_rates(sol.case, names)
     B, n = sol.t.shape
     out = {name: np.full((B, len(names), n), np.nan) for name in _ALONG}
     outcome = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
+    read = Moving(sol, rates, (key for name in wanted for key in measured_of(name))) if wanted else None
     with np.errstate(all="ignore"):  # what leaves the finite numbers is told by the outcome
         for motion in motions(sol, outcome):
             own = of_rows(rates, motion.rows)
             for name, values in along(sol, motion, own).items():
                 out[name][motion.rows] = values
-    return _judged(sol, names, out, outcome)
+            if read is not None:
+                read.add(motion, own)
+        found = {name: derivative_of(name, read) for name in wanted if read is not None}
+    return _judged(sol, names, out, outcome, found)
 
 
-def _judged(sol: Solution, names: tuple[str, ...], out: dict[str, Array], outcome: Array) -> Sensitivity:
+def _judged(
+    sol: Solution, names: tuple[str, ...], out: dict[str, Array], outcome: Array, found: dict[str, Array]
+) -> Sensitivity:
     """The result; a case in which no digit is left gets an outcome that says so."""
     growth, held = np.asarray(sol.trajectory.condition), isinstance(sol.problem, EndsProblem)
     with np.errstate(all="ignore"):
@@ -81,10 +94,16 @@ def _judged(sol: Solution, names: tuple[str, ...], out: dict[str, Array], outcom
     where = "at a fold, or next to one" if held else "next to a separatrix"
     for i in np.flatnonzero(begun & ~((error < _SHAPELESS) & finite)):
         outcome[i] = f"failed: {where}, condition {growth[i]:.1e} leaves no digit of the derivatives"
-    solved = outcome == SOLVED
+    solved, shape = outcome == SOLVED, sol.case.shape
     shaped = {
-        name: np.where(solved[:, None, None], value, np.nan).reshape(*sol.case.shape, *value.shape[1:])
+        name: np.where(solved[:, None, None], value, np.nan).reshape(*shape, *value.shape[1:])
         for name, value in out.items()
     }
     each = {"solved": solved, "outcome": outcome, "error": np.where(solved, error, np.inf)}
-    return Sensitivity(sol, names, **shaped, **{name: sol._each(value) for name, value in each.items()})
+    values, remarks = {}, {}
+    for name, value in found.items():
+        missing = solved & ~np.isfinite(value).all(axis=1)
+        remarks[name] = sol._each(np.where(missing, why_missing(name, sol), "").astype(object))
+        values[name] = np.where(solved[:, None], value, np.nan).reshape(*shape, len(names))
+    told = {name: sol._each(value) for name, value in each.items()}
+    return Sensitivity(sol, names, **shaped, **told, observables=values, remarks=remarks)
