@@ -106,14 +106,15 @@ class Variations:
         """The places at the starts of the rods, (B,) each."""
         return self.at(np.zeros((self.orbit.problem.size, 1))).take((slice(None), 0))
 
-    def beta(self, t: Array) -> Array:
-        """beta at t (B, n)."""
+    def angles(self, t: Array) -> tuple[Array, Array]:
+        """At t (B, n), the critical point from which beta counts, with whole turns, and beta less it, (B, n) each."""
         orbit, phase = self.orbit, self.orbit.locate(t)
-        series = orbit.panels.series[:, :1].copy()
-        series[:, 0, 0] += self.base
+        series = np.zeros((self.base.size, 2, orbit.panels.series.shape[2]))
+        series[:, 0, 0], series[:, 1] = self.base, orbit.panels.series[:, 0]
         folded = (orbit.arcs.kind == LIBRATION)[:, None]
         around = np.where(folded, 0.0, TAU) * orbit.arcs.direction[:, None] * phase.periods
-        return np.asarray(orbit.read(series, phase)[..., 0] + around)
+        values = orbit.read(series, phase)
+        return values[..., 0] + around, values[..., 1]
 
     def on_panels(self, panel: Array, x: Array) -> tuple[Array, Place]:
         """beta and the places, without M, at x (N, m) in [-1, 1] on panels (N,), moving away from the start."""

@@ -18,7 +18,7 @@ from ..observe.density_rates import RATES
 from ..observe.measurement import Reading
 from ..observe.observables import OBSERVABLES, is_count
 from ..observe.rod_pieces import Angles
-from ..orbit.pieces import LIBRATION
+from ..orbit.pieces import ROTATION
 from ..orbit.variations import slopes_by_loads
 from ..problem.errors import InputError, choices, no_such
 from ..problem.field_rates import FieldRates
@@ -62,10 +62,10 @@ class Moving(Reading):
 
     def __init__(self, sol: Solution, rates: FieldRates, measured: Iterable[str]) -> None:
         super().__init__(sol)
-        self._plain = Reading(sol)
+        self.plain = Reading(sol)
         self._rates = rates
         self._wanted = set(measured)
-        self._plain.measure(self._wanted)
+        self.plain.measure(self._wanted)
         shape = sol.problem.size, len(rates.fields)
         self._slopes = {name: np.full(shape, np.nan) for name in (*self._wanted, "alpha", "z", "half_period")}
 
@@ -84,37 +84,37 @@ class Moving(Reading):
     @staticmethod
     def _far_angle(motion: Motion) -> Array:
         span = motion.problem.span[:, None]
-        return motion.problem.beta0 if motion.varied is None else motion.varied.beta(span)[:, 0]
+        return motion.problem.beta0 if motion.varied is None else sum(motion.varied.angles(span))[:, 0]
 
     def get(self, name: str) -> Any:
-        return Dual(self._plain.value(name), self._slopes[name]), 0.0
+        return Dual(self.plain.value(name), self._slopes[name]), 0.0
 
     def scaled(self, name: str, factor: Any) -> Any:
         return self.get(name)[0] * factor, 0.0
 
     @cached_property
     def rho(self) -> Any:  # type: ignore[override]
-        return Dual(self._plain.rho, self._rates.rho)
+        return Dual(self.plain.rho, self._rates.rho)
 
     @cached_property
     def A(self) -> Any:  # type: ignore[override]
-        return Dual(self._plain.A, self._rates.A)
+        return Dual(self.plain.A, self._rates.A)
 
     @cached_property
     def nu(self) -> Any:  # type: ignore[override]
-        return Dual(self._plain.nu, self._rates.nu)
+        return Dual(self.plain.nu, self._rates.nu)
 
     @property
     def mu(self) -> Any:
-        return Dual(self._plain.mu, self._rates.mu)
+        return Dual(self.plain.mu, self._rates.mu)
 
     @cached_property
     def length(self) -> Any:  # type: ignore[override]
-        return Dual(self._plain.length, self._rates.span)
+        return Dual(self.plain.length, self._rates.span)
 
     @cached_property
     def gain(self) -> Any:  # type: ignore[override]
-        return tuple(Dual(value, self._slopes[k]) for value, k in zip(self._plain.gain, ("alpha", "z"), strict=True))
+        return tuple(Dual(value, self._slopes[k]) for value, k in zip(self.plain.gain, ("alpha", "z"), strict=True))
 
     @property
     def half_period(self) -> Dual:
@@ -132,7 +132,9 @@ def _bend_number(read: Moving) -> Any:
     if orbit is None:
         return np.full((read.sol.problem.size, len(read._rates.fields)), np.nan)
     found = read.length / read.half_period
-    return Dual(found.value, np.where((orbit.kind == LIBRATION)[:, None], found.slope, 0.0))
+    count = OBSERVABLES["bend_number"].compute(read.plain)[0]
+    bends = np.where((count > 0)[:, None], found.slope, np.nan)  # where beta does not change it is 0, with a jump
+    return Dual(count, np.where((orbit.kind == ROTATION)[:, None], 0.0, bends))
 
 
 # Observables whose formula distinguishes cases.
