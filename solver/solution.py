@@ -1,8 +1,9 @@
 """The solution: beta and the developed curve at the stations; other quantities are computed when first read."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from .numerics.arrays import Array
 from .problem.case import Case
 from .problem.reduced import EndsProblem, StartProblem, flat
 from .problem.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from .sensitivity import Sensitivity
 
 _quiet = np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
 
@@ -275,3 +279,45 @@ class Solution:
     def evaluations(self) -> Any:
         """Number of evaluations of the equation, (*cases)."""
         return self._each(self.trajectory.evaluations)
+
+    def sensitivity(self, fields: Iterable[str], observables: Iterable[str] = ()) -> "Sensitivity":
+        """The derivatives with respect to fields of the case, along the rod and of observables.
+
+        They are exact derivatives of the solution, computed from its orbit and not from differences. Of an ends problem
+        they are those along its branch: beta(0), beta(L) and the dead loads are held, and beta'(0) follows.
+
+        Parameters
+        ----------
+        fields : iterable of str
+            Names of numeric fields of the case: ``E``, ``nu``, ``a``, ``L``, ``R``; of a start problem ``beta0``,
+            ``dbeta0``, ``F2``, ``F3`` and whichever of ``F1``, ``dgamma``, ``M3`` is given; of an ends problem
+            ``beta0``, ``betaL``, ``FZ``, ``MZ``, ``M3``; ``alpha0`` and ``gamma0``.
+        observables : iterable of str
+            Names of observables, as of `observe`. The derivative of a whole number is 0.
+
+        Returns
+        -------
+        Sensitivity
+            Its `beta`, `dbeta`, `alpha`, `z`, `gamma` have the shape (*cases, F, n), its `observables[name]` (*cases,
+            F). The stations keep their place s/L when a field changes: the derivative with respect to L at a constant s
+            is ``beta - s/L * solution.dbeta``, and likewise for the others.
+
+        Raises
+        ------
+        InputError
+            For an unknown or repeated field, and an unknown observable.
+
+        Examples
+        --------
+        >>> from solver import Case, Cylinder, Rod, Start, solve
+        >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
+        >>> solution = solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)))
+        >>> found = solution.sensitivity(["E", "F1"], ["height"])
+        >>> found.beta.shape, found.outcome
+        ((2, 201), 'solved')
+        >>> print(f"d height/d F1 = {found.observables['height'][1]:.4f}")
+        d height/d F1 = 0.0000
+        """
+        from .sensitivity import sensitivity  # needs `observe`, which needs this module
+
+        return sensitivity(self, fields, observables)

@@ -24,14 +24,17 @@ FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 # The parts of a package in order: each imports only from those before it, and from itself.
 LISTS = {
     "solver": [
-        "numerics", "problem", "mechanics", "core", "orbit", "boundary", "methods", "solution", "observe", "solve",
-        "equilibria", "benchmark",
+        "numerics", "problem", "mechanics", "core", "orbit", "boundary", "methods", "solution", "observe",
+        "sensitivity", "solve", "equilibria", "benchmark",
     ],
     "workbench": [
         "data", "geometry", "run", "branches", "figures", "scene", "export", "compare", "web", "commands", "accessor",
         "cli",
     ],
 }  # fmt: skip
+
+# Methods of a result that call what stands on it; it is imported when they are called.
+CALLED = {("solver.solution", "solver.sensitivity")}
 
 STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics
 HEAVY = {
@@ -132,7 +135,7 @@ def test_a_sub_package_imports_only_from_those_above_it_in_the_list(top: str) ->
         for module, target in arrows(top)
         if module != top and parts.index(part_of(target, parts)) > parts.index(part_of(module, parts))
     }
-    assert upward == set()
+    assert upward - CALLED == set()
 
 
 @pytest.mark.parametrize("part", ("data", "geometry", "figures", "scene"))

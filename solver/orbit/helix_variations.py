@@ -5,7 +5,8 @@ import numpy as np
 from ..mechanics.potential import slope_rate
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
-from .variations import Change, slopes_by_loads
+from .variation_nodes import slopes_by_loads
+from .variations import Change
 
 _SERIES = 1.0  # below this |z| the functions are summed
 

@@ -6,6 +6,7 @@ Each field acts through A, rho, nu, L and the values given at the ends. The part
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -51,7 +52,7 @@ def fields_of(case: Case) -> tuple[str, ...]:
 
 
 def checked_fields(case: Case, names: Any) -> tuple[str, ...]:
-    """The names as a tuple. Raises `InputError` for a name that is no numeric field of the case, and for a repeated one."""
+    """The names as a tuple. Raises `InputError` for a name that is no numeric field of the case or is repeated."""
     fields = (names,) if isinstance(names, str) else tuple(names)
     known = fields_of(case)
     for name in fields:
@@ -141,7 +142,7 @@ def _start_partials(case: Case) -> dict[str, Callable[[], Partials]]:
         "dbeta0": lambda: plus("dbeta", end=rho),
         "F2": lambda: {"lam": -square * c, "phi": square * s},
         "F3": lambda: {"lam": square * s, "phi": square * c},
-        **{name: (lambda name=name: twisted(name)) for name in ("F1", "dgamma", "M3")},
+        **{name: partial(twisted, name) for name in ("F1", "dgamma", "M3")},
     }
 
 

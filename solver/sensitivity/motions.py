@@ -21,6 +21,21 @@ _BLOCK = 256  # cases at once
 
 
 @dataclass(frozen=True, eq=False)
+class VariedOrbits:
+    """How b orbits move that are no helices.
+
+    varied: their variations. a0 (b, 5), e (b, 5, 4): the directions as in `orbit.variations`. start, end: the places of
+    the two ends, (b,).
+    """
+
+    varied: Variations
+    a0: Array
+    e: Array
+    start: Place
+    end: Place
+
+
+@dataclass(frozen=True, eq=False)
 class Motion:
     """The motions of b cases, the `rows` of a solution, in five directions.
 
@@ -28,8 +43,7 @@ class Motion:
     with the others held.
 
     problem: the start problems of the orbits. along: at the stations, (b, n, 5). far: at the far end, (b, 1, 5). rate:
-    beta_t at the far end, (b,). varied: the orbits' variations; None for helices, whose a0, e, start and end are None
-    too. a0 (b, 5), e (b, 5, 4): the directions as in `orbit.variations`. start, end: the places of the two ends, (b,).
+    beta_t at the far end, (b,). orbits: what moves; None for helices.
     """
 
     rows: Integers
@@ -37,11 +51,7 @@ class Motion:
     along: Change
     far: Change
     rate: Array
-    varied: Variations | None = None
-    a0: Array | None = None
-    e: Array | None = None
-    start: Place | None = None
-    end: Place | None = None
+    orbits: VariedOrbits | None = None
 
 
 def motions(sol: Solution, outcome: Array) -> Iterator[Motion]:
@@ -79,7 +89,7 @@ def _moved(varied: Variations, rows: Integers, problem: StartProblem, t: Array, 
     start, end = varied.start, varied.at(problem.span[:, None])
     along, far = (changed(start, there, a0, e) for there in (varied.at(t), end))
     end = end.take((slice(None), 0))
-    return Motion(rows, problem, along, far, end.v, varied, a0, e, start, end)
+    return Motion(rows, problem, along, far, end.v, VariedOrbits(varied, a0, e, start, end))
 
 
 def _of_helices(sol: Solution, rows: Integers, problem: StartProblem) -> Motion:

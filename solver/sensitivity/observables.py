@@ -2,7 +2,7 @@
 
 The formula of an observable (`observe.observables`) is computed with numbers that carry their derivatives, so it is
 written once. What it is made of, the integrals and extremes that `observe.measurement` measures along the rod, is
-differentiated by `on_panels`. A whole number does not change where its derivative exists: its derivative is 0.
+differentiated by `integrals` and `extremes`. The derivative of a whole number is 0 where it exists.
 """
 
 from collections.abc import Callable, Iterable
@@ -19,15 +19,17 @@ from ..observe.measurement import Reading
 from ..observe.observables import OBSERVABLES, is_count
 from ..observe.rod_pieces import Angles
 from ..orbit.pieces import ROTATION
-from ..orbit.variations import slopes_by_loads
+from ..orbit.variation_nodes import slopes_by_loads
 from ..problem.errors import InputError, choices, no_such
 from ..problem.field_rates import FieldRates
 from ..problem.reduced import flat
 from ..solution import Solution
 from .along import amounts
+from .density_changes import DensityChange
 from .dual import Dual
+from .extremes import extreme
+from .integrals import integral, parts
 from .motions import Motion
-from .on_panels import Measure
 
 SEVERAL = "no derivative: several places of the rod reach the extreme, and a change moves them apart"
 NO_ORBIT = "no derivative: the method knows no orbit, so it has no period"
@@ -73,7 +75,7 @@ class Moving(Reading):
         """Differentiate what is measured on the cases of a motion; rates: of these cases."""
         unit = amounts(self.sol, motion, rates)
         sign = flat(self.sol.case.outward, self.sol.case.shape)[motion.rows]
-        found = _of_helices if motion.varied is None else _of_orbits
+        found = _of_helices if motion.orbits is None else _of_orbits
         for name, value in found(motion, unit, rates.span, sign, self._wanted).items():
             self._slopes[name][motion.rows] = value
         beta, later = self._far_angle(motion), rates.span
@@ -84,7 +86,7 @@ class Moving(Reading):
     @staticmethod
     def _far_angle(motion: Motion) -> Array:
         span = motion.problem.span[:, None]
-        return motion.problem.beta0 if motion.varied is None else sum(motion.varied.angles(span))[:, 0]
+        return motion.problem.beta0 if motion.orbits is None else motion.orbits.varied.beta(span)[:, 0]
 
     def get(self, name: str) -> Any:
         return Dual(self.plain.value(name), self._slopes[name]), 0.0
@@ -93,15 +95,15 @@ class Moving(Reading):
         return self.get(name)[0] * factor, 0.0
 
     @cached_property
-    def rho(self) -> Any:  # type: ignore[override]
+    def rho(self) -> Any:
         return Dual(self.plain.rho, self._rates.rho)
 
     @cached_property
-    def A(self) -> Any:  # type: ignore[override]
+    def A(self) -> Any:
         return Dual(self.plain.A, self._rates.A)
 
     @cached_property
-    def nu(self) -> Any:  # type: ignore[override]
+    def nu(self) -> Any:
         return Dual(self.plain.nu, self._rates.nu)
 
     @property
@@ -109,11 +111,11 @@ class Moving(Reading):
         return Dual(self.plain.mu, self._rates.mu)
 
     @cached_property
-    def length(self) -> Any:  # type: ignore[override]
+    def length(self) -> Any:
         return Dual(self.plain.length, self._rates.span)
 
     @cached_property
-    def gain(self) -> Any:  # type: ignore[override]
+    def gain(self) -> Any:
         return tuple(Dual(value, self._slopes[k]) for value, k in zip(self.plain.gain, ("alpha", "z"), strict=True))
 
     @property
@@ -162,24 +164,25 @@ def why_missing(name: str, sol: Solution) -> str:
 
 
 def _of_orbits(motion: Motion, unit: Array, later: Array, sign: Array, wanted: set[str]) -> dict[str, Array]:
-    assert motion.a0 is not None and motion.e is not None and motion.varied is not None
-    a0, e = np.einsum("bf,bfg->bg", motion.a0, unit), np.einsum("bfk,bfg->bgk", motion.e, unit)
-    gain = motion.varied.gain[:, :, :4].sum(axis=1)
-    found = {"half_period": -np.einsum("bk,bgk->bg", gain, e)}
+    """The derivatives of what is measured, (b, F) each, and of half a period."""
+    orbits = motion.orbits
+    assert orbits is not None
+    a0, e = np.einsum("bf,bfg->bg", orbits.a0, unit), np.einsum("bfk,bfg->bgk", orbits.e, unit)
+    varied, places = orbits.varied, (orbits.start, orbits.end)
+    found = {"half_period": -np.einsum("bk,bgk->bg", varied.gain[:, :, :4].sum(axis=1), e)}
     one = np.ones(motion.problem.size)
 
-    def measure(density: Any, turn: Array) -> Measure:
-        assert motion.varied is not None
-        return Measure(motion, motion.varied, density, turn, a0, e, later)
+    def measure(density: Any, turn: Array) -> DensityChange:
+        return DensityChange(motion.problem, varied, places, density, turn, a0, e, later)
 
     for name in wanted:
         if name in _EXTREMES:
             density, largest = _EXTREMES[name]
-            found[name] = measure(density, sign if density is densities.outward else one).extreme(largest)
+            found[name] = extreme(measure(density, sign if density is densities.outward else one), largest)
         elif name in _INTEGRALS:
-            found[name] = measure(_INTEGRALS[name], one).integral()
+            found[name] = integral(measure(_INTEGRALS[name], one))
     if wanted & set(_PUSHES):
-        found |= dict(zip(_PUSHES, measure(densities.outward, sign).parts(), strict=True))
+        found |= dict(zip(_PUSHES, parts(measure(densities.outward, sign)), strict=True))
     return {name: value for name, value in found.items() if name in wanted or name == "half_period"}
 
 

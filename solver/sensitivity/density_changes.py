@@ -1,0 +1,149 @@
+"""A density along varied orbits, and how it answers the directions of a motion, in units of A and rho."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from ..mechanics.potential import Loads
+from ..numerics.arrays import Array, Integers
+from ..numerics.chebyshev import basis, derivative, polynomials
+from ..numerics.roots import bracketed
+from ..observe.density_rates import RATES
+from ..observe.rod_pieces import Angles
+from ..orbit.variations import Place, Variations
+from ..problem.reduced import Reduced, StartProblem
+
+_GOAL, _ROUNDS = 1e-11, 3  # of the series of a density, relative; how often a panel may be halved
+
+Density = Callable[..., Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Values:
+    """A density at points (...).
+
+    pace: the change of the values along the orbit in a unit of time. moved: (..., 4), their change by a unit of each
+    element of e where nothing moves along the orbit.
+    """
+
+    values: Array
+    pace: Array
+    moved: Array
+
+
+def density_at(density: Density, sign: Array, problem: Reduced, case: Array, beta: Array, place: Place) -> Values:
+    """A density times sign (B,) of the problems `case` (Q,), at beta and places (Q, m)."""
+    angles, loads = Angles(beta, np.abs(place.v), np.sin(beta), np.cos(beta)), Loads.columns(problem, case)
+    values = density(SimpleNamespace(angles=angles, problem=problem, case=case)).values
+    rates = RATES[density](angles, loads)
+    by_rate = rates.speed * np.where(place.v < 0, -1.0, 1.0)
+    across = rates.beta * (place.c * place.H / place.D) + by_rate * (place.v / place.D)
+    moved = place.gamma * across[..., None] + place.shift * rates.beta[..., None]
+    for q, rate in ((1, rates.lam), (2, rates.mu), (3, rates.phi)):
+        moved[..., q] += rate
+    turn = sign[case, None]
+    return Values(turn * values, turn * (rates.beta * place.v - by_rate * place.H), turn[..., None] * moved)
+
+
+@dataclass(frozen=True, eq=False)
+class DensityChange:
+    """One density times sign (b,) along the rods of b problems, and its change in F directions.
+
+    varied: the variations of their orbits. places: of the two ends, (b,) each. a0: (b, F), e: (b, F, 4), as in
+    `orbit.variations`. later: (b, F), the change of the length in t.
+    """
+
+    problem: StartProblem
+    varied: Variations
+    places: tuple[Place, Place]
+    density: Density
+    sign: Array
+    a0: Array
+    e: Array
+    later: Array
+
+    @property
+    def case(self) -> Integers:
+        """The problem of each panel, (P,)."""
+        return self.varied.orbit.panels.arc // 2
+
+    @property
+    def times(self) -> tuple[Array, Array]:
+        """t at the two ends, (b,) each."""
+        return 0 * self.problem.span, self.problem.span
+
+    @cached_property
+    def nodes(self) -> Values:
+        """At the nodes of the panels, (P, n)."""
+        nodes = basis(self.varied.nodes.v.shape[1]).nodes
+        panels = np.arange(self.case.size)
+        beta, place = self.varied.on_panels(panels, np.broadcast_to(nodes, (panels.size, nodes.size)))
+        return self.at(self.case, beta, place)
+
+    @cached_property
+    def ends(self) -> list[Values]:
+        """At the two ends, (b,) each."""
+        rows, found = np.arange(self.problem.size), []
+        for t, place in zip(self.times, self.places, strict=True):
+            beta = self.varied.beta(t[:, None])
+            found.append(first_of(self.at(rows, beta, place.take((slice(None), None)))))
+        return found
+
+    def at(self, case: Array, beta: Array, place: Place) -> Values:
+        """At beta and places (Q, m) of the problems `case` (Q,)."""
+        return density_at(self.density, self.sign, self.problem, case, beta, place)
+
+    @cached_property
+    def a(self) -> Array:
+        """a at the far end, (b, F)."""
+        start, end = self.places
+        return np.asarray(self.a0 + np.einsum("bk,bfk->bf", (end.M - start.M)[:, 0], self.e))
+
+    def difference(self, case: Array, base: Array, x: Array, speed: Array) -> Array:
+        """The density at base + x (Q, m) less that at rest at base, to relative accuracy in x: Gauss' rule."""
+        total, loads = np.zeros_like(x), Loads.columns(self.problem, case)
+        for node, weight in zip(*np.polynomial.legendre.leggauss(5), strict=True):
+            share = (1 + node) / 2
+            beta = base + share * x
+            rates = RATES[self.density](Angles(beta, share * speed, np.sin(beta), np.cos(beta)), loads)
+            total += weight / 2 * (rates.beta * x + rates.speed * speed)
+        return self.sign[case, None] * total
+
+    def at_angles(self, case: Array, beta: Array, speed: Array) -> Array:
+        angles = Angles(beta, speed, np.sin(beta), np.cos(beta))
+        some: Any = SimpleNamespace(angles=angles, problem=self.problem, case=case)
+        return np.asarray(self.sign[case, None] * self.density(some).values)
+
+    def refined(self) -> "DensityChange":
+        """The same on panels that are halved until the series of the values and their changes end."""
+        found = self
+        for _ in range(_ROUNDS):
+            nodes, points = found.nodes, basis(found.varied.nodes.v.shape[1])
+            both = np.concatenate([nodes.values[:, None], np.moveaxis(nodes.moved, 2, 1)], axis=1) @ points.analyse
+            tail = np.abs(both[:, :, -2:]).max(axis=2)
+            top = np.zeros((found.problem.size, 5))
+            np.maximum.at(top, found.case, np.abs(both).max(axis=2))
+            bad = np.flatnonzero((tail > _GOAL * top[found.case]).any(axis=1))
+            if not bad.size:
+                break
+            found = replace(found, varied=found.varied.cut(bad, np.zeros(bad.size)))
+        return found
+
+
+def first_of(values: Values) -> Values:
+    return Values(values.values[:, 0], values.pace[:, 0], values.moved[:, 0])
+
+
+def zeros_of(series: Array, low: Array, high: Array) -> Array:
+    """Where series (C, n) are zero between places where they are negative and where they are not, (C,)."""
+    both = np.stack([series, series @ derivative(series.shape[1])])
+
+    def value_and_rate(x: Array) -> tuple[Array, Array]:
+        found = np.einsum("kcn,nc->kc", both, polynomials(x, series.shape[1]))
+        return found[0], found[1]
+
+    return bracketed(value_and_rate, low, high, steps=60)

@@ -1,0 +1,123 @@
+"""The derivatives of integrals along rods.
+
+The change of a density has a part a times its pace along the orbit; that part is integrated by parts, so that what is
+summed depends on the angle alone and whole periods add by their number.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ..numerics.arrays import Array, Integers
+from ..numerics.chebyshev import basis
+from .density_changes import DensityChange, zeros_of
+
+_SAME = 1e-12  # rad: critical points that are this near are one
+_NEAR = 0.1  # rad: how near a critical point the difference of a density from that there is integrated
+_ROUNDING = 64 * 2.0**-52  # of a difference of two values of a density
+
+
+def integral(rods: DensityChange) -> Array:
+    """Of the integral over the rod, (b, F)."""
+    return _sum(rods.refined(), lambda v: v, np.ones_like)
+
+
+def parts(rods: DensityChange) -> tuple[Array, Array, Array]:
+    """Of the integrals of the positive and of minus the negative values, and of the length of the positive ones."""
+    cut = _cut_at_zeros(rods)
+    positive = (cut.nodes.values.mean(axis=1) > 0).astype(float)[:, None]
+    up = _sum(cut, lambda v: np.maximum(v, 0), lambda v: (v > 0) * 1.0)
+    down = _sum(cut, lambda v: np.maximum(-v, 0), lambda v: (v <= 0) * -1.0)
+    return up, down, _share(cut, positive)
+
+
+def _sum(rods: DensityChange, kept: Callable[[Array], Array], rate: Callable[[Array], Array]) -> Array:
+    """Of the integral of kept(values), (b, F); rate: the derivative of `kept`, constant on each panel."""
+    factor = rate(rods.nodes.values.mean(axis=1))[:, None]
+    moved = np.moveaxis(rods.nodes.moved, 2, 1) * factor[..., None]
+    closest, still = _closest(rods)
+    level, size = kept(still), _ROUNDING * (1 + np.abs(still))
+    above = kept(rods.nodes.values) - level[rods.case, None]
+    turned = factor * _differences(rods)
+    near = _near(rods) & (np.abs(above - turned).max(axis=1) <= size[rods.case])
+    above[near] = turned[near]
+    ends = []
+    for t, place, values in zip(rods.times, rods.places, rods.ends, strict=True):
+        base, x = (v[:, 0] for v in rods.varied.angles(t[:, None]))
+        rows = np.arange(t.size)
+        exact = rods.difference(rows, base[:, None], x[:, None], np.abs(place.v)[:, None])[:, 0]
+        exact, plain = rate(values.values) * exact, kept(values.values) - level
+        same = np.abs(np.sin((base - rods.varied.base[closest]) / 2)) < _SAME
+        ends.append(np.where(same & (np.abs(plain - exact) <= size), exact, plain))
+    whole = _by_parts(rods, above, moved, np.zeros((rods.case.size, 4)), ends[0], ends[1])
+    return whole + kept(rods.ends[1].values)[:, None] * rods.later
+
+
+def _share(rods: DensityChange, positive: Array) -> Array:
+    """Of the length where the values are positive, (b, F): what it gains at every zero that it passes."""
+    arc, panel = rods.varied.orbit.panels.arc, np.arange(rods.case.size)
+    before = np.where(panel == rods.varied.orbit.first[arc], panel, panel - 1)
+    crossed = positive[before, 0] != positive[:, 0]
+    gained = rods.nodes.moved[:, 0] / np.abs(rods.nodes.pace[:, :1])
+    jump = np.where(crossed[:, None], gained, 0.0)
+    level = (_closest(rods)[1] > 0) * 1.0
+    above = np.broadcast_to(positive - level[rods.case, None], rods.nodes.values.shape)
+    begin, end = ((one.values > 0) * 1.0 for one in rods.ends)
+    moved = np.zeros((rods.case.size, 4, above.shape[1]))
+    return _by_parts(rods, above, moved, jump, begin - level, end - level) + end[:, None] * rods.later
+
+
+def _by_parts(rods: DensityChange, above: Array, moved: Array, jump: Array, first: Array, last: Array) -> Array:
+    """The integral of the change of a density: a times its pace is integrated by parts, so that a need not be.
+
+    above (P, n), first and last (b,): the density at the nodes and at the two ends less that at the closest saddle.
+    """
+    varied, B = rods.varied, rods.problem.size
+    rates = moved - above[:, None] * varied.nodes.M[:, :4]
+    jumps = jump - above[:, :1] * varied.jump[:, :4]
+    closing = -first[np.arange(2 * B) // 2, None] * varied.closing[:, :4]
+    sums = varied.sums(rates, jumps, closing)
+    ends = rods.a * last[:, None] - rods.a0 * first[:, None]
+    return np.asarray(np.einsum("bk,bfk->bf", sums, rods.e) + ends)
+
+
+def _closest(rods: DensityChange) -> tuple[Integers, Array]:
+    """The panel closest to a critical point, and the density at rest at that point, (b,) each."""
+    nodes, base = rods.varied.nodes, rods.varied.base
+    D = (nodes.v**2 + nodes.c[:, None] * nodes.H**2).min(axis=1)
+    order = np.lexsort((D, rods.case))
+    panel = order[np.searchsorted(rods.case[order], np.arange(rods.problem.size))]
+    rest, beta = np.zeros((panel.size, 1)), base[panel, None]
+    return panel, rods.at_angles(np.arange(panel.size), beta, rest)[:, 0]
+
+
+def _near(rods: DensityChange) -> Array:
+    """Which panels are near that point, (P,)."""
+    x, base = rods.varied.orbit.panels.series[:, 0], rods.varied.base
+    same = np.abs(np.sin((base - base[_closest(rods)[0]][rods.case]) / 2)) < _SAME
+    return same & (np.abs(x).sum(axis=1) < _NEAR)
+
+
+def _differences(rods: DensityChange) -> Array:
+    """The density less that at rest at the critical point of the panel, (P, n), where the two are near."""
+    points, near = basis(rods.varied.nodes.v.shape[1]), _near(rods)
+    out, x = np.zeros(rods.nodes.values.shape), rods.varied.orbit.panels.series[:, 0] @ points.values
+    base = rods.varied.base[near, None]
+    out[near] = rods.difference(rods.case[near], base, x[near], rods.varied.nodes.v[near])
+    return out
+
+
+def _cut_at_zeros(rods: DensityChange) -> DensityChange:
+    """The same on panels on which the values have one sign."""
+    found = rods.refined()
+    values, nodes = found.nodes.values, basis(found.varied.nodes.v.shape[1]).nodes
+    up = values > 0
+    q, cell = np.nonzero(up[:, 1:] != up[:, :-1])
+    if not q.size:
+        return found
+    rises = up[q, cell + 1]
+    low, high = np.where(rises, nodes[cell], nodes[cell + 1]), np.where(rises, nodes[cell + 1], nodes[cell])
+    x = zeros_of(values[q] @ basis(nodes.size).analyse, low, high)
+    inside = np.abs(x) < 1 - 1e-12
+    return replace(found, varied=found.varied.cut(q[inside], x[inside]))
