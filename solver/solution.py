@@ -316,7 +316,7 @@ class Solution:
         >>> found.beta.shape, found.outcome
         ((2, 201), 'solved')
         >>> print(f"d height/d F1 = {found.observables['height'][1]:.4f}")
-        d height/d F1 = 0.0000
+        d height/d F1 = 0.1809
         """
         from .sensitivity import sensitivity  # needs `observe`, which needs this module
 

@@ -1,0 +1,244 @@
+"""`Solution.sensitivity` against derivatives in fifty digits, against differences, and against symmetries."""
+
+import json
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, observe, solve
+from solver.observe.observables import OBSERVABLES, is_count
+from solver.problem.field_rates import checked_fields, fields_of
+from solver.problem.reduced import reduce
+from solver.sensitivity.motions import motions
+from tests.cases import START, ends_in_units_of_rho
+
+FILE = json.loads((Path(__file__).parents[1] / "sensitivity_references.json").read_text(encoding="utf-8"))
+ALONG = ("beta", "dbeta", "alpha", "z", "gamma")
+REAL = [name for name in OBSERVABLES if not is_count(name)]
+TABLE = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start("30deg", 0.5, F1=5.0, F2=1.0, F3=10.0))
+_AT_START = {"beta0": "beta", "dbeta0": "dbeta", "alpha0": "alpha", "gamma0": "gamma"}
+
+
+def moved(case: Case, field: str, step: Any) -> Case:
+    """The case with one field changed."""
+    for name in ("rod", "cylinder", "given"):
+        part = getattr(case, name)
+        own = field if hasattr(part, field) else _AT_START.get(field, field)
+        if getattr(part, own, None) is not None:
+            return replace(case, **{name: replace(part, **{own: getattr(part, own) + step})})
+    raise AssertionError(field)
+
+
+def differences(case: Case, field: str, read: Any, step: float, **options: Any) -> Any:
+    """The derivative of what `read` reads of a solution, by central differences extrapolated three times."""
+    size = step * max(1.0, float(np.max(case.rod.E)) if field == "E" else 1.0)
+    table = []
+    for k in range(4):
+        h = size / 2**k
+        up, down = (read(solve(moved(case, field, sign * h), tol=1e-13, **options)) for sign in (1, -1))
+        table.append((up - down) / (2 * h))
+    for order in (1, 2, 3):
+        table = [(4**order * b - a) / (4**order - 1) for a, b in pairwise(table)]
+    return table[0]
+
+
+def along(names: tuple[str, ...]) -> Any:
+    """What reads these arrays of a solution, (len(names), n)."""
+    return lambda sol: np.stack([getattr(sol, name) for name in names])
+
+
+def jacobian(solution: Any) -> Any:
+    """Derivatives of beta, beta_t, alpha, z, swirl (n, 5) in the five directions of the references, (n, 5, 5)."""
+    outcome = np.array(["solved"], dtype=object)
+    (motion,) = motions(solution, outcome)
+    along = motion.along
+    alpha, minus_swirl, z = (along.integrals[0, ..., k] for k in range(3))
+    return np.stack([along.beta[0], along.rate[0], alpha, z, -minus_swirl], axis=1)
+
+
+def off(found: Any, exact: Any) -> float:
+    """The largest error of each derivative over its own largest size along the rod."""
+    return float((np.abs(found - exact).max(axis=0) / np.maximum(np.abs(exact).max(axis=0), 1e-300)).max())
+
+
+@pytest.mark.parametrize("name", FILE["start"])
+def test_derivatives_of_start_problems_agree_with_fifty_digits(name: str) -> None:
+    case = START[name].case
+    solution = solve(case, tol=1e-9, stations=np.array(FILE["shares"]) * case.rod.L)
+    exact = np.array(FILE["start"][name]["jacobian"])
+    allowed = max(1e-11, 64 * 2.0**-52 * float(solution.condition))  # the rounding of the start, grown
+    assert allowed < 1e-9, name
+    assert off(jacobian(solution), exact) < allowed
+
+
+@pytest.mark.parametrize("place", FILE["ends"])
+def test_derivatives_of_equilibria_agree_with_fifty_digits(place: str) -> None:
+    case = ends_in_units_of_rho(*FILE["reference"])
+    wanted = FILE["ends"][place]
+    solution = equilibria(case, stations=3)[int(place)].solution
+    assert float(solution.trajectory.dbeta[0, 0]) == pytest.approx(wanted["dbeta0"], abs=1e-13)
+    again = solve(case, tol=1e-9, stations=np.array(FILE["shares"]) * case.rod.L, seed=solution)
+    assert off(jacobian(again), np.array(wanted["jacobian"])) < 1e-11
+
+
+@pytest.mark.parametrize("given", (
+    Start(0.5, 0.5, F1=5.0, F2=3.0, F3=10.0, alpha=0.3, gamma=0.2),
+    Start(0.5, 0.5, dgamma=0.5, F2=3.0, F3=10.0),
+    Start(0.5, 0.5, M3=5.0, F2=3.0, F3=-10.0),
+))  # fmt: skip
+@pytest.mark.parametrize("side", ("outside", "inside"))
+def test_derivatives_by_every_field_agree_with_differences(given: Start, side: str) -> None:
+    case = Case(Rod(1.07e4, 0.25, 0.25, 6.0), Cylinder(0.75, side), given)
+    found = solve(case, stations=7).sensitivity(fields_of(case), REAL)
+    for k, field in enumerate(found.fields):
+        table = differences(case, field, along(ALONG), 1e-3, stations=7, method="orbit")
+        for name, exact in zip(ALONG, table, strict=True):
+            # differences of numbers of size 10 with 14 digits, steps of 1e-4
+            assert getattr(found, name)[k] == pytest.approx(exact, rel=1e-6, abs=1e-8 * (1 + np.abs(exact).max())), (
+                field
+            )
+
+
+@pytest.mark.parametrize("given", (TABLE.given, Start(0.7, -0.4, F2=2.0, F3=-20.0, dgamma=0.3)))
+def test_derivatives_of_observables_agree_with_differences(given: Start) -> None:
+    case = Case(TABLE.rod, TABLE.cylinder, given)
+    names = ["kappa_mean", "kappa_max", "wraps", "height", "push_mean", "pull_mean", "push_min", "push_max", "attached",
+             "energy", "bending_energy", "twist_energy", "amplitude", "bend_number", "contact_size_mean"]  # fmt: skip
+    found = solve(case).sensitivity(["E", "R", "beta0"], names)
+    assert set(names) == set(REAL)
+    assert not any(found.remarks.values())
+
+    def read(sol: Any) -> Any:
+        return np.array(list(observe(sol, names).values()))
+
+    for k, field in enumerate(found.fields):
+        exact = differences(case, field, read, 1e-4, stations=3, method="orbit")
+        seen = np.array([found.observables[name][k] for name in names])
+        assert seen == pytest.approx(exact, rel=2e-6, abs=1e-8), field
+
+
+def test_derivatives_of_an_equilibrium_between_long_ends_agree_with_differences() -> None:
+    case = ends_in_units_of_rho(-0.3655, 0.7464, -0.7506, 200.0, np.pi / 6, 0.6)  # its level is exp(-270) from a saddle
+    solution = solve(case, tol=1e-11, stations=21)
+    found = solution.sensitivity(["betaL", "R"], ["height"])
+    assert found.solved
+    for k, field in enumerate(found.fields):
+        table = differences(case, field, along(("beta", "z")), 1e-3, stations=21, seed=solution)
+        for name, exact in zip(("beta", "z"), table, strict=True):
+            assert getattr(found, name)[k] == pytest.approx(exact, rel=1e-6, abs=1e-7 * np.abs(exact).max())
+    assert found.beta[0][[0, -1]] == pytest.approx([0, 1], abs=1e-12)
+    assert found.observables["height"] == pytest.approx(found.z[:, -1], rel=1e-9)
+
+
+def test_stiffness_and_loads_together_leave_the_shape() -> None:
+    found = solve(TABLE).sensitivity(["E", "F1", "F2", "F3"], ["height", "wraps", "kappa_max"])
+    values = np.array([TABLE.rod.E, TABLE.given.F1, TABLE.given.F2, TABLE.given.F3])
+    for name in ALONG:
+        parts = getattr(found, name) * values[:, None]
+        assert np.abs(parts.sum(axis=0)).max() < 1e-11 * np.abs(parts).max()
+    for value in found.observables.values():
+        assert abs((value * values).sum()) < 1e-10 * np.abs(value * values).max()
+
+
+def test_the_response_of_the_displacements_to_the_dead_loads_is_symmetric() -> None:
+    case = ends_in_units_of_rho(*FILE["reference"])
+    for one in equilibria(case, stations=3)[::7]:
+        found = one.solution.sensitivity(["FZ", "MZ", "M3"])
+        K = np.stack([found.z[:, -1], found.alpha[:, -1], found.gamma[:, -1]])
+        assert np.abs(K - K.T).max() < 1e-10 * np.abs(K).max()
+
+
+def test_a_rod_of_ten_thousand_radii_loses_no_digit_to_its_length() -> None:
+    long = Case(replace(TABLE.rod, L=1e4), TABLE.cylinder, TABLE.given)
+    near = Case(replace(TABLE.rod, L=1e4 + 1e-3), TABLE.cylinder, TABLE.given)
+    solution = solve(long, stations=3)
+    found = solution.sensitivity(["E", "F1", "F2", "F3", "L"], ["height"])
+    values = np.array([TABLE.rod.E, TABLE.given.F1, TABLE.given.F2, TABLE.given.F3])
+    parts = found.beta[:4] * values[:, None]
+    assert np.abs(parts.sum(axis=0)).max() < 1e-9 * np.abs(parts).max()
+    longer = observe(solve(near, stations=3), ["height"])["height"] - observe(solution, ["height"])["height"]
+    assert found.observables["height"][4] == pytest.approx(longer / 1e-3, abs=2e-3)  # the second derivative
+
+
+def test_a_batch_gives_what_its_cases_give_alone_and_leaves_out_what_was_not_solved() -> None:
+    E = np.array([5e3, 1.07e4, 1e250, 4e4])
+    case = Case(replace(TABLE.rod, E=E), TABLE.cylinder, TABLE.given)
+    found = solve(case, stations=11).sensitivity(["E", "R"], ["height", "push_max", "turns"])
+    assert found.beta.shape == (4, 2, 11)
+    assert found.observables["height"].shape == (4, 2)
+    assert not found.observables["turns"][0].any()
+    for i in (0, 1, 3):
+        alone = solve(Case(replace(TABLE.rod, E=E[i]), TABLE.cylinder, TABLE.given), stations=11)
+        one = alone.sensitivity(["E", "R"], ["height", "push_max"])
+        assert found.z[i] == pytest.approx(one.z, rel=1e-9, abs=1e-12)
+        assert found.observables["push_max"][i] == pytest.approx(one.observables["push_max"], rel=1e-9)
+    unsolved = ~np.asarray(found.solved)
+    assert np.isnan(found.beta[unsolved]).all()
+    assert all(text.startswith("failed") for text in np.asarray(found.outcome)[unsolved])
+
+
+def test_at_a_fold_the_outcome_says_so() -> None:
+    # a straight rod that is about to buckle
+    case = ends_in_units_of_rho(0.0, 0.0, -0.2, np.pi / np.sqrt(0.2) * (1 - 1e-8), 0.0, 0.0)
+    solution = next(one.solution for one in equilibria(case, stations=3) if one.stray < 1e-9)
+    assert solution.solved
+    found = solution.sensitivity(["FZ"])
+    assert not found.solved
+    assert "fold" in found.outcome
+    assert np.isnan(found.beta).all()
+
+
+def test_an_extreme_that_two_places_reach_has_a_remark() -> None:
+    found = solve(START["compressed, symmetric"].case).sensitivity(["E"], ["push_max"])
+    assert np.isnan(found.observables["push_max"]).all()
+    assert "several places" in found.remarks["push_max"]
+
+
+def test_invalid_names_are_refused_with_the_choices() -> None:
+    solution = solve(TABLE, stations=3)
+    for fields, word in ((["F9"], "F9"), (["beta"], "beta0"), (["M3"], "F1"), ([], "none"), (["E", "E"], "different")):
+        with pytest.raises(InputError, match=word):
+            solution.sensitivity(fields)
+    with pytest.raises(InputError, match="choose from"):
+        solution.sensitivity(["E"], ["nothing"])
+    ends = Case(TABLE.rod, TABLE.cylinder, Ends(0.5, 0.8, FZ=-1.0))
+    assert checked_fields(ends, "betaL") == ("betaL",)
+
+
+@pytest.mark.slow
+def test_random_rods_agree_with_differences() -> None:
+    rng = np.random.default_rng(11)
+    judged = 0
+    for _ in range(60):
+        given = Start(
+            rng.uniform(-3, 3), rng.normal(), F2=10 * rng.normal(), F3=10 * rng.normal(), M3=10 * rng.normal()
+        )
+        case = Case(Rod(1.07e4, 0.25, 0.25, 10.0), Cylinder(0.75, str(rng.choice(["inside", "outside"]))), given)
+        solution = solve(case, stations=5)
+        if not solution.solved or solution.condition > 100:  # differences would lose the digits
+            continue
+        field = str(rng.choice(fields_of(case)))
+        found = solution.sensitivity([field])
+        judged += 1
+        table = differences(case, field, along(ALONG), 2e-5, stations=5, method="orbit")
+        for name, exact in zip(ALONG, table, strict=True):
+            assert getattr(found, name)[0] == pytest.approx(exact, rel=1e-4, abs=1e-5 * (1 + np.abs(exact).max()))
+    assert judged > 30
+
+
+def test_reduced_numbers_of_the_references_are_those_of_the_cases() -> None:
+    assert {name for name in FILE["start"]} <= set(START)
+    assert all(reduce(START[name].case).size == 1 for name in FILE["start"])
+
+
+def test_the_code_of_the_page_runs() -> None:
+    page = Path(__file__).parents[2] / "docs" / "how-to" / "differentiate-a-solution.md"
+    blocks = [block.split("```")[0] for block in page.read_text(encoding="utf-8").split("```python\n")[1:]]
+    space: dict[str, Any] = {}
+    exec("\n".join(blocks), space)
+    assert space["found"].outcome == "solved"
+    assert space["compliance"] == pytest.approx(space["compliance"].T, rel=1e-9)
