@@ -3,7 +3,7 @@
 import re
 import reprlib
 import tomllib
-from difflib import get_close_matches
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +11,14 @@ from pydantic import BaseModel, ValidationError
 
 from solver.problem.errors import InputError, choices
 
+from . import paired
 from .axes import Axis, Base, Misplaced, Units, Which
 from .laws import Law
 from .model import Study
+from .paired import Table
+from .samples import Distribution
+from .wording import near
+from .writer import dumps
 
 SHIPPED = Path(__file__).parent
 
@@ -25,7 +30,9 @@ MOST_KEYS = 1000  # of a table, and tables of a list
 MOST_PARTS = 20  # of a dotted key
 MOST_SAID = 800  # characters of an error message
 
-_MODELS: dict[str, type[BaseModel]] = {"units": Units, "base": Base, "axes": Axis, "laws": Law, "equilibrium": Which}
+_MODELS: dict[str, type[BaseModel]] = {
+    "units": Units, "base": Base, "axes": Axis, "laws": Law, "equilibrium": Which, "sample": Distribution, "table": Table,
+}  # fmt: skip
 _HEADER = re.compile(r"^\s*(\[\[?)([^\[\]]+)\]")
 _PART = re.compile(r"""[\w-]+|"[^"]*"|'[^']*'""")
 _DEEP_KEY = re.compile(rf"""(?<![\w"'-])(?:[\w"'-]++\s*+\.\s*+){{{MOST_PARTS}}}""")
@@ -39,14 +46,17 @@ def names() -> list[str]:
     return sorted(path.stem for path in SHIPPED.glob("*.toml"))
 
 
-def load(study: str | Path) -> Study:
-    """The study of a shipped name or of a TOML file. Raises `InputError`; its message has the line and the choices."""
+def load(study: str | Path, cases: Path | None = None) -> Study:
+    """The study of a shipped name or of a TOML file, with another table of cases if given.
+
+    Raises `InputError`; its message has the line and the choices.
+    """
     text = str(study)
     path = Path(text)
     if path.suffix != ".toml":
         if text not in names():
-            near = _near(text, names())
-            raise InputError(f"no study {text!r}{near}; choose from {choices(names())}, or give a .toml file")
+            known = f"choose from {choices(names())}, or give a .toml file"
+            raise InputError(f"no study {text!r}{near(text, names())}; {known}")
         path = SHIPPED / f"{text}.toml"
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):  # reading a pipe might never end
@@ -62,13 +72,30 @@ def load(study: str | Path) -> Study:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{_plain(str(path))} is not a file name: {error}") from None
-    return loads(source, path.name, default_name=_as_name(path.stem))
+    context = {"folder": path.parent, "cases": cases}
+    return loads(source, path.name, _as_name(path.stem), context)
 
 
-def loads(text: str, label: str = "study", default_name: str = "study") -> Study:
-    """The study of a TOML text. label: its name in error messages. Raises `InputError`."""
+def loads(
+    text: str, label: str = "study", default_name: str = "study", context: Mapping[str, Any] | None = None
+) -> Study:
+    """The study of a TOML text.
+
+    Parameters
+    ----------
+    text, label, default_name
+        The text, its name in error messages, and the name of the study where the text has none.
+    context
+        "samples": a `Dimension` in place of the samples that the text describes, which are then not read or drawn;
+        "folder": that of its table of cases, default: the current one; "cases": a table in place of its own.
+
+    Raises
+    ------
+    InputError
+        With the line, the value and the choices.
+    """
     try:
-        return _study(text, default_name)
+        return _study(text, default_name, context or {})
     except _Refused as error:
         where = _line(_lines(text), error.where) if error.where else ""
         raise InputError(_plain(f"{label}{where}{':' if error.of_a_key else ''} {error}")) from None
@@ -82,20 +109,38 @@ class _Refused(Exception):
         self.where, self.of_a_key = where, of_a_key
 
 
-def _study(text: str, default_name: str) -> Study:
+def _study(text: str, default_name: str, context: Mapping[str, Any]) -> Study:
     data = _tables(text)
     data.setdefault("name", default_name)
+    cases = context.get("cases")
+    if cases is not None:
+        given = data.get("table")
+        data["table"] = {**(given if isinstance(given, dict) else {}), "file": str(cases.absolute())}
     try:
-        study = Study.model_validate(data)
+        study = Study.model_validate(data, context=context)
     except ValidationError as error:
         where, sentence = _sentence(error)
         raise _Refused(sentence, where) from None
-    study._text = text
+    study._text = text if cases is None else dumps(study)
     try:
         study.case()
+        _check_ends(study)
     except InputError as error:
         raise _Refused(str(error), _blamed(str(error), study)) from None
     return study
+
+
+def _check_ends(study: Study) -> None:
+    """Raise `InputError` unless a case is valid at both ends of each distribution, whatever was drawn."""
+    if study.sample is None:
+        return
+    first = {name: values[0] for name, values in study.coordinates().items()}
+    for name, distribution in study.sample.fields.items():
+        for end in distribution.support:
+            try:
+                study.case_of({**first, name: end})
+            except InputError as error:
+                raise InputError(f"{error}; the distribution reaches it: {distribution.reach(name)}") from None
 
 
 def _tables(text: str) -> dict[str, Any]:
@@ -137,11 +182,6 @@ def _as_name(stem: str) -> str:
     return re.sub(r"[^A-Za-z0-9_-]+", "_", stem).lstrip("_-") or "study"
 
 
-def _near(name: object, known: Any) -> str:
-    close = get_close_matches(str(name)[:60], [str(k) for k in known], 1)
-    return f", did you mean {close[0]!r}" if close else ""
-
-
 def _keys(model: type[BaseModel]) -> list[str]:
     return [field.alias or name for name, field in model.model_fields.items()]
 
@@ -161,7 +201,7 @@ def _sentence(error: ValidationError) -> tuple[Where, str]:
         model = _MODELS.get(str(where[0]), Study) if len(where) > 1 else Study
         keys = _keys(model)
         inside = f" in {_told(where[:-1])}" if len(where) > 1 else ""
-        return where, f"no key {_shown(where[-1])}{inside}{_near(where[-1], keys)}; choose from {choices(keys)}"
+        return where, f"no key {_shown(where[-1])}{inside}{near(where[-1], keys)}; choose from {choices(keys)}"
     if kind == "missing":
         owner = _told(where[:-1]) if len(where) > 1 else "the study"
         return where[:-1], f"{owner} needs the key {where[-1]!r}"
@@ -185,6 +225,8 @@ def _blamed(message: str, study: Study) -> Where:
     """The key of an error of the solver: ``Rod.E must be ...`` is about axes.E or base.E."""
     found = re.match(r"(?:Rod|Cylinder|Start|Ends)\.(\w+)", message)
     field = found.group(1) if found else ""
+    if field in study.sampled:
+        return paired.key(study, field)
     return ("axes", field) if field in study.axes else ("base", field)
 
 

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from math import prod
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field, PrivateAttr, field_validator, model_validator
+from pydantic import BaseModel, Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.observe.observables import OBSERVABLES, error_name
@@ -16,9 +17,13 @@ from solver.problem.quantities import unit_of
 from solver.problem.tolerance import DEFAULT_TOLERANCE
 
 from . import axes as parts
+from . import paired
 from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Misplaced, Units, Which
+from .dimensions import SAMPLE, Dimension, Dimensions
 from .laws import Law
+from .paired import Table
 from .readings import TABLE_1, Reading, parse
+from .samples import Distribution, Sample
 
 # The quantities that can be stored along the rod: names of `Solution`.
 OUTPUTS = (
@@ -33,7 +38,7 @@ MAX_STATIONS = 100_001
 
 
 class Study(BaseModel):
-    """One study. Without axes it is a single case.
+    """One study. Without axes and samples it is a single case.
 
     With a `reading`, base and axes are values as Table 1 prints them (F1 is F10, F3 the size of F30; default: the value
     of the table), and the reading converts them to a case. Without one they are the fields of the case.
@@ -48,6 +53,9 @@ class Study(BaseModel):
     base: Base = Base()
     equilibrium: Which | None = None
     axes: dict[str, Axis] = {}
+    sample: Sample | None = None
+    zip: dict[str, Annotated[list[float], Field(fail_fast=True)]] | None = None
+    table: Table | None = None
     observables: list[str] = OBSERVED
     outputs: list[str] = ["beta", "alpha", "z", "contact"]
     stations: int = Field(201, ge=2, le=MAX_STATIONS)
@@ -55,6 +63,7 @@ class Study(BaseModel):
     method: str = "auto"
     laws: list[Law] = []
     _text: str = PrivateAttr("")
+    _samples: Dimension | None = PrivateAttr(None)
     _part_of: Any = PrivateAttr(None)  # for a part of a sweep: the spine of the whole (`workbench.run.sweep.Spine`)
 
     @field_validator("reading")
@@ -80,12 +89,33 @@ class Study(BaseModel):
             return axes
         return {n: _read_axis(n, a) if isinstance(a, dict) and parts.is_angle(n) else a for n, a in axes.items()}
 
+    @field_validator("sample", mode="before")
+    @classmethod
+    def _angles_of_samples(cls, sample: Any) -> Any:
+        return cls._angles_of_axes(sample)
+
+    @field_validator("zip", mode="before")
+    @classmethod
+    def _angles_of_zip(cls, lists: Any) -> Any:
+        return paired.read_zip(lists)
+
+    @model_validator(mode="after")
+    def _samples_found(self, info: ValidationInfo) -> "Study":
+        """The samples: those of the context, as stored in a dataset, or as the study gives them.
+
+        The context holds "samples", or "folder" of the study's file.
+        """
+        context = info.context or {}
+        stored = context.get("samples")
+        self._samples = paired.samples(self, context.get("folder", Path())) if stored is None else stored
+        return self
+
     @model_validator(mode="after")
     def _base_fits(self) -> "Study":
         fields = self.fields
         for name in self.base.given:
             if name not in fields:
-                why = "Table 1 prints no" if self.reading else f"a study of {self._kind.__name__} has no field"
+                why = "Table 1 prints no" if self.reading else f"a study of {self.kind.__name__} has no field"
                 raise Misplaced(f"{why} {name!r}; choose from {choices(fields)}", "base", name)
         return self
 
@@ -97,14 +127,10 @@ class Study(BaseModel):
                 raise Misplaced(f"{name} is given in base and as an axis: remove one of them", "axes", name)
             if name not in numeric and not (axis.follow and name == "betaL"):
                 raise Misplaced(f"no axis {name!r}; choose from {choices(numeric)}", "axes", name)
-            if axis.follow and (name != "betaL" or len(self.axes) > 1 or self._kind is Ends):
+            if axis.follow and (name != "betaL" or len(self.axes) > 1 or self.kind is Ends):
                 why = "follow needs betaL as the only axis, and a start problem as the base case"
                 raise Misplaced(why, "axes", name, "follow")
-            unit = unit_of(parts.quantity_of(name).name, self.unit_system)
-            allowed = [unit, "deg"] if unit == "rad" else [unit]
-            if axis.unit is not None and axis.unit not in allowed:
-                why = f"{name} is in {' or '.join(allowed)}, got unit {axis.unit!r}"
-                raise Misplaced(why, "axes", name, "unit")
+            self._check_unit(axis, "axes", name)
             if axis.size > parts.MAX_COUNT:
                 raise Misplaced(f"{axis.size} values, more than the limit of {parts.MAX_COUNT}", "axes", name)
         if self.size > parts.MAX_CASES:
@@ -112,20 +138,40 @@ class Study(BaseModel):
         return self
 
     @model_validator(mode="after")
+    def _samples_fit(self) -> "Study":
+        paired.check(self)
+        for name, distribution in self.sample.fields.items() if self.sample else ():
+            self._check_unit(distribution, "sample", name)
+        return self
+
+    def _check_unit(self, given: Axis | Distribution, *where: str) -> None:
+        """Raise `Misplaced` unless the key unit of an axis or distribution fits its field, the last of `where`."""
+        unit = unit_of(parts.quantity_of(where[-1]).name, self.unit_system)
+        allowed = [unit, "deg"] if unit == "rad" else [unit]
+        if given.unit is not None and given.unit not in allowed:
+            why = f"{where[-1]} is in {' or '.join(allowed)}, got unit {given.unit!r}"
+            raise Misplaced(why, *where, "unit")
+
+    @model_validator(mode="after")
     def _equilibrium_fits(self) -> "Study":
-        if self.equilibrium is not None and (self.reading or self._kind is Start):
+        if self.equilibrium is not None and (self.reading or self.kind is Start):
             why = "equilibrium selects a solution of an ends problem; it excludes a reading and a start problem"
             raise Misplaced(why, "equilibrium")
         return self
 
     @model_validator(mode="after")
     def _laws_fit(self) -> "Study":
+        lines = [*self.axes, *([SAMPLE] if self.sampled else [])]
         for i, law in enumerate(self.laws):
+            if law.axis in (*self.sampled, *lines[len(self.axes) :]):
+                is_drawn = "" if law.axis == SAMPLE else f"{law.axis} is sampled, and "
+                why = f"{is_drawn}samples have no order in which an observable rises or falls"
+                raise Misplaced(f"{why}: a law needs an axis, such as [axes.{self.sampled[0]}]", "laws", i, "axis")
             if law.axis not in self.axes:
                 raise Misplaced(f"no axis {law.axis!r}; choose from {choices(self.axes)}", "laws", i, "axis")
             for name in law.at:
-                if name not in self.axes or name == law.axis:
-                    named = choices(axis for axis in self.axes if axis != law.axis)
+                if name not in lines or name == law.axis:
+                    named = choices(axis for axis in lines if axis != law.axis)
                     others = f"choose from {named}" if named else "there is none"
                     raise Misplaced(f"no other axis {name!r}; {others}", "laws", i, "at")
             for key, names in (
@@ -161,9 +207,9 @@ class Study(BaseModel):
         return self.units.model_dump()
 
     @property
-    def _kind(self) -> type:
+    def kind(self) -> type:
         """Start or Ends, from the names of the given fields."""
-        said = {*self.base.given, *(name for name, axis in self.axes.items() if not axis.follow)}
+        said = {*self.base.given, *self.sampled, *(name for name, axis in self.axes.items() if not axis.follow)}
         return Ends if said & (set(ENDS) - set(START)) else Start
 
     @property
@@ -171,7 +217,7 @@ class Study(BaseModel):
         """The names of the fields that base may hold."""
         if self.reading:
             return (*TABLE_1, "side")
-        return (*ROD, *CYLINDER, *(START if self._kind is Start else ENDS))
+        return (*ROD, *CYLINDER, *(START if self.kind is Start else ENDS))
 
     @property
     def follow(self) -> Axis | None:
@@ -181,12 +227,27 @@ class Study(BaseModel):
     @property
     def sweeps(self) -> bool:
         """Whether the study is a sweep, in which each case continues from its neighbour: ends problems over axes."""
-        return bool(self.axes) and self._kind is Ends
+        return bool(self.axes) and self.kind is Ends
 
     @property
     def size(self) -> int:
         """Number of cases."""
-        return prod(axis.size for axis in self.axes.values())
+        return max(self.samples_count, 1) * prod(axis.size for axis in self.axes.values())
+
+    @property
+    def samples_count(self) -> int:
+        """Number of samples; 0 where nothing is sampled."""
+        return 0 if self._samples is None else self._samples.size
+
+    @property
+    def sampled(self) -> tuple[str, ...]:
+        """The fields of the samples, those of [sample], [zip] or [table]."""
+        return () if self._samples is None else tuple(self._samples.fields)
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """The fields that vary: those of the samples, then the axes."""
+        return (*self.sampled, *self.axes)
 
     @property
     def wanted(self) -> list[str]:
@@ -214,9 +275,20 @@ class Study(BaseModel):
             raise InputError(f"stations must be from 2 to {MAX_STATIONS}, got {stations}")
         return self.model_copy(update={"stations": stations})
 
+    def with_samples(self, samples: Dimension | None) -> "Study":
+        """The same study with other samples."""
+        other = self.model_copy()
+        other._samples = samples
+        return other
+
+    def dimensions(self) -> Dimensions:
+        """The samples, and each axis that is not followed."""
+        axes = {name: axis.numbers() for name, axis in self.axes.items() if not axis.follow}
+        return Dimensions.of(axes, self._samples)
+
     def coordinates(self) -> dict[str, NDArray[np.float64]]:
-        """The values of each axis that is not followed, angles in rad."""
-        return {name: axis.numbers() for name, axis in self.axes.items() if not axis.follow}
+        """The values of each field that varies and is not followed, angles in rad."""
+        return self.dimensions().fields
 
     def meaning(self, field: str) -> str:
         """The meaning of a printed value under the reading of the study, in words; empty if it is the plain field."""
@@ -227,14 +299,7 @@ class Study(BaseModel):
 
         Raises `InputError` for a value that the solver refuses.
         """
-        numbers = self.coordinates()
-        rank = len(numbers)
-        return self.case_of(
-            {
-                name: row.reshape([-1 if i == k else 1 for k in range(rank)])
-                for i, (name, row) in enumerate(numbers.items())
-            }
-        )
+        return self.case_of(self.dimensions().open())
 
     def case_of(self, values: Mapping[str, Any]) -> Case:
         """The base case with other values of some fields: numbers, or arrays that broadcast. Raises `InputError`."""
@@ -244,7 +309,7 @@ class Study(BaseModel):
             return parse(self.reading).case(values, side)
         rod, cylinder = ({k: values[k] for k in names if k in values} for names in (ROD, CYLINDER))
         given = {k: v for k, v in values.items() if k not in (*ROD, *CYLINDER)}
-        return Case(from_fields(Rod, rod), from_fields(Cylinder, cylinder), from_fields(self._kind, given))
+        return Case(from_fields(Rod, rod), from_fields(Cylinder, cylinder), from_fields(self.kind, given))
 
 
 def reading_of(study: Study) -> Reading | None:
@@ -255,7 +320,7 @@ def reading_of(study: Study) -> Reading | None:
 def _read_axis(name: str, axis: dict[str, Any]) -> dict[str, Any]:
     """An axis of angles with the values given as text in rad."""
     read = dict(axis)
-    for key in ("values", "from", "to"):
+    for key in ("values", "from", "to", "mean", "std"):
         if key not in axis:
             continue
         said = axis[key] if isinstance(axis[key], list) else [axis[key]]

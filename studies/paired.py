@@ -1,0 +1,127 @@
+"""The fields of a study that vary together, one value of each for every sample: [sample], [zip] and [table]."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from solver import Ends
+from solver.problem.errors import InputError, choices
+
+from . import tables
+from .axes import MAX_COUNT, STRICT, WORDS, Line, Misplaced, in_rad, is_angle
+from .dimensions import SAMPLE, Dimension, Values
+from .wording import near
+
+if TYPE_CHECKING:
+    from .model import Study
+
+SOURCES = ("sample", "zip", "table")  # the tables of a study that give them
+
+
+class Table(BaseModel):
+    """A table of cases in a file. file: .csv or .parquet, in the folder of the study; columns: those read; None: all."""
+
+    model_config = STRICT
+
+    file: Line
+    columns: list[str] | None = None
+
+
+def read_zip(lists: Any) -> Any:
+    """The lists of [zip] with angles given as text in rad; other errors are found later. Raises `Misplaced`."""
+    if not isinstance(lists, dict):
+        return lists
+    read = dict(lists)
+    for name, values in lists.items():
+        if is_angle(name) and isinstance(values, list):
+            try:
+                read[name] = [in_rad(value) for value in values]
+            except ValueError as error:
+                raise Misplaced(str(error), name) from None
+    return read
+
+
+def samples(study: "Study", folder: Path) -> Dimension | None:
+    """The samples that a study gives; None where it gives none. folder: of its file. Raises `Misplaced`."""
+    given = [name for name in SOURCES if getattr(study, name) is not None]
+    if not given:
+        return None
+    if len(given) > 1:
+        raise Misplaced(f"{given[0]} and {given[1]} exclude each other: each gives the samples", given[1])
+    if study.sample is not None:
+        return Dimension(SAMPLE, study.sample.points())
+    if study.table is not None:
+        try:
+            return Dimension(SAMPLE, tables.read(folder / study.table.file, study.table.columns))
+        except InputError as error:
+            raise Misplaced(str(error), "table", "file") from None
+    assert study.zip is not None
+    return Dimension(SAMPLE, _paired(study.zip))
+
+
+def _paired(lists: Mapping[str, list[float]]) -> dict[str, Values]:
+    if not lists or not all(lists.values()):
+        empty = [name for name, values in lists.items() if not values]
+        raise Misplaced("zip is empty: give at least one field a list of at least one value", "zip", *empty[:1])
+    sizes = {name: len(values) for name, values in lists.items()}
+    first, size = next(iter(sizes.items()))
+    for name, other in sizes.items():
+        if other != size:
+            counts = f"{size} in {first} and {other} in {name}"
+            raise Misplaced(f"the lists of zip are paired and must be equally long, got {counts}", "zip", name)
+    if size > MAX_COUNT:
+        raise Misplaced(f"{size} values, more than the limit of {MAX_COUNT}", "zip", first)
+    return {name: np.array(values) for name, values in lists.items()}
+
+
+def source(study: "Study") -> str:
+    """The table of the study that gives the samples."""
+    return next((name for name in SOURCES if getattr(study, name) is not None), SAMPLE)
+
+
+def key(study: "Study", field: str) -> tuple[str, str]:
+    """The key of a sampled field in the study's file."""
+    table = source(study)
+    return (table, "file") if table == "table" else (table, field)
+
+
+def check(study: "Study") -> None:
+    """Raise `Misplaced` unless every sampled field is a number of the case, given once, and what else is given fits."""
+    table, numeric = source(study), [name for name in study.fields if name not in WORDS]
+    for name in study.sampled:
+        where = key(study, name)
+        for other, names in (("base", study.base.given), ("axes", study.axes)):
+            if name in names:
+                raise Misplaced(f"{name} is given in {other} and in {table}: remove one of them", *where)
+        if name not in numeric:
+            what = "column" if table == "table" else "field"
+            more = "; [table] columns names those to be read" if table == "table" else ""
+            raise Misplaced(f"no {what} {name!r}{near(name, numeric)}; choose from {choices(numeric)}{more}", *where)
+    if not study.sampled:
+        return
+    if study.follow is not None:
+        raise Misplaced(f"a followed axis excludes {table}: it is solved for one base case", "axes", "betaL", "follow")
+    if study.axes and study.kind is Ends:
+        why = f"the cases of an ends problem continue from neighbours along an axis, which those of {table} have not"
+        raise Misplaced(f"{why}: give {choices(study.axes)} in {table} too, or remove {table}", "axes")
+    if study.equilibrium is not None and study.equilibrium.dbeta0 is not None:
+        why = f"dbeta0 and energy name the equilibrium of one case, and {table} gives {study.samples_count}"
+        raise Misplaced(f"{why}: give choose or index", "equilibrium", "dbeta0")
+
+
+def told(study: "Study") -> str:
+    """Where the samples of a study come from, in one sentence; empty where there are none."""
+    if not study.sampled:
+        return ""
+    count = f"{study.samples_count} sample{'s' * (study.samples_count != 1)} of {choices(study.sampled)}"
+    if study.sample is not None:
+        return f"{count}: {study.sample.told}"
+    return f"{count}, from {study.table.file if study.table is not None else 'the lists of zip'}"
+
+
+def caution(study: "Study") -> str:
+    """A sentence on a size that does not suit the method of sampling; empty where there is nothing to say."""
+    return study.sample.caution if study.sample is not None else ""

@@ -1,0 +1,234 @@
+"""Samples of several fields at once: how they are drawn, and from which distributions.
+
+A sampler of `scipy.stats.qmc` (or NumPy's generator) gives points in the unit cube, one coordinate a field in the order
+of the study; the inverse of a field's distribution function turns its coordinate into values.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+
+from solver.problem.errors import choices
+
+from .axes import MAX_COUNT, STRICT, Misplaced
+from .dimensions import Values
+from .wording import near
+
+Cube = NDArray[np.float64]  # points in the unit cube, (size, fields)
+
+REACH = 6.0  # standard deviations at which a normal distribution is cut where nothing truncates it: 2 in 10^9 lie beyond
+
+
+def _sobol(size: int, fields: int, seed: int) -> Cube:
+    """The first points of the scrambled Sobol' sequence; drawn as a power of two, as its balance needs."""
+    from scipy.stats import qmc
+
+    points: Cube = qmc.Sobol(fields, rng=seed).random_base2((size - 1).bit_length())
+    return points[:size]
+
+
+def _latin(size: int, fields: int, seed: int) -> Cube:
+    """A Latin hypercube: of each field one value in each of `size` equal shares of the probability."""
+    from scipy.stats import qmc
+
+    return qmc.LatinHypercube(fields, rng=seed).random(size)  # type: ignore[no-any-return]
+
+
+def _random(size: int, fields: int, seed: int) -> Cube:
+    """Independent points."""
+    return np.random.default_rng(seed).random((size, fields))
+
+
+METHODS: dict[str, tuple[Callable[[int, int, int], Cube], str]] = {  # name -> sampler, and its name in sentences
+    "sobol": (_sobol, "scrambled Sobol' sequence"),
+    "latin-hypercube": (_latin, "Latin hypercube"),
+    "random": (_random, "independent random numbers"),
+}
+# name -> the keys that it needs, and those that it may have
+DISTRIBUTIONS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "uniform": (("from", "to"), ()),
+    "log-uniform": (("from", "to"), ()),
+    "normal": (("mean", "std"), ("from", "to")),
+}
+
+
+def _one_of(kind: str, known: Mapping[str, object]) -> AfterValidator:
+    def check(value: str) -> str:
+        if value not in known:
+            raise ValueError(f"no {kind} {value!r}{near(value, known)}; choose from {choices(known)}")
+        return value
+
+    return AfterValidator(check)
+
+
+class Distribution(BaseModel):
+    """The distribution of one sampled field.
+
+    uniform: from, to. log-uniform: from, to, of one sign; the logarithm is uniform. normal: mean, std, and from and to
+    where it is truncated. unit: "deg" for an angle in degrees; default: the unit of the study.
+    """
+
+    model_config = STRICT
+
+    distribution: Annotated[str, _one_of("distribution", DISTRIBUTIONS)] = "uniform"
+    from_: float | None = Field(None, alias="from")
+    to: float | None = None
+    mean: float | None = None
+    std: float | None = None
+    unit: str | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Distribution":
+        needed, allowed = DISTRIBUTIONS[self.distribution]
+        given = {name: self._key(name) for name in ("from", "to", "mean", "std")}
+        if missing := [name for name in needed if given[name] is None]:
+            raise ValueError(f"a {self.distribution} distribution needs {' and '.join(needed)}: {missing[0]} is missing")
+        for name, value in given.items():
+            if value is not None and name not in (*needed, *allowed):
+                raise Misplaced(f"a {self.distribution} distribution has no {name}; it needs {choices(needed)}", name)
+        low, high = given["from"], given["to"]
+        if low is not None and high is not None:
+            if not low < high:
+                raise Misplaced(f"from must be less than to, got from = {low:g} and to = {high:g}", "to")
+            if not np.isfinite(high - low):
+                raise Misplaced(f"the range from {low:g} to {high:g} is too wide for floating-point numbers", "to")
+            if self.distribution == "log-uniform" and not low * high > 0:
+                why = f"a log-uniform distribution needs from and to of one sign and not 0, got {low:g} and {high:g}"
+                raise Misplaced(why, "from")
+        if self.std is not None and not self.std > 0:
+            raise Misplaced(f"std must be positive, got {self.std:g}", "std")
+        if self.distribution == "normal":
+            self._check_truncation()
+        return self
+
+    def _key(self, name: str) -> float | None:
+        value: float | None = getattr(self, "from_" if name == "from" else name)
+        return value
+
+    def _check_truncation(self) -> None:
+        low, high = self._in_deviations()
+        if not (np.isfinite(low) and np.isfinite(high) and low < REACH and high > -REACH):
+            where = " and ".join(f"{name} = {v:g}" for name in ("from", "to") if (v := self._key(name)) is not None)
+            far = f"more than {REACH} standard deviations from its mean"
+            raise Misplaced(f"{where or 'the normal distribution'} leaves no value of it: all lie {far}", "mean")
+
+    def _in_deviations(self) -> tuple[float, float]:
+        """The ends of a normal distribution in standard deviations from its mean."""
+        assert self.mean is not None
+        assert self.std is not None
+        with np.errstate(over="ignore"):
+            low = -REACH if self.from_ is None else max((self.from_ - self.mean) / self.std, -REACH)
+            high = REACH if self.to is None else min((self.to - self.mean) / self.std, REACH)
+        return low, high
+
+    @property
+    def support(self) -> tuple[float, float]:
+        """The least and the greatest value that can be drawn, angles in rad."""
+        if self.distribution == "normal":
+            assert self.mean is not None
+            assert self.std is not None
+            low, high = (self.mean + self.std * z for z in self._in_deviations())
+        else:
+            assert self.from_ is not None
+            assert self.to is not None
+            low, high = self.from_, self.to
+        return self._in_rad(low), self._in_rad(high)
+
+    def values(self, share: Values) -> Values:
+        """The values below which these shares of the distribution lie, (n,), angles in rad."""
+        low, high = self.support
+        if self.distribution == "uniform":
+            found = low + (high - low) * share
+        elif self.distribution == "log-uniform":
+            a, b = np.log(abs(low)), np.log(abs(high))
+            found = np.sign(low) * np.exp(a + (b - a) * share)
+        else:
+            from scipy.stats import truncnorm
+
+            assert self.mean is not None
+            assert self.std is not None
+            deviations = truncnorm.ppf(share, *self._in_deviations())
+            found = self._in_rad(self.mean) + self._in_rad(self.std) * deviations
+        return np.clip(found, low, high)
+
+    def _in_rad(self, value: float) -> float:
+        return float(np.deg2rad(value)) if self.unit == "deg" else value
+
+    def told(self, field: str) -> str:
+        """``E uniform from 5000 to 40000``."""
+        unit = " deg" if self.unit == "deg" else ""
+        ends = [f"{word} {v:g}{unit}" for word in ("from", "to") if (v := self._key(word)) is not None]
+        if self.distribution != "normal":
+            return f"{field} {self.distribution} {' '.join(ends)}"
+        cut = f", truncated {' '.join(ends)}" if ends else ""
+        return f"{field} normal with mean {self.mean:g}{unit} and std {self.std:g}{unit}{cut}"
+
+    def reach(self, field: str) -> str:
+        """The distribution, and how to restrict what it reaches."""
+        normal = self.distribution == "normal"
+        return self.told(field) + (f" is cut at {REACH:g} std from the mean, or at from and to" if normal else "")
+
+
+class Sample(BaseModel):
+    """The samples of a study: a method, a size, a seed, and a distribution for each field, by its name.
+
+    method: one of `METHODS`. seed: of the random numbers; one seed always gives the same samples.
+    """
+
+    model_config = ConfigDict(extra="allow", strict=True, frozen=True, allow_inf_nan=False)
+    __pydantic_extra__: dict[str, Distribution] = Field(init=False)
+
+    method: Annotated[str, _one_of("method of sampling", METHODS)] = "sobol"
+    size: int
+    seed: int = Field(0, ge=0, lt=2**63)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _keys(cls, given: Any) -> Any:
+        """Refuse an unknown key that is no table: a misspelled key, not a field."""
+        for key, value in given.items() if isinstance(given, dict) else ():
+            if key not in cls.model_fields and not isinstance(value, dict):
+                known = [*cls.model_fields]
+                why = f"no key {str(key)[:60]!r} in sample{near(key, known)}; choose from {choices(known)}, or give"
+                raise Misplaced(f"{why} a field its own table [sample.FIELD]", key)
+        return given
+
+    @model_validator(mode="after")
+    def _fits(self) -> "Sample":
+        if self.size < 1:
+            raise Misplaced(f"the sample is empty: size must be at least 1, got {self.size}", "size")
+        if self.size > MAX_COUNT:
+            raise Misplaced(f"{self.size} samples, more than the limit of {MAX_COUNT}", "size")
+        if not self.fields:
+            raise ValueError("sample has no field: give at least one a table, such as [sample.E]")
+        return self
+
+    @property
+    def fields(self) -> dict[str, Distribution]:
+        """The sampled fields and their distributions, in order."""
+        return self.__pydantic_extra__
+
+    def points(self) -> dict[str, Values]:
+        """The values of each field, (size,), angles in rad."""
+        cube = METHODS[self.method][0](self.size, len(self.fields), self.seed)
+        return {name: one.values(cube[:, i]) for i, (name, one) in enumerate(self.fields.items())}
+
+    @property
+    def told(self) -> str:
+        """How the samples are drawn, in one sentence."""
+        each = "; ".join(one.told(name) for name, one in self.fields.items())
+        return f"{METHODS[self.method][1]}, seed {self.seed}: {each}"
+
+    @property
+    def caution(self) -> str:
+        """A sentence where the size of a Sobol' sequence is no power of two; else nothing."""
+        if self.method != "sobol" or self.size & (self.size - 1) == 0:
+            return ""
+        below = 1 << (self.size.bit_length() - 1)
+        return (
+            f"{self.size} samples of a Sobol' sequence are not a power of two, and are spread less evenly than "
+            f"{below} or {2 * below} are"
+        )

@@ -1,0 +1,153 @@
+"""Tables of cases, CSV or Parquet: a column for each field, a row for each case."""
+
+import csv
+import stat
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver.problem.errors import InputError, choices
+
+from .axes import CYLINDER, ENDS, MAX_COUNT, ROD, START, WORDS, in_rad, is_angle
+from .dimensions import Values
+from .wording import near
+
+NUMERIC = [name for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS)) if name not in WORDS]
+SUFFIXES = (".csv", ".parquet")
+MOST_BYTES = 4_000_000_000
+
+
+def read(path: Path, columns: Sequence[str] | None = None) -> dict[str, Values]:
+    """The columns of a table of cases, (rows,) each, angles in rad.
+
+    Parameters
+    ----------
+    path : Path
+        A .csv file with a line of names, or a .parquet file (which needs the package pyarrow).
+    columns : sequence of str, optional
+        The columns that are read; default: all.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read, a missing or repeated column, no rows, or a cell without a finite number.
+    """
+    if path.suffix.lower() not in SUFFIXES:
+        raise InputError(f"a table of cases is a file that ends in {choices(SUFFIXES)}, got {path.name!r}")
+    _check_file(path)
+    return (_csv if path.suffix.lower() == ".csv" else _parquet)(path, columns)
+
+
+def _check_file(path: Path) -> None:
+    """Raise `InputError` unless it is a regular file of at most `MOST_BYTES`."""
+    try:
+        status = path.stat()
+    except (OSError, ValueError) as error:
+        raise InputError(f"cannot read the table {path}: {getattr(error, 'strerror', None) or error}") from None
+    if not stat.S_ISREG(status.st_mode):
+        raise InputError(f"cannot read the table {path}: it is not a regular file")
+    if status.st_size > MOST_BYTES:
+        raise InputError(f"{path.name} has {status.st_size} bytes; the limit is {MOST_BYTES}")
+
+
+def _csv(path: Path, wanted: Sequence[str] | None) -> dict[str, Values]:
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            rows = csv.reader(file, strict=True)
+            header = [name.strip() for name in next(rows, [])]
+            if not header:
+                raise InputError(f"{path.name} is empty: give a line of names, and below it a line for each case")
+            names = _chosen(path, header, wanted)
+            return _numbers(path, names, [header.index(name) for name in names], len(header), rows)
+    except UnicodeDecodeError:
+        raise InputError(f"{path.name} is not a text file in UTF-8") from None
+    except csv.Error as error:
+        raise InputError(f"{path.name} is not a table in CSV: {error}") from None
+    except OSError as error:
+        raise InputError(f"cannot read the table {path}: {error.strerror}") from None
+
+
+def _numbers(path: Path, names: list[str], places: list[int], width: int, rows: Any) -> dict[str, Values]:
+    """The numbers of the columns at these places. Raises `InputError` with the line, the row and the column."""
+    found: list[list[float]] = [[] for _ in names]
+    for row, cells in enumerate(_filled(rows), 1):
+        here = f"{path.name}, line {rows.line_num} (row {row})"
+        if len(cells) != width:
+            raise InputError(f"{here}: expected {width} cells, as the line of names has, got {len(cells)}")
+        if row > MAX_COUNT:
+            raise InputError(f"{path.name} has more rows than the limit of {MAX_COUNT}")
+        for name, place, column in zip(names, places, found, strict=True):
+            column.append(_number(here, name, cells[place]))
+    if not found[0]:
+        raise InputError(f"{path.name} has no rows: give a line for each case below the line of names")
+    return {name: np.array(column) for name, column in zip(names, found, strict=True)}
+
+
+def _filled(rows: Any) -> Iterator[list[str]]:
+    """The rows that are not blank lines."""
+    return (cells for cells in rows if cells)
+
+
+def _number(here: str, name: str, cell: str) -> float:
+    text = cell.strip()
+    if not text:
+        raise InputError(f"{here}: {name} is empty; each case needs a number there")
+    try:
+        value = float(in_rad(text)) if is_angle(name) else float(text)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value):
+        raise InputError(f"{here}: {name} must be a finite number, got {text[:60]!r}")
+    return value
+
+
+def _parquet(path: Path, wanted: Sequence[str] | None) -> dict[str, Values]:
+    try:
+        from pyarrow import ArrowException, parquet
+    except ImportError:
+        raise InputError(
+            f"reading {path.name} needs the package pyarrow: pip install pyarrow, or store the table as CSV"
+        ) from None
+    try:
+        header = list(parquet.read_schema(path).names)
+        names = _chosen(path, header, wanted)
+        table = parquet.read_table(path, columns=names)
+        columns: Mapping[str, Any] = {name: np.asarray(table[name].to_pandas()) for name in names}
+    except (ArrowException, OSError) as error:
+        raise InputError(f"{path.name} cannot be read as Parquet: {str(error).splitlines()[0]}") from None
+    if not table.num_rows:
+        raise InputError(f"{path.name} has no rows")
+    if table.num_rows > MAX_COUNT:
+        raise InputError(f"{path.name} has more rows than the limit of {MAX_COUNT}")
+    return {name: _checked(path, name, values) for name, values in columns.items()}
+
+
+def _checked(path: Path, name: str, values: Any) -> Values:
+    """A column of a Parquet file as numbers. Raises `InputError` with the row."""
+    if values.dtype.kind not in "iuf":
+        raise InputError(f"{path.name}: the column {name} must hold numbers, got {values.dtype}")
+    numbers = values.astype(float)
+    bad = np.flatnonzero(~np.isfinite(numbers))
+    if bad.size:
+        raise InputError(f"{path.name}, row {bad[0] + 1}: {name} is empty or not finite; each case needs a number there")
+    return numbers
+
+
+def _chosen(path: Path, header: list[str], wanted: Sequence[str] | None) -> list[str]:
+    """The names of the columns to read. Raises `InputError` for one that is missing, empty or repeated."""
+    names = list(header if wanted is None else wanted)
+    for name in names:
+        if name not in header:
+            raise InputError(f"{path.name} has no column {name!r}; its columns are {choices(header)}")
+        if not name:
+            raise InputError(f"{path.name} has a column without a name; its columns are {choices(header)}")
+        if header.count(name) > 1 or names.count(name) > 1:
+            raise InputError(f"{path.name} has the column {name!r} twice")
+        if name not in NUMERIC:
+            known = f"choose from {choices(NUMERIC)}, or list the columns to be read in [table] columns"
+            raise InputError(f"{path.name}: the column {name!r} is no field of a case{near(name, NUMERIC)}; {known}")
+    if not names:
+        raise InputError(f"no column of {path.name} is to be read; its columns are {choices(header)}")
+    return names
