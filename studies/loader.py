@@ -86,7 +86,7 @@ def loads(
     text, label, default_name
         The text, its name in error messages, and the name of the study where the text has none.
     context
-        "samples": a `Dimension` in place of the samples that the text describes, which are then not read or drawn;
+        "samples": a `Dimension`, or None, in place of what the text describes, which is then not read or drawn;
         "folder": that of its table of cases, default: the current one; "cases": a table in place of its own.
 
     Raises

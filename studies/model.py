@@ -106,8 +106,8 @@ class Study(BaseModel):
         The context holds "samples", or "folder" of the study's file.
         """
         context = info.context or {}
-        stored = context.get("samples")
-        self._samples = paired.samples(self, context.get("folder", Path())) if stored is None else stored
+        given = "samples" in context
+        self._samples = context["samples"] if given else paired.samples(self, context.get("folder", Path()))
         return self
 
     @model_validator(mode="after")
@@ -261,6 +261,12 @@ class Study(BaseModel):
         names = ((name, error_name(name)) for name in self.wanted)
         return [column for pair in names for column in pair if column]
 
+    @property
+    def variation(self) -> str:
+        """What varies, in words: ``the axes E, R``, ``samples of E, R``."""
+        sampled = [f"samples of {choices(self.sampled)}"] if self.sampled else []
+        return " and ".join([*sampled, *([f"the axes {choices(self.axes)}"] if self.axes else [])])
+
     def under(self, reading: str | None) -> "Study":
         """The same study under another reading; a missing word keeps that of the study. Raises `InputError`."""
         if reading is None:
@@ -280,6 +286,11 @@ class Study(BaseModel):
         other = self.model_copy()
         other._samples = samples
         return other
+
+    def only_sample(self, number: int) -> Dimension:
+        """One of the samples, as samples of their own."""
+        assert self._samples is not None
+        return Dimension(SAMPLE, {name: values[[number]] for name, values in self._samples.fields.items()})
 
     def dimensions(self) -> Dimensions:
         """The samples, and each axis that is not followed."""

@@ -23,8 +23,8 @@ def ends_problem(study: Study) -> Case:
     InputError
         For a study with axes, or a start problem that is not solved.
     """
-    if any(not axis.follow for axis in study.axes.values()):
-        raise InputError(f"{study.name} has the axes {choices(study.axes)}: equilibria takes one case")
+    if study.dimensions().each:
+        raise InputError(f"{study.name} has {study.variation}: equilibria takes one case")
     case = study.case()
     if isinstance(case.given, Ends):
         return case

@@ -13,6 +13,7 @@ import xarray as xr
 from solver.problem.errors import InputError
 from studies import Study, load
 from studies.axes import Axis
+from studies.dimensions import SAMPLE
 from studies.model import MAX_STATIONS, OUTPUTS
 
 from ..data import schema, selection
@@ -57,11 +58,14 @@ def needed_cases(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float],
     if study.follow is not None:
         return lean
     where = selection.case(ds, at)
-    axes = {
-        name: axis if {name, dim} & {*shown} else Axis.model_validate({"values": [float(ds[dim].values[where[dim]])]})
-        for (name, axis), dim in zip(study.axes.items(), schema.axes_of(ds), strict=True)
-    }
+    axes = {}
+    for name, axis in study.axes.items():
+        dim = schema.dimension(name)
+        held = {} if {name, dim} & {*shown} else {"values": [float(ds[dim].values[where[dim]])]}
+        axes[name] = Axis.model_validate(held) if held else axis
     part = lean.model_copy(update={"axes": axes})
+    if study.sampled and SAMPLE not in shown:
+        part = part.with_samples(study.only_sample(where[SAMPLE]))
     return part.part_of(plan(study).spine) if study.sweeps else part
 
 

@@ -2,7 +2,6 @@
 
 import json
 import platform
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -14,7 +13,9 @@ from numpy.typing import NDArray
 
 from solver import Case
 from studies import Study
+from studies import paired
 from studies.axes import quantity_of
+from studies.dimensions import Dimensions
 
 from . import cautions
 from .schema import COMPONENTS, FORMAT, INNER, LOADS, Columns, curve_name, dimension, labels, laws_text
@@ -26,6 +27,7 @@ AT_STATIONS = (
     "this method knows the rod at its stations only, and the observables are those of polynomials between them: their "
     "errors are what every other station changes, NaN where there are too few"
 )
+MOST_LENGTHS = 10_000  # lengths of rods of which s is stored where no array along the rod is
 SCALARS = ("R", "a", "L", "rho", "E", "nu")
 
 
@@ -39,9 +41,9 @@ class Stored:
     row: str
 
 
-def stored(study: Study, fields: Sequence[str]) -> list[Stored]:
-    """Every variable that is stored of each case, in order; fields: of the study, that are the axes."""
-    axes = tuple(map(dimension, fields))
+def stored(study: Study, over: Dimensions) -> list[Stored]:
+    """Every variable that is stored of each case, in order. over: the samples and axes of the study."""
+    axes, varied = tuple(map(dimension, over.names)), set(map(dimension, over.fields))
     rows = []
     for name in study.outputs:
         rows.append(Stored(name, curve_name(name), (*axes, "u", *INNER.get(name, ())), name))
@@ -53,53 +55,56 @@ def stored(study: Study, fields: Sequence[str]) -> list[Stored]:
         *(["branch"] if study.sweeps else []),
         "error",
         "condition",
-        *(load for load in LOADS if load not in axes),
+        *(load for load in LOADS if load not in varied),
     ):
         rows.append(Stored(name, name, axes, name))
     return rows
 
 
-def make(study: Study, coordinates: Mapping[str, NDArray[np.float64]], columns: Columns, first: str = "") -> xr.Dataset:
+def make(study: Study, over: Dimensions, columns: Columns, first: str = "") -> xr.Dataset:
     """The dataset of a study as it was run, from its columns (`run.block.columns`) in the order of the grid.
 
-    coordinates: the values of each axis. first: how the equilibrium of a sweep's first case was taken.
+    over: its samples and axes. first: how the equilibrium of a sweep's first case was taken.
     """
-    ds = frame(study, coordinates, first)
-    shape = tuple(values.size for values in coordinates.values())
-    for row in stored(study, tuple(coordinates)):
+    ds = frame(study, over, first)
+    for row in stored(study, over):
         values = columns[row.column]
-        values = values.reshape((*shape, *values.shape[1:]))
+        values = values.reshape((*over.shape, *values.shape[1:]))
         ds[row.name] = xr.Variable(row.dims, values, labels(row.row, study.unit_system))
     return ds.assign_attrs(caution=cautions.sentence(ds))
 
 
-def frame(study: Study, coordinates: Mapping[str, NDArray[np.float64]], first: str = "") -> xr.Dataset:
+def frame(study: Study, over: Dimensions, first: str = "") -> xr.Dataset:
     """The dataset without the variables of each case: coordinates, fields of the case, attributes."""
-    axes = tuple(map(dimension, coordinates))
+    axes = tuple(map(dimension, over.names))
     units = study.unit_system
-    case = study.case() if study.follow else study.case_of(_open(coordinates))
+    case = study.case() if study.follow else study.case_of(over.open())
+    coords = _coordinates(study, over)
     data = {}
     for name in SCALARS:
-        if name not in axes:
+        if name not in coords:
             owner = {"R": case.cylinder, "rho": case}.get(name, case.rod)
             data[name] = xr.Variable(*_own_dims(getattr(owner, name), axes), labels(name, units))
     u = np.linspace(0.0, 1.0, study.stations)
-    coords: dict[str, Any] = {
-        dimension(field): xr.Variable((dimension(field),), values, _axis_labels(study, field))
-        for field, values in coordinates.items()
-    }
     coords["u"] = xr.Variable(("u",), u, labels("u", units))
     dims, length = _own_dims(case.rod.L, axes)
-    coords["s"] = xr.Variable((*dims, "u"), length[..., None] * u, labels("s", units))
+    if study.outputs or length.size < MOST_LENGTHS:
+        coords["s"] = xr.Variable((*dims, "u"), length[..., None] * u, labels("s", units))
     if any(name in INNER for name in study.outputs):
         coords["xyz"] = xr.Variable(("xyz",), list(COMPONENTS["xyz"]), {"long_name": "component; z is the axis"})
     ds = xr.Dataset(coords=coords, attrs=_attributes(study, case) | ({"equilibria": first} if first else {}))
     return ds.assign(data)  # the axes come first, in order
 
 
-def _open(coordinates: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
-    """Each axis along its own dimension: together they broadcast to the grid."""
-    return dict(zip(coordinates, np.ix_(*coordinates.values()), strict=True))
+def _coordinates(study: Study, over: Dimensions) -> dict[str, Any]:
+    """The coordinates of the dimensions: the values of each axis; the numbers of the samples, and their fields."""
+    coords: dict[str, Any] = {}
+    for one in over.each:
+        dim = dimension(one.name)
+        coords[dim] = xr.Variable((dim,), one.coordinate, _axis_labels(study, one.name))
+        for field, values in one.fields.items():
+            coords[dimension(field)] = xr.Variable((dim,), values, _axis_labels(study, field))
+    return coords
 
 
 def versions() -> dict[str, str]:
@@ -131,6 +136,11 @@ def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArr
 
 
 def _attributes(study: Study, case: Case) -> dict[str, Any]:
+    sampling = {
+        "sampled": " ".join(study.sampled),
+        "sampling": paired.told(study),
+        "sampling_caution": paired.caution(study),
+    }
     return {
         "format": FORMAT,
         "title": study.title,
@@ -147,6 +157,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "laws": laws_text(study),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(versions()),
+        **{name: sentence for name, sentence in sampling.items() if sentence},
     }
 
 

@@ -9,11 +9,13 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 from studies import names
+from studies.axes import FIELDS
+from studies.dimensions import SAMPLE
 from studies.laws import Law
 
 from . import escaping, value_checks
 from .file_checks import refusing, shown, validated
-from .schema import CURVES, FORMAT, INNER
+from .schema import CURVES, FORMAT, INNER, dimension, sampled_fields
 
 # The attributes that mark a study's dataset, and all that are text.
 NEEDED = ("title", "study_name", "laws")
@@ -69,6 +71,7 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
             raise InputError(f"{path}: a law is about {shown([law.axis, *law.at])}, but the axes are {shown(axes)}")
     for axis in axes:
         _check_axis(ds, axis, path)
+    _check_samples(ds, path)
     value_checks.texts(ds, path)
     for key, variable in ds.variables.items():
         _check_variable(str(key), variable, axes, path)
@@ -94,14 +97,27 @@ def _check_format(ds: xr.Dataset, path: str | Path) -> None:
 
 
 def _check_axis(ds: xr.Dataset, name: str, path: str | Path) -> None:
-    """Raise `InputError` unless the axis has finite, different numbers."""
-    if name not in ds.coords or ds[name].dtype.kind != "f":
+    """Raise `InputError` unless the axis has finite, different numbers; those of the samples are whole."""
+    if name not in ds.coords or ds[name].dtype.kind not in ("iu" if name == SAMPLE else "f"):
         raise InputError(f"{path}: the axis {shown(name)} has no values")
     values = ds[name].values
     if not np.isfinite(values).all():
         raise InputError(f"{path}: the axis {shown(name)} holds values that are not finite")
     if np.unique(values).size < values.size:
         raise InputError(f"{path}: the axis {shown(name)} holds a value twice")
+
+
+def _check_samples(ds: xr.Dataset, path: str | Path) -> None:
+    """Raise `InputError` unless each sampled field is a coordinate of finite numbers along the samples."""
+    fields = sampled_fields(ds)
+    if bool(fields) != (SAMPLE in ds["outcome"].dims):
+        raise InputError(f"{path}: the attribute sampled and the dimension {SAMPLE} belong together: one is missing")
+    for field in fields:
+        name = dimension(field) if field in FIELDS else field
+        if name not in ds.coords or ds[name].dims != (SAMPLE,) or ds[name].dtype.kind != "f":
+            raise InputError(f"{path}: the sampled field {shown(field)} has no values")
+        if not np.isfinite(ds[name].values).all():
+            raise InputError(f"{path}: the sampled field {shown(field)} holds values that are not finite")
 
 
 def _check_variable(name: str, variable: xr.Variable, axes: list[str], path: str | Path) -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from solver.problem.quantities import quantity, unit_of
 from studies.axes import WORDS, quantity_of
+from studies.dimensions import SAMPLE
 from studies.model import OUTPUTS
 
 if TYPE_CHECKING:
@@ -50,13 +51,23 @@ def dimension(field: str) -> str:
 
 
 def axes_of(ds: "xr.Dataset") -> list[str]:
-    """The names of the dataset's axes, in order."""
+    """The names of the dataset's axes, in order, that of the samples among them."""
     return [str(dim) for dim in ds["outcome"].dims]
 
 
+def own_dimension(study: "Study", field: str) -> str:
+    """The dimension along which a field of the study varies: its own, or that of the samples."""
+    return SAMPLE if field in study.sampled else dimension(field)
+
+
+def sampled_fields(ds: "xr.Dataset") -> list[str]:
+    """The fields of the study that are coordinates along the samples."""
+    return str(ds.attrs.get("sampled", "")).split()
+
+
 def remaining_axes(ds: "xr.Dataset", study: "Study") -> list[str]:
-    """The study's axes that the dataset still has, as it names them; one on which a value was selected is gone."""
-    return [dim for dim in map(dimension, study.axes) if dim in ds.dims]
+    """The study's dimensions that the dataset still has; one on which a value was selected is gone."""
+    return [dim for dim in dict.fromkeys(own_dimension(study, name) for name in study.varied) if dim in ds.dims]
 
 
 def field_of(study: "Study", name: str) -> str:

@@ -30,7 +30,7 @@ def assemble(plan: Plan, folder: Path, output: Path, there: StoredRun | None, ta
     """
     aside = folder / f".{output.name}"
     try:
-        frame = dataset.frame(plan.study, plan.coordinates, first_of(plan))
+        frame = dataset.frame(plan.study, plan.dimensions, first_of(plan))
         frame = frame.assign_attrs(caution=cautions.told(tally["caution"]))
         shards.reserve(aside, bytes_of_file(plan))
         frame.to_netcdf(aside, engine="h5netcdf", encoding=writing.encoding(frame), invalid_netcdf=False)
@@ -62,7 +62,7 @@ def _write_cases(file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], tal
     all_solved = not tally["solved"][False]
     variables: dict[str, Any] = {}
     for start, columns in rows:
-        for row in dataset.stored(plan.study, tuple(plan.coordinates)):
+        for row in dataset.stored(plan.study, plan.dimensions):
             values = columns[row.column]
             if row.name == "branch":
                 values = branch_numbers.numbered(values, tally["branch"])
@@ -151,8 +151,8 @@ class _Held:
     def __init__(self, file: h5py.File, plan: Plan, there: StoredRun) -> None:
         self._file, self._plan = file, plan
         self._places = places(there, plan)
-        self._shape = tuple(values.size for values in there.coordinates.values())
-        self._stored = dataset.stored(plan.study, tuple(plan.coordinates))
+        self._shape = there.dimensions.shape
+        self._stored = dataset.stored(plan.study, plan.dimensions)
 
     def rows(self, flat: NDArray[np.int64]) -> Columns:
         """The columns of cases of the new grid that the file holds."""

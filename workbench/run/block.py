@@ -114,7 +114,7 @@ def columns(study: Study, sol: Solution) -> Columns:
     found["outcome"] = np.asarray(sol.outcome).astype(str).reshape(-1)
     caution = cautions.of_cases(sol, observed)
     found["caution"] = np.asarray(caution).reshape(-1)
-    for name in ("error", "condition", *(name for name in LOADS if name not in study.axes)):
+    for name in ("error", "condition", *(name for name in LOADS if name not in study.varied)):
         found[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)
     return found
 
@@ -122,7 +122,7 @@ def columns(study: Study, sol: Solution) -> Columns:
 def unsolved(study: Study, cases: int, outcome: str) -> Columns:
     """The columns of cases that were not solved, with that outcome."""
     found = {name: np.full((cases, study.stations, *inner_shape(name)), np.nan) for name in study.outputs}
-    for name in (*study.recorded, *(name for name in LOADS if name not in study.axes)):
+    for name in (*study.recorded, *(name for name in LOADS if name not in study.varied)):
         found[name] = np.full(cases, np.nan)
     found |= {name: np.full(cases, np.inf) for name in ("error", "condition")}
     found |= {"branch": np.full(cases, NONE)} if study.sweeps else {}

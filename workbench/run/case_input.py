@@ -90,8 +90,8 @@ def _study(file: Path) -> Study:
     if file.suffix != ".toml":
         raise InputError(f"a case is read from a .toml file, got {str(file)!r}")
     study = load(file)
-    if study.axes:
-        raise InputError(f"{file.name} has the axes {choices(study.axes)}: use workbench run to solve it")
+    if study.varied:
+        raise InputError(f"{file.name} has {study.variation}: use workbench run to solve it")
     return study
 
 

@@ -6,6 +6,7 @@ import xarray as xr
 from solver import solve
 from solver.boundary.end_angle_branch import follow
 from studies import Study
+from studies.dimensions import Dimensions
 
 from ..data import dataset, schema
 from .block import columns
@@ -25,7 +26,7 @@ def run_followed(study: Study, tol: float, method: str) -> xr.Dataset:
     branch = follow(study.case(), axis.limit, axis.size)
     sol = solve(branch.ends, tol=tol, method=method, stations=study.stations, seed=branch.dbeta0)
     as_run = study.model_copy(update={"tol": tol, "method": sol.method})
-    ds = dataset.make(as_run, {AXIS: branch.betaL}, columns(study, sol))
+    ds = dataset.make(as_run, Dimensions.of({AXIS: branch.betaL}), columns(study, sol))
     units = study.unit_system
     ds["dbeta0"] = xr.Variable((AXIS,), branch.dbeta0, schema.labels("dbeta0", units))
     for name, row, value in (("fold", "betaL", branch.fold), ("fold_dbeta0", "dbeta0", branch.fold_dbeta0)):

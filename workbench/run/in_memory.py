@@ -50,7 +50,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     found = joined(parts)
     if work.study.sweeps:
         found["branch"] = branch_numbers.numbered(found["branch"], found["branch"])
-    return dataset.make(work.study, work.coordinates, found, first_of(work))
+    return dataset.make(work.study, work.dimensions, found, first_of(work))
 
 
 def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:

@@ -12,6 +12,8 @@ from solver import Case, Ends
 from solver.problem.tolerance import checked_tolerance
 from studies import Study
 from studies.axes import Axis
+from studies.dimensions import SAMPLE, Dimension, Dimensions
+from studies.paired import SOURCES
 
 from ..data.schema import LOADS, inner_shape
 from . import sweep, sweep_order
@@ -29,23 +31,23 @@ SPARE = 4 * 2**20  # bytes for coordinates, attributes, half-filled packets and 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A study to be run, with its tolerance and method decided, the values of its axes, and the cases to be solved.
+    """A study to be run, with its tolerance and method decided, its samples and axes, and the cases to be solved.
 
     new: flat indices in the grid of the cases to be solved, rising; None for all.
     """
 
     study: Study
-    coordinates: Coordinates
+    dimensions: Dimensions
     new: NDArray[np.int64] | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
-        return tuple(values.size for values in self.coordinates.values())
+        return self.dimensions.shape
 
     @property
     def size(self) -> int:
         """Cases of the grid."""
-        return math.prod(self.shape)
+        return self.dimensions.size
 
     @property
     def todo(self) -> int:
@@ -69,21 +71,23 @@ class Plan:
 
     @cached_property
     def light(self) -> Study:
-        """The study as workers need it: without the values of its axes, which come with each chunk."""
-        axes = {name: Axis.model_validate({"values": [float(values[0])]}) for name, values in self.coordinates.items()}
-        update = {"axes": axes, "laws": [], "observables": self.study.wanted}
-        light = self.study.model_copy(update=update)
+        """The study as workers need it: with the first of its samples and axes alone, as each chunk brings its own."""
+        samples, axes = None, {}
+        for one in self.dimensions.each:
+            first = {name: values[:1] for name, values in one.fields.items()}
+            if one.name == SAMPLE:
+                samples = Dimension(SAMPLE, first)
+            else:
+                axes[one.name] = Axis.model_validate({"values": first[one.name].tolist()})
+        update = {"axes": axes, **dict.fromkeys(SOURCES), "laws": [], "observables": self.study.wanted}
+        light = self.study.model_copy(update=update).with_samples(samples)
         light._text, light._part_of = "", None
         return light
 
     def chunk(self, start: int, stop: int) -> Chunk:
         """The chunk of the cases `start` to `stop` of those to be solved."""
         flat = np.arange(start, stop) if self.new is None else self.new[start:stop]
-        if not self.shape:
-            return Chunk(start, stop, {})
-        places = np.unravel_index(flat, self.shape)
-        axes = zip(self.coordinates.items(), places, strict=True)
-        values = {name: values[at] for (name, values), at in axes}
+        values = self.dimensions.at(flat)
         states = self._states(start, stop, values) if self.study.sweeps else {}
         return Chunk(start, stop, values, 0, self.shape, states)
 
@@ -97,7 +101,7 @@ class Plan:
     @cached_property
     def spine(self) -> sweep.Spine:
         """The cases from which the blocks of a sweep begin."""
-        return sweep.Spine(self.study, self.coordinates, self.block)
+        return sweep.Spine(self.study, self.dimensions.fields, self.block)
 
     def chunks(self, missing: Iterable[tuple[int, int]], most: int) -> Iterator[Chunk]:
         """The missing cases in chunks of at most so many cases, whole blocks each."""
@@ -121,13 +125,13 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
     """
     from solver.methods.automatic import chosen_method
 
-    coordinates = study.coordinates()
-    first = study.case_of({name: values[0] for name, values in coordinates.items()})
+    dimensions = study.dimensions()
+    first = study.case_of({name: values[0] for name, values in dimensions.fields.items()})
     if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
         first = Case(first.rod, first.cylinder, Ends(0.0, 0.0))
     tol = checked_tolerance(study.tol if tol is None else tol)
     name = chosen_method(first.kind, study.method if method is None else method).name
-    return Plan(study.model_copy(update={"tol": tol, "method": name}), coordinates)
+    return Plan(study.model_copy(update={"tol": tol, "method": name}), dimensions)
 
 
 def first_of(plan: Plan) -> str:

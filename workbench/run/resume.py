@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
 
+from studies.dimensions import SAMPLE, Dimension, Dimensions
+
 from ..data import file_checks
 from ..data.schema import FORMAT, dimension
-from .plan import Coordinates, Plan
+from .plan import Plan
 from .recipe import axis_line, differences, recipe
 
 _ROUNDING = 8 * 2.0**-52  # relative; values of an axis that differ by less are the same
@@ -22,11 +24,11 @@ _ROUNDING = 8 * 2.0**-52  # relative; values of an axis that differ by less are 
 
 @dataclass(frozen=True, eq=False)
 class StoredRun:
-    """A complete file: its study's name, its recipe, the values of its axes, and its statistics."""
+    """A complete file: its study's name, its recipe, its samples and axes, and its statistics."""
 
     name: str
     recipe: dict[str, Any]
-    coordinates: Coordinates
+    dimensions: Dimensions
     statistics: dict[str, Any]
 
 
@@ -48,10 +50,12 @@ def look(path: Path) -> StoredRun | None:
 
 def _read(file: h5py.File) -> StoredRun | None:
     made, told = (json.loads(file.attrs[name]) for name in ("recipe", "statistics"))
-    axes = {name: np.asarray(file[dimension(name)][...], dtype=float) for name in made["order"]}
-    if any(made["axes"][name] != axis_line(values) for name, values in axes.items()):
+    fields = {name: np.asarray(file[dimension(name)][...], dtype=float) for name in made["axes"]}
+    if any(made["axes"][name] != axis_line(values) for name, values in fields.items()):
         return None  # changed since by another program
-    return StoredRun(str(file.attrs["study_name"]), made, axes, told)
+    axes = {name: fields.pop(name) for name in made["order"] if name != SAMPLE}
+    samples = Dimension(SAMPLE, fields) if SAMPLE in made["order"] else None
+    return StoredRun(str(file.attrs["study_name"]), made, Dimensions.of(axes, samples), told)
 
 
 def is_finished(there: StoredRun, plan: Plan) -> bool:
@@ -67,11 +71,11 @@ def grown(there: StoredRun, plan: Plan) -> Plan | None:
     now = _plain(recipe(plan))
     if there.recipe.get("order") != now["order"] or not plan.shape:
         return None
-    matched = _matched(there.coordinates, plan.coordinates)
+    matched = _matched(there.dimensions, plan.dimensions)
     if matched is None:
         return None
-    coordinates, _ = matched
-    plan = Plan(plan.study, coordinates)
+    dimensions, _ = matched
+    plan = Plan(plan.study, dimensions)
     now = _plain(recipe(plan))
     changed = [key for key in {**there.recipe, **now} if there.recipe.get(key) != now.get(key) and key != "axes"]
     if any(key not in _versions() for key in changed):
@@ -86,12 +90,12 @@ def grown(there: StoredRun, plan: Plan) -> Plan | None:
         raise InputError(
             f"the existing file holds part of this study, but {told}; use --restart to solve all of it again"
         )
-    return Plan(plan.study, coordinates, _new(there, plan))
+    return Plan(plan.study, dimensions, _new(there, plan))
 
 
 def places(there: StoredRun, plan: Plan) -> list[NDArray[np.int64]]:
-    """For each axis the index of each value in the file, -1 where the file has no such value."""
-    matched = _matched(there.coordinates, plan.coordinates)
+    """For each dimension the index of each value in the file, -1 where the file has no such value."""
+    matched = _matched(there.dimensions, plan.dimensions)
     assert matched is not None
     return matched[1]
 
@@ -104,25 +108,43 @@ def _new(there: StoredRun, plan: Plan) -> NDArray[np.int64]:
     return np.flatnonzero(~held)
 
 
-def _matched(old: Coordinates, new: Coordinates) -> tuple[dict[str, NDArray[np.float64]], list[Any]] | None:
-    """The new axes, with the old values to the last digit, and the index of each value among the old.
+def _matched(old: Dimensions, new: Dimensions) -> tuple[Dimensions, list[NDArray[np.int64]]] | None:
+    """The new dimensions, with the old values to the last digit, and the index of each value among the old.
 
     None where an old value is not among the new.
     """
-    coordinates, found = {}, []
-    for name, values in new.items():
-        before = old[name]
-        order = np.argsort(before)
-        right = np.searchsorted(before[order], values)
-        pick = np.stack([order[np.clip(right + shift, 0, before.size - 1)] for shift in (-1, 0)])
-        off = np.abs(before[pick] - values)
-        nearest = np.take_along_axis(pick, off.argmin(axis=0)[None], axis=0)[0]
-        same = off.min(axis=0) <= _ROUNDING * np.abs(values)
-        if np.unique(nearest[same]).size < before.size:
+    each, found = [], []
+    for before, now in zip(old.each, new.each, strict=True):
+        matched = _appended(before, now) if now.name == SAMPLE else _interleaved(before, now)
+        if matched is None:
             return None
-        coordinates[name] = np.where(same, before[nearest], values)
-        found.append(np.where(same, nearest, -1))
-    return coordinates, found
+        each.append(matched[0])
+        found.append(matched[1])
+    return Dimensions(tuple(each)), found
+
+
+def _appended(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.int64]] | None:
+    """Samples that begin with the old ones, and the index of each among the old, or -1; None where they do not."""
+    if tuple(old.fields) != tuple(new.fields) or old.size > new.size:
+        return None
+    if not all(np.array_equal(values, new.fields[name][: old.size]) for name, values in old.fields.items()):
+        return None
+    index = np.arange(new.size)
+    return new, np.where(index < old.size, index, -1)
+
+
+def _interleaved(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.int64]] | None:
+    """An axis that holds the old values in any order, and the index of each among the old, or -1."""
+    before, values = old.fields[old.name], new.fields[new.name]
+    order = np.argsort(before)
+    right = np.searchsorted(before[order], values)
+    pick = np.stack([order[np.clip(right + shift, 0, before.size - 1)] for shift in (-1, 0)])
+    off = np.abs(before[pick] - values)
+    nearest = np.take_along_axis(pick, off.argmin(axis=0)[None], axis=0)[0]
+    same = off.min(axis=0) <= _ROUNDING * np.abs(values)
+    if np.unique(nearest[same]).size < before.size:
+        return None
+    return Dimension(new.name, {new.name: np.where(same, before[nearest], values)}), np.where(same, nearest, -1)
 
 
 def _plain(data: Mapping[str, Any]) -> dict[str, Any]:

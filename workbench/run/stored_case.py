@@ -9,11 +9,12 @@ import xarray as xr
 from solver import Case, Ends, Solution, Start, solve
 from solver.problem.errors import InputError, no_such
 from studies import Study
-from studies.axes import WORDS
+from studies.axes import FIELDS, WORDS
+from studies.dimensions import SAMPLE, Dimension
 from studies.loader import loads
 
 from ..data import reading
-from ..data.schema import dimension, field_of, remaining_axes
+from ..data.schema import dimension, field_of, own_dimension, remaining_axes, sampled_fields
 from ..data.selection import SAME, real
 from . import sweep_solutions
 from .block import solve_one
@@ -22,10 +23,11 @@ MOST_SOLVED = 10_000  # cases that are solved again: seconds
 
 
 def study_of(ds: xr.Dataset) -> Study:
-    """The study of a dataset, under its reading; `InputError` where the dataset has none."""
+    """The study of a dataset, under its reading and with the samples of the dataset; `InputError` where it has none."""
     if not ds.attrs.get("study"):
         raise InputError("the dataset has no attribute study, so its study is unknown")
-    study = loads(reading.text(ds, "study"), "the dataset's study", reading.text(ds, "study_name"))
+    context = {"samples": _samples(ds)}  # also where there are none: no table that the text names is read
+    study = loads(reading.text(ds, "study"), "the dataset's study", reading.text(ds, "study_name"), context)
     return study.under(reading.text(ds, "reading") or None)
 
 
@@ -35,7 +37,7 @@ def case_of(ds: xr.Dataset, study: Study, values: Mapping[str, float] | None = N
     An axis whose value is given has no dimension. Raises `InputError`.
     """
     values = dict(values or {})
-    for name in study.axes:
+    for name in study.varied:
         if name not in values and dimension(name) not in ds.coords:
             raise InputError(f"the dataset has lost its axis {dimension(name)!r}")
     placed: dict[str, Any] = {**_places(ds, study, values), **values}
@@ -72,14 +74,25 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
 
 
 def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values of the study's axes by field: one value where given or selected, else along their own dimension."""
-    open_axes = [dim for dim in remaining_axes(ds, study) if field_of(study, dim) not in values]
-    placed: dict[str, Any] = {}
-    for field in study.axes:
-        dim = dimension(field)
-        shape = [-1 if dim == other else 1 for other in open_axes if dim in open_axes]
-        placed[field] = real(field, values[field]) if field in values else ds[dim].values.reshape(shape)
+    """The values of the study's varied fields: one where given or selected, else along their own dimension."""
+    left = [name for name in study.varied if name not in values]
+    dims = {name: own_dimension(study, name) for name in left}
+    open_axes = [dim for dim in remaining_axes(ds, study) if dim in dims.values()]
+    placed: dict[str, Any] = {name: real(name, values[name]) for name in study.varied if name in values}
+    for name in left:
+        shape = [-1 if dims[name] == other else 1 for other in open_axes if dims[name] in open_axes]
+        placed[name] = ds[dimension(name)].values.reshape(shape)
     return placed
+
+
+def _samples(ds: xr.Dataset) -> Dimension | None:
+    """The samples of a dataset, or the one that is selected; None where nothing is sampled."""
+    fields = sampled_fields(ds)
+    for name in fields:
+        if name not in FIELDS or dimension(name) not in ds.coords:
+            raise InputError(f"the dataset has lost its sampled field {name!r}")
+    values = {name: np.atleast_1d(ds[dimension(name)].values).astype(float) for name in fields}
+    return Dimension(SAMPLE, values) if values else None
 
 
 def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -> Solution:
