@@ -18,10 +18,15 @@ SAMPLE = "sample"  # the name of the dimension of the samples, whose coordinate 
 
 @dataclass(frozen=True, eq=False)
 class Dimension:
-    """One dimension. name: that of its field, or `SAMPLE`. fields: field -> its values, (size,)."""
+    """One dimension.
+
+    name: that of its field, or `SAMPLE`. fields: field -> its values, (size,). numbers: of the samples, where they are
+    some of others; default: 0, 1, 2, ...
+    """
 
     name: str
     fields: Mapping[str, Values]
+    numbers: NDArray[np.int64] | None = None
 
     def __eq__(self, other: object) -> bool:
         return (
@@ -37,8 +42,15 @@ class Dimension:
 
     @property
     def coordinate(self) -> NDArray[np.float64] | NDArray[np.int64]:
-        """The values of its field; of the samples their numbers, 0, 1, 2, ..."""
-        return np.arange(self.size) if self.name == SAMPLE else self.fields[self.name]
+        """The values of its field; of the samples their numbers."""
+        if self.name != SAMPLE:
+            return self.fields[self.name]
+        return np.arange(self.size) if self.numbers is None else self.numbers
+
+    def only(self, places: NDArray[np.int64]) -> "Dimension":
+        """The dimension with the values at these places alone; samples keep their numbers."""
+        fields = {name: values[places] for name, values in self.fields.items()}
+        return Dimension(self.name, fields, np.arange(self.size)[places] if self.name == SAMPLE else None)
 
 
 @dataclass(frozen=True, eq=False)

@@ -287,10 +287,10 @@ class Study(BaseModel):
         other._samples = samples
         return other
 
-    def only_sample(self, number: int) -> Dimension:
-        """One of the samples, as samples of their own."""
+    def with_sample(self, place: int) -> "Study":
+        """The same study with one of its samples, which keeps its number."""
         assert self._samples is not None
-        return Dimension(SAMPLE, {name: values[[number]] for name, values in self._samples.fields.items()})
+        return self.with_samples(self._samples.only(np.array([place])))
 
     def dimensions(self) -> Dimensions:
         """The samples, and each axis that is not followed."""

@@ -100,7 +100,7 @@ _ROWS = (
     Quantity("bending_energy", "bending energy", _MOMENT, "bending energy", estimated=True),
     Quantity("twist_energy", "twist energy", _MOMENT, "twist energy", estimated=True),
     Quantity("index", "index", _NUMBER, "Morse index (0: stable)"),
-    Quantity("sample", "sample", _NUMBER, "number of the sample"),
+    Quantity("sample", "sample", _NUMBER, "sample"),
     Quantity("branch", "branch", _NUMBER, "branch of equilibria (-1: not solved)"),
     # how well it was solved
     Quantity("error", "error", _NUMBER, "estimated error of beta, and of alpha and z/rho over max(1, L/rho)"),

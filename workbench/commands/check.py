@@ -37,6 +37,7 @@ def _found_in(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
         "study": ds.attrs["study_name"],
         "equilibria": str(ds.attrs.get("equilibria", "")),
         "branches": branch_numbers.sentence(counts) if counts else "",
+        **{name: str(ds.attrs[name]) for name in ("sampling", "sampling_caution") if name in ds.attrs},
         "reading": ds.attrs["reading"],
         "file": str(path),
         "unsolved": law_verdicts.unsolved(ds),

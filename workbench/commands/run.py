@@ -12,6 +12,9 @@ from .study_result import print_result
 def run(
     study: Annotated[str, argument("STUDY", "Name of a shipped study (see list) or TOML file.")],
     out: Annotated[Path | None, option("FILE", "File of the stored study; default: STUDY.h5.")] = None,
+    cases: Annotated[
+        Path | None, option("FILE", "Table of cases, .csv or .parquet, in place of the table of the study.")
+    ] = None,
     reading: Reading = None,
     tol: Tol = None,
     method: Method = None,
@@ -44,7 +47,7 @@ def run(
     from ..run.fidelity import fidelity
     from ..run.study_store import Options, run_to_file
 
-    chosen = load(study).under(reading)
+    chosen = load(study, cases).under(reading)
     if level is not None:
         chosen = fidelity(level).of(chosen)
     if stations is not None:

@@ -1,12 +1,15 @@
 """Print the outcomes and verdicts of a stored study, for run, check, merge and reproduce."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import console
 
 if TYPE_CHECKING:
     from ..run.study_store import Ran
+
+
+TOLD = ("sampling", "sampling_caution", "equilibria", "branches")  # sentences that a study may have
 
 
 def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None, alternatives: bool = False) -> None:
@@ -27,6 +30,14 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
     console.say(law_verdicts.tallied(list(verdicts)))
 
 
+def print_sampling(found: Mapping[str, Any]) -> None:
+    """Print where the samples come from, and a caution about their number; nothing where nothing is sampled."""
+    if found.get("sampling"):
+        console.say(found["sampling"])
+    if found.get("sampling_caution"):
+        console.say(f"caution: {found['sampling_caution']}")
+
+
 def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None) -> int:
     """Print what a stored study holds, and after a run what the run did.
 
@@ -41,7 +52,7 @@ def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None)
         counts = {"cases": cases, "unsolved": unsolved, "outcomes": sorted(outcomes), "caution": caution}
         run = {} if ran is None else {"solved_now": ran.solved, "seconds": ran.seconds}
         named = {name: found[name] for name in ("study", "reading", "file")}
-        named |= {name: found[name] for name in ("equilibria", "branches") if found.get(name)}
+        named |= {name: found[name] for name in TOLD if found.get(name)}
         laws = {"verdicts": law_verdicts.tally(found["laws"]), "laws": found["laws"]}
         console.print_json({**named, **counts, **run, **laws, "status": status})
         return status
@@ -52,6 +63,7 @@ def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None)
     for text, count in sorted(outcomes.items()):
         if text != "solved":
             console.say(f"  {count} x {text}")
+    print_sampling(found)
     for name in ("equilibria", "branches"):
         if found.get(name):
             console.say(found[name])

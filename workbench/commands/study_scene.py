@@ -65,7 +65,7 @@ def needed_cases(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float],
         axes[name] = Axis.model_validate(held) if held else axis
     part = lean.model_copy(update={"axes": axes})
     if study.sampled and SAMPLE not in shown:
-        part = part.with_samples(study.only_sample(where[SAMPLE]))
+        part = part.with_sample(where[SAMPLE])
     return part.part_of(plan(study).spine) if study.sweeps else part
 
 

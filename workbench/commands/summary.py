@@ -4,6 +4,7 @@ from typing import Any
 
 from . import console
 from .options import File, Json
+from .study_result import print_sampling
 
 
 def summary(file: File, json: Json = False) -> int:
@@ -22,6 +23,8 @@ def summary(file: File, json: Json = False) -> int:
 
 
 def _print(found: dict[str, Any]) -> None:
+    from studies.dimensions import SAMPLE
+
     from ..data import law_verdicts
 
     reading = f", {found['reading']}" if found["reading"] else ""
@@ -35,8 +38,13 @@ def _print(found: dict[str, Any]) -> None:
     along = f"{', '.join(found['along'])} at {found['stations']} stations" if found["along"] else "nothing"
     console.say(f"along the rod: {along}")
     console.say("")
-    rows = [[a["name"], a["count"], a["from"], a["to"], a["units"]] for a in found["axes"]]
+    rows = []
+    for axis in found["axes"]:
+        for one in [axis, *(found["sampled"] if axis["name"] == SAMPLE else [])]:
+            name = f"{'' if one is axis else '  '}{one['name']}"
+            rows.append([name, one["count"] if one is axis else "", one["from"], one["to"], one["units"]])
     console.print_table(["axis", "values", "from", "to", "units"], rows or [["(none)", "", "", "", ""]])
+    print_sampling(found)
     console.say("")
     if found["observables"]:
         rows = [[_cell(o[key]) for key in ("name", "min", "median", "max", "units")] for o in found["observables"]]

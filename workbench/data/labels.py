@@ -10,6 +10,7 @@ import xarray as xr
 
 from solver.problem.quantities import quantity
 from studies.axes import quantity_of
+from studies.dimensions import SAMPLE
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -41,7 +42,9 @@ def in_label_unit(array: xr.DataArray, values: Any) -> Any:
 
 
 def value(number_: float, array: xr.DataArray, digits: int = 4) -> str:
-    """A value of a variable with its unit: ``10910 N/cm²``, ``15°``."""
+    """A value of a variable with its unit: ``10910 N/cm²``, ``15°``; a number of a sample in full."""
+    if array.name == SAMPLE:
+        return str(int(number_))
     text = number(float(in_label_unit(array, number_)), digits)
     return (f"{text}°" if is_angle(array) else f"{text} {_unit_of(array)}".strip()).replace("-", "−")
 
@@ -53,8 +56,9 @@ def axis_symbol(axis: str) -> str:
 
 def axis_label(name: str, array: xr.DataArray, long: bool = True) -> str:
     """``Young's modulus  E [N/cm²]``, or with `long=False` ``E [N/cm²]``; angles in degrees."""
-    text = f"{long_name(array)}  " if long else ""
-    return f"{text}{axis_symbol(name)}{_bracketed('°' if is_angle(array) else _unit_of(array))}"
+    symbol_ = axis_symbol(name)
+    text = f"{long_name(array)}  " if long and long_name(array) != symbol_ else ""
+    return f"{text}{symbol_}{_bracketed('°' if is_angle(array) else _unit_of(array))}"
 
 
 def label(array: xr.DataArray) -> str:

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, choices, no_such
 from studies import TABLE_1
 from studies.axes import FIELDS, in_rad, is_angle
+from studies.dimensions import SAMPLE
 
-from .schema import COMPONENTS, axes_of, dimension
+from .schema import COMPONENTS, axes_of, dimension, sampled_fields
 
 SAME = 1e-9  # share by which a number may differ from the stored value that it means
 LISTED = 12  # values of an axis that a message lists
@@ -59,6 +60,8 @@ def axis_of(ds: xr.Dataset, name: str) -> str:
     for known in (name, dimension(name) if name in FIELDS else name):
         if known in axes:
             return known
+    if SAMPLE in axes and name in (fields := sampled_fields(ds)):
+        raise InputError(f"{name} is no axis, as the samples are of {choices(fields)}: give the number of one, sample=0")
     if name in ds.coords and not ds[name].ndim:
         raise InputError(f"{name} is selected already: it is {ds[name].item():.10g}")
     raise no_such("axis", name, axes) if axes else InputError(f"no axis {name!r}: the dataset has none")
@@ -107,7 +110,9 @@ def real(name: str, value: Any) -> float:
 
 
 def written(name: str, value: float, digits: int = 6) -> str:
-    """A value of an axis as a user writes it: ``10905``, and ``30deg`` for an angle."""
+    """A value of an axis as a user writes it: ``10905``, and ``30deg`` for an angle; a number of a sample in full."""
+    if name == SAMPLE and value.is_integer():
+        return str(int(value))
     return f"{math.degrees(value):.{digits}g}deg" if is_angle(name) else f"{value:.{digits}g}"
 
 

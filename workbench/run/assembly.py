@@ -53,8 +53,9 @@ def _statistics(path: Path, tally: Tally) -> dict[str, Any]:
     """The statistics of the file, from which `run` reports without reading its cases again."""
     with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
         verdicts, first = law_verdicts.verdicts(ds), str(ds.attrs.get("equilibria", ""))
+        sampling = {name: str(ds.attrs[name]) for name in ("sampling", "sampling_caution") if name in ds.attrs}
     branches = branch_numbers.sentence(tally["branch"]) if tally["branch"] else ""
-    return {**statistics_of(tally, verdicts), "equilibria": first, "branches": branches}
+    return {**statistics_of(tally, verdicts), "equilibria": first, "branches": branches, **sampling}
 
 
 def _write_cases(file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], tally: Tally) -> None:

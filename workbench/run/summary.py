@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from solver.observe.observables import OBSERVABLES
 
+from studies.dimensions import SAMPLE
+
 from ..data import branch_numbers, file_checks, law_verdicts, reading, schema
 from ..data.concatenation import blocks
 
@@ -33,6 +35,8 @@ def summary(path: Path) -> dict[str, Any]:
         told["branches"] = branch_numbers.sentence(counts) if counts else ""
         told["versions"] = reading.versions(ds, path)
         told["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
+        told["sampled"] = [_axis(ds[schema.dimension(name)]) for name in schema.sampled_fields(ds)]
+        told |= {key: str(ds.attrs.get(key, "")) for key in ("sampling", "sampling_caution")}
         told["stations"] = ds.sizes.get("u", 0)
         told["along"] = [name for name in schema.CURVES if name in ds.data_vars]
         told["cases"] = ds["outcome"].size
@@ -40,7 +44,7 @@ def summary(path: Path) -> dict[str, Any]:
         told["unsolved"] = unsolved(ds)
         told["outcomes"] = dict(outcomes.most_common())
         told["observables"] = [_spread(ds[name]) for name in OBSERVABLES if name in ds.data_vars]
-        told["worst"] = [_worst(ds[name]) for name in ("error", "condition")]
+        told["worst"] = [_worst(ds, name) for name in ("error", "condition")]
         rows = law_verdicts.verdicts(ds)
         told |= {"verdicts": law_verdicts.tally(rows), "laws": [_law(row) for row in rows]}
     return told
@@ -93,15 +97,18 @@ def _spread(variable: xr.DataArray) -> dict[str, Any]:
     return {"name": str(variable.name), "units": str(variable.attrs.get("units", "")), **told, "missing": missing}
 
 
-def _worst(variable: xr.DataArray) -> dict[str, Any]:
-    """The largest value of one number a case, and the case's place on the axes."""
+def _worst(ds: xr.Dataset, name: str) -> dict[str, Any]:
+    """The largest value of one number a case, and the case's place on the axes, with the fields of a sample."""
+    variable = ds[name]
     values = _numbers(variable)
     if not np.isfinite(values).any():
-        return {"name": str(variable.name), "value": None, "at": {}}
+        return {"name": name, "value": None, "at": {}}
     i = int(np.nanargmax(np.where(np.isfinite(values), values, np.nan)))
     where = np.unravel_index(i, variable.shape)
-    at = {str(dim): float(variable[dim][k]) for dim, k in zip(variable.dims, where, strict=True)}
-    return {"name": str(variable.name), "value": float(values[i]), "at": at}
+    at = {str(dim): variable[dim][k].item() for dim, k in zip(variable.dims, where, strict=True)}
+    sampled = map(schema.dimension, schema.sampled_fields(ds))
+    at |= {field: ds[field].sel({SAMPLE: at[SAMPLE]}).item() for field in sampled}
+    return {"name": name, "value": float(values[i]), "at": at}
 
 
 def _law(row: dict[str, Any]) -> dict[str, Any]:

@@ -5,7 +5,10 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
+from studies.dimensions import SAMPLE
+
 from ..data import labels
+from ..data.schema import dimension, sampled_fields
 
 if TYPE_CHECKING:
     from .body import Body
@@ -50,6 +53,14 @@ def case_values(ds: xr.Dataset, where: Mapping[str, int]) -> str:
 
 
 def values(ds: xr.Dataset, where: Mapping[str, int], digits: int = 4) -> list[str]:
-    """The value of a case along each of these axes, with its unit; an equilibrium's number is none."""
-    return [f"{labels.axis_symbol(n)} = {labels.value(float(ds[n].values[i]), ds[n], digits)}"
-            for n, i in where.items() if n != "equilibrium"]  # fmt: skip
+    """The value of a case along each of these axes, with its unit; an equilibrium's number is none.
+
+    The number of a sample is followed by the values of its fields.
+    """
+    each = []
+    for axis, i in where.items():
+        names = [] if axis == "equilibrium" else [axis]
+        if axis == SAMPLE:
+            names += map(dimension, sampled_fields(ds))
+        each += [f"{labels.axis_symbol(n)} = {labels.value(ds[n].values[i].item(), ds[n], digits)}" for n in names]
+    return each
