@@ -8,6 +8,7 @@ import tomli_w
 from numpy.typing import NDArray
 
 from .model import Study
+from .paired import SOURCES
 
 
 def dumps(study: Study, axes: Mapping[str, Mapping[str, Any]] | None = None) -> str:
@@ -17,6 +18,12 @@ def dumps(study: Study, axes: Mapping[str, Mapping[str, Any]] | None = None) -> 
     """
     said = study.model_dump(by_alias=True, exclude_unset=True, exclude_none=True)
     return tomli_w.dumps({**said, "axes": {**said["axes"], **axes}} if axes else said)
+
+
+def dumps_paired(study: Study, fields: Mapping[str, NDArray[np.float64]]) -> str:
+    """A TOML text of the study with these samples, field -> values, as lists of [zip]."""
+    said = study.model_dump(by_alias=True, exclude_unset=True, exclude_none=True, exclude={*SOURCES})
+    return tomli_w.dumps({**said, "zip": {name: values.tolist() for name, values in fields.items()}})
 
 
 def told(values: NDArray[np.float64]) -> dict[str, Any]:

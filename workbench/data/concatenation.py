@@ -1,7 +1,8 @@
 """Datasets concatenated along one axis, block by block, so that memory stays small."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from math import prod
 from typing import Any
 
@@ -11,6 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
+from studies.dimensions import SAMPLE
 
 from . import file_checks, schema
 
@@ -21,11 +23,16 @@ Where = tuple[slice, ...]
 
 @dataclass(frozen=True, eq=False)
 class Union:
-    """The values of an axis of several files together, rising. places: where each file holds each of them, or -1."""
+    """The values of an axis of several files together.
+
+    values: rising, or the numbers of the samples. places: where each file holds each of them, or -1. fields: of the
+    samples, field -> values.
+    """
 
     axis: str
-    values: NDArray[np.float64]
+    values: NDArray[Any]
     places: list[NDArray[np.int64]]
+    fields: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +67,26 @@ def unite(axis: str, rows: Sequence[NDArray[np.float64]]) -> Union:
         place[np.searchsorted(values, row)] = np.arange(row.size)
         places.append(place)
     return Union(axis, values, places)
+
+
+def unite_samples(files: Sequence[Mapping[str, NDArray[np.float64]]]) -> Union:
+    """The union of the samples of several files, field -> values: each sample once, those of the first file first.
+
+    A sample is known by its values, to the bit; one that a file holds several times stays so.
+    """
+    index: dict[tuple[float | int, ...], int] = {}
+    held = []
+    for fields in files:
+        seen: Counter[tuple[float, ...]] = Counter()
+        place: dict[int, int] = {}
+        for i, row in enumerate(zip(*(values.tolist() for values in fields.values()), strict=True)):
+            place[index.setdefault((*row, seen[row]), len(index))] = i
+            seen[row] += 1
+        held.append(place)
+    rows = np.array([key[:-1] for key in index])
+    places = [np.array([place.get(number, -1) for number in range(len(index))]) for place in held]
+    together = {name: rows[:, k].copy() for k, name in enumerate(files[0])}
+    return Union(SAMPLE, np.arange(len(index)), places, together)
 
 
 def layout(files: Sequence[xr.Dataset], union: Union, axes: Sequence[str]) -> tuple[xr.Dataset, list[Joined]]:
@@ -147,13 +174,11 @@ def _gathered(joined: Joined, union: Union, where: Where, names: Sequence[str]) 
         with file_checks.reading(names[i]):
             rows = _rows(joined, part, union.axis, where, places[wanted][mine])
         held = owner[mine] >= 0
-        for k in np.flatnonzero(held):
-            if not _same_bits(along[mine[k]], rows[k].astype(along.dtype)):
-                value = union.values[wanted][mine[k]]
-                both = f"{names[owner[mine[k]]]} and {names[i]}"
-                raise InputError(
-                    f"{both} both hold {union.axis} = {value:.10g}, but with other values of {joined.name}"
-                )
+        if not _same_bits(along[mine[held]], rows[held].astype(along.dtype)):
+            k = next(k for k in np.flatnonzero(held) if not _same_bits(along[[mine[k]]], rows[[k]].astype(along.dtype)))
+            value = union.values[wanted][mine[k]]
+            both = f"{names[owner[mine[k]]]} and {names[i]}"
+            raise InputError(f"{both} both hold {union.axis} = {value:.10g}, but with other values of {joined.name}")
         along[mine[~held]] = rows[~held]
         owner[mine] = i
     return block

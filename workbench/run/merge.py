@@ -14,8 +14,10 @@ import xarray as xr
 
 from solver.problem.errors import InputError, choices
 from studies import TABLE_1, Study
+from studies.dimensions import SAMPLE
 from studies.loader import loads
-from studies.writer import dumps, told
+from studies.paired import SOURCES
+from studies.writer import dumps, dumps_paired, told
 
 from ..data import atomic, cautions, concatenation, law_verdicts, reading, schema, writing
 from ..data.selection import SAME
@@ -27,9 +29,10 @@ ALIKE = {
     "reading": "the reading", "side": "the side", "stiffness": "the stiffness", "tolerance": "the tolerance",
     "method": "the method", "length_unit": "the unit of length", "force_unit": "the unit of force",
 }  # fmt: skip
+MOST_SOURCES = 5  # files of which a merged file says how their samples were drawn
 # Fields of a study that are compared in the dataset, or that do not change a number.
-APART = {"name", "title", "axes", "base", "observables", "outputs", "stations", "tol", "method"}
-OF_ONE_RUN = ("recipe", "statistics", "caution")  # attributes that are of one run alone
+APART = {"name", "title", "axes", *SOURCES, "base", "observables", "outputs", "stations", "tol", "method"}
+OF_ONE_RUN = ("recipe", "statistics", "caution", "sampling_caution")  # attributes that are of one run alone
 
 
 def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, Any]:
@@ -71,12 +74,14 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
     if studies[0].sweeps:
         why = "each case continued from its neighbour: run all values as one study"
         raise InputError(f"{names[0]} is a sweep of ends problems, {why}")
-    differing = [axis for axis in axes if any(not np.array_equal(files[0][axis], ds[axis]) for ds in files[1:])]
+    differing = [axis for axis in axes if any(_values(files[0], axis) != _values(ds, axis) for ds in files[1:])]
     if len(differing) > 1:
         raise InputError(f"the files differ along {' and '.join(differing)}; merge along one axis at a time")
     if not differing:
         what = f"the same values of {choices(axes)}" if axes else "one case each, and no axis"
         raise InputError(f"there is nothing to merge: {choices(names)} have {what}")
+    if differing == [SAMPLE]:
+        return concatenation.unite_samples([stored_case.samples_of(ds) for ds in files])
     union = concatenation.unite(differing[0], [ds[differing[0]].values for ds in files])
     close = np.flatnonzero(np.diff(union.values) <= SAME * np.abs(union.values[1:]))
     if close.size:
@@ -85,14 +90,21 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
     return union
 
 
+def _values(ds: xr.Dataset, axis: str) -> list[bytes]:
+    """The values of an axis, those of the samples by their fields, to the bit."""
+    names = map(schema.dimension, schema.sampled_fields(ds)) if axis == SAMPLE else [axis]
+    return [ds[name].values.tobytes() for name in names]
+
+
 def _differences(a: xr.Dataset, of_a: Study, b: xr.Dataset, of_b: Study) -> dict[str, tuple[Any, Any]]:
     """What must be equal in two files: its name in messages -> the two values."""
     pairs: dict[str, tuple[Any, Any]] = {"the axes": (schema.axes_of(a), schema.axes_of(b))}
     pairs |= {what: (a.attrs.get(key), b.attrs.get(key)) for key, what in ALIKE.items()}
+    pairs["the sampled fields"] = (list(of_a.sampled), list(of_b.sampled))
     pairs["the stations"] = (a.sizes.get("u", 0), b.sizes.get("u", 0))
     base = [{**(TABLE_1 if study.reading else {}), **study.base.given} for study in (of_a, of_b)]
     for name in dict.fromkeys([*base[0], *base[1]]):
-        if name not in of_a.axes:
+        if name not in of_a.varied:
             pairs[f"base.{name}"] = (base[0].get(name), base[1].get(name))
     said = [study.model_dump(exclude=APART) for study in (of_a, of_b)]
     return pairs | {key: (said[0][key], said[1][key]) for key in said[0]}
@@ -111,10 +123,17 @@ def _attributes(
 ) -> dict[str, Any]:
     """The attributes of the merged file: those of the first, with the study over all values, which is read again."""
     attrs = {key: value for key, value in files[0].attrs.items() if key not in OF_ONE_RUN}
-    field = schema.field_of(study, union.axis)
-    text = dumps(study, {field: told(union.values)})
-    again = loads(text, "the merged study", study.name)
-    assert np.array_equal(np.sort(again.coordinates()[field]), union.values)
+    if union.fields:
+        text = dumps_paired(study, union.fields)
+        fields = union.fields
+        attrs["sampling"] = _sampling(files, union)
+    else:
+        field = schema.field_of(study, union.axis)
+        text = dumps(study, {field: told(union.values)})
+        fields = {field: union.values}
+    again = loads(text, "the merged study", study.name).coordinates()
+    assert all(np.array_equal(values, again[name] if union.fields else np.sort(again[name]))
+               for name, values in fields.items())  # fmt: skip
     versions = [reading.versions(ds, name) for ds, name in zip(files, names, strict=True)]
     sources = [
         {"file": Path(name).name, "created": str(ds.attrs.get("created", "")), union.axis: ds.sizes[union.axis]}
@@ -128,6 +147,14 @@ def _attributes(
         "versions": json.dumps(_together(versions)),
         "merged": json.dumps(sources),
     }
+
+
+def _sampling(files: Sequence[xr.Dataset], union: concatenation.Union) -> str:
+    """Where the samples of the union come from, in one sentence."""
+    each = list(dict.fromkeys(str(ds.attrs.get("sampling", "")) for ds in files))
+    more = [f"and {len(each) - MOST_SOURCES} more"] if len(each) > MOST_SOURCES else []
+    whence = "; ".join([*each[:MOST_SOURCES], *more])
+    return f"{union.values.size} samples of {choices(union.fields)}, merged from: {whence}"
 
 
 def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
@@ -161,7 +188,7 @@ def _recipe(files: Sequence[xr.Dataset], field: str, union: concatenation.Union)
     try:
         recipes = [json.loads(ds.attrs["recipe"]) for ds in files]
         for recipe in recipes:
-            recipe["axes"][field] = axis_line(union.values)
+            recipe["axes"] |= {name: axis_line(row) for name, row in (union.fields or {field: union.values}).items()}
     except (KeyError, TypeError, ValueError, RecursionError):
         return None
     return dict(recipes[0]) if all(recipe == recipes[0] for recipe in recipes) else None

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from solver import Case, Ends, Solution, Start, solve
 from solver.problem.errors import InputError, no_such
@@ -26,7 +27,8 @@ def study_of(ds: xr.Dataset) -> Study:
     """The study of a dataset, under its reading and with the samples of the dataset; `InputError` where it has none."""
     if not ds.attrs.get("study"):
         raise InputError("the dataset has no attribute study, so its study is unknown")
-    context = {"samples": _samples(ds)}  # also where there are none: no table that the text names is read
+    values = samples_of(ds)  # also where there are none: no table that the text names is read
+    context = {"samples": Dimension(SAMPLE, values) if values else None}
     study = loads(reading.text(ds, "study"), "the dataset's study", reading.text(ds, "study_name"), context)
     return study.under(reading.text(ds, "reading") or None)
 
@@ -85,14 +87,13 @@ def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str
     return placed
 
 
-def _samples(ds: xr.Dataset) -> Dimension | None:
-    """The samples of a dataset, or the one that is selected; None where nothing is sampled."""
+def samples_of(ds: xr.Dataset) -> dict[str, NDArray[np.float64]]:
+    """The samples of a dataset, or the one that is selected: field -> values. Raises `InputError`."""
     fields = sampled_fields(ds)
     for name in fields:
         if name not in FIELDS or dimension(name) not in ds.coords:
             raise InputError(f"the dataset has lost its sampled field {name!r}")
-    values = {name: np.atleast_1d(ds[dimension(name)].values).astype(float) for name in fields}
-    return Dimension(SAMPLE, values) if values else None
+    return {name: np.atleast_1d(ds[dimension(name)].values).astype(float) for name in fields}
 
 
 def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -> Solution:
