@@ -11,7 +11,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 
 SOLVER = {"numpy", "scipy", "heyoka"}  # heyoka is optional, imported where its method runs
-STUDIES = SOLVER | {"solver", "tomllib", "pydantic", "tomli_w"}
+STUDIES = SOLVER | {
+    "solver", "tomllib", "pydantic", "tomli_w",
+    "pyarrow",  # optional: reads tables of cases in Parquet, imported where it reads
+}  # fmt: skip
 WORKBENCH = STUDIES | {
     "studies", "xarray", "h5netcdf", "h5py", "filelock", "pyvista", "matplotlib", "trimesh", "typer", "rich", "jinja2",
     "distributed",  # optional: the engine of a cluster, imported where it runs

@@ -68,7 +68,7 @@ def test_an_unsolved_case_gives_no_caution() -> None:
     sol = solve(study.case(), stations=21)
     outcome, solved = np.array(["solved", "failed: on purpose"], dtype=object), np.array([True, False])
     sol = replace(sol, trajectory=replace(sol.trajectory, outcome=outcome, solved=solved))
-    ds = dataset.make(study, study.coordinates(), columns(study, sol))
+    ds = dataset.make(study, study.dimensions(), columns(study, sol))
     assert ds["caution"].values.tolist() == ["overlaps, pulled", ""]
 
 

@@ -1,4 +1,4 @@
-"""The figure of a stored study: its developed curves along each axis, and a panel for each law."""
+"""The figure of a stored study: its developed curves along each axis, its samples, and a panel for each law."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -6,8 +6,10 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
+from studies.dimensions import SAMPLE
+
 from ..data import labels, law_verdicts, schema
-from . import canvas, legend, single_rod
+from . import canvas, legend, scatter, single_rod
 from .developed import developed, has_curve, strip_height
 from .law_panel import panel
 from .trends import trend
@@ -22,7 +24,8 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
     """Draw all of a study.
 
     With axes: for each axis the developed curves, beside them each law in its panel (where there is no law, the first
-    observables). One case alone: its angle, its push and its developed curve.
+    observables). With samples: each observable against each sampled field. One case alone: its angle, its push and its
+    developed curve.
 
     Parameters
     ----------
@@ -38,12 +41,17 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
     if not axes:
         return single_rod.figure(ds)
     rows = law_verdicts.verdicts(ds) if verdicts is None else verdicts
-    plain = [] if rows else [str(name) for name in ds.data_vars if _is_observable(ds, str(name))][:MOST_PLAIN]
+    sampled = SAMPLE in axes and bool(scatter.observed(ds))
+    if sampled:
+        axes = [axis for axis in axes if axis != SAMPLE]
+    plain = [] if rows or sampled else [str(name) for name in ds.data_vars if _is_observable(ds, str(name))][:MOST_PLAIN]
     count, strips = len(rows or plain), axes if has_curve(ds) else []
-    beside = count <= len(strips) and all(strip_height(ds, axis, WIDTH * BESIDE) > LEAST_BESIDE for axis in axes)
+    beside = not sampled and count <= len(strips) and all(strip_height(ds, axis, WIDTH * BESIDE) > LEAST_BESIDE for axis in axes)
     heights = [LAW_HEIGHT if beside else strip_height(ds, axis, WIDTH) for axis in strips]
     below = 0 if beside else LAW_HEIGHT * -(-count // 2)
     heights += [below] if below else []
+    heights += [scatter.ROW_HEIGHT * len(scatter.observed(ds)) + 0.7] if sampled else []
+    width = max(WIDTH, scatter.LEAST_WIDTH * len(scatter.fields_of(ds)) + 0.8) if sampled else WIDTH
 
     def draw(fig: Figure) -> None:
         ratios = (1.3, 1) if beside else (1,)
@@ -51,6 +59,8 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
         cells = [grid[i, 1] for i in range(count)] if beside else _pairs(grid[len(strips), 0], count) if below else []
         for i, axis in enumerate(strips):
             developed(ds, fig.add_subplot(grid[i, 0]), axis)
+        if sampled:
+            scatter.scatter(ds, fig, grid[len(heights) - 1, 0])
         for row, cell in zip(rows, cells, strict=False):
             panel(ds, fig.add_subplot(cell), row)
         for name, cell in zip(plain, cells, strict=False):
@@ -58,7 +68,7 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
             ax.set_title(labels.long_name(ds[name]), loc="left")
             legend.add(ax)
 
-    return canvas.figure((WIDTH, 0.7 + sum(heights)), draw, ds)
+    return canvas.figure((width, 0.7 + sum(heights)), draw, ds)
 
 
 def _pairs(cell: Any, count: int) -> list[Any]:

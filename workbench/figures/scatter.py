@@ -1,0 +1,125 @@
+"""Scatter diagrams of a study of samples: a row for each observable, a column for each sampled field."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
+from numpy.typing import NDArray
+
+from solver.observe.observables import OBSERVABLES, is_count
+from studies.dimensions import SAMPLE
+from studies.laws import FAILS
+
+from ..data import labels, schema, selection
+from . import style
+
+ROW_HEIGHT, LEAST_WIDTH = 2.1, 1.7  # inches of a panel
+FEW, MANY = 300, 4000  # samples up to which a dot is large, and beyond which the density is drawn
+LEAST = 8  # samples of which a rank correlation says something
+BINS = (90, 60)  # of the density
+WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
+
+Values = NDArray[np.float64]
+
+
+def observed(ds: xr.Dataset) -> list[str]:
+    """The observables of the dataset that have a row."""
+    return [str(name) for name in ds.data_vars if name in OBSERVABLES]
+
+
+def fields_of(ds: xr.Dataset) -> list[str]:
+    """The sampled fields, as the dataset names them: the columns."""
+    return [schema.dimension(name) for name in schema.sampled_fields(ds)]
+
+
+def scatter(ds: xr.Dataset, fig: Figure, cell: Any) -> None:
+    """Draw each observable against each sampled field in a cell of a grid of the figure.
+
+    Beside samples the dataset may have axes: they are held where the laws or Table 1 put them. Each panel says the rank
+    correlation (Spearman) of its two quantities, over the solved samples.
+    """
+    held = {axis: i for axis, i in selection.case(ds).items() if axis != SAMPLE}
+    here = ds.isel(held)
+    names, fields = observed(ds), fields_of(ds)
+    grid = cell.subgridspec(len(names), len(fields), hspace=0.06, wspace=0.04)
+    at = ", ".join(f"{labels.axis_symbol(k)} = {labels.value(float(ds[k][i]), ds[k])}" for k, i in held.items())
+    top: Axes | None = None
+    for i, name in enumerate(names):
+        left: Axes | None = None
+        for j, field in enumerate(fields):
+            ax = fig.add_subplot(grid[i, j], sharey=left)
+            _panel(here, ax, name, field)
+            left = left or ax
+            top = top or ax
+            ax.tick_params(labelleft=j == 0, labelbottom=i == len(names) - 1)
+            if i == len(names) - 1:
+                ax.set_xlabel(labels.axis_label(field, ds[field], long=False))
+        assert left is not None
+        left.set_ylabel(labels.label(ds[name]))
+    assert top is not None
+    count = f"{ds.sizes[SAMPLE]} sample{'s' * (ds.sizes[SAMPLE] != 1)}"
+    dense = "; the darker, the more samples" if ds.sizes[SAMPLE] > MANY else ""
+    text = f"{count}{f', at {at}' if at else ''}; r: rank correlation{dense}"
+    top.annotate(text, (0, 1), (0, 16), xycoords="axes fraction", textcoords="offset points")
+
+
+def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str) -> None:
+    """One observable against one field."""
+    x, y = labels.in_label_unit(ds[field], ds[field].values), ds[name].values.astype(float)
+    solved = np.isfinite(y)
+    logarithmic = _scale(ax, x)
+    if solved.sum() > MANY:
+        _density(ax, x[solved], y[solved], logarithmic)
+    else:
+        size, alpha = (16, 0.75) if x.size <= FEW else (5, 0.45)
+        ax.scatter(x[solved], y[solved], s=size, color=style.PUSHED, alpha=alpha, linewidths=0, zorder=3)
+    if not solved.all():
+        ax.plot(x[~solved], np.zeros(int((~solved).sum())), "x", color=style.VERDICT_COLOURS[FAILS], markersize=4,
+                clip_on=False, transform=ax.get_xaxis_transform(), rasterized=x.size > MANY)  # fmt: skip
+    if (found := rank_correlation(x[solved], y[solved])) is not None:
+        ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=style.SMALL, color=style.SOFT, pad=2)
+    ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=is_count(name)))
+    ax.yaxis.set_major_formatter(labels.tick)
+    ax.margins(x=0.03, y=0.12)
+    style.with_grid(ax)
+
+
+def rank_correlation(x: Values, y: Values) -> float | None:
+    """Spearman's rank correlation; None for fewer than `LEAST` samples, or where one of the two is constant."""
+    from scipy.stats import rankdata
+
+    if x.size < LEAST or np.ptp(x) == 0 or np.ptp(y) == 0:
+        return None
+    return float(np.corrcoef(rankdata(x), rankdata(y))[0, 1])
+
+
+def _scale(ax: Axes, x: Values) -> bool:
+    """A logarithmic axis where the samples are spread more evenly so; whether it is one."""
+    low, middle, high = float(x.min()), float(np.median(x)), float(x.max())
+    if low > 0 and high > WIDE * low and abs(middle - np.sqrt(low * high)) < abs(middle - (low + high) / 2):
+        ax.set_xscale("log")
+        subs = (1.0,) if high > 100 * low else (1.0, 2.0, 5.0)
+        ax.xaxis.set_major_locator(LogLocator(subs=subs))
+        ax.xaxis.set_major_formatter(lambda value, _: labels.number(value))
+        ax.xaxis.set_minor_locator(NullLocator())
+        ax.xaxis.set_minor_formatter(NullFormatter())
+        return True
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=4, prune="both"))
+    ax.xaxis.set_major_formatter(labels.tick)
+    return False
+
+
+def _density(ax: Axes, x: Values, y: Values, logarithmic: bool) -> None:
+    """How many samples lie where, on a logarithmic scale of colours: dots would hide one another."""
+    low, high = float(x.min()), float(x.max())
+    space = np.geomspace if logarithmic else np.linspace
+    span = float(np.ptp(y)) or abs(float(y[0])) or 1.0
+    edges = np.linspace(float(y.min()) - 0.01 * span, float(y.max()) + 0.01 * span, BINS[1] + 1)
+    counts, across, up = np.histogram2d(x, y, bins=[space(low, high, BINS[0] + 1), edges])
+    ax.pcolormesh(across, up, np.ma.masked_equal(counts.T, 0), cmap="Blues", norm=LogNorm(0.3, max(counts.max(), 1.0)),
+                  rasterized=True, zorder=3)  # fmt: skip
+    ax.use_sticky_edges = False
