@@ -62,7 +62,8 @@ class Dimensions:
     @classmethod
     def of(cls, axes: Mapping[str, Values], samples: Dimension | None = None) -> "Dimensions":
         """The dimensions of axes, field -> values; before them the samples, if there are any."""
-        return cls((*([samples] if samples else []), *(Dimension(name, {name: values}) for name, values in axes.items())))
+        first = () if samples is None else (samples,)
+        return cls((*first, *(Dimension(name, {name: values}) for name, values in axes.items())))
 
     @property
     def names(self) -> tuple[str, ...]:

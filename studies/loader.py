@@ -31,7 +31,8 @@ MOST_PARTS = 20  # of a dotted key
 MOST_SAID = 800  # characters of an error message
 
 _MODELS: dict[str, type[BaseModel]] = {
-    "units": Units, "base": Base, "axes": Axis, "laws": Law, "equilibrium": Which, "sample": Distribution, "table": Table,
+    "units": Units, "base": Base, "axes": Axis, "sample": Distribution, "table": Table, "laws": Law,
+    "equilibrium": Which,
 }  # fmt: skip
 _HEADER = re.compile(r"^\s*(\[\[?)([^\[\]]+)\]")
 _PART = re.compile(r"""[\w-]+|"[^"]*"|'[^']*'""")
@@ -123,15 +124,15 @@ def _study(text: str, default_name: str, context: Mapping[str, Any]) -> Study:
         raise _Refused(sentence, where) from None
     study._text = text if cases is None else dumps(study)
     try:
-        study.case()
         _check_ends(study)
+        study.case()
     except InputError as error:
         raise _Refused(str(error), _blamed(str(error), study)) from None
     return study
 
 
 def _check_ends(study: Study) -> None:
-    """Raise `InputError` unless a case is valid at both ends of each distribution, whatever was drawn."""
+    """Raise `InputError` unless each sampled field is valid at both ends of its distribution, whatever was drawn."""
     if study.sample is None:
         return
     first = {name: values[0] for name, values in study.coordinates().items()}
@@ -140,6 +141,8 @@ def _check_ends(study: Study) -> None:
             try:
                 study.case_of({**first, name: end})
             except InputError as error:
+                if _field(str(error)) != name:  # of another field, at its first sample
+                    continue
                 raise InputError(f"{error}; the distribution reaches it: {distribution.reach(name)}") from None
 
 
@@ -223,11 +226,16 @@ def _told(where: Where) -> str:
 
 def _blamed(message: str, study: Study) -> Where:
     """The key of an error of the solver: ``Rod.E must be ...`` is about axes.E or base.E."""
-    found = re.match(r"(?:Rod|Cylinder|Start|Ends)\.(\w+)", message)
-    field = found.group(1) if found else ""
+    field = _field(message)
     if field in study.sampled:
         return paired.key(study, field)
     return ("axes", field) if field in study.axes else ("base", field)
+
+
+def _field(message: str) -> str:
+    """The field that an error of the solver is about, or an empty text."""
+    found = re.match(r"(?:Rod|Cylinder|Start|Ends)\.(\w+)", message)
+    return found.group(1) if found else ""
 
 
 def _lines(text: str) -> dict[Where, int]:

@@ -22,7 +22,7 @@ SOURCES = ("sample", "zip", "table")  # the tables of a study that give them
 
 
 class Table(BaseModel):
-    """A table of cases in a file. file: .csv or .parquet, in the folder of the study; columns: those read; None: all."""
+    """A table of cases. file: .csv or .parquet, in the folder of the study; columns: those read; default: all."""
 
     model_config = STRICT
 

@@ -19,7 +19,7 @@ from .wording import near
 
 Cube = NDArray[np.float64]  # points in the unit cube, (size, fields)
 
-REACH = 6.0  # standard deviations at which a normal distribution is cut where nothing truncates it: 2 in 10^9 lie beyond
+REACH = 6.0  # standard deviations at which a normal distribution is always cut: 2 in 10^9 values lie beyond
 
 
 def _sobol(size: int, fields: int, seed: int) -> Cube:
@@ -34,7 +34,7 @@ def _latin(size: int, fields: int, seed: int) -> Cube:
     """A Latin hypercube: of each field one value in each of `size` equal shares of the probability."""
     from scipy.stats import qmc
 
-    return qmc.LatinHypercube(fields, rng=seed).random(size)  # type: ignore[no-any-return]
+    return qmc.LatinHypercube(fields, rng=seed).random(size)
 
 
 def _random(size: int, fields: int, seed: int) -> Cube:
@@ -85,7 +85,7 @@ class Distribution(BaseModel):
         needed, allowed = DISTRIBUTIONS[self.distribution]
         given = {name: self._key(name) for name in ("from", "to", "mean", "std")}
         if missing := [name for name in needed if given[name] is None]:
-            raise ValueError(f"a {self.distribution} distribution needs {' and '.join(needed)}: {missing[0]} is missing")
+            raise ValueError(f"a {self.distribution} distribution needs {' and '.join(needed)}: no {missing[0]} given")
         for name, value in given.items():
             if value is not None and name not in (*needed, *allowed):
                 raise Misplaced(f"a {self.distribution} distribution has no {name}; it needs {choices(needed)}", name)
@@ -112,7 +112,7 @@ class Distribution(BaseModel):
         low, high = self._in_deviations()
         if not (np.isfinite(low) and np.isfinite(high) and low < REACH and high > -REACH):
             where = " and ".join(f"{name} = {v:g}" for name in ("from", "to") if (v := self._key(name)) is not None)
-            far = f"more than {REACH} standard deviations from its mean"
+            far = f"more than {REACH:g} standard deviations from its mean"
             raise Misplaced(f"{where or 'the normal distribution'} leaves no value of it: all lie {far}", "mean")
 
     def _in_deviations(self) -> tuple[float, float]:

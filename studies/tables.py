@@ -93,7 +93,7 @@ def _filled(rows: Any) -> Iterator[list[str]]:
 def _number(here: str, name: str, cell: str) -> float:
     text = cell.strip()
     if not text:
-        raise InputError(f"{here}: {name} is empty; each case needs a number there")
+        raise InputError(f"{here}: {name} is empty; give each case a number")
     try:
         value = float(in_rad(text)) if is_angle(name) else float(text)
     except ValueError:
@@ -108,13 +108,13 @@ def _parquet(path: Path, wanted: Sequence[str] | None) -> dict[str, Values]:
         from pyarrow import ArrowException, parquet
     except ImportError:
         raise InputError(
-            f"reading {path.name} needs the package pyarrow: pip install pyarrow, or store the table as CSV"
+            f"reading {path.name} needs pyarrow: pip install 'rod-workbench[parquet]', or store the table as CSV"
         ) from None
     try:
         header = list(parquet.read_schema(path).names)
         names = _chosen(path, header, wanted)
         table = parquet.read_table(path, columns=names)
-        columns: Mapping[str, Any] = {name: np.asarray(table[name].to_pandas()) for name in names}
+        columns: Mapping[str, Any] = {name: table[name].to_numpy() for name in names}
     except (ArrowException, OSError) as error:
         raise InputError(f"{path.name} cannot be read as Parquet: {str(error).splitlines()[0]}") from None
     if not table.num_rows:
@@ -131,7 +131,7 @@ def _checked(path: Path, name: str, values: Any) -> Values:
     numbers = values.astype(float)
     bad = np.flatnonzero(~np.isfinite(numbers))
     if bad.size:
-        raise InputError(f"{path.name}, row {bad[0] + 1}: {name} is empty or not finite; each case needs a number there")
+        raise InputError(f"{path.name}, row {bad[0] + 1}: {name} is empty or not finite; give each case a number")
     return numbers
 
 

@@ -58,6 +58,33 @@ def axes(draw: Any, field: str) -> dict[str, Any]:
 
 
 @st.composite
+def distributions(draw: Any, field: str) -> dict[str, Any]:
+    """A table of the distribution of a sampled field, which stays within the range of the field."""
+    low, high = RANGES[field]
+    kind = draw(st.sampled_from(["uniform", "log-uniform", "normal", "truncated"]))
+    least = max(low, high / 1e3) if kind == "log-uniform" else low
+    first, last = (least + share * (high - least) for share in draw(st.tuples(st.floats(0, 0.4), st.floats(0.5, 1))))
+    told: dict[str, Any] = {} if kind == "uniform" and draw(st.booleans()) else {"distribution": kind}
+    if kind in ("normal", "truncated"):
+        told = {"distribution": "normal", "mean": (first + last) / 2, "std": (last - first) / 13}
+    return told if kind == "normal" else {**told, "from": first, "to": last}
+
+
+def _samples(draw: Any, said: dict[str, Any], fields: list[str]) -> None:
+    """Now and then samples of some of these fields, or lists of them in pairs."""
+    source = draw(st.sampled_from([None, None, "sample", "zip"]))
+    names = draw(st.lists(st.sampled_from(fields), min_size=1, max_size=3, unique=True)) if source and fields else []
+    if names and source == "sample":
+        methods = st.sampled_from(["sobol", "latin-hypercube", "random"])
+        said["sample"] = {"size": draw(st.integers(1, 9)), "seed": draw(st.integers(0, 2**40))}
+        said["sample"] |= {"method": draw(methods)} if draw(st.booleans()) else {}
+        said["sample"] |= {name: draw(distributions(name)) for name in names}
+    if names and source == "zip":
+        size = draw(st.integers(1, 4))
+        said["zip"] = {name: draw(st.lists(number(name), min_size=size, max_size=size)) for name in names}
+
+
+@st.composite
 def studies(draw: Any) -> dict[str, Any]:
     """A study that can be run, as the tables of its TOML."""
     kind = draw(st.sampled_from(["reading", "start", "ends", "followed"]))
@@ -89,6 +116,9 @@ def studies(draw: Any) -> dict[str, Any]:
         }
     if kind == "ends" and draw(st.booleans()):
         said["equilibrium"] = draw(which())
+    if kind in ("reading", "start") or (kind == "ends" and not varied and "dbeta0" not in said.get("equilibrium", {})):
+        left = [name for name in fields if name not in varied and name not in said["base"]]
+        _samples(draw, said, left)
     said["units"] = {"length": draw(st.sampled_from(LENGTHS)), "force": draw(st.sampled_from(FORCES))}
     _what_is_computed(draw, said)
     said["laws"] = draw(st.lists(laws(said["axes"]), max_size=2)) if said["axes"] else []

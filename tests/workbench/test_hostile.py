@@ -326,6 +326,7 @@ BASES = {
     "two axes": small.study(AXES.format("[1e4, 2e4]") + LAW, HEAD),
     "no axis": small.study("[base]\nL = 5.0\n", HEAD),
     "followed": small.study(FOLLOWED, HEAD),
+    "samples": small.study("[zip]\nE = [1e4, 2e4]\nR = [0.5, 0.75]\n", HEAD),
     "between two ends": loads(ENDS),
 }
 
@@ -342,6 +343,10 @@ def altered_files_end_in_a_sentence(base: str, stride: int, tmp_path: Path, *com
 
 def test_a_study_that_is_altered_in_one_place_is_read_or_refused_in_a_sentence(tmp_path: Path) -> None:
     altered_files_end_in_a_sentence("one axis", 211, tmp_path, "check", "export csv")
+
+
+def test_a_study_of_samples_that_is_altered_is_read_or_refused_in_a_sentence(tmp_path: Path) -> None:
+    altered_files_end_in_a_sentence("samples", 211, tmp_path, "check", "summary", "export csv")
 
 
 @pytest.mark.slow

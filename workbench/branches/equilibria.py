@@ -6,7 +6,6 @@ from typing import Any
 
 from solver import Case, Ends, InputError, solve
 from solver.equilibria import Equilibrium
-from solver.problem.errors import choices
 from studies import Study
 
 from ..data import writing

@@ -142,6 +142,10 @@ def _dask() -> None:
     import_module("distributed")
 
 
+def _parquet() -> None:
+    import_module("pyarrow.parquet")
+
+
 def _film() -> None:
     """A film of two white frames."""
     import tempfile
@@ -160,6 +164,7 @@ EXTRAS = (
     Extra("live page", "explore", ("aiohttp", "trame-client", "trame-vtk"), _page, "workbench explore"),
     Extra("films", "animate", ("imageio", "imageio-ffmpeg"), _film, "workbench animate"),
     Extra("heyoka", "taylor", ("heyoka",), _heyoka, "method for comparison"),
+    Extra("Parquet", "parquet", ("pyarrow",), _parquet, "workbench run --cases TABLE.parquet"),
     Extra("Dask", "cluster", ("dask", "distributed"), _dask, "workbench run --scheduler"),
 )
 

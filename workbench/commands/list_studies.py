@@ -19,7 +19,8 @@ def list_studies(json: Json = False) -> int:
         return 0
     table = []
     for row in rows:
-        axes = ", ".join(_range(axis) for axis in row["axes"])
+        sampled = [f"{row['samples']} samples of {', '.join(row['sampled'])}"] if row["sampled"] else []
+        axes = ", ".join([*sampled, *map(_range, row["axes"])])
         laws = ", ".join(f"{law['claim']} {law_verdicts.stated(law)}" for law in row["laws"])
         table.append([row["study"], row["title"], axes or "-", laws or "-"])
     console.print_table(["study", "title", "axes", "laws"], table)
@@ -27,7 +28,10 @@ def list_studies(json: Json = False) -> int:
 
 
 def _listed() -> list[dict[str, Any]]:
-    """The shipped studies as plain data: study, title, axes (axis, from, to, count, unit, follow) and laws."""
+    """The shipped studies as plain data.
+
+    study, title, samples (their number), sampled (fields), axes (axis, from, to, count, unit, follow) and laws.
+    """
     from solver.problem.quantities import unit_of
     from studies import load, names
     from studies.axes import quantity_of
@@ -38,7 +42,8 @@ def _listed() -> list[dict[str, Any]]:
         units = study.unit_system
         axes = [_axis(field, axis, unit_of(quantity_of(field).name, units)) for field, axis in study.axes.items()]
         laws = [{key: getattr(law, key) for key in ("claim", "observable", "direction", "axis")} for law in study.laws]
-        rows.append({"study": name, "title": study.title, "axes": axes, "laws": laws})
+        sampled = {"samples": study.samples_count, "sampled": list(study.sampled)}
+        rows.append({"study": name, "title": study.title, **sampled, "axes": axes, "laws": laws})
     return rows
 
 

@@ -12,8 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver import Case
-from studies import Study
-from studies import paired
+from studies import Study, paired
 from studies.axes import quantity_of
 from studies.dimensions import Dimensions
 

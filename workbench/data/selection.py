@@ -61,7 +61,7 @@ def axis_of(ds: xr.Dataset, name: str) -> str:
         if known in axes:
             return known
     if SAMPLE in axes and name in (fields := sampled_fields(ds)):
-        raise InputError(f"{name} is no axis, as the samples are of {choices(fields)}: give the number of one, sample=0")
+        raise InputError(f"{name} is no axis: the samples are of {choices(fields)}; give the number of one, sample=0")
     if name in ds.coords and not ds[name].ndim:
         raise InputError(f"{name} is selected already: it is {ds[name].item():.10g}")
     raise no_such("axis", name, axes) if axes else InputError(f"no axis {name!r}: the dataset has none")

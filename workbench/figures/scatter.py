@@ -48,6 +48,7 @@ def scatter(ds: xr.Dataset, fig: Figure, cell: Any) -> None:
     grid = cell.subgridspec(len(names), len(fields), hspace=0.06, wspace=0.04)
     at = ", ".join(f"{labels.axis_symbol(k)} = {labels.value(float(ds[k][i]), ds[k])}" for k, i in held.items())
     top: Axes | None = None
+    lefts: list[Axes] = []
     for i, name in enumerate(names):
         left: Axes | None = None
         for j, field in enumerate(fields):
@@ -60,6 +61,8 @@ def scatter(ds: xr.Dataset, fig: Figure, cell: Any) -> None:
                 ax.set_xlabel(labels.axis_label(field, ds[field], long=False))
         assert left is not None
         left.set_ylabel(labels.label(ds[name]))
+        lefts.append(left)
+    fig.align_ylabels(lefts)
     assert top is not None
     count = f"{ds.sizes[SAMPLE]} sample{'s' * (ds.sizes[SAMPLE] != 1)}"
     dense = "; the darker, the more samples" if ds.sizes[SAMPLE] > MANY else ""

@@ -44,9 +44,11 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
     sampled = SAMPLE in axes and bool(scatter.observed(ds))
     if sampled:
         axes = [axis for axis in axes if axis != SAMPLE]
-    plain = [] if rows or sampled else [str(name) for name in ds.data_vars if _is_observable(ds, str(name))][:MOST_PLAIN]
+    shown = [str(name) for name in ds.data_vars if _is_observable(ds, str(name))][:MOST_PLAIN]
+    plain = [] if rows or sampled else shown
     count, strips = len(rows or plain), axes if has_curve(ds) else []
-    beside = not sampled and count <= len(strips) and all(strip_height(ds, axis, WIDTH * BESIDE) > LEAST_BESIDE for axis in axes)
+    beside = count <= len(strips) and all(strip_height(ds, axis, WIDTH * BESIDE) > LEAST_BESIDE for axis in axes)
+    beside = beside and not sampled
     heights = [LAW_HEIGHT if beside else strip_height(ds, axis, WIDTH) for axis in strips]
     below = 0 if beside else LAW_HEIGHT * -(-count // 2)
     heights += [below] if below else []

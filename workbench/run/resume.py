@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
-
 from studies.dimensions import SAMPLE, Dimension, Dimensions
 
 from ..data import file_checks

@@ -10,7 +10,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.observe.observables import OBSERVABLES
-
 from studies.dimensions import SAMPLE
 
 from ..data import branch_numbers, file_checks, law_verdicts, reading, schema

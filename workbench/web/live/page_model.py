@@ -20,6 +20,7 @@ from solver.problem.errors import InputError, choices
 from solver.problem.quantities import quantity, unit_of
 from studies import Study
 from studies.axes import WORDS, quantity_of
+from studies.dimensions import Dimensions
 from studies.loader import loads
 from studies.readings import parse
 from studies.writer import dumps
@@ -185,7 +186,7 @@ def stored(one: Shape) -> Any:
     study = one.study.model_copy(
         update={"stations": one.sol.s.size, "outputs": ["beta", "dbeta", "alpha", "z", "contact"]}
     )
-    return dataset.make(study, {}, columns(study, one.sol))
+    return dataset.make(study, Dimensions(), columns(study, one.sol))
 
 
 def file(one: Shape, kind: str) -> bytes:

@@ -1,0 +1,325 @@
+"""Samples, paired lists and tables of cases: their values follow the stated distributions, and what is wrong is said."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from solver import InputError
+from studies.dimensions import SAMPLE
+from studies.loader import load, loads
+from studies.samples import REACH
+from studies.writer import dumps
+
+HEAD = 'title = "s"\nreading = "force-first/tension/paper"\n[units]\nlength = "cm"\nforce = "N"\n'
+ENDS = """
+title = "e"
+[units]
+length = "cm"
+force = "N"
+[base]
+nu = 0.25
+a = 0.25
+L = 10.0
+R = 0.75
+betaL = 0.8
+FZ = -8.0
+"""
+SOBOL = """
+[sample]
+size = 64
+seed = 3
+[sample.E]
+distribution = "log-uniform"
+from = 5e3
+to = 4e4
+[sample.R]
+from = 0.5
+to = 1.5
+[sample.beta]
+distribution = "normal"
+mean = "30deg"
+std = 0.1
+"""
+
+
+def sampled(text: str, head: str = HEAD) -> dict[str, np.ndarray]:
+    return loads(head + text).coordinates()
+
+
+def one(field: str, keys: str, method: str = "sobol", size: int = 4096) -> np.ndarray:
+    """The values of one sampled field."""
+    return sampled(f'[sample]\nmethod = "{method}"\nsize = {size}\nseed = 1\n[sample.{field}]\n{keys}')[field]
+
+
+DISTRIBUTIONS = {
+    "uniform": ("from = 1.0\nto = 3.0", stats.uniform(1.0, 2.0)),
+    "log-uniform": ('distribution = "log-uniform"\nfrom = 1.0\nto = 100.0', stats.loguniform(1.0, 100.0)),
+    "normal": ('distribution = "normal"\nmean = 5.0\nstd = 0.5', stats.norm(5.0, 0.5)),
+    "truncated": (
+        'distribution = "normal"\nmean = 5.0\nstd = 2.0\nfrom = 4.0\nto = 6.5',
+        stats.truncnorm(-0.5, 0.75, 5.0, 2.0),
+    ),
+    "one end": ('distribution = "normal"\nmean = 5.0\nstd = 2.0\nfrom = 11.0', stats.truncnorm(3.0, REACH, 5.0, 2.0)),
+}
+
+
+@pytest.mark.parametrize("method", ["sobol", "latin-hypercube", "random"])
+@pytest.mark.parametrize("name", DISTRIBUTIONS)
+def test_the_values_follow_the_stated_distribution(name: str, method: str) -> None:
+    keys, expected = DISTRIBUTIONS[name]
+    values = one("F1", keys, method)
+    # Kolmogorov's distance: 1/n for one value in each share of 1/n; 1.95/sqrt(n) is exceeded once in a thousand times
+    limit = 1.95 / 64 if method == "random" else 2 / 4096
+    assert stats.kstest(values, expected.cdf).statistic < limit
+
+
+def test_a_log_uniform_range_may_be_negative_as_a_whole() -> None:
+    values = one("F3", 'distribution = "log-uniform"\nfrom = -100.0\nto = -1.0')
+    assert stats.kstest(-values, stats.loguniform(1.0, 100.0).cdf).statistic < 2 / 4096
+    assert (values.min() >= -100) & (values.max() <= -1)
+
+
+def test_degrees_are_stored_in_rad() -> None:
+    normal = 'distribution = "normal"\nmean = 30.0\nstd = 2.0\nunit = "deg"'
+    assert stats.kstest(np.rad2deg(one("beta", normal)), stats.norm(30.0, 2.0).cdf).statistic < 2 / 4096
+    values = one("beta", 'from = "10deg"\nto = "pi/6"')
+    np.testing.assert_allclose([values.min(), values.max()], [np.pi / 18, np.pi / 6], atol=1e-4)  # 1/4096 of the range
+
+
+def test_a_latin_hypercube_has_one_value_in_each_share_of_every_field() -> None:
+    text = SOBOL.replace("size = 64", 'size = 50\nmethod = "latin-hypercube"')
+    values = sampled(text)
+    shares = stats.uniform(0.5, 1.0).cdf(values["R"]), stats.loguniform(5e3, 4e4).cdf(values["E"])
+    for share in shares:
+        assert sorted(np.floor(50 * share).astype(int)) == list(range(50))
+
+
+def test_sobol_samples_fill_the_square_more_evenly_than_random_ones() -> None:
+    """The discrepancy of both, measured by scipy."""
+    text = "[sample]\nmethod = '{}'\nsize = 256\n[sample.F1]\nfrom = 1.0\nto = 2.0\n[sample.F3]\nfrom = 1.0\nto = 2.0"
+    found = [np.stack([*sampled(text.format(method)).values()], 1) - 1 for method in ("sobol", "random")]
+    sobol, random = (stats.qmc.discrepancy(points) for points in found)
+    assert sobol < 0.1 * random
+
+
+@pytest.mark.parametrize("method", ["sobol", "latin-hypercube", "random"])
+def test_a_seed_always_gives_the_same_samples_and_another_seed_others(method: str) -> None:
+    text = SOBOL.replace("size = 64", f'size = 64\nmethod = "{method}"')
+    first, again, other = (sampled(t)["E"] for t in (text, text, text.replace("seed = 3", "seed = 4")))
+    np.testing.assert_array_equal(first, again)
+    assert not np.isin(other, first).any()
+
+
+@pytest.mark.parametrize("method", ["sobol", "random"])
+@pytest.mark.parametrize("size", [65, 100, 128])
+def test_more_samples_begin_with_those_of_fewer(method: str, size: int) -> None:
+    text = SOBOL.replace("size = 64", f'size = 64\nmethod = "{method}"')
+    few, many = sampled(text), sampled(text.replace("size = 64", f"size = {size}"))
+    for name, values in few.items():
+        np.testing.assert_array_equal(many[name][:64], values)
+
+
+def test_every_sample_stands_at_every_point_of_the_axes() -> None:
+    study = loads(HEAD + SOBOL + "[axes.F1]\nvalues = [2.0, 5.0, 8.0]\n")
+    assert (study.size, study.case().shape, study.dimensions().names) == (192, (64, 3), (SAMPLE, "F1"))
+    cell = study.dimensions().at(np.array([3 * 17 + 2]))
+    assert cell["F1"] == 8.0
+    assert cell["E"] == study.coordinates()["E"][17]
+
+
+def test_samples_go_through_toml_and_back() -> None:
+    for text in (SOBOL, "[zip]\nE = [1e4, 2e4]\nbeta = ['30deg', 0.5]\n"):
+        study = loads(HEAD + text)
+        again = loads(dumps(study))
+        assert again.model_dump() == study.model_dump()
+        for name, values in study.coordinates().items():
+            np.testing.assert_array_equal(again.coordinates()[name], values)
+
+
+def test_lists_are_paired_and_angles_may_be_text() -> None:
+    values = sampled("[zip]\nE = [1e4, 2e4, 1e4]\nbeta = ['30deg', 0.5, 'pi/6']")
+    assert values["E"].tolist() == [1e4, 2e4, 1e4]
+    np.testing.assert_allclose(values["beta"], [np.pi / 6, 0.5, np.pi / 6], rtol=1e-15)
+
+
+def test_the_kind_of_problem_follows_from_sampled_fields_too() -> None:
+    study = loads(ENDS + "[zip]\nE = [1e4, 2e4]\nbeta0 = [0.4, 0.5]")
+    assert study.case().kind == "ends"
+    assert not study.sweeps  # no sample continues from another
+
+
+REFUSED = {
+    "a sample of zero": (SOBOL.replace("64", "0"), "line 8: the sample is empty: size must be at least 1, got 0"),
+    "too many": (SOBOL.replace("64", "100000000"), "100000000 samples, more than the limit of 10000000"),
+    "no size": (SOBOL.replace("size = 64", ""), "sample needs the key 'size'"),
+    "method": ("[sample]\nmethod = 'sobl'\nsize = 4\n[sample.E]\nfrom = 1.0\nto = 2.0",
+               "no method of sampling 'sobl', did you mean 'sobol'; choose from sobol, latin-hypercube, random"),
+    "distribution": (SOBOL.replace("log-uniform", "log-unifrom"),
+                     "no distribution 'log-unifrom', did you mean 'log-uniform'; choose from uniform, log-uniform, normal"),
+    "misspelled key": (SOBOL.replace("seed", "sead"), "no key 'sead' in sample, did you mean 'seed'; choose from method"),
+    "misspelled key of a field": (SOBOL.replace("mean", "maen"), "no key 'maen' in sample.beta, did you mean 'mean'"),
+    "unknown field": (SOBOL.replace("sample.E", "sample.EI"), "no field 'EI', did you mean 'E'; choose from E, nu, R, a, L, alpha"),
+    "a word": (SOBOL.replace("sample.E", "sample.side"), "no field 'side'; choose from E, nu"),
+    "no field": ("[sample]\nsize = 4", "sample has no field: give at least one a table, such as [sample.E]"),
+    "negative E": (SOBOL.replace('"log-uniform"\nfrom = 5e3', '"uniform"\nfrom = -5e3'),
+                   "Rod.E must be positive and finite, got -5000.0; the distribution reaches it: E uniform from -5000 to"),
+    "normal E": (SOBOL.replace('"log-uniform"\nfrom = 5e3\nto = 4e4', '"normal"\nmean = 1e4\nstd = 2e3'),
+                 "Rod.E must be positive and finite, got -2000.0; the distribution reaches it: E normal with mean 10000 "
+                 "and std 2000 is cut at 6 std from the mean, or at from and to"),
+    "reversed": (SOBOL.replace("1.5", "0.4"), "from must be less than to, got from = 0.5 and to = 0.4"),
+    "log of 0": (SOBOL.replace("from = 5e3", "from = 0.0"),
+                 "a log-uniform distribution needs from and to of one sign and not 0, got 0 and 40000"),
+    "no std": (SOBOL.replace("std = 0.1", ""), "a normal distribution needs mean and std: no std given"),
+    "std of 0": (SOBOL.replace("std = 0.1", "std = 0.0"), "std must be positive, got 0"),
+    "mean of a range": (SOBOL.replace("to = 1.5", "to = 1.5\nmean = 1.0"),
+                        "a uniform distribution has no mean; it needs from, to"),
+    "nothing left": (SOBOL.replace("std = 0.1", "std = 0.1\nfrom = 9.0"),
+                     "from = 9 leaves no value of it: all lie more than 6 standard deviations from its mean"),
+    "unit": (SOBOL.replace("to = 1.5", 'to = 1.5\nunit = "deg"'), "R is in cm, got unit 'deg'"),
+    "in base too": (SOBOL + "[base]\nE = 1e4", "E is given in base and in sample: remove one of them"),
+    "an axis too": (SOBOL + "[axes.R]\nvalues = [1.0]", "R is given in axes and in sample: remove one of them"),
+    "two sources": (SOBOL + "[zip]\nL = [20.0]", "sample and zip exclude each other: each gives the samples"),
+    "followed": ("[axes.betaL]\nfollow = true\nto = 1.0\ncount = 3\n" + SOBOL,
+                 "a followed axis excludes sample: it is solved for one base case"),
+    "unequal lists": ("[zip]\nE = [1e4, 2e4]\nR = [1.0]", "must be equally long, got 2 in E and 1 in R"),
+    "empty list": ("[zip]\nE = []", "zip is empty: give at least one field a list of at least one value"),
+    "no list": ("[zip]\nE = 3.0", "zip.E must be a valid list, got 3.0"),
+    "no angle": ("[zip]\nbeta = ['x']", "'x' is not an angle"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_is_wrong_is_refused_in_one_sentence(what: str) -> None:
+    text, sentence = REFUSED[what]
+    with pytest.raises(InputError) as refusal:
+        loads(HEAD + text, "s.toml")
+    said = str(refusal.value)
+    assert sentence in said
+    assert said.startswith("s.toml, line ")
+    assert "\n" not in said
+
+
+LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "{}"\ndirection = "falls"\nsource = "x"\n'
+
+
+@pytest.mark.parametrize("axis", ["E", SAMPLE])
+def test_a_law_along_what_is_sampled_is_refused_with_what_is_possible(axis: str) -> None:
+    with pytest.raises(InputError, match=r"samples have no order .* a law needs an axis, such as \[axes\.E\]"):
+        loads(HEAD + SOBOL + LAW.format(axis))
+
+
+def test_a_law_along_an_axis_may_be_decided_at_one_sample() -> None:
+    text = HEAD + SOBOL + "[axes.F1]\nvalues = [2.0, 5.0]\n" + LAW.format("F1")
+    assert loads(text + "at = { sample = 17 }").laws[0].at == {SAMPLE: 17}
+    with pytest.raises(InputError, match="no other axis 'E'; choose from sample"):
+        loads(text + "at = { E = 1e4 }")
+
+
+def test_samples_of_an_ends_problem_exclude_axes_and_one_named_equilibrium() -> None:
+    text = ENDS + "[zip]\nE = [1e4, 2e4]\nbeta0 = [0.4, 0.5]\n"
+    with pytest.raises(InputError, match="continue from neighbours along an axis, which those of zip have not: give MZ"):
+        loads(text + "[axes.MZ]\nvalues = [0.1, 0.2]")
+    with pytest.raises(InputError, match="name the equilibrium of one case, and zip gives 2: give choose or index"):
+        loads(text + "[equilibrium]\ndbeta0 = 0.1\nenergy = 1.0")
+    assert loads(text + "[equilibrium]\nindex = 1").equilibrium
+
+
+# tables of cases
+
+
+def tabled(folder: Path, table: str, more: str = "", name: str = "cases.csv") -> dict[str, np.ndarray]:
+    (folder / name).write_text(table, encoding="utf-8")
+    (folder / "s.toml").write_text(HEAD + f"[table]\nfile = '{name}'\n{more}")
+    return load(folder / "s.toml").coordinates()
+
+
+def test_a_table_gives_a_case_for_each_row(tmp_path) -> None:
+    values = tabled(tmp_path, "\ufeffE, beta ,R\r\n1e4,30deg,1\r\n2e4,0.5,.75\r\n\r\n")
+    assert list(values) == ["E", "beta", "R"]
+    np.testing.assert_allclose([*values.values()], [[1e4, 2e4], [np.pi / 6, 0.5], [1, 0.75]], rtol=1e-15)
+
+
+def test_only_the_columns_that_are_asked_for_are_read(tmp_path) -> None:
+    values = tabled(tmp_path, 'E,note,R\n1e4,"soft, thin",1\n', 'columns = ["R", "E"]')
+    assert {name: row.tolist() for name, row in values.items()} == {"R": [1.0], "E": [1e4]}
+
+
+BAD_TABLES = {
+    "empty cell": ("E,R\n1e4,1\n2e4,\n", "cases.csv, line 3 (row 2): R is empty; give each case a number"),
+    "empty cell after a blank line": ("E,R\n\n1e4,1\n2e4, \n", "cases.csv, line 4 (row 2): R is empty"),
+    "short row": ("E,R\n1e4\n", "cases.csv, line 2 (row 1): expected 2 cells, as the line of names has, got 1"),
+    "no number": ("E,R\n1e4,one\n", "cases.csv, line 2 (row 1): R must be a finite number, got 'one'"),
+    "not finite": ("E,R\n1e4,inf\n", "cases.csv, line 2 (row 1): R must be a finite number, got 'inf'"),
+    "no angle": ("beta\n30dog\n", "cases.csv, line 2 (row 1): beta must be a finite number, got '30dog'"),
+    "more columns": ("E,note\n1e4,a\n", "cases.csv: the column 'note' is no field of a case; choose from E, nu, a"),
+    "semicolons": ("E;R\n1e4;1\n", "cases.csv: the column 'E;R' is no field of a case"),
+    "another problem's field": ("E,FZ\n1e4,1\n", "no column 'FZ'; choose from E, nu, R"),
+    "twice": ("E,E\n1,2\n", "cases.csv has the column 'E' twice"),
+    "no name": ("E,\n1,2\n", "cases.csv has a column without a name; its columns are E, "),
+    "no rows": ("E,R\n", "cases.csv has no rows: give a line for each case below the line of names"),
+    "nothing": ("", "cases.csv is empty: give a line of names, and below it a line for each case"),
+    "open quote": ('E\n"1', "cases.csv is not a table in CSV: unexpected end of data"),
+    "negative": ("E\n1e4\n-1\n", "Rod.E must be positive and finite, got -1.0"),
+}
+
+
+@pytest.mark.parametrize("what", BAD_TABLES)
+def test_a_bad_table_is_refused_with_its_line_and_row(what: str, tmp_path) -> None:
+    table, sentence = BAD_TABLES[what]
+    with pytest.raises(InputError) as refusal:
+        tabled(tmp_path, table)
+    assert sentence in str(refusal.value)
+    assert str(refusal.value).startswith("s.toml, line 7: ")
+
+
+def test_a_missing_column_a_missing_file_and_another_kind_of_file_are_refused(tmp_path) -> None:
+    with pytest.raises(InputError, match=r"cases\.csv has no column 'R'; its columns are E"):
+        tabled(tmp_path, "E\n1e4\n", 'columns = ["E", "R"]')
+    with pytest.raises(InputError, match=r"no column of cases\.csv is to be read; its columns are E"):
+        tabled(tmp_path, "E\n1e4\n", "columns = []")
+    with pytest.raises(InputError, match=r"a file that ends in \.csv, \.parquet, got 'cases\.xlsx'"):
+        tabled(tmp_path, "E\n1e4\n", name="cases.xlsx")
+    with pytest.raises(InputError, match=r"cases\.csv is not a text file in UTF-8"):
+        (tmp_path / "s.toml").write_text(HEAD + "[table]\nfile = 'cases.csv'\n")
+        (tmp_path / "cases.csv").write_bytes(b"E\n\xff\xfe\n")
+        load(tmp_path / "s.toml")
+    (tmp_path / "cases.csv").unlink()
+    with pytest.raises(InputError, match=r"cannot read the table .*cases\.csv: No such file or directory"):
+        load(tmp_path / "s.toml")
+
+
+def test_a_table_may_be_parquet(tmp_path) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+
+    def read(columns: dict[str, list[object]]) -> dict[str, np.ndarray]:
+        parquet.write_table(pyarrow.table(columns), tmp_path / "c.parquet")
+        (tmp_path / "s.toml").write_text(HEAD + "[table]\nfile = 'c.parquet'\n")
+        return load(tmp_path / "s.toml").coordinates()
+
+    assert {name: row.tolist() for name, row in read({"E": [1e4, 2e4], "R": [1, 2]}).items()} == {
+        "E": [1e4, 2e4], "R": [1.0, 2.0],
+    }  # fmt: skip
+    with pytest.raises(InputError, match=r"c\.parquet, row 2: R is empty or not finite; give each case a number"):
+        read({"E": [1e4, 2e4], "R": [1, None]})
+    with pytest.raises(InputError, match=r"c\.parquet: the column E must hold numbers, got object"):
+        read({"E": ["a", "b"]})
+    (tmp_path / "c.parquet").write_text("no Parquet")
+    with pytest.raises(InputError, match=r"c\.parquet cannot be read as Parquet"):
+        load(tmp_path / "s.toml")
+
+
+def test_a_parquet_file_without_pyarrow_is_told_what_to_install(tmp_path, monkeypatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
+    with pytest.raises(InputError, match=r"pip install 'rod-workbench\[parquet\]', or store the table as CSV"):
+        tabled(tmp_path, "", name="c.parquet")
+
+
+def test_another_table_replaces_that_of_the_study(tmp_path) -> None:
+    tabled(tmp_path, "E\n1e4\n")
+    (tmp_path / "other.csv").write_text("E,R\n1e4,1\n2e4,2\n")
+    study = load(tmp_path / "s.toml", tmp_path / "other.csv")
+    assert (study.sampled, study.size) == (("E", "R"), 2)
+    assert loads(study.text).coordinates()["R"].tolist() == [1.0, 2.0]  # its text names the file that was read
