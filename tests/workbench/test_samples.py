@@ -1,0 +1,448 @@
+"""Studies of samples: stored along one dimension, run, resumed, grown and merged like a grid, and drawn as scatter."""
+
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.stats import spearmanr
+
+import workbench.accessor  # noqa: F401  (ds.rod)
+from solver import InputError, observe, solve
+from studies import Study
+from studies.loader import loads
+from tests.workbench import runs, small
+from tests.workbench.pictures import pixels, share_of_ink
+from workbench import cli
+from workbench.commands import study_scene
+from workbench.data import reading, selection, writing
+from workbench.figures import canvas, scatter, study_figure
+from workbench.run import in_memory, merge, stored_case
+from workbench.run.progress import Meter
+from workbench.run.study_store import Options, run_to_file
+from workbench.run.summary import summary
+from workbench.scene import captions, kinds
+
+HEAD = 'observables = ["turns", "wraps", "kappa_max"]\noutputs = ["beta", "alpha", "z"]'
+SAMPLE = """
+[sample]
+size = {}
+seed = {}
+[sample.E]
+distribution = "log-uniform"
+from = 5e3
+to = 4e4
+[sample.R]
+from = 0.5
+to = 1.5
+[sample.beta]
+distribution = "normal"
+mean = "30deg"
+std = 0.1
+"""
+AXIS = "[axes.F1]\nvalues = [3.0, 5.0, 8.0]\n"
+LAW = '[[laws]]\nclaim = "(5)"\nobservable = "kappa_max"\naxis = "F1"\ndirection = "rises"\nsource = "x"\nat = { sample = 2 }\n'
+ENDS = """
+title = "ends"
+observables = ["amplitude", "index"]
+outputs = []
+[units]
+length = "cm"
+force = "N"
+[base]
+nu = 0.25
+a = 0.25
+L = 10.0
+R = 0.75
+betaL = 0.8
+FZ = -8.0
+[zip]
+E = [1e4, 1.1e4, 1.3e4]
+beta0 = [0.3, 0.4, 0.5]
+"""
+
+
+def study(size: int = 40, seed: int = 3, more: str = "") -> Study:
+    return small.study(SAMPLE.format(size, seed) + more, HEAD)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def small_blocks() -> Iterator[None]:
+    """Fewer cases a block than by default: many blocks in no time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("workbench.run.plan.BLOCK", 16)
+        yield
+
+
+@pytest.fixture(scope="module")
+def stored(small_blocks, tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("stored") / "small.h5"
+    run_to_file(study(), path, Options(workers=1))
+    return path
+
+
+@pytest.fixture(scope="module")
+def crossed(small_blocks) -> xr.Dataset:
+    """Five samples at each of three forces."""
+    return in_memory.run(study(5, more=AXIS + LAW))
+
+
+def command(words: str, status: int = 0) -> None:
+    with pytest.raises(SystemExit) as end:
+        cli.main(shlex.split(words))
+    assert (end.value.code or 0) == status
+
+
+def test_the_file_opens_bare_with_the_sampled_fields_along_one_dimension(stored: Path) -> None:
+    with xr.open_dataset(stored) as ds:
+        assert ds["sample"].values.tolist() == list(range(40))
+        assert {name: ds[name].dims for name in ("E", "R", "beta0", "turns")} == dict.fromkeys(
+            ("E", "R", "beta0", "turns"), ("sample",)
+        )
+        assert {"E", "R", "beta0", "sample"} <= set(ds.coords)
+        assert ds["beta"].dims == ("sample", "u")
+        assert ds["E"].attrs["units"] == "N/cm^2"
+        assert (ds["rho"] == ds["R"] + ds["a"]).all()
+        assert ds.attrs["sampling"].startswith("40 samples of E, R, beta: scrambled Sobol' sequence, seed 3: E log-uni")
+        for name, values in study().coordinates().items():
+            np.testing.assert_array_equal(ds["beta0" if name == "beta" else name], values)
+
+
+def test_each_sample_is_the_case_of_its_fields(stored: Path) -> None:
+    """Against `solve` of one case alone."""
+    with xr.open_dataset(stored) as ds:
+        for i in (0, 17, 39):
+            one = ds.sel(sample=i)
+            values = {"E": float(one["E"]), "R": float(one["R"]), "beta": float(one["beta0"])}
+            sol = solve(study().case_of(values), stations=21)
+            np.testing.assert_allclose(one["beta"], sol.beta, atol=1e-7)
+            assert int(one["turns"]) == int(observe(sol, ["turns"])["turns"])
+
+
+def test_samples_and_axes_make_every_combination(crossed: xr.Dataset) -> None:
+    assert crossed["turns"].dims == ("sample", "F1")
+    one = crossed.isel(sample=4, F1=2)
+    values = {"E": float(one["E"]), "R": float(one["R"]), "beta": float(one["beta0"]), "F1": 8.0}
+    expected = observe(solve(study().case_of(values)), ["kappa_max"])["kappa_max"]
+    np.testing.assert_allclose(float(one["kappa_max"]), float(expected), rtol=1e-7)
+
+
+@pytest.mark.parametrize("options", [Options(workers=1, chunk=1), Options(workers=2, chunk=16)], ids=["cut", "pool"])
+def test_every_bit_is_the_same_whatever_the_chunks_and_the_workers(stored: Path, tmp_path, options: Options) -> None:
+    run_to_file(study(), tmp_path / "small.h5", options)
+    assert runs.contents(tmp_path / "small.h5") == runs.contents(stored)
+
+
+def test_a_study_in_memory_has_the_numbers_of_the_stored_one(stored: Path) -> None:
+    with xr.open_dataset(stored) as ds:
+        xr.testing.assert_identical(ds.load().drop_attrs(), in_memory.run(study()).drop_attrs())
+
+
+def test_an_interrupted_run_continues(stored: Path, tmp_path) -> None:
+    class Stopping(Meter):
+        def add(self, cases: int, unsolved: int) -> None:
+            raise KeyboardInterrupt
+
+    from contextlib import contextmanager
+
+    @contextmanager
+    def progress(total: int, done: int) -> Iterator[Meter]:
+        yield Stopping(total, done)
+
+    path = tmp_path / "small.h5"
+    with pytest.raises(KeyboardInterrupt, match="16 of 40 cases are kept"):
+        run_to_file(study(), path, Options(workers=1, chunk=16), progress=progress)
+    assert run_to_file(study(), path, Options(workers=1)).solved == 24
+    assert runs.contents(path) == runs.contents(stored)
+    assert run_to_file(study(), path).finished_before
+
+
+def test_a_longer_sobol_sequence_solves_only_the_new_samples(stored: Path, tmp_path) -> None:
+    path = tmp_path / "small.h5"
+    path.write_bytes(stored.read_bytes())
+    assert run_to_file(study(64), path, Options(workers=1)).solved == 24
+    run_to_file(study(64), tmp_path / "whole.h5", Options(workers=1))
+    assert runs.contents(path) == runs.contents(tmp_path / "whole.h5")
+
+
+def test_other_samples_of_as_many_are_all_solved(stored: Path, tmp_path) -> None:
+    path = tmp_path / "small.h5"
+    path.write_bytes(stored.read_bytes())
+    assert run_to_file(study(40, 4), path, Options(workers=1)).solved == 40
+
+
+def test_samples_over_an_axis_grow_along_both(tmp_path) -> None:
+    path = tmp_path / "small.h5"
+    run_to_file(study(4, more="[axes.F1]\nvalues = [3.0, 8.0]\n"), path)
+    assert run_to_file(study(8, more=AXIS), path).solved == 8 * 3 - 4 * 2
+    run_to_file(study(8, more=AXIS), tmp_path / "whole.h5")
+    assert runs.contents(path) == runs.contents(tmp_path / "whole.h5")
+
+
+def test_a_law_is_judged_on_the_line_of_every_sample(crossed: xr.Dataset) -> None:
+    from workbench.data import law_verdicts
+
+    (row,) = law_verdicts.verdicts(crossed)
+    assert (row["lines"], row["at"], row["verdict"]) == (5, {"sample": 2.0}, "holds")
+
+
+def test_one_sample_is_a_study_too(tmp_path) -> None:
+    run_to_file(study(1), tmp_path / "one.h5")
+    found = summary(tmp_path / "one.h5")
+    assert (found["cases"], found["unsolved"]) == (1, 0)
+    command(f"plot {tmp_path / 'one.h5'}")
+
+
+def test_samples_of_an_ends_problem_are_each_solved_by_the_rule() -> None:
+    work = loads(ENDS)
+    ds = in_memory.run(work)
+    assert ds["amplitude"].dims == ("sample",)
+    assert "branch" not in ds
+    for i in range(3):
+        alone = solve(work.case_of({name: row[i] for name, row in work.coordinates().items()}))
+        expected = float(observe(alone, ["amplitude"])["amplitude"])
+        np.testing.assert_allclose(float(ds["amplitude"][i]), expected, rtol=1e-7)
+
+
+# merge
+
+
+def test_merged_samples_are_those_of_all_files_each_once(stored: Path, tmp_path) -> None:
+    longer, other = tmp_path / "longer.h5", tmp_path / "other.h5"
+    run_to_file(study(50), longer)
+    run_to_file(study(8, 9), other)
+    done = merge.merge([stored, longer, other], tmp_path / "all.h5")
+    assert (done["axis"], done["values"], done["cases"]) == ("sample", 58, 58)
+    with reading.opened(tmp_path / "all.h5") as ds, xr.open_dataset(longer) as a, xr.open_dataset(other) as b:
+        for name in ("E", "R", "beta0", "kappa_max", "beta", "outcome"):
+            np.testing.assert_array_equal(ds[name], np.concatenate([a[name], b[name]]))
+        assert ds["sample"].values.tolist() == list(range(58))
+        assert ds.attrs["sampling"].startswith("58 samples of E, R, beta, merged from: 40 samples of E, R, beta: scr")
+        assert stored_case.study_of(ds).samples_count == 58
+        again = in_memory.run(loads(ds.attrs["study"]))
+        np.testing.assert_array_equal(again["kappa_max"], ds["kappa_max"])
+
+
+def test_repeated_samples_of_one_file_stay_repeated(tmp_path) -> None:
+    paths = [tmp_path / "a.h5", tmp_path / "b.h5"]
+    for path, E in zip(paths, ([1e4, 1e4, 2e4], [2e4, 3e4]), strict=True):
+        writing.write(in_memory.run(small.study(f"[zip]\nE = {E}\n", HEAD)), path)
+    merge.merge(paths, tmp_path / "c.h5")
+    with xr.open_dataset(tmp_path / "c.h5") as ds:
+        assert ds["E"].values.tolist() == [1e4, 1e4, 2e4, 3e4]
+
+
+def test_files_with_other_sampled_fields_or_the_same_samples_are_not_merged(stored: Path, tmp_path) -> None:
+    fewer = tmp_path / "fewer.h5"
+    writing.write(in_memory.run(small.study("[zip]\nE = [1e4]\nbeta = [0.5]\n", HEAD)), fewer)
+    with pytest.raises(InputError, match="differ in the sampled fields: E, R, beta and E, beta"):
+        merge.merge([stored, fewer], tmp_path / "all.h5")
+    with pytest.raises(InputError, match="there is nothing to merge"):
+        merge.merge([stored, stored], tmp_path / "all.h5")
+    assert not (tmp_path / "all.h5").exists()
+
+
+def test_files_of_a_single_axis_may_overlap(tmp_path) -> None:
+    paths = [tmp_path / "a.h5", tmp_path / "b.h5"]
+    for path, E in zip(paths, ([1e4, 2e4], [2e4, 3e4]), strict=True):
+        writing.write(in_memory.run(small.study(f"[axes.E]\nvalues = {E}\n", HEAD)), path)
+    assert merge.merge(paths, tmp_path / "c.h5")["values"] == 3
+
+
+# what is said
+
+
+def test_the_summary_names_the_fields_and_cautions_of_a_size_that_is_no_power_of_two(stored: Path, capsys) -> None:
+    command(f"summary {stored}")
+    said = capsys.readouterr().out
+    for part in ("sample   40", "  E   ", "  beta0", "40 samples of E, R, beta: scrambled Sobol' sequence, seed 3"):
+        assert part in said
+    assert "caution: 40 samples of a Sobol' sequence are not a power of two" in said
+    found = summary(stored)
+    assert [row["name"] for row in found["sampled"]] == ["E", "R", "beta0"]
+    assert set(found["worst"][0]["at"]) == {"sample", "E", "R", "beta0"}
+    with xr.open_dataset(stored) as ds:
+        i = int(np.argmax(ds["error"].values))
+        assert found["worst"][0]["at"]["E"] == float(ds["E"][i])
+
+
+def test_a_power_of_two_and_other_methods_need_no_caution() -> None:
+    assert "sampling_caution" not in in_memory.run(study(4)).attrs
+    text = SAMPLE.format(5, 1).replace("size", 'method = "random"\nsize')
+    assert "sampling_caution" not in in_memory.run(small.study(text, HEAD)).attrs
+
+
+def test_run_solves_the_cases_of_a_table(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("cases.csv").write_text("E,beta\n1e4,30deg\n2e4,0.5\n")
+    Path("one.toml").write_text(small.study("", HEAD).text)
+    command("run one.toml --cases cases.csv")
+    assert "2 samples of E, beta, from " in capsys.readouterr().out
+    with xr.open_dataset("one.h5") as ds:
+        assert ds["E"].values.tolist() == [1e4, 2e4]
+    command("run one.toml --cases cases.csv")
+    assert "already complete" in capsys.readouterr().out
+    Path("cases.csv").write_text("E,beta\n1e4,30deg\n2e4,0.5\n3e4,\n")
+    before = Path("one.h5").read_bytes()
+    command("run one.toml --cases cases.csv", 2)
+    assert capsys.readouterr().err == (
+        "workbench: one.toml: cases.csv, line 4 (row 3): beta is empty; give each case a number\n"
+    )
+    assert Path("one.h5").read_bytes() == before
+    Path("cases.csv").write_text("E,beta\n1e4,30deg\n2e4,0.5\n3e4,0.6\n")
+    command("run one.toml --cases cases.csv --json")
+    assert '"solved_now": 1' in capsys.readouterr().out
+
+
+def test_a_stored_study_reads_no_table_again(tmp_path) -> None:
+    (tmp_path / "cases.csv").write_text("E\n1e4\n2e4\n")
+    (tmp_path / "s.toml").write_text(small.study("", HEAD).text + "[table]\nfile = 'cases.csv'\n")
+    command(f"run {tmp_path / 's.toml'} --out {tmp_path / 's.h5'}")
+    (tmp_path / "cases.csv").unlink()
+    with xr.open_dataset(tmp_path / "s.h5") as ds:
+        assert ds.rod.study.coordinates()["E"].tolist() == [1e4, 2e4]
+        assert ds.rod.kappa.shape == (2, 21)
+
+
+def test_one_command_line_solves_no_samples(tmp_path, capsys) -> None:
+    (tmp_path / "s.toml").write_text(study().text)
+    command(f"solve {tmp_path / 's.toml'}", 2)
+    assert "s.toml has samples of E, R, beta: use workbench run to solve it" in capsys.readouterr().err
+
+
+# which case
+
+
+def test_a_sample_is_chosen_by_its_number(stored: Path, tmp_path, capsys) -> None:
+    command(f"export {stored} --at sample=17 --out {tmp_path / 'rod.csv'}")
+    assert "at sample=17" in capsys.readouterr().out
+    for at, sentence in (
+        ("E=1e4", "--at E=1e4: E is no axis: the samples are of E, R, beta; give the number of one, sample=0"),
+        ("sample=40", "its 40 values go from 0 to 39, the nearest are 38, 39"),
+        ("sample=1.5", "sample = 1.5 is not on the axis"),
+    ):
+        command(f"export {stored} --at {at} --out {tmp_path / 'no.csv'}", 2)
+        assert sentence in capsys.readouterr().err
+    assert not (tmp_path / "no.csv").exists()
+
+
+def test_the_number_of_a_sample_is_written_in_full() -> None:
+    assert selection.written("sample", 1234567.0) == "1234567"
+
+
+def test_a_selected_sample_keeps_its_fields(stored: Path) -> None:
+    with xr.open_dataset(stored) as ds:
+        one = ds.rod.sel(sample=17)
+        assert float(one.rod.case.rod.E) == float(ds["E"][17])
+        np.testing.assert_allclose(one.rod.gamma, ds.rod.gamma[17], atol=1e-9)
+        some = ds.rod.sel(sample=[3, 5])
+        assert some.rod.case.shape == (2,)
+        assert some.rod.kappa.dims == ("sample", "u")
+
+
+def test_other_values_of_a_sampled_field_replace_those_of_the_samples(stored: Path) -> None:
+    with xr.open_dataset(stored) as ds:
+        sol = ds.isel(sample=slice(0, 4)).rod.at(E=2e4)
+        assert sol.case.shape == (4,)
+        np.testing.assert_array_equal(sol.case.cylinder.R, ds["R"][:4])
+        assert float(sol.case.rod.E) == 2e4
+        assert ds.rod.at(E=2e4, R=0.75, beta=0.5).case.shape == ()
+
+
+def test_a_scene_of_one_sample_solves_that_sample_alone(tmp_path) -> None:
+    path = tmp_path / "s.toml"
+    path.write_text(study().text)
+    whole, ds = study_scene.two_stations(path)
+    part = study_scene.needed_cases(whole, ds, kinds.KINDS["plain"], {"sample": 17}, [])
+    assert (part.size, part.dimensions().each[0].coordinate.tolist()) == (1, [17])
+    assert part.coordinates()["E"][0] == whole.coordinates()["E"][17]
+    row = study_scene.needed_cases(whole, ds, kinds.KINDS["ghosts"], {}, ["sample"])
+    assert row.size == 40
+    text = captions.case_values(ds, {"sample": 17})
+    assert text.startswith("sample = 17, E = ")
+    assert "R = " in text
+
+
+def test_a_file_whose_samples_are_damaged_is_refused(stored: Path, tmp_path) -> None:
+    def damaged(change) -> Path:
+        path = tmp_path / "damaged.h5"
+        path.write_bytes(stored.read_bytes())
+        with h5py.File(path, "a") as file:
+            change(file)
+        return path
+
+    def missing(file: h5py.File) -> None:
+        del file.attrs["sampled"]
+
+    def nan(file: h5py.File) -> None:
+        file["beta0"][3] = np.nan
+
+    def unknown(file: h5py.File) -> None:
+        file.attrs["sampled"] = "E R Q"
+
+    for change, sentence in (
+        (missing, "the attribute sampled and the dimension sample belong together: one is missing"),
+        (nan, "the sampled field 'beta' holds values that are not finite"),
+        (unknown, "the sampled field 'Q' has no values"),
+    ):
+        with pytest.raises(InputError, match=sentence):
+            reading.opened(damaged(change))
+
+
+# the figure
+
+
+def drawn(ds: xr.Dataset) -> list:
+    return canvas.figure((9, 6), lambda fig: scatter.scatter(ds, fig, fig.add_gridspec(1, 1)[0, 0])).axes
+
+
+def test_the_figure_has_a_panel_for_each_observable_and_sampled_field(stored: Path, tmp_path) -> None:
+    ds = writing.read(stored)
+    panels = drawn(ds)
+    assert len(panels) == 3 * 3
+    assert [ax.get_ylabel() for ax in panels if ax.get_ylabel()] == ["turns", "wraps", "max κ [1/cm]"]
+    assert [ax.get_xlabel() for ax in panels[-3:]] == ["E [N/cm²]", "R [cm]", "β₀ [°]"]
+    assert [ax.get_xscale() for ax in panels[:3]] == ["log", "linear", "linear"]
+    points = panels[5].collections[0].get_offsets()  # wraps against beta0
+    np.testing.assert_allclose(points, np.stack([np.degrees(ds["beta0"]), ds["wraps"]], 1))
+    expected = spearmanr(ds["beta0"], ds["wraps"]).statistic
+    assert panels[5].get_title(loc="right") == f"r = {expected:+.2f}".replace("-", "−")
+    canvas.save(study_figure.figure(ds), tmp_path / "s.png")
+    picture = pixels(tmp_path / "s.png")
+    assert 0.005 < share_of_ink(picture) < 0.6
+    edge = np.concatenate([picture[:4].ravel(), picture[:, :4].ravel(), picture[:, -4:].ravel()])
+    assert (edge > 0.98).all()  # no label is cut off
+
+
+def test_unsolved_samples_are_crosses_and_no_points(stored: Path) -> None:
+    ds = writing.read(stored)
+    ds["wraps"][7] = np.nan
+    panel = drawn(ds)[3]
+    assert len(panel.collections[0].get_offsets()) == 39
+    (crosses,) = panel.lines
+    assert crosses.get_xdata().tolist() == [float(ds["E"][7])]
+
+
+def test_many_samples_are_drawn_as_a_density_of_them_all(monkeypatch, stored: Path) -> None:
+    monkeypatch.setattr(scatter, "MANY", 30)
+    for panel in drawn(writing.read(stored)):
+        (mesh,) = panel.collections
+        assert mesh.get_array().sum() == 40
+
+
+def test_samples_at_axes_are_drawn_where_the_axes_are_held(crossed: xr.Dataset, tmp_path) -> None:
+    panels = drawn(crossed)
+    points = panels[0].collections[0].get_offsets()
+    np.testing.assert_array_equal(points[:, 1], crossed["turns"].sel(F1=5.0))  # that of Table 1
+    assert any("5 samples, at F₁ = 5 N" in text.get_text() for text in panels[0].texts)
+    canvas.save(study_figure.figure(crossed), tmp_path / "s.png")  # with the law, and curves along F1
+
+
+def test_few_samples_or_one_value_have_no_rank_correlation() -> None:
+    x = np.arange(9.0)
+    assert scatter.rank_correlation(x, x**3) == pytest.approx(1.0)
+    assert scatter.rank_correlation(x, 0 * x) is None
+    assert scatter.rank_correlation(x[:5], x[:5]) is None
