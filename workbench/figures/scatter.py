@@ -28,7 +28,8 @@ Values = NDArray[np.float64]
 
 def observed(ds: xr.Dataset) -> list[str]:
     """The observables of the dataset that have a row."""
-    return [str(name) for name in ds.data_vars if name in OBSERVABLES]
+    known = (str(name) for name in ds.data_vars if name in OBSERVABLES)
+    return [name for name in known if ds[name].dims == ds["outcome"].dims and ds[name].dtype.kind in "iuf"]
 
 
 def fields_of(ds: xr.Dataset) -> list[str]:
