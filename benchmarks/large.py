@@ -50,10 +50,32 @@ count = {F1}
 """
 
 
+SAMPLE = """
+[sample]
+size = {size}
+seed = 1
+
+[sample.E]
+distribution = "log-uniform"
+from = 5e3
+to = 4e4
+
+[sample.F1]
+from = 1.0
+to = 9.0
+"""
+
+
 def study(E: int, F1: int, stations: int = 101, outputs: tuple[str, ...] = (), method: str = "auto") -> Study:
     """E times F1 cases."""
     text = STUDY.format(E=E, F1=F1, stations=stations, outputs=json.dumps(list(outputs)), method=method)
     return loads(text, default_name="benchmark")
+
+
+def samples(size: int) -> Study:
+    """So many samples over the ranges of `study`, of which the same is stored."""
+    text = STUDY.format(E=2, F1=2, stations=101, outputs="[]", method="auto").partition("[axes.E]")[0]
+    return loads(text + SAMPLE.format(size=size), default_name="benchmark")
 
 
 def stored(work: Study, folder: Path, **options: object) -> Callable[[], None]:
@@ -104,6 +126,19 @@ def processor(folder: Path, rounds: int) -> dict[str, float]:
         "stored / bare": found["stored [s]"] / found["bare [s]"],
         "stored / bare, with cautions": found["stored [s]"] / found["bare, with cautions [s]"],
     }
+
+
+def sampled(folder: Path, rounds: int) -> dict[str, float]:
+    """100,000 samples, drawn, run and stored by one worker, against a grid of as many: processor time."""
+    text, grid = samples(100_000).text, study(250, 400)
+
+    def drawn() -> None:
+        stored(loads(text, default_name="benchmark"), folder, workers=1)()
+
+    parts = {"samples [s]": drawn, "grid [s]": stored(grid, folder, workers=1)}
+    spent = {name: [seconds_of_processor(part) for _ in range(rounds + 1)][1:] for name, part in parts.items()}
+    found = {name: statistics.median(values) for name, values in spent.items()}
+    return {**found, "samples / grid": found["samples [s]"] / found["grid [s]"]}
 
 
 def workers(folder: Path, rounds: int) -> dict[str, float]:
@@ -207,6 +242,7 @@ PARTS = {
     "overhead": overhead,
     "processor": processor,
     "workers": workers,
+    "sampled": sampled,
     "cluster": cluster,
     "xyzpy": against_xyzpy,
     "million": going_on,

@@ -47,10 +47,11 @@ def names() -> list[str]:
     return sorted(path.stem for path in SHIPPED.glob("*.toml"))
 
 
-def load(study: str | Path, cases: Path | None = None) -> Study:
+def load(study: str | Path, cases: Path | None = None, draw: bool = True) -> Study:
     """The study of a shipped name or of a TOML file, with another table of cases if given.
 
-    Raises `InputError`; its message has the line and the choices.
+    draw: whether its samples are drawn and its cases validated. Raises `InputError`; its message has the line and the
+    choices.
     """
     text = str(study)
     path = Path(text)
@@ -73,7 +74,7 @@ def load(study: str | Path, cases: Path | None = None) -> Study:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{_plain(str(path))} is not a file name: {error}") from None
-    context = {"folder": path.parent, "cases": cases}
+    context = {"folder": path.parent, "cases": cases, "draw": draw}
     return loads(source, path.name, _as_name(path.stem), context)
 
 
@@ -88,7 +89,8 @@ def loads(
         The text, its name in error messages, and the name of the study where the text has none.
     context
         "samples": a `Dimension`, or None, in place of what the text describes, which is then not read or drawn;
-        "folder": that of its table of cases, default: the current one; "cases": a table in place of its own.
+        "folder": that of its table of cases, default: the current one; "cases": a table in place of its own; "draw":
+        False leaves the samples undrawn and the cases unchecked.
 
     Raises
     ------
@@ -123,6 +125,8 @@ def _study(text: str, default_name: str, context: Mapping[str, Any]) -> Study:
         where, sentence = _sentence(error)
         raise _Refused(sentence, where) from None
     study._text = text if cases is None else dumps(study)
+    if not context.get("draw", True):
+        return study
     try:
         _check_ends(study)
         study.case()

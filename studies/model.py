@@ -101,13 +101,13 @@ class Study(BaseModel):
 
     @model_validator(mode="after")
     def _samples_found(self, info: ValidationInfo) -> "Study":
-        """The samples: those of the context, as stored in a dataset, or as the study gives them.
+        """The samples of the context, or of [zip] or [table]; those of [sample] are drawn later (`samples`).
 
-        The context holds "samples", or "folder" of the study's file.
+        The context holds "samples", as a dataset stored them, or "folder" of the study's file.
         """
         context = info.context or {}
         given = "samples" in context
-        self._samples = context["samples"] if given else paired.samples(self, context.get("folder", Path()))
+        self._samples = context["samples"] if given else paired.given(self, context.get("folder", Path()))
         return self
 
     @model_validator(mode="after")
@@ -235,14 +235,23 @@ class Study(BaseModel):
         return max(self.samples_count, 1) * prod(axis.size for axis in self.axes.values())
 
     @property
+    def samples(self) -> Dimension | None:
+        """The samples, those of [sample] drawn when they are first needed; None if there are none."""
+        if self._samples is None and self.sample is not None:
+            self._samples = Dimension(SAMPLE, self.sample.points())
+        return self._samples
+
+    @property
     def samples_count(self) -> int:
         """Number of samples; 0 where nothing is sampled."""
-        return 0 if self._samples is None else self._samples.size
+        known = self._samples or self.sample
+        return 0 if known is None else known.size
 
     @property
     def sampled(self) -> tuple[str, ...]:
         """The fields of the samples, those of [sample], [zip] or [table]."""
-        return () if self._samples is None else tuple(self._samples.fields)
+        known = self._samples or self.sample
+        return () if known is None else tuple(known.fields)
 
     @property
     def varied(self) -> tuple[str, ...]:
@@ -289,13 +298,13 @@ class Study(BaseModel):
 
     def with_sample(self, place: int) -> "Study":
         """The same study with one of its samples, which keeps its number."""
-        assert self._samples is not None
-        return self.with_samples(self._samples.only(np.array([place])))
+        assert self.samples is not None
+        return self.with_samples(self.samples.only(np.array([place])))
 
     def dimensions(self) -> Dimensions:
         """The samples, and each axis that is not followed."""
         axes = {name: axis.numbers() for name, axis in self.axes.items() if not axis.follow}
-        return Dimensions.of(axes, self._samples)
+        return Dimensions.of(axes, self.samples)
 
     def coordinates(self) -> dict[str, NDArray[np.float64]]:
         """The values of each field that varies and is not followed, angles in rad."""

@@ -44,22 +44,17 @@ def read_zip(lists: Any) -> Any:
     return read
 
 
-def samples(study: "Study", folder: Path) -> Dimension | None:
-    """The samples that a study gives; None where it gives none. folder: of its file. Raises `Misplaced`."""
-    given = [name for name in SOURCES if getattr(study, name) is not None]
-    if not given:
-        return None
-    if len(given) > 1:
-        raise Misplaced(f"{given[0]} and {given[1]} exclude each other: each gives the samples", given[1])
-    if study.sample is not None:
-        return Dimension(SAMPLE, study.sample.points())
+def given(study: "Study", folder: Path) -> Dimension | None:
+    """The samples of [zip] or [table]; None where a study has neither. folder: of its file. Raises `Misplaced`."""
+    said = [name for name in SOURCES if getattr(study, name) is not None]
+    if len(said) > 1:
+        raise Misplaced(f"{said[0]} and {said[1]} exclude each other: each gives the samples", said[1])
     if study.table is not None:
         try:
             return Dimension(SAMPLE, tables.read(folder / study.table.file, study.table.columns))
         except InputError as error:
             raise Misplaced(str(error), "table", "file") from None
-    assert study.zip is not None
-    return Dimension(SAMPLE, _paired(study.zip))
+    return None if study.zip is None else Dimension(SAMPLE, _paired(study.zip))
 
 
 def _paired(lists: Mapping[str, list[float]]) -> dict[str, Values]:

@@ -71,18 +71,35 @@ def _csv(path: Path, wanted: Sequence[str] | None) -> dict[str, Values]:
 
 def _numbers(path: Path, names: list[str], places: list[int], width: int, rows: Any) -> dict[str, Values]:
     """The numbers of the columns at these places. Raises `InputError` with the line, the row and the column."""
-    found: list[list[float]] = [[] for _ in names]
-    for row, cells in enumerate(_filled(rows), 1):
-        here = f"{path.name}, line {rows.line_num} (row {row})"
+    texts: list[list[str]] = [[] for _ in names]
+    lines: list[int] = []
+    for cells in _filled(rows):
+        lines.append(rows.line_num)
         if len(cells) != width:
+            here = _here(path, lines, len(lines))
             raise InputError(f"{here}: expected {width} cells, as the line of names has, got {len(cells)}")
-        if row > MAX_COUNT:
+        if len(lines) > MAX_COUNT:
             raise InputError(f"{path.name} has more rows than the limit of {MAX_COUNT}")
-        for name, place, column in zip(names, places, found, strict=True):
-            column.append(_number(here, name, cells[place]))
-    if not found[0]:
+        for place, column in zip(places, texts, strict=True):
+            column.append(cells[place])
+    if not lines:
         raise InputError(f"{path.name} has no rows: give a line for each case below the line of names")
-    return {name: np.array(column) for name, column in zip(names, found, strict=True)}
+    return {name: _column(path, name, column, lines) for name, column in zip(names, texts, strict=True)}
+
+
+def _column(path: Path, name: str, texts: list[str], lines: list[int]) -> Values:
+    """A column as numbers: all at once, or where one is no plain number cell by cell."""
+    try:
+        numbers = np.array(list(map(float, texts)))
+        if np.isfinite(numbers).all():
+            return numbers
+    except ValueError:
+        pass
+    return np.array([_number(_here(path, lines, row), name, text) for row, text in enumerate(texts, 1)])
+
+
+def _here(path: Path, lines: list[int], row: int) -> str:
+    return f"{path.name}, line {lines[row - 1]} (row {row})"
 
 
 def _filled(rows: Any) -> Iterator[list[str]]:

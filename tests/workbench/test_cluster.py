@@ -21,6 +21,8 @@ from workbench.run.study_store import Options, run_to_file
 
 distributed = pytest.importorskip("distributed")
 
+SAMPLES = "[sample]\nsize = 150\n[sample.E]\nfrom = 5e3\nto = 4e4\n[sample.F1]\nfrom = 1.0\nto = 9.0\n"
+
 
 @pytest.mark.parametrize("address", ["nowhere", "tcp://", "tcp://host", "tcp://host:x", "http://host:80", ""])
 def test_what_is_no_address_is_refused(address, tmp_path) -> None:
@@ -114,6 +116,16 @@ def test_every_bit_is_that_of_this_machine_alone(whole, tmp_path, clusters) -> N
     done = runs.run(tmp_path, "many.toml", "--scheduler", clusters[0].address, "--chunk", 32, before=SMALL)
     assert done.returncode == 0, done.stderr
     assert runs.contents(tmp_path / "many.h5") == whole
+
+
+@pytest.mark.slow
+def test_samples_on_a_cluster_have_the_bits_of_this_machine_alone(tmp_path, clusters) -> None:
+    clusters.append(Cluster(folder(tmp_path)))
+    (tmp_path / "many.toml").write_text(runs.HEAD.format(method="orbit") + SAMPLES)
+    for name, more in (("alone.h5", ()), ("many.h5", ("--scheduler", clusters[0].address, "--chunk", 32))):
+        done = runs.run(tmp_path, "many.toml", "--out", name, *more, before=SMALL)
+        assert done.returncode == 0, done.stderr
+    assert runs.contents(tmp_path / "many.h5") == runs.contents(tmp_path / "alone.h5")
 
 
 @pytest.mark.slow

@@ -346,7 +346,7 @@ def test_a_study_that_is_altered_in_one_place_is_read_or_refused_in_a_sentence(t
 
 
 def test_a_study_of_samples_that_is_altered_is_read_or_refused_in_a_sentence(tmp_path: Path) -> None:
-    altered_files_end_in_a_sentence("samples", 211, tmp_path, "check", "summary", "export csv")
+    altered_files_end_in_a_sentence("samples", 211, tmp_path, "check", "summary")
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
@@ -44,7 +45,15 @@ mean = "30deg"
 std = 0.1
 """
 AXIS = "[axes.F1]\nvalues = [3.0, 5.0, 8.0]\n"
-LAW = '[[laws]]\nclaim = "(5)"\nobservable = "kappa_max"\naxis = "F1"\ndirection = "rises"\nsource = "x"\nat = { sample = 2 }\n'
+LAW = """
+[[laws]]
+claim = "(5)"
+observable = "kappa_max"
+axis = "F1"
+direction = "rises"
+source = "x"
+at = { sample = 2 }
+"""
 ENDS = """
 title = "ends"
 observables = ["amplitude", "index"]
@@ -145,8 +154,6 @@ def test_an_interrupted_run_continues(stored: Path, tmp_path) -> None:
     class Stopping(Meter):
         def add(self, cases: int, unsolved: int) -> None:
             raise KeyboardInterrupt
-
-    from contextlib import contextmanager
 
     @contextmanager
     def progress(total: int, done: int) -> Iterator[Meter]:
@@ -410,7 +417,7 @@ def test_the_figure_has_a_panel_for_each_observable_and_sampled_field(stored: Pa
     np.testing.assert_allclose(points, np.stack([np.degrees(ds["beta0"]), ds["wraps"]], 1))
     expected = spearmanr(ds["beta0"], ds["wraps"]).statistic
     assert panels[5].get_title(loc="right") == f"r = {expected:+.2f}".replace("-", "−")
-    canvas.save(study_figure.figure(ds), tmp_path / "s.png")
+    canvas.save(study_figure.figure(ds), tmp_path / "s.png", dpi=80)
     picture = pixels(tmp_path / "s.png")
     assert 0.005 < share_of_ink(picture) < 0.6
     edge = np.concatenate([picture[:4].ravel(), picture[:, :4].ravel(), picture[:, -4:].ravel()])
@@ -438,7 +445,7 @@ def test_samples_at_axes_are_drawn_where_the_axes_are_held(crossed: xr.Dataset, 
     points = panels[0].collections[0].get_offsets()
     np.testing.assert_array_equal(points[:, 1], crossed["turns"].sel(F1=5.0))  # that of Table 1
     assert any("5 samples, at F₁ = 5 N" in text.get_text() for text in panels[0].texts)
-    canvas.save(study_figure.figure(crossed), tmp_path / "s.png")  # with the law, and curves along F1
+    canvas.save(study_figure.figure(crossed), tmp_path / "s.png", dpi=80)  # with the law, and curves along F1
 
 
 def test_few_samples_or_one_value_have_no_rank_correlation() -> None:
@@ -446,3 +453,13 @@ def test_few_samples_or_one_value_have_no_rank_correlation() -> None:
     assert scatter.rank_correlation(x, x**3) == pytest.approx(1.0)
     assert scatter.rank_correlation(x, 0 * x) is None
     assert scatter.rank_correlation(x[:5], x[:5]) is None
+
+
+def test_samples_over_an_axis_without_curves_have_a_figure(tmp_path) -> None:
+    ds = in_memory.run(study(3, more=AXIS)).drop_vars(["alpha", "z", "beta"])
+    canvas.save(study_figure.figure(ds), tmp_path / "s.png", dpi=50)
+
+
+def test_a_column_of_other_dimensions_is_no_row(stored: Path) -> None:
+    ds = writing.read(stored)
+    assert scatter.observed(ds.assign(turns=ds["turns"][0])) == ["wraps", "kappa_max"]

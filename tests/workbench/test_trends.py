@@ -270,3 +270,9 @@ def test_a_rod_that_bends_between_its_stations_is_dotted_and_said_to_be_and_else
             title = ax.get_title(loc="left").replace("\n", " ")
             assert ("dots" in title) == (f"{stations} stations" in title) == dotted
             assert any(line.get_marker() == "." for line in ax.lines) == dotted
+
+
+def test_a_study_without_observables_and_curves_has_nothing_to_draw() -> None:
+    ds = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]\n", "observables = []\noutputs = []"))
+    with pytest.raises(InputError, match="nothing to draw: the dataset has neither observables nor the arrays alpha"):
+        study_figure.figure(ds)

@@ -38,7 +38,7 @@ def _listed() -> list[dict[str, Any]]:
 
     rows = []
     for name in names():
-        study = load(name)
+        study = load(name, draw=False)
         units = study.unit_system
         axes = [_axis(field, axis, unit_of(quantity_of(field).name, units)) for field, axis in study.axes.items()]
         laws = [{key: getattr(law, key) for key in ("claim", "observable", "direction", "axis")} for law in study.laws]

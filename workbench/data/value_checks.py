@@ -97,6 +97,9 @@ def _places(ds: xr.Dataset, L: xr.DataArray | None, path: str | Path) -> None:
     u = ds["u"].values
     if u.dtype.kind != "f" or not np.isfinite(u).all() or u.min() < 0 or u.max() > 1 or not (np.diff(u) > 0).all():
         raise InputError(f"{path}: u must rise from 0 to 1")
+    along = [str(name) for name, one in ds.data_vars.items() if name in CURVES and "u" in one.dims]
+    if "s" not in ds.variables and along:
+        raise InputError(f"{path}: {along[0]} is an array along the rod, but s is missing")
     if "s" not in ds.variables or L is None:
         return
     expected = L * ds["u"]

@@ -6,6 +6,7 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
+from solver.problem.errors import InputError
 from studies.dimensions import SAMPLE
 
 from ..data import labels, law_verdicts, schema
@@ -35,7 +36,7 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
     Raises
     ------
     InputError
-        The dataset's laws are invalid.
+        The dataset's laws are invalid, or there is nothing to draw.
     """
     axes = schema.axes_of(ds)
     if not axes:
@@ -47,7 +48,9 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
     shown = [str(name) for name in ds.data_vars if _is_observable(ds, str(name))][:MOST_PLAIN]
     plain = [] if rows or sampled else shown
     count, strips = len(rows or plain), axes if has_curve(ds) else []
-    beside = count <= len(strips) and all(strip_height(ds, axis, WIDTH * BESIDE) > LEAST_BESIDE for axis in axes)
+    if not (count or strips or sampled):
+        raise InputError("nothing to draw: the dataset has neither observables nor the arrays alpha and z")
+    beside = count <= len(strips) and all(strip_height(ds, axis, WIDTH * BESIDE) > LEAST_BESIDE for axis in strips)
     beside = beside and not sampled
     heights = [LAW_HEIGHT if beside else strip_height(ds, axis, WIDTH) for axis in strips]
     below = 0 if beside else LAW_HEIGHT * -(-count // 2)
