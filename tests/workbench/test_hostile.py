@@ -23,7 +23,7 @@ from studies import load
 from studies.loader import loads
 from tests.workbench import runs, small
 from workbench import cli
-from workbench.data import escaping, schema, writing
+from workbench.data import escaping, reading, schema, writing
 from workbench.figures import canvas, study_figure
 from workbench.run import in_memory, resume
 from workbench.run.study_store import run_to_file
@@ -347,6 +347,12 @@ def test_a_study_that_is_altered_in_one_place_is_read_or_refused_in_a_sentence(t
 
 def test_a_study_of_samples_that_is_altered_is_read_or_refused_in_a_sentence(tmp_path: Path) -> None:
     altered_files_end_in_a_sentence("samples", 211, tmp_path, "check", "summary")
+
+
+def test_arrays_along_the_rod_without_their_arc_lengths_are_refused(tmp_path: Path) -> None:
+    path = writing.write(in_memory.run(BASES["one axis"]).drop_vars("s"), tmp_path / "no.h5")
+    with pytest.raises(InputError, match=r"no\.h5: \w+ is an array along the rod, but s is missing"):
+        reading.opened(path)
 
 
 @pytest.mark.slow
