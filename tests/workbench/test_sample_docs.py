@@ -41,4 +41,4 @@ def test_the_commands_and_the_python_of_the_page_run_as_they_stand(tmp_path, mon
     assert 0.02 < share_of_ink(pixels(Path("samples_pipe.png"))) < 0.6
     (python,) = blocks("python")
     exec(compile(python, "sample-a-study.md", "exec"), {})
-    assert capsys.readouterr().out.splitlines() == re.findall(r"print\(.*\)    # (.*)", python)
+    assert capsys.readouterr().out.splitlines() == re.findall(r"print\(.*\)  # (.*)", python)

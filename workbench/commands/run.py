@@ -13,7 +13,7 @@ def run(
     study: Annotated[str, argument("STUDY", "Name of a shipped study (see list) or TOML file.")],
     out: Annotated[Path | None, option("FILE", "File of the stored study; default: STUDY.h5.")] = None,
     cases: Annotated[
-        Path | None, option("FILE", "Table of cases, .csv or .parquet, in place of the table of the study.")
+        Path | None, option("FILE", "Solve the cases of this table, .csv or .parquet; default: [table] of the study.")
     ] = None,
     reading: Reading = None,
     tol: Tol = None,
