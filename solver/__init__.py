@@ -1,7 +1,7 @@
 """The mechanics and the numerics of an elastic rod on a cylinder. Needs numpy and scipy, nothing else."""
 
 from .equilibria import Equilibrium, equilibria
-from .observe.observables import observe
+from .observe import observe
 from .problem.case import Case, Cylinder, Ends, Rod, Start
 from .problem.errors import InputError
 from .solution import Solution

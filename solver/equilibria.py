@@ -1,24 +1,22 @@
 """Every equilibrium of one ends problem, with its stability."""
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .boundary.paths import LevelPaths
-from .boundary.search import search
-from .boundary.selected_equilibrium import equilibrium_trajectory
 from .boundary.selection import NEAREST, Choose, select
-from .boundary.transit_times import repeated
 from .numerics.arrays import Array
-from .observe.measurement import Reading
-from .observe.observables import OBSERVABLES
-from .orbit.periodic_orbit import Orbit
 from .problem.case import Case, Ends
 from .problem.errors import InputError
 from .problem.reduced import EndsProblem, reduce
 from .problem.tolerance import DEFAULT_TOLERANCE
 from .problem.trajectory import Trajectory
 from .solution import Solution
+
+if TYPE_CHECKING:
+    from .orbit.periodic_orbit import Orbit
 
 NONE_FOUND = "incomplete: no equilibrium was found, and by degree there is always one"
 
@@ -116,6 +114,12 @@ def equilibria(case: Case, tol: float = DEFAULT_TOLERANCE, stations: int = 201, 
     >>> found.complete, [one.index for one in found]
     (True, [0, 0, 1])
     """
+    from .boundary.search import search  # only a call needs the modules behind these
+    from .boundary.selected_equilibrium import equilibrium_trajectory
+    from .boundary.transit_times import repeated
+    from .observe.measurement import Reading
+    from .observe.observables import OBSERVABLES
+
     problem = reduce(case)
     if not isinstance(problem, EndsProblem):
         raise InputError(f"equilibria needs a Case with Ends, got {type(case.given).__name__}")
@@ -149,7 +153,7 @@ def _repeated(case: Case, K: int) -> Case:
     return Case(case.rod, case.cylinder, Ends(np.full(K, g.beta0), g.betaL, g.FZ, g.MZ, g.M3, g.alpha, g.gamma))
 
 
-def _one(together: Trajectory, orbit: Orbit, t: Array, i: int) -> Trajectory:
+def _one(together: Trajectory, orbit: "Orbit", t: Array, i: int) -> Trajectory:
     """Row i of a trajectory, with its own orbit."""
     row = slice(i, i + 1)
     names = ("beta", "dbeta", "alpha", "z", "solved", "outcome", "error", "condition", "evaluations")

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import scipy
 
 from ..core import orbits as core
 from ..core.panels import available
@@ -103,6 +102,8 @@ def response(problem: Reduced, h: Array, beta: Array) -> Array:
 
     The solution of the tridiagonal system whose far end is moved by one; arguments as in `stability.morse_index`.
     """
+    import scipy
+
     diagonal = diagonal_of(problem, h, beta)
     largest = np.ones(beta.shape[0])
     beside, moved = np.full(diagonal.shape[1] - 1, -1.0), np.zeros(diagonal.shape[1])

@@ -12,7 +12,6 @@ for long: what the rod does after that depends on digits that no mesh keeps.
 from typing import Any
 
 import numpy as np
-import scipy
 
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array
@@ -62,6 +61,8 @@ def index_at_stations(problem: Reduced, t: Array, beta: Array, rate: Array) -> A
     NaN where the stations are too few: fewer than twelve to the shortest wave that H' allows, or every other one of
     them gives another number.
     """
+    import scipy
+
     index = np.full(problem.size, np.nan)
     with np.errstate(invalid="ignore", over="ignore"):
         quickest = np.sqrt(np.abs(slope_rate(Loads.columns(problem), beta)).max(axis=1))

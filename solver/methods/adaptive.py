@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import scipy
 
 from ..numerics.arrays import Array
 from ..orbit.growth import growth
@@ -82,6 +81,7 @@ def _integrate(
     calls = 0
 
     def rates(_: float, y: Array) -> list[float]:
+
         nonlocal calls
         calls += 1
         if calls > _MOST_CALLS:
@@ -91,6 +91,8 @@ def _integrate(
         return [y[1], -pull, s, c, s * c]
 
     start = [problem.beta0[0], problem.dbeta0[0], 0.0, 0.0, 0.0]
+    import scipy
+
     nothing = np.full((5, t.size), np.nan)
     try:
         answer = scipy.integrate.solve_ivp(

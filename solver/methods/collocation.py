@@ -11,10 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy
 
-from ..boundary.end_conditioning import response
-from ..boundary.selected_equilibrium import selected_seed
 from ..boundary.selection import NEAREST, Choose
 from ..mechanics.potential import slope, slope_rate
 from ..numerics.arrays import Array
@@ -50,6 +47,8 @@ class Collocation(EndsMethod):
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
+        from ..boundary.selected_equilibrium import selected_seed
+
         taken, why = None, [""] * problem.size
         if seed is None:
             seed, taken, why = selected_seed(problem, choose)
@@ -72,6 +71,8 @@ def _one(
     problem: EndsProblem, t: Array, tol: float, rtol: float | None, nodes: int | None, seed: Seed
 ) -> tuple[Array, float, float, int, str]:
     """Columns (5, n), error, condition, evaluations, and why it failed or an empty text."""
+    from ..boundary.end_conditioning import response
+
     span, work = float(problem.span[0]), 0
     wanted = float(np.clip(0.1 * tol if rtol is None else rtol, _TIGHTEST, _LOOSEST))
     answer: Any = None
@@ -118,7 +119,10 @@ def _collocated(problem: EndsProblem, x: Array, y: Array, rtol: float) -> tuple[
         return np.array([ya[0] - first, yb[0] - last])
 
     def ends_change(*_: Array) -> tuple[Array, Array]:
+
         return np.array([[1.0, 0.0], [0.0, 0.0]]), np.array([[0.0, 0.0], [1.0, 0.0]])
+
+    import scipy
 
     with np.errstate(all="ignore"):
         answer = scipy.integrate.solve_bvp(

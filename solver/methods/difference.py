@@ -7,10 +7,7 @@ Newton's rule finds the solution near its seed; without a seed, near the equilib
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
-from ..boundary.end_conditioning import response
-from ..boundary.selected_equilibrium import selected_seed
 from ..boundary.selection import NEAREST, Choose
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array
@@ -50,6 +47,8 @@ class Difference(EndsMethod):
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
+        from ..boundary.selected_equilibrium import selected_seed
+
         taken, why = None, [""] * problem.size
         if seed is None:
             seed, taken, why = selected_seed(problem, choose)
@@ -86,6 +85,8 @@ def _one(
 
     halves: whether a coarser mesh may be used.
     """
+    from ..boundary.end_conditioning import response
+
     span, most = float(problem.span[0]), _MOST if nodes is None else 0
     halved = halves and nodes is not None and extrapolate and nodes % 2 == 1 and nodes >= 2 * _FEWEST
     mesh, work = _first(problem, seed, (nodes + 1) // 2 if nodes is not None and halved else nodes)
@@ -199,6 +200,8 @@ def _residual(one: Loads, beta: Array, h: float) -> tuple[Array, Array]:
 
 def _step(rate: Array, off: Array, h: float) -> Array | None:
     """Newton's step from the tridiagonal system (43); None if it is singular."""
+    import scipy
+
     beside = np.ones(off.size - 1)
     solve = scipy.linalg.lapack.dgtsv
     step, info = solve(beside, h * h * rate - 2, beside.copy(), -off, overwrite_d=1, overwrite_b=1)[3:]
