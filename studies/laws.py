@@ -38,7 +38,7 @@ from .reasons import ON_OBSERVABLE
 
 __all__ = [
     "DIRECTIONS", "FAILS", "HOLDS", "NOISE", "QUALIFIED", "TREND", "UNDECIDED", "VERDICTS", "Law", "Verdict",
-    "decide", "judge", "refused", "worst",
+    "by_line", "decide", "judge", "refused", "worst",
 ]  # fmt: skip
 
 TOLD = ("claim", "axis", "direction", "says", "source", "fixed", "fixed_note")  # fields of a law copied to its row
@@ -164,6 +164,38 @@ def decide(
     return row
 
 
+def by_line(
+    law: Law, observed: ArrayLike, axes: Mapping[str, ArrayLike], crossing: ArrayLike | None = None
+) -> NDArray[np.str_]:
+    """The verdict on the observable of a law on each line of the grid along its axis.
+
+    Parameters
+    ----------
+    law : Law
+    observed : array
+        The observable over the grid, one dimension an axis in the order of `axes`, NaN where unsolved.
+    axes : mapping of arrays
+        The values of each axis.
+    crossing : array of bool, optional
+        As of `decide`.
+
+    Returns
+    -------
+    array of str
+        Of the shape of the grid without the axis of the law: one of `VERDICTS` for each line.
+
+    Raises
+    ------
+    InputError
+        If the axis is missing.
+    """
+    if law.axis not in axes:
+        raise no_such("axis", law.axis, axes)
+    _, lines, cut = _lines(law, law.observable, np.asarray(observed), axes, crossing)
+    words = [law.judged(law.observable, lines[where], cut[where]).verdict for where in np.ndindex(lines.shape[:-1])]
+    return np.array(words).reshape(lines.shape[:-1])
+
+
 def refused(law: Law, reason: str) -> dict[str, Any]:
     """The row of a law that could not be tested, in the form of `decide`: not decided, with the reason."""
     counts = {"lines": 0, "line_verdicts": {}, "lines_hold": 0, "lines_trend": 0}
@@ -185,15 +217,8 @@ def _over_lines(
     law: Law, name: str, grid: NDArray[Any], axes: Mapping[str, ArrayLike], crossing: ArrayLike | None
 ) -> dict[str, Any]:
     """The verdict over the lines of the grid along the axis of the law."""
-    dims = list(axes)
-    if grid.shape != tuple(np.size(axes[dim]) for dim in dims):
-        raise InputError(f"{name} has shape {grid.shape}, but its axes are {', '.join(dims)}")
-    along = np.asarray(axes[law.axis], dtype=float)
-    order = np.argsort(along, kind="stable")
-    along = along[order]
-    lines = np.moveaxis(grid, dims.index(law.axis), -1)[..., order]
-    cut = _cuts(crossing, grid.shape, dims.index(law.axis))
-    others = {dim: np.asarray(axes[dim], dtype=float) for dim in dims if dim != law.axis}
+    along, lines, cut = _lines(law, name, grid, axes, crossing)
+    others = {dim: np.asarray(values, dtype=float) for dim, values in axes.items() if dim != law.axis}
     at = {dim: float(_nearest(values, law.at[dim])) for dim, values in others.items() if dim in law.at}
     every, deciding, exceptions, ends = [], [], [], []
     for where in np.ndindex(lines.shape[:-1]):
@@ -224,6 +249,19 @@ def _over_lines(
         "first": _range(first),
         "last": _range(last),
     }
+
+
+def _lines(
+    law: Law, name: str, grid: NDArray[Any], axes: Mapping[str, ArrayLike], crossing: ArrayLike | None
+) -> tuple[NDArray[np.float64], NDArray[Any], NDArray[np.bool_]]:
+    """The axis of the law in rising order, the observable with that axis last, and the steps that cross branches."""
+    dims = list(axes)
+    if grid.shape != tuple(np.size(axes[dim]) for dim in dims):
+        raise InputError(f"{name} has shape {grid.shape}, but its axes are {', '.join(dims)}")
+    along = np.asarray(axes[law.axis], dtype=float)
+    order = np.argsort(along, kind="stable")
+    k = dims.index(law.axis)
+    return along[order], np.moveaxis(grid, k, -1)[..., order], _cuts(crossing, grid.shape, k)
 
 
 def _cuts(crossing: ArrayLike | None, shape: tuple[int, ...], k: int) -> NDArray[np.bool_]:

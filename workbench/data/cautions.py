@@ -80,6 +80,14 @@ def keys(text: str) -> list[str]:
     return [key for key in text.split(", ") if key]
 
 
+def holding(found: Any, key: str) -> Any:
+    """Whether a key is among those of each case in the answer of `of_cases`, (*cases) of bool."""
+    texts = np.asarray(found)
+    each = texts.astype(str).ravel().tolist()
+    there = {text: key in keys(text) for text in set(each)}
+    return np.array([there[text] for text in each], dtype=bool).reshape(texts.shape)
+
+
 def phrase(key: str) -> str:
     """What a key says of one rod: "passes through itself"."""
     return TOLD[key][0] if key in TOLD else f"was not checked for {key.removeprefix(UNKNOWN)}"

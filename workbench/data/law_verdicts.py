@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from studies import reasons
-from studies.laws import DIRECTIONS, FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, Law, decide
+from studies.laws import DIRECTIONS, FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, Law, by_line, decide
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,6 +26,16 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
         steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
         rows.append(decide(law, observed, axes, steps))
     return rows
+
+
+def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
+    """The verdict on a law on each line of the grid along its axis, over the other axes; see `studies.laws.by_line`."""
+    import xarray as xr
+
+    axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
+    others = [dim for dim in axes if dim != law.axis]
+    found = by_line(law, ds[law.observable].transpose(*axes).values, axes, crossings(ds, law.axis))
+    return xr.DataArray(found, {dim: ds[dim] for dim in others}, others)
 
 
 def crossings(ds: "xr.Dataset", axis: str) -> "NDArray[np.bool_] | None":

@@ -14,10 +14,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.problem.errors import InputError, choices, no_such
+from solver.problem.errors import InputError, choices
 from studies import TABLE_1
 from studies.axes import FIELDS, in_rad, is_angle
 from studies.dimensions import SAMPLE
+from studies.wording import near
 
 from .schema import COMPONENTS, axes_of, dimension, sampled_fields
 
@@ -64,7 +65,9 @@ def axis_of(ds: xr.Dataset, name: str) -> str:
         raise InputError(f"{name} is no axis: the samples are of {choices(fields)}; give the number of one, sample=0")
     if name in ds.coords and not ds[name].ndim:
         raise InputError(f"{name} is selected already: it is {ds[name].item():.10g}")
-    raise no_such("axis", name, axes) if axes else InputError(f"no axis {name!r}: the dataset has none")
+    if not axes:
+        raise InputError(f"no axis {name!r}: the dataset has none")
+    raise InputError(f"no axis {name!r}{near(name, axes)}; choose from {choices(axes)}")
 
 
 def index(ds: xr.Dataset, name: str, value: Value) -> int:
@@ -76,10 +79,10 @@ def index(ds: xr.Dataset, name: str, value: Value) -> int:
     if away[nearest] <= _tolerance(axis, wanted):
         return nearest
     for half in (_half_digit(value), _half_digit(value, zeros=False)) if isinstance(value, str) else ():
-        near = np.flatnonzero(away <= min(half, LOOSEST * abs(wanted)))
-        if near.size == 1:
-            return int(near[0])
-        if near.size:
+        close = np.flatnonzero(away <= min(half, LOOSEST * abs(wanted)))
+        if close.size == 1:
+            return int(close[0])
+        if close.size:
             break
     shown = value if isinstance(value, str) else written(name, wanted, 10)
     raise InputError(f"{name} = {shown} is not on the axis; {_listed(axis, name, wanted)}")

@@ -1,8 +1,16 @@
-"""The legend of a panel: each label once, however many lines carry it."""
+"""Legends: each label once, however many artists carry it."""
 
+from collections.abc import Sequence
 from typing import Any
 
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from .style import LETTER, SMALL, SOFT
+
+HANDLE = 0.45  # inches of an entry beside its label
 
 
 def add(ax: Axes, **where: Any) -> None:
@@ -11,3 +19,17 @@ def add(ax: Axes, **where: Any) -> None:
     once = dict(zip(labels, handles, strict=True))
     if once:
         ax.legend(list(once.values()), list(once), **{"loc": "best", **where})
+
+
+def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = ()) -> None:
+    """One legend below all axes of a figure with a constrained layout: its entries in columns, then notes as text."""
+    once = {str(entry.get_label()): entry for entry in entries}
+    notes = list(dict.fromkeys(notes))
+    if not once and not notes:
+        return
+    widest = max((HANDLE + SMALL * LETTER * len(label) for label in once), default=1.0)
+    columns = max(1, min(len(once), int((fig.get_figwidth() - 0.2) / widest)))
+    found = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], loc="outside lower left",
+                       ncols=columns, title="\n".join(notes), alignment="left", handlelength=1.8, handleheight=1.2,
+                       title_fontsize=SMALL)  # fmt: skip
+    found.get_title().set_color(SOFT)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from solver.problem.errors import InputError
 from studies.dimensions import SAMPLE
 
-from ..data import labels, law_verdicts, schema
+from ..data import labels, law_verdicts, observed, schema
 from . import canvas, legend, scatter, single_rod
 from .developed import developed, has_curve, strip_height
 from .law_panel import panel
@@ -18,7 +18,6 @@ from .trends import trend
 WIDTH, LAW_HEIGHT = 9.6, 4.3  # inches
 BESIDE, LEAST_BESIDE = 0.55, 2.6  # the share of the width that curves have beside a law, and inches they then need
 MOST_PLAIN = 4  # observables shown where there is no law
-NOT_OBSERVED = ("outcome", "error", "condition", "FZ", "MZ", "M3", "dbeta0")
 
 
 def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) -> Figure:
@@ -45,8 +44,7 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
     sampled = SAMPLE in axes and bool(scatter.observed(ds))
     if sampled:
         axes = [axis for axis in axes if axis != SAMPLE]
-    shown = [str(name) for name in ds.data_vars if _is_observable(ds, str(name))][:MOST_PLAIN]
-    plain = [] if rows or sampled else shown
+    plain = [] if rows or sampled else observed.observables(ds)[:MOST_PLAIN]
     count, strips = len(rows or plain), axes if has_curve(ds) else []
     if not (count or strips or sampled):
         raise InputError("nothing to draw: the dataset has neither observables nor the arrays alpha and z")
@@ -80,8 +78,3 @@ def _pairs(cell: Any, count: int) -> list[Any]:
     """That many cells, two a row."""
     grid = cell.subgridspec(-(-count // 2), min(count, 2))
     return [grid[i // 2, i % 2] for i in range(count)]
-
-
-def _is_observable(ds: xr.Dataset, name: str) -> bool:
-    numbers = ds[name].dtype.kind in "iuf"  # `caution` is text
-    return numbers and ds[name].dims == ds["outcome"].dims and not name.endswith("error") and name not in NOT_OBSERVED

@@ -3,8 +3,10 @@
 from textwrap import fill
 from typing import Any
 
+import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
@@ -18,6 +20,11 @@ STABLE = "#b3261e"  # the stable ones among all equilibria
 
 RAMP = colormaps["viridis"]
 RAMP_ENDS = (0.0, 0.88)  # the last yellow is too light on white
+
+# Maps: the same ramp mixed with white, so that ink (numbers, hatching, lines) stands out from every colour of it
+WHITE_OF_MAP = 0.42
+UNSOLVED, UNKNOWN = INK, "#ffffff"  # a cell without a solution, darker than every colour of a map; one without a number
+HATCHES = {"pulled": "////", "overlaps": "\\\\\\\\"}  # key of `cautions.TOLD` -> how its cells are hatched
 
 DPI = 200
 SMALL, NORMAL, LARGE = 8.0, 9.5, 12.0  # points
@@ -44,6 +51,7 @@ RC: Any = {
     "savefig.facecolor": "white",
     "figure.dpi": DPI,
     "savefig.dpi": DPI,
+    "hatch.linewidth": 0.7,
     "pdf.fonttype": 42,
     "mathtext.default": "regular",
     "text.parse_math": False,  # a title may come from anyone, and has its $ as they are
@@ -56,9 +64,19 @@ def ramp_colours(count: int) -> list[Any]:
     return [RAMP(low + (high - low) * i / max(count - 1, 1)) for i in range(count)]
 
 
+def map_colours(count: int = 256) -> ListedColormap:
+    """The colours of a map, from its lowest value to its highest."""
+    ramp = np.array(ramp_colours(count))
+    return ListedColormap(ramp * (1 - WHITE_OF_MAP) + WHITE_OF_MAP, name="map")
+
+
 def wrapped(text: str, ax: Axes, size: float = NORMAL, bold: bool = False, upward: bool = False) -> str:
     """The text in lines that are no longer than the axes are wide (or high), for a font of that size in points."""
-    room = inches(ax)[int(upward)]
+    return fitted(text, inches(ax)[int(upward)], size, bold)
+
+
+def fitted(text: str, room: float, size: float = NORMAL, bold: bool = False) -> str:
+    """The text in lines that are no longer than so many inches, for a font of that size in points."""
     return fill(text, max(int(room / (size * LETTER * (BOLD if bold else 1))), 12))
 
 

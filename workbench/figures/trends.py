@@ -14,6 +14,7 @@ from studies.laws import FAILS, NOISE
 from ..data import labels, selection
 from . import style
 from .developed import axis_label
+from .scales import is_geometric
 
 
 def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:
@@ -57,10 +58,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
 
 def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
     """A logarithmic axis where the values are spaced so, with ticks at some of them."""
-    if along.size < 3 or along.min() <= 0:
-        return _linear(ax)
-    steps = np.diff(np.log(along))
-    if np.ptp(steps) < 1e-6 * steps.mean() and along[-1] / along[0] > 3:
+    if is_geometric(along):
         ax.set_xscale("log")
         some = along[:: max((along.size - 1) // 4, 1)]
         ax.xaxis.set_minor_locator(NullLocator())

@@ -1,0 +1,35 @@
+"""Which observables a dataset stores, and which of them a user means."""
+
+from collections.abc import Sequence
+
+import xarray as xr
+
+from solver.observe import observables as observables_table
+from solver.observe.observables import OBSERVABLES
+from solver.problem.errors import InputError, choices
+from studies.wording import near
+
+
+def observables(ds: xr.Dataset) -> list[str]:
+    """The observables that are stored for each case, in the order of the file; of a sweep, its branches too."""
+    known = {*OBSERVABLES, "branch"}
+    return [str(name) for name in ds.data_vars if name in known and _is_number_of_each_case(ds, str(name))]
+
+
+def is_count(ds: xr.Dataset, name: str) -> bool:
+    """Whether a stored variable is a whole number: a count, or the number of a branch."""
+    return observables_table.is_count(name) or ds[name].dtype.kind in "iu"
+
+
+def named(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
+    """The names, each once. Raises `InputError` for one that is no number of each case, with the observables."""
+    for name in names:
+        if not _is_number_of_each_case(ds, name):
+            known = observables(ds)
+            raise InputError(f"no observable {name!r}{near(name, known)}; the file has {choices(known) or 'none'}")
+    return list(dict.fromkeys(names))
+
+
+def _is_number_of_each_case(ds: xr.Dataset, name: str) -> bool:
+    """Also the estimated errors, the condition number and the loads are numbers of each case."""
+    return name in ds.data_vars and ds[name].dtype.kind in "iuf" and set(ds[name].dims) == set(ds["outcome"].dims)

@@ -1,0 +1,154 @@
+"""What a map shows: its two axes, its observables, the values of further axes, and the cells of each panel."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from solver.problem.errors import InputError, choices
+from studies.axes import FIELDS, WORDS
+
+from ..data import cautions, labels, observed, selection
+from ..data.schema import axes_of, dimension
+from . import style
+from .scales import Scale, scale_of
+
+MOST_MAPS = 12  # observables of one figure
+MOST_COLUMNS = 5  # values of a third axis
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """What a figure of maps shows.
+
+    x, y: the two axes. shown: the observables; left_out: those that have no room. along: a third axis of which some
+    values have a column each, or None; columns: their indices on it. held: the index on every further axis.
+    """
+
+    x: str
+    y: str
+    shown: tuple[str, ...]
+    left_out: tuple[str, ...]
+    along: str | None
+    columns: tuple[int, ...]
+    held: Mapping[str, int]
+
+    def places(self) -> list[dict[str, int]]:
+        """The indices on all axes but x and y, of each column."""
+        return [{**self.held, self.along: i} for i in self.columns] if self.along else [dict(self.held)]
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """The cells of one column of maps, (rows, columns) of the values of y and x, both rising.
+
+    ds: the dataset there. solved: of each cell. cautions: key of `style.HATCHES` -> the cells that it holds in.
+    unchecked: whether the rod of some cell was not checked for one of them.
+    """
+
+    ds: xr.Dataset
+    x: Scale
+    y: Scale
+    solved: NDArray[np.bool_]
+    cautions: Mapping[str, NDArray[np.bool_]]
+    unchecked: int
+
+    def values(self, name: str) -> NDArray[np.float64]:
+        """An observable in the unit of its label, NaN where a cell is not solved or its number is not known."""
+        values = labels.in_label_unit(self.ds[name], self.ds[name].values.astype(float))
+        return np.where(self.solved & np.isfinite(values), values, np.nan)
+
+
+def mappable(ds: xr.Dataset) -> list[str]:
+    """The axes that a map can have: those of a field of the case with at least two values."""
+    fields = {dimension(name) for name in FIELDS if name not in WORDS}
+    return [axis for axis in axes_of(ds) if axis in fields and ds.sizes[axis] > 1]
+
+
+def choose(
+    ds: xr.Dataset,
+    x: str | None = None,
+    y: str | None = None,
+    show: Sequence[str] = (),
+    at: Mapping[str, float] | None = None,
+) -> Choice:
+    """What a figure of maps shows.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+    x, y : str, optional
+        The axes to the right and up; default: the first axes of the study.
+    show : sequence of str
+        Observables; default: all that are stored, at most `MOST_MAPS`.
+    at : mapping of float, optional
+        Values of further axes.
+
+    Returns
+    -------
+    Choice
+
+    Raises
+    ------
+    InputError
+        For fewer than two axes, an unknown axis or observable, `x` equal to `y`, too many observables.
+    """
+    x, y = _two_axes(ds, x, y, dict(at or {}))
+    shown, left_out = _observables(ds, show)
+    held = {name: i for name, i in selection.case(ds, at).items() if name not in (x, y)}
+    free = [axis for axis in mappable(ds) if axis in held and axis not in (at or {})]
+    if not free:
+        return Choice(x, y, shown, left_out, None, (), held)
+    order = [where[free[0]] for where in selection.spread(selection.line(ds, free[0]), MOST_COLUMNS)]
+    del held[free[0]]
+    return Choice(x, y, shown, left_out, free[0], tuple(order), held)
+
+
+def cells(ds: xr.Dataset, choice: Choice, where: Mapping[str, int]) -> Cells:
+    """The cells of one column of maps; where: as of `Choice.places`."""
+    here = ds.isel(where).sortby([choice.x, choice.y]).transpose(choice.y, choice.x, ...)
+    solved = here["solved"].values.astype(bool)
+    found, unchecked = {}, np.zeros(solved.shape, dtype=bool)
+    if "caution" in here:
+        texts = here["caution"].values
+        found = {key: cautions.holding(texts, key) & solved for key in style.HATCHES}
+        for key in cautions.UNTOLD:
+            unchecked |= cautions.holding(texts, key)
+    return Cells(here, scale_of(here[choice.x]), scale_of(here[choice.y]), solved, found, int(unchecked.sum()))
+
+
+def _two_axes(ds: xr.Dataset, x: str | None, y: str | None, at: dict[str, float]) -> tuple[str, str]:
+    """The axes to the right and up."""
+    axes = mappable(ds)
+    if len(axes) < 2:
+        has = f"only {axes[0]}" if axes else "none"
+        raise InputError(f"a map needs two axes with several values, and the study has {has}")
+    given = [selection.axis_of(ds, name) for name in (x, y) if name is not None]
+    if len(given) == 2 and given[0] == given[1]:
+        others = choices(axis for axis in axes if axis != given[0])
+        raise InputError(f"x and y are both {given[0]}; choose another axis for one of them: {others}")
+    for name in given:
+        if name not in axes:
+            raise InputError(f"the axis {name} has a single value; choose from {choices(axes)}")
+        if name in at:
+            raise InputError(f"{name} is an axis of the map and has no fixed value; leave out the value of {name}")
+    rest = [axis for axis in axes if axis not in given and axis not in at]
+    if len(given) + len(rest) < 2:
+        raise InputError(
+            f"a map needs two axes, and {choices(at)} has a fixed value; leave one of {choices(axes)} free"
+        )
+    wanted = iter(rest)
+    first = next(wanted) if x is None else given[0]
+    return first, (next(wanted) if y is None else given[-1])
+
+
+def _observables(ds: xr.Dataset, show: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The observables of the figure, and those of the study that have no room."""
+    names = observed.named(ds, show) if show else observed.observables(ds)
+    if not names:
+        raise InputError("the study stores no observable; a map shows one")
+    if show and len(names) > MOST_MAPS:
+        raise InputError(f"a figure shows at most {MOST_MAPS} observables, got {len(names)}: {choices(names)}")
+    return tuple(names[:MOST_MAPS]), tuple(names[MOST_MAPS:])

@@ -1,0 +1,191 @@
+"""The maps of a stored study over two axes: one for each observable, and for each of some values of a third axis."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..data import labels, law_verdicts
+from . import canvas, law_lines, legend, map_panel, style, thumbnails
+from .developed import axis_label
+from .map_cells import Cells, Choice, cells, choose
+
+WIDTH = 9.6  # inches
+ALONE, BESIDE, COLUMN = (7.6, 4.6), (3.55, 2.75), 2.0  # inches of a map: alone, of two in a row, height of columns
+LINE = 0.155  # inches of a line of small text
+SHAPES = (8.2, 5.6)  # inches of the panel of shapes
+
+
+def figure(
+    ds: xr.Dataset,
+    x: str | None = None,
+    y: str | None = None,
+    show: Sequence[str] = (),
+    at: Mapping[str, float] | None = None,
+    shapes: thumbnails.Shapes | None = None,
+) -> Figure:
+    """Draw a map of each observable.
+
+    Each observable has one scale of colours over all its maps. A count has the borders of its regions and their
+    numbers. Cells are hatched where a caution holds. A strip beside a map shows on which lines of the grid a law holds.
+    A third axis has a column of maps for some of its values; any further axis is held where the laws or Table 1 put it.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+    x, y, show, at
+        As of `map_cells.choose`.
+    shapes : thumbnails.Shapes, optional
+        Numbers of developed shapes that a further panel shows; default: no such panel.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        As of `map_cells.choose`; where shapes are not stored or more than the values of an axis; for invalid laws.
+    """
+    choice = choose(ds, x, y, show, at)
+    if shapes is not None:
+        thumbnails.check(ds, choice, shapes)
+    columns = [cells(ds, choice, where) for where in choice.places()]
+    laws = law_lines.judged(ds, choice, law_verdicts.verdicts(ds) if "laws" in ds.attrs else [])
+    maps = _Maps(ds, choice, columns, laws)
+    heights = maps.heights() + ([SHAPES[1] + 0.7] if shapes else [])
+
+    def draw(fig: Figure) -> None:
+        grid = fig.add_gridspec(len(heights), 1, height_ratios=heights)
+        for row in range(len(maps.heights())):
+            maps.draw_row(fig, grid[row, 0], row)
+        if shapes is not None:
+            maps.draw_shapes(fig.add_subplot(grid[len(heights) - 1, 0]), shapes)
+        entries, notes = map_panel.entries(columns, choice.shown)
+        legend.below(fig, [*entries, *maps.entries], [*notes, *maps.notes()])
+
+    return canvas.figure((WIDTH, 1.1 + sum(heights)), draw, ds)
+
+
+class _Maps:
+    """The maps of one figure, row by row; collects the entries of the legend while it draws."""
+
+    def __init__(self, ds: xr.Dataset, choice: Choice, columns: list[Cells], laws: list[law_lines.JudgedLaw]) -> None:
+        self.ds, self.choice, self.columns, self.laws = ds, choice, columns, laws
+        self.places = choice.places()
+        self.hatched = map_panel.hatched(columns)
+        self.entries: list[Artist] = []
+        self.more: list[str] = []
+        shown = choice.shown
+        self.rows = [[name] for name in shown] if choice.along or len(shown) == 1 else _in_pairs(shown)
+        self.inches = self._inches()
+        values = {name: np.stack([column.values(name) for column in columns]) for name in shown}
+        self.colours = {name: map_panel.Colours(ds, name, values[name]) for name in shown}
+
+    def _inches(self) -> tuple[float, float]:
+        """Width and height of each map."""
+        if self.choice.along:
+            return (WIDTH - 1.8) / len(self.columns) - 0.15, COLUMN
+        return ALONE if len(self.choice.shown) == 1 else BESIDE
+
+    def heights(self) -> list[float]:
+        """The height of each row with its titles and labels, in inches."""
+        lines = [max(len(self._laws_of(name)) for name in row) for row in self.rows]
+        return [self.inches[1] + (0.6 if self.choice.along else 0.95) + LINE * count * 2 for count in lines]
+
+    def draw_row(self, fig: Figure, cell: Any, row: int) -> None:
+        """Draw the maps of one row of the figure."""
+        names = self.rows[row]
+        if self.choice.along:
+            grid = cell.subgridspec(1, len(self.columns))
+            self._draw(fig, [grid[0, k] for k in range(len(self.columns))], names[0], row == len(self.rows) - 1)
+            return
+        grid = cell.subgridspec(1, max(map(len, self.rows)))
+        for k, name in enumerate(names):
+            self._draw(fig, [grid[0, k]], name)
+
+    def draw_shapes(self, ax: Axes, shapes: thumbnails.Shapes) -> None:
+        """Draw the panel of shapes: those of the first column, on a pale map of the first observable."""
+        name, column = self.choice.shown[0], self.columns[0]
+        map_panel.draw(ax, column, name, self.colours[name], SHAPES, pale=0.3)
+        self._label(ax)
+        held = "".join(f", {self._value(axis, i)}" for axis, i in self.places[0].items()) if self.choice.along else ""
+        ax.set_title(f"developed shapes over the {labels.long_name(self.ds[name])}{held}", loc="left")
+        self.more += thumbnails.draw(ax, column, shapes, SHAPES, name)
+        self.entries += thumbnails.entries(column)
+
+    def notes(self) -> list[str]:
+        """What the figure says in words."""
+        choice, found = self.choice, list(self.more)
+        if choice.along:
+            found += [f"Law {law_lines.sentence(law, self.ds, choice)}." for law in self.laws]
+        if choice.along and len(choice.columns) < self.ds.sizes[choice.along]:
+            of = f"the {self.ds.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
+            found.append(f"The columns show {len(choice.columns)} of {of}.")
+        if choice.left_out:
+            found.append(f"Not shown: {', '.join(choice.left_out)}.")
+        if choice.along and choice.held:
+            found.append(f"All maps: {', '.join(self._value(name, i) for name, i in choice.held.items())}.")
+        return found
+
+    def _draw(self, fig: Figure, grid: list[Any], name: str, lowest: bool = True) -> None:
+        """Draw the maps of one observable, and its bar of colours; lowest: whether no maps stand below them."""
+        panels: list[Axes] = []
+        mesh = None
+        for k, (cell, column, where) in enumerate(zip(grid, self.columns, self.places, strict=True)):
+            ax = fig.add_subplot(cell)
+            mesh = map_panel.draw(ax, column, name, self.colours[name], self.inches)
+            map_panel.hatch(ax, column, self.hatched)
+            laws = self._laws_of(name)
+            self.entries += law_lines.draw(ax, laws, column, self.choice, where, self.inches)
+            self._title(ax, name, column, where, leftmost=k == 0)
+            self._label(ax, leftmost=k == 0, lowest=lowest)
+            panels.append(ax)
+        self.colours[name].bar(mesh, panels, self.inches[1])
+
+    def _laws_of(self, name: str) -> list[law_lines.JudgedLaw]:
+        return [law for law in self.laws if law.row["observable"] == name]
+
+    def _title(self, ax: Axes, name: str, column: Cells, where: Mapping[str, int], leftmost: bool) -> None:
+        """The observable, the value of the third axis, and each law in the colour of its verdict."""
+        laws = self._laws_of(name)
+        above = sum(law.row["axis"] == self.choice.y for law in laws) * (law_lines.THICK + law_lines.GAP) * 72
+        for law in reversed(laws):
+            said, lines = law_lines.sentence(law, self.ds, self.choice), law_lines.counts(law, where)
+            text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
+            lines = style.fitted(text, self.inches[0] + 0.2, style.SMALL)
+            colour = style.VERDICT_COLOURS[law.row["verdict"]]
+            ax.annotate(lines, (0, 1), (0, above + 4), xycoords="axes fraction", textcoords="offset points",
+                        size=style.SMALL, color=colour, va="bottom")  # fmt: skip
+            above += 11 * (lines.count("\n") + 1)
+        title = labels.long_name(self.ds[name])
+        if self.choice.along:
+            value = self._value(self.choice.along, where[self.choice.along])
+            title = f"{title}\n{value}" if leftmost else value
+        ax.set_title(title, loc="left", pad=above + 6)
+
+    def _label(self, ax: Axes, leftmost: bool = True, lowest: bool = True) -> None:
+        """The labels of the two axes at the edge of the figure; the values of further axes stand behind that of x."""
+        choice = self.choice
+        short = choice.along is not None
+        where = {**(self.places[0] if not short else {}), choice.x: 0}
+        if lowest:
+            ax.set_xlabel(style.fitted(axis_label(self.ds, choice.x, where, long=not short), max(self.inches[0], 1.0)))
+        else:
+            ax.tick_params(labelbottom=False)
+        if leftmost:
+            ax.set_ylabel(style.fitted(labels.axis_label(choice.y, self.ds[choice.y], not short), self.inches[1]))
+        else:
+            ax.tick_params(labelleft=False)
+
+    def _value(self, axis: str, i: int) -> str:
+        """``F₁ = 5 N``."""
+        return f"{labels.axis_symbol(axis)} = {labels.value(float(self.ds[axis][i]), self.ds[axis])}"
+
+
+def _in_pairs(names: Sequence[str]) -> list[list[str]]:
+    return [list(names[i : i + 2]) for i in range(0, len(names), 2)]

@@ -1,0 +1,171 @@
+"""One map: an observable in colours over two axes, the regions of a count, hatching, and cells without a number."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import BoundaryNorm, Colormap, LogNorm, Normalize
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import LogLocator, MaxNLocator
+from numpy.typing import NDArray
+
+from studies.laws import NOISE
+
+from ..data import cautions, labels, observed
+from . import regions, style
+from .map_cells import Cells
+
+Values = NDArray[np.float64]
+DECADES = 1e3  # ratio of the values from which their colours are logarithmic
+MOST_CLASSES = 24  # of a count, with a border between each two
+AROUND = 0.01  # inches that a border is at least away from a number
+
+
+class Colours:
+    """The one scale of colours of an observable, over all its panels."""
+
+    def __init__(self, ds: xr.Dataset, name: str, values: Values) -> None:
+        self.array = ds[name]
+        self.count = observed.is_count(ds, name)
+        known = values[np.isfinite(values)]
+        self.low, self.high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
+        self.cmap: Colormap = style.map_colours()
+        self.norm = self._norm()
+
+    def _norm(self) -> Normalize:
+        if self.count:
+            levels = np.arange(self.low - 0.5, self.high + 1)
+            self.cmap = style.map_colours(levels.size - 1)
+            return BoundaryNorm(levels, levels.size - 1)
+        if self.low > 0 and self.high > DECADES * self.low:
+            return LogNorm(self.low, self.high)
+        size = max(abs(self.low), abs(self.high))
+        if self.high - self.low <= NOISE * size:  # rounding is no news
+            return Normalize(self.low - (0.1 * size or 1), self.high + (0.1 * size or 1))
+        return Normalize(self.low, self.high)
+
+    def bar(self, mesh: Any, axes: list[Axes], inches: float) -> Colorbar:
+        """The bar of colours beside the panels, which are so many inches high."""
+        fig = axes[0].get_figure(root=True)
+        assert fig is not None
+        bar = fig.colorbar(mesh, ax=axes, pad=0.015, aspect=30 * inches / 3, fraction=0.05)
+        bar.outline.set_visible(False)
+        if self.count:
+            bar.set_ticks([v for v in MaxNLocator(8, integer=True).tick_values(self.low, self.high)
+                           if self.low <= v <= self.high])  # fmt: skip
+        elif isinstance(self.norm, LogNorm):
+            bar.locator = LogLocator(numticks=6)
+        else:
+            bar.locator = MaxNLocator(6)
+        if isinstance(self.norm, LogNorm):
+            bar.formatter = labels.power_of_ten  # type: ignore[assignment]
+        else:
+            bar.formatter = labels.tick  # type: ignore[assignment]
+        bar.ax.tick_params(length=2)
+        bar.update_ticks()
+        bar.minorticks_off()
+        bar.set_label(labels.label(self.array))
+        return bar
+
+
+def draw(ax: Axes, cells: Cells, name: str, colours: Colours, inches: tuple[float, float], pale: float = 1.0) -> Any:
+    """Draw the map of an observable on axes of that width and height in inches; returns its coloured cells.
+
+    pale: the opacity of the colours; below 1 the regions of a count have no numbers.
+    """
+    values = cells.values(name)
+    x, y = cells.x.edges, cells.y.edges
+    cells.x.put(ax, "x", inches[0])
+    cells.y.put(ax, "y", inches[1])
+    mesh = ax.pcolormesh(x, y, np.ma.masked_invalid(values), cmap=colours.cmap, norm=colours.norm, alpha=pale,
+                         rasterized=True)  # fmt: skip
+    if not cells.solved.all():
+        ax.add_patch(PathPatch(regions.path(~cells.solved, x, y), facecolor=style.UNSOLVED, linewidth=0))
+    if colours.count:
+        classes, step = _classes(values, colours)
+        _draw_borders(ax, cells, classes)
+        if pale == 1:
+            _number_regions(ax, cells, classes, step, inches)
+    ax.grid(False)
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(True)
+    return mesh
+
+
+def hatch(ax: Axes, cells: Cells, keys: list[str]) -> None:
+    """Hatch the cells in which these cautions hold."""
+    for key in keys:
+        mask = cells.cautions[key]
+        if mask.any():
+            where = regions.path(mask, cells.x.edges, cells.y.edges)
+            ax.add_patch(PathPatch(where, facecolor="none", edgecolor=style.INK, hatch=style.HATCHES[key], linewidth=0))
+
+
+def hatched(panels: list[Cells]) -> list[str]:
+    """The cautions that are hatched: those that hold in some solved cells of the panels and not in all."""
+    found = []
+    for key in style.HATCHES:
+        held = [panel.cautions[key][panel.solved] for panel in panels if key in panel.cautions]
+        together = np.concatenate(held) if held else np.zeros(0, dtype=bool)
+        if together.any() and not together.all():
+            found.append(key)
+    return found
+
+
+def entries(panels: list[Cells], shown: tuple[str, ...]) -> tuple[list[Artist], list[str]]:
+    """The legend of what the panels show of cautions and of cells without a number: its entries, and its notes."""
+    keys = hatched(panels)
+    found: list[Artist] = [
+        Patch(facecolor="none", edgecolor=style.INK, hatch=style.HATCHES[key], linewidth=0.4,
+              label=f"the rod {cautions.TOLD[key][0]}")
+        for key in keys
+    ]  # fmt: skip
+    if not all(panel.solved.all() for panel in panels):
+        found.append(Patch(facecolor=style.UNSOLVED, label="not solved"))
+    if any((np.isnan(panel.values(name)) & panel.solved).any() for panel in panels for name in shown):
+        found.append(
+            Patch(facecolor=style.UNKNOWN, edgecolor=style.SOFT, linewidth=0.6, label="solved, number unknown")
+        )
+    notes = [f"Every rod {cautions.TOLD[key][0]}." for key in style.HATCHES
+             if key not in keys and all(panel.cautions[key][panel.solved].all() and panel.solved.any()
+                                        if key in panel.cautions else False for panel in panels)]  # fmt: skip
+    unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
+    if unchecked:
+        notes.append(f"{unchecked} of {cases} rods were not checked for all cautions.")
+    return found, notes
+
+
+def _classes(values: Values, colours: Colours) -> tuple[Values, int]:
+    """The lowest count of the class of each cell, and how many counts a class has: 1, or 2, 5, 10, ... for many."""
+    span = colours.high - colours.low
+    step = next(
+        digit * 10**power for power in range(20) for digit in (1, 2, 5) if span <= MOST_CLASSES * digit * 10**power
+    )
+    return np.floor(values / step) * step, step
+
+
+def _draw_borders(ax: Axes, cells: Cells, classes: Values) -> None:
+    """The borders between cells of different classes of a count."""
+    lines = regions.borders(classes, cells.x.edges, cells.y.edges)
+    look: dict[str, Any] = {"colors": style.INK, "linewidths": 0.7, "capstyle": "projecting"}
+    ax.add_collection(LineCollection(list(lines), **look), autolim=False)
+
+
+def _number_regions(ax: Axes, cells: Cells, classes: Values, step: int, inches: tuple[float, float]) -> None:
+    """The count of each region that has room for it, or the first and the last count of its class."""
+    x, y = cells.x.values, cells.y.values
+    halo = withStroke(linewidth=2.2, foreground="white", alpha=0.75)
+    known = classes[np.isfinite(classes)]
+    texts = {
+        n: labels.tick(n) if step == 1 else f"{labels.tick(n)}–{labels.tick(n + step - 1)}" for n in np.unique(known)
+    }
+    letters = max(map(len, texts.values()), default=1)
+    room = 0.5 * style.SMALL / 72 + AROUND, 0.5 * letters * style.SMALL * style.LETTER + AROUND
+    for number, j, i in regions.places(classes, (inches[1] / y.size, inches[0] / x.size), room):
+        ax.text(x[i], y[j], texts[number], ha="center", va="center", size=style.SMALL, color=style.INK,
+                path_effects=[halo], zorder=5)  # fmt: skip

@@ -1,0 +1,87 @@
+"""The scale of an axis of stored values: logarithmic or linear, the edges of their cells, ticks at 1, 2 and 5."""
+
+from dataclasses import dataclass
+from math import ceil, floor, log10
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator, NullLocator
+from numpy.typing import NDArray
+
+from ..data import labels
+
+Values = NDArray[np.float64]
+
+WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
+EVEN = 1e-6  # share by which the steps of a geometric axis may differ
+FEW, SUBS = 3, ((1, 2, 5), (1,))  # ticks that a logarithmic axis has at least; their digits
+
+
+def is_geometric(values: Values) -> bool:
+    """Whether rising values have equal ratios over a wide range: such an axis is logarithmic."""
+    if values.size < 3 or values.min() <= 0:
+        return False
+    steps = np.diff(np.log(values))
+    return bool(np.ptp(steps) < EVEN * steps.mean() and values[-1] / values[0] > WIDE)
+
+
+@dataclass(frozen=True, eq=False)
+class Scale:
+    """The scale of one axis. values: (n,) rising, in the unit of the label; edges: of their cells, (n + 1,)."""
+
+    values: Values
+    edges: Values
+    logarithmic: bool
+
+    def share(self, value: float) -> float:
+        """Where a value lies on the axis: 0 at its low end, 1 at its high end."""
+        low, here, high = (np.log(v) if self.logarithmic else v for v in (self.edges[0], value, self.edges[-1]))
+        return float((here - low) / (high - low))
+
+    def cell(self, share: float) -> int:
+        """The index of the value whose cell lies there."""
+        shares = [self.share(float(edge)) for edge in self.edges[1:-1]]
+        return int(np.searchsorted(shares, share, side="right"))
+
+    def put(self, ax: Axes, which: str, inches: float) -> None:
+        """Give the axis `x` or `y` of a panel this scale, with as many ticks as have room in so many inches."""
+        axis = ax.xaxis if which == "x" else ax.yaxis
+        if self.logarithmic:
+            (ax.set_xscale if which == "x" else ax.set_yscale)("log")
+        (ax.set_xlim if which == "x" else ax.set_ylim)(self.edges[0], self.edges[-1])
+        found = ticks(float(self.edges[0]), float(self.edges[-1]), self.logarithmic, self._room(which, inches))
+        axis.set_minor_locator(NullLocator())
+        axis.set_ticks(found, [labels.number(value).replace("-", "−") for value in found])
+
+    def _room(self, which: str, inches: float) -> int:
+        each = 0.3 if which == "y" else 0.16 + 0.065 * max(len(labels.number(float(v))) for v in self.values[[0, -1]])
+        return max(int(inches / each), 2)
+
+
+def scale_of(axis: xr.DataArray) -> Scale:
+    """The scale of the values of an axis, in any order."""
+    values = np.sort(labels.in_label_unit(axis, axis.values))
+    logarithmic = is_geometric(values)
+    points = np.log(values) if logarithmic else values
+    if points.size == 1:
+        edges = points + np.array([-0.5, 0.5]) * (abs(points[0]) or 1.0)
+    else:
+        between = (points[1:] + points[:-1]) / 2
+        edges = np.concatenate([[2 * points[0] - between[0]], between, [2 * points[-1] - between[-1]]])
+    return Scale(values, np.exp(edges) if logarithmic else edges, logarithmic)
+
+
+def ticks(low: float, high: float, logarithmic: bool, most: int) -> list[float]:
+    """At most so many round numbers from low to high: on a logarithmic axis at 1, 2 and 5 times powers of ten, or over
+    several decades at powers of ten alone; evenly spaced ones where `FEW` such numbers do not lie in the range."""
+    if logarithmic:
+        powers = range(floor(log10(low)), ceil(log10(high)) + 1)
+        found = [[digit * 10.0**power for power in powers for digit in digits] for digits in SUBS]
+        many, some = ([value for value in row if low <= value <= high] for row in found)
+        if len(many) > most and len(some) >= FEW:
+            many = some
+        if len(many) >= FEW:
+            return many[:: ceil(len(many) / most)]
+    even = MaxNLocator(nbins=min(most, 6), steps=[1, 2, 5, 10]).tick_values(low, high)
+    return [float(value) for value in even if low <= value <= high]

@@ -1,0 +1,25 @@
+"""The pictures of a stored study by their kind, and the kind that a study has by default."""
+
+from collections.abc import Callable
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from solver.problem.errors import InputError, choices
+from studies.wording import near
+
+from ..data import observed
+from . import map_cells, map_figure, study_figure
+
+# kind -> the figure of a dataset
+KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {"map": map_figure.figure, "lines": study_figure.figure}
+
+
+def kind_of(ds: xr.Dataset, kind: str | None = None) -> str:
+    """The kind of picture: the one that is asked for; default: a map of an observable over two axes, else lines.
+
+    Raises `InputError` for an unknown kind.
+    """
+    if kind is not None and kind not in KINDS:
+        raise InputError(f"no kind of picture {kind!r}{near(kind, KINDS)}; choose from {choices(KINDS)}")
+    return kind or ("map" if len(map_cells.mappable(ds)) > 1 and observed.observables(ds) else "lines")
