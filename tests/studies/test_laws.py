@@ -5,7 +5,20 @@ import pytest
 from scipy.stats import kendalltau
 
 from solver import InputError
-from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, Law, decide, judge, refused, worst
+from studies.laws import (
+    FAILS,
+    HOLDS,
+    QUALIFIED,
+    TREND,
+    UNDECIDED,
+    VERDICTS,
+    Law,
+    by_line,
+    decide,
+    judge,
+    refused,
+    worst,
+)
 from studies.line_verdicts import DIRECTIONS, Direction, Line, Verdict
 
 LAW = Law(claim="(1)", observable="turns", axis="E", direction="falls", source="a sentence")
@@ -302,3 +315,21 @@ def test_a_kind_of_law_words_what_its_observable_and_its_alternatives_do(monkeyp
     row = decide(law, {"turns": np.array([3, 3, 3]), "wraps": np.array([1.0, 1.0, 2.0])}, {"E": [1.0, 2.0, 3.0]})
     assert row["verdict"] == QUALIFIED
     assert row["reason"] == "depends on the observable (turns stays level; wraps changes at 1 of 2 steps)"
+
+
+def test_the_verdicts_of_the_lines_are_those_that_the_law_counts() -> None:
+    rng = np.random.default_rng(5)
+    axes = {"E": [3.0, 1.0, 2.0], "R": [1.0, 2.0, 3.0, 4.0], "F1": [1.0, 2.0]}
+    grid = rng.integers(0, 3, (3, 4, 2)).astype(float)
+    grid[1, 2, 0] = np.nan
+    law = Law(claim="c", observable="turns", axis="E", direction="not-rising", source="s")
+    found = by_line(law, grid, axes)
+    assert found.shape == (4, 2)
+    for r in range(4):
+        for f in range(2):
+            assert found[r, f] == judge(grid[[1, 2, 0], r, f], "not-rising", True).verdict  # in the rising order of E
+    counts = decide(law, {"turns": grid}, axes)["line_verdicts"]
+    assert {verdict: int((found == verdict).sum()) for verdict in counts} == counts
+    assert len(counts) > 1
+    with pytest.raises(InputError, match="no axis 'E'; choose from R"):
+        by_line(law, grid[0], {"R": axes["R"], "F1": axes["F1"]})

@@ -284,6 +284,34 @@ REFUSED = {
         ["plot", "small.h5", "--out", "x.doc"],
         "choose a name that ends in .png, .pdf, .svg",
     ),
+    "a map of no axis": (["plot", "small.h5", "--x", "RE"], "no axis 'RE', did you mean 'R'; choose from E, R"),
+    "a map of one axis twice": (
+        ["plot", "small.h5", "--x", "R", "--y", "R"],
+        "x and y are both R; choose another axis",
+    ),
+    "a map of no observable": (
+        ["plot", "small.h5", "--show", "turn"],
+        "no observable 'turn', did you mean 'turns'; the file has turns, wraps, kappa_max",
+    ),
+    "an unknown kind of picture": (
+        ["plot", "small.h5", "--kind", "maps"],
+        "no kind of picture 'maps', did you mean 'map'; choose from map, lines",
+    ),
+    "an option of maps for lines": (
+        ["plot", "small.h5", "--kind", "lines", "--x", "E"],
+        "--x is an option of maps, got --kind lines; give --kind map",
+    ),
+    "too many shapes": (["plot", "small.h5", "--shapes", "13x1"], "two numbers from 1 to 12 such as 5x5, got '13x1'"),
+    "no number of shapes": (["plot", "small.h5", "--shapes", "0x2"], "from 1 to 12 such as 5x5, got '0x2'"),
+    "more shapes than values": (["plot", "small.h5", "--shapes", "2x4"], "4 shapes along R are more than its 3 values"),
+    "a fixed value of an axis of the map": (
+        ["plot", "small.h5", "--x", "E", "--at", "E=1e4"],
+        "E is an axis of the map and has no fixed value; leave out the value of E",
+    ),
+    "a map of one axis that is left": (
+        ["plot", "small.h5", "--at", "E=1e4"],
+        "a map needs two axes, and E has a fixed value; leave one of E, R free",
+    ),
     "a place that cannot be written": (
         ["run", "fig6", "--out", "small.toml/x.h5"],
         "cannot write small.toml/x.h5: folder not found: small.toml",

@@ -71,6 +71,7 @@ def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
     """``(1) falls with E: qualified; deciding line: R = 0.75 cm``."""
     row = law.row
     at = ", ".join(f"{labels.axis_symbol(name)} = {labels.value(v, ds[name])}" for name, v in row["at"].items())
+    at = at.replace(" ", "\N{NO-BREAK SPACE}")
     does = f"{DIRECTIONS[row['direction']].does} with {labels.axis_symbol(row['axis'])}"
     return f"{row['claim']} {does}: {row['verdict']}{f'; deciding line: {at}' if at else ''}"
 

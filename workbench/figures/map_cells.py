@@ -124,7 +124,7 @@ def _two_axes(ds: xr.Dataset, x: str | None, y: str | None, at: dict[str, float]
     axes = mappable(ds)
     if len(axes) < 2:
         has = f"only {axes[0]}" if axes else "none"
-        raise InputError(f"a map needs two axes with several values, and the study has {has}")
+        raise InputError(f"a map needs two axes with several values, and the study has {has}; choose the kind lines")
     given = [selection.axis_of(ds, name) for name in (x, y) if name is not None]
     if len(given) == 2 and given[0] == given[1]:
         others = choices(axis for axis in axes if axis != given[0])

@@ -22,6 +22,7 @@ from .map_cells import Cells
 
 Values = NDArray[np.float64]
 DECADES = 1e3  # ratio of the values from which their colours are logarithmic
+MOST_COLOURS = 256  # counts, each with a colour of its own
 MOST_CLASSES = 24  # of a count, with a border between each two
 AROUND = 0.01  # inches that a border is at least away from a number
 
@@ -38,12 +39,14 @@ class Colours:
         self.norm = self._norm()
 
     def _norm(self) -> Normalize:
-        if self.count:
+        if self.count and self.high - self.low < MOST_COLOURS:
             levels = np.arange(self.low - 0.5, self.high + 1)
             self.cmap = style.map_colours(levels.size - 1)
             return BoundaryNorm(levels, levels.size - 1)
-        if self.low > 0 and self.high > DECADES * self.low:
+        if not self.count and self.low > 0 and self.high > DECADES * self.low:
             return LogNorm(self.low, self.high)
+        if self.count:
+            return Normalize(self.low - 0.5, self.high + 0.5)
         size = max(abs(self.low), abs(self.high))
         if self.high - self.low <= NOISE * size:  # rounding is no news
             return Normalize(self.low - (0.1 * size or 1), self.high + (0.1 * size or 1))

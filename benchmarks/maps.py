@@ -1,0 +1,83 @@
+"""What a map of 400 x 400 rods costs on one core: solved, observed, stored and drawn.
+
+Run from the checkout: `.venv/bin/python -m benchmarks.maps` (some minutes; `--count N` for N x N rods). Processor time
+of one process that is bound to one core where the system allows that; the largest memory at the end. Nothing is
+asserted here: machines differ.
+"""
+
+import argparse
+import os
+import statistics
+import tempfile
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.timing import peak_gigabytes, seconds_of_processor
+from solver import solve
+from solver.core import library
+from solver.observe.observables import observe
+from studies import Study
+from studies.loader import load, loads
+from workbench.data import writing
+from workbench.figures import canvas, map_figure
+from workbench.run.study_store import Options, run_to_file
+
+
+def regimes(count: int, observables: list[str]) -> Study:
+    """The shipped study over `count` moduli and as many radii, without arrays along the rod."""
+    text = load("regimes").text.partition("[[laws]]")[0]
+    text = text.replace("count = 25", f"count = {count}").replace("count = 19", f"count = {count}")
+    told = ", ".join(f'"{name}"' for name in observables)
+    return loads(text.replace('["turns", "attached"]', f"[{told}]\noutputs = []\nstations = 2"), default_name="map")
+
+
+def bare(work: Study, size: int = 512) -> Callable[[], None]:
+    """Solve and observe in blocks of the size of a run; nothing is stored and no caution is judged."""
+    values = {
+        name: array.ravel()
+        for name, array in zip(work.axes, np.meshgrid(*work.coordinates().values(), indexing="ij"), strict=True)
+    }
+    cases = [work.case_of({k: v[i : i + size] for k, v in values.items()}) for i in range(0, work.size, size)]
+
+    def run() -> None:
+        for case in cases:
+            observe(solve(case, work.tol, work.method, work.stations), work.wanted)
+
+    return run
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    options.add_argument("--count", type=int, default=400)
+    options.add_argument("--rounds", type=int, default=2)
+    given = options.parse_args()
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    turns, both = regimes(given.count, ["turns"]), regimes(given.count, ["turns", "attached"])
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "map.h5"
+
+        def stored() -> None:
+            run_to_file(both, file, Options(workers=1, restart=True))
+
+        def drawn() -> None:
+            canvas.save(map_figure.figure(writing.read(file)), BytesIO())
+
+        rows = {
+            "solve and observe the number of bends": bare(turns),
+            "solve and observe the number of bends and attachment": bare(both),
+            "run: the same with all cautions, stored": stored,
+            "plot: read and draw both maps": drawn,
+        }
+        print(f"{both.size} rods; the compiled core {library.why_missing() or 'is used'}")
+        for name, part in rows.items():
+            spent = [seconds_of_processor(part) for _ in range(given.rounds)]
+            print(f"{name:<55} {min(spent):6.1f} s, median {statistics.median(spent):.1f} s", flush=True)
+    print(f"largest memory {peak_gigabytes():.2f} GB")
+
+
+if __name__ == "__main__":
+    main()

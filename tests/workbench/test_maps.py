@@ -1,0 +1,385 @@
+"""Maps of stored studies: they show the numbers of the file, where they hold, and nothing else."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.colors import rgb_to_hsv, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.text import Text
+
+from solver.problem.errors import InputError
+from studies import load
+from studies.laws import HOLDS, VERDICTS, judge
+from tests.workbench.pictures import pixels, share_of_ink
+from tests.workbench.small import grid, study
+from workbench import cli
+from workbench.data import cautions, law_verdicts, writing
+from workbench.figures import canvas, map_cells, map_figure, regions, scales, study_figure, study_pictures, style
+from workbench.figures import thumbnails as thumbs
+from workbench.run import in_memory
+
+THREE = """
+[axes.E]
+from = 5e3
+to = 4e4
+count = 5
+spacing = "geometric"
+[axes.R]
+values = [1.0, 0.5, 0.75]
+[axes.F1]
+from = 1.0
+to = 9.0
+count = 9
+[[laws]]
+claim = "(1)"
+observable = "turns"
+axis = "E"
+direction = "falls"
+at = { R = 0.75, F1 = 5.0 }
+source = "s"
+"""
+
+
+@pytest.fixture(scope="module")
+def regimes() -> xr.Dataset:
+    return in_memory.run(load("regimes"))
+
+
+@pytest.fixture(scope="module")
+def three() -> xr.Dataset:
+    return in_memory.run(study(THREE, 'observables = ["turns", "wraps"]'))
+
+
+def meshes(fig: Figure) -> list:
+    """The coloured cells of each map, without strips of verdicts and bars of colours."""
+    return [mesh for ax in maps(fig) for mesh in ax.collections if hasattr(mesh, "get_coordinates")]
+
+
+def maps(fig: Figure) -> list:
+    return [ax for ax in fig.axes if ax.get_title(loc="left")]
+
+
+def legend(fig: Figure) -> list[str]:
+    (one,) = fig.legends
+    return [text.get_text() for text in one.get_texts()]
+
+
+def notes(fig: Figure) -> str:
+    return fig.legends[0].get_title().get_text()
+
+
+def with_cells(ds: xr.Dataset, unsolved: np.ndarray, pulled: np.ndarray, unknown: np.ndarray) -> xr.Dataset:
+    """The dataset with other cells that are not solved, lift off, or have no number of bends."""
+    texts = np.where(unsolved, "", np.where(pulled, "pulled", "")).astype(object)
+    turns = np.where(unsolved | unknown, np.nan, ds["turns"].values)
+    changed = {"solved": ~unsolved, "caution": texts, "turns": turns}
+    return ds.assign({name: ds[name].copy(data=values) for name, values in changed.items()})
+
+
+def test_a_map_shows_the_stored_number_in_the_cell_of_its_two_values(regimes) -> None:
+    for x, y in (("E", "R"), ("R", "E")):
+        fig = map_figure.figure(regimes, x, y)
+        for mesh, name in zip(meshes(fig), ("turns", "attached"), strict=True):
+            shown = mesh.get_array().reshape(regimes.sizes[y], regimes.sizes[x])
+            np.testing.assert_array_equal(shown, regimes[name].transpose(y, x))
+            edges = mesh.get_coordinates()
+            assert (edges[0, :-1, 0] < regimes[x].values).all()
+            assert (regimes[x].values < edges[0, 1:, 0]).all()
+            assert (edges[:-1, 0, 1] < regimes[y].values).all()
+            assert (regimes[y].values < edges[1:, 0, 1]).all()
+
+
+def test_axes_of_equal_ratios_are_logarithmic_with_cells_of_one_width_and_ticks_at_1_2_and_5(regimes) -> None:
+    ax = maps(map_figure.figure(regimes))[0]
+    assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["5000", "10000", "20000"]
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["0.5", "1", "2"]
+    widths = np.diff(np.log(scales.scale_of(regimes["E"]).edges))
+    np.testing.assert_allclose(widths, widths[0], rtol=1e-9)  # rounding of the logarithms
+
+
+def test_values_in_any_order_are_drawn_in_rising_order_and_angles_in_degrees() -> None:
+    ds = in_memory.run(study('[axes.R]\nvalues = [1.0, 0.5, 0.75]\n[axes.beta]\nvalues = ["60deg", "15deg"]'))
+    (mesh, *_) = meshes(map_figure.figure(ds, "beta", "R", ["wraps"]))
+    np.testing.assert_array_equal(mesh.get_array().reshape(3, 2), ds["wraps"].sortby(["beta0", "R"]))
+    np.testing.assert_allclose(mesh.get_coordinates()[0, :, 0], [-7.5, 37.5, 82.5])
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "most", "expected"),
+    [(4.8e3, 4.2e4, 9, [5e3, 1e4, 2e4]), (0.9, 1100, 6, [1, 10, 100, 1000]), (4.8e3, 4.2e4, 2, [5e3, 2e4]),
+     (0.9, 1.1e6, 4, [1, 100, 1e4, 1e6])],
+)  # fmt: skip
+def test_a_logarithmic_axis_has_as_many_round_ticks_as_have_room(low, high, most, expected) -> None:
+    assert scales.ticks(low, high, True, most) == pytest.approx(expected)
+
+
+def test_a_narrow_logarithmic_axis_has_even_ticks() -> None:
+    found = scales.ticks(1.1, 4.4, True, 6)
+    assert len(found) >= 3
+    assert np.ptp(np.diff(found)) < 1e-12
+
+
+def test_one_scale_of_colours_serves_every_panel_of_an_observable(three) -> None:
+    fig = map_figure.figure(three, show=["turns", "wraps"])
+    found = meshes(fig)
+    assert len(found) == 2 * map_cells.MOST_COLUMNS
+    for row, name in ((found[:5], "turns"), (found[5:], "wraps")):
+        assert len({id(mesh.norm) for mesh in row}) == 1
+        shown = np.concatenate([mesh.get_array().compressed() for mesh in row])
+        assert row[0].norm.vmin <= shown.min()
+        assert shown.max() <= row[0].norm.vmax
+        np.testing.assert_array_equal(row[0].get_array().reshape(3, 5), three[name].isel(F1=0).sortby("R").T)
+        np.testing.assert_array_equal(row[4].get_array().reshape(3, 5), three[name].isel(F1=8).sortby("R").T)
+
+
+def test_a_third_axis_has_at_most_five_maps_and_says_how_many_values_it_has(three) -> None:
+    fig = map_figure.figure(three)
+    titles = [ax.get_title(loc="left").splitlines()[-1] for ax in maps(fig)][:5]
+    assert titles == ["F₁ = 1 N", "F₁ = 3 N", "F₁ = 5 N", "F₁ = 7 N", "F₁ = 9 N"]
+    assert "The columns show 5 of the 9 values of F₁." in notes(fig)
+
+
+def test_a_fixed_value_of_a_third_axis_leaves_one_map_that_says_it(three) -> None:
+    fig = map_figure.figure(three, show=["turns"], at={"F1": 9.0})
+    (ax,) = maps(fig)
+    assert ax.get_xlabel() == "Young's modulus  E [N/cm²], at F₁ = 9 N"
+    np.testing.assert_array_equal(meshes(fig)[0].get_array().reshape(3, 5), three["turns"][..., 8].sortby("R").T)
+
+
+def test_borders_lie_between_cells_of_different_numbers_and_nowhere_else() -> None:
+    numbers = np.array([[1, 1, 2], [1, 3, np.nan]])
+    lines = regions.borders(numbers, np.arange(4.0), np.arange(3.0))
+    found = {tuple(map(tuple, line)) for line in lines.tolist()}
+    assert found == {((2, 0), (2, 1)), ((1, 1), (1, 2)), ((1, 1), (2, 1))}
+
+
+def test_the_path_of_a_mask_covers_its_cells_alone() -> None:
+    mask = np.random.default_rng(0).random((7, 9)) < 0.5
+    path = regions.path(mask, np.arange(10.0), np.arange(8.0))
+    middles = np.stack(np.meshgrid(np.arange(9) + 0.5, np.arange(7) + 0.5), axis=-1).reshape(-1, 2)
+    np.testing.assert_array_equal(path.contains_points(middles).reshape(mask.shape), mask)
+
+
+def test_each_region_with_room_has_its_number_once_and_inside() -> None:
+    numbers = np.ones((40, 60))
+    numbers[:, 30:] = 2
+    numbers[5:8, 5:8] = 7  # too small for a number
+    found = list(regions.places(numbers, (0.05, 0.05), (0.2, 0.2)))
+    assert [number for number, _, _ in found] == [1, 2]
+    for number, j, i in found:
+        assert (numbers[j - 4 : j + 5, i - 4 : i + 5] == number).all()
+
+
+def test_the_regions_of_a_count_carry_their_counts(regimes) -> None:
+    ax = maps(map_figure.figure(regimes, show=["turns"]))[0]
+    numbers = [text for text in ax.texts if text.get_text().isdigit()]
+    assert {text.get_text() for text in numbers} == {str(n) for n in range(8)}
+    for text in numbers:
+        E, R = text.get_position()
+        assert regimes["turns"].sel(E=E, R=R, method="nearest") == int(text.get_text())
+
+
+def test_many_counts_are_drawn_in_classes(regimes) -> None:
+    rows = np.arange(regimes.sizes["E"])[:, None] // 4 * 100 + np.zeros(regimes.sizes["R"])
+    ax = maps(map_figure.figure(regimes.assign(turns=regimes["turns"].copy(data=rows)), show=["turns"]))[0]
+    texts = [text.get_text() for text in ax.texts if text.get_text()[0].isdigit()]
+    assert texts == ["0–49", "100–149", "200–249", "300–349", "400–449", "500–549"]
+
+
+def test_cells_that_lift_off_are_hatched_and_cells_without_a_solution_or_a_number_have_their_own_colours(
+    regimes,
+) -> None:
+    shape = regimes["turns"].shape
+    unsolved, pulled, unknown = (np.zeros(shape, dtype=bool) for _ in range(3))
+    unsolved[:3, :4] = pulled[10:, 5:9] = unknown[20:, 15:] = True
+    fig = map_figure.figure(with_cells(regimes, unsolved, pulled, unknown), show=["turns"])
+    (ax,) = maps(fig)
+    patches = {patch.get_hatch(): patch for patch in ax.patches if isinstance(patch, PathPatch)}
+    assert set(patches) == {None, style.HATCHES["pulled"]}
+    points = np.stack(np.meshgrid(regimes["E"], regimes["R"], indexing="ij"), axis=-1).reshape(-1, 2)
+    for hatch, mask in ((None, unsolved), (style.HATCHES["pulled"], pulled)):
+        inside = patches[hatch].get_path().contains_points(points).reshape(shape)
+        np.testing.assert_array_equal(inside, mask)
+    assert to_rgb(patches[None].get_facecolor()) == to_rgb(style.UNSOLVED)
+    np.testing.assert_array_equal(meshes(fig)[0].get_array().mask.reshape(shape[::-1]).T, unsolved | unknown)
+    assert legend(fig)[:3] == [
+        "the rod would lift off where the cylinder has to pull", "not solved", "solved, number unknown",
+    ]  # fmt: skip
+
+
+def test_a_caution_that_holds_everywhere_is_said_and_not_hatched(regimes) -> None:
+    every, none = np.ones(regimes["turns"].shape, dtype=bool), np.zeros(regimes["turns"].shape, dtype=bool)
+    fig = map_figure.figure(with_cells(regimes, none, every, none), show=["turns"])
+    assert "Every rod would lift off where the cylinder has to pull." in notes(fig)
+    assert not [patch for patch in maps(fig)[0].patches if patch.get_hatch()]
+
+
+def test_rods_that_were_not_checked_are_counted(regimes) -> None:
+    texts = regimes["caution"].values.astype(object)
+    texts[0, :3] = "not checked: self-contact"
+    fig = map_figure.figure(regimes.assign(caution=regimes["caution"].copy(data=texts)))
+    assert "3 of 475 rods were not checked for all cautions." in notes(fig)
+
+
+def test_the_key_of_a_caution_is_found_in_the_text_of_each_case() -> None:
+    texts = np.array([["", "overlaps, pulled"], ["pulled", "not checked: self-contact"]])
+    np.testing.assert_array_equal(cautions.holding(texts, "pulled"), [[False, True], [True, False]])
+    np.testing.assert_array_equal(cautions.holding(texts, "overlaps"), [[False, True], [False, False]])
+
+
+def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_where_the_law_is_decided(
+    regimes,
+) -> None:
+    fig = map_figure.figure(regimes, show=["turns"])
+    (ax,) = maps(fig)
+    (strip,) = ax.child_axes
+    (shown,) = strip.collections
+    expected = [judge(line, "not-rising", True).verdict for line in regimes["turns"].values.T]
+    assert [VERDICTS[int(number)] for number in shown.get_array().ravel()] == expected
+    assert 0 < expected.count(HOLDS) < len(expected)
+    (row, _) = law_verdicts.verdicts(regimes)
+    (line,) = [line for line in ax.lines if len(line.get_xdata()) == 2]
+    assert set(line.get_ydata()) == {row["at"]["R"]}
+    said = " ".join(text.get_text() for text in ax.texts).replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
+    assert "(a) does not rise with E: qualified; deciding line: R = 0.7349 cm; lines: 12 hold, 7 fail" in said
+    assert {"line on which a law holds", "line on which a law fails", "deciding line of a law"} <= set(legend(fig))
+
+
+def test_a_law_along_the_axis_upward_has_its_strip_above_the_map(regimes) -> None:
+    (ax,) = maps(map_figure.figure(regimes, "R", "E", ["turns"]))
+    (strip,) = ax.child_axes
+    (shown,) = strip.collections
+    assert shown.get_array().shape == (1, regimes.sizes["R"])
+
+
+def test_on_small_multiples_each_map_has_the_verdicts_of_its_own_lines_and_one_has_the_deciding_line(three) -> None:
+    fig = map_figure.figure(three, show=["turns"])
+    lines = 0
+    for ax, i in zip(maps(fig), (0, 2, 4, 6, 8), strict=True):
+        (shown,) = ax.child_axes[0].collections
+        here = three["turns"].isel(F1=i).sortby("R").values.T
+        expected = [judge(line, "falls", True).verdict for line in here]
+        assert [VERDICTS[int(number)] for number in shown.get_array().ravel()] == expected
+        lines += len(ax.lines)
+    assert lines == 1
+    assert "Law (1) falls with E" in notes(fig)
+
+
+def test_shapes_are_developed_curves_at_one_scale_each_in_its_cell(regimes, tmp_path) -> None:
+    fig = map_figure.figure(regimes, show=["turns"], shapes=thumbs.Shapes(4, 3))
+    canvas.save(fig, tmp_path / "shapes.png")
+    panel = maps(fig)[-1]
+    assert len(panel.child_axes) == 12
+    inches = []
+    for inset in panel.child_axes:
+        box = inset.get_window_extent()
+        inches.append((box.width / np.ptp(inset.get_xlim()), box.height / np.ptp(inset.get_ylim())))
+        E, R = panel.transData.inverted().transform(((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2))
+        one = regimes.sel(E=E, R=R, method="nearest")
+        assert np.log([E / float(one["E"]), R / float(one["R"])]) == pytest.approx(0, abs=0.02)  # cells are 0.08 wide
+        drawn = max((line.get_ydata() for line in inset.lines), key=len)
+        np.testing.assert_array_equal(drawn, one["z"])
+    np.testing.assert_allclose(inches, inches[0][0], rtol=1e-6)  # pixels per length, to the right and up
+    assert {"the cylinder pushes", "the cylinder would have to pull"} <= set(legend(fig))
+
+
+def test_a_rod_that_is_not_solved_has_no_shape(regimes) -> None:
+    unsolved, none = np.ones(regimes["turns"].shape, dtype=bool), np.zeros(regimes["turns"].shape, dtype=bool)
+    unsolved[:13] = False
+    fig = map_figure.figure(with_cells(regimes, unsolved, none, none), show=["turns"], shapes=thumbs.Shapes(2, 1))
+    panel = maps(fig)[-1]
+    assert len(panel.child_axes) == 1
+    assert "not solved" in [text.get_text() for text in panel.texts]
+
+
+@pytest.mark.parametrize("kind", ["small", "shapes", "three", "nothing solved", "large counts"])
+def test_no_word_of_a_map_is_cut_off_and_no_two_ticks_meet(kind: str, regimes, three, tmp_path) -> None:
+    everything = np.ones(regimes["turns"].shape, dtype=bool)
+    shapes = thumbs.Shapes(3, 2)
+    fig = {
+        "small": lambda: map_figure.figure(in_memory.run(grid())),
+        "shapes": lambda: map_figure.figure(regimes, shapes=shapes),
+        "three": lambda: map_figure.figure(three),
+        "nothing solved": lambda: map_figure.figure(with_cells(regimes, everything, ~everything, ~everything)),
+        "large counts": lambda: map_figure.figure(regimes.assign(turns=regimes["turns"] * 12345)),
+    }[kind]()
+    canvas.save(fig, tmp_path / "map.png")
+    picture = pixels(tmp_path / "map.png")
+    edge = np.concatenate([picture[:4].ravel(), picture[-4:].ravel(), picture[:, :4].ravel(), picture[:, -4:].ravel()])
+    assert (edge > 0.98).all()
+    assert 0.05 < share_of_ink(picture) < 0.9
+    for text in fig.findobj(Text):
+        if text.get_text() and text.get_visible():
+            box = text.get_window_extent()
+            assert fig.bbox.x0 <= box.x0 <= box.x1 <= fig.bbox.x1, text.get_text()
+            assert fig.bbox.y0 <= box.y0 <= box.y1 <= fig.bbox.y1, text.get_text()
+    for ax in maps(fig):
+        shown = [label for label in ax.get_xticklabels() if label.get_text()]
+        edges = sorted((label.get_window_extent().x0, label.get_window_extent().x1) for label in shown)
+        assert all(left[1] < right[0] for left, right in pairwise(edges))
+
+
+def luminance(colour) -> float:
+    """Relative luminance of WCAG."""
+    parts = np.asarray(colour)[:3]
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
+
+
+def test_ink_stands_out_from_every_colour_of_a_map_and_the_colours_differ_in_grey() -> None:
+    colours = style.map_colours(12)(np.arange(12))
+    light = [luminance(colour) for colour in colours]
+    assert all((one + 0.05) / (luminance(to_rgb(style.INK)) + 0.05) > 3 for one in light)  # WCAG: graphics
+    assert (np.diff(light) > 0).all()  # so that no kind of colour blindness confuses low and high
+    assert luminance(to_rgb(style.UNSOLVED)) < 0.5 * min(light)
+    assert rgb_to_hsv(to_rgb(style.UNKNOWN))[1] == 0
+
+
+def test_a_study_over_two_axes_is_a_map_and_over_one_it_is_lines(regimes) -> None:
+    one = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]"))
+    narrow = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.75]"))
+    assert [study_pictures.kind_of(ds) for ds in (regimes, one, narrow)] == ["map", "lines", "lines"]
+    assert study_pictures.kind_of(regimes, "lines") == "lines"
+
+
+def test_a_study_of_one_axis_has_no_map() -> None:
+    one = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]"))
+    with pytest.raises(InputError, match="two axes with several values, and the study has only E; choose the kind li"):
+        map_figure.figure(one)
+
+
+def test_a_study_that_stores_no_curves_has_no_shapes() -> None:
+    ds = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 1.0]", "outputs = []"))
+    with pytest.raises(InputError, match='add "alpha" and "z" to its outputs'):
+        map_figure.figure(ds, shapes=thumbs.Shapes(2, 2))
+
+
+def test_more_observables_than_a_figure_has_room_for_are_refused_or_named(regimes) -> None:
+    names = ["turns", "attached", "attached_error", "error", "condition", "R", "FZ", "MZ", "M3"]
+    with pytest.raises(InputError, match="no observable 'R'"):
+        map_figure.figure(regimes, show=names)
+    more = regimes.assign({f"push_{k}": regimes["attached"] for k in range(12)})
+    with pytest.raises(InputError, match="at most 12 observables, got 13"):
+        map_figure.figure(more, show=["turns", *(f"push_{k}" for k in range(12))])
+
+
+def test_the_command_draws_the_kind_that_it_is_asked_for(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    ds = in_memory.run(grid())
+    writing.write(ds, "small.h5")
+    words = {"map": ("--show", "turns"), "lines": ("--kind", "lines"), "turned": ("--x", "R", "--show", "wraps,turns")}
+    expected = {
+        "map": map_figure.figure(ds, show=["turns"]),
+        "lines": study_figure.figure(ds),
+        "turned": map_figure.figure(ds, "R", "E", ["wraps", "turns"]),
+    }
+    for name, more in words.items():
+        with pytest.raises(SystemExit) as end:
+            cli.main(["plot", "small.h5", "--dpi", "50", "--out", f"{name}.png", *more])
+        assert end.value.code == 0
+        canvas.save(expected[name], tmp_path / "expected.png", 50)
+        np.testing.assert_array_equal(pixels(tmp_path / f"{name}.png"), pixels(tmp_path / "expected.png"))
