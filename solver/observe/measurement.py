@@ -44,8 +44,14 @@ class Group:
 
 
 def _angles(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    beta = resolve(pieces, densities.angle, np.inf)
-    return {"low": (beta.smallest(), error), "high": (beta.largest(), error)}
+    if not pieces.monotone:
+        beta = resolve(pieces, densities.angle, np.inf)
+        return {"low": (beta.smallest(), error), "high": (beta.largest(), error)}
+    ends = pieces.at(np.array([-1.0, 1.0]))[0]
+    low, high = (np.full(pieces.problem.size, side * np.inf) for side in (1, -1))
+    np.fmin.at(low, pieces.case, ends.min(axis=1))
+    np.fmax.at(high, pieces.case, ends.max(axis=1))
+    return {"low": (low, error), "high": (high, error)}
 
 
 def _curvatures(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:

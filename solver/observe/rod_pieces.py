@@ -30,7 +30,7 @@ class Pieces:
 
     series: (P, 2, N), Chebyshev coefficients of beta and |beta_t| on panels. case: (Q,), of which problem. row: (Q,),
     on which panel. low, high: (Q,), from where to where on it, in [-1, 1]. time: (Q,), length in t. count: (Q,), how
-    often the rod passes the piece.
+    often the rod passes the piece. monotone: whether beta does not turn back on any piece, as on those of an orbit.
     """
 
     problem: Reduced
@@ -41,6 +41,7 @@ class Pieces:
     high: Array
     time: Array
     count: Array
+    monotone: bool = False
 
     def take(self, index: Any) -> "Pieces":
         """The pieces that an index picks."""
@@ -84,4 +85,4 @@ def joined_pieces(parts: Sequence[Pieces], problem: Reduced) -> Pieces:
     row = np.concatenate([p.row + k for p, k in zip(parts, before, strict=False)])
     names = ("case", "low", "high", "time", "count")
     rest = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
-    return Pieces(problem, np.concatenate(padded), row=row, **rest)
+    return Pieces(problem, np.concatenate(padded), row=row, monotone=all(p.monotone for p in parts), **rest)

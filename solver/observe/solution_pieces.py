@@ -126,7 +126,7 @@ def _covered(
     high = np.concatenate([np.ones(met.size), *(c[2] for c in cut)])
     time = np.concatenate([duration[met], *(c[3] * duration[c[0]] for c in cut)])
     count = np.concatenate([whole[met], np.ones(row.size - met.size)])
-    found = Pieces(problem, series, case[row], row, low, high, time, count)
+    found = Pieces(problem, series, case[row], row, low, high, time, count, monotone=True)
     still = np.flatnonzero(np.bincount(found.case, minlength=problem.size) == 0)  # nothing moves
     if still.size:
         found = joined_pieces([found, _still(problem, still)], problem)
@@ -138,7 +138,7 @@ def _still(problem: Reduced, case: Array, speed: Array | float = 0.0) -> Pieces:
     series = np.zeros((case.size, 2, 1))
     series[:, 0, 0], series[:, 1, 0] = problem.beta0[case], speed
     one = np.ones(case.size)
-    return Pieces(problem, series, case, np.arange(case.size), -one, one, problem.span[case], one)
+    return Pieces(problem, series, case, np.arange(case.size), -one, one, problem.span[case], one, monotone=True)
 
 
 def of_stations(sol: Solution, some: slice, step: int = 1) -> Pieces:
