@@ -7,7 +7,9 @@ import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.methods import available
+from solver.observe.measurement import Reading
 from solver.observe.observables import OBSERVABLES, error_name, observe
+from solver.orbit.pieces import LIBRATION
 from solver.problem.quantities import QUANTITIES
 from tests.cases import in_units_of_rho
 from tests.observed import observed, steps
@@ -162,3 +164,25 @@ def test_what_a_march_gives_is_within_its_error_or_said_not_to_be_known() -> Non
     for name in ("kappa_max", "push_min", "attached", "energy"):
         assert np.isnan(few[f"{name}_error"]), name
     assert np.isnan(few["turns"])
+
+
+@by_both
+def test_the_smallest_and_the_largest_angle_of_a_libration_are_those_of_beta_along_the_rod(method: str) -> None:
+    E, L = np.array([2e3, 1e4, 4e4])[:, None], np.array([0.3, 3.0, 20.0, 35.0])  # before, and after the first bends
+    starts = (
+        Start(beta=0.5, dbeta=0.5, F1=5.0, F3=10.0),
+        Start(beta=0.5, dbeta=-0.5, F1=5.0, F3=-10.0),
+        Start(beta=-0.2, dbeta=0.3, M3=1.0, F3=-20.0),
+        Start(beta=0.3, dbeta=0.0, M3=0.0, F3=-20.0),
+    )
+    for start in starts:
+        rod = Rod(E=E, nu=0.25, a=0.25, L=L, stiffness="paper")
+        sol = solve(Case(rod, Cylinder(R=0.75), start), 1e-9, method, 4001)
+        read, librates = Reading(sol), sol.trajectory.orbit.kind == LIBRATION
+        assert librates.any()
+        beta_of = sol.beta.reshape(-1, 4001)[librates]
+        step = np.abs(np.diff(beta_of)).max(axis=-1)  # an extremum lies between two stations
+        low, high = read.value("low")[librates], read.value("high")[librates]
+        for found, stored in ((low, beta_of.min(axis=-1)), (-high, -beta_of.max(axis=-1))):
+            assert (found <= stored + 1e-9).all()
+            assert (found >= stored - step).all()

@@ -64,13 +64,12 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], na
         return ["None of the chosen rods is solved: no shape is drawn."]
     extent = max(float(np.ptp(curve[0])) for curve in found), max(float(np.ptp(curve[1])) for curve in found)
     factor = developed.stretch(*extent, (across * inches[0], up * inches[1]))
-    coarse, halo = False, [withStroke(linewidth=2.2, foreground="white", alpha=0.6)]
+    coarse, halo = False, [withStroke(linewidth=2.2, foreground="white", alpha=0.85)]
     for (j, i), curve in curves.items():
         left, low = (scale.share(float(scale.values[k])) - room / 2
                      for scale, k, room in ((cells.x, i, across), (cells.y, j, up)))  # fmt: skip
         ax.text(left, low + up, _number(cells, name, j, i), transform=ax.transAxes, va="top", size=style.SMALL,
-                color=style.INK if cells.solved[j, i] else "white",
-                path_effects=halo if cells.solved[j, i] else None)  # fmt: skip
+                color=style.INK, path_effects=halo)  # fmt: skip
         if curve is not None:
             dots = developed.too_coarse(ds, places[j, i])
             _curve(ax.inset_axes((left, low, across, up)), ds.isel(places[j, i]), curve, extent, factor, dots)
