@@ -29,6 +29,7 @@ VERDICTS = {  # of the laws of each figure under the default reading
         ("qualified", ["on part of the grid"]),
     ],
     "regimes": [("qualified", ["on part of the grid"]), ("qualified", ["on part of the grid"])],
+    "samples_pipe": [],
 }
 PAPER = [name for name in names() if name.startswith("fig")]
 

@@ -4,21 +4,22 @@ from collections.abc import Sequence
 
 import xarray as xr
 
-from solver.observe import observables as observables_table
-from solver.observe.observables import OBSERVABLES
+from solver.observe import observables as table
 from solver.problem.errors import InputError, choices
 from studies.wording import near
+
+NOT_OBSERVED = ("condition", "FZ", "MZ", "M3", "dbeta0")  # numbers of each case that are no observables
 
 
 def observables(ds: xr.Dataset) -> list[str]:
     """The observables that are stored for each case, in the order of the file; of a sweep, its branches too."""
-    known = {*OBSERVABLES, "branch"}
-    return [str(name) for name in ds.data_vars if name in known and _is_number_of_each_case(ds, str(name))]
+    names = [str(name) for name in ds.data_vars if _is_number_of_each_case(ds, str(name))]
+    return [name for name in names if not name.endswith("error") and name not in NOT_OBSERVED]
 
 
 def is_count(ds: xr.Dataset, name: str) -> bool:
     """Whether a stored variable is a whole number: a count, or the number of a branch."""
-    return observables_table.is_count(name) or ds[name].dtype.kind in "iu"
+    return table.is_count(name) or ds[name].dtype.kind in "iu"
 
 
 def named(ds: xr.Dataset, names: Sequence[str]) -> list[str]:

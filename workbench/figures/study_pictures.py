@@ -6,9 +6,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from solver.problem.errors import InputError, choices
+from studies.dimensions import SAMPLE
 from studies.wording import near
 
-from ..data import observed
+from ..data import observed, schema
 from . import map_cells, map_figure, study_figure
 
 # kind -> the figure of a dataset
@@ -16,10 +17,12 @@ KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {"map": map_figure.figure, "l
 
 
 def kind_of(ds: xr.Dataset, kind: str | None = None) -> str:
-    """The kind of picture: the one that is asked for; default: a map of an observable over two axes, else lines.
+    """The kind of picture: the one that is asked for; default: a map over two axes, with samples and else lines.
 
     Raises `InputError` for an unknown kind.
     """
     if kind is not None and kind not in KINDS:
         raise InputError(f"no kind of picture {kind!r}{near(kind, KINDS)}; choose from {choices(KINDS)}")
-    return kind or ("map" if len(map_cells.mappable(ds)) > 1 and observed.observables(ds) else "lines")
+    axes = map_cells.mappable(ds)
+    is_map = len(axes) > 1 and SAMPLE not in schema.axes_of(ds) and observed.observables(ds)
+    return kind or ("map" if is_map else "lines")
