@@ -346,6 +346,16 @@ def test_a_study_over_two_axes_is_a_map_and_over_one_it_is_lines(regimes) -> Non
     assert study_pictures.kind_of(regimes, "lines") == "lines"
 
 
+def test_a_study_of_samples_over_two_axes_is_a_map_only_where_it_is_asked_for() -> None:
+    axes = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 1.0]\n"
+    ds = in_memory.run(study(f"{axes}[sample]\nmethod = 'sobol'\nsize = 4\n[sample.F1]\nfrom = 1.0\nto = 9.0"))
+    assert study_pictures.kind_of(ds) == "lines"
+    fig = map_figure.figure(ds, show=["wraps"], at={"sample": 3})
+    np.testing.assert_array_equal(
+        meshes(fig)[0].get_array().reshape(2, 2), ds["wraps"].sel(sample=3).transpose("R", "E")
+    )
+
+
 def test_a_study_of_one_axis_has_no_map() -> None:
     one = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]"))
     with pytest.raises(InputError, match="two axes with several values, and the study has only E; choose the kind li"):

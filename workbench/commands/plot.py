@@ -22,7 +22,7 @@ def plot(
         option(
             "KIND",
             "map: each observable over two axes; lines: developed curves, and observables along each axis with their "
-            "laws. Default: map for a study over two axes or more, else lines.",
+            "laws, or against the sampled fields. Default: map for a grid of two axes or more, else lines.",
         ),
     ] = None,
     x: Annotated[str | None, option("AXIS", "Axis of a map to the right; default: the study's first.", "--x")] = None,
