@@ -1,6 +1,7 @@
 """Studies and their laws: the study language (TOML), Table 1 and its readings, verdicts."""
 
-from .laws import Law, Verdict, judge
+from .law import Law
+from .laws import Verdict, judge
 from .loader import load, names
 from .model import Study
 from .readings import READINGS, TABLE_1, Reading

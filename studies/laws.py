@@ -1,25 +1,27 @@
-"""Laws and their verdicts: does an observable rise or fall along an axis, as a sentence claims?
+"""Verdicts on laws: does an observable do along an axis what a sentence claims?
 
-`line_verdicts.judge` judges each line of the grid; `decide` makes the verdict on the law: that of the worst line, or of
-the line nearest to its `at`. A law that does not fail is *qualified* if the numbers support only part of the sentence:
+`line_verdicts.judge` judges the direction on each line of the grid, `number_verdicts` compares the line with numbers;
+`decide` makes the verdict on the law: that of the worst line, or of the line nearest to its `at`. A law that does not
+fail is *qualified* if the numbers support only part of the sentence:
 
 *not contradicted*: the observable stays level, which the law allows, but the sentence says that it rises or falls;
 *on part of the grid*: the law is decided on one line of a grid, and another line has a worse verdict;
 *depends on the observable*: one of its `alternatives` fails.
 """
 
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import AfterValidator, BaseModel, ConfigDict, field_validator, model_validator
 
-from solver.observe.observables import is_count
 from solver.problem.errors import InputError, choices, no_such
 
 from . import reasons
-from .axes import Line, in_rad, is_angle
+from .formula_values import evaluate
+from .law import Law
+from .law_kinds import MONOTONE, STEPS
 from .line_verdicts import (
     DIRECTIONS,
     FAILS,
@@ -34,82 +36,34 @@ from .line_verdicts import (
     judge,
     worst,
 )
+from .number_verdicts import NumberLine
 from .reasons import ON_OBSERVABLE
 
 __all__ = [
     "DIRECTIONS", "FAILS", "HOLDS", "NOISE", "QUALIFIED", "TREND", "UNDECIDED", "VERDICTS", "Law", "Verdict",
-    "by_line", "decide", "judge", "refused", "worst",
+    "by_line", "decide", "judge", "refused", "targets", "worst",
 ]  # fmt: skip
 
-TOLD = ("claim", "axis", "direction", "says", "source", "fixed", "fixed_note")  # fields of a law copied to its row
+# fields of a law copied to its row
+TOLD = ("claim", "kind", "axis", "direction", "says", "does", "rule", "source", "fixed", "fixed_note")
 
 
-def _known(direction: str) -> str:
-    if direction not in DIRECTIONS:
-        raise no_such("direction", direction, DIRECTIONS)
-    return direction
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """What laws are judged on: the axes of a grid of cases, and numbers of each case.
 
-
-Direction = Annotated[str, AfterValidator(_known)]
-
-
-class Law(BaseModel):
-    """One law of a study: the direction of an observable along an axis, and the sentence that claims it.
-
-    claim: a short label, "(1)". direction: one of `DIRECTIONS`. says: the direction in the sentence, if `direction` is
-    weaker. source: the sentence. alternatives: observables that the sentence may equally mean; if one fails, the law is
-    qualified. also: further observables, judged and shown, that decide nothing. at: on a grid, values of other axes, in
-    rad or as text for angles; the nearest line decides, the others are counted. fixed: whether the rule (observable,
-    direction, range, line) was fixed before its outcome was known; fixed_note: which part was not, and why.
+    axes: the values of each. crossing: over the grid, but one fewer along the axis of the law. counts: the expressions
+    that are whole numbers. known: the numbers that the formulas of the law use, by name.
     """
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-
-    claim: Line
-    observable: str
-    axis: str
-    direction: Direction
-    says: Direction | None = None
-    source: Line
-    alternatives: list[str] = []
-    also: list[str] = []
-    at: dict[str, float] = {}
-    fixed: Literal["in advance", "after"] | None = None
-    fixed_note: Line | None = None
-
-    @field_validator("at", mode="before")
-    @classmethod
-    def _angles(cls, at: Any) -> Any:
-        return {k: in_rad(v) if is_angle(str(k)) else v for k, v in at.items()} if isinstance(at, dict) else at
-
-    @model_validator(mode="after")
-    def _fits(self) -> "Law":
-        if self.says is not None and DIRECTIONS[self.says].sign != DIRECTIONS[self.direction].sign:
-            raise ValueError(f"says = {self.says!r} contradicts direction = {self.direction!r}")
-        if self.fixed == "after" and self.fixed_note is None:
-            raise ValueError(
-                "fixed = 'after' needs fixed_note: which part was fixed after the outcome was known, and why"
-            )
-        return self
+    axes: Mapping[str, ArrayLike]
+    crossing: ArrayLike | None
+    counts: Collection[str]
+    known: Mapping[str, ArrayLike]
 
     @property
-    def observables(self) -> list[str]:
-        """The observable of the law, its alternatives, and the further ones, in that order."""
-        return [self.observable, *self.alternatives, *self.also]
-
-    @property
-    def meant(self) -> Direction:
-        """The direction in the sentence."""
-        return self.says or self.direction
-
-    def judged(self, name: str, values: ArrayLike, crossing: ArrayLike | None = None) -> Verdict:
-        """The verdict on one line of an observable, see `judge`; qualified if it holds only because it may stay level,
-        while the sentence says that it rises or falls."""
-        verdict = judge(values, self.direction, is_count(name), crossing)
-        if verdict.verdict != HOLDS or self.meant == self.direction:
-            return verdict
-        meant = judge(values, self.meant, is_count(name), crossing)
-        return meant if as_good(meant.verdict, TREND) else Verdict(QUALIFIED, verdict.tau, reason=verdict.reason)
+    def shape(self) -> tuple[int, ...]:
+        return tuple(np.size(values) for values in self.axes.values())
 
 
 def decide(
@@ -117,6 +71,8 @@ def decide(
     observed: Mapping[str, ArrayLike],
     axes: Mapping[str, ArrayLike],
     crossing: ArrayLike | None = None,
+    counts: Collection[str] = (),
+    known: Mapping[str, ArrayLike] | None = None,
 ) -> dict[str, Any]:
     """The verdict on a law, and on each further observable that it names, as plain data.
 
@@ -130,6 +86,10 @@ def decide(
     crossing : array of bool, optional
         Over the grid, but one fewer along the axis of the law: the steps, in the rising order of that axis, to an
         equilibrium of another branch. Such a step is not evidence.
+    counts : collection of str
+        The expressions among the observables that are whole numbers.
+    known : mapping of arrays, optional
+        The numbers that the formulas of the law use, by name; each broadcasts to the grid.
 
     Returns
     -------
@@ -138,8 +98,10 @@ def decide(
         (of `QUALIFICATIONS`), reason (a sentence: why it is qualified, not decided or fails), tau (the smallest), at
         (where it was decided, empty for the whole grid), lines, line_verdicts (verdict -> number of lines), lines_hold,
         lines_trend, steps (those that decide), exceptions (steps the wrong way: from, to, values of the axis; values;
-        at: the other axes), first and last (the range of the observable at the two ends of the axis); in "also",
-        alternative: whether it is an alternative of the law.
+        at: the other axes; for a case that disagrees, from and to are equal), first and last (the range of the
+        observable at the two ends of the axis), found and numbers (what was measured, in words and by name; empty for
+        a direction), counted (what the exceptions are); in "also", alternative: whether it is an alternative of the
+        law.
 
     Raises
     ------
@@ -151,9 +113,9 @@ def decide(
         raise InputError(f"the law {law.claim} needs the observable {missing[0]!r}; available: {choices(observed)}")
     if law.axis not in axes:
         raise no_such("axis", law.axis, axes)
+    grid = Grid(axes, crossing, counts, known or {})
     rows = [
-        {"observable": name, **_over_lines(law, name, np.asarray(observed[name]), axes, crossing)}
-        for name in law.observables
+        {"observable": name, **_over_lines(law, name, np.asarray(observed[name]), grid)} for name in law.observables
     ]
     row = _row(law, rows)
     others = [also for also in row["also"] if also["alternative"] and also["verdict"] == FAILS]
@@ -165,7 +127,12 @@ def decide(
 
 
 def by_line(
-    law: Law, observed: ArrayLike, axes: Mapping[str, ArrayLike], crossing: ArrayLike | None = None
+    law: Law,
+    observed: ArrayLike,
+    axes: Mapping[str, ArrayLike],
+    crossing: ArrayLike | None = None,
+    counts: Collection[str] = (),
+    known: Mapping[str, ArrayLike] | None = None,
 ) -> NDArray[np.str_]:
     """The verdict on the observable of a law on each line of the grid along its axis.
 
@@ -176,7 +143,7 @@ def by_line(
         The observable over the grid, one dimension an axis in the order of `axes`, NaN where unsolved.
     axes : mapping of arrays
         The values of each axis.
-    crossing : array of bool, optional
+    crossing, counts, known
         As of `decide`.
 
     Returns
@@ -191,8 +158,9 @@ def by_line(
     """
     if law.axis not in axes:
         raise no_such("axis", law.axis, axes)
-    _, lines, cut = _lines(law, law.observable, np.asarray(observed), axes, crossing)
-    words = [law.judged(law.observable, lines[where], cut[where]).verdict for where in np.ndindex(lines.shape[:-1])]
+    grid = Grid(axes, crossing, counts, known or {})
+    _, lines, judged = _lines(law, law.observable, np.asarray(observed), grid)
+    words = [judged(where).verdict for where in np.ndindex(lines.shape[:-1])]
     return np.array(words).reshape(lines.shape[:-1])
 
 
@@ -200,6 +168,7 @@ def refused(law: Law, reason: str) -> dict[str, Any]:
     """The row of a law that could not be tested, in the form of `decide`: not decided, with the reason."""
     counts = {"lines": 0, "line_verdicts": {}, "lines_hold": 0, "lines_trend": 0}
     nothing = {"qualifications": [], "reason": reason, "tau": None, "at": {}, **counts, "steps": 0, "exceptions": []}
+    nothing |= {"found": "", "numbers": {}, "counted": law.counted}
     rows = [
         {"observable": name, "verdict": UNDECIDED, **nothing, "first": None, "last": None} for name in law.observables
     ]
@@ -213,17 +182,30 @@ def _row(law: Law, rows: list[dict[str, Any]]) -> dict[str, Any]:
     return {**{name: getattr(law, name) for name in TOLD}, **rows[0], "also": also}
 
 
-def _over_lines(
-    law: Law, name: str, grid: NDArray[Any], axes: Mapping[str, ArrayLike], crossing: ArrayLike | None
-) -> dict[str, Any]:
+def targets(law: Law, shape: tuple[int, ...], known: Mapping[str, ArrayLike]) -> dict[str, tuple[Any, Any]]:
+    """The numbers with which a law compares its observable: key -> values over the grid, and why any has none.
+
+    known: as in `decide`. Raises `InputError` for a name that is missing.
+    """
+    found = {key: (np.full(shape, float(value)), np.full(shape, "")) for key, value in law.numbers.items()}
+    for key, formula in law.formulas.items():
+        missing = [name for name in formula.names if name not in known]
+        if missing:
+            raise InputError(f"the law {law.claim} needs the number {missing[0]!r}; available: {choices(known)}")
+        values, why = evaluate(formula, known)
+        found[key] = np.broadcast_to(values, shape), np.broadcast_to(why, shape)
+    return found
+
+
+def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[str, Any]:
     """The verdict over the lines of the grid along the axis of the law."""
-    along, lines, cut = _lines(law, name, grid, axes, crossing)
-    others = {dim: np.asarray(values, dtype=float) for dim, values in axes.items() if dim != law.axis}
+    along, lines, judged = _lines(law, name, values, grid)
+    others = {dim: np.asarray(at, dtype=float) for dim, at in grid.axes.items() if dim != law.axis}
     at = {dim: float(_nearest(values, law.at[dim])) for dim, values in others.items() if dim in law.at}
     every, deciding, exceptions, ends = [], [], [], []
     for where in np.ndindex(lines.shape[:-1]):
         line = lines[where]
-        verdict = law.judged(name, line, cut[where])
+        verdict = judged(where)
         every.append(verdict.verdict)
         here = {dim: float(values[i]) for (dim, values), i in zip(others.items(), where, strict=True)}
         if any(here[dim] != value for dim, value in at.items()):
@@ -234,34 +216,72 @@ def _over_lines(
             {"from": float(along[i]), "to": float(along[j]), "values": line[[i, j]].tolist(), "at": here}
             for i, j in verdict.exceptions
         ]
-    taus = [verdict.tau for verdict in deciding if verdict.tau is not None]
-    first, last = np.array(ends).T
-    return {
-        **reasons.together(name, law.meant, deciding, every, at, _range(first)),
-        "tau": min(taus) if taus else None,
-        "at": at,
-        "lines": len(every),
-        "line_verdicts": {verdict: every.count(verdict) for verdict in VERDICTS if verdict in every},
-        "lines_hold": every.count(HOLDS),
-        "lines_trend": every.count(TREND),
-        "steps": len(deciding) * (along.size - 1),
+    return _told(law, name, every, deciding, at, ends) | {
+        "counted": law.counted,
+        "steps": len(deciding) * (along.size - (law.counted == STEPS)),
         "exceptions": exceptions,
-        "first": _range(first),
-        "last": _range(last),
     }
 
 
 def _lines(
-    law: Law, name: str, grid: NDArray[Any], axes: Mapping[str, ArrayLike], crossing: ArrayLike | None
-) -> tuple[NDArray[np.float64], NDArray[Any], NDArray[np.bool_]]:
-    """The axis of the law in rising order, the observable with that axis last, and the steps that cross branches."""
-    dims = list(axes)
-    if grid.shape != tuple(np.size(axes[dim]) for dim in dims):
-        raise InputError(f"{name} has shape {grid.shape}, but its axes are {', '.join(dims)}")
-    along = np.asarray(axes[law.axis], dtype=float)
+    law: Law, name: str, values: NDArray[Any], grid: Grid
+) -> tuple[NDArray[Any], NDArray[Any], Callable[[tuple[int, ...]], Verdict]]:
+    """The axis of the law in rising order, the observable with that axis last, and the verdict on a line by its place."""
+    dims = list(grid.axes)
+    if values.shape != grid.shape:
+        raise InputError(f"{name} has shape {values.shape}, but its axes are {', '.join(dims)}")
+    along = np.asarray(grid.axes[law.axis], dtype=float)
     order = np.argsort(along, kind="stable")
-    k = dims.index(law.axis)
-    return along[order], np.moveaxis(grid, k, -1)[..., order], _cuts(crossing, grid.shape, k)
+    along, lines = along[order], np.moveaxis(values, dims.index(law.axis), -1)[..., order]
+    return along, lines, _judging(law, name, along, lines, order, grid)
+
+
+def _judging(
+    law: Law, name: str, along: NDArray[Any], lines: NDArray[Any], order: NDArray[Any], grid: Grid
+) -> Callable[[tuple[int, ...]], Verdict]:
+    """The verdict on the line at a place of the grid."""
+    k = list(grid.axes).index(law.axis)
+    cut = _cuts(grid.crossing, grid.shape, k)
+    if law.kind == MONOTONE:
+        return lambda where: law.judged(name, lines[where], cut[where], name in grid.counts)
+    compared = {
+        key: tuple(np.moveaxis(one, k, -1)[..., order] for one in pair)
+        for key, pair in targets(law, grid.shape, grid.known).items()
+    }
+
+    def judged(where: tuple[int, ...]) -> Verdict:
+        mine = {key: values[where] for key, (values, _) in compared.items()}
+        why = "; ".join(dict.fromkeys(one for _, texts in compared.values() for one in texts[where].tolist() if one))
+        return law.compared(NumberLine(law.axis, along, lines[where].astype(float), cut[where], mine, why))
+
+    return judged
+
+
+def _told(
+    law: Law,
+    name: str,
+    every: list[str],
+    deciding: list[Verdict],
+    at: Mapping[str, float],
+    ends: list[NDArray[Any]],
+) -> dict[str, Any]:
+    """The verdict of the lines that decide, the numbers of lines, and what was measured on the worst of them."""
+    taus = [verdict.tau for verdict in deciding if verdict.tau is not None]
+    shown = max(deciding, key=lambda verdict: (VERDICTS.index(verdict.verdict), verdict.far))
+    first, last = np.array(ends).T
+    return {
+        **reasons.together(name, law.meant, deciding, every, at, _range(first)),
+        "tau": min(taus) if taus else None,
+        "at": dict(at),
+        "lines": len(every),
+        "line_verdicts": {verdict: every.count(verdict) for verdict in VERDICTS if verdict in every},
+        "lines_hold": every.count(HOLDS),
+        "lines_trend": every.count(TREND),
+        "first": _range(first),
+        "last": _range(last),
+        "found": shown.found,
+        "numbers": {key: value if np.isfinite(value) else None for key, value in shown.numbers.items()},
+    }
 
 
 def _cuts(crossing: ArrayLike | None, shape: tuple[int, ...], k: int) -> NDArray[np.bool_]:

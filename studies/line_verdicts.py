@@ -32,14 +32,18 @@ class Verdict:
     """The verdict on a line.
 
     verdict: one of `VERDICTS`. tau: Kendall's tau in the direction over the pairs that can be compared, None if all
-    values are equal. exceptions: the steps (i, i + 1) that go the wrong way. reason: why it fails or is not decided,
-    unless the trend alone decides; or that a level line holds because it does not change.
+    values are equal. exceptions: the steps (i, i + 1) that go the wrong way, or the cases (i, i) that disagree. reason:
+    why it fails or is not decided, unless the trend alone decides; or that a level line holds because it does not
+    change. found, numbers: what was measured, in words and by name. far: how far it is from the law, to rank lines.
     """
 
     verdict: str
     tau: float | None = None
     exceptions: list[tuple[int, int]] = field(default_factory=list)
     reason: str = ""
+    found: str = ""
+    numbers: dict[str, float] = field(default_factory=dict)
+    far: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from solver.problem.errors import InputError, choices
 
 from . import paired
 from .axes import Axis, Base, Misplaced, Units, Which
-from .laws import Law
+from .law import Law
 from .model import Study
 from .paired import Table
 from .samples import Distribution

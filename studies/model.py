@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
-from solver.observe.observables import OBSERVABLES, error_name
+from solver.observe.observables import OBSERVABLES
 from solver.problem.case import from_fields
 from solver.problem.errors import choices
 from solver.problem.quantities import unit_of
 from solver.problem.tolerance import DEFAULT_TOLERANCE
 
 from . import axes as parts
-from . import paired
+from . import expressions, paired
 from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Misplaced, Units, Which
 from .dimensions import SAMPLE, Dimension, Dimensions
-from .laws import Law
+from .law import Law
 from .paired import Table
 from .readings import TABLE_1, Reading, parse
 from .samples import Distribution, Sample
@@ -56,6 +56,7 @@ class Study(BaseModel):
     sample: Sample | None = None
     zip: dict[str, Annotated[list[float], Field(fail_fast=True)]] | None = None
     table: Table | None = None
+    expressions: dict[str, str] = {}
     observables: list[str] = OBSERVED
     outputs: list[str] = ["beta", "alpha", "z", "contact"]
     stations: int = Field(201, ge=2, le=MAX_STATIONS)
@@ -73,8 +74,8 @@ class Study(BaseModel):
 
     @field_validator("observables")
     @classmethod
-    def _known_observables(cls, value: list[str]) -> list[str]:
-        return _known("observable", value, OBSERVABLES)
+    def _known_observables(cls, value: list[str], info: ValidationInfo) -> list[str]:
+        return _known("observable", value, (*OBSERVABLES, *info.data.get("expressions", ())))
 
     @field_validator("outputs")
     @classmethod
@@ -160,6 +161,12 @@ class Study(BaseModel):
         return self
 
     @model_validator(mode="after")
+    def _expressions_fit(self) -> "Study":
+        if self.expressions:
+            expressions.check(self)
+        return self
+
+    @model_validator(mode="after")
     def _laws_fit(self) -> "Study":
         lines = [*self.axes, *([SAMPLE] if self.sampled else [])]
         for i, law in enumerate(self.laws):
@@ -180,9 +187,11 @@ class Study(BaseModel):
                 ("also", law.also),
             ):
                 try:
-                    _known("observable", names, OBSERVABLES)
+                    _known("observable", names, (*OBSERVABLES, *self.expressions))
                 except ValueError as error:
                     raise Misplaced(str(error), "laws", i, key) from None
+            if law.formulas:
+                expressions.check_law(self, i, law)
         return self
 
     @property
@@ -260,14 +269,16 @@ class Study(BaseModel):
 
     @property
     def wanted(self) -> list[str]:
-        """The observables to compute: those of the study, and those that its laws judge."""
-        judged = (name for law in self.laws for name in law.observables)
-        return list(dict.fromkeys([*self.observables, *judged]))
+        """The observables and expressions to store: those of the study, and those that its laws judge and use."""
+        judged = [name for law in self.laws for name in law.observables]
+        used = [name for law in self.laws for formula in law.formulas.values() for name in formula.names]
+        stored = [name for name in used if name in OBSERVABLES]
+        return list(dict.fromkeys([*self.observables, *self.expressions, *judged, *stored]))
 
     @property
     def recorded(self) -> list[str]:
         """The columns of the observables: each name, followed by the name of its error if it has one."""
-        names = ((name, error_name(name)) for name in self.wanted)
+        names = ((name, expressions.error_of(self, name)) for name in self.wanted)
         return [column for pair in names for column in pair if column]
 
     @property

@@ -28,6 +28,18 @@ def angle(pieces: Pieces) -> Density:
     return Density(beta, np.abs(beta), np.ones_like(beta))
 
 
+def across(pieces: Pieces) -> Density:
+    """sin(beta), the rate of the azimuth alpha in t."""
+    s, c = pieces.angles.sin, pieces.angles.cos
+    return Density(s, np.abs(s), np.abs(c))
+
+
+def along(pieces: Pieces) -> Density:
+    """cos(beta), the rate of the height z/rho in t."""
+    s, c = pieces.angles.sin, pieces.angles.cos
+    return Density(c, np.abs(c), np.abs(s))
+
+
 def curvature(pieces: Pieces) -> Density:
     """kappa rho = hypot(beta_t, sin^2)."""
     s, c, v = pieces.angles.sin, pieces.angles.cos, np.abs(pieces.angles.speed)
@@ -66,6 +78,16 @@ def outward(pieces: Pieces) -> Density:
     moved = c * across + s * (loads.mu * s - 3 * s * s * c) + slope_rate_of(loads, s, c) * lever + 3 * H * cos2
     spread = np.abs(moved + 12 * v2 * s * c) + 6 * np.abs(speed * cos2) * rate(pieces)
     return Density(s * across + H * lever - 3 * v2 * cos2, size, spread)
+
+
+def tension(pieces: Pieces) -> Density:
+    """F3 rho^2/A, the internal force along the tangent: phi cos + (lam - mu cos - sin^3) sin."""
+    loads, s, c = _loads(pieces), pieces.angles.sin, pieces.angles.cos
+    s3 = s * s * s
+    across = loads.lam - loads.mu * c - s3
+    size = np.abs(loads.phi * c) + np.abs(s) * (np.abs(loads.lam) + np.abs(loads.mu * c) + np.abs(s3))
+    moved = -loads.phi * s + c * across + s * (loads.mu * s - 3 * s * s * c)
+    return Density(loads.phi * c + across * s, size, np.abs(moved))
 
 
 def push(pieces: Pieces, sign: Array) -> Density:

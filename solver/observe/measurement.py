@@ -20,7 +20,7 @@ from ..solution import Solution
 from . import densities
 from .quadrature import EPS, Resolved, resolve
 from .rod_pieces import Pieces
-from .solution_pieces import blocks, of_stations, resolved
+from .solution_pieces import blocks, pieces_of, resolved
 
 _FINEST = 1e-14  # relative: smallest goal of a series
 _SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test
@@ -71,9 +71,14 @@ def _energy(density: Callable[..., densities.Density], name: str) -> Group:
     return Group((name,), measured)
 
 
-def _pushes(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+def _resolved_push(pieces: Pieces, sign: Array, error: Array, goal: float) -> tuple[Resolved, Array]:
+    """The push, and the error of its values at the nodes, (Q, m)."""
     push = resolve(pieces, lambda some: densities.push(some, sign), goal, signs=True)
-    doubt = _doubt(push, error) + 2 * push.tail[:, None] + BARELY * push.size
+    return push, _doubt(push, error) + 2 * push.tail[:, None] + BARELY * push.size
+
+
+def _pushes(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+    push, doubt = _resolved_push(pieces, sign, error, goal)
     wrong, worst = push.integral_of(doubt), _worst(push, doubt)
     pushed, pulled, share, unsure = _parted(push, doubt)
     return {
@@ -83,6 +88,35 @@ def _pushes(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str,
         "least": (push.smallest(), worst),
         "most": (push.largest(), worst),
     }
+
+
+def _pushes_alone(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+    push, doubt = _resolved_push(pieces, sign, error, goal)
+    return {"push alone": (_parted(push, doubt)[0], push.integral_of(doubt))}
+
+
+def _lift_offs(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+    """The least t at which the cylinder would have to pull by more than rounding; the whole length where it nowhere
+    has to. Its error: how far that t moves where the push is less or more by its doubt."""
+    push, doubt = _resolved_push(pieces, sign, error, goal)
+    span = pieces.problem.span
+    below = (push.less(of).first_below() for of in (-BARELY * push.size, doubt, -doubt))
+    first, early, late = (np.minimum(one, span) for one in below)
+    return {"lifts": (first, np.maximum(late - first, first - early) + 8 * EPS * span)}
+
+
+def _directions(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+    found = {}
+    for name, density in (("turned", densities.across), ("risen", densities.along)):
+        one = resolve(pieces, density, goal, extremes=False)
+        found[name] = one.integral, one.left_out + one.integral_of(_doubt(one, error))
+    return found
+
+
+def _tensions(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+    tension = resolve(pieces, densities.tension, goal)
+    worst = _worst(tension, _doubt(tension, error))
+    return {"tension": (np.maximum(np.abs(tension.largest()), np.abs(tension.smallest())), worst)}
 
 
 def _parted(push: Resolved, doubt: Array) -> tuple[Array, Array, Array, Array]:
@@ -117,7 +151,12 @@ GROUPS = (
     _energy(densities.bending, "bending"),
     _energy(densities.potential, "potential"),
     Group(("pushed", "pulled", "share", "least", "most"), _pushes),
+    Group(("push alone",), _pushes_alone),
+    Group(("lifts",), _lift_offs),
+    Group(("tension",), _tensions),
+    Group(("turned", "risen"), _directions),
 )
+MIDDLE = (1 / 3, 2 / 3)  # the middle third of the length
 
 
 def _of_groups(groups: list[Group], pieces: Pieces, *given: Any) -> dict[str, Pair]:
@@ -134,13 +173,25 @@ class Reading:
     def __init__(self, sol: Solution) -> None:
         self.sol = sol
         self._known: dict[str, Pair] = {}
+        self._middle: dict[str, Pair] = {}
 
     def measure(self, wanted: Iterable[str]) -> None:
         """Compute every group that contains one of the names, on the same pieces."""
         missing = {name for name in wanted if name not in self._known}
-        groups = [group for group in GROUPS if missing & set(group.names)]
-        if not groups:
-            return
+        if groups := [group for group in GROUPS if missing & set(group.names)]:
+            self._known.update(self._measured(groups))
+
+    def middle(self, name: str) -> Pair:
+        """An integral in t over the middle third of the length, and its error, (B,) each."""
+        if name not in self._middle:
+            groups = [group for group in GROUPS if name in group.names]
+            low, high = (self._measured(groups, until) for until in MIDDLE)
+            for key in low:
+                self._middle[key] = high[key][0] - low[key][0], high[key][1] + low[key][1]
+        return self._middle[name]
+
+    def _measured(self, groups: list[Group], until: float = 1.0) -> dict[str, Pair]:
+        """The numbers of some groups over the first share `until` of the length."""
         sol = self.sol
         sign = flat(sol.case.outward, sol.case.shape)
         error = np.where(np.isfinite(sol.trajectory.error), sol.trajectory.error, 1.0)
@@ -148,17 +199,18 @@ class Reading:
         goal = max(_SHARE * sol.tol, _FINEST)
         names = [name for group in groups for name in group.names]
         found = {name: (np.full(sol.problem.size, np.nan), np.full(sol.problem.size, np.nan)) for name in names}
-        for some, pieces in blocks(sol):
-            measured = _of_groups(groups, pieces, sign[some], error[some], goal)
+        for some in blocks(sol):
+            measured = _of_groups(groups, pieces_of(sol, some, until), sign[some], error[some], goal)
             if sol.trajectory.orbit is None:
-                coarse = _of_groups(groups, of_stations(sol, some, 2), sign[some], error[some], goal)
+                fewer = pieces_of(sol, some, until, 2)
+                coarse = _of_groups(groups, fewer, sign[some], error[some], goal)
                 dense = resolved(sol)[some]
                 for name, (value, doubt) in measured.items():
                     measured[name] = value, np.where(dense, doubt + np.abs(value - coarse[name][0]), np.nan)
             for name, pair in measured.items():
                 for whole, part in zip(found[name], pair, strict=True):
                     whole[some] = part
-        self._known.update(found)
+        return found
 
     def know(self, name: str, values: Array, errors: Array) -> None:
         """Take a number that is known already, and its error, (B,) each, in place of what would be measured."""

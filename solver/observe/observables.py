@@ -16,6 +16,7 @@ from ..numerics.arrays import Array
 from ..orbit.pieces import LIBRATION, ROTATION
 from ..problem.errors import no_such
 from ..problem.quantities import quantity
+from ..problem.reduced import flat
 from ..solution import Solution
 from .measurement import Pair, Reading
 from .self_contact import overlaps
@@ -176,6 +177,48 @@ def attached(read: Reading) -> Pair:
     return read.scaled("share", 1 / read.length)
 
 
+def push_middle(read: Reading) -> Pair:
+    """Mean of the push over the middle third of the length [force/length], where pull counts as 0."""
+    pushed, error = read.middle("push alone")
+    factor = 3 * _a_length(read)
+    return pushed * factor, error * factor
+
+
+def lift_off_at(read: Reading) -> Pair:
+    """The first s at which the cylinder would have to pull [length]; L where it nowhere has to."""
+    return read.scaled("lifts", read.rho)
+
+
+def pitch(read: Reading) -> Pair:
+    """Height of one whole turn about the axis in the middle third of the rod [length], positive along z.
+
+    2 pi (z_2 - z_1)/|alpha_2 - alpha_1| between s = L/3 and s = 2L/3, also where the rod turns less than once there.
+    NaN where alpha changes by no more than its error.
+    """
+    (turned, doubt), (risen, error) = read.middle("turned"), read.middle("risen")
+    size = np.abs(turned)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        a_turn = np.where(size > doubt, 2 * np.pi * read.rho / size, np.nan)
+    value = a_turn * risen
+    return value, a_turn * error + np.abs(value) * doubt / np.where(size > doubt, size - doubt, np.nan)
+
+
+def F3_size_max(read: Reading) -> Pair:
+    """Largest size of the internal force along the tangent [force]."""
+    return read.scaled("tension", read.A / read.rho**2)
+
+
+def bending_moment_max(read: Reading) -> Pair:
+    """Largest bending moment, A kappa_max [force length]."""
+    return read.scaled("tightest", read.A / read.rho)
+
+
+def bending_stress_max(read: Reading) -> Pair:
+    """Largest bending stress, E a kappa_max, at the surface of the rod [force/length^2]."""
+    rod, shape = read.sol.case.rod, read.sol.case.shape
+    return read.scaled("tightest", flat(rod.E, shape) * flat(rod.a, shape) / read.rho)
+
+
 def _a_length(read: Reading) -> Array:
     return read.A / (read.rho**3 * read.length)
 
@@ -211,11 +254,14 @@ def _twist(read: Reading) -> Array:
 @dataclass(frozen=True)
 class Observable:
     """One number a case. compute: the values (B,), with their errors if `Quantity.estimated`. measured: what `Reading`
-    measures for it."""
+    measures for it. undefined: where it has no value although the case is solved, in words; "" if nowhere."""
 
     compute: Callable[[Reading], Any]
     measured: tuple[str, ...] = ()
+    undefined: str = ""
 
+
+MIDDLE = ("the middle third",)  # measured where it is read, of which no derivative is known
 
 # The row in `problem.quantities` says whether the error is estimated; if not, the values are whole numbers, or NaN.
 OBSERVABLES: dict[str, Observable] = {
@@ -227,12 +273,18 @@ OBSERVABLES: dict[str, Observable] = {
     "kappa_max": Observable(kappa_max, ("tightest",)),
     "wraps": Observable(wraps),
     "height": Observable(height),
+    "pitch": Observable(pitch, MIDDLE, undefined="the rod does not turn about the axis in its middle third"),
     "contact_size_mean": Observable(contact_size_mean, ("pushed", "pulled")),
     "push_mean": Observable(push_mean, ("pushed",)),
     "pull_mean": Observable(pull_mean, ("pulled",)),
     "push_min": Observable(push_min, ("least",)),
     "push_max": Observable(push_max, ("most",)),
+    "push_middle": Observable(push_middle, MIDDLE),
     "attached": Observable(attached, ("share",)),
+    "lift_off_at": Observable(lift_off_at, ("lifts",)),
+    "F3_size_max": Observable(F3_size_max, ("tension",)),
+    "bending_moment_max": Observable(bending_moment_max, ("tightest",)),
+    "bending_stress_max": Observable(bending_stress_max, ("tightest", "E", "a")),
     "overlaps": Observable(overlapping, ("tightest", "low", "high")),
     "energy": Observable(energy, ("potential",)),
     "bending_energy": Observable(bending_energy, ("bending",)),

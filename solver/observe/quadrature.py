@@ -15,7 +15,7 @@ from ..numerics.arrays import Array
 from ..numerics.chebyshev import Basis, basis, derivative, means, polynomials, series_at, through, weights
 from ..numerics.roots import bracketed
 from .densities import Density
-from .rod_pieces import NODES, Pieces
+from .rod_pieces import COLUMNS, NODES, Pieces
 
 EPS = 2.0**-52
 _ROUNDS, _PATIENCE = 48, 3  # halvings; those that may fail to shorten the series
@@ -113,6 +113,20 @@ class Resolved:
         found = [(q, low, high, rises), self._touching(1.0), self._touching(-1.0)]
         q, low, high, rises = (np.concatenate(v) for v in zip(*found, strict=True))
         return q, _root(self.coefficients[q], low, high), np.where(rises, 1.0, -1.0)
+
+    def first_below(self) -> Array:
+        """The least t at which the density is negative, (B,); inf where it is nowhere.
+
+        What a rod passes backward, it passed forward before, with the same values; so only the way forward counts.
+        """
+        p = self.pieces
+        share = np.where(self.values[:, 0] < 0, 0.0, np.inf)  # of the time of the piece
+        q, x, sign = self.crossings()
+        falls = sign < 0
+        np.fmin.at(share, q[falls], (1 + x[falls]) / 2)
+        first = np.full(p.problem.size, np.inf)
+        np.fmin.at(first, p.case, p.begin + share * p.time)
+        return first
 
     def _touching(self, sign: float) -> tuple[Array, Array, Array, Array]:
         """Pairs of sign changes in one cell, where a positive density (sign 1) dips below zero or a negative one above.
@@ -216,9 +230,8 @@ def _taken(found: Resolved, index: Any) -> Resolved:
 
 
 def _joined(parts: list[Resolved]) -> Resolved:
-    names = ("case", "row", "low", "high", "time", "count")
     pieces = [part.pieces for part in parts]
-    columns: dict[str, Any] = {name: np.concatenate([getattr(p, name) for p in pieces]) for name in names}
+    columns: dict[str, Any] = {name: np.concatenate([getattr(p, name) for p in pieces]) for name in COLUMNS}
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS}
     return Resolved(replace(pieces[0], **columns), **arrays)
 

@@ -11,6 +11,7 @@ from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, polynomials
 from ..problem.reduced import Reduced
 
+COLUMNS = ("case", "row", "low", "high", "time", "count", "begin")  # fields of each piece
 NODES = 24  # of each piece, at which densities are computed
 
 
@@ -30,7 +31,8 @@ class Pieces:
 
     series: (P, 2, N), Chebyshev coefficients of beta and |beta_t| on panels. case: (Q,), of which problem. row: (Q,),
     on which panel. low, high: (Q,), from where to where on it, in [-1, 1]. time: (Q,), length in t. count: (Q,), how
-    often the rod passes the piece. monotone: whether beta does not turn back on any piece, as on those of an orbit.
+    often the rod passes the piece. begin: (Q,), the t at which it first enters the piece. monotone: whether beta does
+    not turn back on any piece, as on those of an orbit.
     """
 
     problem: Reduced
@@ -41,12 +43,12 @@ class Pieces:
     high: Array
     time: Array
     count: Array
+    begin: Array
     monotone: bool = False
 
     def take(self, index: Any) -> "Pieces":
         """The pieces that an index picks."""
-        names = ("case", "row", "low", "high", "time", "count")
-        return replace(self, **{name: getattr(self, name)[index] for name in names})
+        return replace(self, **{name: getattr(self, name)[index] for name in COLUMNS})
 
     def halves(self) -> "Pieces":
         """Each piece as two, one after the other."""
@@ -54,7 +56,9 @@ class Pieces:
         second = np.arange(twice.case.size) % 2 == 1
         middle = (twice.low + twice.high) / 2
         low, high = np.where(second, middle, twice.low), np.where(second, twice.high, middle)
-        return replace(twice, low=low, high=high, time=twice.time / 2)
+        time = twice.time / 2
+        begin = twice.begin + np.where(second, time, 0)
+        return replace(twice, low=low, high=high, time=time, begin=begin)
 
     @cached_property
     def angles(self) -> Angles:
@@ -83,6 +87,5 @@ def joined_pieces(parts: Sequence[Pieces], problem: Reduced) -> Pieces:
     padded = [np.pad(p.series, ((0, 0), (0, 0), (0, N - p.series.shape[2]))) for p in parts]
     before = np.cumsum([0, *(p.series.shape[0] for p in parts)])
     row = np.concatenate([p.row + k for p, k in zip(parts, before, strict=False)])
-    names = ("case", "low", "high", "time", "count")
-    rest = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
+    rest = {name: np.concatenate([getattr(p, name) for p in parts]) for name in COLUMNS if name != "row"}
     return Pieces(problem, np.concatenate(padded), row=row, monotone=all(p.monotone for p in parts), **rest)

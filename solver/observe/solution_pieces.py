@@ -36,27 +36,36 @@ _HERMITE = np.array(  # y(0), y(1), y'(0), y'(1), y''(0), y''(1) to powers of x,
 )
 
 
-def blocks(sol: Solution) -> Iterator[tuple[slice, Pieces]]:
-    """The pieces of the cases of a solution, in blocks; in each the cases are numbered from 0."""
-    orbit = sol.trajectory.orbit
+def blocks(sol: Solution) -> Iterator[slice]:
+    """The cases of a solution in blocks."""
     for start in range(0, sol.problem.size, _CASES):
-        some = slice(start, min(start + _CASES, sol.problem.size))
-        yield some, of_stations(sol, some) if orbit is None else of_orbit(orbit, some)
+        yield slice(start, min(start + _CASES, sol.problem.size))
 
 
-def of_orbit(orbit: Any, some: slice) -> Pieces:
-    """The pieces of some of the problems of an `Orbit` or a `Swing`."""
+def pieces_of(sol: Solution, some: slice, until: float = 1.0, step: int = 1) -> Pieces:
+    """The pieces of some of the cases, numbered from 0, of the first share `until` of their length.
+
+    step: where no orbit is known, every `step`-th station is used.
+    """
+    if sol.trajectory.orbit is None:
+        return of_stations(sol, some, step, until)
+    return of_orbit(sol.trajectory.orbit, some, until)
+
+
+def of_orbit(orbit: Any, some: slice, until: float = 1.0) -> Pieces:
+    """The pieces of some of the problems of an `Orbit` or a `Swing`, of the first share `until` of their length."""
     if not isinstance(orbit, MarchedOrbit):
-        return _of_panels(orbit, np.arange(some.start, some.stop), np.arange(some.stop - some.start), some)
+        return _of_panels(orbit, np.arange(some.start, some.stop), np.arange(some.stop - some.start), some, until)
     lost = orbit.lost[some]
-    found = [_of_steps(orbit, some, np.flatnonzero(~lost))] if not lost.all() else []
+    found = [_of_steps(orbit, some, np.flatnonzero(~lost), until)] if not lost.all() else []
     if lost.any() and orbit.rest is not None:
         first = int(np.count_nonzero(orbit.lost[: some.start]))
-        found.append(_of_panels(orbit.rest, first + np.arange(int(lost.sum())), np.flatnonzero(lost), some, orbit))
+        own = first + np.arange(int(lost.sum()))
+        found.append(_of_panels(orbit.rest, own, np.flatnonzero(lost), some, until, orbit))
     return joined_pieces(found, orbit.problem.take(some))
 
 
-def _of_panels(orbit: Any, own: Array, case: Array, some: slice, whole: Any = None) -> Pieces:
+def _of_panels(orbit: Any, own: Array, case: Array, some: slice, until: float, whole: Any = None) -> Pieces:
     """The pieces of the problems `own` of an `Orbit`, which are the problems `case` of the block."""
     panels = orbit.panels
     first, last = np.searchsorted(panels.arc, [2 * own[0], 2 * own[-1] + 2])
@@ -66,12 +75,12 @@ def _of_panels(orbit: Any, own: Array, case: Array, some: slice, whole: Any = No
     problem = orbit.problem.take(own)
     times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
     clock = orbit.since[mine], panels.duration[mine]
-    found = _covered(problem, panels.series[mine, :2], local, arc % 2 == 1, *clock, *times)
+    found = _covered(problem, panels.series[mine, :2], local, arc % 2 == 1, *clock, *times, until)
     block = (orbit if whole is None else whole).problem.take(some)
     return replace(found, problem=block, case=np.asarray(case)[found.case])
 
 
-def _of_steps(orbit: MarchedOrbit, some: slice, case: Array) -> Pieces:
+def _of_steps(orbit: MarchedOrbit, some: slice, case: Array, until: float) -> Pieces:
     """The pieces of the problems `case` of a block of a marched orbit: its steps, marched again."""
     own = some.start + case
     problem = orbit.problem.take(own)
@@ -87,7 +96,7 @@ def _of_steps(orbit: MarchedOrbit, some: slice, case: Array) -> Pieces:
     series[:, 0] = through(angle, _from_powers(order.size))
     series[:, 1, :-1] = through(rate, _from_powers(order.size - 1))
     times = orbit.ahead[own], orbit.back[own], orbit.period[own], orbit.kind[own]
-    found = _covered(problem, series, arc // 2, arc % 2 == 1, steps.since, width, *times)
+    found = _covered(problem, series, arc // 2, arc % 2 == 1, steps.since, width, *times, until)
     return replace(found, problem=orbit.problem.take(some), case=case[found.case])
 
 
@@ -102,16 +111,19 @@ def _covered(
     back: Array,
     period: Array,
     kind: Array,
+    until: float,
 ) -> Pieces:
-    """The pieces of panels that the rods cover, and how often, on arcs that last ahead and back."""
-    span = problem.span
+    """The pieces of panels that the rods cover up to a share of their length, and how often, on arcs that last ahead
+    and back."""
+    span = problem.span * until
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         rest = np.where(np.isfinite(period), np.fmod(span, period), span)
         periods = np.where(np.isfinite(period), np.round((span - rest) / period), 0.0)
     folded = (kind == LIBRATION)[case]
     whole = periods[case] * np.where(folded, 2, 1)
     begins = since + np.where(second, 2 * ahead[case], 0), 2 * (ahead[case] + second * back[case]) - since - duration
-    cut: list[tuple[Array, Array, Array, Array]] = []
+    done = periods * np.where(np.isfinite(period), period, 0.0)
+    cut: list[tuple[Array, ...]] = []
     for begin, returns in zip(begins, (False, True), strict=True):
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             share = np.clip((rest[case] - begin) / duration, 0, 1)
@@ -119,30 +131,33 @@ def _covered(
         whole = whole + (share == 1)
         some = np.flatnonzero((share > 0) & (share < 1))
         edge = 2 * share[some] - 1
-        cut.append((some, np.where(returns, -edge, -1), np.where(returns, 1, edge), share[some]))
+        first = (done[case] + begin)[some]
+        cut.append((some, np.where(returns, -edge, -1), np.where(returns, 1, edge), share[some], first))
     met = np.flatnonzero(whole > 0)
     row = np.concatenate([met, *(c[0] for c in cut)])
     low = np.concatenate([np.full(met.size, -1.0), *(c[1] for c in cut)])
     high = np.concatenate([np.ones(met.size), *(c[2] for c in cut)])
     time = np.concatenate([duration[met], *(c[3] * duration[c[0]] for c in cut)])
     count = np.concatenate([whole[met], np.ones(row.size - met.size)])
-    found = Pieces(problem, series, case[row], row, low, high, time, count, monotone=True)
+    enters = np.concatenate([begins[0][met], *(c[4] for c in cut)])
+    found = Pieces(problem, series, case[row], row, low, high, time, count, enters, monotone=True)
     still = np.flatnonzero(np.bincount(found.case, minlength=problem.size) == 0)  # nothing moves
     if still.size:
-        found = joined_pieces([found, _still(problem, still)], problem)
+        found = joined_pieces([found, _still(problem, still, span[still])], problem)
     return found
 
 
-def _still(problem: Reduced, case: Array, speed: Array | float = 0.0) -> Pieces:
-    """Rods of constant angle, each one piece."""
+def _still(problem: Reduced, case: Array, time: Array, speed: Array | float = 0.0) -> Pieces:
+    """Rods of constant angle, each one piece that lasts `time`."""
     series = np.zeros((case.size, 2, 1))
     series[:, 0, 0], series[:, 1, 0] = problem.beta0[case], speed
     one = np.ones(case.size)
-    return Pieces(problem, series, case, np.arange(case.size), -one, one, problem.span[case], one, monotone=True)
+    return Pieces(problem, series, case, np.arange(case.size), -one, one, time, one, 0 * one, monotone=True)
 
 
-def of_stations(sol: Solution, some: slice, step: int = 1) -> Pieces:
-    """The pieces between neighbouring stations of some of the cases, or between every `step`-th of them."""
+def of_stations(sol: Solution, some: slice, step: int = 1, until: float = 1.0) -> Pieces:
+    """The pieces between neighbouring stations of some of the cases, or between every `step`-th of them, up to the
+    share `until` of the length."""
     problem, n = sol.problem.take(some), sol.t.shape[1]
     kept = np.unique([*range(0, n, step), n - 1])
     t, beta, rate = (v[some][:, kept] for v in (sol.t, sol.trajectory.beta, sol.trajectory.dbeta))
@@ -157,11 +172,15 @@ def of_stations(sol: Solution, some: slice, step: int = 1) -> Pieces:
             data = [(v[:, end].reshape(-1)) * time**power for power, v in enumerate(values) for end in _ENDS]
             series[:, k] = np.stack(data, axis=1) @ _HERMITE @ _from_powers(6)
     row, one = np.arange(time.size), np.ones(time.size)
-    found = Pieces(problem, series, case, row, -one, one, time, one).take(time > 0)
+    begin = t[:, :-1].reshape(-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.clip((until * problem.span[case] - begin) / time, 0, 1) if until < 1 else one
+    found = Pieces(problem, series, case, row, -one, 2 * share - 1, share * time, one, begin)
+    found = found.take((time > 0) & (share > 0))
     short = np.flatnonzero(np.bincount(found.case, minlength=B) == 0)
     if not short.size:
         return found
-    points = _still(replace(problem, beta0=beta[:, 0]), short, rate[short, 0])
+    points = _still(replace(problem, beta0=beta[:, 0]), short, until * problem.span[short], rate[short, 0])
     return joined_pieces([found, points], problem)
 
 

@@ -5,6 +5,7 @@ A dimension is a pair of exponents (length, force); the unit of an angle is ``ra
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
 from .errors import InputError, no_such
 
@@ -73,6 +74,7 @@ _ROWS = (
     Quantity("kappa_max", "max κ", _PER_LENGTH, "largest curvature", estimated=True),
     Quantity("wraps", "wraps", _NUMBER, "wraps about the axis", estimated=True),
     Quantity("height", "z(L)", _LENGTH, "height of the far end", estimated=True),
+    Quantity("pitch", "pitch", _LENGTH, "height of one turn about the axis, in the middle third", estimated=True),
     Quantity(
         "contact_size_mean",
         "mean |f|",
@@ -94,7 +96,18 @@ _ROWS = (
         estimated=True,
     ),
     Quantity("push_max", "max push", (-1, 1), "largest push of the cylinder per length", estimated=True),
+    Quantity(
+        "push_middle",
+        "push in the middle",
+        (-1, 1),
+        "mean push per length in the middle third, pulls not counted",
+        estimated=True,
+    ),
     Quantity("attached", "attached", _NUMBER, "share of the length where the cylinder pushes", estimated=True),
+    Quantity("lift_off_at", "lift-off at s", _LENGTH, "first s where the cylinder pulls (L: nowhere)", estimated=True),
+    Quantity("F3_size_max", "max |F₃|", _FORCE, "largest size of the internal force along the tangent", estimated=True),
+    Quantity("bending_moment_max", "max M", _MOMENT, "largest bending moment", estimated=True),
+    Quantity("bending_stress_max", "max σ", (-2, 1), "largest bending stress, E a kappa", estimated=True),
     Quantity("overlaps", "overlaps", _NUMBER, "1 where the rod intersects itself, else 0"),
     Quantity("energy", "energy", _MOMENT, "bending and twist energy minus the work of the dead loads", estimated=True),
     Quantity("bending_energy", "bending energy", _MOMENT, "bending energy", estimated=True),
@@ -142,11 +155,16 @@ def unit_of(name: str, units: Mapping[str, str]) -> str:
         return ""
     if isinstance(dimension, str):
         return dimension.replace("length", units["length"])
+    return unit_text(dimension, units)
+
+
+def unit_text(dimension: tuple[Fraction | int, Fraction | int], units: Mapping[str, str]) -> str:
+    """The unit of exponents of length and force: ``N/cm^2``; ``1`` for a plain number."""
     length, force = dimension
     above = [_power(units[key], n) for key, n in (("force", force), ("length", length)) if n > 0]
     below = [_power(units[key], -n) for key, n in (("force", force), ("length", length)) if n < 0]
     return " ".join(above or ["1"]) + "".join(f"/{unit}" for unit in below)
 
 
-def _power(unit: str, exponent: int) -> str:
-    return unit if exponent == 1 else f"{unit}^{exponent}"
+def _power(unit: str, exponent: Fraction | int) -> str:
+    return unit if exponent == 1 else f"{unit}^{exponent}" if exponent == int(exponent) else f"{unit}^({exponent})"

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from solver.observe.observables import OBSERVABLES
 from studies import READINGS, TABLE_1
 from studies.axes import FORCES, LENGTHS, in_rad
+from studies.law_kinds import KINDS, MONOTONE
 from studies.laws import DIRECTIONS
 from studies.model import OUTPUTS
 
@@ -136,6 +137,8 @@ def which() -> Any:
 def _what_is_computed(draw: Any, said: dict[str, Any]) -> None:
     if draw(st.booleans()):
         said["observables"] = draw(st.lists(st.sampled_from(sorted(OBSERVABLES)), max_size=5, unique=True))
+    if count := draw(st.integers(0, len(EXPRESSIONS))):
+        said["expressions"] = dict(list(EXPRESSIONS.items())[:count])
     if draw(st.booleans()):
         said["outputs"] = draw(st.lists(st.sampled_from(OUTPUTS), max_size=5, unique=True))
     if draw(st.booleans()):
@@ -154,9 +157,11 @@ def laws(draw: Any, varied: dict[str, Any]) -> dict[str, Any]:
         "claim": draw(WORDS.filter(str.strip)),
         "observable": draw(st.sampled_from(sorted(OBSERVABLES))),
         "axis": axis,
-        "direction": draw(st.sampled_from(sorted(DIRECTIONS))),
         "source": draw(WORDS.filter(str.strip)),
     }
+    if (kind := draw(st.sampled_from([MONOTONE, *KINDS]))) != MONOTONE:
+        return {**law, "kind": kind, **draw(rules(kind, law["observable"], axis))}
+    law["direction"] = draw(st.sampled_from(sorted(DIRECTIONS)))
     if draw(st.booleans()):
         law["also"] = draw(st.lists(st.sampled_from(sorted(OBSERVABLES)), max_size=3, unique=True))
     if draw(st.booleans()):
@@ -170,6 +175,23 @@ def laws(draw: Any, varied: dict[str, Any]) -> dict[str, Any]:
             name: draw(number(name)) for name in draw(st.lists(st.sampled_from(others), min_size=1, unique=True))
         }
     return law
+
+
+def rules(kind: str, observable: str, axis: str) -> st.SearchStrategy[dict[str, Any]]:
+    """The keys of a law with numbers, each a number or a formula."""
+    size = st.floats(1e-9, 1e9)
+    value = st.one_of(st.floats(-1e9, 1e9), st.sampled_from([f"2*{observable}", f"-{observable}/pi", "0"]))
+    place = st.one_of(st.floats(-1e9, 1e9), st.sampled_from([f"{axis}*2", f"abs({axis})"]))
+    ways: dict[str, list[dict[str, st.SearchStrategy[Any]]]] = {
+        "equals": [{"formula": value, "relative": size}, {"formula": value, "absolute": size}],
+        "bounded": [{"least": value}, {"most": value}, {"least": value, "most": value}],
+        "scales": [{"exponent": st.floats(-9, 9), "within": size}],
+        "boundary": [{"passes": value, "x": place, "within": size}],
+    }
+    return st.one_of([st.fixed_dictionaries(way) for way in ways[kind]])
+
+
+EXPRESSIONS = {"first": "attached < 0.9", "second": "first + turns/pi", "third": "kappa_max*rho**0.5", "fourth": "-L"}
 
 
 # what a study cannot be, or hardly

@@ -30,6 +30,7 @@ VERDICTS = {  # of the laws of each figure under the default reading
     ],
     "regimes": [("qualified", ["on part of the grid"]), ("qualified", ["on part of the grid"])],
     "samples_pipe": [],
+    "pipe_lubinski": [("holds", [])] * 6,
 }
 PAPER = [name for name in names() if name.startswith("fig")]
 

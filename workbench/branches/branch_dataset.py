@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from solver import Case, equilibria
 from solver.equilibria import Equilibrium
-from solver.observe.observables import observe
+from solver.observe.observables import OBSERVABLES, observe
 from studies import Study
 from studies.axes import quantity_of
-from studies.laws import QUALIFIED, Law, decide
+from studies.law import Law
+from studies.laws import QUALIFIED, decide
 
 from ..data import schema
 from ..run.case_input import with_fields
@@ -51,7 +52,7 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Callable[[str]
     def at(value: float) -> list[Equilibrium]:
         return equilibria(with_fields(case, {name: value}), stations=STATIONS)
 
-    laws = [law for law in study.laws if law.axis == name]
+    laws = [law for law in study.laws if law.axis == name and _is_of_observables(law)]
     units = study.unit_system
     found, branch, meetings = track(at, [float(x) for x in values], lambda value: step(f"{name} = {value:.4g}"))
     most = max((len(members) for members in found), default=0)
@@ -99,6 +100,11 @@ def _numbers(found: Sequence[Sequence[Equilibrium]], most: int, laws: Sequence[L
             for key, value in numbers.items():
                 table[key][k, i] = value
     return table
+
+
+def _is_of_observables(law: Law) -> bool:
+    """Whether a law is about the direction of observables; expressions and formulas are those of a stored study."""
+    return law.direction is not None and set(law.observables) <= set(OBSERVABLES)
 
 
 def _branch_pairs(branch: Sequence[Sequence[int]], meetings: Sequence[Meeting]) -> NDArray[np.int64]:

@@ -41,7 +41,10 @@ def _listed() -> list[dict[str, Any]]:
         study = load(name, draw=False)
         units = study.unit_system
         axes = [_axis(field, axis, unit_of(quantity_of(field).name, units)) for field, axis in study.axes.items()]
-        laws = [{key: getattr(law, key) for key in ("claim", "observable", "direction", "axis")} for law in study.laws]
+        laws = [
+            {key: getattr(law, key) for key in ("claim", "kind", "observable", "direction", "does", "axis")}
+            for law in study.laws
+        ]
         sampled = {"samples": study.samples_count, "sampled": list(study.sampled)}
         rows.append({"study": name, "title": study.title, **sampled, "axes": axes, "laws": laws})
     return rows

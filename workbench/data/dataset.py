@@ -12,12 +12,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver import Case
-from studies import Study, paired
+from studies import Study, expressions, paired
 from studies.axes import quantity_of
 from studies.dimensions import Dimensions
 
 from . import cautions
-from .schema import COMPONENTS, FORMAT, INNER, LOADS, Columns, curve_name, dimension, labels, laws_text
+from .schema import COMPONENTS, FORMAT, INNER, LOADS, Columns, curve_name, dimension, labels, labels_in, laws_text
 
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
 # How exact the observables are, in words.
@@ -69,7 +69,7 @@ def make(study: Study, over: Dimensions, columns: Columns, first: str = "") -> x
     for row in stored(study, over):
         values = columns[row.column]
         values = values.reshape((*over.shape, *values.shape[1:]))
-        ds[row.name] = xr.Variable(row.dims, values, labels(row.row, study.unit_system))
+        ds[row.name] = xr.Variable(row.dims, values, labels_in(study, row.row))
     return ds.assign_attrs(caution=cautions.sentence(ds))
 
 
@@ -84,6 +84,9 @@ def frame(study: Study, over: Dimensions, first: str = "") -> xr.Dataset:
         if name not in coords:
             owner = {"R": case.cylinder, "rho": case}.get(name, case.rod)
             data[name] = xr.Variable(*_own_dims(getattr(owner, name), axes), labels(name, units))
+    for field, value in expressions.used_by_laws(study).items():
+        if dimension(field) not in (*coords, *data, *LOADS):
+            data[dimension(field)] = xr.Variable((), float(value), _axis_labels(study, field))
     u = np.linspace(0.0, 1.0, study.stations)
     coords["u"] = xr.Variable(("u",), u, labels("u", units))
     dims, length = _own_dims(case.rod.L, axes)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver.problem.quantities import quantity
+from solver.problem.quantities import QUANTITIES
 from studies.axes import quantity_of
 from studies.dimensions import SAMPLE
 
@@ -71,6 +71,11 @@ def symbol(array: xr.DataArray) -> str:
     return str(array.attrs.get("symbol", array.name))
 
 
+def symbol_of(name: str) -> str:
+    """The symbol of a quantity; of an expression its name."""
+    return QUANTITIES[name].symbol if name in QUANTITIES else name
+
+
 def long_name(array: xr.DataArray) -> str:
     """The long name of a stored variable, without what stands in brackets."""
     return typeset(str(array.attrs.get("long_name", array.name)).partition(" (")[0])
@@ -85,7 +90,7 @@ def typeset(text: str) -> str:
 
 def law_text(row: Mapping[str, Any], text: str) -> str:
     """A text about a law (a row of `law_verdicts.verdicts`), with symbols for the names of its observables and axes."""
-    letters = {one["observable"]: quantity(one["observable"]).symbol for one in (row, *row.get("also", ()))}
+    letters = {one["observable"]: symbol_of(one["observable"]) for one in (row, *row.get("also", ()))}
     letters |= {axis: axis_symbol(axis) for axis in (row.get("axis"), *row["at"]) if axis}
     return typeset(re.sub(r"\w+", lambda word: letters.get(word[0], word[0]), text))
 

@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from studies import reasons
-from studies.laws import DIRECTIONS, FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, Law, by_line, decide
+from studies.law import Law
+from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, by_line, decide
+
+from . import law_numbers, schema
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,7 +27,8 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
         axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
         observed = {name: ds[name].values for name in law.observables if name in ds}
         steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
-        rows.append(decide(law, observed, axes, steps))
+        counts = [name for name in observed if schema.is_count(ds[name])]
+        rows.append(decide(law, observed, axes, steps, counts, law_numbers.of_law(ds, law)))
     return rows
 
 
@@ -34,7 +38,10 @@ def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
 
     axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
     others = [dim for dim in axes if dim != law.axis]
-    found = by_line(law, ds[law.observable].transpose(*axes).values, axes, crossings(ds, law.axis))
+    observed = ds[law.observable].transpose(*axes)
+    counts = [law.observable] if schema.is_count(observed) else []
+    known = law_numbers.of_law(ds, law)
+    found = by_line(law, observed.values, axes, crossings(ds, law.axis), counts, known)
     return xr.DataArray(found, {dim: ds[dim] for dim in others}, others)
 
 
@@ -98,11 +105,14 @@ def tallied(rows: Sequence[Mapping[str, Any]]) -> str:
 
 def stated(row: Mapping[str, Any]) -> str:
     """The law in words: ``turns falls along E``."""
-    return f"{row['observable']} {DIRECTIONS[row['direction']].does} along {row['axis']}"
+    return f"{row['observable']} {row['does']} along {row['axis']}"
 
 
 def measured(row: Mapping[str, Any]) -> str:
-    """What was measured at the two ends of the axis: ``8 → 5``, or ranges over the lines of a grid."""
+    """What was measured: ``exponent 2 ± 0.001``; of a direction the values at the two ends of the axis, ``8 → 5``, or
+    their ranges over the lines of a grid."""
+    if row["found"]:
+        return str(row["found"])
     return f"{_span(row['first'])} → {_span(row['last'])}"
 
 
@@ -123,7 +133,7 @@ def detail(row: Mapping[str, Any]) -> str:
     if row["verdict"] == QUALIFIED:
         return "; ".join(notes)
     if row["exceptions"]:
-        notes.append(f"{len(row['exceptions'])} of {row['steps']} steps the wrong way")
+        notes.append(f"{len(row['exceptions'])} of {row['steps']} {row['counted']}")
     if row["tau"] is not None and row["verdict"] != HOLDS:
         notes.append(f"tau {row['tau']:.2f}")
     return "; ".join(notes)

@@ -11,7 +11,7 @@ from solver.problem.errors import InputError
 from studies import names
 from studies.axes import FIELDS
 from studies.dimensions import SAMPLE
-from studies.laws import Law
+from studies.law import Law
 
 from . import escaping, value_checks
 from .file_checks import refusing, shown, validated

@@ -7,9 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.observe import observables
+from solver.observe.observables import OBSERVABLES
 from solver.problem.quantities import quantity, unit_of
+from studies import expressions
 from studies.axes import WORDS, quantity_of
 from studies.dimensions import SAMPLE
+from studies.formulas import parse
 from studies.model import OUTPUTS
 
 if TYPE_CHECKING:
@@ -79,6 +83,30 @@ def labels(name: str, units: Mapping[str, str]) -> dict[str, str]:
     """The attributes of a variable of that quantity: units, long_name, symbol."""
     row = quantity(name)
     return {"units": unit_of(name, units), "long_name": row.long_name, "symbol": row.symbol}
+
+
+def labels_in(study: "Study", name: str) -> dict[str, str]:
+    """The attributes of a variable of a study: those of its quantity, or of its expression."""
+    text = study.expressions.get(name.removesuffix("_error"))
+    if text is None:
+        return labels(name, study.unit_system)
+    own = name.removesuffix("_error")
+    unit = expressions.unit(study, own)
+    if name != own:
+        return {"units": unit, "long_name": f"estimated error of: {own}", "symbol": f"δ({own})"}
+    return {"units": unit, "long_name": own.replace("_", " "), "symbol": own, "expression": text}
+
+
+def observables_of(ds: "xr.Dataset") -> list[str]:
+    """The observables and expressions that a dataset stores, in their order."""
+    stored = [name for name in OBSERVABLES if name in ds.data_vars]
+    return [*stored, *(str(name) for name in ds.data_vars if "expression" in ds[name].attrs)]
+
+
+def is_count(array: "xr.DataArray") -> bool:
+    """Whether an observable or expression is a whole number. Raises `InputError` for an invalid expression."""
+    text = array.attrs.get("expression")
+    return observables.is_count(str(array.name)) if text is None else parse(str(text)).whole
 
 
 def laws_text(study: "Study") -> str:

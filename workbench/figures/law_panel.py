@@ -1,4 +1,4 @@
-"""The panel of a law: its observable against its axis, the verdict with its reason, and each step the wrong way."""
+"""The panel of a law: its observable against its axis, its formula, the verdict with its reason, and what is wrong."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,11 +6,13 @@ from typing import Any
 import xarray as xr
 from matplotlib.axes import Axes
 
-from studies.laws import DIRECTIONS, FAILS
+from studies.law_kinds import MONOTONE
+from studies.laws import FAILS
 from studies.reasons import DOES
 
 from ..data import labels, law_verdicts
 from . import legend, style
+from .law_curve import curve
 from .trends import trend
 
 
@@ -20,10 +22,14 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> Axes:
     for step in row["exceptions"]:
         if all(step["at"][name] == value for name, value in row["at"].items()):
             ends = [labels.in_label_unit(ds[row["axis"]], step[end]) for end in ("from", "to")]
+            case = step["from"] == step["to"]
+            how: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": "none"} if case else {}
             ax.plot(ends, step["values"], color=style.VERDICT_COLOURS[FAILS], linewidth=3, alpha=0.75, zorder=3,
-                    label="a step the wrong way")  # fmt: skip
-    law = f"{labels.long_name(ds[row['observable']])} {DIRECTIONS[row['direction']].does} with"
-    title = f"{row['claim']}  {law} {labels.axis_symbol(row['axis'])}:"
+                    label="a case outside" if case else "a step the wrong way", **how)  # fmt: skip
+    curve(ds, ax, row)
+    name = labels.long_name if row["kind"] == MONOTONE else labels.symbol
+    law = f"{name(ds[row['observable']])} {row['does']} {'with' if row['kind'] == MONOTONE else 'along'}"
+    title = labels.minus_signs(f"{row['claim']}  {law} {labels.axis_symbol(row['axis'])}:")
     pad = 6 + _write_verdict(ax, row)
     ax.set_title(style.wrapped(title, ax), loc="left", pad=pad)
     if row["also"]:
@@ -40,7 +46,8 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> Axes:
 def _write_verdict(ax: Axes, row: Mapping[str, Any]) -> float:
     """Write the verdict above the axes and its reason below it, in the verdict's colour; their height in points."""
     colour = style.VERDICT_COLOURS[row["verdict"]]
-    reason = style.wrapped(labels.law_text(row, law_verdicts.detail(row)), ax, style.SMALL)
+    measured = "; ".join(text for text in (row["found"], law_verdicts.detail(row)) if text)
+    reason = style.wrapped(labels.law_text(row, measured), ax, style.SMALL)
     below = 11 * (reason.count("\n") + 1) if reason else 0
     above: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom",
                              "color": colour}  # fmt: skip

@@ -7,11 +7,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator, NullLocator
 
-from solver.observe.observables import is_count
 from solver.problem.errors import no_such
 from studies.laws import FAILS, NOISE
 
-from ..data import labels, selection
+from ..data import labels, schema, selection
 from . import style
 from .developed import axis_label
 from .scales import is_geometric
@@ -45,7 +44,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     ax.margins(x=0.04, y=0.1)
     ax.yaxis.set_major_formatter(labels.tick)
     drawn = lines.values[np.isfinite(lines.values)]
-    if is_count(observable):
+    if schema.is_count(ds[observable]):
         ax.yaxis.set_major_locator(MaxNLocator(integer=True))
         if drawn.size and np.ptp(drawn) < 2:
             count = round(float(drawn.mean()))

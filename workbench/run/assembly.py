@@ -85,7 +85,7 @@ def _created(file: Any, plan: Plan, row: dataset.Stored, values: NDArray[Any]) -
     if shape:
         kind |= {"chunks": grid_io.packing(shape), **schema.packing(len(shape), values.dtype)}
     variable = file.create_variable(row.name, row.dims, **kind)
-    for key, text in schema.labels(row.row, plan.study.unit_system).items():
+    for key, text in schema.labels_in(plan.study, row.row).items():
         variable.attrs[key] = text
     if values.dtype.kind == "b":
         variable.attrs["dtype"] = "bool"

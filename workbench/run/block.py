@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from solver import Case, Solution, equilibria, solve
 from solver.boundary.selection import NEAREST
 from solver.equilibria import nearest
-from solver.observe.observables import observe
-from studies import Study
+from studies import Study, expressions
 from studies.axes import Which
 
 from ..data import cautions
@@ -75,7 +74,8 @@ def block_of(study: Study, part: Chunk) -> Columns:
         states = walked(study, Grid(part.shape), part.values, part.start, part.states)
         return joined([_columns_of(study, state) for state in states])
     case = study.case_of(part.values)
-    return columns(study, solve_one(case, study.equilibrium, study.tol, study.method, study.stations))
+    sol = solve_one(case, study.equilibrium, study.tol, study.method, study.stations)
+    return columns(study, sol, part.values)
 
 
 def _columns_of(study: Study, state: State) -> Columns:
@@ -95,11 +95,11 @@ def solve_one(case: Case, which: Which | None, tol: float, method: str, stations
     return found if method in ("auto", found.method) else solve(case, tol, method, stations, seed=found)
 
 
-def columns(study: Study, sol: Solution) -> Columns:
+def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None) -> Columns:
     """What is stored of each case, (cases, ...): outputs, observables, loads, outcome, errors and caution.
 
     The caution is judged for every case, whatever else is stored. Numbers of a case that is not solved are NaN, except
-    its loads.
+    its loads. given: the values of the fields that vary, (cases,) each, as the study gives them.
     """
     cases = sol.case.size
     mine = np.asarray(sol.solved).reshape(-1)
@@ -107,16 +107,23 @@ def columns(study: Study, sol: Solution) -> Columns:
     for name in study.outputs:
         found[name] = _where(mine, np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *inner_shape(name)))
     # in one call, as several observables share what they are measured from
-    observed = observe(sol, dict.fromkeys((*study.wanted, *cautions.JUDGED)), errors=True)
+    observed, remarks = expressions.observed(study, sol, (*study.wanted, *cautions.JUDGED), given or {})
     for name in study.recorded:
         found[name] = _where(mine, np.asarray(observed[name]).reshape(-1))
     found["solved"] = mine
-    found["outcome"] = np.asarray(sol.outcome).astype(str).reshape(-1)
+    found["outcome"] = _remarked(np.asarray(sol.outcome).astype(str).reshape(-1), np.where(mine, remarks, ""))
     caution = cautions.of_cases(sol, observed)
     found["caution"] = np.asarray(caution).reshape(-1)
     for name in ("error", "condition", *(name for name in LOADS if name not in study.varied)):
         found[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)
     return found
+
+
+def _remarked(outcomes: NDArray[Any], remarks: NDArray[Any]) -> NDArray[Any]:
+    """The outcomes with the remarks on numbers that have no value."""
+    if not (remarks != "").any():
+        return outcomes
+    return np.array([f"{a}; {b}" if b else a for a, b in zip(outcomes.tolist(), remarks.tolist(), strict=True)])
 
 
 def unsolved(study: Study, cases: int, outcome: str) -> Columns:

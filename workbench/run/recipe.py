@@ -15,7 +15,7 @@ import studies
 from solver.methods import METHODS, available
 from solver.problem.errors import InputError
 from studies import Study
-from studies.laws import Law
+from studies.law import Law
 
 if TYPE_CHECKING:
     from .plan import Plan
@@ -35,6 +35,7 @@ def recipe(plan: "Plan") -> dict[str, Any]:
         "stations": study.stations,
         "outputs": sorted(study.outputs),
         "observables": sorted(study.wanted),
+        "expressions": dict(study.expressions),
         "laws": {str(i): _law_line(law) for i, law in enumerate(study.laws, 1)},  # their verdicts are stored as well
         "tol": study.tol,
         "method": study.method,

@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.observe.observables import OBSERVABLES
 from studies.dimensions import SAMPLE
 
 from ..data import branch_numbers, file_checks, law_verdicts, reading, schema
@@ -42,7 +41,7 @@ def summary(path: Path) -> dict[str, Any]:
         outcomes = counted(ds["outcome"], ds["solved"])
         told["unsolved"] = unsolved(ds)
         told["outcomes"] = dict(outcomes.most_common())
-        told["observables"] = [_spread(ds[name]) for name in OBSERVABLES if name in ds.data_vars]
+        told["observables"] = [_spread(ds[name]) for name in schema.observables_of(ds)]
         told["worst"] = [_worst(ds, name) for name in ("error", "condition")]
         rows = law_verdicts.verdicts(ds)
         told |= {"verdicts": law_verdicts.tally(rows), "laws": [_law(row) for row in rows]}

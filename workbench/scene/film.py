@@ -17,10 +17,9 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
-from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError, choices, no_such
 
-from ..data import atomic, labels, law_verdicts, selection
+from ..data import atomic, labels, law_verdicts, schema, selection
 from ..figures import canvas, style
 from ..figures.trends import trend
 from . import page
@@ -67,7 +66,7 @@ def observable_of(ds: xr.Dataset, axis: str, name: str | None = None) -> str:
 
     Raises `InputError` where the dataset stores no such observable.
     """
-    stored = [one for one in OBSERVABLES if one in ds and ds[one].dims == ds["outcome"].dims]
+    stored = [one for one in schema.observables_of(ds) if ds[one].dims == ds["outcome"].dims]
     if not stored:
         raise InputError("the dataset stores no observable whose curve could be drawn: add some to the study")
     if name is not None:

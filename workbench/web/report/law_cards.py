@@ -7,9 +7,9 @@ from typing import Any
 
 import xarray as xr
 
-from solver.problem.quantities import quantity
 from studies import reasons
-from studies.laws import DIRECTIONS, FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
+from studies.law_kinds import MONOTONE
+from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
 from ...data import labels, law_verdicts
 
@@ -19,9 +19,10 @@ CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "u
 def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
     """One law and the other observables that it names, as text."""
     words = labels.long_name(ds[row["observable"]])
+    along = "with" if row["kind"] == MONOTONE else "along"
     return {
         "claim": row["claim"],
-        "stated": f"{words} {DIRECTIONS[row['direction']].does} with {labels.axis_symbol(row['axis'])}",
+        "stated": labels.minus_signs(f"{words} {row['does']} {along} {labels.axis_symbol(row['axis'])}"),
         "name": row["observable"],
         **_verdict(row),
         "fixed": row["fixed"] or "not stated",
@@ -71,7 +72,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
         for claim, verdict in zip(claims, verdicts, strict=True):
             laws = [row for row in found[str(reading)] if row["claim"] == claim]
             measured = [
-                f"{quantity(row['observable']).symbol} {labels.minus_signs(law_verdicts.measured(row))}"
+                f"{labels.symbol_of(row['observable'])} {labels.minus_signs(law_verdicts.measured(row))}"
                 for row in laws
                 if row["first"]
             ]

@@ -62,7 +62,9 @@ def _labelled(
     unsolved: list[list[int]],
 ) -> xr.Dataset:
     both = ("reading", "law")
-    laws = [f"{row['claim']} {row['observable']} {row['direction']} along {row['axis']}" for row in rows[0]]
+    laws = [
+        f"{row['claim']} {row['observable']} {row['direction'] or row['does']} along {row['axis']}" for row in rows[0]
+    ]
     claims = list(dict.fromkeys(row["claim"] for row in rows[0]))
 
     def table(key: str, of: Callable[[Any], Any] = lambda value: value) -> Any:

@@ -1,0 +1,228 @@
+"""The expressions of a study: observables given by formulas, the names that formulas may use, and their values."""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from fractions import Fraction
+from keyword import iskeyword
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver import Cylinder, Ends, InputError, Rod, Solution, Start
+from solver.observe.observables import OBSERVABLES, error_name, observe
+from solver.problem.quantities import QUANTITIES, unit_text
+from solver.problem.reduced import flat
+
+from .axes import FIELDS, WORDS, Misplaced, quantity_of
+from .formula_units import PLAIN, Dimension, dimension, unit_words
+from .formula_values import evaluate
+from .formulas import CONSTANTS, FUNCTIONS, Formula, parse
+from .readings import TABLE_1
+
+if TYPE_CHECKING:
+    from .law import Law
+    from .model import Study
+
+MOST_EXPRESSIONS = 100
+MOST_NAME = 40  # characters
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+RESERVED = ("xyz", "director", "sample", "fold", "fold_dbeta0", "fold_energy", "member", "side")  # names in files
+
+# Numbers of each case beside the fields of the study: how each is taken from a solution.
+LOADS = ("FZ", "MZ", "M3")
+OF_CASE = ("rho", "bending_stiffness", "torsional_stiffness", *LOADS, "error", "condition")
+
+
+def dimension_of(name: str) -> Dimension:
+    """The dimension of a quantity or of a field of a case; an angle and a count are plain numbers."""
+    row = QUANTITIES[name] if name in QUANTITIES else quantity_of(name)
+    if isinstance(row.dimension, str):
+        return (Fraction(-1), Fraction(0)) if row.dimension == "rad/length" else PLAIN
+    return Fraction(row.dimension[0]), Fraction(row.dimension[1])
+
+
+def names(study: "Study") -> dict[str, Dimension]:
+    """The names that the laws of a study may use, with their dimensions: units, numbers of each case, observables.
+
+    The fields of the case are those that `[base]`, `[axes]`, Table 1 of a reading, or a default give.
+    """
+    known = unit_names(study.unit_system)
+    for name in given_fields(study):
+        known[name] = PLAIN if quantity_of(name).dimension == "rad" else dimension_of(quantity_of(name).name)
+    for name in (*OF_CASE, *OBSERVABLES):
+        known[name] = dimension_of(name)
+    for name, text in study.expressions.items():
+        known[name] = dimension(parse(text), known, study.unit_system)
+    return known
+
+
+def unit_names(units: Mapping[str, str]) -> dict[str, Dimension]:
+    """The units of a study as names, each the number 1: ``cm`` and ``N``, so that ``10*cm`` is a length."""
+    return {
+        "inch" if units["length"] == "in" else units["length"]: (Fraction(1), Fraction(0)),
+        units["force"]: (Fraction(0), Fraction(1)),
+    }
+
+
+def check(study: "Study") -> None:
+    """Raise `Misplaced` unless every expression has a free name, a valid formula, names above it and fitting units."""
+    if len(study.expressions) > MOST_EXPRESSIONS:
+        raise Misplaced(
+            f"{len(study.expressions)} expressions, more than the limit of {MOST_EXPRESSIONS}", "expressions"
+        )
+    taken = {*QUANTITIES, *FIELDS, *FUNCTIONS, *CONSTANTS, *RESERVED, *unit_names(study.unit_system)}
+    for name in study.expressions:
+        if not NAME.fullmatch(name) or len(name) > MOST_NAME or iskeyword(name):
+            rule = f"must be at most {MOST_NAME} letters, digits and _ that begin with a letter"
+            raise Misplaced(f"the name of an expression {rule}, got {name[:60]!r}", "expressions", name)
+        if name in taken or name.endswith(("_error", "_along")):
+            raise Misplaced(f"the name {name!r} is taken; choose another for the expression", "expressions", name)
+    known = names(study.model_copy(update={"expressions": {}}))
+    for name, text in study.expressions.items():
+        try:
+            below = [one for one in parse(text).names if one in study.expressions and one not in known]
+            if below:
+                raise InputError(f"{below[0]!r} is not above this expression, which can use only those above it")
+            known[name] = dimension(parse(text), known, study.unit_system)
+        except InputError as error:
+            raise Misplaced(str(error), "expressions", name) from None
+
+
+def check_law(study: "Study", number: int, law: "Law") -> None:
+    """Raise `Misplaced` unless the formulas of a law use known names and have the unit of what they stand for."""
+    known, units = names(study), study.unit_system
+    for key, formula in law.formulas.items():
+        owner = law.axis if key == "x" else law.observable
+        try:
+            found, wanted = dimension(formula, known, units), known[owner]
+            if found != wanted:
+                told = f"{formula.text!r} is {unit_words(found, units)}, but {owner} is {unit_words(wanted, units)}"
+                raise InputError(told)
+        except InputError as error:
+            raise Misplaced(str(error), "laws", number, key) from None
+
+
+def unit(study: "Study", name: str) -> str:
+    """The unit of an expression in the units of the study."""
+    return unit_text(names(study)[name], study.unit_system)
+
+
+def error_of(study: "Study", name: str) -> str | None:
+    """The name of the error of an observable or expression, or None for a whole number."""
+    if name not in study.expressions:
+        return error_name(name)
+    return None if parse(study.expressions[name]).whole else f"{name}_error"
+
+
+def needed(formulas: Iterable[Formula], expressions: Mapping[str, str]) -> list[str]:
+    """The names that formulas use, and those that the expressions among them use."""
+    found: dict[str, None] = {}
+    left = [name for formula in formulas for name in formula.names]
+    while left:
+        name = left.pop()
+        if name not in found:
+            found[name] = None
+            left += parse(expressions[name]).names if name in expressions else ()
+    return list(found)
+
+
+def observed(
+    study: "Study", sol: Solution, wanted: Iterable[str], given: Mapping[str, Any]
+) -> tuple[dict[str, NDArray[Any]], NDArray[np.str_]]:
+    """Observables and expressions of a solution with their errors, (cases,) each, and remarks on missing values.
+
+    wanted: names of observables; every expression of the study is added. given: the values of the fields that vary, as
+    the study gives them. A remark, (cases,), says why an expression or an observable has no value; "" elsewhere.
+    """
+    formulas = {name: parse(text) for name, text in study.expressions.items()}
+    used = [*wanted, *needed(formulas.values(), study.expressions)]
+    found = observe(sol, dict.fromkeys(name for name in used if name in OBSERVABLES), errors=True)
+    known: dict[str, NDArray[Any]] = {name: np.reshape(values, -1) for name, values in found.items()}
+    remarks = np.full(sol.case.size, "", dtype=object)
+    for name in dict.fromkeys(wanted):
+        if name in OBSERVABLES and OBSERVABLES[name].undefined:
+            _remark(
+                remarks, np.isnan(known[name].astype(float)), f"{name} is not defined: {OBSERVABLES[name].undefined}"
+            )
+    if not formulas:
+        return known, remarks.astype(str)
+    fixed = {name: _number(study, sol, name, given) for name in _others(study, used, known)}
+    for name, formula in formulas.items():
+        one, reasons = evaluate(formula, {**fixed, **known})
+        values, why = np.broadcast_to(one, sol.case.size), np.broadcast_to(reasons, sol.case.size)
+        for reason in dict.fromkeys(why.tolist()):
+            if reason:
+                _remark(remarks, why == reason, f"{name} has no value: {reason}")
+        known[name] = values
+        if not formula.whole:
+            known[f"{name}_error"] = _error(formula, {**fixed, **known}, values)
+    return known, remarks.astype(str)
+
+
+def _error(formula: Formula, known: Mapping[str, Any], values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The sum over the names of the largest change of a formula when that name changes by its error."""
+    total = np.zeros(values.shape)
+    for name in formula.names:
+        error = known.get(f"{name}_error")
+        if error is None:
+            continue
+        changed = [evaluate(formula, {**known, name: known[name] + sign * error})[0] for sign in (-1, 1)]
+        total = total + np.maximum(*(np.abs(one - values) for one in changed))
+    return total + 8 * 2.0**-52 * np.abs(values)
+
+
+def _others(study: "Study", used: Iterable[str], known: Mapping[str, Any]) -> list[str]:
+    return [name for name in dict.fromkeys(used) if name not in known and name not in study.expressions]
+
+
+def _number(study: "Study", sol: Solution, name: str, given: Mapping[str, Any]) -> Any:
+    """A number of each case by its name, (cases,) or one for all."""
+    if name in unit_names(study.unit_system):
+        return 1.0
+    case = sol.case
+    if name in ("error", "condition", *LOADS):
+        return np.reshape(getattr(sol, name), -1).astype(float)
+    if name in OF_CASE:
+        return flat(getattr(case if name == "rho" else case.rod, name), case.shape)
+    if not study.reading or name == "betaL":
+        for part in (case.rod, case.cylinder, case.given):
+            if getattr(part, name, None) is not None:
+                return flat(getattr(part, name), case.shape)
+    if name in given:
+        return np.reshape(given[name], -1)
+    return float(as_given(study)[name])
+
+
+def as_given(study: "Study") -> dict[str, Any]:
+    """The numbers that are the same in all cases, as the study gives them: of its base, of Table 1, or by default."""
+    return {**(TABLE_1 if study.reading else _DEFAULTS), **study.base.given}
+
+
+def used_by_laws(study: "Study") -> dict[str, Any]:
+    """The numbers of `as_given` that formulas of the laws use."""
+    used = {name for law in study.laws for formula in law.formulas.values() for name in formula.names}
+    return {name: value for name, value in as_given(study).items() if name in used and name not in WORDS}
+
+
+_DEFAULTS = {
+    field.name: field.default
+    for kind in (Rod, Cylinder, Start, Ends)
+    for field in fields(kind)
+    if isinstance(field.default, float)
+}
+
+
+def given_fields(study: "Study") -> list[str]:
+    """The numeric fields of the case that have a value in every case: given, on an axis, or by default."""
+    fixed = as_given(study)
+    varied = [name for name in study.varied if name not in study.fields]
+    known = [name for name in study.fields if name in fixed or name in study.varied]
+    own = ("dbeta",) if study.follow else ()  # a followed equilibrium has its own
+    return [name for name in (*known, *varied) if name not in (*WORDS, *own)]
+
+
+def _remark(remarks: NDArray[Any], where: NDArray[np.bool_], text: str) -> None:
+    """Add a remark to those of some cases."""
+    remarks[where] = [f"{one}; {text}" if one else text for one in remarks[where]]

@@ -1,0 +1,142 @@
+"""Expressions of a study: their names, their units, and the values that a solution gives them."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver import InputError, observe, solve
+from studies import expressions
+from studies.expressions import observed
+from studies.loader import load, loads
+from studies.writer import dumps
+
+HEAD = 'title = "one"\nreading = "force-first/compression/paper"\nstations = 11\n[units]\nlength = "cm"\nforce = "N"\n'
+AXES = "[axes.F3]\nvalues = [5.0, 10.0]\n[axes.E]\nvalues = [1e4, 2e4]\n"
+OWN = """title = "own"
+[units]
+length = "in"
+force = "lbf"
+[base]
+E = 2e4
+nu = 0.25
+a = 0.25
+L = 10.0
+R = 0.75
+dbeta = 0.5
+M3 = 0.0
+[axes.beta]
+values = [20, 40]
+unit = "deg"
+"""
+LAW = "[[laws]]\nclaim = 'a'\naxis = 'F3'\nsource = 's'\n"
+
+
+def study(said: str, head: str = HEAD + AXES) -> Any:
+    return loads(f"{head}[expressions]\n{said}\n")
+
+
+def seen(said: str, head: str = HEAD + AXES) -> Mapping[str, Any]:
+    """The values of the expressions of a study over its grid."""
+    one = study(said, head)
+    case = one.case()
+    given = {name: np.broadcast_to(v, case.shape) for name, v in zip(one.axes, np.ix_(*one.coordinates().values()))}  # noqa: B905
+    found, remarks = observed(one, solve(case, stations=11), one.wanted, given)
+    assert (remarks == "").all()
+    return {name: values.reshape(case.shape) for name, values in found.items()}
+
+
+def test_an_expression_is_computed_from_fields_quantities_observables_and_expressions_above_it() -> None:
+    found = seen('half = "kappa_max*rho/2"\nstiff = "bending_stiffness/(E*a**4) + half"\nforce = "F3*2"')
+    plain = observe(solve(study("").case()), ["kappa_max"])["kappa_max"]
+    np.testing.assert_allclose(found["half"], plain / 2, rtol=1e-12)  # rho = 1 cm
+    np.testing.assert_allclose(found["stiff"], np.pi / 16 + plain / 2, rtol=1e-12)
+    # a field is the number that the study gives: F30 as printed, whose sign the reading gives
+    np.testing.assert_array_equal(found["force"], [[10.0, 10.0], [20.0, 20.0]])
+
+
+def test_the_loads_are_those_of_the_case_and_start_fields_have_their_defaults() -> None:
+    one = study('pulled = "FZ/lbf"\ntwo = "F2 + F3"\nbent = "tan(beta)*inch"', OWN)
+    sol = solve(one.case(), stations=11)
+    found, _ = observed(one, sol, one.wanted, one.coordinates())
+    np.testing.assert_array_equal(found["pulled"], sol.FZ)
+    np.testing.assert_array_equal(found["two"], [0, 0])
+    np.testing.assert_allclose(found["bent"], np.tan(np.deg2rad([20, 40])))
+    assert {name: expressions.unit(one, name) for name in one.expressions} == {
+        "pulled": "1",
+        "two": "lbf",
+        "bent": "in",
+    }
+
+
+def test_the_error_of_an_expression_is_that_of_its_observables() -> None:
+    found = seen('twice = "2*kappa_max/kappa_mean"\nmany = "turns > 5"')
+    share = found["kappa_max_error"] / found["kappa_max"] if "kappa_max_error" in found else 0
+    share = share + found["kappa_mean_error"] / found["kappa_mean"]
+    np.testing.assert_allclose(found["twice_error"], found["twice"] * share, rtol=1e-2)
+    assert "many_error" not in found
+    assert study('many = "turns > 5"').recorded[-1] == "many"
+
+
+def test_an_expression_without_a_value_is_remarked_and_its_neighbours_have_theirs() -> None:
+    one = study('share = "1/(E - 1e4*N/cm**2)"')
+    sol = solve(one.case(), stations=11)
+    found, remarks = observed(one, sol, one.wanted, {"E": np.array([1e4, 2e4, 1e4, 2e4]), "F3": np.ones(4)})
+    assert np.isnan(found["share"]).tolist() == [True, False, True, False]
+    assert remarks.tolist() == ["share has no value: division by zero: 'E - 10000.0 * N / cm ** 2' is 0", ""] * 2
+
+
+@pytest.mark.parametrize(
+    "said, message",
+    [
+        ('lift = "attachd < 0.9"', "12: no name 'attachd' in a formula, did you mean 'attached'; choose from cm, N"),
+        ('x = "height + F3"', r"line 12: 'height' is in cm and 'F3' is in N, but \+ needs equal units"),
+        ('x = "2**L"', "'L' is in cm, but the exponent of .* needs a plain number"),
+        ('x = "1 +"', "'1 [+]' is not a formula: invalid syntax"),
+        ('x = "y"\ny = "1"', "line 12: 'y' is not above this expression, which can use"),
+        ('x = "x"', "'x' is not above this expression"),
+        ('turns = "1"', "the name 'turns' is taken; choose another for the expression"),
+        ('cm = "1"', "the name 'cm' is taken"),
+        ('pi = "1"', "the name 'pi' is taken"),
+        ('a_error = "1"', "the name 'a_error' is taken"),
+        ('"a b" = "1"', "the name of an expression must be at most 40 letters, digits and _ .*, got 'a b'"),
+        ('lambda = "1"', "the name of an expression must be"),
+        ("x = 3", r"expressions\.x must be a valid string, got 3"),
+        (f'x = "{"1+" * 300}1"', "the formula has 601 characters; the limit is 500"),
+        ('x = "M1"', "no name 'M1' in a formula"),
+        ('x = "open(1)"', "no function 'open' in a formula; choose from sqrt"),
+    ],
+)  # fmt: skip
+def test_an_invalid_expression_is_refused_with_its_line_and_the_choices(said: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        study(said)
+
+
+def test_too_many_expressions_are_refused() -> None:
+    with pytest.raises(InputError, match="101 expressions, more than the limit of 100"):
+        study("\n".join(f'x{i} = "1"' for i in range(101)))
+
+
+def test_an_observable_of_the_study_and_of_a_law_may_be_an_expression() -> None:
+    law = f"{LAW}observable = 'lift'\ndirection = 'falls'\n"
+    one = study(
+        'lift = "attached < 0.9"', HEAD.replace("stations", 'observables = ["turns", "lift"]\nstations') + AXES + law
+    )
+    assert one.wanted == ["turns", "lift"]
+    with pytest.raises(InputError, match=r"no observable 'lft'; choose from turns, .*, lift"):
+        study('lift = "attached < 0.9"', HEAD + AXES + law.replace("'lift'", "'lft'"))
+
+
+def test_a_law_stores_the_observables_that_its_formula_uses() -> None:
+    law = f"{LAW}kind = 'bounded'\nobservable = 'kappa_max'\nmost = '2*kappa_mean + 0/L'\n"
+    one = study('x = "turns"', HEAD.replace("stations", "observables = []\nstations") + AXES + law)
+    assert set(one.wanted) == {"x", "kappa_max", "kappa_mean"}
+    with pytest.raises(InputError, match=r"line 17: '2\*height' is in cm, but kappa_max is in 1/cm"):
+        study('x = "turns"', HEAD + AXES + law.replace("2*kappa_mean + 0/L", "2*height"))
+
+
+def test_a_study_with_expressions_is_written_and_read_again() -> None:
+    one = load("pipe_lubinski")
+    again = loads(dumps(one), default_name=one.name)
+    assert again.model_dump() == one.model_dump()

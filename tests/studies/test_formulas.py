@@ -1,0 +1,186 @@
+"""Formulas: what they may hold, their units, their values, and why a case has none."""
+
+import ast
+import operator
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from solver import InputError
+from studies.formula_units import PLAIN, dimension
+from studies.formula_values import evaluate
+from studies.formulas import FUNCTIONS, MOST_TEXT, parse
+
+UNITS = {"length": "cm", "force": "N"}
+LENGTH, FORCE = (Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))
+STIFFNESS = (Fraction(2), Fraction(1))
+KNOWN = {"height": LENGTH, "L": LENGTH, "FZ": FORCE, "A": STIFFNESS, "attached": PLAIN, "turns": PLAIN}
+
+
+def unit(text: str) -> tuple[Fraction, Fraction]:
+    return dimension(parse(text), KNOWN, UNITS)
+
+
+def value(text: str, **values: object) -> np.ndarray:
+    return evaluate(parse(text), values)[0]
+
+
+HOSTILE = (
+    "__import__('os').system('true')", "(1).__class__", "x.real", "x[0]", "[1, 2]", "{1}", "lambda: 1", "f'{x}'", "'a'",
+    "x if x else 1", "[x for x in y]", "x := 1", "*x", "print(1)", "sqrt(*x)", "sqrt(x=1)", "max", "x % 2", "x // 2",
+    "x & y", "~x", "x is y", "x in y", "True", "None", "...", "1j", "1e999", "await x", "yield", "x\ny", "", " ",
+    "x(1)", "sqrt(1)(2)", "eval('1')", "x @ y", "x = 1", "1 2", "\x00", "9" * 400, "b'a'",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_anything_but_arithmetic_is_refused_with_one_sentence(text: str) -> None:
+    with pytest.raises(InputError) as error:
+        parse(text)
+    assert "\n" not in str(error.value).replace("\\n", "")
+
+
+@given(st.text(st.sampled_from("abLFZ0123456789.+-*/()<>=!& ,_'[]{}:^%@~\"\\"), max_size=80))
+def test_no_text_does_more_than_raise_the_one_error(text: str) -> None:
+    try:
+        formula = parse(text)
+    except InputError:
+        return
+    allowed = (ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.Call, ast.Constant, ast.Name)
+    assert isinstance(formula.tree, allowed)
+
+
+def test_a_formula_that_is_too_long_or_too_deep_is_refused() -> None:
+    with pytest.raises(InputError, match=f"the formula has {MOST_TEXT + 1} characters; the limit is {MOST_TEXT}"):
+        parse("1" * (MOST_TEXT + 1))
+    with pytest.raises(InputError, match="has more than 60 levels"):
+        parse("-" * 100 + "1")
+    with pytest.raises(InputError, match=r"is not a formula|more than 60 levels"):
+        parse("(" * 240 + "1" + ")" * 240)
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("FZ^2", r"a power is written with \*\*, not \^"),
+        ("sqr(FZ)", "no function 'sqr' in a formula, did you mean 'sqrt'; choose from sqrt, sin"),
+        ("max(1)", "max in .* needs two values or more, got 1"),
+        ("sqrt(1, 2)", "sqrt in .* needs one value, got 2"),
+        ("2 pi", "is not a formula: invalid syntax at character"),
+        ("height.real", r"a formula cannot hold 'height\.real'; it has numbers, names"),
+    ],
+)
+def test_a_refusal_says_what_to_write(text: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        parse(text)
+
+
+def test_an_unknown_name_is_refused_with_the_nearest_and_the_choices() -> None:
+    with pytest.raises(
+        InputError, match=r"no name 'heigth' in a formula, did you mean 'height'; choose from height, L"
+    ):
+        unit("2*heigth")
+
+
+@pytest.mark.parametrize(
+    "text, expected",
+    [
+        ("height", LENGTH), ("height/L", PLAIN), ("height + 2*L", LENGTH), ("sqrt(A/FZ)", LENGTH),
+        ("2*pi*sqrt(2*A/abs(FZ))", LENGTH), ("FZ**2*L/(4*A)", (-1, 1)), ("A**0.5", (1, Fraction(1, 2))),
+        ("max(height, L, 0)", LENGTH), ("height < 0", PLAIN), ("attached < 0.9 and height > L", PLAIN),
+        ("-FZ", FORCE), ("exp(height/L)", PLAIN), ("0", PLAIN), ("turns**attached", PLAIN), ("L**(1 + 1)", (2, 0)),
+    ],
+)  # fmt: skip
+def test_the_unit_of_a_formula_follows_from_its_names(text: str, expected: object) -> None:
+    assert unit(text) == expected
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("height + FZ", r"'height' is in cm and 'FZ' is in N, but \+ needs equal units"),
+        ("height < 3", "'height' is in cm and '3' is a plain number, but < needs equal units"),
+        ("sin(height)", "'height' is in cm, but sin needs a plain number"),
+        ("2**height", r"'height' is in cm, but the exponent of \*\* needs a plain number"),
+        ("L**turns", "'L' is in cm: its exponent must be a number, got 'turns'"),
+        ("L**pi", "'L' is in cm: its exponent must be a fraction of at most 12, got 3.14159"),
+        ("min(L, A)", r"'L' is in cm and 'A' is in N cm\^2, but min needs equal units"),
+        ("not L", "'L' is in cm, but not needs a plain number"),
+    ],
+)
+def test_units_that_do_not_match_are_refused_with_both(text: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        unit(text)
+
+
+def test_the_values_are_those_of_numpy_on_arrays() -> None:
+    x, y = np.array([0.5, 2.0, -3.0]), np.array([[1.0], [4.0]])
+    np.testing.assert_array_equal(value("x**2*y - x/y + abs(x)", x=x, y=y), x**2 * y - x / y + np.abs(x))
+    np.testing.assert_array_equal(value("max(x, y, 1)", x=x, y=y), np.maximum(np.maximum(x, y), 1))
+    np.testing.assert_array_equal(value("0 < x <= 2", x=x), [1, 1, 0])
+    np.testing.assert_array_equal(value("x == 2 or not x > 0", x=x), [0, 1, 1])
+    for name in set(FUNCTIONS) - {"min", "max"}:
+        np.testing.assert_array_equal(value(f"{name}(y)", y=y), getattr(np, name)(y))
+
+
+numbers = st.floats(-100, 100).map(lambda x: round(x, 3))
+TREES = st.recursive(
+    st.one_of(numbers.map(repr), st.sampled_from(["x", "y"])),
+    lambda inner: st.tuples(inner, st.sampled_from(["+", "-", "*", "/"]), inner).map(lambda t: f"({' '.join(t)})"),
+    max_leaves=12,
+)
+
+
+@given(TREES, numbers, numbers)
+def test_arithmetic_is_that_of_python(text: str, x: float, y: float) -> None:
+    """An independent reading of the same text: Python's own rules, with its floats."""
+    if len(text) > MOST_TEXT:
+        return
+    (found,), (why,) = (np.atleast_1d(one) for one in evaluate(parse(text), {"x": x, "y": y}))
+
+    def of(node: ast.expr) -> float:
+        match node:
+            case ast.Constant():
+                return float(node.value)  # type: ignore[arg-type]
+            case ast.Name():
+                return {"x": x, "y": y}[node.id]
+            case ast.UnaryOp():
+                return -of(node.operand)
+            case ast.BinOp():
+                do = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
+                return do[type(node.op)](of(node.left), of(node.right))
+        raise AssertionError
+
+    try:
+        expected = of(ast.parse(text, mode="eval").body)
+    except ZeroDivisionError:
+        assert np.isnan(found)  # also 1/(1/0), which numpy takes for 0
+        assert why.startswith("division by zero")
+        return
+    if np.isfinite(expected):
+        assert (found, why) == (expected, "")
+
+
+def test_a_case_without_a_value_says_why_and_its_neighbours_have_theirs() -> None:
+    found, why = evaluate(parse("sqrt(x)/(x - 1)"), {"x": np.array([4.0, 1.0, -1.0, np.nan])})
+    np.testing.assert_array_equal(found, [2 / 3, np.nan, np.nan, np.nan])
+    assert why.tolist() == [
+        "",
+        "division by zero: 'x - 1' is 0",
+        "sqrt of a negative number in 'sqrt(x)'",
+        "x has no value",
+    ]
+    assert np.isnan(value("1/(1/x)", x=0.0))  # numpy takes it for 0
+    assert evaluate(parse("exp(x)"), {"x": 1e4})[1] == "its value is too large for a number"
+    assert evaluate(parse("x**0.5"), {"x": -1.0})[1] == "power of a negative number in 'x ** 0.5'"
+    assert evaluate(parse("log(x)"), {"x": 0.0})[1] == "log of a number that is not positive in 'log(x)'"
+
+
+def test_a_comparison_with_an_unknown_number_is_unknown() -> None:
+    found, why = evaluate(parse("x < 1 or y > 0"), {"x": np.array([0.0, np.nan]), "y": 1.0})
+    assert found[0] == 1
+    assert np.isnan(found[1])
+    assert why[1] == "x has no value"

@@ -1,0 +1,238 @@
+"""Expressions and laws with numbers from the study file to the stored file, the commands and the panels."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from typer.testing import CliRunner
+
+from solver import InputError
+from studies import Study, load
+from studies.laws import FAILS, HOLDS, UNDECIDED
+from tests.workbench import small
+from workbench import cli
+from workbench.data import law_numbers, law_verdicts, writing
+from workbench.figures.law_panel import panel
+from workbench.run import in_memory
+from workbench.web.report import law_cards
+
+SAID = """
+[expressions]
+share = "kappa_mean/kappa_max"
+tight = "kappa_max*rho > 2"
+area = "pi*R**2"
+wide = "R > 0.9*cm"
+gap = "1/(R - 0.75*cm)"
+"""
+HEADS = {
+    "equals": "observable = 'kappa_max'\nkind = 'equals'\nformula = 'kappa_mean/share'\nrelative = 1e-9",
+    "bounded": "observable = 'share'\nkind = 'bounded'\nleast = 0\nmost = 'kappa_max/kappa_max'",
+    "scales": "observable = 'area'\nkind = 'scales'\nexponent = 2.0\nwithin = 1e-6",
+    "boundary": "observable = 'wide'\nkind = 'boundary'\npasses = 0.5\nx = '0.9*cm'\nwithin = 0.2",
+    "monotone": "observable = 'tight'\ndirection = 'not-rising'",
+}
+LAWS = "".join(f"[[laws]]\nclaim = '{kind}'\naxis = 'R'\nsource = 's'\n{said}\n" for kind, said in HEADS.items())
+AXES = "[axes.R]\nvalues = [0.5, 0.75, 1.0, 1.25]\n[axes.E]\nvalues = [1e4, 2e4]\n"
+
+
+def study(laws: str = LAWS) -> Study:
+    return small.study(f"{SAID}{AXES}{laws}", 'outputs = []\nobservables = ["turns"]\n')
+
+
+def run(path: Path, *args: str) -> tuple[int, str]:
+    found = CliRunner().invoke(cli.app, [*args, str(path)])
+    return found.exit_code, found.stdout
+
+
+@pytest.fixture(scope="module")
+def ds() -> xr.Dataset:
+    return in_memory.run(study())
+
+
+@pytest.fixture(scope="module")
+def pipe() -> xr.Dataset:
+    return in_memory.run(load("pipe_lubinski"))
+
+
+def panels(ds: xr.Dataset) -> dict[str, Axes]:
+    return {row["claim"]: panel(ds, Figure().subplots(), row) for row in law_verdicts.verdicts(ds)}
+
+
+def words(ax: Axes) -> str:
+    return " ".join([ax.get_title(loc="left"), *(text.get_text() for text in ax.texts)]).replace("\n", " ")
+
+
+def test_an_expression_is_stored_with_its_unit_its_text_and_its_error(ds: xr.Dataset) -> None:
+    np.testing.assert_allclose(ds["share"], ds["kappa_mean"] / ds["kappa_max"])
+    assert ds["gap"].attrs == {
+        "units": "1/cm", "long_name": "gap", "symbol": "gap", "expression": "1/(R - 0.75*cm)",
+    }  # fmt: skip
+    assert ds["share_error"].attrs["units"] == "1"
+    assert "tight_error" not in ds
+    assert set(np.unique(ds["tight"])) <= {0.0, 1.0}
+
+
+def test_a_case_where_an_expression_divides_by_zero_says_so_and_its_neighbours_are_untouched(ds: xr.Dataset) -> None:
+    bad = ds["R"].values == 0.75
+    assert np.isnan(ds["gap"].values[bad]).all()
+    assert np.isfinite(ds["gap"].values[~bad]).all()
+    told = ds["outcome"].values
+    assert set(told[bad].ravel()) == {"solved; gap has no value: division by zero: 'R - 0.75 * cm' is 0"}
+    assert set(told[~bad].ravel()) == {"solved"}
+    assert ds["solved"].all()
+    assert np.isfinite(ds["share"]).all()
+
+
+def test_each_kind_of_law_is_judged_from_what_is_stored(ds: xr.Dataset) -> None:
+    rows = {row["claim"]: row for row in law_verdicts.verdicts(ds)}
+    assert {claim: row["verdict"] for claim, row in rows.items()} == dict.fromkeys(HEADS, HOLDS)
+    assert law_verdicts.stated(rows["equals"]) == "kappa_max equals kappa_mean/share within 1e-07 % along R"
+    assert law_verdicts.measured(rows["scales"]).startswith("exponent 2 ± ")
+    assert law_verdicts.measured(rows["boundary"]) == "passes between 0.75 and 1"
+
+
+def test_the_file_opens_bare_and_check_and_summary_say_the_same(ds: xr.Dataset, tmp_path: Path) -> None:
+    path = writing.write(ds, tmp_path / "small.h5")
+    with xr.open_dataset(path) as bare:
+        assert bare["share"].attrs["expression"] == "kappa_mean/kappa_max"
+    status, said = run(path, "check")
+    assert status == 0
+    assert "5 laws: 5 hold" in said
+    assert "2 x solved; gap has no value: division by zero" in said
+    status, said = run(path, "summary")
+    assert (status, "share " in said, "tight " in said) == (0, True, True)
+
+
+def test_a_run_to_a_file_stores_what_a_run_in_memory_gives(ds: xr.Dataset, tmp_path: Path, monkeypatch: Any) -> None:
+    from workbench.run.study_store import run_to_file
+
+    run_to_file(study(), tmp_path / "small.h5")
+    with xr.open_dataset(tmp_path / "small.h5") as stored:
+        for name in ("share", "share_error", "tight", "gap", "outcome"):
+            np.testing.assert_array_equal(stored[name], ds[name])
+            assert stored[name].attrs == ds[name].attrs
+
+
+def test_two_parts_of_a_study_with_expressions_are_merged(tmp_path: Path) -> None:
+    law = f"[[laws]]\nclaim = 'equals'\naxis = 'R'\nsource = 's'\n{HEADS['equals']}\n"
+    for name, values in (("a", "[0.5, 0.75]"), ("b", "[1.0, 1.25]")):
+        part = small.study(f"{SAID}[axes.R]\nvalues = {values}\n{law}", "outputs = []\n")
+        writing.write(in_memory.run(part), tmp_path / f"{name}.h5")
+    status, said = run(tmp_path / "b.h5", "merge", "--out", str(tmp_path / "c.h5"), str(tmp_path / "a.h5"))
+    assert status == 0, said
+    with xr.open_dataset(tmp_path / "c.h5") as both:
+        assert both["share"].sizes == {"R": 4}
+        assert both["share"].attrs["expression"] == "kappa_mean/kappa_max"
+        assert law_verdicts.verdicts(both)[0]["verdict"] == HOLDS
+
+
+def test_a_formula_may_use_a_field_of_the_base_and_a_stiffness(tmp_path: Path) -> None:
+    rule = (
+        "kind = 'equals'\nobservable = 'bending_moment_max'\nformula = 'bending_stiffness*kappa_max + 0*F3*L*dgamma*cm'"
+    )
+    ds = in_memory.run(study(f"[[laws]]\nclaim = 'a'\naxis = 'R'\nsource = 's'\n{rule}\nrelative = 1e-9\n"))
+    assert (ds["F3"].item(), ds["F3"].attrs["units"]) == (10.0, "N")
+    (row,) = law_verdicts.verdicts(ds)
+    assert row["verdict"] == HOLDS
+    with pytest.raises(InputError, match="the dataset stores no number 'F3' of each case; available: "):
+        law_verdicts.verdicts(ds.drop_vars("F3"))
+    assert law_numbers.known(ds, ["cm", "torsional_stiffness"])["cm"].shape == (4, 2)
+
+
+def test_a_panel_shows_the_formula_the_bounds_the_fit_and_the_boundary(ds: xr.Dataset) -> None:
+    drawn = panels(ds)
+    labels = {claim: [line.get_label() for line in ax.get_lines()] for claim, ax in drawn.items()}
+    assert "kappa_mean/share" in labels["equals"]
+    assert {"at least 0", "at most kappa_max/kappa_max"} <= set(labels["bounded"])
+    assert any(label.startswith("fit: exponent") for label in labels["scales"])
+    assert "the value 0.5" in labels["boundary"]
+    formula = next(line for line in drawn["equals"].get_lines() if line.get_label() == "kappa_mean/share")
+    np.testing.assert_allclose(formula.get_ydata(), ds["kappa_max"].values[:, 0], rtol=1e-9)
+    assert "at most" in words(drawn["equals"])
+
+
+def test_a_panel_marks_the_cases_outside(ds: xr.Dataset) -> None:
+    rule = "kind = 'bounded'\nobservable = 'kappa_max'\nmost = 2.0\n"
+    bad = in_memory.run(study(f"[[laws]]\nclaim = 'a'\naxis = 'R'\nsource = 's'\n{rule}"))
+    (row,) = law_verdicts.verdicts(bad)
+    assert row["verdict"] == FAILS
+    marks = [line for line in panels(bad)["a"].get_lines() if line.get_label() == "a case outside"]
+    here = [step for step in row["exceptions"]]
+    assert len(marks) == len(here)
+    assert f"{len(here)} of {row['steps']} cases outside" in law_verdicts.said(row)
+
+
+def test_a_law_on_an_expression_without_a_value_is_not_decided(tmp_path: Path) -> None:
+    rule = "kind = 'bounded'\nobservable = 'gap'\nmost = 100\n"
+    ds = in_memory.run(study(f"[[laws]]\nclaim = 'a'\naxis = 'R'\nsource = 's'\n{rule}"))
+    (row,) = law_verdicts.verdicts(ds)
+    assert (row["verdict"], row["reason"]) == (UNDECIDED, "1 of 4 cases have no value")
+
+
+def test_the_buckled_pipe_is_lubinskis_and_mitchells_up_to_the_angle_of_its_helix(pipe: xr.Dataset) -> None:
+    """The exact helix inside without torque has Lubinski's pitch times cos^(3/2), and Mitchell's push over cos^2."""
+    rows = {row["claim"]: row for row in law_verdicts.verdicts(pipe)}
+    assert {row["verdict"] for row in rows.values()} == {HOLDS}
+    assert {row["kind"] for row in rows.values()} == {"monotone", "equals", "bounded", "scales", "boundary"}
+    phi = -pipe["FZ"] * pipe["rho"] ** 2 / (9.585e7 * np.pi / 4 * 0.0635**4)
+    beta = np.array([np.arccos(max(np.roots([-2, 0, 2, -float(p)]).real)) for p in phi])  # 2 (1 - c^2) c = phi
+    # the pull of the ends has decayed in the middle third, by more than two turns from them
+    np.testing.assert_allclose(pipe["pitch"] / pipe["lubinski_pitch"], np.cos(beta) ** 1.5, rtol=1e-8)
+    np.testing.assert_allclose(pipe["push_middle"] / pipe["mitchell_push"], np.cos(beta) ** -2, rtol=1e-6)
+    assert rows["power"]["numbers"]["exponent"] == pytest.approx(2, abs=1e-3)
+    assert (pipe["lifts_off"] == 1).all()  # at the two ends, within an eighth of a turn
+    assert (pipe["end_share"] < 1 / 8).all()
+
+
+def test_the_report_has_a_card_for_each_kind_of_law(pipe: xr.Dataset) -> None:
+    cards = {row["claim"]: law_cards.law_of(pipe, row) for row in law_verdicts.verdicts(pipe)}
+    assert cards["Lubinski"]["stated"].endswith(" equals lubinski_pitch within 1 % along FZ")
+    assert cards["pitch"]["stated"].endswith(" rises with FZ")
+    assert cards["Lubinski"]["measured"].startswith("at most 0.0182 % off, at FZ = −300")
+
+
+def test_another_formula_under_the_same_name_is_computed_anew_and_not_merged(tmp_path: Path) -> None:
+    from workbench.run.study_store import run_to_file
+
+    axes = "[axes.R]\nvalues = [0.5, 0.75]\n"
+    one, other = (small.study(f'[expressions]\nx = "{text}*turns"\n{axes}', "outputs = []\n") for text in "23")
+    run_to_file(one, tmp_path / "a.h5")
+    with xr.open_dataset(tmp_path / "a.h5") as ds:
+        first = ds["x"].values
+    run_to_file(other, tmp_path / "b.h5")
+    shutil.copy(tmp_path / "a.h5", tmp_path / "again.h5")
+    run_to_file(other, tmp_path / "again.h5")
+    for name in ("b", "again"):
+        with xr.open_dataset(tmp_path / f"{name}.h5") as ds:
+            np.testing.assert_allclose(ds["x"], first * 1.5)
+    status, _ = run(tmp_path / "b.h5", "merge", "--out", str(tmp_path / "c.h5"), str(tmp_path / "a.h5"))
+    assert status != 0
+    assert not (tmp_path / "c.h5").exists()
+
+
+BAD = {
+    "an unknown name": ('lift = "attachd < 1"', "no name 'attachd' in a formula, did you mean 'attached'; choose from"),
+    "units that do not match": ('x = "height + F3"', "'height' is in cm and 'F3' is in N, but + needs equal units"),
+    "a formula that is too long": (f'x = "{"1+" * 250}1"', "the formula has 501 characters; the limit is 500"),
+    "code": ("x = \"__import__('os')\"", "no function '__import__' in a formula; choose from sqrt"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_an_invalid_formula_ends_the_command_with_one_sentence(case: str, tmp_path: Path) -> None:
+    said, message = BAD[case]
+    path = tmp_path / "bad.toml"
+    path.write_text(f"{small.HEAD}[expressions]\n{said}\n", encoding="utf-8")
+    out = tmp_path / "bad.h5"
+    found = CliRunner().invoke(cli.app, ["run", str(path), "--out", str(out)])
+    with pytest.raises(SystemExit) as end:
+        cli.main(["run", str(path), "--out", str(out)])
+    assert end.value.code == 2
+    assert message in str(found.exception or found.output)
+    assert not out.exists()
+    shutil.rmtree(tmp_path)
