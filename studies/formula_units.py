@@ -29,8 +29,12 @@ def dimension(formula: Formula, known: Mapping[str, Dimension], units: Mapping[s
             close = get_close_matches(name[:60], list(known), 1)
             near = f", did you mean {close[0]!r}" if close else ""
             raise InputError(f"no name {name[:60]!r} in a formula{near}; choose from {choices([*known, *CONSTANTS])}")
-    found = _Units(known, units).of(formula.tree)
-    return PLAIN if found is None else found
+    return _Units(known, units).of(formula.tree) or PLAIN
+
+
+def is_zero(formula: Formula) -> bool:
+    """Whether a formula is the number 0, which fits every unit."""
+    return not formula.names and _Units({}, {}).of(formula.tree) is None
 
 
 def unit_words(dimension: Dimension, units: Mapping[str, str]) -> str:

@@ -199,6 +199,11 @@ def test_an_invalid_law_is_refused_with_the_keys_of_its_kind(said: str, message:
         loads(text)
 
 
+def test_the_number_0_fits_every_unit_as_a_bound() -> None:
+    said = "kind = 'bounded'\nleast = '0'\nmost = '-(0)'\n"
+    loads(f"{HEAD}{AXES}[[laws]]\nclaim = 'a'\nobservable = 'height'\naxis = 'E'\nsource = 's'\n{said}")
+
+
 def test_the_place_of_a_boundary_on_an_axis_of_angles_may_be_text() -> None:
     said = "kind = 'boundary'\npasses = 1\nx = '30deg'\nwithin = 0.1\n"
     study = loads(f"{HEAD}{AXES}[[laws]]\nclaim = 'a'\nobservable = 'turns'\naxis = 'beta'\nsource = 's'\n{said}")
