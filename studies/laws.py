@@ -226,7 +226,7 @@ def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[s
 def _lines(
     law: Law, name: str, values: NDArray[Any], grid: Grid
 ) -> tuple[NDArray[Any], NDArray[Any], Callable[[tuple[int, ...]], Verdict]]:
-    """The axis of the law in rising order, the observable with that axis last, and the verdict on a line by its place."""
+    """The axis of the law in rising order, the observable with that axis last, the verdict on a line by its place."""
     dims = list(grid.axes)
     if values.shape != grid.shape:
         raise InputError(f"{name} has shape {values.shape}, but its axes are {', '.join(dims)}")

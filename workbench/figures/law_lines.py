@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from studies.laws import DIRECTIONS, VERDICTS
+from studies.laws import VERDICTS
 from studies.reasons import DOES, counted
 
 from ..data import labels, law_verdicts
@@ -72,7 +72,7 @@ def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
     row = law.row
     at = ", ".join(f"{labels.axis_symbol(name)} = {labels.value(v, ds[name])}" for name, v in row["at"].items())
     at = at.replace(" ", "\N{NO-BREAK SPACE}")
-    does = f"{DIRECTIONS[row['direction']].does} with {labels.axis_symbol(row['axis'])}"
+    does = f"{row['does']} {'with' if row['direction'] else 'along'} {labels.axis_symbol(row['axis'])}"
     return f"{row['claim']} {does}: {row['verdict']}{f'; deciding line: {at}' if at else ''}"
 
 
