@@ -37,7 +37,9 @@ def one_rod(L: float, wanted: float = 1e-12) -> dict[str, float]:
         ours = _loosest(
             lambda tol, method=method: np.abs(solve(case, tol=tol, method=method).beta - exact).max(), wanted
         )
-        slow, fast, ratio = paired(lambda: integrate(theirs), lambda o=ours, m=method: solve(case, tol=o, method=m), 60)
+        slow, fast, ratio = paired(
+            lambda: integrate(theirs), lambda o=ours, m=method: solve(case, tol=o, method=m), 60, (20, 20)
+        )
         out |= {f"{method} tolerance": ours, f"{method} ms": 1e3 * fast, f"heyoka / {method}": ratio}
     return out | {"heyoka ms": 1e3 * slow}
 
@@ -59,7 +61,7 @@ def many_rods(L: float, cases: int = 10_000, wanted: float = 1e-10) -> dict[str,
     ours = _loosest(lambda tol: np.abs(solve(few, tol=tol, method="swing", stations=400).beta - exact).max(), wanted)
     with threads(1):
         slow, fast, ratio = paired(
-            lambda: integrate(theirs), lambda: solve(case, tol=ours, method="swing", stations=400), 5
+            lambda: integrate(theirs), lambda: solve(case, tol=ours, method="swing", stations=400), 5, (1, 5)
         )
     return {
         "heyoka tolerance": theirs,
