@@ -63,7 +63,7 @@ def compare(case: Case, method: str) -> None:
     assert checked > 0.8 * given.shape[0]
 
 
-@by_both
+@pytest.mark.parametrize("method", BOTH[-1:])
 def test_observables_of_random_rods_are_right_to_their_own_error(method: str) -> None:
     compare(random_rods(8, 1, 12.0), method)
 

@@ -13,6 +13,8 @@ from tests.workbench import small
 from workbench.data import dataset, law_verdicts
 from workbench.run import in_memory
 
+SLOW_EULER = pytest.param("euler", marks=pytest.mark.slow)  # three seconds
+
 
 def test_the_grid_is_solved_as_its_cases_are_one_by_one() -> None:
     study = small.grid()
@@ -170,7 +172,7 @@ def test_an_unknown_method_or_a_senseless_tolerance_is_refused(change: dict) -> 
         in_memory.run(small.grid(), **change)
 
 
-@pytest.mark.parametrize("method", available())
+@pytest.mark.parametrize("method", [m if m != "euler" else SLOW_EULER for m in available()])
 def test_it_is_told_whether_the_error_covers_the_observables(method: str) -> None:
     kind = "" if "start" in METHODS[method].problems else "[base]\nE = 1e4\nnu = 0.3\na = 0.2\nL = 5.0\nR = 1.0\n"
     text = small.HEAD if not kind else small.HEAD.replace('reading = "force-first/tension/paper"\n', "") + kind
