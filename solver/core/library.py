@@ -29,12 +29,16 @@ def why_missing() -> str:
 def _loaded() -> tuple[Any, str]:
     """The library and an empty text; or None and why there is none."""
     path = Path(os.environ.get(OTHER) or HERE / library_name())
+    if os.environ.get(OTHER) and not path.exists():
+        return None, f"{OTHER} names {path}, which does not exist"
     if not path.exists():
         return None, "the installation could not compile it; install a C compiler, then rod-workbench again"
     try:
         core = ctypes.CDLL(str(path))
     except OSError as error:  # built for another system
         return None, str(error)
+    if not hasattr(core, "rod_sources"):
+        return None, f"{path} is another library"
     core.rod_sources.restype = ctypes.c_char_p
     if core.rod_sources().decode() != digest():
         return (

@@ -1,16 +1,18 @@
 """`swing`, the compiled march over half a period, against `orbit`, which knows no march."""
 
+import _ctypes
 import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from solver import InputError, solve
 from solver.core import march
-from solver.core.library import OFF, threads
+from solver.core.library import OFF, OTHER, threads
 from solver.methods import METHODS, OrbitQuadrature, SwingTaylor, available
 from solver.observe.observables import OBSERVABLES, observe
 from solver.orbit.linearised_growth import beside_helix
@@ -202,6 +204,22 @@ def test_without_the_core_the_automatic_method_is_orbit_and_swing_says_why() -> 
     method, why = run.stdout.splitlines()
     assert method == "orbit"
     assert why == f"method 'swing' needs the compiled core, which is missing: switched off by {OFF}"
+
+
+ANOTHER = Path(_ctypes.__file__).read_bytes()
+UNUSABLE = [(None, "does not exist"), (b"half a library", "rod.so"), (ANOTHER, "another library")]
+
+
+@pytest.mark.parametrize("content, why", UNUSABLE, ids=["missing", "half-written", "another"])
+def test_a_library_that_cannot_be_used_is_told_in_a_sentence(content, why: str, tmp_path) -> None:
+    path = tmp_path / "rod.so"
+    if content is not None:
+        path.write_bytes(content)
+    code = "from solver.core.library import library, why_missing; print(library(), why_missing())"
+    told = {name: value for name, value in os.environ.items() if name != OFF} | {OTHER: str(path)}
+    run = subprocess.run([sys.executable, "-c", code], env=told, capture_output=True, text=True, check=True)
+    assert run.stdout.startswith("None ")
+    assert why in run.stdout
 
 
 def test_a_method_whose_package_is_missing_is_refused_with_how_to_get_it(monkeypatch) -> None:
