@@ -17,6 +17,7 @@ from studies.laws import FAILS, HOLDS, UNDECIDED
 from tests.workbench import small
 from workbench import cli
 from workbench.data import law_numbers, law_verdicts, writing
+from workbench.figures import study_figure
 from workbench.figures.law_panel import panel
 from workbench.run import in_memory
 from workbench.web.report import law_cards
@@ -236,3 +237,26 @@ def test_an_invalid_formula_ends_the_command_with_one_sentence(case: str, tmp_pa
     assert message in str(found.exception or found.output)
     assert not out.exists()
     shutil.rmtree(tmp_path)
+
+
+VARIED = {
+    "samples": ("[sample]\nsize = 4\n[sample.R]\nfrom = 0.5\nto = 1.5\n[axes.E]\nvalues = [1e4, 2e4]\n", (4, 2)),
+    "zip": ("[zip]\nR = [0.5, 0.75, 1.0]\nF1 = [4.0, 5.0, 6.0]\n[axes.E]\nvalues = [1e4, 2e4]\n", (3, 2)),
+    "table": ("[table]\nfile = 'cases.csv'\n[axes.E]\nvalues = [1e4, 2e4]\n", (2, 2)),
+}
+
+
+@pytest.mark.parametrize("varied", VARIED)
+def test_expressions_of_samples_pairs_and_tables_are_stored_judged_and_drawn(varied: str, tmp_path: Path) -> None:
+    (tmp_path / "cases.csv").write_text("R,F1\n0.5,4\n1.0,5\n", encoding="utf-8")
+    said, shape = VARIED[varied]
+    law = "[[laws]]\nclaim = 'a'\naxis = 'E'\nsource = 's'\nkind = 'equals'\nobservable = 'area'\nformula = 'pi*R**2'\n"
+    path = tmp_path / "study.toml"
+    head = small.HEAD.replace("[units]", "outputs = []\nobservables = ['turns']\n[units]")
+    path.write_text(f"{head}{SAID}{said}{law}relative = 1e-12\n", "utf-8")
+    ds = in_memory.run(load(path))
+    assert ds["area"].shape == shape
+    np.testing.assert_allclose(ds["area"], np.pi * ds["R"].broadcast_like(ds["area"]) ** 2)
+    assert [row["verdict"] for row in law_verdicts.verdicts(ds)] == [HOLDS]
+    labels = [ax.get_ylabel() for ax in study_figure.figure(ds).axes]
+    assert any(label.startswith("area") for label in labels)

@@ -8,7 +8,7 @@ from solver.observe import observables as table
 from solver.problem.errors import InputError, choices
 from studies.wording import near
 
-NOT_OBSERVED = ("condition", "FZ", "MZ", "M3", "dbeta0")  # numbers of each case that are no observables
+NOT_OBSERVED = ("rho", "condition", "FZ", "MZ", "M3", "dbeta0")  # numbers of each case that are no observables
 
 
 def observables(ds: xr.Dataset) -> list[str]:

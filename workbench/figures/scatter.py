@@ -10,11 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
-from solver.observe.observables import OBSERVABLES, is_count
 from studies.dimensions import SAMPLE
 from studies.laws import FAILS
 
-from ..data import labels, schema, selection
+from ..data import labels, observed, schema, selection
 from . import style
 
 ROW_HEIGHT, LEAST_WIDTH = 2.1, 1.7  # inches of a panel
@@ -24,12 +23,6 @@ BINS = (90, 60)  # of the density
 WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
 
 Values = NDArray[np.float64]
-
-
-def observed(ds: xr.Dataset) -> list[str]:
-    """The observables of the dataset that have a row."""
-    known = (str(name) for name in ds.data_vars if name in OBSERVABLES)
-    return [name for name in known if ds[name].dims == ds["outcome"].dims and ds[name].dtype.kind in "iuf"]
 
 
 def fields_of(ds: xr.Dataset) -> list[str]:
@@ -45,7 +38,7 @@ def scatter(ds: xr.Dataset, fig: Figure, cell: Any) -> None:
     """
     held = {axis: i for axis, i in selection.case(ds).items() if axis != SAMPLE}
     here = ds.isel(held)
-    names, fields = observed(ds), fields_of(ds)
+    names, fields = observed.observables(ds), fields_of(ds)
     grid = cell.subgridspec(len(names), len(fields), hspace=0.06, wspace=0.04)
     at = ", ".join(f"{labels.axis_symbol(k)} = {labels.value(float(ds[k][i]), ds[k])}" for k, i in held.items())
     top: Axes | None = None
@@ -86,7 +79,7 @@ def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str) -> None:
                 clip_on=False, transform=ax.get_xaxis_transform(), rasterized=x.size > MANY)  # fmt: skip
     if (found := rank_correlation(x[solved], y[solved])) is not None:
         ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=style.SMALL, color=style.SOFT, pad=2)
-    ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=is_count(name)))
+    ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=observed.is_count(ds, name)))
     ax.yaxis.set_major_formatter(labels.tick)
     ax.margins(x=0.03, y=0.12)
     style.with_grid(ax)

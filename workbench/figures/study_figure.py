@@ -41,7 +41,7 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
     if not axes:
         return single_rod.figure(ds)
     rows = law_verdicts.verdicts(ds) if verdicts is None else verdicts
-    sampled = SAMPLE in axes and bool(scatter.observed(ds))
+    sampled = SAMPLE in axes and bool(observed.observables(ds))
     if sampled:
         axes = [axis for axis in axes if axis != SAMPLE]
     plain = [] if rows or sampled else observed.observables(ds)[:MOST_PLAIN]
@@ -53,7 +53,7 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
     heights = [LAW_HEIGHT if beside else strip_height(ds, axis, WIDTH) for axis in strips]
     below = 0 if beside else LAW_HEIGHT * -(-count // 2)
     heights += [below] if below else []
-    heights += [scatter.ROW_HEIGHT * len(scatter.observed(ds)) + 0.7] if sampled else []
+    heights += [scatter.ROW_HEIGHT * len(observed.observables(ds)) + 0.7] if sampled else []
     width = max(WIDTH, scatter.LEAST_WIDTH * len(scatter.fields_of(ds)) + 0.8) if sampled else WIDTH
 
     def draw(fig: Figure) -> None:
