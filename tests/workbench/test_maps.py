@@ -269,6 +269,22 @@ def test_on_small_multiples_each_map_has_the_verdicts_of_its_own_lines_and_one_h
     assert "Law (1) falls with E" in notes(fig)
 
 
+def test_a_law_along_a_further_axis_has_a_map_of_verdicts_where_its_lines_differ_and_a_note_where_they_agree() -> None:
+    law = '[[laws]]\nclaim = "({})"\nobservable = "{}"\naxis = "F1"\ndirection = "falls"\nsource = "s"\n'
+    text = f"{THREE}{law.format(2, 'turns')}{law.format(3, 'wraps')}"
+    ds = in_memory.run(study(text, 'observables = ["turns", "wraps"]'))
+    fig = map_figure.figure(ds, "R", "E", at={"F1": 5.0})
+    (ax,) = [ax for ax in maps(fig) if ax.get_title(loc="left") == "verdicts on wraps along F₁"]
+    (shown,) = [mesh for mesh in ax.collections if hasattr(mesh, "get_coordinates")]
+    here = ds["wraps"].sortby("R").transpose("E", "R", "F1").values
+    expected = [[judge(line, "falls", False).verdict for line in row] for row in here]
+    found = [[VERDICTS[int(number)] for number in row] for row in shown.get_array()]
+    assert found == expected
+    assert len(np.unique(expected)) > 1
+    assert "F₁ =" not in ax.get_xlabel()
+    assert "Law (2) falls with F₁: fails." in notes(fig)
+
+
 def test_shapes_are_developed_curves_at_one_scale_each_in_its_cell(regimes, tmp_path) -> None:
     fig = map_figure.figure(regimes, show=["turns"], shapes=thumbs.Shapes(4, 3))
     canvas.save(fig, tmp_path / "shapes.png")

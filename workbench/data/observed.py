@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 import xarray as xr
 
-from solver.observe import observables as table
 from solver.problem.errors import InputError, choices
 from studies.wording import near
+
+from . import schema
 
 NOT_OBSERVED = ("rho", "condition", "FZ", "MZ", "M3", "dbeta0")  # numbers of each case that are no observables
 
@@ -18,8 +19,8 @@ def observables(ds: xr.Dataset) -> list[str]:
 
 
 def is_count(ds: xr.Dataset, name: str) -> bool:
-    """Whether a stored variable is a whole number: a count, or the number of a branch."""
-    return table.is_count(name) or ds[name].dtype.kind in "iu"
+    """Whether a stored variable is a whole number: a count, a comparison, or the number of a branch."""
+    return schema.is_count(ds[name]) or ds[name].dtype.kind in "iu"
 
 
 def named(ds: xr.Dataset, names: Sequence[str]) -> list[str]:

@@ -1,4 +1,7 @@
-"""The laws on a map: beside it the verdict on each line of the grid, and on it the line that decides."""
+"""The laws on maps: beside a map the verdict on each line of the grid, and on it the line that decides.
+
+A law along an axis that the map does not have is judged on one line for each cell: it has a map of its own.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,6 +11,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -17,29 +21,49 @@ from studies.laws import VERDICTS
 from studies.reasons import DOES, counted
 
 from ..data import labels, law_verdicts
-from . import style
+from . import regions, style
 from .map_cells import Cells, Choice
 
 THICK, GAP = 0.1, 0.05  # inches of a strip of verdicts, and between strips
 DECIDES: dict[str, Any] = {"color": style.INK, "linewidth": 1.3, "linestyle": (0, (5, 2))}
 
+_COLOURS: dict[str, Any] = {
+    "cmap": ListedColormap([style.VERDICT_COLOURS[verdict] for verdict in VERDICTS]),
+    "vmin": -0.5,
+    "vmax": len(VERDICTS) - 0.5,
+}
+
 
 @dataclass(frozen=True, eq=False)
 class JudgedLaw:
-    """A law along an axis of the map: its row of `law_verdicts.verdicts`, and the verdict on each line of the grid."""
+    """A law on a map: its row of `law_verdicts.verdicts`, and the verdict on each line of the grid."""
 
     row: Mapping[str, Any]
     lines: xr.DataArray
 
+    def at(self, where: Mapping[str, int]) -> xr.DataArray:
+        """The verdicts at indices on other axes; a law has none along its own."""
+        return self.lines.isel({name: i for name, i in where.items() if name in self.lines.dims})
 
-def judged(ds: xr.Dataset, choice: Choice, rows: Sequence[Mapping[str, Any]]) -> list[JudgedLaw]:
-    """The laws of the dataset along an axis of the map; rows: of `law_verdicts.verdicts`, in the same order."""
-    laws = zip(law_verdicts.laws(ds), rows, strict=True)
-    return [
-        JudgedLaw(row, law_verdicts.verdicts_of_lines(ds, law))
-        for law, row in laws
-        if law.axis in (choice.x, choice.y) and law.observable in choice.shown
+    def is_mixed(self) -> bool:
+        """Whether lines differ in their verdict."""
+        return np.unique(self.lines.values).size > 1
+
+
+def judged(
+    ds: xr.Dataset, choice: Choice, rows: Sequence[Mapping[str, Any]]
+) -> tuple[list[JudgedLaw], list[JudgedLaw]]:
+    """The laws on the observables shown: those along an axis of the map, and those along a further axis.
+
+    rows: of `law_verdicts.verdicts`, in the same order.
+    """
+    shown = [
+        (law.axis, JudgedLaw(row, law_verdicts.verdicts_of_lines(ds, law)))
+        for law, row in zip(law_verdicts.laws(ds), rows, strict=True)
+        if law.observable in choice.shown
     ]
+    axes = (choice.x, choice.y)
+    return [law for axis, law in shown if axis in axes], [law for axis, law in shown if axis not in axes]
 
 
 def draw(
@@ -55,16 +79,49 @@ def draw(
     for law in laws:
         upward = law.row["axis"] == choice.x  # its lines lie one above the other
         across = choice.y if upward else choice.x
-        verdicts = law.lines.isel(where).sortby(across).values
+        verdicts = law.at(where).sortby(across).values
         _strip(ax, cells, verdicts, upward, beside if upward else above, inches)
         beside, above = beside + upward, above + (not upward)
-        entries += [Patch(facecolor=style.VERDICT_COLOURS[verdict], label=f"line on which a law {DOES[verdict][0]}")
-                    for verdict in VERDICTS if verdict in verdicts]  # fmt: skip
+        entries += _entries(verdicts)
         value = _deciding(law.row, cells.ds, across, where)
         if value is not None:
             (ax.axhline if upward else ax.axvline)(value, **DECIDES)
             entries.append(Line2D([], [], **DECIDES, label="deciding line of a law"))
     return entries
+
+
+def draw_map(
+    ax: Axes, law: JudgedLaw, cells: Cells, where: Mapping[str, int], inches: tuple[float, float]
+) -> list[Artist]:
+    """Draw the verdict on the line through each cell, for a law along an axis that the map does not have.
+
+    where: the indices on the other axes. Returns the entries of the legend.
+    """
+    x, y = cells.x.edges, cells.y.edges
+    here = law.at(where)
+    verdicts = here.sortby([*here.dims]).transpose(*cells.ds["outcome"].dims).values
+    numbers = _numbers(verdicts)
+    cells.x.put(ax, "x", inches[0])
+    cells.y.put(ax, "y", inches[1])
+    ax.pcolormesh(x, y, numbers, **_COLOURS, rasterized=True)
+    ax.add_collection(
+        LineCollection(list(regions.borders(numbers, x, y)), colors="white", linewidths=1.0), autolim=False
+    )
+    ax.grid(False)
+    return _entries(verdicts)
+
+
+def _entries(verdicts: NDArray[np.str_]) -> list[Artist]:
+    """The legend of the verdicts that occur."""
+    return [
+        Patch(facecolor=style.VERDICT_COLOURS[verdict], label=f"line on which a law {DOES[verdict][0]}")
+        for verdict in VERDICTS
+        if verdict in verdicts
+    ]
+
+
+def _numbers(verdicts: NDArray[np.str_]) -> NDArray[np.float64]:
+    return np.vectorize(VERDICTS.index, otypes=[float])(verdicts)
 
 
 def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
@@ -78,7 +135,7 @@ def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
 
 def counts(law: JudgedLaw, where: Mapping[str, int]) -> str:
     """How many lines of one map have each verdict: ``16 hold, 3 fail``."""
-    verdicts = law.lines.isel(where).values
+    verdicts = law.at(where).values
     return counted({verdict: int(np.count_nonzero(verdicts == verdict)) for verdict in VERDICTS})
 
 
@@ -90,10 +147,9 @@ def _strip(
     start, thick = 1 + (GAP + place * (THICK + GAP)) / size, THICK / size
     strip = ax.inset_axes((start, 0, thick, 1) if upward else (0, start, 1, thick))
     scale = cells.y if upward else cells.x
-    colours = ListedColormap([style.VERDICT_COLOURS[verdict] for verdict in VERDICTS])
-    numbers = np.array([VERDICTS.index(verdict) for verdict in verdicts], dtype=float)
+    numbers = _numbers(verdicts)
     grid = (np.array([0.0, 1.0]), scale.edges, numbers[:, None]) if upward else (scale.edges, [0.0, 1.0], numbers[None])
-    strip.pcolormesh(*grid, cmap=colours, vmin=-0.5, vmax=len(VERDICTS) - 0.5, rasterized=True)
+    strip.pcolormesh(*grid, **_COLOURS, rasterized=True)
     scale.put(strip, "y" if upward else "x", size)
     strip.tick_params(left=False, bottom=False, labelleft=False, labelbottom=False)
     for spine in strip.spines.values():

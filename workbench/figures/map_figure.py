@@ -55,18 +55,23 @@ def figure(
     if shapes is not None:
         thumbnails.check(ds, choice, shapes)
     columns = [cells(ds, choice, where) for where in choice.places()]
-    laws = law_lines.judged(ds, choice, law_verdicts.verdicts(ds) if "laws" in ds.attrs else [])
+    laws, elsewhere = law_lines.judged(ds, choice, law_verdicts.verdicts(ds) if "laws" in ds.attrs else [])
     maps = _Maps(ds, choice, columns, laws)
-    heights = maps.heights() + ([SHAPES[1] + 0.7] if shapes else [])
+    mixed = [law for law in elsewhere if law.is_mixed()]
+    pairs = _in_pairs(mixed)
+    heights = maps.heights() + [BESIDE[1] + 1.2] * len(pairs) + ([SHAPES[1] + 0.7] if shapes else [])
 
     def draw(fig: Figure) -> None:
         grid = fig.add_gridspec(len(heights), 1, height_ratios=heights)
         for row in range(len(maps.heights())):
             maps.draw_row(fig, grid[row, 0], row)
+        for row, pair in enumerate(pairs, len(maps.heights())):
+            maps.draw_laws(fig, grid[row, 0].subgridspec(1, 2), pair)
         if shapes is not None:
             maps.draw_shapes(fig.add_subplot(grid[len(heights) - 1, 0]), shapes)
         entries, notes = map_panel.entries(columns, choice.shown)
-        legend.below(fig, [*entries, *maps.entries], [*notes, *maps.notes()])
+        alike = [f"Law {law_lines.sentence(law, ds, choice)}." for law in elsewhere if law not in mixed]
+        legend.below(fig, [*entries, *maps.entries], [*notes, *maps.notes(), *alike])
 
     return canvas.figure((WIDTH, 1.1 + sum(heights)), draw, ds)
 
@@ -107,6 +112,20 @@ class _Maps:
         grid = cell.subgridspec(1, max(map(len, self.rows)))
         for k, name in enumerate(names):
             self._draw(fig, [grid[0, k]], name)
+
+    def draw_laws(self, fig: Figure, grid: Any, laws: Sequence[law_lines.JudgedLaw]) -> None:
+        """Draw a map of its own for each of at most two laws along a further axis."""
+        for k, law in enumerate(laws):
+            ax = fig.add_subplot(grid[0, k])
+            where = self.places[0]
+            self.entries += law_lines.draw_map(ax, law, self.columns[0], where, BESIDE)
+            self._label(ax, leaving=law.row["axis"])
+            said = f"{law_lines.sentence(law, self.ds, self.choice)}; lines: {law_lines.counts(law, where)}"
+            lines = style.fitted(said, BESIDE[0] + 0.2, style.SMALL)
+            ax.annotate(lines, (0, 1), (0, 4), xycoords="axes fraction", textcoords="offset points",
+                        size=style.SMALL, color=style.VERDICT_COLOURS[law.row["verdict"]], va="bottom")  # fmt: skip
+            along = f"verdicts on {law.row['observable']} along {labels.axis_symbol(law.row['axis'])}"
+            ax.set_title(along, loc="left", pad=11 * (lines.count("\n") + 1) + 6)
 
     def draw_shapes(self, ax: Axes, shapes: thumbnails.Shapes) -> None:
         """Draw the panel of shapes: those of the first column, on a pale map of the first observable."""
@@ -168,11 +187,15 @@ class _Maps:
             title = f"{title}\n{value}" if leftmost else value
         ax.set_title(title, loc="left", pad=above + 6)
 
-    def _label(self, ax: Axes, leftmost: bool = True, lowest: bool = True) -> None:
-        """The labels of the two axes at the edge of the figure; the values of further axes stand behind that of x."""
+    def _label(self, ax: Axes, leftmost: bool = True, lowest: bool = True, leaving: str = "") -> None:
+        """The labels of the two axes at the edge of the figure; the values of further axes stand behind that of x.
+
+        leaving: an axis whose value is left out.
+        """
         choice = self.choice
         short = choice.along is not None
-        where = {**(self.places[0] if not short else {}), choice.x: 0}
+        held = {} if short else {name: i for name, i in self.places[0].items() if name != leaving}
+        where = {**held, choice.x: 0}
         if lowest:
             ax.set_xlabel(style.fitted(axis_label(self.ds, choice.x, where, long=not short), max(self.inches[0], 1.0)))
         else:
@@ -187,5 +210,5 @@ class _Maps:
         return f"{labels.axis_symbol(axis)} = {labels.value(float(self.ds[axis][i]), self.ds[axis])}"
 
 
-def _in_pairs(names: Sequence[str]) -> list[list[str]]:
-    return [list(names[i : i + 2]) for i in range(0, len(names), 2)]
+def _in_pairs(all_of: Sequence[Any]) -> list[list[Any]]:
+    return [list(all_of[i : i + 2]) for i in range(0, len(all_of), 2)]
