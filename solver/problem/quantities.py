@@ -66,7 +66,7 @@ _ROWS = (
     Quantity("M3", "M₃", _MOMENT, "twisting moment"),
     Quantity("h", "h", (-2, 0), "first integral of the angle"),
     # observables
-    Quantity("turns", "turns", _NUMBER, "number of bends (interior extrema of beta)"),
+    Quantity("turns", "bends", _NUMBER, "number of bends (interior extrema of beta)"),
     Quantity("bend_number", "bend number", _NUMBER, "number of half periods of beta along the rod", estimated=True),
     Quantity("loops", "loops", _NUMBER, "full turns of beta"),
     Quantity("amplitude", "amplitude of β", "rad", "largest beta minus smallest beta", estimated=True),

@@ -1,4 +1,4 @@
-"""The figures of stored datasets: they show the data, the law and its verdict, and solve nothing."""
+"""The figures of stored datasets: they show the data, the law and its verdict; one rod alone is solved again."""
 
 import re
 import sys
@@ -150,6 +150,17 @@ def test_lift_off_is_shaded_where_the_cylinder_would_have_to_pull() -> None:
     assert (single_rod.pushes(ds.assign_attrs(side="inside")) == -ds["contact"].values).all()
     entries = single_rod.contact(ds, axes()).get_legend_handles_labels()[1]
     assert any("lift off" in entry for entry in entries)
+
+
+def test_equal_peaks_of_push_are_drawn_equal_however_few_stations_are_stored() -> None:
+    ds = in_memory.run(
+        study("[axes.E]\nvalues = [1e4]\n", 'observables = ["push_max"]\noutputs = ["contact", "beta"]\n')
+    )
+    for stored in (ds, ds.isel(E=0)):
+        push = study_figure.figure(stored).axes[1].lines[0].get_ydata()
+        peaks = push[1:-1][(push[1:-1] > push[:-2]) & (push[1:-1] > push[2:]) & (push[1:-1] > 160)]
+        assert peaks.size == 6
+        np.testing.assert_allclose(peaks, ds["push_max"].values[0], rtol=1e-3)  # a third of a pixel
 
 
 @pytest.mark.parametrize("side", ["outside", "inside"])

@@ -76,9 +76,9 @@ def larger(factor: float, name: str = "") -> str:
 def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
     """The developed curves of the rods along an axis, side by side.
 
-    Each begins on its own line alpha = 0, which carries the rod's value on the axis. Both directions have one scale,
-    unless the curves would be too thin to see (`stretch`); then the label of the vertical axis names the factor. Raises
-    `InputError`.
+    Each begins on its own line alpha = 0, and the rod's value on the axis stands below it. Both directions have one
+    scale, unless the curves would be too thin to see (`stretch`); then the label of the vertical axis names the factor.
+    Raises `InputError`.
     """
     cases, lines, curves, width = _side_by_side(ds, axis)
     room = style.inches(ax)
@@ -95,13 +95,17 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
                 coarse, look = True, {"linestyle": "none", "marker": ".", "markersize": 3}
             ax.plot(line + found[0], found[1], color=colour, **look)
     values = [labels.value(float(ds[axis].values[where[axis]]), ds[axis]).partition(" ")[0] for where in cases]
-    ax.set_xticks(lines, values)
+    middles = [line + (found[0].min() + found[0].max()) / 2 if found is not None else line
+               for line, found in zip(lines, curves, strict=True)]  # fmt: skip
+    ax.set_xticks(middles, values)
     ax.tick_params(axis="x", length=0)
-    if _crowded(lines, values, min(room[0] / width, room[1] * factor / _height(curves))):
+    ax.spines["bottom"].set_visible(False)  # the values are names of the curves and no scale
+    if _crowded(middles, values, min(room[0] / width, room[1] * factor / _height(curves))):
         ax.tick_params(axis="x", labelrotation=90)
     ax.set_aspect(1 / factor, adjustable="box", anchor="NW")
     ax.set_xlim(0, width)
-    ax.set_xlabel(axis_label(ds, axis, cases[0]), loc="left")
+    some = f"; {len(cases)} of {ds.sizes[axis]} values, evenly chosen" if len(cases) < ds.sizes[axis] else ""
+    ax.set_xlabel(f"each curve at its {axis_label(ds, axis, cases[0])}{some}", loc="left")
     ax.set_ylabel(f"z [{labels.unit(str(ds.attrs['length_unit']))}]{larger(factor, 'ρα')}{larger(1 / factor)}")
     scale = "at one scale" if factor == 1 else "at two scales"
     dots = f"; dots: {ds.sizes['u']} stations miss bends" if coarse else ""

@@ -8,11 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.mechanics.contact import push_from
+from solver.problem.errors import InputError
 
 from ..data import labels
 from . import canvas, developed, legend, style
 
 SIZE = (9.6, 8.0)  # inches
+FINE = 4001  # stations of a diagram, two for each pixel: fewer cut off the peaks of push
 DOTS = {"linestyle": "none", "marker": ".", "markersize": 3}
 
 
@@ -22,7 +24,11 @@ def pushes(ds: xr.Dataset) -> Any:
 
 
 def figure(ds: xr.Dataset) -> Figure:
-    """The angle, the push and the developed curve of a dataset of one case; what is not stored is left out."""
+    """The angle, the push and the developed curve of a dataset of one case; what is not stored is left out.
+
+    The case is solved again at as many stations as the diagrams have pixels.
+    """
+    ds = _at_pixels(ds)
     panels = [panel for panel, name in ((angle, "beta"), (contact, "contact")) if name in ds.data_vars]
     panels += [curve] if developed.has_curve(ds) else []
     count = max(len(panels), 1)
@@ -32,6 +38,22 @@ def figure(ds: xr.Dataset) -> Figure:
             panel(ds, fig.add_subplot(count, 1, i + 1))
 
     return canvas.figure((SIZE[0], SIZE[1] * count / 3), draw, ds)
+
+
+def _at_pixels(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset with its arrays at `FINE` stations; as it is where its case cannot be solved again."""
+    from ..run import stored_case  # it loads the solver
+
+    names = [name for name in ("beta", "alpha", "z", "contact") if name in ds.data_vars]
+    finer = ds.drop_dims("u").assign_coords(u=np.linspace(0.0, 1.0, FINE))
+    try:
+        sol = stored_case.solve_at(finer, stored_case.study_of(ds), {})
+    except InputError:
+        return ds
+    if not (names and np.all(sol.solved)):
+        return ds
+    arrays = {name: ("u", np.ravel(getattr(sol, name)), ds[name].attrs) for name in names}
+    return finer.assign(arrays).assign_coords(s=("u", np.ravel(sol.s), ds["s"].attrs))
 
 
 def angle(ds: xr.Dataset, ax: Axes) -> Axes:
@@ -107,4 +129,5 @@ def _title(ds: xr.Dataset, title: str) -> str:
 def _along(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_xlabel(f"s [{labels.unit(str(ds.attrs['length_unit']))}]")
     ax.margins(x=0)
+    ax.xaxis.set_major_formatter(labels.tick)
     return style.with_grid(ax)

@@ -23,9 +23,9 @@ MOST_PLAIN = 4  # observables shown where there is no law
 def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) -> Figure:
     """Draw all of a study.
 
-    With axes: for each axis the developed curves, beside them each law in its panel (where there is no law, the first
-    observables). With samples: each observable against each sampled field. One case alone: its angle, its push and its
-    developed curve.
+    With axes: for each axis of several values the developed curves, beside them each law in its panel (where there is
+    no law, the first observables). With samples: each observable against each sampled field. One case alone: its angle,
+    its push and its developed curve.
 
     Parameters
     ----------
@@ -38,13 +38,14 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
         The dataset's laws are invalid, or there is nothing to draw.
     """
     axes = schema.axes_of(ds)
-    if not axes:
-        return single_rod.figure(ds)
+    if all(ds.sizes[axis] == 1 for axis in axes):
+        return single_rod.figure(ds.isel(dict.fromkeys(axes, 0)))
     rows = law_verdicts.verdicts(ds) if verdicts is None else verdicts
     sampled = SAMPLE in axes and bool(observed.observables(ds))
     if sampled:
         axes = [axis for axis in axes if axis != SAMPLE]
     plain = [] if rows or sampled else observed.observables(ds)[:MOST_PLAIN]
+    axes = [axis for axis in axes if ds.sizes[axis] > 1]
     count, strips = len(rows or plain), axes if has_curve(ds) else []
     if not (count or strips or sampled):
         raise InputError("nothing to draw: the dataset has neither observables nor the arrays alpha and z")

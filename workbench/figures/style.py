@@ -81,8 +81,8 @@ def fitted(text: str, room: float, size: float = NORMAL, bold: bool = False) -> 
 
 
 def inches(ax: Axes) -> tuple[float, float]:
-    """Width and height of axes before they are laid out: a little less than what they get."""
-    box, figure = ax.get_position(), ax.get_figure(root=True)
+    """Width and height of the room of axes before they are laid out: a little less than what it gets."""
+    box, figure = ax.get_position(original=True), ax.get_figure(root=True)
     assert figure is not None
     return box.width * figure.get_figwidth(), box.height * figure.get_figheight()
 

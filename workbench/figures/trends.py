@@ -13,7 +13,9 @@ from studies.laws import FAILS, NOISE
 from ..data import labels, schema, selection
 from . import style
 from .developed import axis_label
-from .scales import is_geometric
+from .scales import is_geometric, ticks
+
+MOST_TICKS = 7  # of a logarithmic axis
 
 
 def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:
@@ -56,12 +58,12 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
 
 
 def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
-    """A logarithmic axis where the values are spaced so, with ticks at some of them."""
+    """A logarithmic axis where the values are spaced so, with ticks at 1, 2 and 5."""
     if is_geometric(along):
         ax.set_xscale("log")
-        some = along[:: max((along.size - 1) // 4, 1)]
+        some = ticks(float(along.min()), float(along.max()), True, MOST_TICKS)
         ax.xaxis.set_minor_locator(NullLocator())
-        ax.set_xticks(some, [labels.number(float(value)) for value in some])
+        ax.set_xticks(some, [labels.number(value) for value in some])
     else:
         _linear(ax)
 
