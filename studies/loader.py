@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from solver.problem.errors import InputError, choices
+from solver.problem.errors import InputError, choices, near
 
 from . import paired
 from .axes import Axis, Base, Misplaced, Units, Which
@@ -17,7 +17,6 @@ from .law import Law
 from .model import Study
 from .paired import Table
 from .samples import Distribution
-from .wording import near
 from .writer import dumps
 
 SHIPPED = Path(__file__).parent

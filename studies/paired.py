@@ -8,12 +8,11 @@ import numpy as np
 from pydantic import BaseModel
 
 from solver import Ends
-from solver.problem.errors import InputError, choices
+from solver.problem.errors import InputError, choices, near
 
 from . import tables
 from .axes import MAX_COUNT, STRICT, WORDS, Line, Misplaced, in_rad, is_angle
 from .dimensions import SAMPLE, Dimension, Values
-from .wording import near
 
 if TYPE_CHECKING:
     from .model import Study

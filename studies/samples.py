@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from solver.problem.errors import choices
+from solver.problem.errors import choices, near
 
 from .axes import MAX_COUNT, STRICT, Misplaced
 from .dimensions import Values
-from .wording import near
 
 Cube = NDArray[np.float64]  # points in the unit cube, (size, fields)
 

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from solver.problem.errors import InputError, choices
+from solver.problem.errors import InputError, choices, near
 
 from .axes import CYLINDER, ENDS, MAX_COUNT, ROD, START, WORDS, in_rad, is_angle
 from .dimensions import Values
-from .wording import near
 
 NUMERIC = [name for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS)) if name not in WORDS]
 SUFFIXES = (".csv", ".parquet")

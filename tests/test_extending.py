@@ -49,7 +49,7 @@ def test_a_method_is_one_row_and_is_then_solved_with_listed_compared_and_drawn(m
     assert by_name.solved
     assert by_name.method == by_value.method == "toy"
     np.testing.assert_array_equal(by_name.beta, by_value.beta)
-    with pytest.raises(InputError, match=r"no method 'rk5'; choose from auto, .*, toy"):
+    with pytest.raises(InputError, match=r"no method 'rk5', did you mean 'rk4'; choose from auto, .*, toy"):
         solve(CASE, method="rk5")
     with pytest.raises(InputError, match="no knob 'steps' in method 'toy'; its knobs: fineness"):
         solve(CASE, method="toy", steps=4)

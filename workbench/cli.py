@@ -4,8 +4,9 @@ Exit status: 0 done; 1 done, but for example a case is unsolved or a law fails; 
 The modules of the commands import heavy libraries inside their functions, so that --help answers at once.
 """
 
+import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import wraps
 from typing import Annotated, Any
 
@@ -21,6 +22,7 @@ from .commands import (
     export,
     extremes,
     gallery,
+    help_pages,
     list_studies,
     merge,
     plot,
@@ -56,7 +58,7 @@ COMMANDS: dict[str, Callable[..., int]] = {  # in the order of --help; each retu
 }
 
 app = typer.Typer(
-    add_completion=False,
+    cls=help_pages.Overview,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["--help", "-h"], "max_content_width": 110},
@@ -94,7 +96,7 @@ def _exiting(command: Callable[..., int]) -> Callable[..., None]:
 
 
 for _name, _command in COMMANDS.items():
-    app.command(_name)(_exiting(_command))
+    app.command(_name, cls=help_pages.CommandHelp)(_exiting(_command))
 
 
 def main(args: list[str] | None = None) -> None:
@@ -123,11 +125,24 @@ def _sentence(error: typer.TyperException) -> str:
     context = getattr(error, "ctx", None)
     command: Any = context.command if context else None
     if command and message.startswith("No such command"):
-        return f"{message}; choose from {', '.join(command.commands)}"
+        known = list(command.commands)
+        return f"{message.partition('. Did')[0]}{_near(message, known)}; choose from {', '.join(known)}"
     if command and message.startswith("No such option"):
         options = [name for param in command.params for name in param.opts if name.startswith("-")]
-        return f"{message.partition(' (')[0]}; choose from {', '.join(options)}"
+        return f"{message.partition(' (')[0]}{_near(message, options)}; choose from {', '.join(options)}"
     return message
+
+
+def _near(message: str, known: Iterable[str]) -> str:
+    """What may have been meant instead of the name that a message of the parser quotes."""
+    from solver.problem.errors import near
+
+    quoted = re.search(r"['\"]([^'\"]*)['\"]|: (\S+)", message)
+    if quoted is None:
+        return ""
+    name = quoted[1] or quoted[2]
+    dashes = "--" if name.startswith("--") else ""  # they are no likeness
+    return near(name.removeprefix(dashes), [one.removeprefix(dashes) for one in known]).replace(" '", f" '{dashes}")
 
 
 def _fail(sentence: str, status: int) -> None:

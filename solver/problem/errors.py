@@ -1,6 +1,7 @@
 """The error that the solver raises for an invalid value, and the wording of its messages."""
 
 from collections.abc import Iterable
+from difflib import get_close_matches
 
 
 class InputError(ValueError):
@@ -23,5 +24,12 @@ def choices(names: Iterable[object]) -> str:
 
 
 def no_such(kind: str, name: object, names: Iterable[object]) -> InputError:
-    """The error ``no method 'rk5'; choose from orbit, verlet``."""
-    return InputError(f"no {kind} {name!r}; choose from {choices(names)}")
+    """The error ``no method 'rk5', did you mean 'rk4'; choose from orbit, rk4``."""
+    known = list(names)
+    return InputError(f"no {kind} {name!r}{near(name, known)}; choose from {choices(known)}")
+
+
+def near(name: object, known: Iterable[object]) -> str:
+    """``, did you mean 'sobol'`` where a known name is close to this one; else nothing."""
+    close = get_close_matches(str(name)[:60], [str(one) for one in known], 1)
+    return f", did you mean {close[0]!r}" if close else ""

@@ -74,7 +74,7 @@ def test_a_command_offers_each_field_with_its_help(command: str, names) -> None:
 
 def test_the_help_of_a_field_says_problem_unit_rule_and_default() -> None:
     assert help_of(FIELDS["dgamma"], whole=True) == (
-        "Start: rate of rotation of the section at the start [rad/length]; give one of F1, dgamma, M3."
+        "Rate of rotation of the section at the start [rad/length]; give one of F1, dgamma, M3."
     )
     assert help_of(FIELDS["F2"], whole=True).endswith("across the rod [force]; default: 0.")
     assert help_of(FIELDS["FZ"], whole=False) == "Axial force, tension positive [force]."

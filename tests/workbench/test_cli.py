@@ -253,7 +253,7 @@ REFUSED = {
         ["solve", "--table1", "--stiffness", "soft"],
         "no stiffness 'soft'; choose from solid, paper",
     ),
-    "an unknown method": (["solve", "--method", "rk5"], "no method 'rk5'; choose from auto"),
+    "an unknown method": (["solve", "--method", "rk5"], "no method 'rk5', did you mean 'rk4'; choose from auto"),
     "a tolerance of nothing": (["solve", "--tol", "0"], "tol must be a number between 0 and 1, got 0.0"),
     "an unknown command": (["frobnicate"], "No such command 'frobnicate'; choose from reproduce, list"),
     "an unknown study": (["run", "fig7_1"], "did you mean 'fig7_1_modulus'; choose from fig6"),

@@ -111,30 +111,39 @@ def _options(names: Sequence[str], whole: bool) -> list[inspect.Parameter]:
     """The parameters of the units and the fields; whole: of both problems, so that the help names the problem."""
     notes = ("default: cm", "default: N") if whole else ("with a unit, no value comes from Table 1",) * 2
     types: dict[str, Any] = {
-        f"{kind}_unit": Annotated[str | None, option("UNIT", f"Unit of {kind} of the options below; {note}.")]
+        f"{kind}_unit": Annotated[
+            str | None, option("UNIT", f"Unit of {kind} of the options below; {note}.", rich_help_panel="Units")
+        ]
         for kind, note in zip(("length", "force"), notes, strict=True)
     }
-    types |= {name: _type(FIELDS[name], help_of(FIELDS[name], whole)) for name in names}
+    types |= {name: _type(FIELDS[name], whole) for name in names}
     return [
         inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
         for name, kind in types.items()
     ]
 
 
-def _type(field: CaseField, help: str) -> Any:
-    flag = f"--{field.name}"
+def _type(field: CaseField, whole: bool) -> Any:
+    help = help_of(field, whole)
+    flag, group = f"--{field.name}", {"rich_help_panel": _heading(field, whole)}
     if field.choices:
-        return Annotated[str | None, option("|".join(field.choices), help, flag)]
+        return Annotated[str | None, option("|".join(field.choices), help, flag, **group)]
     if field.unit == "rad":
-        return Annotated[float | None, option("ANGLE", help, flag, parser=angle)]
-    return Annotated[float | None, numbered(help, flag)]
+        return Annotated[float | None, option("ANGLE", help, flag, parser=angle, **group)]
+    return Annotated[float | None, numbered(help, flag, **group)]
+
+
+def _heading(field: CaseField, whole: bool) -> str:
+    """The heading of a field in the help; whole: of both problems."""
+    if field.problem:
+        return f"{field.problem.capitalize() if whole else 'Ends'} problem"
+    return "Rod and cylinder" if field.name not in ("alpha", "gamma") else "Place of the start"
 
 
 def help_of(field: CaseField, whole: bool) -> str:
-    """The help of a field's option: ``Start: rate of the angle at the start [rad/length].``"""
+    """The help of a field's option: ``Rate of the angle at the start [rad/length].``"""
     unit = "" if field.unit in ("", "1", "rad") else f" [{field.unit}]"
     default = f"default: {field.default:g}" if isinstance(field.default, float) else f"default: {field.default}"
     parts = [field.words + unit, field.note if whole else "", default if whole and field.default is not None else ""]
     said = "; ".join(part for part in parts if part)
-    group = f"{field.problem.capitalize()}: " if whole and field.problem else ""
-    return f"{group}{said if group else said[0].upper() + said[1:]}."
+    return f"{said[0].upper()}{said[1:]}."

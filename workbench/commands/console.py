@@ -1,11 +1,13 @@
 """Console output: tables for people, JSON for programs, progress bars on a terminal."""
 
 import json
+import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from ..data import escaping
@@ -16,6 +18,8 @@ if TYPE_CHECKING:  # --help does not import rich
 COLOURS = {  # verdict -> colour
     "holds": "green", "holds as a trend": "cyan", "qualified": "dark_orange", "not decided": "magenta", "fails": "red",
 }  # fmt: skip
+HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
+WHOLE: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 
 @cache
@@ -37,22 +41,51 @@ def err() -> "Console":
 
 def say(text: str) -> None:
     """Print lines on stdout; control characters are escaped, because text from a file may contain terminal commands."""
-    out().print(escaping.lines(text), markup=False)
+    out().print(at_words(escaping.lines(text), out()), markup=False)
 
 
 def warn(sentence: str) -> None:
     """Print one sentence on stderr, behind the name of the program."""
-    err().print(f"workbench: {escaping.line(sentence)}", markup=False)
+    err().print(at_words(f"workbench: {escaping.line(sentence)}", err()), markup=False)
+
+
+def at_words(text: str, console: "Console") -> str:
+    """The text with lines that break between words where they are longer than the terminal is wide.
+
+    Names, numbers and paths stay whole. A pipe or a file gets each line as it is.
+    """
+    if not console.is_terminal:
+        return text
+    lines = []
+    for line in text.split("\n"):
+        indent = " " * (len(line) - len(line.lstrip()))
+        held = line.replace(" = ", HELD)  # a name stays beside its value
+        lines += wrap(held, console.width, subsequent_indent=indent, **WHOLE) or [""]
+    return "\n".join(lines).replace(HELD, " = ")
 
 
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str | None = None) -> None:
     """Print a table; a cell that begins with a verdict has the verdict's colour."""
     from rich.table import Table
 
-    table = Table(*columns, title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
-    for row in rows:
-        table.add_row(*(_cell(value) for value in row))
+    cells = [[_cell(value) for value in row] for row in rows]
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    for i, column in enumerate(columns):
+        texts = [row[i].plain for row in cells]
+        whole = not any(" " in text for text in texts)  # names or numbers
+        table.add_column(
+            column,
+            justify="right" if any(texts) and all(map(_is_number, texts)) else "left",
+            min_width=max(map(len, (column, *texts))) if whole else None,
+        )
+    for row in cells:
+        table.add_row(*row)
     out().print(table, soft_wrap=False)
+
+
+def _is_number(text: str) -> bool:
+    """Whether a cell is a number, or empty, or a dash in the place of one."""
+    return text in ("", "-") or bool(re.fullmatch(r"[-+\u2212]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|nan|inf", text))
 
 
 def _cell(value: Any) -> Any:

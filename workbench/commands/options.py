@@ -29,9 +29,9 @@ def option(metavar: str, help: str, *names: str, **settings: Any) -> Any:
     return typer.Option(*names, metavar=metavar, help=help, **settings)
 
 
-def numbered(help: str, *names: str) -> Any:
-    """An option whose value is a number."""
-    return option("NUMBER", help, *names, parser=number)
+def numbered(help: str, *names: str, **settings: Any) -> Any:
+    """An option whose value is a number; settings: as of `typer.Option`."""
+    return option("NUMBER", help, *names, parser=number, **settings)
 
 
 def flag(help: str, name: str) -> Any:

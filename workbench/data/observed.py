@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import xarray as xr
 
-from solver.problem.errors import InputError, choices
-from studies.wording import near
+from solver.problem.errors import InputError, choices, near
 
 from . import schema
 

@@ -14,11 +14,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.problem.errors import InputError, choices
+from solver.problem.errors import InputError, choices, no_such
 from studies import TABLE_1
 from studies.axes import FIELDS, in_rad, is_angle
 from studies.dimensions import SAMPLE
-from studies.wording import near
 
 from .schema import COMPONENTS, axes_of, dimension, sampled_fields
 
@@ -67,7 +66,7 @@ def axis_of(ds: xr.Dataset, name: str) -> str:
         raise InputError(f"{name} is selected already: it is {ds[name].item():.10g}")
     if not axes:
         raise InputError(f"no axis {name!r}: the dataset has none")
-    raise InputError(f"no axis {name!r}{near(name, axes)}; choose from {choices(axes)}")
+    raise no_such("axis", name, axes)
 
 
 def index(ds: xr.Dataset, name: str, value: Value) -> int:

@@ -5,9 +5,8 @@ from collections.abc import Callable
 import xarray as xr
 from matplotlib.figure import Figure
 
-from solver.problem.errors import InputError, choices
+from solver.problem.errors import no_such
 from studies.dimensions import SAMPLE
-from studies.wording import near
 
 from ..data import observed, schema
 from . import map_cells, map_figure, study_figure
@@ -22,7 +21,7 @@ def kind_of(ds: xr.Dataset, kind: str | None = None) -> str:
     Raises `InputError` for an unknown kind.
     """
     if kind is not None and kind not in KINDS:
-        raise InputError(f"no kind of picture {kind!r}{near(kind, KINDS)}; choose from {choices(KINDS)}")
+        raise no_such("kind of picture", kind, KINDS)
     axes = map_cells.mappable(ds)
     is_map = len(axes) > 1 and SAMPLE not in schema.axes_of(ds) and observed.observables(ds)
     return kind or ("map" if is_map else "lines")

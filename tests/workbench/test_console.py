@@ -1,0 +1,97 @@
+"""What the terminal shows: help under headings, examples, completion, lines that break at words, tables."""
+
+import re
+import shlex
+
+import pytest
+from rich.console import Console
+
+from workbench import cli
+from workbench.commands import console, help_pages
+
+
+def told(capsys, *args: str) -> str:
+    with pytest.raises(SystemExit) as end:
+        cli.main(list(args))
+    assert end.value.code == 0
+    return capsys.readouterr().out
+
+
+def test_every_command_stands_under_one_heading_with_its_whole_sentence(capsys, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    named = [name for group in help_pages.GROUPS.values() for name in group]
+    assert sorted(named) == sorted(cli.COMMANDS)
+    shown = told(capsys, "--help")
+    assert "..." not in shown.partition("Usage")[2].partition("\n")[2]
+    for heading in help_pages.GROUPS:
+        assert f"\n{heading}:\n" in shown
+
+
+@pytest.mark.parametrize("name", cli.COMMANDS)
+def test_the_examples_of_a_command_are_at_the_end_of_its_help_and_have_known_options(name: str, capsys) -> None:
+    shown = " ".join(told(capsys, name, "--help").split())
+    assert help_pages.EXAMPLES[name]
+    for example in help_pages.EXAMPLES[name]:
+        first, *words = shlex.split(example)
+        assert first == name
+        assert f"workbench {example}" in shown.partition("Examples:")[2]
+        for word in words:
+            if word.startswith("--"):
+                assert re.search(rf"(^| ){re.escape(word)}( |,)", shown.partition("Examples:")[0]), word
+
+
+def test_the_fields_of_a_case_stand_under_headings(capsys) -> None:
+    shown = told(capsys, "solve", "--help")
+    places = [
+        shown.index(f"\n{heading}:\n") for heading in ("Options", "Rod and cylinder", "Start problem", "Ends problem")
+    ]
+    assert places == sorted(places)
+    assert "--FZ NUMBER" in shown[places[-1] :]
+
+
+def test_the_shell_completes_commands_and_options(capsys, monkeypatch) -> None:
+    for line, place, expected in (("workbench eq", 1, ["equilibria"]), ("workbench plot --sha", 2, ["--shapes"])):
+        monkeypatch.setenv("_WORKBENCH_COMPLETE", "complete_bash")
+        monkeypatch.setenv("COMP_WORDS", line)
+        monkeypatch.setenv("COMP_CWORD", str(place))
+        with pytest.raises(SystemExit):
+            cli.main(line.split()[1:])
+        assert capsys.readouterr().out.split() == expected
+
+
+def test_on_a_terminal_lines_break_between_words_and_a_name_stays_beside_its_value() -> None:
+    text = (
+        "largest error: 5.333e-09 at R = 0.75, E = 6829.35\n  at /a/long/path/that-is-longer-than-the/terminal.h5 end"
+    )
+    shown = console.at_words(text, Console(force_terminal=True, width=30))
+    assert shown.split("\n") == [
+        "largest error: 5.333e-09 at",
+        "R = 0.75, E = 6829.35",
+        "  at",
+        "  /a/long/path/that-is-longer-than-the/terminal.h5",
+        "  end",
+    ]
+    assert console.at_words(text, Console(force_terminal=False, width=30)) == text
+
+
+def test_numbers_stand_at_the_right_of_their_column(capsys, monkeypatch) -> None:
+    monkeypatch.setattr(console, "out", lambda: Console(width=60))
+    console.print_table(["name", "value"], [["a", "5"], ["b", "12.5"], ["c", ""], ["d", "-1e-09"]])
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.rstrip() for line in lines] == ["name   value", "a          5", "b       12.5", "c", "d     -1e-09"]
+
+
+@pytest.mark.parametrize(
+    ("args", "meant"),
+    [
+        (["scen"], "scene"),
+        (["plot", "x.h5", "--shaps", "5x5"], "--shapes"),
+        (["scene", "fig6", "--kind", "contakt"], "contact"),
+    ],
+)
+def test_an_unknown_name_is_answered_with_the_nearest(args: list[str], meant: str, capsys) -> None:
+    with pytest.raises(SystemExit) as end:
+        cli.main(args)
+    assert end.value.code == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"did you mean {meant!r}; choose from " in line

@@ -1,0 +1,76 @@
+"""The help of the command line: commands and options under headings, no line cut off, examples at the end."""
+
+from typing import Any
+
+from typer.core import TyperCommand, TyperGroup
+
+# heading -> its commands, in the order of --help
+GROUPS: dict[str, tuple[str, ...]] = {
+    "The paper": ("reproduce",),
+    "One rod": ("solve", "equilibria", "explore"),
+    "Studies": ("list", "run", "check", "summary", "merge"),
+    "Pictures and files": ("plot", "scene", "animate", "gallery", "export"),
+    "Methods and machine": ("trade", "extremes", "doctor"),
+}
+
+# command -> examples; each begins behind "workbench "
+EXAMPLES: dict[str, tuple[str, ...]] = {
+    "reproduce": ("reproduce --out results",),
+    "list": ("list",),
+    "run": ("run fig7_1_modulus", "run study.toml --out study.h5 --tol 1e-10"),
+    "check": ("check fig7_1_modulus.h5",),
+    "summary": ("summary fig7_1_modulus.h5",),
+    "merge": ("merge first.h5 second.h5 --out both.h5",),
+    "plot": ("plot regimes.h5 --show turns --shapes 6x4", "plot fig7_1_modulus.h5 --out figure.pdf"),
+    "scene": ("scene fig6 --kind contact", "scene fig7_1_modulus --at E=5000 --out soft.png"),
+    "animate": ("animate fig7_4_end_angle.h5 --out end.gif",),
+    "gallery": ("gallery --out pictures",),
+    "export": ("export fig6.h5 --out rod.step", "export fig7_1_modulus.h5 --at E=5000 --out rod.glb"),
+    "solve": (
+        "solve",
+        "solve --E 2e4 --beta 45deg",
+        "solve --length-unit m --force-unit kN --E 2.06e8 --nu 0.3 --a 0.06 --L 20 --R 0.11 --side inside --beta0 0 "
+        "--betaL 0 --FZ -200",
+    ),
+    "equilibria": ("equilibria --plot all.png", "equilibria --axis betaL=-90deg:60deg:41"),
+    "explore": ("explore",),
+    "trade": ("trade",),
+    "extremes": ("extremes",),
+    "doctor": ("doctor",),
+}  # fmt: skip
+
+
+class Overview(TyperGroup):
+    """The commands under headings, each with its whole first sentence."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands of each heading."""
+        for heading, names in GROUPS.items():
+            with formatter.section(heading):
+                formatter.write_dl([(name, _sentence(self.commands[name].help)) for name in names])
+
+
+class CommandHelp(TyperCommand):
+    """The arguments and options of a command under headings, then its examples."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write the options under the headings that they name, in the order of their first option."""
+        found: dict[str, list[tuple[str, str]]] = {}
+        for param in self.get_params(ctx):
+            record = param.get_help_record(ctx)
+            if record is not None:
+                usual = "Arguments" if param.param_type_name == "argument" else "Options"
+                found.setdefault(getattr(param, "rich_help_panel", None) or usual, []).append(record)
+        for heading, records in found.items():
+            with formatter.section(heading):
+                formatter.write_dl(records)
+        examples = EXAMPLES.get(str(self.name), ())
+        if examples:
+            with formatter.section("Examples"):
+                for example in examples:
+                    formatter.write_text(f"workbench {example}")
+
+
+def _sentence(text: str | None) -> str:
+    """The first sentence of a help text."""
+    return " ".join((text or "").split("\n\n")[0].split())
