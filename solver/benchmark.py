@@ -43,8 +43,8 @@ class Row:
     """One rung: what was asked for, and the result.
 
     Errors: of beta [rad], of position over max(rho, L), of contact over its largest size; estimate: the error that the
-    method states. drift: of h rho^2, and of FZ and MZ as computed from forces and moments along the rod, over A/rho^2
-    and A/rho.
+    method states. answered: the method whose answer it is: another one where the method handed the rod over. drift: of
+    h rho^2, and of FZ and MZ as computed from forces and moments along the rod, over A/rho^2 and A/rho.
     """
 
     case: str
@@ -53,6 +53,7 @@ class Row:
     value: float
     solved: bool
     outcome: str
+    answered: str
     seconds: float
     evaluations: float
     error_beta: float
@@ -126,14 +127,19 @@ def _climb(
     for value in ladder.values:
         if taken * max(1.0, value / before) > ladder.most:
             why = f"not run: it would take more than {ladder.most:g} evaluations"
-            yield Row(name, label, ladder.knob, value, False, why, *[np.nan] * 10)
+            yield Row(name, label, ladder.knob, value, False, why, "", *[np.nan] * 10)
             continue
         sol, seconds = _timed(case, {**seed, **ladder.options(value)}, ladder.cold)
         taken = float(sol.evaluations)
-        yield Row(name, label, ladder.knob, value, bool(sol.solved), str(sol.outcome), seconds, taken,
-                  **achieved(sol, reference), estimate=float(sol.error), condition=float(sol.condition),
+        yield Row(name, label, ladder.knob, value, bool(sol.solved), str(sol.outcome), _answered(sol), seconds,
+                  taken, **achieved(sol, reference), estimate=float(sol.error), condition=float(sol.condition),
                   **drift(sol))  # fmt: skip
         before = value
+
+
+def _answered(sol: Solution) -> str:
+    """The method whose answer a single solution is: a march that loses its orbit hands it over."""
+    return "orbit" if np.any(getattr(sol.trajectory.orbit, "lost", False)) else sol.method
 
 
 def _timed(case: Case, options: Mapping[str, Any], cold: bool) -> tuple[Solution, float]:

@@ -37,8 +37,8 @@ class Difference(EndsMethod):
     summary = "the paper's scheme: central differences, Newton, extrapolation; order 2, then 4"
     order = 4
     ladders = (
-        Ladder("difference", "nodes", _NODES, "#56b4e9", "o", fixed={"extrapolate": False}, most=MOST_COMPILED),
-        Ladder("difference", "nodes", _NODES, "#0072b2", "o", label="difference extrapolated", most=MOST_COMPILED),
+        Ladder("difference", "nodes", _NODES, "#a6a000", "o", fixed={"extrapolate": False}, most=MOST_COMPILED),
+        Ladder("difference", "nodes", _NODES, "#5c5a00", "o", label="difference extrapolated", most=MOST_COMPILED),
     )
 
     nodes: int | None = knob(int, least=5)

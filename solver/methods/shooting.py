@@ -23,7 +23,7 @@ class Shooting(EndsMethod):
     summary = "the level at which the orbit's length is the rod's"
     order = float("inf")
     knows_orbit = True
-    ladders = (Ladder("shooting", "tol", tens(2, 13, 2), "#00704f", "o", bold=True),)
+    ladders = (Ladder("shooting", "tol", tens(2, 13, 2), "#009e9e", "o", bold=True),)
 
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST

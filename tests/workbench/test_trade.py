@@ -12,9 +12,13 @@ import pytest
 import xarray as xr
 
 from solver import InputError
+from solver.benchmark import ladders, measure, offered
 from solver.observe.observables import OBSERVABLES
 from tests.workbench import small
 from workbench import cli
+from workbench.commands import trade
+from workbench.compare.trade import advice
+from workbench.compare.trade_cases import CASES, reference
 from workbench.data import writing
 from workbench.data.schema import CURVES
 from workbench.figures import canvas, work_precision
@@ -101,6 +105,42 @@ def test_a_diagram_draws_every_rung_that_was_tried_failures_as_crosses(ds) -> No
         assert len(drawn["o"].get_xdata() if "o" in drawn else ()) == 8 - crosses
 
 
+def test_a_method_that_hands_over_has_two_lines_and_no_line_between_them(ds) -> None:
+    from matplotlib.figure import Figure
+
+    handed = ds.copy(deep=True)
+    handed["answered"] = ds["answered"].astype(object)
+    handed["answered"].loc[{"case": "elliptic", "ladder": "orbit"}] = ["swing"] * 3 + ["orbit"] * 7
+    ax = work_precision.panel(handed, Figure().add_subplot(), "elliptic")
+    assert sorted(len(line.get_xdata()) for line in ax.lines if line.get_marker() == "o") == [3, 5]
+    rows = measure({"x": (CASES["gap 1e-08"].case, reference("gap 1e-08"), None)}, {"swing": offered()["swing"]})
+    assert {row.answered for row in rows} == {"orbit"}
+    assert {str(name) for name in np.unique(ds["answered"].sel(ladder="orbit"))} == {"", "orbit"}
+
+
+def test_no_two_methods_share_a_colour() -> None:
+    looks = [ladder.colour for ladder in ladders().values()]
+    assert len(set(looks)) == len(looks)
+
+
+def test_the_advice_names_the_method_that_reaches_a_level_in_the_most_cases(ran, ds, capsys) -> None:
+    _, told = ran
+    rows = {(row["kind"], row["level"]): row for row in told["advice"]}
+    assert set(rows) == {(kind, level) for kind in ("start", "ends") for level in ds["level"].values}
+    one = rows["ends", 1e-3]
+    spent = ds.sel(case="ends elliptic", ladder=one["method"])
+    assert one["reached"] == one["cases"] == 1
+    assert one["seconds"] == spent["seconds"].values[spent["error"].values <= 1e-3].min()
+    slow = ds.copy(deep=True)
+    slow["error"].loc[{"case": "elliptic", "ladder": "orbit"}] = 1.0
+    found = [row for row in advice(slow) if row["kind"] == "start"]
+    assert all(row["method"] is None and row["reached"] == 0 for row in found)
+    trade._print(told | {"advice": [*found, one]}, [])
+    lines = capsys.readouterr().out.splitlines()
+    assert "For an error of 1e-06 in start problems: no method reaches it." in lines
+    assert f"For an error of 1e-03 in ends problems: {one['method']} (1 of 1 cases, median" in lines[-1]
+
+
 def test_a_diagram_needs_no_more_than_the_file(ds, tmp_path) -> None:
     for cost in ("seconds", "evaluations"):
         canvas.save(work_precision.figure(ds, cost), tmp_path / f"{cost}.svg")
@@ -114,8 +154,8 @@ def test_a_diagram_needs_no_more_than_the_file(ds, tmp_path) -> None:
 @pytest.mark.parametrize(
     "args, sentence",
     [
-        (["--cases", "short"], "no case 'short'; choose from force-first/tension"),
-        (["--methods", "rk5"], "no method 'rk5'; choose from euler, rk4"),
+        (["--cases", "short"], "no case 'short', did you mean 'soft'; choose from force-first/tension"),
+        (["--methods", "rk5"], "no method 'rk5', did you mean 'rk4'; choose from euler, rk4"),
         (["--cases", "ends", "--methods", "orbit"], "none of orbit solves problems of the kind of ends elliptic"),
     ],
 )

@@ -92,12 +92,12 @@ def dataset_of(rows: Sequence[Row], ladders: Mapping[str, Ladder]) -> xr.Dataset
     longest = max(len(ladders[name].values) for name in methods)
     shape = len(cases), len(methods), longest
     numbers = {name: np.full(shape, np.nan) for name in LABELS}
-    outcome = np.full(shape, NOT_OF_KIND, dtype=object)
+    outcome, answered = np.full(shape, NOT_OF_KIND, dtype=object), np.full(shape, "", dtype=object)
     for j, name in enumerate(methods):
         outcome[:, j, len(ladders[name].values) :] = "not tried: the ladder ends before"
     for row in rows:
         at = cases.index(row.case), methods.index(row.ladder), ladders[row.ladder].values.index(row.value)
-        outcome[at] = row.outcome
+        outcome[at], answered[at] = row.outcome, row.answered
         for name, values in numbers.items():
             values[at] = getattr(row, name)
     value = np.full(shape[1:], np.nan)
@@ -109,6 +109,7 @@ def dataset_of(rows: Sequence[Row], ladders: Mapping[str, Ladder]) -> xr.Dataset
         for name, values in numbers.items()
     }
     data["outcome"] = xr.Variable(full, outcome.astype(str), {"long_name": "solved, or why not"})
+    data["answered"] = xr.Variable(full, answered.astype(str), {"long_name": "the method whose answer it is"})
     data["value"] = xr.Variable(full[1:], value, {"units": "1", "long_name": "value of the knob"})
     data["knob"] = xr.Variable(("ladder",), [ladders[name].knob for name in methods], {"long_name": "knob turned"})
     kinds = [CASES[name].case.kind for name in cases]
@@ -135,6 +136,32 @@ def _best(rows: Sequence[Row], cases: Sequence[str]) -> dict[str, Any]:
         "cheapest": xr.Variable(dims, method.astype(str), {"long_name": "the method that reaches the level soonest"}),
         "cheapest_seconds": xr.Variable(dims, seconds, {"units": "s", "long_name": "time that it takes"}),
     }
+
+
+def advice(ds: xr.Dataset) -> list[dict[str, Any]]:
+    """For each kind of problem and each level the method that reaches it in the most cases, the fastest of these.
+
+    Rows of kind, level, method (None where none reaches it), reached (cases), cases, and seconds (the median over the
+    cases that it reaches). Of two methods that reach as many cases, the one that is faster in the median ratio on the
+    cases of both is taken.
+    """
+    rows = []
+    for kind in dict.fromkeys(ds["kind"].values.tolist()):
+        here = ds.isel(case=np.flatnonzero(ds["kind"].values == kind))
+        good = here["seconds"].where(np.char.startswith(here["outcome"].values.astype(str), "solved"))
+        for level in ds["level"].values:
+            found = good.where(here["error"] <= level).min("rung").transpose("case", "ladder").values
+            reached = np.isfinite(found).sum(axis=0)
+            row = {"kind": str(kind), "level": float(level), "method": None, "reached": 0, "cases": found.shape[0],
+                   "seconds": None}  # fmt: skip
+            if reached.max(initial=0):
+                best = np.flatnonzero(reached == reached.max())
+                fastest = np.fmin.reduce(found[:, best], axis=1, keepdims=True)
+                one = best[np.argmin(np.nanmedian(found[:, best] / fastest, axis=0))]
+                row |= {"method": str(ds["ladder"].values[one]), "reached": int(reached[one]),
+                        "seconds": float(np.nanmedian(found[:, one]))}  # fmt: skip
+            rows.append(row)
+    return rows
 
 
 def _attributes() -> dict[str, Any]:
@@ -166,6 +193,7 @@ def summary_of(ds: xr.Dataset) -> dict[str, Any]:
         "cases": [str(case) for case in ds["case"].values],
         "methods": [str(method) for method in ds["ladder"].values],
         "table": table,
+        "advice": advice(ds),
         "solved": int(sum(n for text, n in zip(outcomes, counts, strict=True) if text.startswith("solved"))),
         "failed": int(sum(n for text, n in zip(outcomes, counts, strict=True) if text.startswith("failed"))),
         "not run": int(sum(n for text, n in zip(outcomes, counts, strict=True) if text.startswith("not run"))),

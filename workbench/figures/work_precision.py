@@ -16,6 +16,8 @@ from ..data import labels
 from . import canvas, style
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from solver.methods.ladder import Ladder
 
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
@@ -58,7 +60,10 @@ def figure(ds: xr.Dataset, cost: str) -> Figure:
 
 
 def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
-    """One case: a line a method over its ladder; a failed rung is a cross at the top. Raises `InputError`."""
+    """One case: a line a method over its ladder; a failed rung is a cross at the top. Raises `InputError`.
+
+    Rungs that a method handed over to another are a line of their own.
+    """
     if case not in ds["case"].values:
         raise no_such("case", case, [str(name) for name in ds["case"].values])
     here = ds.sel(case=case)
@@ -70,8 +75,9 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
         good = tried & np.char.startswith(outcome, "solved") & (error < LOST)
         look = look_of(str(method))
         colour = look.colour
-        ax.plot(spent[good], np.maximum(error[good], FLOOR), color=colour, marker=look.marker, markersize=3.4,
-                linewidth=1.8 if look.bold else 1.1, markeredgewidth=0, zorder=4 if look.bold else 3)  # fmt: skip
+        for stretch in _stretches(one, good):
+            ax.plot(spent[stretch], np.maximum(error[stretch], FLOOR), color=colour, marker=look.marker, markersize=3.4,
+                    linewidth=1.8 if look.bold else 1.1, markeredgewidth=0, zorder=4 if look.bold else 3)  # fmt: skip
         bad = tried & ~good
         ax.plot(spent[bad], np.full(bad.sum(), TOP / 2), "x", color=colour, markersize=4, markeredgewidth=1.1, zorder=3)
         if np.char.startswith(outcome, "not run").any() and good.any():
@@ -86,6 +92,15 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
         axis.set_minor_formatter(NullFormatter())
     ax.set_title(case, loc="left", size=style.SMALL, pad=3)
     return style.with_grid(ax)
+
+
+def _stretches(one: xr.Dataset, good: "NDArray[np.bool_]") -> "list[NDArray[np.intp]]":
+    """The good rungs of one ladder, those of each method that answered by themselves: no line joins two methods."""
+    rungs = np.flatnonzero(good)
+    if "answered" not in one:
+        return [rungs]
+    answered = one["answered"].values.astype(str)[rungs]
+    return [rungs[answered == method] for method in dict.fromkeys(answered.tolist())]
 
 
 def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
