@@ -1,39 +1,64 @@
-"""The map of the extremes: a row an extreme, a column a method, the colour of each cell the outcome."""
+"""The map of the extremes: a row an extreme, a column a method, the colour of each cell the outcome.
+
+A solved cell is the paler, the nearer its error is to what the method promises: tol max(1, condition).
+"""
 
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from . import canvas, style
 
-COLOURS = {"solved": "#cfe8dc", "refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#f3cf8a"}
+COLOURS = {"refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#f3cf8a"}
 WORDS = {
-    "solved": "solved (error shown)",
     "refused": "refused, with a reason",
     "inaccurate": "reported as solved, but wrong",
     "non-finite": "no finite answer: overflow, or out of steps; reported",
 }
+SOLVED = LinearSegmentedColormap.from_list("solved", ["#7fc6a6", "#cfe8dc", "#f8f7d8"])
+LEAST, MOST = -8.0, 1.0  # log10 of error over promise, at the ends of the colours of solved cells
 _ROW, _COLUMN, _NAMES = 0.2, 0.78, 2.6  # inches
 
 
 def figure(ds: xr.Dataset) -> Figure:
     """Draw the map of a dataset of `compare.extremes`."""
     rows, columns = ds.sizes["extreme"], ds.sizes["method"]
-    size = (_NAMES + _COLUMN * (columns + 2), _ROW * rows + 1.5)
-    return canvas.figure(size, lambda fig: panel(ds, fig.add_subplot()), ds)
+    size = (_NAMES + _COLUMN * (columns + 2), _ROW * rows + 2.1)
+
+    def draw(fig: Figure) -> None:
+        ax = panel(ds, fig.add_subplot())
+        colours = ScalarMappable(Normalize(LEAST, MOST), SOLVED)
+        bar = fig.colorbar(
+            colours, ax=ax, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035, ticks=range(-8, 2)
+        )
+        bar.set_label("solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error [rad]")
+        bar.outline.set_visible(False)
+
+    return canvas.figure(size, draw, ds)
+
+
+def promise_kept(ds: xr.Dataset) -> Any:
+    """log10 of the error over the promise tol max(1, condition) of each cell, (extremes, methods)."""
+    promised = float(ds.attrs["tolerance"]) * np.fmax(1.0, ds["condition"].values)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.log10(ds["error"].values / promised)
 
 
 def panel(ds: xr.Dataset, ax: Axes) -> Axes:
     """The map on given axes."""
     names, methods = [str(v) for v in ds["extreme"].values], [str(v) for v in ds["method"].values]
-    verdict, error = ds["verdict"].values, ds["error"].values
+    verdict, error, kept = ds["verdict"].values, ds["error"].values, promise_kept(ds)
     for i in range(len(names)):
         for j in range(len(methods)):
-            ax.add_patch(Rectangle((j, i), 1, 1, facecolor=COLOURS[str(verdict[i, j])], edgecolor="white", linewidth=1))
+            share = (kept[i, j] - LEAST) / (MOST - LEAST)
+            colour = SOLVED(share) if verdict[i, j] == "solved" else COLOURS[str(verdict[i, j])]
+            ax.add_patch(Rectangle((j, i), 1, 1, facecolor=colour, edgecolor="white", linewidth=1))
             _write(ax, j + 0.5, i + 0.5, _number(error[i, j]) if verdict[i, j] in ("solved", "inaccurate") else "")
         _write(ax, len(methods) + 0.5, i + 0.5, _number(_condition(ds, i)))
         _write(ax, len(methods) + 1.5, i + 0.5, _number(float(ds["span"].values[i])))
