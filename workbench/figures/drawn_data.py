@@ -1,0 +1,69 @@
+"""What a figure shows, as a table: the points of its lines and dots, and the values of its coloured cells.
+
+The numbers are in the units of the axis labels. Marks that say where something is, and not what (grid lines, legends,
+hatching, the tube of a scene), are left out.
+"""
+
+import csv
+from collections.abc import Iterator
+from io import StringIO
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection, QuadMesh
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+COLUMNS = ("panel", "x_label", "y_label", "kind", "series", "x", "y", "value")
+
+
+def table(fig: Figure) -> str:
+    """The table as CSV: a row for each point and each cell, with `COLUMNS`; `value` is that of a cell."""
+    text = StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for number, ax in enumerate(_panels(fig), 1):
+        head = f"{number} {_one_line(ax.get_title(loc='left') or ax.get_title())}".strip()
+        named = head, _one_line(ax.get_xlabel()), _one_line(ax.get_ylabel())
+        writer.writerows((*named, *row) for row in rows(ax))
+    return text.getvalue()
+
+
+def rows(ax: Axes) -> Iterator[tuple[str, str, Any, Any, Any]]:
+    """Kind, series, x, y and value of each point and each cell of one panel; a point without a number is left out."""
+    lines = [line for line in ax.lines if line.get_transform().contains_branch(ax.transData) and not _is_rule(ax, line)]
+    for k, line in enumerate(lines, 1):
+        points = np.column_stack([np.asarray(line.get_xdata(), dtype=float), np.asarray(line.get_ydata(), dtype=float)])
+        for x, y in points[np.isfinite(points).all(axis=1)].tolist():
+            yield "line", _label(line, k), x, y, ""
+    dots = [dot for dot in ax.collections if isinstance(dot, PathCollection)]
+    for k, dot in enumerate(dots, 1):
+        offsets = np.ma.getdata(dot.get_offsets()).astype(float)
+        for x, y in offsets[np.isfinite(offsets).all(axis=1)].tolist():
+            yield "dot", _label(dot, k), x, y, ""
+    for k, mesh in enumerate((one for one in ax.collections if isinstance(one, QuadMesh)), 1):
+        corners, values = mesh.get_coordinates(), np.ma.asarray(mesh.get_array())
+        middles = (corners[1:, 1:] + corners[:-1, :-1]) / 2
+        for (x, y), value in zip(middles.reshape(-1, 2).tolist(), values.ravel().filled(np.nan).tolist(), strict=True):
+            yield "cell", _label(mesh, k), x, y, "" if np.isnan(value) else value
+
+
+def _panels(fig: Figure) -> list[Axes]:
+    """The axes of a figure that show data; the bar of a scale of colours does not."""
+    return [ax for ax in fig.axes if ax.get_label() != "<colorbar>"]
+
+
+def _is_rule(ax: Axes, line: Line2D) -> bool:
+    """Whether it is a line across the whole panel, which marks one value."""
+    return not line.get_transform() == ax.transData and line.get_marker() in ("", "None", None)
+
+
+def _label(artist: Any, number: int) -> str:
+    """The label of an artist, or else its number."""
+    label = str(artist.get_label())
+    return str(number) if label.startswith("_") or not label else _one_line(label)
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
