@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .methods import METHODS
+from .methods import METHODS, OrbitQuadrature
 from .methods.ladder import Ladder
 from .numerics.arrays import Array
 from .problem.case import Case
@@ -139,7 +139,7 @@ def _climb(
 
 def _answered(sol: Solution) -> str:
     """The method whose answer a single solution is: a march that loses its orbit hands it over."""
-    return "orbit" if np.any(getattr(sol.trajectory.orbit, "lost", False)) else sol.method
+    return OrbitQuadrature.name if np.any(getattr(sol.trajectory.orbit, "lost", False)) else sol.method
 
 
 def _timed(case: Case, options: Mapping[str, Any], cold: bool) -> tuple[Solution, float]:

@@ -33,7 +33,7 @@ def test_the_page_runs_as_it_stands(tmp_path, monkeypatch, capsys) -> None:
             cli.main(shlex.split(command))
         assert end.value.code == STATUS.get(command, 0), command
     shown = capsys.readouterr().out
-    for row in ("kappa_max   2.61389    3.59075   5.11853   1/cm", "48 cases, 0 unsolved"):
+    for row in ("kappa_max     2.61389   3.59075   5.11853  1/cm", "48 cases, 0 unsolved"):
         assert row in DOCS
         assert row in shown
     names: dict[str, object] = {}
