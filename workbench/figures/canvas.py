@@ -15,7 +15,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from solver.problem.errors import InputError
 
 from ..data import labels
-from .style import BOLD, DPI, LARGE, LETTER, RC, SOFT
+from . import style
+from .sheet import SCREEN, Sheet
+from .style import BOLD, DPI, LETTER, RC, SOFT
 
 DIAGRAMS = (".png", ".pdf", ".svg")
 
@@ -26,13 +28,17 @@ def figure(
     ds: xr.Dataset | None = None,
     dpi: float = DPI,
     layout: Any = "constrained",
+    sheet: Sheet = SCREEN,
 ) -> Figure:
-    """A figure of a size in inches with what `draw` draws on it; ds: the dataset whose title is written above it."""
-    with rc_context(RC):
+    """A figure of a size in inches with what `draw` draws on it.
+
+    ds: the dataset whose title is written above it, where the sheet has one.
+    """
+    with rc_context(RC | sheet.settings()):
         fig = Figure(figsize=size, dpi=dpi, layout=layout)
         FigureCanvasAgg(fig)
         draw(fig)
-        if ds is not None:
+        if ds is not None and sheet.titled:
             _set_title(fig, ds)
     return fig
 
@@ -57,7 +63,8 @@ def save(fig: Figure, path: str | Path | BytesIO, dpi: float = DPI, suffixes: tu
 
 def _set_title(fig: Figure, ds: xr.Dataset) -> None:
     """The study's title and its reading above a constrained layout; the figure grows by the lines of a long title."""
-    title = fill(str(ds.attrs["title"]), int((fig.get_figwidth() - 0.3) / (LARGE * LETTER * BOLD)))
+    size = style.large()
+    title = fill(str(ds.attrs["title"]), int((fig.get_figwidth() - 0.3) / (size * LETTER * BOLD)))
     more = 0.2 * title.count("\n")  # inches
     fig.set_figheight(fig.get_figheight() + more)
     inch = 1 / fig.get_figheight()
@@ -65,5 +72,5 @@ def _set_title(fig: Figure, ds: xr.Dataset) -> None:
     engine = fig.get_layout_engine()
     assert isinstance(engine, ConstrainedLayoutEngine)
     engine.set(rect=(0, 0, 1, 1 - ((0.62 if reading else 0.4) + more) * inch), w_pad=0.1, h_pad=0.08)
-    fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=LARGE)
+    fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=size)
     fig.text(0.012, 1 - (0.36 + more) * inch, reading, va="top", color=SOFT)

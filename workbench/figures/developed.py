@@ -88,7 +88,7 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
         ax.axvline(line, color=style.FAINT, linewidth=0.8, zorder=0)
         if found is None:
             ax.text(line, 0.5, "unsolved", transform=ax.get_xaxis_transform(), rotation=90, ha="center", va="center",
-                    color=style.SOFT, size=style.SMALL)  # fmt: skip
+                    color=style.SOFT, size=style.small())  # fmt: skip
         else:
             look: dict[str, Any] = {"linewidth": 1.7, "solid_capstyle": "round"}
             if too_coarse(ds, where):  # a line would show bends that are not there
@@ -158,7 +158,7 @@ def _factor(curves: Sequence[Any], width: float, room: tuple[float, float]) -> f
 def _crowded(lines: Sequence[float], texts: Sequence[str], scale: float) -> bool:
     """Whether texts at the lines would overlap; scale: inches per length."""
     gaps = np.diff(lines) * scale
-    return bool(gaps.size and gaps.min() < max(map(len, texts)) * style.SMALL * style.LETTER + 0.08)
+    return bool(gaps.size and gaps.min() < max(map(len, texts)) * style.small() * style.LETTER + 0.08)
 
 
 def _one_digit(ratio: float) -> float:

@@ -39,11 +39,12 @@ def rows(ax: Axes) -> Iterator[tuple[str, str, Any, Any, Any]]:
             yield "line", _label(line, k), x, y, ""
     dots = [dot for dot in ax.collections if isinstance(dot, PathCollection)]
     for k, dot in enumerate(dots, 1):
-        offsets = np.ma.getdata(dot.get_offsets()).astype(float)
+        offsets: Any = np.ma.getdata(dot.get_offsets()).astype(float)
         for x, y in offsets[np.isfinite(offsets).all(axis=1)].tolist():
             yield "dot", _label(dot, k), x, y, ""
     for k, mesh in enumerate((one for one in ax.collections if isinstance(one, QuadMesh)), 1):
-        corners, values = mesh.get_coordinates(), np.ma.asarray(mesh.get_array())
+        corners: Any = mesh.get_coordinates()
+        values: Any = np.ma.asarray(mesh.get_array())
         middles = (corners[1:, 1:] + corners[:-1, :-1]) / 2
         for (x, y), value in zip(middles.reshape(-1, 2).tolist(), values.ravel().filled(np.nan).tolist(), strict=True):
             yield "cell", _label(mesh, k), x, y, "" if np.isnan(value) else value
@@ -56,7 +57,7 @@ def _panels(fig: Figure) -> list[Axes]:
 
 def _is_rule(ax: Axes, line: Line2D) -> bool:
     """Whether it is a line across the whole panel, which marks one value."""
-    return not line.get_transform() == ax.transData and line.get_marker() in ("", "None", None)
+    return line.get_transform() != ax.transData and line.get_marker() in ("", "None", None)
 
 
 def _label(artist: Any, number: int) -> str:

@@ -72,5 +72,5 @@ def _draw_curve(ds: xr.Dataset, ax: Axes, k: int, half: float) -> None:
     ax.set_aspect("equal")
     for spine in ax.spines.values():
         spine.set(visible=True, color=style.FAINT)
-    ax.set_title(f"{k + 1}  index {int(one['index'])}", loc="left", size=style.SMALL, pad=2)
-    ax.set_xlabel(labels.value(float(one["energy"]), one["energy"]), size=style.SMALL, labelpad=1)
+    ax.set_title(f"{k + 1}  index {int(one['index'])}", loc="left", size=style.small(), pad=2)
+    ax.set_xlabel(labels.value(float(one["energy"]), one["energy"]), size=style.small(), labelpad=1)

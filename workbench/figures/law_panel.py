@@ -33,11 +33,11 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> Axes:
     pad = 6 + _write_verdict(ax, row)
     ax.set_title(style.wrapped(title, ax), loc="left", pad=pad)
     if row["also"]:
-        text = style.wrapped(_other_observables(ds, row), ax, style.SMALL)
+        text = style.wrapped(_other_observables(ds, row), ax, style.small())
         lines = "\n" * (text.count("\n") + 2)
         ax.set_xlabel(ax.get_xlabel() + lines, linespacing=0.95)  # room that the layout sees
         note = ax.annotate(text, (0, 0), (-8, -38), xycoords="axes fraction", textcoords="offset points", va="top",
-                           size=style.SMALL, color=style.SOFT)  # fmt: skip
+                           size=style.small(), color=style.SOFT)  # fmt: skip
         note.set_in_layout(False)
     legend.add(ax)
     return ax
@@ -47,11 +47,11 @@ def _write_verdict(ax: Axes, row: Mapping[str, Any]) -> float:
     """Write the verdict above the axes and its reason below it, in the verdict's colour; their height in points."""
     colour = style.VERDICT_COLOURS[row["verdict"]]
     measured = "; ".join(text for text in (row["found"], law_verdicts.detail(row)) if text)
-    reason = style.wrapped(labels.law_text(row, measured), ax, style.SMALL)
+    reason = style.wrapped(labels.law_text(row, measured), ax, style.small())
     below = 11 * (reason.count("\n") + 1) if reason else 0
     above: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom",
                              "color": colour}  # fmt: skip
-    ax.annotate(reason, (0, 1), (0, 3), size=style.SMALL, **above)
+    ax.annotate(reason, (0, 1), (0, 3), size=style.small(), **above)
     ax.annotate(row["verdict"], (0, 1), (0, 3 + below), weight="bold", **above)
     return below + 14
 

@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from .style import LETTER, SMALL, SOFT
+from . import style
+from .style import LETTER, SOFT
 
 HANDLE = 0.45  # inches of an entry beside its label
 
@@ -24,12 +25,12 @@ def add(ax: Axes, **where: Any) -> None:
 def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = ()) -> None:
     """One legend below all axes of a figure with a constrained layout: its entries in columns, then notes as text."""
     once = {str(entry.get_label()): entry for entry in entries}
-    notes = list(dict.fromkeys(notes))
+    notes = [style.fitted(note, fig.get_figwidth() - 0.3, style.small()) for note in dict.fromkeys(notes)]
     if not once and not notes:
         return
-    widest = max((HANDLE + SMALL * LETTER * len(label) for label in once), default=1.0)
+    widest = max((HANDLE + style.small() * LETTER * len(label) for label in once), default=1.0)
     columns = max(1, min(len(once), int((fig.get_figwidth() - 0.2) / widest)))
     found = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], loc="outside lower left",
                        ncols=columns, title="\n".join(notes), alignment="left", handlelength=1.8, handleheight=1.2,
-                       title_fontsize=SMALL)  # fmt: skip
+                       title_fontsize=style.small())  # fmt: skip
     found.get_title().set_color(SOFT)

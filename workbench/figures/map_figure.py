@@ -121,9 +121,9 @@ class _Maps:
             self.entries += law_lines.draw_map(ax, law, self.columns[0], where, BESIDE)
             self._label(ax, leaving=law.row["axis"])
             said = f"{law_lines.sentence(law, self.ds, self.choice)}; lines: {law_lines.counts(law, where)}"
-            lines = style.fitted(said, BESIDE[0] + 0.2, style.SMALL)
+            lines = style.fitted(said, BESIDE[0] + 0.2, style.small())
             ax.annotate(lines, (0, 1), (0, 4), xycoords="axes fraction", textcoords="offset points",
-                        size=style.SMALL, color=style.VERDICT_COLOURS[law.row["verdict"]], va="bottom")  # fmt: skip
+                        size=style.small(), color=style.VERDICT_COLOURS[law.row["verdict"]], va="bottom")  # fmt: skip
             along = f"verdicts on {law.row['observable']} along {labels.axis_symbol(law.row['axis'])}"
             ax.set_title(along, loc="left", pad=11 * (lines.count("\n") + 1) + 6)
 
@@ -176,10 +176,10 @@ class _Maps:
         for law in reversed(laws):
             said, lines = law_lines.sentence(law, self.ds, self.choice), law_lines.counts(law, where)
             text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
-            lines = style.fitted(text, self.inches[0] + 0.2, style.SMALL)
+            lines = style.fitted(text, self.inches[0] + 0.2, style.small())
             colour = style.VERDICT_COLOURS[law.row["verdict"]]
             ax.annotate(lines, (0, 1), (0, above + 4), xycoords="axes fraction", textcoords="offset points",
-                        size=style.SMALL, color=colour, va="bottom")  # fmt: skip
+                        size=style.small(), color=colour, va="bottom")  # fmt: skip
             above += 11 * (lines.count("\n") + 1)
         title = labels.long_name(self.ds[name])
         if self.choice.along:

@@ -168,7 +168,7 @@ def _number_regions(ax: Axes, cells: Cells, classes: Values, step: int, inches: 
         n: labels.tick(n) if step == 1 else f"{labels.tick(n)}–{labels.tick(n + step - 1)}" for n in np.unique(known)
     }
     letters = max(map(len, texts.values()), default=1)
-    room = 0.5 * style.SMALL / 72 + AROUND, 0.5 * letters * style.SMALL * style.LETTER + AROUND
+    room = 0.5 * style.small() / 72 + AROUND, 0.5 * letters * style.small() * style.LETTER + AROUND
     for number, j, i in regions.places(classes, (inches[1] / y.size, inches[0] / x.size), room):
-        ax.text(x[i], y[j], texts[number], ha="center", va="center", size=style.SMALL, color=style.INK,
+        ax.text(x[i], y[j], texts[number], ha="center", va="center", size=style.small(), color=style.INK,
                 path_effects=[halo], zorder=5)  # fmt: skip

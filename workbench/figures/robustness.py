@@ -79,7 +79,7 @@ def _condition(ds: xr.Dataset, i: int) -> float:
 
 
 def _write(ax: Axes, x: float, y: float, text: str) -> None:
-    ax.text(x, y, text, ha="center", va="center", fontsize=style.SMALL - 0.5, color=style.INK)
+    ax.text(x, y, text, ha="center", va="center", fontsize=style.small() - 0.5, color=style.INK)
 
 
 def _number(value: Any) -> str:

@@ -78,7 +78,7 @@ def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str) -> None:
         ax.plot(x[~solved], np.zeros(int((~solved).sum())), "x", color=style.VERDICT_COLOURS[FAILS], markersize=4,
                 clip_on=False, transform=ax.get_xaxis_transform(), rasterized=x.size > MANY)  # fmt: skip
     if (found := rank_correlation(x[solved], y[solved])) is not None:
-        ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=style.SMALL, color=style.SOFT, pad=2)
+        ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=style.small(), color=style.SOFT, pad=2)
     ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=observed.is_count(ds, name)))
     ax.yaxis.set_major_formatter(labels.tick)
     ax.margins(x=0.03, y=0.12)

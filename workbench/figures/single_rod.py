@@ -8,10 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.mechanics.contact import push_from
-from solver.problem.errors import InputError
+from solver.problem.errors import InputError, no_such
 
 from ..data import labels
 from . import canvas, developed, legend, style
+from .sheet import SCREEN, Sheet
 
 SIZE = (9.6, 8.0)  # inches
 FINE = 4001  # stations of a diagram, two for each pixel: fewer cut off the peaks of push
@@ -23,21 +24,26 @@ def pushes(ds: xr.Dataset) -> Any:
     return push_from(ds["contact"].values, str(ds.attrs.get("side", "outside")))
 
 
-def figure(ds: xr.Dataset) -> Figure:
+def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     """The angle, the push and the developed curve of a dataset of one case; what is not stored is left out.
 
-    The case is solved again at as many stations as the diagrams have pixels.
+    The case is solved again at as many stations as the diagrams have pixels. Raises `InputError` for a panel that the
+    figure has not.
     """
     ds = _at_pixels(ds)
     panels = [panel for panel, name in ((angle, "beta"), (contact, "contact")) if name in ds.data_vars]
     panels += [curve] if developed.has_curve(ds) else []
-    count = max(len(panels), 1)
+    panels = [panel for panel in panels if sheet.panel in (None, NAMES[panel])]
+    if not panels:
+        raise no_such("panel", sheet.panel, NAMES.values())
+    count = len(panels)
 
     def draw(fig: Figure) -> None:
         for i, panel in enumerate(panels):
             panel(ds, fig.add_subplot(count, 1, i + 1))
 
-    return canvas.figure((SIZE[0], SIZE[1] * count / 3), draw, ds)
+    height = SIZE[1] * max(sheet.width / SIZE[0], 0.7)
+    return canvas.figure((sheet.width, height * count / 3), draw, ds, sheet=sheet)
 
 
 def _at_pixels(ds: xr.Dataset) -> xr.Dataset:
@@ -102,8 +108,11 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.plot(np.where(pulled, np.nan, up), across, color=style.PUSHED, solid_capstyle="butt", **look)
     ax.plot(up[0], across[0], "o", color=style.INK, markersize=5)
     ax.annotate("s = 0", (up[0], across[0]), (0, 6), textcoords="offset points", ha="center", va="bottom",
-                size=style.SMALL)  # fmt: skip
-    factor = developed.stretch(float(np.ptp(up)), float(np.ptp(across)), (SIZE[0] - 1, SIZE[1] / 3 - 1))
+                size=style.small())  # fmt: skip
+    figure_ = ax.get_figure(root=True)
+    assert figure_ is not None
+    room = figure_.get_figwidth() - 1, SIZE[1] / 3 - 1
+    factor = developed.stretch(float(np.ptp(up)), float(np.ptp(across)), room)
     ax.set_aspect(1 / factor)
     ax.set_xlabel(f"z [{unit}]{developed.larger(factor)}")
     ax.set_ylabel(style.wrapped(f"ρα [{unit}]{developed.larger(1 / factor)}", ax, upward=True))
@@ -111,6 +120,9 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.margins(x=0.08, y=0.15)
     ax.invert_yaxis()
     return style.with_grid(ax)
+
+
+NAMES = {angle: "angle", contact: "push", curve: "curve"}  # what --panel calls them
 
 
 def _is_coarse(ds: xr.Dataset) -> bool:

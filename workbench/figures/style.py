@@ -4,9 +4,10 @@ from textwrap import fill
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
+from matplotlib import colormaps, rcParams
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
+from matplotlib.font_manager import FontProperties
 
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
@@ -47,6 +48,7 @@ RC: Any = {
     "ytick.labelsize": SMALL,
     "legend.frameon": False,
     "legend.fontsize": SMALL,
+    "figure.titlesize": LARGE,
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
     "figure.dpi": DPI,
@@ -56,6 +58,25 @@ RC: Any = {
     "mathtext.default": "regular",
     "text.parse_math": False,  # a title may come from anyone, and has its $ as they are
 }
+
+
+def normal() -> float:
+    """Points of ordinary letters on the sheet that is being drawn."""
+    return _points(rcParams["font.size"])
+
+
+def small() -> float:
+    """Points of small letters on the sheet that is being drawn."""
+    return _points(rcParams["legend.fontsize"])
+
+
+def large() -> float:
+    """Points of the letters of its title."""
+    return _points(rcParams["figure.titlesize"])
+
+
+def _points(size: Any) -> float:
+    return FontProperties(size=size).get_size_in_points()
 
 
 def ramp_colours(count: int) -> list[Any]:
@@ -70,13 +91,14 @@ def map_colours(count: int = 256) -> ListedColormap:
     return ListedColormap(ramp * (1 - WHITE_OF_MAP) + WHITE_OF_MAP, name="map")
 
 
-def wrapped(text: str, ax: Axes, size: float = NORMAL, bold: bool = False, upward: bool = False) -> str:
+def wrapped(text: str, ax: Axes, size: float | None = None, bold: bool = False, upward: bool = False) -> str:
     """The text in lines that are no longer than the axes are wide (or high), for a font of that size in points."""
     return fitted(text, inches(ax)[int(upward)], size, bold)
 
 
-def fitted(text: str, room: float, size: float = NORMAL, bold: bool = False) -> str:
+def fitted(text: str, room: float, size: float | None = None, bold: bool = False) -> str:
     """The text in lines that are no longer than so many inches, for a font of that size in points."""
+    size = size or normal()
     return fill(text, max(int(room / (size * LETTER * (BOLD if bold else 1))), 12))
 
 

@@ -68,7 +68,7 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], na
     for (j, i), curve in curves.items():
         left, low = (scale.share(float(scale.values[k])) - room / 2
                      for scale, k, room in ((cells.x, i, across), (cells.y, j, up)))  # fmt: skip
-        ax.text(left, low + up, _number(cells, name, j, i), transform=ax.transAxes, va="top", size=style.SMALL,
+        ax.text(left, low + up, _number(cells, name, j, i), transform=ax.transAxes, va="top", size=style.small(),
                 color=style.INK, path_effects=halo)  # fmt: skip
         if curve is not None:
             dots = developed.too_coarse(ds, places[j, i])

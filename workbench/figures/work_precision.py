@@ -44,14 +44,14 @@ def figure(ds: xr.Dataset, cost: str) -> Figure:
             ax.remove()
         for i, ax in enumerate(axes.flat[: len(cases)]):
             ax.tick_params(labelbottom=i + columns >= len(cases))
-        fig.supxlabel(COSTS[cost], size=style.NORMAL, color=style.INK)
+        fig.supxlabel(COSTS[cost], size=style.normal(), color=style.INK)
         error = "error achieved: of angle [rad], or of position over max(ρ, L)"
-        fig.supylabel(error if lines > 2 else fill(error, 34), size=style.NORMAL)
+        fig.supylabel(error if lines > 2 else fill(error, 34), size=style.normal())
         title = f"{ds.attrs['title']}: {COSTS[cost]}"
-        fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=style.LARGE)
+        fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=style.large())
         for i, (title, handles) in enumerate(_legends(ds)):
             top = 1 - (0.33 + 0.19 * i) * inch
-            fig.text(0.012, top - 0.1 * inch, title, va="center", size=style.SMALL, color=style.SOFT)
+            fig.text(0.012, top - 0.1 * inch, title, va="center", size=style.small(), color=style.SOFT)
             fig.legend(handles=handles, loc="center left", bbox_to_anchor=(0.12, top - 0.1 * inch), ncols=len(handles),
                        borderaxespad=0, columnspacing=1.2, handlelength=1.8, handletextpad=0.5)  # fmt: skip
         fig.get_layout_engine().set(rect=(0, 0, 1, 1 - 1.0 * inch))  # type: ignore[union-attr, call-arg]
@@ -90,7 +90,7 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(labels.power_of_ten)
         axis.set_minor_formatter(NullFormatter())
-    ax.set_title(case, loc="left", size=style.SMALL, pad=3)
+    ax.set_title(case, loc="left", size=style.small(), pad=3)
     return style.with_grid(ax)
 
 

@@ -1,0 +1,63 @@
+"""The sheet that a figure is drawn for: its width, the sizes of its letters, and whether the title stands on it."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from solver.problem.errors import InputError, no_such
+
+from .style import LARGE, NORMAL, SMALL
+
+MILLIMETRES = 25.4  # of an inch
+NARROWEST, WIDEST = 60.0, 500.0  # millimetres
+ONE_COLUMN = 6.0  # inches: on a narrower sheet panels stand one below the other
+STYLES = {"screen": (NORMAL, SMALL, LARGE), "paper": (8.0, 7.0, 9.5)}  # points
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A sheet.
+
+    Attributes
+    ----------
+    width : float
+        Inches.
+    style : str
+        A name of `STYLES`, which gives the sizes of the letters.
+    titled : bool
+        Whether the title of the study stands above the figure.
+    panel : str, optional
+        The one panel that is drawn; default: all.
+    """
+
+    width: float = 9.6
+    style: str = "screen"
+    titled: bool = True
+    panel: str | None = None
+
+    @property
+    def narrow(self) -> bool:
+        """Whether panels stand one below the other."""
+        return self.width < ONE_COLUMN
+
+    def settings(self) -> dict[str, Any]:
+        """Matplotlib's settings of the letters."""
+        normal, small, large = STYLES[self.style]
+        sizes = {"font.size": normal, "axes.titlesize": normal, "axes.labelsize": normal, "figure.titlesize": large}
+        return sizes | dict.fromkeys(("xtick.labelsize", "ytick.labelsize", "legend.fontsize"), small)
+
+
+SCREEN = Sheet()
+
+
+def sheet(style: str = "screen", width: float | None = None, titled: bool = True, panel: str | None = None) -> Sheet:
+    """The sheet of a style and a width in millimetres; default: 183 for paper, 244 for the screen.
+
+    Raises `InputError` for an unknown style and for a width that no figure fits.
+    """
+    if style not in STYLES:
+        raise no_such("style", style, STYLES)
+    if width is None:
+        return Sheet(SCREEN.width if style == "screen" else 183 / MILLIMETRES, style, titled, panel)
+    if not NARROWEST <= width <= WIDEST:
+        raise InputError(f"the width must be from {NARROWEST:g} to {WIDEST:g} mm, got {width:g}")
+    return Sheet(width / MILLIMETRES, style, titled, panel)
