@@ -66,8 +66,9 @@ class _Helices:
 
     @cached_property
     def along(self) -> Array:
-        """d beta at the stations, (b, F, n)."""
-        return np.asarray(np.einsum("bnf,bfg->bgn", self.motion.along.beta, self.unit))
+        """d beta at the stations and the marks, (b, F, n)."""
+        beta = np.concatenate([self.motion.along.beta, self.motion.marks.beta], axis=1)
+        return np.asarray(np.einsum("bnf,bfg->bgn", beta, self.unit))
 
     def rates(self, density: Any) -> _Rates:
         problem, beta = self.problem, self.problem.beta0[:, None]
@@ -80,7 +81,7 @@ class _Helices:
         return _Rates(turn * found.values[:, 0], found.size[:, 0], column * made.beta, column * own)
 
     def changes(self, rates: _Rates) -> tuple[Array, Array]:
-        """The changes of a density at the stations, (b, F, n), and the sizes of their terms, (b, F)."""
+        """The changes of a density along the rods, (b, F, n), and the sizes of their terms, (b, F)."""
         moved = rates.by_beta[..., None] * self.along
         return moved + rates.own[..., None], np.abs(moved).max(axis=2) + np.abs(rates.own)
 
