@@ -116,7 +116,7 @@ def test_an_extreme_of_the_force_that_two_places_reach_unequally_has_a_remark() 
 
 
 def test_a_batch_has_the_derivatives_of_its_cases_alone() -> None:
-    side, E, nu, a, L, R, beta, dbeta, F1, F2, F3 = FILE["cases"]["pushes, then lifts off"]["case"]
+    side, E, nu, a, L, R, beta, dbeta, F1, F2, _ = FILE["cases"]["pushes, then lifts off"]["case"]
     forces = np.linspace(-30.0, 10.0, 7)
     start = Start(beta, dbeta, F1=F1, F2=F2, F3=forces)
     case = Case(Rod(E, nu, a, L), Cylinder(R, side), start)
@@ -137,7 +137,9 @@ def judged(count: int, seed: int) -> int:
     """Compare random rods with differences; how many lifted off on the way."""
     rng, lifted = np.random.default_rng(seed), 0
     for _ in range(count):
-        given = Start(rng.uniform(-3, 3), rng.normal(), F2=10 * rng.normal(), F3=10 * rng.normal(), M3=10 * rng.normal())
+        given = Start(
+            rng.uniform(-3, 3), rng.normal(), F2=10 * rng.normal(), F3=10 * rng.normal(), M3=10 * rng.normal()
+        )
         case = Case(Rod(1.07e4, 0.25, 0.25, 8.0), Cylinder(0.75, str(rng.choice(["inside", "outside"]))), given)
         solution = solve(case, stations=5)
         if not solution.solved or solution.condition > 50:

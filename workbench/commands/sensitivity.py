@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .options import At, ForceOutput, Json, argument, flag, number, option
@@ -83,8 +83,9 @@ def _local(
     from solver.observe.observables import is_count
     from studies import load
 
-    from ..data import writing
+    from ..data import schema, writing
     from ..influence import derivatives, one_case
+    from ..run import in_memory, stored_case
     from . import at_option
     from .study_scene import is_study
 
@@ -94,26 +95,18 @@ def _local(
         real = show  # refused with the choices
     if is_study(file):
         study = load(file)
-        places = one_case.outline(study) if study.follow is None else None
-        found = one_case.of_study(study, at_option.values(places, at) if places is not None else dict(_split(at)))
-        units, title, reading = study.unit_system, study.title, study.reading or ""
+        follows = study.follow is not None
+        ds = in_memory.run(study) if follows else one_case.outline(study)
+        where = at_option.values(ds, at)
+        found = one_case.of_dataset(ds, where) if follows else one_case.of_study(study, where)
     else:
         ds = writing.read(file)
         found = one_case.of_dataset(ds, at_option.values(ds, at))
-        units = {kind: str(ds.attrs[f"{kind}_unit"]) for kind in ("length", "force")}
-        title, reading = ds.attrs["title"], ds.attrs["reading"]
-    table = derivatives.local(found, fields, real, units).assign_attrs(title=title, reading=reading)
+        study = stored_case.study_of(ds)
+    table = derivatives.local(found, fields, real, study.unit_system)
+    varied = " ".join(schema.dimension(name) for name in study.varied)
+    table = table.assign_attrs(title=study.title, reading=study.reading or "", varied=varied)
     return table, [*derivatives.sentences(table), *([left_out] if left_out else [])]
-
-
-def _split(at: list[str]) -> list[tuple[str, str]]:
-    """--at of a study whose axis is known only when it is solved."""
-    from solver.problem.errors import InputError
-
-    for text in at:
-        if "=" not in text:
-            raise InputError(f"--at takes NAME=VALUE, got {text!r}")
-    return [(text.partition("=")[0], text.partition("=")[2]) for text in at]
 
 
 def _indices(
@@ -181,15 +174,16 @@ def _print_indices(table: "xr.Dataset") -> None:
 
     rows = []
     for row in tables.rows(table):
-        first, total = (f"{row[key]:.3f} ± {row[f'{key}_conf']:.3f}" for key in ("first", "total"))
-        rows.append(
-            [row["observable"], row["field"], *(("-", "-") if row["total"] != row["total"] else (first, total))]
-        )
+        first, total = (_index(row, key) for key in ("first", "total"))
+        rows.append([row["observable"], row["field"], first, total])
     console.print_table(["observable", "field", "first", "total"], rows)
     if found := tables.pairs(table):
         console.say("")
-        cells = [
-            [row["observable"], f"{row['field']} and {row['other']}", f"{row['second']:.3f} ± {row['second_conf']:.3f}"]
-            for row in found
-        ]
+        cells = [[row["observable"], f"{row['field']} and {row['other']}", _index(row, "second")] for row in found]
         console.print_table(["observable", "pair", "second"], cells)
+
+
+def _index(row: "dict[str, Any]", key: str) -> str:
+    """An index and half its interval; a dash where there is none."""
+    value, half = row[key], row[f"{key}_conf"]
+    return "-" if value != value else f"{round(value, 3) + 0.0:.3f} ± {half:.3f}"

@@ -15,7 +15,8 @@ FIRST, TOTAL = style.PUSHED, style.LIFTED
 def figure(ds: xr.Dataset) -> Figure:
     """Draw a dataset of `influence.sobol`."""
     names = [str(name) for name in ds["observable"].values]
-    share = f"{ds.attrs['confidence']:.0%}"
+    share = f"{100 * ds.attrs['confidence']:g} %"
+    limits = _limits(ds)
 
     def below(fig: Figure) -> None:
         entries = [
@@ -24,10 +25,10 @@ def figure(ds: xr.Dataset) -> Figure:
         ]
         legend.below(fig, entries, [f"Shares of the variance; lines: {share} intervals."])
 
-    return bars.figure(ds, names, 2 * ds.sizes["field"], lambda ax, name: panel(ds, ax, name), below)
+    return bars.figure(ds, names, 2 * ds.sizes["field"], lambda ax, name: panel(ds, ax, name, limits), below)
 
 
-def panel(ds: xr.Dataset, ax: Axes, name: str) -> Axes:
+def panel(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -> Axes:
     """The indices of one observable, the field of the largest total on top."""
     row = ds.sel(observable=name)
     ax.set_title(str(row["symbol"].values), loc="left", pad=4)
@@ -42,13 +43,16 @@ def panel(ds: xr.Dataset, ax: Axes, name: str) -> Axes:
                 error_kw={"elinewidth": 1, "capsize": 2, "ecolor": style.INK, "zorder": 4})  # fmt: skip
     bars.look(ax, [str(ds["field_symbol"].values[i]) for i in order])
     ax.axvline(0, color=style.SOFT, linewidth=0.8, zorder=4)
-    tops = (row[key].values + row[f"{key}_conf"].values for key in ("first", "total"))
-    ax.set_xlim(
-        min(-0.02, float((row["first"] - row["first_conf"]).min())),
-        max(1.0, *(float(top.max()) for top in tops)) + 0.02,
-    )
+    ax.set_xlim(*limits)
     ax.xaxis.set_major_formatter(labels.tick)
     if row["lost"] > 0:
-        lost = f"{float(row['lost']):.1%} of the blocks have no value"
+        lost = f"{100 * float(row['lost']):.2g} % of the blocks left out"
         ax.set_title(lost, loc="right", pad=4, size=style.SMALL, color=style.SOFT)
     return ax
+
+
+def _limits(ds: xr.Dataset) -> tuple[float, float]:
+    """The ends of the axis of every panel: 0 and 1, and beyond them what the intervals need."""
+    low = min(float((ds[key] - ds[f"{key}_conf"]).min()) for key in ("first", "total"))
+    high = max(float((ds[key] + ds[f"{key}_conf"]).max()) for key in ("first", "total"))
+    return min(np.nan_to_num(low), 0.0) - 0.03, max(np.nan_to_num(high), 1.0) + 0.03

@@ -23,7 +23,7 @@ def figure(ds: xr.Dataset) -> Figure:
     if not names:
         raise InputError("no diagram: no observable depends on these fields, or none has a derivative")
     most = max(len(_effects(ds, name)[:MOST]) for name in names)
-    return bars.figure(ds, names, most, lambda ax, name: panel(ds, ax, name), _caption)
+    return bars.figure(ds, names, most, lambda ax, name: panel(ds, ax, name), lambda fig: _caption(fig, ds))
 
 
 def panel(ds: xr.Dataset, ax: Axes, name: str) -> Axes:
@@ -74,6 +74,16 @@ def _tick(ds: xr.Dataset, field: str) -> str:
     return quantity(field).symbol if amount == "1 %" else f"{quantity(field).symbol}, {labels.unit(told)}"
 
 
-def _caption(fig: Figure) -> None:
-    text = "Change of the observable in the unit above it,\nfor 1 % of a field or the amount beside it."
-    legend.below(fig, [Patch(color=style.PUSHED, label="rises"), Patch(color=style.LIFTED, label="falls")], [text])
+def _caption(fig: Figure, ds: xr.Dataset) -> None:
+    """What the bars are, and which case of a study it is; ds may have the attribute varied, the fields of its axes."""
+    notes = ["Change of the observable in the unit above it,", "for 1 % of a field or the amount beside it."]
+    varied = [name for name in str(ds.attrs.get("varied", "")).split() if name in ds["field"].values]
+    told = [f"{quantity(name).symbol} = {_value(ds.sel(field=name))}" for name in varied]
+    notes += [f"At {', '.join(told)}."] if told else []
+    legend.below(fig, [Patch(color=style.PUSHED, label="rises"), Patch(color=style.LIFTED, label="falls")], notes)
+
+
+def _value(field: xr.Dataset) -> str:
+    number, unit = float(field["at"]), str(field["field_unit"].values)
+    text = f"{labels.number(np.degrees(number))}°" if unit == "rad" else f"{labels.number(number)} {labels.unit(unit)}"
+    return text.strip().replace("-", "−")

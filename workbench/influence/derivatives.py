@@ -15,7 +15,7 @@ from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.errors import no_such
 from solver.problem.field_rates import fields_of
 from solver.problem.quantities import quantity, unit_of
-from studies.axes import FIELDS
+from studies.axes import FIELDS, WORDS
 
 from ..data import schema
 
@@ -67,28 +67,37 @@ def local(
     found = solution.sensitivity(names, wanted)
     if not found.solved:
         raise InputError(f"the case has no derivatives: {found.outcome}")
-    at = np.array([_value(solution, name) for name in names])
     seen = observe(solution, wanted, errors=True)
-    slopes = np.stack([found.observables[name] for name in wanted])
     value, error = (np.array([float(seen[f"{name}{end}"]) for name in wanted]) for end in ("", "_error"))
-    steps, amounts = zip(*(_amount(solution, name, units) for name in names), strict=True)
-    relative = np.array([_has_share(name, o, e) for name, o, e in zip(wanted, value, error, strict=True)])
-    with np.errstate(invalid="ignore", divide="ignore"):
-        effect = slopes * np.array(steps) / np.where(relative, value / 100, [_own(name) for name in wanted])[:, None]
-    own = [unit_of(name, units) for name in wanted]
-    shown = ["deg" if unit == "rad" else unit for unit in own]
-    each = [unit_of(name, units) for name in names]
-    table = {
-        "derivative": (("observable", "field"), slopes),
-        "derivative_unit": (("observable", "field"), [[_quotient(o, f) for f in each] for o in own]),
-        "effect": (("observable", "field"), effect),
-        "effect_unit": ("observable", [PERCENT if one else unit for one, unit in zip(relative, shown, strict=True)]),
-        "amount": ("field", list(amounts)),
-        "value": ("observable", value), "error": ("observable", error), "unit": ("observable", own),
-        "at": ("field", at), "field_unit": ("field", each),
-        "remark": ("observable", [str(found.remarks[name]) for name in wanted]),
-    }  # fmt: skip
-    return xr.Dataset(table, {"observable": list(wanted), "field": list(names)}, {"relative_error": float(found.error)})
+    ds = xr.Dataset(coords={"observable": wanted, "field": names}, attrs={"relative_error": float(found.error)})
+    ds["derivative"] = ("observable", "field"), np.stack([found.observables[name] for name in wanted])
+    ds["value"], ds["error"] = ("observable", value), ("observable", error)
+    ds["at"] = "field", [_value(solution, name) for name in names]
+    ds["unit"], ds["field_unit"] = (
+        (dim, [unit_of(name, units) for name in own]) for dim, own in (("observable", wanted), ("field", names))
+    )
+    ds["derivative_unit"] = (
+        ("observable", "field"),
+        [[_quotient(o, f) for f in ds["field_unit"].values.tolist()] for o in ds["unit"].values.tolist()],
+    )
+    ds["remark"] = "observable", [str(found.remarks[name]) for name in wanted]
+    return _with_effects(ds, solution, units)
+
+
+def _with_effects(ds: xr.Dataset, solution: Solution, units: Mapping[str, str]) -> xr.Dataset:
+    """The table with effect, effect_unit and amount."""
+    steps, amounts = zip(*(_amount(solution, name, units) for name in ds["field"].values.tolist()), strict=True)
+    parts, shown = [], []
+    for name, value, error, unit in zip(
+        *(ds[k].values.tolist() for k in ("observable", "value", "error", "unit")), strict=True
+    ):
+        relative, angle = _has_share(name, value, error), unit == "rad"
+        parts.append(value / 100 if relative else np.deg2rad(1.0) if angle else 1.0)
+        shown.append(PERCENT if relative else "deg" if angle else unit)
+    effect = ds["derivative"].values * np.array(steps) / np.array(parts)[:, None]
+    return ds.assign(
+        effect=(("observable", "field"), effect), effect_unit=("observable", shown), amount=("field", list(amounts))
+    )
 
 
 def sentences(table: xr.Dataset) -> list[str]:
@@ -143,7 +152,7 @@ def _fields(solution: Solution, names: Iterable[str] | None) -> list[str]:
     known = fields_of(solution.case)
     if names is None:
         return list(known)
-    wanted = [schema.dimension(name) if name in FIELDS else name for name in names]
+    wanted = [schema.dimension(name) if name in FIELDS and name not in WORDS else name for name in names]
     for name in wanted:
         if name not in known:
             raise no_such("field", name, known)
@@ -183,11 +192,6 @@ def _amount(solution: Solution, name: str, units: Mapping[str, str]) -> tuple[fl
     alike = [abs(_value(solution, other)) for other in fields_of(solution.case) if quantity(other).dimension == kind]
     step, unit = 0.01 * (max(alike) or 1.0), unit_of(name, units)
     return step, f"{step:.3g} {unit}" if unit != "1" else f"{step:.3g}"
-
-
-def _own(name: str) -> float:
-    """The unit in which an observable changes that has no share."""
-    return float(np.deg2rad(1.0)) if quantity(name).dimension == "rad" else 1.0
 
 
 def _has_share(name: str, value: float, error: float) -> bool:

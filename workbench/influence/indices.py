@@ -71,7 +71,9 @@ def sobol(
         raise InputError("sample is not held: the indices are those of all samples")
     held = {axis: i for axis, i in selection.case(ds, at).items() if axis != SAMPLE}
     here = ds.isel(held)
-    names = observed.named(here, observables) if observables else observed.observables(here)
+    names = observed.named(here, observables) if observables else schema.observables_of(here)
+    if not names:
+        raise InputError("the file stores no observable: give the study observables, and run it again")
     solved = here["solved"].values.astype(bool)
     values = np.stack([np.where(solved, here[name].values.astype(float), np.nan) for name in names], axis=1)
     found = analysed(design, values, fields, names, confidence, seed)
@@ -175,8 +177,8 @@ def _whole_blocks(design: Design, values: Values, name: str) -> tuple[Values, fl
         missing = int((~np.isfinite(values)).sum())
         raise InputError(
             f"{missing} of {values.size} samples have no {name}, so {int((~whole).sum())} of {design.blocks} blocks "
-            f"cannot be used, and {int(whole.sum())} are left; at most {MOST_LOST:.0%} may be left out, and at least "
-            f"{FEWEST} are needed: narrow the ranges to where the cases are solved, or take another observable"
+            f"cannot be used, and {int(whole.sum())} are left; at most {100 * MOST_LOST:g} % may be left out, and at "
+            f"least {FEWEST} are needed: narrow the ranges to where the cases are solved, or take another observable"
         )
     return rows[whole], float(lost)
 
@@ -184,9 +186,10 @@ def _whole_blocks(design: Design, values: Values, name: str) -> tuple[Values, fl
 def _remark(design: Design, kept: int) -> str:
     said = []
     if kept < design.blocks:
+        share = 100 * (1 - kept / design.blocks)
         said.append(
-            f"{design.blocks - kept} of {design.blocks} blocks ({1 - kept / design.blocks:.1%}) are left out, as one "
-            "of their samples has no value: the indices are those of the other blocks, and not of the whole ranges"
+            f"{design.blocks - kept} of {design.blocks} blocks ({share:.2g} %) are left out, as one of their "
+            "samples has no value: the indices are those of the other blocks, and not of the whole ranges"
         )
     if kept < FEW:
         said.append(f"{kept} blocks are few: the intervals are rough")
@@ -215,7 +218,7 @@ def _indices(design: Design, blocks: Values, confidence: float, seed: int) -> di
 
 def sentences(found: xr.Dataset) -> list[str]:
     """What the indices say beside their numbers, one sentence each."""
-    share = f"{found.attrs['confidence']:.0%}"
+    share = f"{100 * found.attrs['confidence']:g} %"
     said = [
         f"first: share of the variance that the field alone explains; total: with all its interactions. ±: half the "
         f"interval of {share} confidence ({found.attrs['resamples']} resamples, seed {found.attrs['seed']})."
