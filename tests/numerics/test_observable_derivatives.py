@@ -74,21 +74,40 @@ def test_a_longer_rod_lifts_off_later_only_where_it_nowhere_lifts_off() -> None:
     assert dict(zip(names, longer, strict=True)) == {name: float(name == "pushes all along") for name in names}
 
 
-def test_where_the_push_only_touches_zero_the_place_of_lift_off_has_no_derivative() -> None:
-    """A rod that swings about a helix just so far that its least push is zero: a little farther, and it lifts off."""
+def swinging(rate: float) -> Case:
+    """A rod inside that swings about a helix, and pushes least between its turning points; less, the faster it is."""
+    return in_units_of_rho(helix_moment(1.87, -1.23, -0.68), -1.23, -0.68, 12.0, 1.87, rate, "inside")
 
-    def case_at(rate: float) -> Case:
-        return in_units_of_rho(helix_moment(0.7, 0.5, -0.9), 0.5, -0.9, 20.0, 0.7, rate, "inside")
+
+def touching_rate() -> float:
+    """The rate of beta at the start of the one whose least push is zero."""
 
     def least(rate: float) -> float:
-        return float(observe(solve(case_at(rate), tol=1e-13, stations=3), ["push_min"])["push_min"])
+        return float(observe(solve(swinging(rate), tol=1e-13, stations=3), ["push_min"])["push_min"])
 
-    touching = case_at(brentq(least, 1e-3, 1.0, xtol=1e-15, rtol=1e-15))
-    found = solve(touching, tol=1e-13, stations=3).sensitivity(["dbeta0", "alpha0"], ["lift_off_at", "pitch"])
+    return float(brentq(least, 1e-3, 0.8, xtol=1e-15, rtol=1e-15))
+
+
+def test_where_the_push_only_touches_zero_the_place_of_lift_off_has_no_derivative() -> None:
+    solution = solve(swinging(touching_rate()), tol=1e-13, stations=3)
+    found = solution.sensitivity(["dbeta0", "alpha0"], ["lift_off_at", "pitch"])
     assert np.isnan(found.observables["lift_off_at"][0])
     assert found.observables["lift_off_at"][1] == 0
     assert "touches zero" in found.remarks["lift_off_at"]
     assert np.isfinite(found.observables["pitch"]).all()
+
+
+@pytest.mark.parametrize("deeper", [1e-3, 1e-6])
+def test_a_short_dip_of_the_push_has_its_place_and_its_derivative(deeper: float) -> None:
+    """The dip of the second case is shorter than the distance of two nodes of a panel."""
+    case = swinging(touching_rate() * (1 + deeper))
+    solution = solve(case, tol=1e-13)
+    place = float(observe(solution, ["lift_off_at"])["lift_off_at"])
+    slope = float(solution.sensitivity("dbeta0", ["lift_off_at"]).observables["lift_off_at"][0])
+    step = 1e-3 * deeper
+    up, down = (float(read(solve(moved(case, "dbeta0", turn * step), tol=1e-13))[2]) for turn in (1, -1))
+    assert 0 < place < 12
+    assert slope == pytest.approx((up - down) / (2 * step), rel=1e-4)  # rounding over the step
 
 
 def test_a_rod_that_begins_without_push_has_no_derivative_of_lift_off() -> None:
