@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CSV = (".csv",)
+LEFT, CELL = 46, 9  # letters of the columns before the effects, and of an effect
 Study = Annotated[Path, argument("STUDY", "Shipped study, TOML file, or stored study: a file that run wrote.")]
 
 
@@ -149,15 +150,25 @@ def _print_local(table: "xr.Dataset") -> None:
     rows = [[name, float(table["at"][i]), str(table["field_unit"].values[i])] for i, name in enumerate(names)]
     console.print_table(["field", "value", "unit"], [[a, b, "" if c == "1" else c] for a, b, c in rows])
     names = [name for name in names if name not in derivatives.without_effect(table)]
-    room = max((console.out().width - 42) // 11, 1)
-    for k in range(0, len(names), room):
-        some = names[k : k + room]
+    heads = {name: f"{name} ({table['amount'].sel(field=name).values!s})" for name in names}
+    for some in _in_width(heads, console.out().width - LEFT):
         console.say("")
-        heads = [f"{n} ({a})" for n, a in ((n, str(table["amount"].sel(field=n).values)) for n in some)]
-        console.print_table(
-            ["observable", "value", "unit", "in", *heads],
-            [_effects(table, i, some) for i in range(table.sizes["observable"])],
-        )
+        rows = [_effects(table, i, some) for i in range(table.sizes["observable"])]
+        console.print_table(["observable", "value", "unit", "in", *(heads[name] for name in some)], rows)
+
+
+def _in_width(heads: dict[str, str], room: int) -> list[list[str]]:
+    """The names in groups whose columns, with these heads, are not wider than so many letters."""
+    groups: list[list[str]] = [[]]
+    left = room
+    for name, head in heads.items():
+        width = max(len(head), CELL) + 2
+        if groups[-1] and width > left:
+            groups.append([])
+            left = room
+        groups[-1].append(name)
+        left -= width
+    return groups
 
 
 def _effects(table: "xr.Dataset", i: int, fields: list[str]) -> list[str]:

@@ -20,7 +20,7 @@ from ..data import observed, schema, selection
 from .design import Design, design_of
 
 CONFIDENCE, SEED = 0.95, 1  # of the intervals; of the bootstrap, whose 0 would mean another each time
-RESAMPLES, MOST_DRAWN = 200, 20_000_000  # of the bootstrap; blocks drawn in all, above which it has fewer resamples
+RESAMPLES, MOST_DRAWN = 200, 4_000_000  # of the bootstrap; blocks drawn in all, above which it has fewer resamples
 FEWEST, FEW = 16, 128  # blocks: fewer are refused, fewer have a caution
 MOST_LOST = 0.5  # share of the blocks that may be left out
 NO_SALIB = "Sobol' indices need SALib: install the extra global, pip install 'rod-workbench[global]'"
