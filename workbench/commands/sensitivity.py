@@ -153,8 +153,8 @@ def _print_local(table: "xr.Dataset") -> None:
     heads = {name: f"{name} ({table['amount'].sel(field=name).values!s})" for name in names}
     for some in _in_width(heads, console.out().width - LEFT):
         console.say("")
-        rows = [_effects(table, i, some) for i in range(table.sizes["observable"])]
-        console.print_table(["observable", "value", "unit", "in", *(heads[name] for name in some)], rows)
+        cells = [_effects(table, i, some) for i in range(table.sizes["observable"])]
+        console.print_table(["observable", "value", "unit", "in", *(heads[name] for name in some)], cells)
 
 
 def _in_width(heads: dict[str, str], room: int) -> list[list[str]]:
