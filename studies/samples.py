@@ -5,6 +5,7 @@ of the study; the inverse of a field's distribution function turns its coordinat
 """
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
@@ -41,11 +42,31 @@ def _random(size: int, fields: int, seed: int) -> Cube:
     return np.random.default_rng(seed).random((size, fields))
 
 
+def _saltelli(size: int, fields: int, seed: int, second: bool = False) -> Cube:
+    """Blocks of points A, A with one coordinate of B each, B; with `second` also B with one coordinate of A each.
+
+    A and B are the halves of the points of a scrambled Sobol' sequence in twice as many dimensions (Saltelli 2002).
+    """
+    both = _sobol(size // block_of(fields, second), 2 * fields, seed)
+    a, b = both[:, None, :fields], both[:, None, fields:]
+    mixed = np.eye(fields, dtype=bool)
+    parts = [a, np.where(mixed, b, a), *([np.where(mixed, a, b)] if second else []), b]
+    return np.concatenate(parts, axis=1).reshape(size, fields)
+
+
+def block_of(fields: int, second: bool = False) -> int:
+    """The number of samples of a block of Saltelli's design."""
+    return (2 * fields if second else fields) + 2
+
+
 METHODS: dict[str, tuple[Callable[[int, int, int], Cube], str]] = {  # name -> sampler, and its name in sentences
     "sobol": (_sobol, "scrambled Sobol' sequence"),
     "latin-hypercube": (_latin, "Latin hypercube"),
     "random": (_random, "independent random numbers"),
+    "saltelli": (_saltelli, "Saltelli's design"),
+    "saltelli-second-order": (partial(_saltelli, second=True), "Saltelli's design for pairs of fields"),
 }
+BLOCKS = {"saltelli": False, "saltelli-second-order": True}  # the methods that draw blocks: whether for pairs too
 # name -> the keys that it needs, and those that it may have
 DISTRIBUTIONS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "uniform": (("from", "to"), ()),
@@ -203,7 +224,19 @@ class Sample(BaseModel):
             raise Misplaced(f"{self.size} samples, more than the limit of {MAX_COUNT}", "size")
         if not self.fields:
             raise ValueError("sample has no field: give at least one a table, such as [sample.E]")
+        if self.size % self.block:
+            whole = self.size // self.block * self.block or self.block
+            raise Misplaced(
+                f"{METHODS[self.method][1]} of {len(self.fields)} fields has blocks of {self.block} samples: size must "
+                f"be a multiple of {self.block}, such as {whole} or {256 * self.block} (256 blocks), got {self.size}",
+                "size",
+            )
         return self
+
+    @property
+    def block(self) -> int:
+        """The number of samples that belong together: those of a block of Saltelli's design; else 1."""
+        return block_of(len(self.fields), BLOCKS[self.method]) if self.method in BLOCKS else 1
 
     @property
     def fields(self) -> dict[str, Distribution]:
@@ -223,11 +256,12 @@ class Sample(BaseModel):
 
     @property
     def caution(self) -> str:
-        """A sentence where the size of a Sobol' sequence is no power of two; else nothing."""
-        if self.method != "sobol" or self.size & (self.size - 1) == 0:
+        """A sentence where the number of points of a Sobol' sequence is no power of two; else nothing."""
+        points = self.size // self.block
+        if self.method not in ("sobol", *BLOCKS) or points & (points - 1) == 0:
             return ""
-        below = 1 << (self.size.bit_length() - 1)
+        below, what = 1 << (points.bit_length() - 1), "blocks" if self.method in BLOCKS else "samples"
         return (
-            f"{self.size} samples of a Sobol' sequence are not a power of two, and are spread less evenly than "
+            f"{points} {what} of a Sobol' sequence are not a power of two, and are spread less evenly than "
             f"{below} or {2 * below} are"
         )

@@ -19,6 +19,7 @@ WORKBENCH = STUDIES | {
     "studies", "xarray", "h5netcdf", "h5py", "filelock", "pyvista", "matplotlib", "trimesh", "typer", "rich", "jinja2",
     "distributed",  # optional: the engine of a cluster, imported where it runs
     "imageio",  # optional: films
+    "SALib",  # optional: Sobol' indices, imported where they are computed
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
     "aiohttp", "trame_client", "trame_vtk",  # optional: the live page
 }  # fmt: skip
@@ -31,8 +32,8 @@ LISTS = {
         "sensitivity", "solve", "equilibria", "benchmark",
     ],
     "workbench": [
-        "data", "geometry", "run", "branches", "figures", "scene", "export", "compare", "web", "commands", "accessor",
-        "cli",
+        "data", "geometry", "run", "branches", "influence", "figures", "scene", "export", "compare", "web", "commands",
+        "accessor", "cli",
     ],
 }  # fmt: skip
 

@@ -55,10 +55,17 @@ def _outward(at: Angles, loads: Loads) -> Rates:
     return Rates(moved, -6 * v * cos2, s + c * lever, -s * c - cos2 * lever - H, -s * lever)
 
 
+def _tension(at: Angles, loads: Loads) -> Rates:
+    s, c = at.sin, at.cos
+    moved = -loads.phi * s + c * (loads.lam - loads.mu * c - s**3) + s * (loads.mu * s - 3 * s * s * c)
+    return Rates(moved, np.zeros_like(s), s, -s * c, c)
+
+
 RATES: dict[Callable[..., Density], Callable[[Angles, Loads], Rates]] = {
     densities.angle: _angle,
     densities.curvature: _curvature,
     densities.bending: _bending,
     densities.potential: _potential,
     densities.outward: _outward,
+    densities.tension: _tension,
 }

@@ -92,7 +92,7 @@ def _pushes(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str,
 
 def _pushes_alone(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
     push, doubt = _resolved_push(pieces, sign, error, goal)
-    return {"push alone": (_parted(push, doubt)[0], push.integral_of(doubt))}
+    return {"push": (_parted(push, doubt)[0], push.integral_of(doubt))}
 
 
 def _lift_offs(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
@@ -151,7 +151,7 @@ GROUPS = (
     _energy(densities.bending, "bending"),
     _energy(densities.potential, "potential"),
     Group(("pushed", "pulled", "share", "least", "most"), _pushes),
-    Group(("push alone",), _pushes_alone),
+    Group(("push",), _pushes_alone),
     Group(("lifts",), _lift_offs),
     Group(("tension",), _tensions),
     Group(("turned", "risen"), _directions),
@@ -253,6 +253,14 @@ class Reading:
     @cached_property
     def A(self) -> Array:
         return flat(self.sol.case.rod.bending_stiffness, self.sol.case.shape)
+
+    @cached_property
+    def E(self) -> Array:
+        return flat(self.sol.case.rod.E, self.sol.case.shape)
+
+    @cached_property
+    def a(self) -> Array:
+        return flat(self.sol.case.rod.a, self.sol.case.shape)
 
     @cached_property
     def nu(self) -> Array:

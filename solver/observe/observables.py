@@ -16,7 +16,6 @@ from ..numerics.arrays import Array
 from ..orbit.pieces import LIBRATION, ROTATION
 from ..problem.errors import no_such
 from ..problem.quantities import quantity
-from ..problem.reduced import flat
 from ..solution import Solution
 from .measurement import Pair, Reading
 from .self_contact import overlaps
@@ -179,7 +178,7 @@ def attached(read: Reading) -> Pair:
 
 def push_middle(read: Reading) -> Pair:
     """Mean of the push over the middle third of the length [force/length], where pull counts as 0."""
-    pushed, error = read.middle("push alone")
+    pushed, error = read.middle("push")
     factor = 3 * _a_length(read)
     return pushed * factor, error * factor
 
@@ -215,8 +214,7 @@ def bending_moment_max(read: Reading) -> Pair:
 
 def bending_stress_max(read: Reading) -> Pair:
     """Largest bending stress, E a kappa_max, at the surface of the rod [force/length^2]."""
-    rod, shape = read.sol.case.rod, read.sol.case.shape
-    return read.scaled("tightest", flat(rod.E, shape) * flat(rod.a, shape) / read.rho)
+    return read.scaled("tightest", read.E * read.a / read.rho)
 
 
 def _a_length(read: Reading) -> Array:
@@ -253,15 +251,17 @@ def _twist(read: Reading) -> Array:
 
 @dataclass(frozen=True)
 class Observable:
-    """One number a case. compute: the values (B,), with their errors if `Quantity.estimated`. measured: what `Reading`
-    measures for it. undefined: where it has no value although the case is solved, in words; "" if nowhere."""
+    """One number a case.
+
+    compute: the values (B,), with their errors if `Quantity.estimated`. measured: what `Reading` measures for it; what
+    is measured over the middle third alone has "middle" before it. undefined: where it has no value although the case
+    is solved, in words; "" if nowhere.
+    """
 
     compute: Callable[[Reading], Any]
     measured: tuple[str, ...] = ()
     undefined: str = ""
 
-
-MIDDLE = ("the middle third",)  # measured where it is read, of which no derivative is known
 
 # The row in `problem.quantities` says whether the error is estimated; if not, the values are whole numbers, or NaN.
 OBSERVABLES: dict[str, Observable] = {
@@ -273,18 +273,20 @@ OBSERVABLES: dict[str, Observable] = {
     "kappa_max": Observable(kappa_max, ("tightest",)),
     "wraps": Observable(wraps),
     "height": Observable(height),
-    "pitch": Observable(pitch, MIDDLE, undefined="the rod does not turn about the axis in its middle third"),
+    "pitch": Observable(
+        pitch, ("middle turned", "middle risen"), undefined="the rod does not turn about the axis in its middle third"
+    ),
     "contact_size_mean": Observable(contact_size_mean, ("pushed", "pulled")),
     "push_mean": Observable(push_mean, ("pushed",)),
     "pull_mean": Observable(pull_mean, ("pulled",)),
     "push_min": Observable(push_min, ("least",)),
     "push_max": Observable(push_max, ("most",)),
-    "push_middle": Observable(push_middle, MIDDLE),
+    "push_middle": Observable(push_middle, ("middle push",)),
     "attached": Observable(attached, ("share",)),
     "lift_off_at": Observable(lift_off_at, ("lifts",)),
     "F3_size_max": Observable(F3_size_max, ("tension",)),
     "bending_moment_max": Observable(bending_moment_max, ("tightest",)),
-    "bending_stress_max": Observable(bending_stress_max, ("tightest", "E", "a")),
+    "bending_stress_max": Observable(bending_stress_max, ("tightest",)),
     "overlaps": Observable(overlapping, ("tightest", "low", "high")),
     "energy": Observable(energy, ("potential",)),
     "bending_energy": Observable(bending_energy, ("bending",)),

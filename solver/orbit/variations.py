@@ -131,13 +131,13 @@ class Variations:
         place = _place(sign[:, None] * np.maximum(values[..., 1], 0), values[..., 2:], ten)
         return self.base[panel, None] + values[..., 0], place
 
-    def sums(self, rates: Array, jump: Array, closing: Array) -> Array:
-        """Integrals over the rods, (B, k), of rates (P, k, n) at the nodes, with jumps (P, k) and closings (2 B, k).
+    def sums(self, rates: Array, jump: Array, closing: Array, until: Array) -> Array:
+        """Integrals over the rods up to t = until (B,), (B, k), of rates (P, k, n) at the nodes.
 
-        The rates do not depend on the direction of travel.
+        jump: (P, k). closing: (2 B, k). The rates do not depend on the direction of travel.
         """
         series, gain = _accumulated(self.orbit, rates, jump, closing)
-        phase = self.orbit.locate(self.orbit.problem.span[:, None])
+        phase = self.orbit.locate(until[:, None])
         values = self.orbit.read(series, phase)
         folded = (self.orbit.arcs.kind == LIBRATION)[:, None]
         parts = [unfolded(values[..., k], phase, gain[..., k], folded)[:, 0] for k in range(rates.shape[1])]

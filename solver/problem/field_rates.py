@@ -44,6 +44,10 @@ class FieldRates:
     alpha: Array
     gamma: Array
 
+    def by(self, field: str) -> Array:
+        """The derivatives of a field of the case itself, (B, F)."""
+        return np.zeros_like(self.rho) + (np.array(self.fields) == field)
+
 
 def fields_of(case: Case) -> tuple[str, ...]:
     """The names of the fields of a case with respect to which there are derivatives."""

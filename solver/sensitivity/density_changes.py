@@ -1,7 +1,7 @@
 """A density along varied orbits, and how it answers the directions of a motion, in units of A and rho."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
@@ -26,11 +26,13 @@ Density = Callable[..., Any]
 class Values:
     """A density at points (...).
 
-    pace: the change of the values along the orbit in a unit of time. moved: (..., 4), their change by a unit of each
+    size: the sum of the sizes of the terms of a value. pace: the change of the values along the orbit in a unit of
+    time. moved: (..., 4), their change by a unit of each
     element of e where nothing moves along the orbit.
     """
 
     values: Array
+    size: Array
     pace: Array
     moved: Array
 
@@ -38,7 +40,7 @@ class Values:
 def density_at(density: Density, sign: Array, problem: Reduced, case: Array, beta: Array, place: Place) -> Values:
     """A density times sign (B,) of the problems `case` (Q,), at beta and places (Q, m)."""
     angles, loads = Angles(beta, np.abs(place.v), np.sin(beta), np.cos(beta)), Loads.columns(problem, case)
-    values = density(SimpleNamespace(angles=angles, problem=problem, case=case)).values
+    found = density(SimpleNamespace(angles=angles, problem=problem, case=case))
     rates = RATES[density](angles, loads)
     by_rate = rates.speed * np.where(place.v < 0, -1.0, 1.0)
     across = rates.beta * (place.c * place.H / place.D) + by_rate * (place.v / place.D)
@@ -46,19 +48,21 @@ def density_at(density: Density, sign: Array, problem: Reduced, case: Array, bet
     for q, rate in ((1, rates.lam), (2, rates.mu), (3, rates.phi)):
         moved[..., q] += rate
     turn = sign[case, None]
-    return Values(turn * values, turn * (rates.beta * place.v - by_rate * place.H), turn[..., None] * moved)
+    pace = rates.beta * place.v - by_rate * place.H
+    return Values(turn * found.values, found.size, turn * pace, turn[..., None] * moved)
 
 
 @dataclass(frozen=True, eq=False)
 class DensityChange:
     """One density times sign (b,) along the rods of b problems, and its change in F directions.
 
-    varied: the variations of their orbits. places: of the two ends, (b,) each. a0: (b, F), e: (b, F, 4), as in
-    `orbit.variations`. later: (b, F), the change of the length in t.
+    varied: the variations of their orbits. span: (b,), the length in t. places: of the two ends, (b,) each. a0: (b, F),
+    e: (b, F, 4), as in `orbit.variations`. later: (b, F), the change of the length in t.
     """
 
     problem: StartProblem
     varied: Variations
+    span: Array
     places: tuple[Place, Place]
     density: Density
     sign: Array
@@ -74,7 +78,13 @@ class DensityChange:
     @property
     def times(self) -> tuple[Array, Array]:
         """t at the two ends, (b,) each."""
-        return 0 * self.problem.span, self.problem.span
+        return 0 * self.span, self.span
+
+    def until(self, share: float) -> "DensityChange":
+        """The same along the first share of the rods."""
+        span = share * self.span
+        end = self.varied.at(span[:, None]).take((slice(None), 0))
+        return replace(self, span=span, places=(self.places[0], end), later=share * self.later)
 
     @cached_property
     def nodes(self) -> Values:
@@ -135,15 +145,21 @@ class DensityChange:
 
 
 def first_of(values: Values) -> Values:
-    return Values(values.values[:, 0], values.pace[:, 0], values.moved[:, 0])
+    return Values(*(getattr(values, one.name)[:, 0] for one in fields(Values)))
 
 
-def zeros_of(series: Array, low: Array, high: Array) -> Array:
-    """Where series (C, n) are zero between places where they are negative and where they are not, (C,)."""
-    both = np.stack([series, series @ derivative(series.shape[1])])
+def zeros_between(values: Array) -> tuple[Integers, Integers, Array]:
+    """Where series given by values at the nodes (P, n) change their sign: panels, the node before, and places, (N,)."""
+    points, up = basis(values.shape[1]), values > 0
+    q, cell = np.nonzero(up[:, 1:] != up[:, :-1])
+    rises = up[q, cell + 1]
+    one, other = points.nodes[cell], points.nodes[cell + 1]
+    series = values[q] @ points.analyse
+    both = np.stack([series, series @ derivative(points.nodes.size)])
 
     def value_and_rate(x: Array) -> tuple[Array, Array]:
-        found = np.einsum("kcn,nc->kc", both, polynomials(x, series.shape[1]))
+        found = np.einsum("kcn,nc->kc", both, polynomials(x, points.nodes.size))
         return found[0], found[1]
 
-    return bracketed(value_and_rate, low, high, steps=60)
+    low, high = np.where(rises, one, other), np.where(rises, other, one)
+    return q, cell, bracketed(value_and_rate, low, high, steps=60)

@@ -1,67 +1,94 @@
-"""The derivatives of the largest and the smallest value of a density along rods."""
+"""The derivatives of the extremes of a density along rods."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ..numerics.arrays import Array
-from ..numerics.chebyshev import basis
+from ..numerics.arrays import Array, Integers
 from ..orbit.pieces import LIBRATION
 from ..orbit.variations import Variations
-from .density_changes import DensityChange, Values, first_of, zeros_of
+from .density_changes import DensityChange, Values, first_of, zeros_between
 
+LARGEST, SMALLEST, LARGEST_SIZE = "largest", "smallest", "largest size"
 _SAME = 1e-12  # relative: extremes that differ by less are equal
 _APART = 1e-4  # relative: derivatives that differ by more are different
 _EDGE = 1e-9  # of the largest pace of a density: at the end of a panel the density is stationary
 _FAINT = 1e-9  # of the sum of the sizes of its terms: a derivative below this is rounding
 
 
-def extreme(rods: DensityChange, largest: bool) -> Array:
-    """Of the largest or the smallest value along the rod, (b, F); NaN where several places reach it unequally."""
-    turn = 1.0 if largest else -1.0
-    case, values, slopes, sizes = _candidates(rods)
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Places of rods that an extreme may have: their ends, where a density is stationary, and where panels meet.
+
+    case, t, values: (N,), t of the first pass. size: (N,), the sum of the sizes of the terms of a value. slopes,
+    moved: (N, F), the derivatives of the values, and the sizes of the terms of these.
+    """
+
+    case: Integers
+    t: Array
+    values: Array
+    size: Array
+    slopes: Array
+    moved: Array
+
+    @property
+    def faint(self) -> Array:
+        """Derivatives below these are rounding, (N, F)."""
+        return _FAINT * self.moved
+
+
+def extreme(rods: DensityChange, which: str) -> Array:
+    """Of the extreme value along the rod, (b, F); NaN where several places reach it unequally.
+
+    which: LARGEST, SMALLEST or LARGEST_SIZE.
+    """
+    found = candidates(rods)
+    if which == LARGEST_SIZE:
+        found = _either_sign(found)
+    turn = -1.0 if which == SMALLEST else 1.0
+    case, values, slopes = found.case, turn * found.values, found.slopes
     best = np.full(rods.problem.size, -np.inf)
-    np.fmax.at(best, case, turn * values)
-    top = turn * values >= (best - _SAME * np.maximum(np.abs(best), 1e-300))[case]
+    np.fmax.at(best, case, values)
+    top = values >= (best - _SAME * np.maximum(np.abs(best), 1e-300))[case]
     chosen = np.zeros((best.size, slopes.shape[1]))
     chosen[case[top][::-1]] = slopes[top][::-1]  # the first of each case
-    off = np.abs(slopes - chosen[case]) > _APART * (np.abs(slopes) + np.abs(chosen[case])) + _FAINT * sizes
+    off = np.abs(slopes - chosen[case]) > _APART * (np.abs(slopes) + np.abs(chosen[case])) + found.faint
     unequal = np.zeros_like(chosen, dtype=bool)
     np.logical_or.at(unequal, case[top], off[top])
     return np.where(unequal, np.nan, chosen)
 
 
-def _candidates(rods: DensityChange) -> tuple[Array, Array, Array, Array]:
-    """Cases (N,), values (N,), their derivatives and the sizes of these, (N, F): at the ends of the rods, where the
-    values are stationary, and where panels meet, as roots there are missed."""
+def _either_sign(found: Candidates) -> Candidates:
+    """The candidates, and the same of minus the values."""
+    twice = {one.name: np.concatenate([getattr(found, one.name)] * 2) for one in fields(Candidates)}
+    sign = np.repeat([1.0, -1.0], found.case.size)
+    return replace(Candidates(**twice), values=sign * twice["values"], slopes=sign[:, None] * twice["slopes"])
+
+
+def candidates(rods: DensityChange) -> Candidates:
+    """The candidates of b rods."""
     found = rods.refined()
-    nodes = basis(found.varied.nodes.v.shape[1]).nodes
     pace = found.nodes.pace
-    up = pace > 0
-    q, cell = np.nonzero(up[:, 1:] != up[:, :-1])
-    rises = up[q, cell + 1]
-    low, high = np.where(rises, nodes[cell], nodes[cell + 1]), np.where(rises, nodes[cell + 1], nodes[cell])
-    x = zeros_of(pace[q] @ basis(nodes.size).analyse, low, high)
+    q, _, x = zeros_between(pace)
     most = np.zeros(rods.problem.size)
     np.maximum.at(most, found.case, np.abs(pace).max(axis=1))
     edges = np.abs(pace[:, [0, -1]]) <= _EDGE * most[found.case, None]
     edge, side = np.nonzero(edges)
     q, x = np.concatenate([q, edge]), np.concatenate([x, 2.0 * side - 1])
-    passed = _passed(found.varied, q, x)
-    q, x = q[passed], x[passed]
+    t, passed = _passes(found.varied, q, x)
+    q, x, t = q[passed], x[passed], t[passed]
     beta, place = found.varied.on_panels(q, x[:, None])
     at = first_of(found.at(found.case[q], beta, place))
     case = found.case[q]
-    values, slopes, sizes = [at.values], [_along(at, rods.e[case])], [_along(at, rods.e[case], np.abs)]
-    first, end = rods.ends
-    for one, along in ((first, rods.a0), (end, rods.a + rods.later)):
+    rows, (begin, until) = np.arange(rods.problem.size), rods.times
+    parts = [Candidates(case, t, at.values, at.size, _along(at, rods.e[case]), _along(at, rods.e[case], np.abs))]
+    for one, when, along in zip(rods.ends, (begin, until), (rods.a0, rods.a + rods.later), strict=True):
         shifted = along * one.pace[:, None]
-        values.append(one.values)
-        slopes.append(_along(one, rods.e) + shifted)
-        sizes.append(_along(one, rods.e, np.abs) + np.abs(shifted))
-    rows = np.arange(rods.problem.size)
-    cases = np.concatenate([case, rows, rows])
-    return cases, np.concatenate(values), np.concatenate(slopes), np.concatenate(sizes)
+        moved = _along(one, rods.e, np.abs) + np.abs(shifted)
+        parts.append(Candidates(rows, when, one.values, one.size, _along(one, rods.e) + shifted, moved))
+    names = (one.name for one in fields(Candidates))
+    return Candidates(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
 def _along(at: Values, e: Array, size: Callable[[Array], Array] = np.asarray) -> Array:
@@ -69,12 +96,13 @@ def _along(at: Values, e: Array, size: Callable[[Array], Array] = np.asarray) ->
     return np.asarray(np.einsum("nk,nfk->nf", size(at.moved), size(e)))
 
 
-def _passed(varied: Variations, q: Array, x: Array) -> Array:
-    """Whether the rod passes the places x of panels q, (N,)."""
+def _passes(varied: Variations, q: Array, x: Array) -> tuple[Array, Array]:
+    """When the rod first passes the places x of panels q, and whether it does, (N,) each."""
     orbit, panels = varied.orbit, varied.orbit.panels
     case, second = panels.arc[q] // 2, panels.arc[q] % 2 == 1
     span, ahead, back = orbit.problem.span[case], orbit.ahead[case], orbit.back[case]
     local = orbit.since[q] + panels.duration[q] * (1 + x) / 2
     there = local + np.where(second, 2 * ahead, 0.0)
     again = np.where(orbit.kind[case] == LIBRATION, 2 * ahead + np.where(second, 2 * back, 0.0) - local, np.inf)
-    return np.asarray((np.minimum(there, again) <= span) | (orbit.period[case] <= span))
+    first = np.minimum(there, again)
+    return first, (first <= span) | (orbit.period[case] <= span)

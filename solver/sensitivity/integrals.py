@@ -11,7 +11,7 @@ import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis
-from .density_changes import DensityChange, zeros_of
+from .density_changes import DensityChange, first_of, zeros_between
 
 _SAME = 1e-12  # rad: critical points that are this near are one
 _NEAR = 0.1  # rad: how near a critical point the difference of a density from that there is integrated
@@ -25,11 +25,20 @@ def integral(rods: DensityChange) -> Array:
 
 def parts(rods: DensityChange) -> tuple[Array, Array, Array]:
     """Of the integrals of the positive and of minus the negative values, and of the length of the positive ones."""
-    cut = _cut_at_zeros(rods)
+    cut = cut_at_zeros(rods)
     positive = (cut.nodes.values.mean(axis=1) > 0).astype(float)[:, None]
-    up = _sum(cut, lambda v: np.maximum(v, 0), lambda v: (v > 0) * 1.0)
     down = _sum(cut, lambda v: np.maximum(-v, 0), lambda v: (v <= 0) * -1.0)
-    return up, down, _share(cut, positive)
+    return _positive(cut), down, _share(cut, positive)
+
+
+def positive_between(rods: DensityChange, low: float, high: float) -> Array:
+    """Of the integral of the positive values between two shares of the length, (b, F)."""
+    cut = cut_at_zeros(rods)
+    return _positive(cut.until(high)) - _positive(cut.until(low))
+
+
+def _positive(cut: DensityChange) -> Array:
+    return _sum(cut, lambda v: np.maximum(v, 0), lambda v: (v > 0) * 1.0)
 
 
 def _sum(rods: DensityChange, kept: Callable[[Array], Array], rate: Callable[[Array], Array]) -> Array:
@@ -77,7 +86,7 @@ def _by_parts(rods: DensityChange, above: Array, moved: Array, jump: Array, firs
     rates = moved - above[:, None] * varied.nodes.M[:, :4]
     jumps = jump - above[:, :1] * varied.jump[:, :4]
     closing = -first[np.arange(2 * B) // 2, None] * varied.closing[:, :4]
-    sums = varied.sums(rates, jumps, closing)
+    sums = varied.sums(rates, jumps, closing, rods.span)
     ends = rods.a * last[:, None] - rods.a0 * first[:, None]
     return np.asarray(np.einsum("bk,bfk->bf", sums, rods.e) + ends)
 
@@ -108,16 +117,18 @@ def _differences(rods: DensityChange) -> Array:
     return out
 
 
-def _cut_at_zeros(rods: DensityChange) -> DensityChange:
+def cut_at_zeros(rods: DensityChange) -> DensityChange:
     """The same on panels on which the values have one sign."""
-    found = rods.refined()
-    values, nodes = found.nodes.values, basis(found.varied.nodes.v.shape[1]).nodes
-    up = values > 0
-    q, cell = np.nonzero(up[:, 1:] != up[:, :-1])
-    if not q.size:
-        return found
-    rises = up[q, cell + 1]
-    low, high = np.where(rises, nodes[cell], nodes[cell + 1]), np.where(rises, nodes[cell + 1], nodes[cell])
-    x = zeros_of(values[q] @ basis(nodes.size).analyse, low, high)
+    found = _cut_at_turns(rods.refined())
+    q, _, x = zeros_between(found.nodes.values)
     inside = np.abs(x) < 1 - 1e-12
-    return replace(found, varied=found.varied.cut(q[inside], x[inside]))
+    return replace(found, varied=found.varied.cut(q[inside], x[inside])) if q.size else found
+
+
+def _cut_at_turns(rods: DensityChange) -> DensityChange:
+    """The same, cut where the values turn between two nodes and have another sign there than at both nodes."""
+    q, cell, x = zeros_between(rods.nodes.pace)
+    up = rods.nodes.values > 0
+    turned = first_of(rods.at(rods.case[q], *rods.varied.on_panels(q, x[:, None]))).values > 0
+    dips = (up[q, cell] == up[q, cell + 1]) & (up[q, cell] != turned)
+    return replace(rods, varied=rods.varied.cut(q[dips], x[dips])) if dips.any() else rods

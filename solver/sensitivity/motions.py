@@ -9,15 +9,17 @@ from ..boundary.branch_coordinates import Path, path_of
 from ..boundary.end_variations import equilibrium_variations, held_directions
 from ..boundary.path_orbits import path_from_start
 from ..numerics.arrays import Array, Integers
+from ..observe.measurement import MIDDLE
 from ..orbit import helix_variations
 from ..orbit.arcs import Arcs, arcs_of
 from ..orbit.pieces import HELIX
 from ..orbit.variations import Change, Place, Variations, changed, directions, variations
-from ..problem.reduced import EndsProblem, StartProblem
+from ..problem.reduced import EndsProblem, Reduced, StartProblem
 from ..solution import Solution
 
 NO_PATH = "failed: no orbit with beta(0) and beta'(0) of this solution ends at beta(L), so it has no derivatives"
 _BLOCK = 256  # cases at once
+MARKS = np.array([*MIDDLE, 1.0])  # shares of the length that observables need
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,14 +44,14 @@ class Motion:
     The directions are a unit of beta(0), of beta_t(0) or, for an ends problem, of beta(L), and of lam, mu and phi, each
     with the others held.
 
-    problem: the start problems of the orbits. along: at the stations, (b, n, 5). far: at the far end, (b, 1, 5). rate:
-    beta_t at the far end, (b,). orbits: what moves; None for helices.
+    problem: the start problems of the orbits. along: at the stations, (b, n, 5). marks: at the shares `MARKS`
+    of the length, (b, 3, 5). rate: beta_t at the far end, (b,). orbits: what moves; None for helices.
     """
 
     rows: Integers
     problem: StartProblem
     along: Change
-    far: Change
+    marks: Change
     rate: Array
     orbits: VariedOrbits | None = None
 
@@ -86,23 +88,28 @@ def _of_orbits(sol: Solution, rows: Integers, problem: StartProblem, arcs: Arcs)
 
 
 def _moved(varied: Variations, rows: Integers, problem: StartProblem, t: Array, a0: Array, e: Array) -> Motion:
-    start, end = varied.start, varied.at(problem.span[:, None])
-    along, far = (changed(start, there, a0, e) for there in (varied.at(t), end))
-    end = end.take((slice(None), 0))
-    return Motion(rows, problem, along, far, end.v, VariedOrbits(varied, a0, e, start, end))
+    start, places = varied.start, varied.at(marks_of(problem))
+    along, marks = (changed(start, there, a0, e) for there in (varied.at(t), places))
+    end = places.take((slice(None), -1))
+    return Motion(rows, problem, along, marks, end.v, VariedOrbits(varied, a0, e, start, end))
+
+
+def marks_of(problem: Reduced) -> Array:
+    """t at the shares `MARKS` of the length, (b, 3)."""
+    return np.asarray(problem.span[:, None] * MARKS)
 
 
 def _of_helices(sol: Solution, rows: Integers, problem: StartProblem) -> Motion:
-    along, far = (helix_variations.started(problem, t) for t in (sol.t[rows], problem.span[:, None]))
-    return Motion(rows, problem, along, far, np.zeros(rows.size))
+    along, marks = (helix_variations.started(problem, t) for t in (sol.t[rows], marks_of(problem)))
+    return Motion(rows, problem, along, marks, np.zeros(rows.size))
 
 
 def _of_equilibrium(sol: Solution, one: EndsProblem, path: Path, i: int) -> Motion:
     rows, t = np.array([i]), sol.t[i : i + 1]
     problem = one.started(sol.trajectory.dbeta[i : i + 1, 0])
     if path.helix:
-        along, far = (helix_variations.held(one, where) for where in (t, one.span[:, None]))
-        return Motion(rows, problem, along, far, np.zeros(1))
+        along, marks = (helix_variations.held(one, where) for where in (t, marks_of(one)))
+        return Motion(rows, problem, along, marks, np.zeros(1))
     varied = equilibrium_variations(one, path)
     end = varied.at(one.span[:, None]).take((slice(None), 0))
     return _moved(varied, rows, problem, t, *held_directions(varied.start, end))

@@ -76,9 +76,10 @@ def _samples(draw: Any, said: dict[str, Any], fields: list[str]) -> None:
     source = draw(st.sampled_from([None, None, "sample", "zip"]))
     names = draw(st.lists(st.sampled_from(fields), min_size=1, max_size=3, unique=True)) if source and fields else []
     if names and source == "sample":
-        methods = st.sampled_from(["sobol", "latin-hypercube", "random"])
-        said["sample"] = {"size": draw(st.integers(1, 9)), "seed": draw(st.integers(0, 2**40))}
-        said["sample"] |= {"method": draw(methods)} if draw(st.booleans()) else {}
+        method = draw(st.sampled_from(["", "sobol", "latin-hypercube", "random", "saltelli"]))
+        size = len(names) + 2 if method == "saltelli" else draw(st.integers(1, 9))
+        said["sample"] = {"size": size, "seed": draw(st.integers(0, 2**40))}
+        said["sample"] |= {"method": method} if method else {}
         said["sample"] |= {name: draw(distributions(name)) for name in names}
     if names and source == "zip":
         size = draw(st.integers(1, 4))

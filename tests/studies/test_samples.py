@@ -155,7 +155,7 @@ REFUSED = {
     "too many": (SOBOL.replace("64", "100000000"), "100000000 samples, more than the limit of 10000000"),
     "no size": (SOBOL.replace("size = 64", ""), "sample needs the key 'size'"),
     "method": ("[sample]\nmethod = 'sobl'\nsize = 4\n[sample.E]\nfrom = 1.0\nto = 2.0",
-               "no method of sampling 'sobl', did you mean 'sobol'; choose from sobol, latin-hypercube, random"),
+               "no method of sampling 'sobl', did you mean 'sobol'; choose from sobol, latin-hypercube, random,"),
     "distribution": (SOBOL.replace("log-uniform", "log-unifrom"),
                      "no distribution 'log-unifrom', did you mean 'log-uniform'; choose from uniform, log-uniform,"),
     "misspelled key": (SOBOL.replace("seed", "sead"), "no key 'sead' in sample, did you mean 'seed'; choose from"),

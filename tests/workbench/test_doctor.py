@@ -21,7 +21,7 @@ def part(trial: Callable[[], None] = lambda: None, package: str = "numpy") -> Ex
 
 
 def test_every_optional_part_has_a_row() -> None:
-    assert {part.extra for part in EXTRAS} == {"cad", "explore", "animate", "taylor", "cluster", "parquet"}
+    assert {part.extra for part in EXTRAS} == {"cad", "explore", "animate", "taylor", "cluster", "parquet", "global"}
 
 
 def test_a_film_and_the_cad_kernel_are_tried_for_real() -> None:

@@ -146,6 +146,10 @@ def _parquet() -> None:
     import_module("pyarrow.parquet")
 
 
+def _salib() -> None:
+    import_module("SALib.analyze.sobol")
+
+
 def _film() -> None:
     """A film of two white frames."""
     import tempfile
@@ -165,6 +169,7 @@ EXTRAS = (
     Extra("films", "animate", ("imageio", "imageio-ffmpeg"), _film, "workbench animate"),
     Extra("heyoka", "taylor", ("heyoka",), _heyoka, "method for comparison"),
     Extra("Parquet", "parquet", ("pyarrow",), _parquet, "workbench run --cases TABLE.parquet"),
+    Extra("SALib", "global", ("SALib",), _salib, "workbench sensitivity --global"),
     Extra("Dask", "cluster", ("dask", "distributed"), _dask, "workbench run --scheduler"),
 )
 

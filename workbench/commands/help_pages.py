@@ -8,7 +8,7 @@ from typer.core import TyperCommand, TyperGroup
 GROUPS: dict[str, tuple[str, ...]] = {
     "The paper": ("reproduce",),
     "One rod": ("solve", "equilibria", "explore"),
-    "Studies": ("list", "run", "check", "summary", "merge"),
+    "Studies": ("list", "run", "check", "summary", "merge", "sensitivity"),
     "Pictures and files": ("plot", "scene", "animate", "gallery", "export"),
     "Methods and machine": ("trade", "extremes", "doctor"),
 }
@@ -33,6 +33,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "--betaL 0 --FZ -200",
     ),
     "equilibria": ("equilibria --plot all.png", "equilibria --axis betaL=-90deg:60deg:41"),
+    "sensitivity": (
+        "sensitivity fig7_1_modulus --at E=5000 --show height,wraps --plot tornado.pdf",
+        "sensitivity study.h5 --global --plot indices.png",
+    ),
     "explore": ("explore",),
     "trade": ("trade",),
     "extremes": ("extremes",),

@@ -1,0 +1,129 @@
+"""The derivatives of what is measured along rods of constant angle."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..mechanics.potential import Loads
+from ..numerics.arrays import Array
+from ..observe import densities
+from ..observe.density_rates import RATES
+from ..observe.measurement import BARELY
+from ..observe.rod_pieces import Angles
+from ..orbit.variation_nodes import slopes_by_loads
+from ..problem.reduced import StartProblem
+from .extremes import LARGEST_SIZE
+from .measured import EXTREMES, INTEGRALS, LIFTS, MIDDLE_PUSH, PUSHES
+from .motions import MARKS, Motion
+
+_STEADY = 1e-10  # relative: a change that is the same all along a helix
+
+
+def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: set[str]) -> dict[str, Array]:
+    """As `measured_orbits.of_orbits`; an extreme has a derivative where every place of the rod changes equally."""
+    rods = _Helices(motion, unit, later, sign)
+    found: dict[str, Array] = {"half_period": np.full_like(later, np.nan)}
+    for name in wanted:
+        if name in EXTREMES:
+            found[name] = rods.extreme(*EXTREMES[name])
+        elif name in INTEGRALS:
+            found[name] = rods.integral(INTEGRALS[name])[:, 2]
+    if wanted & {*PUSHES, MIDDLE_PUSH, LIFTS}:
+        found |= {name: value for name, value in rods.pushes().items() if name in wanted}
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Rates:
+    """A density on b helices: values and the sizes of their terms (b,), its derivatives by beta (b, 1) and by the
+    fields at a constant beta, (b, F)."""
+
+    values: Array
+    size: Array
+    by_beta: Array
+    own: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Helices:
+    motion: Motion
+    unit: Array
+    later: Array
+    sign: Array
+
+    @property
+    def problem(self) -> StartProblem:
+        return self.motion.problem
+
+    @cached_property
+    def turned(self) -> Array:
+        """The integrals of d beta up to the marks, (b, 3, F)."""
+        H_q = slopes_by_loads(self.problem.beta0[:, None])[..., 0]
+        by_each = np.einsum("bmfk,bk->bmf", self.motion.marks.integrals, H_q) / (H_q**2).sum(axis=1)[:, None, None]
+        return np.asarray(np.einsum("bmf,bfg->bmg", by_each, self.unit))
+
+    @cached_property
+    def along(self) -> Array:
+        """d beta at the stations and the marks, (b, F, n)."""
+        beta = np.concatenate([self.motion.along.beta, self.motion.marks.beta], axis=1)
+        return np.asarray(np.einsum("bnf,bfg->bgn", beta, self.unit))
+
+    def rates(self, density: Any) -> _Rates:
+        problem, beta = self.problem, self.problem.beta0[:, None]
+        angles, loads = Angles(beta, 0 * beta, np.sin(beta), np.cos(beta)), Loads.columns(problem)
+        made, turn = RATES[density](angles, loads), self.sign if density is densities.outward else 1 + 0 * self.sign
+        by_load = [np.broadcast_to(rate, beta.shape)[:, 0] for rate in (made.lam, made.mu, made.phi)]
+        own = np.einsum("kb,bkg->bg", np.stack(by_load), self.unit[:, 2:])
+        found = density(_Point(problem, angles, np.arange(beta.size)))
+        column = turn[:, None]
+        return _Rates(turn * found.values[:, 0], found.size[:, 0], column * made.beta, column * own)
+
+    def changes(self, rates: _Rates) -> tuple[Array, Array]:
+        """The changes of a density along the rods, (b, F, n), and the sizes of their terms, (b, F)."""
+        moved = rates.by_beta[..., None] * self.along
+        return moved + rates.own[..., None], np.abs(moved).max(axis=2) + np.abs(rates.own)
+
+    def extreme(self, density: Any, which: str) -> Array:
+        rates = self.rates(density)
+        change, size = self.changes(rates)
+        steady = np.ptp(change, axis=2) <= _STEADY * size
+        if which != LARGEST_SIZE:
+            return np.where(steady, change[..., 0], np.nan)
+        none = np.abs(rates.values) <= BARELY * rates.size
+        sized = np.where(none, 0.0, np.sign(rates.values))[:, None] * change[..., 0]
+        return np.where(steady & ~(none[:, None] & (size > 0)), sized, np.nan)
+
+    def integral(self, density: Any) -> Array:
+        """Up to the marks, (b, 3, F)."""
+        rates = self.rates(density)
+        shares = MARKS[:, None]
+        own = rates.own * self.problem.span[:, None] + rates.values[:, None] * self.later
+        return np.asarray(rates.by_beta[:, None] * self.turned + shares * own[:, None])
+
+    def pushes(self) -> dict[str, Array]:
+        """Of what is measured of the push; none where it is zero, and a change would make it push or pull."""
+        rates = self.rates(densities.outward)
+        none = np.abs(rates.values) <= BARELY * rates.size
+        pushes, pulls = ((turn * rates.values > 0)[:, None] & ~none[:, None] for turn in (1, -1))
+        change, size = self.changes(rates)
+        unsure = none[:, None] & (np.abs(change).max(axis=2) > _STEADY * size)
+        whole = self.integral(densities.outward)
+        found = {
+            "pushed": np.where(pushes, whole[:, 2], 0.0),
+            "pulled": np.where(pulls, -whole[:, 2], 0.0),
+            "share": np.where(pushes, self.later, 0.0),
+            MIDDLE_PUSH: np.where(pushes, whole[:, 1] - whole[:, 0], 0.0),
+            LIFTS: np.where(pulls, 0.0, self.later),
+        }
+        return {name: np.where(unsure, np.nan, value) for name, value in found.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """What a density needs of rod pieces."""
+
+    problem: Any
+    angles: Angles
+    case: Array

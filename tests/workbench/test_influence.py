@@ -1,0 +1,397 @@
+"""`workbench sensitivity` and `workbench.influence`: elasticities of one case, Sobol' indices of a sampled study."""
+
+import csv
+import json
+import shlex
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import Case, Cylinder, InputError, Rod, Start, observe, solve
+from studies import load
+from studies.loader import loads
+from studies.samples import METHODS
+from tests.workbench import small
+from tests.workbench.pictures import pixels, share_of_ink
+from workbench import cli
+from workbench.data import writing
+from workbench.figures import canvas, index_bars, tornado
+from workbench.influence import analysed, local, one_case, sobol
+from workbench.influence.derivatives import REAL, sentences
+from workbench.influence.design import Design, design_of
+from workbench.run import in_memory
+
+TABLE = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start("30deg", 0.5, F1=5.0, F3=10.0))
+SAMPLES = """
+[sample]
+method = "saltelli"
+size = 160
+seed = 3
+[sample.E]
+from = 1e4
+to = 1.2e4
+[sample.R]
+from = 0.7
+to = 0.8
+[sample.F1]
+from = 4.0
+to = 6.0
+"""
+OBSERVED = 'observables = ["kappa_max", "height"]\noutputs = []\n'
+
+
+def samples(method: str, blocks: int, fields: int = 3, seed: int = 1) -> Any:
+    """A design in the unit cube, (samples, fields)."""
+    size = blocks * (2 * fields + 2 if method.endswith("order") else fields + 2)
+    return METHODS[method][0](size, fields, seed)
+
+
+def run(line: str, status: int = 0) -> None:
+    with pytest.raises(SystemExit) as end:
+        cli.main(shlex.split(line))
+    assert (end.value.code or 0) == status, line
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: Any) -> Path:
+    return writing.write(in_memory.run(small.study(SAMPLES, OBSERVED)), tmp_path_factory.mktemp("stored") / "small.h5")
+
+
+# one case
+
+
+def test_an_elasticity_is_the_change_in_percent_for_one_percent() -> None:
+    table = local(solve(TABLE))
+    assert list(table["observable"].values) == list(REAL)
+    wider = solve(Case(TABLE.rod, Cylinder(0.75 * 1.0001), TABLE.given), tol=1e-12)
+    narrower = solve(Case(TABLE.rod, Cylinder(0.75 * 0.9999), TABLE.given), tol=1e-12)
+    for name in ("height", "kappa_max", "push_min", "energy", "pitch"):
+        low, high = (float(observe(sol, [name])[name]) for sol in (narrower, wider))
+        seen = float(table["effect"].sel(observable=name, field="R"))
+        assert seen == pytest.approx((high - low) / 2e-4 / float(table["value"].sel(observable=name)), rel=1e-4), name
+
+
+def test_elasticities_of_stiffness_and_loads_add_up_to_the_power_of_a_force() -> None:
+    """Every load and E twice as large leave the shape, and double every force, moment and energy."""
+    given = Start("30deg", 0.5, F1=5.0, F2=1.0, F3=10.0)
+    table = local(solve(Case(TABLE.rod, TABLE.cylinder, given)), ["E", "F1", "F2", "F3"])
+    power = {"height": 0, "kappa_max": 0, "attached": 0, "push_max": 1, "energy": 1, "F3_size_max": 1, "pitch": 0}
+    for name, wanted in power.items():
+        assert float(table["effect"].sel(observable=name).sum()) == pytest.approx(wanted, abs=1e-8), name
+
+
+def test_angles_and_zeros_are_changed_by_an_amount_that_is_said() -> None:
+    table = local(solve(TABLE), ["E", "beta0", "F2", "gamma0"], ["height", "amplitude", "lift_off_at"])
+    assert list(table["amount"].values) == ["1 %", "1 deg", "0.1 N", "1 deg"]
+    assert list(table["effect_unit"].values) == ["%", "deg", "cm"]  # it lifts off at s = 0
+    slope, value = (table[key].sel(observable="height") for key in ("derivative", "value"))
+    effect = table["effect"].sel(observable="height")
+    assert float(effect.sel(field="beta0")) == pytest.approx(
+        np.deg2rad(1) * float(slope.sel(field="beta0") / value) * 100
+    )
+    assert float(effect.sel(field="F2")) == pytest.approx(0.1 * float(slope.sel(field="F2") / value) * 100)
+    said = " ".join(sentences(table))
+    for part in ("beta0, gamma0 are changed by 1 deg", "F2 by 0.1 N", "amplitude [deg], lift_off_at [cm]",
+                 "No observable here depends on gamma0"):  # fmt: skip
+        assert part in said
+
+
+def test_a_case_of_a_study_is_the_same_from_its_text_and_from_its_file(tmp_path) -> None:
+    study = small.grid()
+    ds = xr.open_dataset(writing.write(in_memory.run(study), tmp_path / "small.h5"))
+    for at in ({}, {"E": 2e4, "R": 0.5}):
+        tables = [local(one_case.of_study(study, at)), local(one_case.of_dataset(ds, at))]
+        np.testing.assert_array_equal(tables[0]["derivative"], tables[1]["derivative"])
+        np.testing.assert_array_equal(tables[0]["at"], tables[1]["at"])
+    assert float(tables[0]["at"].sel(field="E")) == 2e4
+
+
+def test_a_followed_study_and_a_sweep_have_elasticities_of_one_case() -> None:
+    followed = load("fig7_4_end_angle").at_stations(21)
+    found = one_case.of_study(followed, {"betaL": -14.37992253 * np.pi / 180})
+    assert "betaL" in local(found, observables=["height"])["field"]
+    ends = "nu = 0.25\na = 0.25\nL = 20.0\nR = 0.75\nbeta0 = 0.5\nbetaL = 0.8\nMZ = 1.3\nM3 = 6.1\n[axes.FZ]\n"
+    text = f'title = "ends"\n[units]\nlength = "cm"\nforce = "N"\n[base]\nE = 1.07e4\n{ends}values = [-9.0, -5.0]'
+    swept = local(one_case.of_study(loads(text, default_name="ends"), {"FZ": -5.0}), observables=["height"])
+    assert float(swept["at"].sel(field="FZ")) == -5
+
+
+def test_the_command_prints_a_table_and_writes_csv_json_and_a_diagram(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    line = "sensitivity fig7_1_modulus --show kappa_max,turns,lift_off_at --fields E,R,beta"
+    run(f"{line} --plot t.png --out t.csv --dpi 100")
+    shown = capsys.readouterr().out
+    for part in ("kappa_max", "beta0 (1 deg)", "Left out: turns, a whole number", "t.csv\nt.png"):
+        assert part in shown
+    rows = list(csv.DictReader(Path("t.csv").read_text(encoding="utf-8").splitlines()))
+    assert [(row["observable"], row["field"]) for row in rows][:4] == [
+        ("kappa_max", "E"), ("kappa_max", "R"), ("kappa_max", "beta0"), ("lift_off_at", "E"),
+    ]  # fmt: skip
+    assert rows[0]["derivative_unit"] == "1/cm per N/cm^2"
+    assert 0.02 < share_of_ink(pixels(Path("t.png"))) < 0.5
+    run(f"{line} --json")
+    found = json.loads(capsys.readouterr().out)
+    assert found["rows"][0]["effect"] == pytest.approx(float(rows[0]["effect"]))
+    run(f"{line} --plot t.png", 2)  # it exists
+    run(f"{line} --plot t.txt", 2)
+
+
+def test_a_tornado_has_its_longest_bar_on_top_and_its_signs_apart() -> None:
+    table = local(solve(TABLE), observables=["height"]).assign_attrs(title="one", reading="")
+    (ax,) = tornado.figure(table).axes
+    sizes = [bar.get_width() for bar in ax.patches]
+    assert sorted(map(abs, sizes), reverse=True) == [abs(size) for size in sizes]
+    assert len({bar.get_facecolor() for bar in ax.patches if bar.get_width() < 0}) == 1
+    assert {bar.get_facecolor() for bar in ax.patches if bar.get_width() < 0}.isdisjoint(
+        bar.get_facecolor() for bar in ax.patches if bar.get_width() > 0
+    )
+
+
+@pytest.mark.parametrize(("line", "parts"), [
+    ("fig7_1_modulus --fields E,F9", ["no field 'F9'", "choose from E, nu"]),
+    ("fig7_1_modulus --fields M3", ["no field 'M3'", "F1"]),
+    ("fig7_1_modulus --fields stiffness", ["no field 'stiffness'"]),
+    ("fig7_1_modulus --show turns", ["turns is a whole number", "choose from bend_number"]),
+    ("fig7_1_modulus --show heigth", ["no observable 'heigth'"]),
+    ("fig7_1_modulus --at E=7", ["E = 7 is not on the axis"]),
+    ("fig7_1_modulus --at E", ["--at takes NAME=VALUE"]),
+    ("fig7_1_modulus --global", ["--global needs a stored study"]),
+    ("fig7_1_modulus --confidence 0.9", ["--confidence is an option of --global"]),
+    ("nothing", ["no study 'nothing'"]),
+    ("nothing.h5", ["nothing.h5"]),
+])  # fmt: skip
+def test_invalid_input_is_one_sentence(line: str, parts: list[str], capsys) -> None:
+    run(f"sensitivity {line}", 2)
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    for part in parts:
+        assert part in said
+
+
+def test_a_case_without_a_solution_has_no_elasticities() -> None:
+    with pytest.raises(InputError, match="as it is not solved"):
+        local(solve(Case(Rod(1.07e4, 0.25, 0.25, 1e300), TABLE.cylinder, TABLE.given)))
+    with pytest.raises(InputError, match="select one"):
+        local(solve(Case(Rod([1e4, 2e4], 0.25, 0.25, 20.0), TABLE.cylinder, TABLE.given)))
+
+
+# Saltelli's design
+
+
+@pytest.mark.parametrize("method", ["saltelli", "saltelli-second-order"])
+def test_the_design_is_that_of_salib(method: str) -> None:
+    from SALib.sample.sobol import sample
+
+    problem = {"num_vars": 3, "names": ["a", "b", "c"], "bounds": [[0, 1]] * 3}
+    second = method.endswith("order")
+    theirs = sample(problem, 32, calc_second_order=second, seed=np.random.default_rng(5))
+    np.testing.assert_array_equal(samples(method, 32, seed=5), theirs)
+    assert design_of(theirs) == Design(3, 32, second)
+
+
+def test_other_samples_are_no_design() -> None:
+    points = samples("saltelli", 8)
+    assert design_of(points[:-1]) is None
+    swapped = points.copy()
+    swapped[[3, 4]] = swapped[[4, 3]]
+    assert design_of(swapped) is None
+    assert design_of(METHODS["sobol"][0](40, 3, 1)) is None
+    assert design_of(np.exp(5 * points)) == Design(3, 8, False)  # of any distribution
+
+
+def test_a_larger_size_keeps_the_blocks_that_there_are() -> None:
+    few, many = samples("saltelli", 16), samples("saltelli", 64)
+    np.testing.assert_array_equal(many[: few.shape[0]], few)
+
+
+def test_a_size_that_is_no_number_of_blocks_is_refused_with_one_that_is() -> None:
+    with pytest.raises(
+        InputError, match=r"blocks of 5 samples: size must be a multiple of 5, such as 160 or 1280.*163"
+    ):
+        small.study(SAMPLES.replace("160", "163"))
+    assert "16 or 32 are" not in small.study(SAMPLES).sample.caution
+    assert "24 blocks" in small.study(SAMPLES.replace("160", "120")).sample.caution
+
+
+# indices
+
+
+def ishigami(x: Any) -> Any:
+    return np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+
+
+def exact_ishigami() -> tuple[Any, Any, float]:
+    """First-order and total indices, and that of the pair of x1 and x3 (Ishigami and Homma 1990), a = 7, b = 0.1."""
+    a, b, pi = 7, 0.1, np.pi
+    first, second = 0.5 * (1 + b * pi**4 / 5) ** 2, a**2 / 8
+    both = b**2 * pi**8 * (1 / 18 - 1 / 50)
+    whole = first + second + both
+    return np.array([first, second, 0]) / whole, np.array([first + both, second, both]) / whole, both / whole
+
+
+def test_the_indices_of_ishigami_are_the_exact_ones() -> None:
+    first, total, pair = exact_ishigami()
+    unit = samples("saltelli-second-order", 4096)
+    found = analysed(design_of(unit), ishigami(np.pi * (2 * unit - 1))[:, None], list("abc"), ["ishigami"])  # type: ignore[arg-type]
+    one = found.sel(observable="ishigami")
+    for key, exact in (("first", first), ("total", total)):
+        half = one[f"{key}_conf"].values
+        assert (np.abs(one[key].values - exact) <= 1.5 * half).all(), key  # three standard errors
+        assert half.max() < 0.05, key
+    for other, exact in (("c", pair), ("b", 0.0)):
+        found_pair, half = (float(one[key].sel(field="a", other=other)) for key in ("second", "second_conf"))
+        assert abs(found_pair - exact) <= 1.5 * half < 0.15
+
+
+@pytest.mark.slow
+def test_the_intervals_contain_the_exact_indices_as_often_as_stated() -> None:
+    first, total, _ = exact_ishigami()
+    inside = []
+    for seed in range(60):
+        unit = np.random.default_rng(seed).random((256, 6))  # independent blocks, which the bootstrap assumes
+        a, b = unit[:, None, :3], unit[:, None, 3:]
+        points = np.concatenate([a, np.where(np.eye(3, dtype=bool), b, a), b], axis=1).reshape(-1, 3)
+        found = analysed(Design(3, 256, False), ishigami(np.pi * (2 * points - 1))[:, None], list("abc"), ["y"])
+        for key, exact in (("first", first), ("total", total)):
+            off = np.abs(found[key].values[0] - exact)
+            inside += (off <= found[f"{key}_conf"].values[0]).tolist()
+    assert 0.88 <= np.mean(inside) <= 0.99
+
+
+def test_the_indices_of_a_sum_add_up_to_one_and_are_its_shares() -> None:
+    unit, weight = samples("saltelli", 1024), np.array([1.0, 2.0, 3.0])
+    found = analysed(Design(3, 1024, False), (unit @ weight)[:, None], list("abc"), ["sum"])
+    for key in ("first", "total"):
+        assert found[key].values[0] == pytest.approx(weight**2 / (weight**2).sum(), abs=1e-3)
+
+
+def test_a_block_with_a_failed_sample_is_left_out_whole_and_said() -> None:
+    unit = samples("saltelli", 256)
+    values = np.stack([unit @ [1.0, 2.0, 3.0]] * 2, axis=1)
+    values[[12, 17, 18, 700], 0] = np.nan  # in the blocks 2, 3, 3 and 140
+    found = analysed(Design(3, 256, False), values, list("abc"), ["some", "all"])
+    assert found["blocks"].values.tolist() == [253, 256]
+    assert found["lost"].values == pytest.approx([3 / 256, 0])
+    assert str(found["remark"].values[0]).startswith("3 of 256 blocks (1.2 %) are left out")
+    assert str(found["remark"].values[1]) == ""
+    whole = np.delete(np.arange(256), [2, 3, 140])
+    alone = analysed(
+        Design(3, 253, False), values.reshape(256, 5, 2)[whole].reshape(-1, 2), list("abc"), ["some", "all"]
+    )
+    np.testing.assert_array_equal(found["first"][0], alone["first"][1])
+
+
+def test_too_many_failed_samples_are_refused() -> None:
+    unit = samples("saltelli", 256)
+    values = np.where(unit[:, :1] > 0.6, np.nan, unit @ np.ones((3, 1)))
+    with pytest.raises(InputError, match=r"of 1280 samples have no y, so \d+ of 256 blocks cannot be used"):
+        analysed(Design(3, 256, False), values, list("abc"), ["y"])
+
+
+def test_a_constant_observable_has_no_index_and_a_remark() -> None:
+    found = analysed(Design(2, 64, False), np.ones((256, 1)), ["a", "b"], ["one"])
+    assert np.isnan(found["total"]).all()
+    assert "one value on all samples" in str(found["remark"].values[0])
+
+
+def test_invalid_numbers_are_refused() -> None:
+    y = np.zeros((32, 1))
+    for options, part in (({"confidence": 1.5}, "got 1.5"), ({"seed": 0}, "positive"), ({}, "8 blocks are too few")):
+        with pytest.raises(InputError, match=part):
+            analysed(Design(2, 8, False), y, ["a", "b"], ["y"], **options)  # type: ignore[arg-type]
+
+
+def test_one_seed_gives_the_same_intervals() -> None:
+    unit = samples("saltelli", 64)
+    y = (unit @ [1.0, 2.0, 3.0])[:, None]
+    widths = [analysed(Design(3, 64, False), y, list("abc"), ["y"], seed=k)["first_conf"].values for k in (7, 7, 8)]
+    np.testing.assert_array_equal(widths[0], widths[1])
+    assert (widths[0] != widths[2]).any()
+
+
+# stored studies
+
+
+def test_a_stored_study_of_the_design_has_indices(stored: Path, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    found = sobol(xr.open_dataset(stored))
+    assert found["observable"].values.tolist() == ["kappa_max", "height"]
+    assert found["field"].values.tolist() == ["E", "R", "F1"]
+    total = found["total"].sel(observable="kappa_max")
+    assert total.values.argmax() == 0  # a change of E by 20 % is more than one of R by 14 %
+    assert float(total.sum()) == pytest.approx(1, abs=0.3)  # 32 blocks
+    run(f"sensitivity {stored} --global --out g.csv --plot g.png --dpi 100")
+    shown = capsys.readouterr().out
+    for part in ("kappa_max", "95 % confidence", "32 blocks are few"):
+        assert part in shown
+    assert len(list(csv.DictReader(Path("g.csv").read_text(encoding="utf-8").splitlines()))) == 6
+    assert 0.02 < share_of_ink(pixels(Path("g.png"))) < 0.6
+    run(f"sensitivity {stored} --global --show height --confidence 0.8 --json")
+    told = json.loads(capsys.readouterr().out)
+    assert told["confidence"] == 0.8
+    assert [row["observable"] for row in told["rows"]] == ["height"] * 3
+
+
+def test_a_larger_sample_solves_only_the_new_blocks(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = small.HEAD.replace("[units]", f"{OBSERVED}stations = 5\n[units]")
+    Path("one.toml").write_text(text + SAMPLES, encoding="utf-8")
+    run("run one.toml")
+    Path("one.toml").write_text(text + SAMPLES.replace("160", "320"), encoding="utf-8")
+    run("run one.toml")
+    assert design_of(np.stack([xr.open_dataset("one.h5")[n].values for n in ("E", "R", "F1")], 1)) == Design(
+        3, 64, False
+    )
+
+
+def test_failed_cells_of_a_file_are_left_out_with_their_blocks(stored: Path) -> None:
+    ds = xr.open_dataset(stored).load()
+    words = np.where(np.arange(160) == 7, "failed: for a test", "solved")
+    ds = small.with_outcomes(ds, words)
+    found = sobol(ds)
+    assert found["blocks"].values.tolist() == [31, 31]
+    assert found.attrs["unsolved"] == 1
+
+
+@pytest.mark.parametrize(("study", "part"), [
+    ("", r"need a study of samples, got one case"),
+    ("[axes.E]\nvalues = [1e4, 2e4]", r"need a study of samples, got the axes E"),
+    (SAMPLES.replace('"saltelli"', '"sobol"'), "of no Saltelli design: 160 samples of E, R, F1: scrambled.*1280"),
+])  # fmt: skip
+def test_a_file_of_another_design_is_refused_with_how_to_draw_one(study: str, part: str) -> None:
+    with pytest.raises(InputError, match=part):
+        sobol(in_memory.run(small.study(study, OBSERVED)))
+
+
+def test_axes_beside_the_samples_are_held() -> None:
+    axes = SAMPLES.replace("[sample.R]\nfrom = 0.7\nto = 0.8\n", "").replace("160", "128")
+    ds = in_memory.run(small.study(f"{axes}[axes.R]\nvalues = [0.6, 0.75]", OBSERVED))
+    here = sobol(ds, at={"R": 0.6})
+    assert here.attrs["at R"] == 0.6
+    np.testing.assert_array_equal(here["total"], sobol(ds.isel(R=[0]))["total"])
+    with pytest.raises(InputError, match="sample is not held"):
+        sobol(ds, at={"sample": 1})
+    with pytest.raises(InputError, match="no observable 'heigth'"):
+        sobol(ds, ["heigth"])
+
+
+def test_without_salib_one_sentence_names_the_extra(stored: Path, monkeypatch, capsys) -> None:
+    for name in [name for name in sys.modules if name.startswith("SALib")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "SALib", None)
+    run(f"sensitivity {stored} --global", 2)
+    said = capsys.readouterr().err
+    assert "install the extra global" in said
+    assert said.count("\n") == 1
+
+
+def test_the_bars_of_a_study_have_a_panel_for_each_observable(stored: Path, tmp_path) -> None:
+    found = sobol(xr.open_dataset(stored))
+    fig = index_bars.figure(found)
+    assert len(fig.axes) == 2
+    assert all(ax.get_xlim() == fig.axes[0].get_xlim() for ax in fig.axes)
+    canvas.save(fig, tmp_path / "bars.pdf")

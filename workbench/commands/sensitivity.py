@@ -1,0 +1,200 @@
+"""The command sensitivity: what the observables of a case, or of a sampled study, depend on."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from . import console
+from .options import At, ForceOutput, Json, argument, flag, number, option
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+CSV = (".csv",)
+LEFT, CELL = 46, 9  # letters of the columns before the effects, and of an effect
+Study = Annotated[Path, argument("STUDY", "Shipped study, TOML file, or stored study: a file that run wrote.")]
+
+
+def sensitivity(
+    study: Study,
+    at: At = None,
+    fields: Annotated[
+        list[str] | None, option("NAMES", "Fields, separated by commas; default: every numeric field of the case.")
+    ] = None,
+    show: Annotated[
+        list[str] | None,
+        option("NAMES", "Observables, separated by commas; default: all that are no whole numbers; with --global all "
+                        "that are stored."),
+    ] = None,
+    whole: Annotated[
+        bool, flag("Sobol' indices over the ranges of a stored study of Saltelli's design (extra global).", "--global")
+    ] = False,
+    confidence: Annotated[
+        float | None, option("SHARE", "Confidence of the intervals of --global; default: 0.95.", parser=number)
+    ] = None,
+    plot: Annotated[
+        Path | None, option("FILE", "Diagram: tornado diagrams, with --global the indices; .png, .pdf or .svg.")
+    ] = None,
+    out: Annotated[Path | None, option("FILE", "Table, .csv, in full precision.", "--out", "-o")] = None,
+    dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
+    force: ForceOutput = False,
+    json: Json = False,
+) -> int:  # fmt: skip
+    """Tell what matters: how the observables answer the fields.
+
+    Of one case: the exact derivatives, as elasticities, the change in percent for 1 % of a field. --at chooses the case
+    of a study. With --global: the shares of the variance that each sampled field explains, over its whole range.
+    """
+    from solver.problem.errors import InputError
+
+    from ..figures import canvas, index_bars, tornado
+    from ..influence import tables
+    from . import output_file
+
+    for path, suffixes in ((plot, canvas.DIAGRAMS), (out, CSV)):
+        if path is not None:
+            output_file.check(path, suffixes, force)
+    if whole and fields:
+        raise InputError("--fields is an option of the derivatives of one case; --global tells all sampled fields")
+    if confidence is not None and not whole:
+        raise InputError("--confidence is an option of --global: derivatives are exact and have no interval")
+    if whole:
+        table, said = _indices(study, at or [], _names(show), confidence)
+    else:
+        table, said = _local(study, at or [], _names(fields), _names(show))
+    _print(table, said, json)
+    if out is not None:
+        tables.write(table, out)
+    if plot is not None:
+        canvas.save((index_bars if whole else tornado).figure(table), plot, dpi)
+    for path in (out, plot):
+        if path is not None and not json:
+            console.say(str(path))
+    return 0
+
+
+def _names(texts: Sequence[str] | None) -> list[str] | None:
+    return [name.strip() for text in texts for name in text.split(",")] if texts else None
+
+
+def _local(
+    file: Path, at: list[str], fields: list[str] | None, show: list[str] | None
+) -> "tuple[xr.Dataset, list[str]]":
+    """The table of one case with its title, and the sentences on it."""
+    from solver.observe.observables import is_count
+    from studies import load
+
+    from ..data import schema, writing
+    from ..influence import derivatives, one_case
+    from ..run import in_memory, stored_case
+    from . import at_option
+    from .study_scene import is_study
+
+    real = None if show is None else [name for name in show if not is_count(name)]
+    left_out = derivatives.counts_left_out(show or [])
+    if show and not real:
+        real = show  # refused with the choices
+    if is_study(file):
+        study = load(file)
+        follows = study.follow is not None
+        ds = in_memory.run(study) if follows else one_case.outline(study)
+        where = at_option.values(ds, at)
+        found = one_case.of_dataset(ds, where) if follows else one_case.of_study(study, where)
+    else:
+        ds = writing.read(file)
+        found = one_case.of_dataset(ds, at_option.values(ds, at))
+        study = stored_case.study_of(ds)
+    table = derivatives.local(found, fields, real, study.unit_system)
+    varied = " ".join(schema.dimension(name) for name in study.varied)
+    table = table.assign_attrs(title=study.title, reading=study.reading or "", varied=varied)
+    return table, [*derivatives.sentences(table), *([left_out] if left_out else [])]
+
+
+def _indices(
+    file: Path, at: list[str], show: list[str] | None, confidence: float | None
+) -> "tuple[xr.Dataset, list[str]]":
+    """The indices of a stored study, and the sentences on them."""
+    from solver.problem.errors import InputError
+
+    from ..data import writing
+    from ..influence import indices
+    from . import at_option
+    from .study_scene import is_study
+
+    if is_study(file):
+        raise InputError(f"--global needs a stored study: workbench run {file} stores one")
+    ds = writing.read(file)
+    share = indices.CONFIDENCE if confidence is None else confidence
+    table = indices.sobol(ds, show, at_option.values(ds, at), share)
+    return table, indices.sentences(table)
+
+
+def _print(table: "xr.Dataset", said: list[str], json: bool) -> None:
+    from ..influence import tables
+
+    if json:
+        console.print_json({**tables.plain(table), "notes": said})
+        return
+    console.say(table.attrs["title"])
+    (_print_local if "derivative" in table else _print_indices)(table)
+    console.say("")
+    for sentence in said:
+        console.say(sentence)
+
+
+def _print_local(table: "xr.Dataset") -> None:
+    """The case, and the effects: a row an observable, a column a field, in as many tables as the width needs."""
+    from ..influence import derivatives
+
+    names = [str(name) for name in table["field"].values]
+    rows = [[name, float(table["at"][i]), str(table["field_unit"].values[i])] for i, name in enumerate(names)]
+    console.print_table(["field", "value", "unit"], [[a, b, "" if c == "1" else c] for a, b, c in rows])
+    names = [name for name in names if name not in derivatives.without_effect(table)]
+    heads = {name: f"{name} ({table['amount'].sel(field=name).values!s})" for name in names}
+    for some in _in_width(heads, console.out().width - LEFT):
+        console.say("")
+        cells = [_effects(table, i, some) for i in range(table.sizes["observable"])]
+        console.print_table(["observable", "value", "unit", "in", *(heads[name] for name in some)], cells)
+
+
+def _in_width(heads: dict[str, str], room: int) -> list[list[str]]:
+    """The names in groups whose columns, with these heads, are not wider than so many letters."""
+    groups: list[list[str]] = [[]]
+    left = room
+    for name, head in heads.items():
+        width = max(len(head), CELL) + 2
+        if groups[-1] and width > left:
+            groups.append([])
+            left = room
+        groups[-1].append(name)
+        left -= width
+    return groups
+
+
+def _effects(table: "xr.Dataset", i: int, fields: list[str]) -> list[str]:
+    """The cells of an observable; a dash where there is no derivative."""
+    row = table.isel(observable=i)
+    unit, own = (str(row[name].values) for name in ("unit", "effect_unit"))
+    values = (float(row["effect"].sel(field=name)) for name in fields)
+    cells = ["-" if value != value else f"{value:+.3g}" if value else "0" for value in values]
+    return [str(row["observable"].values), f"{float(row['value']):.5g}", "" if unit == "1" else unit, own, *cells]
+
+
+def _print_indices(table: "xr.Dataset") -> None:
+    from ..influence import tables
+
+    rows = []
+    for row in tables.rows(table):
+        first, total = (_index(row, key) for key in ("first", "total"))
+        rows.append([row["observable"], row["field"], first, total])
+    console.print_table(["observable", "field", "first", "total"], rows)
+    if found := tables.pairs(table):
+        console.say("")
+        cells = [[row["observable"], f"{row['field']} and {row['other']}", _index(row, "second")] for row in found]
+        console.print_table(["observable", "pair", "second"], cells)
+
+
+def _index(row: "dict[str, Any]", key: str) -> str:
+    """An index and half its interval; a dash where there is none."""
+    value, half = row[key], row[f"{key}_conf"]
+    return "-" if value != value else f"{round(value, 3) + 0.0:.3f} ± {half:.3f}"

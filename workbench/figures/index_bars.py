@@ -1,0 +1,58 @@
+"""The Sobol' indices of a sampled study as bars with intervals: of first order, and total."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from ..data import labels
+from . import bars, legend, style
+
+FIRST, TOTAL = style.PUSHED, style.LIFTED
+
+
+def figure(ds: xr.Dataset) -> Figure:
+    """Draw a dataset of `influence.sobol`."""
+    names = [str(name) for name in ds["observable"].values]
+    share = f"{100 * ds.attrs['confidence']:g} %"
+    limits = _limits(ds)
+
+    def below(fig: Figure) -> None:
+        entries = [
+            Patch(color=FIRST, label="first order: the field alone"),
+            Patch(color=TOTAL, label="total: with interactions"),
+        ]
+        legend.below(fig, entries, [f"Shares of the variance; lines: {share} intervals."])
+
+    return bars.figure(ds, names, 2 * ds.sizes["field"], lambda ax, name: panel(ds, ax, name, limits), below)
+
+
+def panel(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -> Axes:
+    """The indices of one observable, the field of the largest total on top."""
+    row = ds.sel(observable=name)
+    ax.set_title(str(row["symbol"].values), loc="left", pad=4)
+    if not np.isfinite(row["total"].values).any():
+        ax.text(0.5, 0.5, "one value on all samples", transform=ax.transAxes, ha="center", color=style.SOFT)
+        ax.set(xticks=[], yticks=[])
+        return ax
+    order = np.argsort(-row["total"].values)
+    at = np.arange(order.size)
+    for key, color, offset in (("first", FIRST, -0.19), ("total", TOTAL, 0.19)):
+        ax.barh(at + offset, row[key].values[order], 0.36, xerr=row[f"{key}_conf"].values[order], color=color, zorder=3,
+                error_kw={"elinewidth": 1, "capsize": 2, "ecolor": style.INK, "zorder": 4})  # fmt: skip
+    bars.look(ax, [str(ds["field_symbol"].values[i]) for i in order])
+    ax.axvline(0, color=style.SOFT, linewidth=0.8, zorder=4)
+    ax.set_xlim(*limits)
+    ax.xaxis.set_major_formatter(labels.tick)
+    if row["lost"] > 0:
+        lost = f"{100 * float(row['lost']):.2g} % of the blocks left out"
+        ax.set_title(lost, loc="right", pad=4, size=style.SMALL, color=style.SOFT)
+    return ax
+
+
+def _limits(ds: xr.Dataset) -> tuple[float, float]:
+    """The ends of the axis of every panel: 0 and 1, and beyond them what the intervals need."""
+    low = min(float((ds[key] - ds[f"{key}_conf"]).min()) for key in ("first", "total"))
+    high = max(float((ds[key] + ds[f"{key}_conf"]).max()) for key in ("first", "total"))
+    return min(np.nan_to_num(low), 0.0) - 0.03, max(np.nan_to_num(high), 1.0) + 0.03

@@ -1,0 +1,89 @@
+"""The tornado diagrams of one case: how each observable answers each field, the strongest on top."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+
+from solver.problem.errors import InputError
+from solver.problem.quantities import quantity
+
+from ..data import labels
+from . import bars, legend, style
+
+MOST = 12  # bars of a panel
+ROOM = 0.34  # share of the width that is kept for the numbers on either side
+
+
+def figure(ds: xr.Dataset) -> Figure:
+    """Draw a dataset of `influence.local` with its title. Raises `InputError` where no field has an effect."""
+    names = [str(name) for name in ds["observable"].values if _effects(ds, str(name))]
+    if not names:
+        raise InputError("no diagram: no observable depends on these fields, or none has a derivative")
+    most = max(len(_effects(ds, name)[:MOST]) for name in names)
+    return bars.figure(ds, names, most, lambda ax, name: panel(ds, ax, name), lambda fig: _caption(fig, ds))
+
+
+def panel(ds: xr.Dataset, ax: Axes, name: str) -> Axes:
+    """The diagram of one observable."""
+    row = ds.sel(observable=name)
+    found = _effects(ds, name)
+    shown, rest = found[:MOST], found[MOST:]
+    sizes = np.array([effect for _, effect in shown])
+    ax.barh(
+        range(sizes.size), sizes, 0.66, color=[style.PUSHED if size > 0 else style.LIFTED for size in sizes], zorder=3
+    )
+    ax.axvline(0, color=style.SOFT, linewidth=0.8, zorder=4)
+    for i, size in enumerate(sizes):
+        ax.annotate(_signed(size), (size, i), (3 if size > 0 else -3, 0), textcoords="offset points",
+                    ha="left" if size > 0 else "right", va="center", size=style.SMALL - 1, color=style.INK)  # fmt: skip
+    bars.look(ax, [_tick(ds, field) for field, _ in shown])
+    low, high = min(sizes.min(), 0.0), max(sizes.max(), 0.0)
+    room = ROOM * (high - low)
+    ax.set_xlim(low - (room if low < 0 else room / 6), high + (room if high > 0 else room / 6))
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=4))
+    ax.xaxis.set_major_formatter(labels.tick)
+    unit = labels.unit(str(row["unit"].values))
+    value = labels.number(float(row["value"])).replace("-", "−")
+    own = str(row["effect_unit"].values)
+    ax.set_title(f"{quantity(name).symbol} = {value} {unit}".rstrip(), loc="left", pad=4)
+    ax.set_title(f"[{labels.unit(own) or '1'}]", loc="right", pad=4, size=style.SMALL, color=style.SOFT)
+    if rest:
+        more = f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}"
+        ax.set_xlabel(more, size=style.SMALL, color=style.SOFT)
+    return ax
+
+
+def _effects(ds: xr.Dataset, name: str) -> list[tuple[str, float]]:
+    """The fields that have an effect on an observable, and the effects, the largest first."""
+    row = ds["effect"].sel(observable=name).values
+    found = [(str(f), float(v)) for f, v in zip(ds["field"].values, row, strict=True) if np.isfinite(v) and v != 0]
+    return sorted(found, key=lambda pair: -abs(pair[1]))
+
+
+def _signed(value: float) -> str:
+    return f"{'+' if value > 0 else '−'}{labels.number(abs(value), 2)}"
+
+
+def _tick(ds: xr.Dataset, field: str) -> str:
+    """``E``, or with another amount than 1 % ``β₀, 1°``."""
+    amount = str(ds["amount"].sel(field=field).values)
+    told = amount.replace(" deg", "°")
+    return quantity(field).symbol if amount == "1 %" else f"{quantity(field).symbol}, {labels.unit(told)}"
+
+
+def _caption(fig: Figure, ds: xr.Dataset) -> None:
+    """What the bars are, and which case of a study it is; ds may have the attribute varied, the fields of its axes."""
+    notes = ["Change of the observable in the unit above it,", "for 1 % of a field or the amount beside it."]
+    varied = [name for name in str(ds.attrs.get("varied", "")).split() if name in ds["field"].values]
+    told = [f"{quantity(name).symbol} = {_value(ds.sel(field=name))}" for name in varied]
+    notes += [f"At {', '.join(told)}."] if told else []
+    legend.below(fig, [Patch(color=style.PUSHED, label="rises"), Patch(color=style.LIFTED, label="falls")], notes)
+
+
+def _value(field: xr.Dataset) -> str:
+    number, unit = float(field["at"]), str(field["field_unit"].values)
+    text = f"{labels.number(np.degrees(number))}°" if unit == "rad" else f"{labels.number(number)} {labels.unit(unit)}"
+    return text.strip().replace("-", "−")

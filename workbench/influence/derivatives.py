@@ -1,0 +1,204 @@
+"""Local influence: the exact derivatives of the observables of one case with respect to its fields, made comparable.
+
+The effect of a field is the change of an observable, in percent of its value, for 1 % of the field: the elasticity
+(p/O) dO/dp. Of an angle, whose zero is a matter of choice, it is the change for 1 deg; of a field that is 0, the change
+for 1 % of the largest field of its unit. The change of an observable that is 0, or an angle, has its own unit.
+"""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+import xarray as xr
+
+from solver import InputError, Solution, observe
+from solver.observe.observables import OBSERVABLES, is_count
+from solver.problem.errors import no_such
+from solver.problem.field_rates import fields_of
+from solver.problem.quantities import quantity, unit_of
+from studies.axes import FIELDS, WORDS
+
+from ..data import schema
+
+REAL = tuple(name for name in OBSERVABLES if not is_count(name))
+PERCENT = "%"
+
+
+def local(
+    solution: Solution,
+    fields: Iterable[str] | None = None,
+    observables: Iterable[str] | None = None,
+    units: Mapping[str, str] | None = None,
+) -> xr.Dataset:
+    """How the observables of one case answer its fields.
+
+    Parameters
+    ----------
+    solution : Solution
+        The solution of one case.
+    fields : iterable of str, optional
+        Fields of the case, as of `Solution.sensitivity`; `beta` is `beta0`. Default: all.
+    observables : iterable of str, optional
+        Observables that are no whole numbers. Default: all of them.
+    units : mapping, optional
+        "length" and "force". Default: cm and N.
+
+    Returns
+    -------
+    Dataset
+        Dimensions observable (O) and field (F).
+
+        derivative: (O, F), in derivative_unit (O, F). effect: (O, F), the change of the observable in effect_unit (O)
+        for the amount (F) of the field; the elasticity where the two are "%" and "1 %". 1 % more of a negative number
+        is 1 % more of its size. value, error, unit: (O,), of the observables. at, field_unit: (F,), of the fields.
+        remark: (O,), why a derivative does not exist and is NaN; else "".
+
+    Raises
+    ------
+    InputError
+        For several cases, a case that is not solved, an unknown field or observable, or a whole number, whose
+        derivative is 0.
+    """
+    units = {"length": "cm", "force": "N"} if units is None else units
+    if solution.case.shape:
+        raise InputError(f"the influence is that of one case, got {solution.case.size} cases; select one")
+    if not solution.solved:
+        raise InputError(f"the case has no derivatives, as it is not solved: {solution.outcome}")
+    names, wanted = _fields(solution, fields), _observables(observables)
+    found = solution.sensitivity(names, wanted)
+    if not found.solved:
+        raise InputError(f"the case has no derivatives: {found.outcome}")
+    seen = observe(solution, wanted, errors=True)
+    value, error = (np.array([float(seen[f"{name}{end}"]) for name in wanted]) for end in ("", "_error"))
+    ds = xr.Dataset(coords={"observable": wanted, "field": names}, attrs={"relative_error": float(found.error)})
+    ds["derivative"] = ("observable", "field"), np.stack([found.observables[name] for name in wanted])
+    ds["value"], ds["error"] = ("observable", value), ("observable", error)
+    ds["at"] = "field", [_value(solution, name) for name in names]
+    ds["unit"], ds["field_unit"] = (
+        (dim, [unit_of(name, units) for name in own]) for dim, own in (("observable", wanted), ("field", names))
+    )
+    ds["derivative_unit"] = (
+        ("observable", "field"),
+        [[_quotient(o, f) for f in ds["field_unit"].values.tolist()] for o in ds["unit"].values.tolist()],
+    )
+    ds["remark"] = "observable", [str(found.remarks[name]) for name in wanted]
+    return _with_effects(ds, solution, units)
+
+
+def _with_effects(ds: xr.Dataset, solution: Solution, units: Mapping[str, str]) -> xr.Dataset:
+    """The table with effect, effect_unit and amount."""
+    steps, amounts = zip(*(_amount(solution, name, units) for name in ds["field"].values.tolist()), strict=True)
+    parts, shown = [], []
+    for name, value, error, unit in zip(
+        *(ds[k].values.tolist() for k in ("observable", "value", "error", "unit")), strict=True
+    ):
+        relative, angle = _has_share(name, value, error), unit == "rad"
+        parts.append(value / 100 if relative else np.deg2rad(1.0) if angle else 1.0)
+        shown.append(PERCENT if relative else "deg" if angle else unit)
+    effect = ds["derivative"].values * np.array(steps) / np.array(parts)[:, None]
+    return ds.assign(
+        effect=(("observable", "field"), effect), effect_unit=("observable", shown), amount=("field", list(amounts))
+    )
+
+
+def sentences(table: xr.Dataset) -> list[str]:
+    """What the table says beside its numbers, one sentence each."""
+    fields = {
+        str(name): str(amount) for name, amount in zip(table["field"].values, table["amount"].values, strict=True)
+    }
+    said = ["Each number is the change of an observable for 1 % of a field, in % of its value: the elasticity."]
+    less = [name for name, amount in fields.items() if amount == "1 %" and table["at"].sel(field=name) < 0]
+    less += [str(name) for name in table["observable"].values if table["value"].sel(observable=name) < 0]
+    if less:
+        said.append(f"1 % more of a negative value is 1 % more of its size: {', '.join(less)}.")
+    angles = [name for name, amount in fields.items() if amount == "1 deg"]
+    if angles:
+        said.append(f"The zero of an angle is a choice: {', '.join(angles)} {_are(angles)} changed by 1 deg.")
+    zero = {name: amount for name, amount in fields.items() if amount not in ("1 %", "1 deg")}
+    if zero:
+        told = ", ".join(f"{name} by {amount}" for name, amount in zero.items())
+        said.append(f"A field that is 0 is changed by 1 % of the largest field of its unit: {told}.")
+    own = [str(name) for name in table["observable"].values if table["effect_unit"].sel(observable=name) != PERCENT]
+    if own:
+        told = ", ".join(f"{name} [{table['effect_unit'].sel(observable=name).values!s}]" for name in own)
+        said.append(f"An observable that is 0, or an angle, changes by an amount and not by a share: {told}.")
+    if none := without_effect(table):
+        said.append(f"No observable here depends on {', '.join(none)}.")
+    for name, remark in zip(table["observable"].values, table["remark"].values, strict=True):
+        if remark:
+            said.append(f"{name}: {remark}.")
+    return said
+
+
+def without_effect(table: xr.Dataset) -> list[str]:
+    """The fields on which no observable of the table depends."""
+    slopes = np.nan_to_num(table["derivative"].transpose("field", ...).values, nan=1.0)
+    return [str(name) for name, row in zip(table["field"].values, slopes, strict=True) if not row.any()]
+
+
+def _are(names: list[str]) -> str:
+    return "is" if len(names) == 1 else "are"
+
+
+def counts_left_out(names: Iterable[str]) -> str:
+    """The sentence on the whole numbers among the names; empty if there is none."""
+    counts = [name for name in names if is_count(name)]
+    if not counts:
+        return ""
+    what = "a whole number, whose derivative is 0" if len(counts) == 1 else "whole numbers, whose derivatives are 0"
+    return f"Left out: {', '.join(counts)}, {what}."
+
+
+def _fields(solution: Solution, names: Iterable[str] | None) -> list[str]:
+    known = fields_of(solution.case)
+    if names is None:
+        return list(known)
+    wanted = [schema.dimension(name) if name in FIELDS and name not in WORDS else name for name in names]
+    for name in wanted:
+        if name not in known:
+            raise no_such("field", name, known)
+    return wanted
+
+
+def _observables(names: Iterable[str] | None) -> list[str]:
+    wanted = list(REAL) if names is None else list(dict.fromkeys(names))
+    for name in wanted:
+        if name not in OBSERVABLES:
+            raise no_such("observable", name, REAL)
+        if is_count(name):
+            raise InputError(f"{name} is a whole number, whose derivative is 0; choose from {', '.join(REAL)}")
+    return wanted
+
+
+def _value(solution: Solution, name: str) -> float:
+    """The value of a field of the case."""
+    case = solution.case
+    for part in (case.rod, case.cylinder, case.given):
+        for own in (name, _AT_START.get(name, name)):
+            if getattr(part, own, None) is not None:
+                return float(getattr(part, own))
+    raise InputError(f"no field {name!r} in this case")  # never: the names are those of the case
+
+
+_AT_START = {"beta0": "beta", "dbeta0": "dbeta", "alpha0": "alpha", "gamma0": "gamma"}
+
+
+def _amount(solution: Solution, name: str, units: Mapping[str, str]) -> tuple[float, str]:
+    """The change of a field by which its effects are told, in its unit and in words."""
+    kind, value = quantity(name).dimension, _value(solution, name)
+    if kind == "rad":
+        return float(np.deg2rad(1.0)), "1 deg"
+    if value:
+        return 0.01 * value, "1 %"
+    alike = [abs(_value(solution, other)) for other in fields_of(solution.case) if quantity(other).dimension == kind]
+    step, unit = 0.01 * (max(alike) or 1.0), unit_of(name, units)
+    return step, f"{step:.3g} {unit}" if unit != "1" else f"{step:.3g}"
+
+
+def _has_share(name: str, value: float, error: float) -> bool:
+    """Whether a percent of an observable means something: not of an angle, nor of a value within its error of 0."""
+    return quantity(name).dimension != "rad" and bool(np.isfinite(value)) and abs(value) > (error if error >= 0 else 0)
+
+
+def _quotient(above: str, below: str) -> str:
+    """The unit of a derivative: ``N/cm per cm``."""
+    return above if below == "1" else f"{above} per {below}"

@@ -1,0 +1,62 @@
+"""The tables of influence as plain data, for JSON, and as rows, for CSV."""
+
+import csv
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from ..data import atomic
+
+_LOCAL = ("observable", "value", "unit", "field", "at", "field_unit", "derivative", "derivative_unit", "effect",
+          "effect_unit", "amount", "remark")  # fmt: skip
+_GLOBAL = ("observable", "field", "first", "first_conf", "total", "total_conf", "blocks", "lost", "remark")
+_PAIRS = ("observable", "field", "other", "second", "second_conf")
+
+
+def rows(ds: xr.Dataset) -> list[dict[str, Any]]:
+    """A row for each observable and field, of a dataset of `local` or `sobol`."""
+    return _rows(ds, _LOCAL if "derivative" in ds else _GLOBAL, ("observable", "field"))
+
+
+def pairs(ds: xr.Dataset) -> list[dict[str, Any]]:
+    """A row for each observable and pair of fields; none where the design does not tell pairs apart."""
+    if "second" not in ds:
+        return []
+    found = _rows(ds[["second", "second_conf"]], _PAIRS, ("observable", "field", "other"))
+    order = {name: i for i, name in enumerate(ds["field"].values.tolist())}
+    return [row for row in found if order[row["field"]] < order[row["other"]]]
+
+
+def plain(ds: xr.Dataset) -> dict[str, Any]:
+    """Rows, pairs and attributes as plain data."""
+    found: dict[str, Any] = {**ds.attrs, "rows": rows(ds)}
+    return {**found, "pairs": pairs(ds)} if "second" in ds else found
+
+
+def write(ds: xr.Dataset, path: Path) -> None:
+    """Write the rows as CSV in full precision; those of pairs follow in the columns other, second, second_conf."""
+    found = [*rows(ds), *pairs(ds)]
+    columns = list(dict.fromkeys(name for row in found for name in row))
+
+    def work(aside: Path) -> None:
+        with aside.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, columns, restval="")
+            writer.writeheader()
+            writer.writerows(found)
+
+    atomic.write(path, work)
+
+
+def _rows(ds: xr.Dataset, columns: tuple[str, ...], dims: tuple[str, ...]) -> list[dict[str, Any]]:
+    shape = {dim: ds[dim].values.tolist() for dim in dims}
+    found = []
+    for place in product(*(range(len(values)) for values in shape.values())):
+        at = dict(zip(dims, place, strict=True))
+        row = {dim: shape[dim][i] for dim, i in at.items()}
+        for name in columns:
+            if name not in row:
+                row[name] = ds[name].values[tuple(at[str(dim)] for dim in ds[name].dims)].tolist()
+        found.append({name: row[name] for name in columns})
+    return found
