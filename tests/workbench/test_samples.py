@@ -265,7 +265,8 @@ def test_files_of_a_single_axis_may_overlap(tmp_path) -> None:
 def test_the_summary_names_the_fields_and_cautions_of_a_size_that_is_no_power_of_two(stored: Path, capsys) -> None:
     command(f"summary {stored}")
     said = capsys.readouterr().out
-    for part in ("\nsample       40 ", "  E   ", "  beta0", "40 samples of E, R, beta: scrambled Sobol' sequence, seed 3"):
+    drawn = "40 samples of E, R, beta: scrambled Sobol' sequence, seed 3"
+    for part in ("\nsample       40 ", "  E   ", "  beta0", drawn):
         assert part in said
     assert "caution: 40 samples of a Sobol' sequence are not a power of two" in said
     found = summary(stored)
