@@ -28,7 +28,19 @@ if TYPE_CHECKING:
 MOST_EXPRESSIONS = 100
 MOST_NAME = 40  # characters
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-RESERVED = ("xyz", "director", "sample", "fold", "fold_dbeta0", "fold_energy", "member", "side")  # names in files
+RESERVED = (
+    "xyz",
+    "director",
+    "sample",
+    "level",
+    "outcome",
+    "pair",
+    "fold",
+    "fold_dbeta0",
+    "fold_energy",
+    "member",
+    "side",
+)  # names in files
 
 # Numbers of each case beside the fields of the study: how each is taken from a solution.
 LOADS = ("FZ", "MZ", "M3")

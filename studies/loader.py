@@ -16,6 +16,7 @@ from .axes import Axis, Base, Misplaced, Units, Which
 from .law import Law
 from .model import Study
 from .paired import Table
+from .refine import Refine
 from .samples import Distribution
 from .writer import dumps
 
@@ -31,7 +32,7 @@ MOST_SAID = 800  # characters of an error message
 
 _MODELS: dict[str, type[BaseModel]] = {
     "units": Units, "base": Base, "axes": Axis, "sample": Distribution, "table": Table, "laws": Law,
-    "equilibrium": Which,
+    "equilibrium": Which, "refine": Refine,
 }  # fmt: skip
 _HEADER = re.compile(r"^\s*(\[\[?)([^\[\]]+)\]")
 _PART = re.compile(r"""[\w-]+|"[^"]*"|'[^']*'""")
@@ -230,9 +231,9 @@ def _told(where: Where) -> str:
 def _blamed(message: str, study: Study) -> Where:
     """The key of an error of the solver: ``Rod.E must be ...`` is about axes.E or base.E."""
     field = _field(message)
-    if field in study.sampled:
-        return paired.key(study, field)
-    return ("axes", field) if field in study.axes else ("base", field)
+    if field in study.axes:
+        return ("axes", field)
+    return paired.key(study, field) if field in study.sampled else ("base", field)
 
 
 def _field(message: str) -> str:

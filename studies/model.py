@@ -17,12 +17,13 @@ from solver.problem.quantities import unit_of
 from solver.problem.tolerance import DEFAULT_TOLERANCE
 
 from . import axes as parts
-from . import expressions, paired
+from . import expressions, paired, refine
 from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Misplaced, Units, Which
 from .dimensions import SAMPLE, Dimension, Dimensions
 from .law import Law
 from .paired import Table
 from .readings import TABLE_1, Reading, parse
+from .refine import Refine
 from .samples import Distribution, Sample
 
 # The quantities that can be stored along the rod: names of `Solution`.
@@ -56,6 +57,7 @@ class Study(BaseModel):
     sample: Sample | None = None
     zip: dict[str, Annotated[list[float], Field(fail_fast=True)]] | None = None
     table: Table | None = None
+    refine: Refine | None = None
     expressions: dict[str, str] = {}
     observables: list[str] = OBSERVED
     outputs: list[str] = ["beta", "alpha", "z", "contact"]
@@ -140,6 +142,9 @@ class Study(BaseModel):
 
     @model_validator(mode="after")
     def _samples_fit(self) -> "Study":
+        if self.refine is not None:
+            refine.check(self)
+            return self
         paired.check(self)
         for name, distribution in self.sample.fields.items() if self.sample else ():
             self._check_unit(distribution, "sample", name)
@@ -168,12 +173,13 @@ class Study(BaseModel):
 
     @model_validator(mode="after")
     def _laws_fit(self) -> "Study":
-        lines = [*self.axes, *([SAMPLE] if self.sampled else [])]
+        sampled = self.sampled if self.refine is None else ()  # laws are judged on the coarse grid
+        lines = [*self.axes, *([SAMPLE] if sampled else [])]
         for i, law in enumerate(self.laws):
-            if law.axis in (*self.sampled, *lines[len(self.axes) :]):
+            if law.axis in (*sampled, *lines[len(self.axes) :]):
                 is_drawn = "" if law.axis == SAMPLE else f"{law.axis} is sampled, and "
                 why = f"{is_drawn}samples have no order in which an observable rises or falls"
-                raise Misplaced(f"{why}: a law needs an axis, such as [axes.{self.sampled[0]}]", "laws", i, "axis")
+                raise Misplaced(f"{why}: a law needs an axis, such as [axes.{sampled[0]}]", "laws", i, "axis")
             if law.axis not in self.axes:
                 raise Misplaced(f"no axis {law.axis!r}; choose from {choices(self.axes)}", "laws", i, "axis")
             for name in law.at:
@@ -218,7 +224,8 @@ class Study(BaseModel):
     @property
     def kind(self) -> type:
         """Start or Ends, from the names of the given fields."""
-        said = {*self.base.given, *self.sampled, *(name for name, axis in self.axes.items() if not axis.follow)}
+        sampled = self.sampled if self.refine is None else ()
+        said = {*self.base.given, *sampled, *(name for name, axis in self.axes.items() if not axis.follow)}
         return Ends if said & (set(ENDS) - set(START)) else Start
 
     @property
@@ -229,6 +236,11 @@ class Study(BaseModel):
         return (*ROD, *CYLINDER, *(START if self.kind is Start else ENDS))
 
     @property
+    def grid(self) -> dict[str, Axis]:
+        """The axes that are dimensions: all, but those of a refined study, whose cases are samples."""
+        return self.axes if self.refine is None else {}
+
+    @property
     def follow(self) -> Axis | None:
         """The axis along which an equilibrium is followed, or None."""
         return next((axis for axis in self.axes.values() if axis.follow), None)
@@ -236,16 +248,21 @@ class Study(BaseModel):
     @property
     def sweeps(self) -> bool:
         """Whether the study is a sweep, in which each case continues from its neighbour: ends problems over axes."""
-        return bool(self.axes) and self.kind is Ends
+        return bool(self.grid) and self.kind is Ends
 
     @property
     def size(self) -> int:
         """Number of cases."""
-        return max(self.samples_count, 1) * prod(axis.size for axis in self.axes.values())
+        return max(self.samples_count, 1) * prod(axis.size for axis in self.grid.values())
 
     @property
     def samples(self) -> Dimension | None:
-        """The samples, those of [sample] drawn when they are first needed; None if there are none."""
+        """The samples; None if there are none.
+
+        Those of [sample] are drawn when they are first needed; of a refined study they begin as the coarse grid.
+        """
+        if self._samples is None and self.refine is not None:
+            self._samples = refine.coarse(self)
         if self._samples is None and self.sample is not None:
             self._samples = Dimension(SAMPLE, self.sample.points())
         return self._samples
@@ -253,27 +270,32 @@ class Study(BaseModel):
     @property
     def samples_count(self) -> int:
         """Number of samples; 0 where nothing is sampled."""
+        if self._samples is None and self.refine is not None:
+            return prod(axis.size for axis in self.axes.values())
         known = self._samples or self.sample
         return 0 if known is None else known.size
 
     @property
     def sampled(self) -> tuple[str, ...]:
-        """The fields of the samples, those of [sample], [zip] or [table]."""
+        """The fields of the samples, those of [sample], [zip] or [table], or the refined axes."""
+        if self.refine is not None:
+            return tuple(self.axes)
         known = self._samples or self.sample
         return () if known is None else tuple(known.fields)
 
     @property
     def varied(self) -> tuple[str, ...]:
         """The fields that vary: those of the samples, then the axes."""
-        return (*self.sampled, *self.axes)
+        return (*self.sampled, *self.grid)
 
     @property
     def wanted(self) -> list[str]:
-        """The observables and expressions to store: those of the study, and those that its laws judge and use."""
+        """The observables and expressions to store: those of the study, its laws and its refinement."""
         judged = [name for law in self.laws for name in law.observables]
         used = [name for law in self.laws for formula in law.formulas.values() for name in formula.names]
         stored = [name for name in used if name in OBSERVABLES]
-        return list(dict.fromkeys([*self.observables, *self.expressions, *judged, *stored]))
+        watched = [name for name in self.refine.watch if name != refine.OUTCOME] if self.refine else []
+        return list(dict.fromkeys([*self.observables, *self.expressions, *judged, *stored, *watched]))
 
     @property
     def recorded(self) -> list[str]:
@@ -284,6 +306,8 @@ class Study(BaseModel):
     @property
     def variation(self) -> str:
         """What varies, in words: ``the axes E, R``, ``samples of E, R``."""
+        if self.refine is not None:
+            return f"the refined axes {choices(self.axes)}"
         sampled = [f"samples of {choices(self.sampled)}"] if self.sampled else []
         return " and ".join([*sampled, *([f"the axes {choices(self.axes)}"] if self.axes else [])])
 
@@ -312,9 +336,13 @@ class Study(BaseModel):
         assert self.samples is not None
         return self.with_samples(self.samples.only(np.array([place])))
 
+    def coarse(self) -> "Study":
+        """The same study without its refinement: the grid of its axes."""
+        return self.model_copy(update={"refine": None}).with_samples(None) if self.refine else self
+
     def dimensions(self) -> Dimensions:
         """The samples, and each axis that is not followed."""
-        axes = {name: axis.numbers() for name, axis in self.axes.items() if not axis.follow}
+        axes = {name: axis.numbers() for name, axis in self.grid.items() if not axis.follow}
         return Dimensions.of(axes, self.samples)
 
     def coordinates(self) -> dict[str, NDArray[np.float64]]:

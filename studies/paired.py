@@ -46,6 +46,8 @@ def read_zip(lists: Any) -> Any:
 def given(study: "Study", folder: Path) -> Dimension | None:
     """The samples of [zip] or [table]; None where a study has neither. folder: of its file. Raises `Misplaced`."""
     said = [name for name in SOURCES if getattr(study, name) is not None]
+    if study.refine is not None and said:
+        raise Misplaced(f"refine and {said[0]} exclude each other: refine adds cases to the grid of the axes", "refine")
     if len(said) > 1:
         raise Misplaced(f"{said[0]} and {said[1]} exclude each other: each gives the samples", said[1])
     if study.table is not None:
@@ -109,6 +111,8 @@ def check(study: "Study") -> None:
 def told(study: "Study") -> str:
     """Where the samples of a study come from, in one sentence; empty where there are none."""
     if not study.sampled:
+        return ""
+    if study.refine is not None:
         return ""
     count = f"{study.samples_count} sample{'s' * (study.samples_count != 1)} of {choices(study.sampled)}"
     if study.sample is not None:

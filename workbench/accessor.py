@@ -103,6 +103,32 @@ class RodAccessor:
 
         return solve_at(self._ds, self.study, values)
 
+    def boundary(self, name: str, step: float | None = None) -> xr.Dataset:
+        """The boundary of an observable: the pairs of neighbouring cases between which it changes.
+
+        Parameters
+        ----------
+        name : str
+            An observable, an expression, or "outcome" (whether a case is solved).
+        step : float, optional
+            The change that counts, in the unit of the observable; default: that of the study's refinement, and 0 for a
+            count.
+
+        Returns
+        -------
+        xr.Dataset
+            Of the dimension `pair`: each axis (the middle between the two cases), ``<axis>_half_width``, `before` and
+            `after` (the numbers of the two cases).
+
+        Raises
+        ------
+        InputError
+            For an unknown observable, a real one without a step, or a grid of more than two axes.
+        """
+        from .data.boundary import boundary
+
+        return boundary(self._ds, name, step)
+
     @cached_property
     def _solved(self) -> "Solution":
         from .run.stored_case import solve_at
@@ -129,7 +155,7 @@ class RodAccessor:
     def __dir__(self) -> list[str]:
         from .data.derived_arrays import ARRAYS
 
-        return sorted({"study", "case", "sel", "at", "along", *ARRAYS})
+        return sorted({"study", "case", "sel", "at", "along", "boundary", *ARRAYS})
 
     def __repr__(self) -> str:
         return f"<ds.rod: {', '.join(dir(self))}>"

@@ -27,7 +27,7 @@ def _found_in(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
     """The counts and verdicts of a dataset, computed from its numbers."""
     import numpy as np
 
-    from ..data import branch_numbers, law_verdicts
+    from ..data import branch_numbers, law_verdicts, schema
     from ..run.block import kind_of
 
     outcomes, caution = ([str(text) for text in np.ravel(ds[name].values)] for name in ("outcome", "caution"))
@@ -37,7 +37,7 @@ def _found_in(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
         "study": ds.attrs["study_name"],
         "equilibria": str(ds.attrs.get("equilibria", "")),
         "branches": branch_numbers.sentence(counts) if counts else "",
-        **{name: str(ds.attrs[name]) for name in ("sampling", "sampling_caution") if name in ds.attrs},
+        **{name: str(ds.attrs[name]) for name in schema.SAMPLING if name in ds.attrs},
         "reading": ds.attrs["reading"],
         "file": str(path),
         "unsolved": law_verdicts.unsolved(ds),

@@ -20,7 +20,7 @@ def list_studies(json: Json = False) -> int:
     table = []
     for row in rows:
         sampled = [f"{row['samples']} samples of {', '.join(row['sampled'])}"] if row["sampled"] else []
-        axes = "\n".join([*sampled, *map(_range, row["axes"])])
+        axes = "\n".join([*sampled, *map(_range, row["axes"]), *(["refined"] if row["refined"] else [])])
         laws = "\n".join(f"{law['claim']} {law_verdicts.stated(law)}" for law in row["laws"])
         table.append([row["study"], row["title"], axes or "-", laws or "-"])
     console.print_table(["study", "title", "axes", "laws"], table)
@@ -30,7 +30,7 @@ def list_studies(json: Json = False) -> int:
 def _listed() -> list[dict[str, Any]]:
     """The shipped studies as plain data.
 
-    study, title, samples (their number), sampled (fields), axes (axis, from, to, count, unit, follow) and laws.
+    study, title, samples (their number), sampled (fields), refined, axes (axis, from, to, count, unit, follow), laws.
     """
     from solver.problem.quantities import unit_of
     from studies import load, names
@@ -45,7 +45,8 @@ def _listed() -> list[dict[str, Any]]:
             {key: getattr(law, key) for key in ("claim", "kind", "observable", "direction", "does", "axis")}
             for law in study.laws
         ]
-        sampled = {"samples": study.samples_count, "sampled": list(study.sampled)}
+        drawn = study.coarse()
+        sampled = {"samples": drawn.samples_count, "sampled": list(drawn.sampled), "refined": study.refine is not None}
         rows.append({"study": name, "title": study.title, **sampled, "axes": axes, "laws": laws})
     return rows
 

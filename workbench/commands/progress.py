@@ -27,7 +27,11 @@ def shown(total: int, done: int, as_json: bool = False) -> "Iterator[Meter]":
     columns = (BarColumn(), TextColumn("{task.completed} of {task.total} cases, {task.description}"))
     with Progress(*columns, console=console.err(), transient=True) as bar:
         task = bar.add_task("starting", total=total, completed=done)
-        yield Meter(total, done, lambda meter: bar.update(task, completed=meter.done, description=meter.text()))
+        yield Meter(
+            total,
+            done,
+            lambda meter: bar.update(task, completed=meter.done, total=meter.total, description=meter.text()),
+        )
 
 
 def _make_lines(as_json: bool) -> "Callable[[Meter], None]":

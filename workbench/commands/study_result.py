@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from ..run.study_store import Ran
 
 
-TOLD = ("sampling", "sampling_caution", "equilibria", "branches")  # sentences that a study may have
+TOLD = ("sampling", "sampling_caution", "refinement", "equilibria", "branches")  # sentences that a study may have
 
 
 def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None, alternatives: bool = False) -> None:
@@ -31,9 +31,10 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
 
 
 def print_sampling(found: Mapping[str, Any]) -> None:
-    """Print where the samples come from, and a caution about their number; nothing where nothing is sampled."""
-    if found.get("sampling"):
-        console.say(found["sampling"])
+    """Print where the samples come from, a caution about their number, and what ended a refinement."""
+    for name in ("sampling", "refinement"):
+        if found.get(name):
+            console.say(found[name])
     if found.get("sampling_caution"):
         console.say(f"caution: {found['sampling_caution']}")
 

@@ -39,7 +39,7 @@ def two_stations(file: Path) -> tuple[Study, xr.Dataset]:
 
     Raises `InputError`, also for more cases than are solved for one picture.
     """
-    study = load(file)
+    study = load(file).coarse()
     if study.size > MOST_CASES:
         raise InputError(
             f"{study.name} has {study.size} cases, and at most {MOST_CASES} are solved for a picture: store it with "

@@ -45,6 +45,7 @@ def _print(found: dict[str, Any]) -> None:
             rows.append([name, one["count"] if one is axis else "", one["from"], one["to"], one["units"]])
     console.print_table(["axis", "values", "from", "to", "units"], rows or [["(none)", "", "", "", ""]])
     print_sampling(found)
+    _print_boundaries(found["boundaries"])
     console.say("")
     if found["observables"]:
         rows = [[_cell(o[key]) for key in ("name", "min", "median", "max", "units")] for o in found["observables"]]
@@ -65,6 +66,18 @@ def _print(found: dict[str, Any]) -> None:
         console.say("")
         console.print_table(["law", "", "verdict"], [[v["claim"], v["stated"], v["said"]] for v in found["laws"]])
         console.say(law_verdicts.tallied(found["laws"]))
+
+
+def _print_boundaries(rows: list[dict[str, Any]]) -> None:
+    """Print where each watched observable changes; nothing for a study that is not refined."""
+    if not rows:
+        return
+    console.say("")
+    keys = ("name", "axis", "pairs", "from", "to", "half_width", "units")
+    heads = ["boundary of", "along", "pairs", "from", "to", "half width", "units"]
+    console.print_table(heads, [[_cell(row[key]) for key in keys] for row in rows])
+    for name, unknown in {row["name"]: row["unknown"] for row in rows if row["unknown"]}.items():
+        console.say(f"{unknown} pairs of neighbours are not compared: one of the two cases has no number of {name}")
 
 
 def _cell(value: Any) -> Any:

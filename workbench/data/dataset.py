@@ -12,12 +12,24 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver import Case
-from studies import Study, expressions, paired
+from studies import Study, expressions, paired, refine
 from studies.axes import quantity_of
-from studies.dimensions import Dimensions
+from studies.dimensions import SAMPLE, Dimensions
 
 from . import cautions
-from .schema import COMPONENTS, FORMAT, INNER, LOADS, Columns, curve_name, dimension, labels, labels_in, laws_text
+from .schema import (
+    COMPONENTS,
+    FORMAT,
+    INNER,
+    LOADS,
+    OF_THE_CASE,
+    Columns,
+    curve_name,
+    dimension,
+    labels,
+    labels_in,
+    laws_text,
+)
 
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
 # How exact the observables are, in words.
@@ -27,7 +39,6 @@ AT_STATIONS = (
     "errors are what every other station changes, NaN where there are too few"
 )
 MOST_LENGTHS = 10_000  # lengths of rods of which s is stored where no array along the rod is
-SCALARS = ("R", "a", "L", "rho", "E", "nu")
 
 
 @dataclass(frozen=True)
@@ -80,7 +91,7 @@ def frame(study: Study, over: Dimensions, first: str = "") -> xr.Dataset:
     case = study.case() if study.follow else study.case_of(over.open())
     coords = _coordinates(study, over)
     data = {}
-    for name in SCALARS:
+    for name in OF_THE_CASE:
         if name not in coords:
             owner = {"R": case.cylinder, "rho": case}.get(name, case.rod)
             data[name] = xr.Variable(*_own_dims(getattr(owner, name), axes), labels(name, units))
@@ -106,6 +117,11 @@ def _coordinates(study: Study, over: Dimensions) -> dict[str, Any]:
         coords[dim] = xr.Variable((dim,), one.coordinate, _axis_labels(study, one.name))
         for field, values in one.fields.items():
             coords[dimension(field)] = xr.Variable((dim,), values, _axis_labels(study, field))
+    if study.refine is not None:
+        found = refine.lattice(study)
+        levels = found.levels(found.places(over.fields))
+        labels_ = {"units": "1", "long_name": "level of refinement", "symbol": "level"}
+        coords[refine.LEVEL] = xr.Variable((SAMPLE,), levels, labels_)
     return coords
 
 

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from studies import reasons
+from studies.dimensions import SAMPLE
 from studies.law import Law
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, by_line, decide
 
-from . import law_numbers, schema
+from . import law_numbers, refined, schema
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,11 +18,14 @@ if TYPE_CHECKING:
 
 
 def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None" = None) -> list[dict[str, Any]]:
-    """One row a law of the dataset, in the study's order; see `studies.laws.decide`.
+    """One row a law of the dataset, in the study's order; see `studies.laws.decide`. A refined study is judged on its
+    coarse grid.
 
     crossing: axis -> the steps along it, in its rising order, between equilibria of two branches; by default, those
     between which the dataset's variable `branch` (a number a case, negative where it has none) changes.
     """
+    if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims and laws(ds):
+        ds = refined.coarse(ds)
     rows = []
     for law in laws(ds):
         axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}

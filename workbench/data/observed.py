@@ -8,7 +8,7 @@ from solver.problem.errors import InputError, choices, near
 
 from . import schema
 
-NOT_OBSERVED = ("rho", "condition", "FZ", "MZ", "M3", "dbeta0")  # numbers of each case that are no observables
+NOT_OBSERVED = ("rho", "condition", "FZ", "MZ", "M3", "dbeta0", "level")  # numbers of each case, not observables
 
 
 def observables(ds: xr.Dataset) -> list[str]:

@@ -13,7 +13,7 @@ from studies.axes import FIELDS
 from studies.dimensions import SAMPLE
 from studies.law import Law
 
-from . import escaping, value_checks
+from . import escaping, refined, value_checks
 from .file_checks import refusing, shown, validated
 from .schema import CURVES, FORMAT, INNER, dimension, sampled_fields
 
@@ -66,9 +66,10 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
     if not 0 < number(ds, "tolerance", path) < 1:
         raise InputError(f"{path}: the attribute tolerance is not between 0 and 1")
     axes = [str(dim) for dim in ds["outcome"].dims]
+    of_laws = [*axes, *(refined.axes_of(ds) if refined.is_refined(ds) else [])]
     for law in laws(ds, path):
-        if not {law.axis, *law.at} <= {*axes}:
-            raise InputError(f"{path}: a law is about {shown([law.axis, *law.at])}, but the axes are {shown(axes)}")
+        if not {law.axis, *law.at} <= {*of_laws}:
+            raise InputError(f"{path}: a law is about {shown([law.axis, *law.at])}, but the axes are {shown(of_laws)}")
     for axis in axes:
         _check_axis(ds, axis, path)
     _check_samples(ds, path)
@@ -118,6 +119,11 @@ def _check_samples(ds: xr.Dataset, path: str | Path) -> None:
             raise InputError(f"{path}: the sampled field {shown(field)} has no values")
         if not np.isfinite(ds[name].values).all():
             raise InputError(f"{path}: the sampled field {shown(field)} holds values that are not finite")
+    if refined.is_refined(ds):
+        try:
+            refined.described(ds)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
 
 
 def _check_variable(name: str, variable: xr.Variable, axes: list[str], path: str | Path) -> None:

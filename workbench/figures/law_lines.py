@@ -21,6 +21,7 @@ from studies.laws import VERDICTS
 from studies.reasons import DOES, counted
 
 from ..data import labels, law_verdicts
+from ..data.schema import SAMPLING
 from . import regions, style
 from .map_cells import Cells, Choice
 
@@ -131,6 +132,12 @@ def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
     at = at.replace(" ", "\N{NO-BREAK SPACE}")
     does = f"{row['does']} {'with' if row['direction'] else 'along'} {labels.axis_symbol(row['axis'])}"
     return f"{row['claim']} {does}: {row['verdict']}{f'; deciding line: {at}' if at else ''}"
+
+
+def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The refinement of a study in words, and the verdict of each of its laws."""
+    told = [f"law {labels.law_text(row, law_verdicts.stated(row))}: {row['verdict']}" for row in rows]
+    return [str(ds.attrs.get(SAMPLING[-1], "")), *told]
 
 
 def counts(law: JudgedLaw, where: Mapping[str, int]) -> str:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices
 from studies.axes import FIELDS, WORDS
+from studies.dimensions import SAMPLE
 
 from ..data import cautions, labels, observed, selection
 from ..data.schema import axes_of, dimension
@@ -45,7 +46,8 @@ class Cells:
     """The cells of one column of maps, (rows, columns) of the values of y and x, both rising.
 
     ds: the dataset there. solved: of each cell. cautions: key of `style.HATCHES` -> the cells that it holds in.
-    unchecked: whether the rod of some cell was not checked for one of them.
+    unchecked: of how many cells the rod was not checked for one of them. source: the dataset with the arrays along the
+    rod, at `place`.
     """
 
     ds: xr.Dataset
@@ -54,6 +56,14 @@ class Cells:
     solved: NDArray[np.bool_]
     cautions: Mapping[str, NDArray[np.bool_]]
     unchecked: int
+    source: xr.Dataset
+
+    def place(self, j: int, i: int) -> dict[str, int]:
+        """The indices of the case of a cell in the source."""
+        if SAMPLE in self.source.dims:
+            return {SAMPLE: int(self.ds["case"].values[j, i])}
+        down, across = map(str, self.ds["outcome"].dims)
+        return {down: j, across: i}
 
     def values(self, name: str) -> NDArray[np.float64]:
         """An observable in the unit of its label, NaN where a cell is not solved or its number is not known."""
@@ -106,8 +116,8 @@ def choose(
     return Choice(x, y, shown, left_out, free[0], tuple(order), held)
 
 
-def cells(ds: xr.Dataset, choice: Choice, where: Mapping[str, int]) -> Cells:
-    """The cells of one column of maps; where: as of `Choice.places`."""
+def cells(ds: xr.Dataset, choice: Choice, where: Mapping[str, int], source: xr.Dataset | None = None) -> Cells:
+    """The cells of one column of maps; where: as of `Choice.places`. source: the refined study of a raster."""
     here = ds.isel(where).sortby([choice.x, choice.y]).transpose(choice.y, choice.x, ...)
     solved = here["solved"].values.astype(bool)
     found, unchecked = {}, np.zeros(solved.shape, dtype=bool)
@@ -116,7 +126,8 @@ def cells(ds: xr.Dataset, choice: Choice, where: Mapping[str, int]) -> Cells:
         found = {key: cautions.holding(texts, key) & solved for key in style.HATCHES}
         for key in cautions.UNTOLD:
             unchecked |= cautions.holding(texts, key)
-    return Cells(here, scale_of(here[choice.x]), scale_of(here[choice.y]), solved, found, int(unchecked.sum()))
+    scales = scale_of(here[choice.x]), scale_of(here[choice.y])
+    return Cells(here, *scales, solved, found, int(unchecked.sum()), here if source is None else source)
 
 
 def _two_axes(ds: xr.Dataset, x: str | None, y: str | None, at: dict[str, float]) -> tuple[str, str]:

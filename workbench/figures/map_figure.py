@@ -9,7 +9,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..data import labels, law_verdicts
+from ..data import labels, law_verdicts, refined
 from . import canvas, law_lines, legend, map_panel, style, thumbnails
 from .developed import axis_label
 from .map_cells import Cells, Choice, cells, choose
@@ -33,6 +33,7 @@ def figure(
     Each observable has one scale of colours over all its maps. A count has the borders of its regions and their
     numbers. Cells are hatched where a caution holds. A strip beside a map shows on which lines of the grid a law holds.
     A third axis has a column of maps for some of its values; any further axis is held where the laws or Table 1 put it.
+    In the plane of a refined study each case is the cell around it, and its laws are told below the maps.
 
     Parameters
     ----------
@@ -51,12 +52,17 @@ def figure(
     InputError
         As of `map_cells.choose`; where shapes are not stored or more than the values of an axis; for invalid laws.
     """
+    source, verdicts = ds, law_verdicts.verdicts(ds) if "laws" in ds.attrs else []
+    ds = refined.raster(ds) if refined.is_refined(ds) else ds
     choice = choose(ds, x, y, show, at)
     if shapes is not None:
-        thumbnails.check(ds, choice, shapes)
-    columns = [cells(ds, choice, where) for where in choice.places()]
-    laws, elsewhere = law_lines.judged(ds, choice, law_verdicts.verdicts(ds) if "laws" in ds.attrs else [])
+        thumbnails.check(source, ds, choice, shapes)
+    whole = None if source is ds else source
+    columns = [cells(ds, choice, where, whole) for where in choice.places()]
+    laws, elsewhere = law_lines.judged(ds, choice, verdicts) if whole is None else ([], [])
     maps = _Maps(ds, choice, columns, laws)
+    if whole is not None:
+        maps.more = [f"{text[0].upper()}{text[1:]}." for text in law_lines.of_coarse_grid(whole, verdicts)]
     mixed = [law for law in elsewhere if law.is_mixed()]
     pairs = _in_pairs(mixed)
     heights = maps.heights() + [BESIDE[1] + 1.2] * len(pairs) + ([SHAPES[1] + 0.7] if shapes else [])

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from solver.problem.errors import InputError
 from studies.dimensions import SAMPLE
 
-from ..data import labels, law_verdicts, observed, schema
+from ..data import labels, law_verdicts, observed, refined, schema
 from . import canvas, legend, scatter, single_rod
 from .developed import developed, has_curve, strip_height
 from .law_panel import panel
@@ -24,8 +24,9 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
     """Draw all of a study.
 
     With axes: for each axis of several values the developed curves, beside them each law in its panel (where there is
-    no law, the first observables). With samples: each observable against each sampled field. One case alone: its angle,
-    its push and its developed curve.
+    no law, the first observables); of a refined study those of its coarse grid, along one axis with the observables of
+    all cases. With samples: each observable against each sampled field. One case alone: its angle, its push and its
+    developed curve.
 
     Parameters
     ----------
@@ -37,21 +38,25 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
     InputError
         The dataset's laws are invalid, or there is nothing to draw.
     """
+    rows = law_verdicts.verdicts(ds) if verdicts is None else verdicts
+    curves = ds
+    if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims:
+        curves = refined.coarse(ds)
+        ds = refined.line(ds) if len(refined.axes_of(ds)) == 1 else curves
     axes = schema.axes_of(ds)
     if all(ds.sizes[axis] == 1 for axis in axes):
         return single_rod.figure(ds.isel(dict.fromkeys(axes, 0)))
-    rows = law_verdicts.verdicts(ds) if verdicts is None else verdicts
     sampled = SAMPLE in axes and bool(observed.observables(ds))
     if sampled:
         axes = [axis for axis in axes if axis != SAMPLE]
     plain = [] if rows or sampled else observed.observables(ds)[:MOST_PLAIN]
     axes = [axis for axis in axes if ds.sizes[axis] > 1]
-    count, strips = len(rows or plain), axes if has_curve(ds) else []
+    count, strips = len(rows or plain), axes if has_curve(curves) else []
     if not (count or strips or sampled):
         raise InputError("nothing to draw: the dataset has neither observables nor the arrays alpha and z")
-    beside = count <= len(strips) and all(strip_height(ds, axis, WIDTH * BESIDE) > LEAST_BESIDE for axis in strips)
+    beside = count <= len(strips) and all(strip_height(curves, axis, WIDTH * BESIDE) > LEAST_BESIDE for axis in strips)
     beside = beside and not sampled
-    heights = [LAW_HEIGHT if beside else strip_height(ds, axis, WIDTH) for axis in strips]
+    heights = [LAW_HEIGHT if beside else strip_height(curves, axis, WIDTH) for axis in strips]
     below = 0 if beside else LAW_HEIGHT * -(-count // 2)
     heights += [below] if below else []
     heights += [scatter.ROW_HEIGHT * len(observed.observables(ds)) + 0.7] if sampled else []
@@ -62,7 +67,7 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
         grid = fig.add_gridspec(len(heights), len(ratios), height_ratios=heights, width_ratios=ratios)
         cells = [grid[i, 1] for i in range(count)] if beside else _pairs(grid[len(strips), 0], count) if below else []
         for i, axis in enumerate(strips):
-            developed(ds, fig.add_subplot(grid[i, 0]), axis)
+            developed(curves, fig.add_subplot(grid[i, 0]), axis)
         if sampled:
             scatter.scatter(ds, fig, grid[len(heights) - 1, 0])
         for row, cell in zip(rows, cells, strict=False):

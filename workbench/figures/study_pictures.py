@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from solver.problem.errors import no_such
 from studies.dimensions import SAMPLE
 
-from ..data import observed, schema
+from ..data import observed, refined, schema
 from . import map_cells, map_figure, study_figure
 
 # kind -> the figure of a dataset
@@ -22,6 +22,8 @@ def kind_of(ds: xr.Dataset, kind: str | None = None) -> str:
     """
     if kind is not None and kind not in KINDS:
         raise no_such("kind of picture", kind, KINDS)
+    if kind is None and refined.is_refined(ds):
+        return "map" if len(refined.axes_of(ds)) > 1 else "lines"
     axes = map_cells.mappable(ds)
     is_map = len(axes) > 1 and SAMPLE not in schema.axes_of(ds) and observed.observables(ds)
     return kind or ("map" if is_map else "lines")

@@ -40,11 +40,11 @@ def read(text: str) -> Shapes:
     return Shapes(*numbers)
 
 
-def check(ds: xr.Dataset, choice: Choice, shapes: Shapes) -> None:
-    """Raise `InputError` unless the dataset stores the curves, and its axes have as many values as there are shapes."""
+def check(ds: xr.Dataset, grid: xr.Dataset, choice: Choice, shapes: Shapes) -> None:
+    """Raise `InputError` unless the dataset stores the curves, and the axes of its grid have enough values."""
     for axis, count in ((choice.x, shapes.across), (choice.y, shapes.up)):
-        if count > ds.sizes[axis]:
-            raise InputError(f"{count} shapes along {axis} are more than its {ds.sizes[axis]} values")
+        if count > grid.sizes[axis]:
+            raise InputError(f"{count} shapes along {axis} are more than its {grid.sizes[axis]} values")
     if not developed.has_curve(ds):
         raise InputError('the study stores no developed curves: add "alpha" and "z" to its outputs, and run it again')
 
@@ -54,10 +54,10 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], na
 
     Returns notes on their scale.
     """
-    ds = cells.ds
+    ds = cells.source
     columns, across = _spread(cells.x, shapes.across)
     rows, up = _spread(cells.y, shapes.up)
-    places = {(j, i): {str(ds["outcome"].dims[0]): j, str(ds["outcome"].dims[1]): i} for j in rows for i in columns}
+    places = {(j, i): cells.place(j, i) for j in rows for i in columns}
     curves = {cell: developed.curve(ds, where) if cells.solved[cell] else None for cell, where in places.items()}
     found = [curve for curve in curves.values() if curve is not None]
     if not found:
@@ -80,7 +80,7 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], na
 def entries(cells: Cells) -> list[Artist]:
     """The legend of the colours of the shapes."""
     said = {style.PUSHED: "the cylinder pushes"}
-    if "contact" not in cells.ds.data_vars:
+    if "contact" not in cells.source.data_vars:
         said = {}
     elif "pulled" not in cells.cautions or cells.cautions["pulled"].any():
         said[style.LIFTED] = "the cylinder would have to pull"

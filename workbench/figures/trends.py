@@ -13,7 +13,7 @@ from studies.laws import FAILS, NOISE
 from ..data import labels, schema, selection
 from . import style
 from .developed import axis_label
-from .scales import is_geometric, ticks
+from .scales import WIDE, is_geometric, ticks
 
 MOST_TICKS = 7  # of a logarithmic axis
 
@@ -58,10 +58,12 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
 
 
 def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
-    """A logarithmic axis where the values are spaced so, with ticks at 1, 2 and 5."""
-    if is_geometric(along):
+    """A logarithmic axis where the values are spaced so or were refined so, with ticks at 1, 2 and 5."""
+    low, high = float(along.min()), float(along.max())
+    refined_so = ds[axis].attrs.get("spacing") == "geometric" and low > 0 and high > WIDE * low
+    if refined_so or is_geometric(along):
         ax.set_xscale("log")
-        some = ticks(float(along.min()), float(along.max()), True, MOST_TICKS)
+        some = ticks(low, high, True, MOST_TICKS)
         ax.xaxis.set_minor_locator(NullLocator())
         ax.set_xticks(some, [labels.number(value) for value in some])
     else:

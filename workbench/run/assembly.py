@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..data import atomic, branch_numbers, cautions, dataset, grid_io, law_verdicts, schema, writing
+from ..data import atomic, branch_numbers, cautions, dataset, grid_io, law_verdicts, refined, schema, writing
 from ..data.schema import Columns
 from . import shards
 from .plan import Plan, bytes_a_case, bytes_of_file, first_of
@@ -32,6 +32,8 @@ def assemble(plan: Plan, folder: Path, output: Path, there: StoredRun | None, ta
     try:
         frame = dataset.frame(plan.study, plan.dimensions, first_of(plan))
         frame = frame.assign_attrs(caution=cautions.told(tally["caution"]))
+        if plan.refinement is not None:
+            frame = frame.assign_attrs(refined.attributes(plan.study, plan.refinement))
         shards.reserve(aside, bytes_of_file(plan))
         frame.to_netcdf(aside, engine="h5netcdf", encoding=writing.encoding(frame), invalid_netcdf=False)
         shards.reserve(aside, bytes_of_file(plan))
@@ -53,7 +55,7 @@ def _statistics(path: Path, tally: Tally) -> dict[str, Any]:
     """The statistics of the file, from which `run` reports without reading its cases again."""
     with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
         verdicts, first = law_verdicts.verdicts(ds), str(ds.attrs.get("equilibria", ""))
-        sampling = {name: str(ds.attrs[name]) for name in ("sampling", "sampling_caution") if name in ds.attrs}
+        sampling = {name: str(ds.attrs[name]) for name in schema.SAMPLING if name in ds.attrs}
     branches = branch_numbers.sentence(tally["branch"]) if tally["branch"] else ""
     return {**statistics_of(tally, verdicts), "equilibria": first, "branches": branches, **sampling}
 

@@ -9,9 +9,11 @@ import xarray as xr
 from solver import InputError
 from studies import Study
 
-from ..data import branch_numbers, dataset, law_verdicts
+from ..data import branch_numbers, dataset, law_verdicts, refined
+from ..data.schema import Columns
 from .block import block_of, joined
-from .plan import bytes_a_case, first_of, plan
+from .plan import Plan, bytes_a_case, first_of, plan
+from .rounds import Rounds
 
 MOST_IN_MEMORY = 2_000_000_000
 
@@ -46,11 +48,28 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
             f"{work.size} cases take {needed / 1e9:.3g} GB in memory, more than the limit of {MOST_IN_MEMORY / 1e9:g} "
             "GB; workbench run stores them as they are solved"
         )
-    parts = [block_of(work.study, part) for part in work.chunk(0, work.size).blocks(work.block)]
-    found = joined(parts)
+    if study.refine is not None:
+        return _refined(work)
+    found = _columns(work, 0)
     if work.study.sweeps:
         found["branch"] = branch_numbers.numbered(found["branch"], found["branch"])
     return dataset.make(work.study, work.dimensions, found, first_of(work))
+
+
+def _columns(work: Plan, first: int) -> Columns:
+    """The columns of the cases from `first` on."""
+    return joined([block_of(work.study, part) for part in work.chunk(first, work.size).blocks(work.block)])
+
+
+def _refined(work: Plan) -> xr.Dataset:
+    """The dataset of a refined study."""
+    rounds, parts = Rounds(work.study), []
+    for part, start, _ in rounds:
+        parts.append(_columns(part, start))
+        rounds.take(parts[-1])
+    whole = rounds.plan()
+    ds = dataset.make(whole.study, whole.dimensions, joined(parts))
+    return ds.assign_attrs(refined.attributes(whole.study, rounds.refinement))
 
 
 def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:

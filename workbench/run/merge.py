@@ -71,6 +71,8 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
     axes = schema.axes_of(files[0])
     if studies[0].follow is not None:
         raise InputError(f"{names[0]} follows an equilibrium up to its fold, which cannot be merged")
+    if studies[0].refine is not None:
+        raise InputError(f"{names[0]} is a refined study, whose cases belong together; run it with a finer tolerance")
     if studies[0].sweeps:
         why = "each case continued from its neighbour: run all values as one study"
         raise InputError(f"{names[0]} is a sweep of ends problems, {why}")

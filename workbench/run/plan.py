@@ -14,6 +14,7 @@ from studies import Study
 from studies.axes import Axis
 from studies.dimensions import SAMPLE, Dimension, Dimensions
 from studies.paired import SOURCES
+from studies.refinement import Refinement
 
 from ..data.schema import LOADS, inner_shape
 from . import sweep, sweep_order
@@ -33,12 +34,14 @@ SPARE = 4 * 2**20  # bytes for coordinates, attributes, half-filled packets and 
 class Plan:
     """A study to be run, with its tolerance and method decided, its samples and axes, and the cases to be solved.
 
-    new: flat indices in the grid of the cases to be solved, rising; None for all.
+    new: flat indices in the grid of the cases to be solved, rising; None for all. refinement: of a refined study, whose
+    samples are those of its rounds so far.
     """
 
     study: Study
     dimensions: Dimensions
     new: NDArray[np.int64] | None = None
+    refinement: Refinement | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -79,7 +82,7 @@ class Plan:
                 samples = Dimension(SAMPLE, first)
             else:
                 axes[one.name] = Axis.model_validate({"values": first[one.name].tolist()})
-        update = {"axes": axes, **dict.fromkeys(SOURCES), "laws": [], "observables": self.study.wanted}
+        update = {"axes": axes, **dict.fromkeys(SOURCES), "refine": None, "laws": [], "observables": self.study.wanted}
         light = self.study.model_copy(update=update).with_samples(samples)
         light._text, light._part_of = "", None
         return light

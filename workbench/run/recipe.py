@@ -16,6 +16,7 @@ from solver.methods import METHODS, available
 from solver.problem.errors import InputError
 from studies import Study
 from studies.law import Law
+from studies.refine import lattice
 
 if TYPE_CHECKING:
     from .plan import Plan
@@ -31,6 +32,7 @@ def recipe(plan: "Plan") -> dict[str, Any]:
         "equilibrium": study.equilibrium.model_dump(exclude_none=True) if study.equilibrium else {},
         "order": list(plan.dimensions.names),
         "axes": {name: axis_line(values) for name, values in plan.dimensions.fields.items()},
+        **({} if study.refine is None else {"refine": _refine_lines(study)}),
         **({} if study.follow is None else {"follow": {"to": study.follow.limit, "count": study.follow.size}}),
         "stations": study.stations,
         "outputs": sorted(study.outputs),
@@ -93,6 +95,16 @@ def _digest(content: bytes) -> str:
 def axis_line(values: NDArray[np.float64]) -> str:
     """An axis in one line, with a digest of its values."""
     return f"{values.size} values {values[0]:g}..{values[-1]:g} ({_digest(values.tobytes())})"
+
+
+def _refine_lines(study: Study) -> dict[str, Any]:
+    """The refinement: its keys, the coarse grid, and how often that is halved."""
+    assert study.refine is not None
+    found = lattice(study)
+    lines = {name: axis_line(values) for name, values in found.axes.items()}
+    watched = {name: study.refine.steps.get(name, 0) for name in study.refine.watch}
+    return {**lines, "geometric": sorted(found.geometric), "watch": watched, "halvings": found.depth,
+            "budget": study.refine.budget}  # fmt: skip
 
 
 def _law_line(law: Law) -> str:

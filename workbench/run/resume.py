@@ -67,6 +67,8 @@ def grown(there: StoredRun, plan: Plan) -> Plan | None:
 
     Raises `InputError` where only the code or a library has changed: old and new cases would not be consistent.
     """
+    if plan.study.refine is not None:
+        return _refined_further(there, plan)
     now = _plain(recipe(plan))
     if there.recipe.get("order") != now["order"] or not plan.shape:
         return None
@@ -83,13 +85,40 @@ def grown(there: StoredRun, plan: Plan) -> Plan | None:
         return plan
     if plan.study.sweeps:  # new cases would continue from others than in the file
         return None
+    _check_versions(there.recipe, now, changed)
+    return Plan(plan.study, dimensions, _new(there, plan))
+
+
+def _refined_further(there: StoredRun, plan: Plan) -> Plan | None:
+    """The plan of a refined study that begins with the cases of the file; None where it is of another study.
+
+    A file of fewer halvings, or of a smaller budget, holds the first cases of the refinement.
+    """
+    if there.recipe.get("order") != [SAMPLE] or "refine" not in there.recipe:
+        return None
+    same = Plan(plan.study, there.dimensions)
+    was, now = there.recipe, _plain(recipe(same))
+    changed = [key for key in {**was, **now} if was.get(key) != now.get(key)]
+    if not changed:
+        return same
+    before, after = was["refine"], now["refine"]
+    larger = {"halvings", "budget"}
+    other = [key for key in {**before, **after} if before.get(key) != after.get(key) and key not in larger]
+    if other or any(key not in (*_versions(), "refine") for key in changed):
+        return None
+    if "refine" in changed and any(not before[key] <= after[key] for key in larger):
+        return None
+    _check_versions(was, now, [key for key in changed if key != "refine"])
+    return Plan(plan.study, there.dimensions, np.arange(0))
+
+
+def _check_versions(was: Mapping[str, Any], now: Mapping[str, Any], changed: list[str]) -> None:
+    """Raise `InputError` where the code or a library has changed: old and new cases would not be consistent."""
     if changed:
-        was = {key: there.recipe.get(key) for key in changed}
-        told = "; ".join(differences(was, {key: now.get(key) for key in changed}))
+        told = "; ".join(differences({key: was.get(key) for key in changed}, {key: now.get(key) for key in changed}))
         raise InputError(
             f"the existing file holds part of this study, but {told}; use --restart to solve all of it again"
         )
-    return Plan(plan.study, dimensions, _new(there, plan))
 
 
 def places(there: StoredRun, plan: Plan) -> list[NDArray[np.int64]]:

@@ -24,6 +24,7 @@ from ..data import atomic
 from ..data.schema import Columns
 from .recipe import differences
 
+MOST = 10**12 - 1  # cases that the name of a shard can count
 FORMAT = 1  # of the folder and its shards
 _CHECKSUM = 32  # bytes
 _SHARD = re.compile(r"(\d{12})-(\d{12})\.shard")
@@ -157,6 +158,16 @@ def read_shard(folder: Path, start: int, stop: int) -> Columns:
         path.unlink(missing_ok=True)
         raise Damaged from None
     return found
+
+
+def read_cases(folder: Path, start: int, stop: int) -> Columns:
+    """The results of the cases `start` to `stop`, all of which have shards. Raises `Damaged`."""
+    pieces = []
+    for a, b in stored_ranges(folder, MOST):
+        if a < stop and b > start:
+            found = read_shard(folder, a, b)
+            pieces.append({name: values[max(start - a, 0) : stop - a] for name, values in found.items()})
+    return {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
 
 
 def stored_ranges(folder: Path, cases: int) -> list[tuple[int, int]]:

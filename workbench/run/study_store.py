@@ -18,6 +18,7 @@ from .plan import Plan, bytes_a_case, bytes_of_file, plan
 from .progress import Meter, Progress, unshown
 from .recipe import recipe
 from .resume import StoredRun, grown, is_finished, look
+from .rounds import Rounds
 from .shards import Damaged, decode, encode
 from .tally import Tally, count, statistics_of, tally_of
 
@@ -154,15 +155,16 @@ def _run(
     tally = tally_of(there)
     kept = _verified(work, folder, tally)
     say(_room(work, folder, kept))
-    with progress(work.size, work.size - work.todo + kept) as meter:
+    held = work.size - work.todo
+    with progress(max(work.size, held + kept), held + kept) as meter:
         told = None
         while told is None:
-            _solve(work, folder, options, meter, tally)
             try:
+                work = _solved(work, folder, output, there, options, meter, tally)
                 told = assemble(work, folder, output, there, tally)
             except Damaged:  # by another program since it was read: its cases are solved again
                 tally = tally_of(there)
-                meter.done = work.size - work.todo + _verified(work, folder, tally)
+                meter.done = held + _verified(work, folder, tally)
     shards.clear(folder)
     return Ran(told, work.todo - kept, meter.seconds)
 
@@ -170,7 +172,8 @@ def _run(
 def _verified(work: Plan, folder: Path, tally: Tally) -> int:
     """Count the cases of the existing shards, each verified; damaged ones are removed."""
     kept = 0
-    for start, stop in shards.stored_ranges(folder, work.todo):
+    most = work.todo if work.study.refine is None else shards.MOST
+    for start, stop in shards.stored_ranges(folder, most):
         try:
             count(shards.read_shard(folder, start, stop), tally)
         except Damaged:
@@ -179,9 +182,25 @@ def _verified(work: Plan, folder: Path, tally: Tally) -> int:
     return kept
 
 
-def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tally) -> None:
-    """Solve the missing cases and store their shards."""
+def _solved(
+    work: Plan, folder: Path, output: Path, there: StoredRun | None, options: Options, meter: Meter, tally: Tally
+) -> Plan:
+    """Solve the missing cases, of a refined study round by round; the plan of all cases. Raises `Damaged`."""
+    if work.study.refine is None:
+        _solve(work, folder, options, meter, tally)
+        return work
+    rounds = Rounds(work.study, there, output)
+    for part, start, stop in rounds:
+        meter.total = max(meter.total, part.size)
+        _solve(part, folder, options, meter, tally, start)
+        rounds.take(shards.read_cases(folder, start, stop) if start < stop else None)
+    return rounds.plan()
+
+
+def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tally, first: int = 0) -> None:
+    """Solve the missing cases from `first` on and store their shards."""
     missing = shards.missing_ranges(shards.stored_ranges(folder, work.todo), work.todo)
+    missing = [(max(start, first), stop) for start, stop in missing if stop > first]
     if not missing:
         return
     try:
@@ -226,13 +245,18 @@ def _workers(work: Plan, left: int, options: Options) -> int:
 def _room(work: Plan, folder: Path, kept: int) -> str:
     """The disk space that the run needs, in words; raises `InputError` where there is less."""
     case = bytes_a_case(work.study)
-    final, parts = bytes_of_file(work), (work.todo - kept) * case
+    final, parts = bytes_of_file(work), max(work.todo - kept, 0) * case
     there = shards.free(folder)
     if final + parts > there:
         needed = f"{_bytes(final)} for the file and {_bytes(parts)} for its parts until it is whole"
         raise InputError(f"the study needs up to {needed}, but {folder.parent} has {_bytes(there)} left")
     new = f", {work.size - work.todo} of them already stored" if work.todo < work.size else ""
     going = f", {kept} kept from an earlier run" if kept else ""
+    if work.study.refine is not None:
+        grid = f"{work.study.coarse().size} cases of the coarse grid"
+        return (
+            f"{grid}, at most {work.study.refine.budget} in all{new and f', {work.size} of them already stored'}{going}"
+        )
     room = f"a file of at most {_bytes(final)}, and {_bytes(parts)} more while it runs"
     return f"{work.size} case{'s' * (work.size != 1)}{new}{going}: {room}"
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from studies.dimensions import SAMPLE
 
-from ..data import branch_numbers, file_checks, law_verdicts, reading, schema
+from ..data import branch_numbers, file_checks, law_verdicts, reading, refined, schema
+from ..data.boundary import boundary
 from ..data.concatenation import blocks
 
 BLOCK = 100_000  # cases that are read at a time
@@ -34,9 +35,10 @@ def summary(path: Path) -> dict[str, Any]:
         told["versions"] = reading.versions(ds, path)
         told["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
         told["sampled"] = [_axis(ds[schema.dimension(name)]) for name in schema.sampled_fields(ds)]
-        told |= {key: str(ds.attrs.get(key, "")) for key in ("sampling", "sampling_caution")}
+        told |= {key: str(ds.attrs.get(key, "")) for key in schema.SAMPLING}
         told["stations"] = ds.sizes.get("u", 0)
         told["along"] = [name for name in schema.CURVES if name in ds.data_vars]
+        told["boundaries"] = _boundaries(ds)
         told["cases"] = ds["outcome"].size
         outcomes = counted(ds["outcome"], ds["solved"])
         told["unsolved"] = unsolved(ds)
@@ -46,6 +48,21 @@ def summary(path: Path) -> dict[str, Any]:
         rows = law_verdicts.verdicts(ds)
         told |= {"verdicts": law_verdicts.tally(rows), "laws": [_law(row) for row in rows]}
     return told
+
+
+def _boundaries(ds: xr.Dataset) -> list[dict[str, Any]]:
+    """The located boundary of each watched observable of a refined study, along each axis that crosses it."""
+    rows = []
+    for name in refined.described(ds).watch if refined.is_refined(ds) else ():
+        found = boundary(ds, name)
+        for axis in map(str, found.coords):
+            half = found[f"{axis}_half_width"].values
+            middle = found[axis].values[half > 0]
+            ends = {"from": float(middle.min()), "to": float(middle.max())} if middle.size else {}
+            rows.append({"name": name, "axis": axis, "pairs": int(middle.size), "from": None, "to": None, **ends,
+                         "half_width": float(half.max()) if middle.size else None,
+                         "units": str(ds[axis].attrs.get("units", "")), "unknown": found.attrs["unknown"]})  # fmt: skip
+    return rows
 
 
 def unsolved(ds: xr.Dataset) -> int:

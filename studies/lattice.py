@@ -1,0 +1,94 @@
+"""The lattice of a refined study: the coarse grid of its axes, and the values between, by repeated halving.
+
+A place is a whole number along each axis. Neighbours of the coarse grid are 2^depth places apart, and one halving makes
+two equal steps of each step: of equal differences, or of equal ratios where the axis is geometric.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Values = NDArray[np.float64]
+Places = NDArray[np.int64]
+
+EXACT = 1e-6  # of the finest step: how far from a place the value of a case may lie
+ROUNDING = 4e-16  # relative, of a value
+
+
+@dataclass(frozen=True, eq=False)
+class Lattice:
+    """The lattice of a study.
+
+    axes: name -> its coarse values, rising. geometric: the axes whose steps are halved to equal ratios. depth: how
+    often each step of the coarse grid can be halved.
+    """
+
+    axes: Mapping[str, Values]
+    geometric: frozenset[str]
+    depth: int
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the coarse grid."""
+        return tuple(values.size for values in self.axes.values())
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Number of places along each axis: those of the uniform grid of the same resolution."""
+        return tuple(((size - 1) << self.depth) + 1 for size in self.shape)
+
+    def coarse(self) -> Places:
+        """The places of the coarse grid in its order, (cases, axes)."""
+        rows = np.meshgrid(*(np.arange(size) << self.depth for size in self.shape), indexing="ij")
+        return np.stack([row.ravel() for row in rows], axis=1)
+
+    def values(self, places: Places) -> dict[str, Values]:
+        """The values of each axis at places, (cases, axes)."""
+        return {name: self.along(name, places[:, k]) for k, name in enumerate(self.axes)}
+
+    def along(self, name: str, places: NDArray[np.generic]) -> Values:
+        """The values of one axis at places; a place may be a fraction."""
+        coarse = self.axes[name]
+        share = np.asarray(places, dtype=float) / 2.0**self.depth
+        cell = np.minimum(np.floor(share).astype(np.int64), coarse.size - 2)
+        low, high, share = coarse[cell], coarse[cell + 1], share - cell
+        between = low * (high / low) ** share if name in self.geometric else low + share * (high - low)
+        return np.where(share == 0, low, np.where(share == 1, high, between))
+
+    def places(self, values: Mapping[str, Values]) -> Places:
+        """The places of cases, (cases, axes); -1 where a value lies on none."""
+        return np.stack([self._places(name, values[name]) for name in self.axes], axis=1)
+
+    def _places(self, name: str, values: Values) -> Places:
+        coarse = self.axes[name]
+        cell = np.clip(np.searchsorted(coarse, values, side="right") - 1, 0, coarse.size - 2)
+        low, high = coarse[cell], coarse[cell + 1]
+        with np.errstate(all="ignore"):
+            ratio = (
+                np.log(values / low) / np.log(high / low) if name in self.geometric else (values - low) / (high - low)
+            )
+        exact = (cell + ratio) * 2.0**self.depth
+        found = np.round(exact)
+        on = np.isfinite(exact) & (found >= 0) & (found < (coarse.size - 1) * 2.0**self.depth + 1)
+        found = np.where(on, found, 0.0)
+        last = (coarse.size - 1) * 2.0**self.depth
+        on &= values >= self.along(name, np.maximum(found - EXACT, 0.0)) - ROUNDING * np.abs(values)
+        on &= values <= self.along(name, np.minimum(found + EXACT, last)) + ROUNDING * np.abs(values)
+        return np.where(on, found, -1).astype(np.int64)
+
+    def levels(self, places: Places) -> Places:
+        """The level of each place: 0 on the coarse grid, else the halving that made it, (cases,)."""
+        odd = places | (1 << self.depth)  # so that a place of the coarse grid has its lowest bit there
+        lowest = np.log2((odd & -odd).astype(float)).astype(np.int64)
+        levels: Places = (self.depth - lowest).max(axis=1)
+        return levels
+
+    def share(self, level: int) -> float:
+        """The largest step of a level, as a share of its axis."""
+        return max(map(self._widest, self.axes)) / 2.0**level
+
+    def _widest(self, name: str) -> float:
+        values = np.log(np.abs(self.axes[name])) if name in self.geometric else self.axes[name]
+        return float(np.abs(np.diff(values)).max() / np.abs(values[-1] - values[0]))

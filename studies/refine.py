@@ -1,0 +1,145 @@
+"""The table [refine] of a study: what is watched, and how finely its boundary is located."""
+
+from math import ceil, log2, prod
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydantic import BaseModel, Field, model_validator
+
+from solver.observe.observables import OBSERVABLES, is_count
+from solver.problem.errors import choices, near
+
+from .axes import MAX_COUNT, STRICT, Misplaced
+from .dimensions import SAMPLE, Dimension, Values
+from .formulas import parse
+from .lattice import Lattice
+from .refinement import Refinement
+
+if TYPE_CHECKING:
+    from .model import Study
+
+LEVEL = "level"  # the coordinate of a refined study: how many halvings made a case
+OUTCOME = "outcome"  # watched: whether a case is solved
+FINEST = 1e-9  # least tolerance
+MOST_PLACES = 2**31  # along an axis
+APART = 1e-14  # least relative difference of neighbouring values
+
+
+class Refine(BaseModel):
+    """The refinement of a study whose axes are the coarse grid.
+
+    watch: observables, expressions and "outcome". steps: of those that are real numbers, the change that counts.
+    tolerance: the largest step, as a share of its axis, to which a boundary is located; or points: as by so many evenly
+    spaced values of an axis. budget: the most cases, those of the coarse grid among them.
+    """
+
+    model_config = STRICT
+
+    watch: list[str]
+    steps: dict[str, float] = {}
+    tolerance: float | None = None
+    points: int | None = None
+    budget: int = Field(10_000, le=MAX_COUNT)
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Refine":
+        if not self.watch:
+            raise Misplaced(f"watch is empty: name at least one observable, or {OUTCOME!r}", "watch")
+        if twice := [name for name in self.watch if self.watch.count(name) > 1]:
+            raise Misplaced(f"{twice[0]!r} is watched twice", "watch")
+        for name, step in self.steps.items():
+            if name not in self.watch:
+                raise Misplaced(f"{name!r} is not watched; watch names {choices(self.watch)}", "steps", name)
+            if not step > 0:
+                raise Misplaced(f"the step of {name} must be positive, got {step:g}", "steps", name)
+        if (self.tolerance is None) == (self.points is None):
+            raise ValueError("refine needs one of the two keys tolerance and points")
+        if self.tolerance is not None and not FINEST <= self.tolerance < 1:
+            why = f"tolerance is a share of the axis from {FINEST:g} to below 1, got {self.tolerance:g}"
+            raise Misplaced(why, "tolerance")
+        if self.points is not None and not 2 <= self.points <= 1 / FINEST:
+            raise Misplaced(f"points must be from 2 to {1 / FINEST:.0f}, got {self.points}", "points")
+        return self
+
+    @property
+    def share(self) -> float:
+        """The tolerance as a share of an axis."""
+        return self.tolerance if self.tolerance is not None else 1 / ((self.points or 2) - 1)
+
+
+def check(study: "Study") -> None:
+    """Raise `Misplaced` unless the table fits the axes and the observables of the study."""
+    table = study.refine
+    assert table is not None
+    if not 1 <= len(study.axes) <= 2:
+        has = f"{len(study.axes)}: {choices(study.axes)}" if study.axes else "none"
+        raise Misplaced(f"refine works along one axis or in the plane of two axes, and the study has {has}", "refine")
+    if study.follow is not None:
+        raise Misplaced("a followed axis excludes refine: its cases continue from one another", "refine")
+    for name, axis in study.axes.items():
+        if axis.size < 2:
+            raise Misplaced(f"refine needs at least two values of each axis, and {name} has one", "axes", name)
+    size = prod(axis.size for axis in study.axes.values())
+    if table.budget < size:
+        grid = " x ".join(str(axis.size) for axis in study.axes.values())
+        why = f"budget must be at least the {size} cases of the coarse grid ({grid}), got {table.budget}"
+        raise Misplaced(why, "refine", "budget")
+    for name in table.watch:
+        _check_watched(study, name, name in table.steps)
+    if study.equilibrium is not None and study.equilibrium.dbeta0 is not None:
+        why = "dbeta0 and energy name the equilibrium of one case, and refine solves many: give choose or index"
+        raise Misplaced(why, "equilibrium", "dbeta0")
+    _check_finest(study)
+
+
+def _check_watched(study: "Study", name: str, has_step: bool) -> None:
+    """Raise `Misplaced` unless a watched name is known, and a real number has its step."""
+    known = (*OBSERVABLES, *study.expressions, OUTCOME)
+    if name not in known:
+        raise Misplaced(f"no observable {name!r}{near(name, known)}; choose from {choices(known)}", "refine", "watch")
+    if name == OUTCOME:
+        whole = True
+    else:
+        whole = parse(study.expressions[name]).whole if name in study.expressions else is_count(name)
+    if not (whole or has_step):
+        why = f"{name} is a real number: [refine.steps] needs the change of {name} that counts"
+        raise Misplaced(why, "refine", "watch")
+    if name == OUTCOME and has_step:
+        raise Misplaced("the outcome is solved or not, and has no step", "refine", "steps", name)
+
+
+def _check_finest(study: "Study") -> None:
+    """Raise `Misplaced` where the finest values of an axis would not be distinct."""
+    table = study.refine
+    assert table is not None
+    key = "points" if table.tolerance is None else "tolerance"
+    found = lattice(study)
+    for (name, values), places in zip(found.axes.items(), found.sizes, strict=True):
+        step = np.diff(values).min() / 2.0**found.depth
+        if not (places < MOST_PLACES and step > APART * np.abs(values).max()):
+            why = f"the values of {name} would differ by less than their last digits: give a larger step of refinement"
+            raise Misplaced(why, "refine", key)
+
+
+def lattice(study: "Study") -> Lattice:
+    """The lattice of a refined study: its axes in rising order, halved until their steps are within the tolerance."""
+    assert study.refine is not None
+    axes: dict[str, Values] = {name: np.sort(axis.numbers()) for name, axis in study.axes.items()}
+    geometric = frozenset(name for name, axis in study.axes.items() if axis.spacing == "geometric")
+    coarse = Lattice(axes, geometric, 0)
+    halvings = log2(coarse.share(0) / study.refine.share)
+    return Lattice(axes, geometric, max(0, ceil(halvings - 1e-9)))  # rounding makes no further halving
+
+
+def refinement(study: "Study") -> Refinement:
+    """The refinement of a study before anything is solved."""
+    table = study.refine
+    assert table is not None
+    steps = [table.steps.get(name, 0.0) for name in table.watch]
+    return Refinement(lattice(study), np.array(steps), table.budget)
+
+
+def coarse(study: "Study") -> Dimension:
+    """The cases of the coarse grid, as samples."""
+    found = lattice(study)
+    return Dimension(SAMPLE, found.values(found.coarse()))

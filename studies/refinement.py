@@ -1,0 +1,180 @@
+"""Refinement: cells of a lattice are halved where their corners disagree, round by round.
+
+The cells begin as those of the coarse grid. A cell is halved along every axis if the numbers of its corners disagree,
+or if those along one of its faces do, as the smaller cells beyond the face show: so a boundary is followed into the
+next cell. Each round halves the largest of these cells, until none is left that is larger than the tolerance, or until
+the budget is spent. The rounds follow from the numbers alone.
+"""
+
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .lattice import Lattice, Places, Values
+
+TOLERANCE, BUDGET = "tolerance", "budget"  # what ends a refinement
+
+Mask = NDArray[np.bool_]
+
+
+def disagree(numbers: Values, steps: Values) -> Mask:
+    """Whether numbers, (cells, corners, watched), differ by more than the step of any; NaN agrees with all."""
+    spread = np.fmax.reduce(numbers, axis=1) - np.fmin.reduce(numbers, axis=1)
+    found: Mask = (spread > steps).any(axis=-1)
+    return found
+
+
+@dataclass(eq=False)
+class Refinement:
+    """The cases of a refined study so far, and its cells.
+
+    steps: of each watched number, the change from which its cases disagree, (watched,). budget: the most cases.
+    places: of all cases in the order in which they are solved, (cases, axes). numbers: of those that are solved,
+    (cases, watched). cells: level -> the lowest places of its cells, (cells, axes). ended: "" while it goes on, then
+    `TOLERANCE` or `BUDGET`.
+    """
+
+    lattice: Lattice
+    steps: Values
+    budget: int
+    places: Places = field(init=False)
+    numbers: Values = field(init=False)
+    cells: list[Places] = field(init=False)
+    ended: str = ""
+    rounds: int = 0
+
+    def __post_init__(self) -> None:
+        self.places = self.lattice.coarse()
+        self.numbers = np.empty((0, self.steps.size))
+        below = np.meshgrid(*(np.arange(size - 1) << self.lattice.depth for size in self.lattice.shape), indexing="ij")
+        first = np.stack([row.ravel() for row in below], axis=1)
+        self.cells = [first, *(first[:0] for _ in range(self.lattice.depth))]
+
+    @property
+    def wanted(self) -> int:
+        """How many cases are to be solved next; 0 at the end."""
+        return len(self.places) - len(self.numbers)
+
+    def take(self, numbers: Values) -> None:
+        """Take the watched numbers of the wanted cases, (cases, watched), and find the cases of the next round."""
+        assert len(numbers) == self.wanted
+        self.numbers = np.concatenate([self.numbers, numbers])
+        while not self.ended and not self.wanted:
+            self._halve()
+
+    def corners(self, level: int, cells: Places | None = None) -> Places:
+        """The indices of the cases at the corners of the cells of a level, (cells, corners)."""
+        lowest = self.cells[level] if cells is None else cells
+        return self._cases(lowest[:, None, :] + self._offsets() * self.size(level))
+
+    def size(self, level: int) -> int:
+        """Places from corner to corner of a cell of a level."""
+        return 1 << (self.lattice.depth - level)
+
+    def open_cells(self) -> list[int]:
+        """How many cells of each level are still to be halved."""
+        return [int(mask.sum()) for mask in self._marked()]
+
+    def edges(self) -> tuple[Places, Places]:
+        """Pairs of neighbouring cases: their indices, (pairs, 2), the lower first, and the axis of each, (pairs,)."""
+        offsets = self._offsets()
+        found: list[Places] = []
+        for axis in range(offsets.shape[1]):
+            low = np.flatnonzero(offsets[:, axis] == 0)
+            high = [int(np.flatnonzero((offsets == offsets[k] + np.eye(offsets.shape[1], dtype=int)[axis]).all(1))[0])
+                    for k in low]  # fmt: skip
+            for level in range(self.lattice.depth + 1):
+                pairs = self.corners(level)[:, np.stack([low, high], axis=1)].reshape(-1, 2)
+                if level < self.lattice.depth:  # a case between the two is a nearer neighbour of both
+                    middle = self.places[pairs].sum(axis=1) // 2
+                    pairs = pairs[self._cases(middle) < 0]
+                found.append(np.column_stack([pairs, np.full(len(pairs), axis)]))
+        every = np.unique(np.concatenate(found), axis=0)
+        return every[:, :2], every[:, 2]
+
+    def _offsets(self) -> Places:
+        """The corners of a cell of size 1, (corners, axes)."""
+        return np.array(list(product((0, 1), repeat=len(self.lattice.shape))), dtype=np.int64)
+
+    def _keys(self, places: Places) -> Places:
+        """One number for each place; negative outside of the lattice."""
+        keys = places[..., 0]
+        for k, size in enumerate(self.lattice.sizes[1:], 1):
+            keys = keys * size + places[..., k]
+        return np.where((places >= 0).all(axis=-1) & (places < self.lattice.sizes).all(axis=-1), keys, -1)
+
+    def _cases(self, places: Places) -> Places:
+        """The index of the case at each place, -1 where there is none."""
+        known = self._keys(self.places)
+        order = np.argsort(known)
+        keys = self._keys(places)
+        at = order[np.minimum(np.searchsorted(known[order], keys), order.size - 1)]
+        return np.where(known[at] == keys, at, -1)
+
+    def _marked(self) -> list[Mask]:
+        """Of each level the cells that are to be halved; none at the deepest."""
+        depth, offsets = self.lattice.depth, self._offsets()
+        marked = [np.zeros(len(cells), dtype=bool) for cells in self.cells]
+        for level in range(depth + 1):
+            cells = self.cells[level]
+            if not len(cells):
+                continue
+            numbers = self.numbers[self.corners(level)]
+            if level < depth:
+                marked[level] |= disagree(numbers, self.steps)
+            for axis, side in product(range(offsets.shape[1]), (0, 1)):
+                across = cells[disagree(numbers[:, offsets[:, axis] == side], self.steps)].copy()
+                across[:, axis] += self.size(level) if side else -self.size(level)
+                self._mark_larger(across, level, marked)
+        return marked
+
+    def _mark_larger(self, across: Places, level: int, marked: list[Mask]) -> None:
+        """Mark the cells that hold these places and are larger than those of a level."""
+        for larger in range(level):
+            if len(self.cells[larger]):
+                lowest = across & -self.size(larger)
+                marked[larger] |= np.isin(self._keys(self.cells[larger]), self._keys(lowest)[(across >= 0).all(axis=1)])
+
+    def _halve(self) -> None:
+        """Halve the largest of the cells that are to be halved; end where there are none, or with the budget."""
+        marked = self._marked()
+        level = next((k for k, mask in enumerate(marked) if mask.any()), None)
+        if level is None:
+            self.ended = TOLERANCE
+            return
+        cells, half = self.cells[level][marked[level]], self.size(level + 1)
+        thirds = np.array(list(product((0, 1, 2), repeat=cells.shape[1])), dtype=np.int64)
+        nodes = (cells[:, None, :] + thirds * half).reshape(-1, cells.shape[1])
+        keys = self._keys(nodes)
+        first = np.zeros(keys.size, dtype=bool)
+        first[np.unique(keys, return_index=True)[1]] = True
+        first &= self._cases(nodes) < 0
+        needed = np.cumsum(first.reshape(len(cells), -1).sum(axis=1))
+        fits = int(np.searchsorted(needed, self.budget - len(self.places), side="right"))
+        if fits < len(cells):
+            self.ended = BUDGET
+        new = nodes[: fits * len(thirds)][first[: fits * len(thirds)]]
+        halved = np.flatnonzero(marked[level])[:fits]
+        children = (cells[:fits, None, :] + self._offsets() * half).reshape(-1, cells.shape[1])
+        self.cells[level] = np.delete(self.cells[level], halved, axis=0)
+        self.cells[level + 1] = np.concatenate([self.cells[level + 1], children])
+        self.places = np.concatenate([self.places, new])
+        self.rounds += bool(len(new))
+
+
+def stored(lattice: Lattice, places: Places, numbers: Values, steps: Values, most: int) -> Refinement:
+    """The refinement of stored cases, with its cells as far as the level `most`: a halved cell has a case inside it.
+
+    places: of the cases, (cases, axes). numbers: (cases, watched).
+    """
+    found = Refinement(lattice, steps, len(places))
+    found.places, found.numbers, found.ended = places, numbers, BUDGET
+    for level in range(min(most, lattice.depth)):
+        cells, half = found.cells[level], found.size(level + 1)
+        halved = found._cases(cells + half) >= 0
+        children = cells[halved][:, None, :] + found._offsets() * half
+        found.cells[level] = cells[~halved]
+        found.cells[level + 1] = children.reshape(-1, cells.shape[1])
+    return found

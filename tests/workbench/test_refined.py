@@ -1,0 +1,484 @@
+"""Refined studies: cases are added where a watched number changes, stored, resumed, drawn, and compared with a grid."""
+
+import shlex
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+import workbench.accessor  # noqa: F401  (ds.rod)
+from solver import InputError, observe, solve
+from studies import Study
+from studies.loader import loads
+from tests.workbench import runs, small
+from tests.workbench.pictures import pixels, share_of_ink
+from workbench import cli
+from workbench.data import law_verdicts, reading, refined, writing
+from workbench.data.boundary import boundary
+from workbench.figures import canvas, map_figure, study_figure, study_pictures, thumbnails
+from workbench.run import block, in_memory, merge
+from workbench.run.progress import Meter
+from workbench.run.study_store import Options, run_to_file
+from workbench.run.summary import summary
+
+PLANE = """
+[base]
+L = 6.0
+[axes.E]
+from = 5e3
+to = 4e4
+count = 5
+spacing = "geometric"
+[axes.R]
+from = 0.5
+to = 1.5
+count = 4
+"""
+LINE = """
+[axes.E]
+from = 5e3
+to = 4e4
+count = 4
+spacing = "geometric"
+"""
+REFINE = '[refine]\nwatch = ["turns"]\npoints = 15\n'
+LAW = """
+[[laws]]
+claim = "(1)"
+observable = "turns"
+axis = "E"
+direction = "falls"
+at = { R = 0.75 }
+source = "x"
+"""
+HEAD = 'observables = ["turns", "wraps"]\noutputs = []'
+
+
+def study(axes: str = PLANE, refine: str = REFINE, head: str = HEAD) -> Study:
+    return small.study(axes + refine, head)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def small_blocks() -> Iterator[None]:
+    """Fewer cases a block than by default: many blocks in no time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("workbench.run.plan.BLOCK", 16)
+        yield
+
+
+@pytest.fixture(scope="module")
+def stored(small_blocks, tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("stored") / "small.h5"
+    run_to_file(study(PLANE + LAW), path, Options(workers=1))
+    return path
+
+
+@pytest.fixture(scope="module")
+def line(small_blocks) -> xr.Dataset:
+    return in_memory.run(study(LINE, '[refine]\nwatch = ["turns"]\ntolerance = 1e-6\n', HEAD.replace("[]", '["beta"]')))
+
+
+def command(words: str, status: int = 0) -> None:
+    with pytest.raises(SystemExit) as end:
+        cli.main(shlex.split(words))
+    assert (end.value.code or 0) == status
+
+
+# against the uniform grid
+
+
+def uniform(ds: xr.Dataset, work: Study) -> tuple[np.ndarray, np.ndarray]:
+    """The number of bends over the whole lattice, solved at once, and the places of the refined cases on it."""
+    found = refined.described(ds)
+    sizes = found.lattice.sizes
+    places = np.indices(sizes).reshape(len(sizes), -1).T
+    case = work.case_of(found.lattice.values(places))
+    turns = np.asarray(observe(solve(case, stations=2), ["turns"])["turns"]).reshape(sizes)
+    return turns, found.places
+
+
+def test_every_boundary_cell_of_the_uniform_grid_is_found_with_fewer_cases(stored: Path) -> None:
+    with xr.open_dataset(stored) as ds:
+        turns, places = uniform(ds, study())
+        np.testing.assert_array_equal(turns[tuple(places.T)], ds["turns"])
+        known = np.zeros(turns.shape, dtype=bool)
+        known[tuple(places.T)] = True
+        corners = np.stack([turns[:-1, :-1], turns[1:, :-1], turns[:-1, 1:], turns[1:, 1:]])
+        all_known = known[:-1, :-1] & known[1:, :-1] & known[:-1, 1:] & known[1:, 1:]
+        assert all_known[np.ptp(corners, axis=0) > 0].all()
+        assert ds.sizes["sample"] < 0.3 * turns.size
+
+
+def test_the_boundary_is_the_pairs_of_neighbours_that_differ_on_the_uniform_grid(stored: Path) -> None:
+    with xr.open_dataset(stored) as ds:
+        turns, _ = uniform(ds, study())
+        found, lattice = ds.rod.boundary("turns"), refined.described(ds).lattice
+        assert found.sizes["pair"] == sum(int((np.diff(turns, axis=k) != 0).sum()) for k in (0, 1))
+        for k, axis in enumerate(("E", "R")):
+            along = found.isel(pair=np.flatnonzero(found[f"{axis}_half_width"] > 0))
+            values = lattice.along(axis, np.arange(turns.shape[k]))
+            lower = np.searchsorted(values, along[axis].values) - 1
+            np.testing.assert_allclose(along[axis], (values[lower] + values[lower + 1]) / 2)
+            np.testing.assert_allclose(along[f"{axis}_half_width"], (values[lower + 1] - values[lower]) / 2)
+            other = ("R", "E")[k]
+            across = np.abs(lattice.along(other, np.arange(turns.shape[1 - k])) - along[other].values[:, None]).argmin(
+                1
+            )
+            at = (lower, across) if k == 0 else (across, lower)
+            up = (lower + 1, across) if k == 0 else (across, lower + 1)
+            np.testing.assert_array_equal(along["before"], turns[at])
+            np.testing.assert_array_equal(along["after"], turns[up])
+
+
+def test_the_map_shows_at_every_place_the_number_of_the_uniform_grid(stored: Path) -> None:
+    """The lattice is as fine as the raster here: what is not solved is what its neighbours show."""
+    with xr.open_dataset(stored) as ds:
+        turns, _ = uniform(ds, study())
+        shown = refined.raster(ds)["turns"].values
+        assert shown.shape == tuple(2 * (size - 1) for size in turns.shape)
+        for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):  # the quarters of each cell
+            corner = turns[i : turns.shape[0] - 1 + i, j : turns.shape[1] - 1 + j]
+            np.testing.assert_array_equal(shown[i::2, j::2], corner)
+
+
+def test_along_one_axis_each_jump_is_enclosed_to_the_tolerance(line: xr.Dataset) -> None:
+    found = boundary(line, "turns")
+    assert found.sizes["pair"] == int(line["turns"].max() - line["turns"].min()) > 1
+    assert ((found["E_half_width"] / found["E"]) < 1e-6 * np.log(8) / 2 * 1.01).all()
+    for k in range(found.sizes["pair"]):
+        pair = found.isel(pair=k)
+        for side, number in ((-1, pair["before"]), (1, pair["after"])):
+            case = study(LINE).case_of({"E": float(pair["E"] + side * pair["E_half_width"])})
+            assert float(observe(solve(case), ["turns"])["turns"]) == float(number)
+    assert line.sizes["sample"] < 100
+    assert sorted(refined.line(line)["E"].values) == refined.line(line)["E"].values.tolist()
+
+
+# the file
+
+
+def test_the_file_opens_bare_with_levels_along_the_samples(stored: Path) -> None:
+    with xr.open_dataset(stored) as ds:
+        assert {name: ds[name].dims for name in ("E", "R", "level", "turns")} == dict.fromkeys(
+            ("E", "R", "level", "turns"), ("sample",)
+        )
+        assert {"E", "R", "level"} <= set(ds.coords)
+        assert int((ds["level"] == 0).sum()) == 20
+        assert ds["level"][:20].max() == 0
+        assert ds.attrs["refinement"].startswith("refinement ended as the tolerance is reached: where turns changes is")
+        assert "of the uniform grid of 33 x 25" in ds.attrs["refinement"]
+        rows = set(zip(ds["E"].values.tolist(), ds["R"].values.tolist(), strict=True))
+        assert len(rows) == ds.sizes["sample"]
+        one = ds.sel(sample=57)
+        sol = solve(study().case_of({"E": float(one["E"]), "R": float(one["R"])}))
+        assert int(one["turns"]) == int(observe(sol, ["turns"])["turns"])
+        assert ds.rod.sel(sample=57).rod.case.shape == ()
+
+
+def test_a_study_in_memory_has_the_numbers_of_the_stored_one(stored: Path) -> None:
+    with xr.open_dataset(stored) as ds:
+        xr.testing.assert_identical(ds.load().drop_attrs(), in_memory.run(study()).drop_attrs())
+
+
+@pytest.mark.parametrize("options", [Options(workers=1, chunk=1), Options(workers=2, chunk=16)], ids=["cut", "pool"])
+def test_every_bit_is_the_same_whatever_the_chunks_and_the_workers(stored: Path, tmp_path, options: Options) -> None:
+    run_to_file(study(PLANE + LAW), tmp_path / "small.h5", options)
+    assert runs.contents(tmp_path / "small.h5") == runs.contents(stored)
+
+
+@pytest.mark.parametrize("after", (1, 3, 8))
+def test_a_run_that_is_interrupted_in_any_round_continues_to_the_same_file(stored: Path, tmp_path, after) -> None:
+    class Stopping(Meter):
+        left = after
+
+        def add(self, cases: int, unsolved: int) -> None:
+            super().add(cases, unsolved)
+            Stopping.left -= 1
+            if not Stopping.left:
+                raise KeyboardInterrupt
+
+    @contextmanager
+    def progress(total: int, done: int) -> Iterator[Meter]:
+        yield Stopping(total, done)
+
+    path, work = tmp_path / "small.h5", study(PLANE + LAW)
+    with pytest.raises(KeyboardInterrupt, match="cases are kept in"):
+        run_to_file(work, path, Options(workers=1, chunk=16), progress=progress)
+    assert not path.exists()
+    done = run_to_file(work, path, Options(workers=1))
+    assert 0 < done.solved < reading.opened(stored).sizes["sample"]
+    assert runs.contents(path) == runs.contents(stored)
+    assert run_to_file(work, path).finished_before
+    assert not path.with_name("small.h5.parts").exists()
+
+
+def test_a_damaged_shard_of_an_early_round_is_solved_again(stored: Path, tmp_path) -> None:
+    class Stopping(Meter):
+        def add(self, cases: int, unsolved: int) -> None:
+            super().add(cases, unsolved)
+            if self.done > 60:
+                raise KeyboardInterrupt
+
+    @contextmanager
+    def progress(total: int, done: int) -> Iterator[Meter]:
+        yield Stopping(total, done)
+
+    path, work = tmp_path / "small.h5", study(PLANE + LAW)
+    with pytest.raises(KeyboardInterrupt):
+        run_to_file(work, path, Options(workers=1, chunk=16), progress=progress)
+    shard = sorted(path.with_name("small.h5.parts").glob("*.shard"))[1]
+    content = bytearray(shard.read_bytes())
+    content[200] ^= 1
+    shard.write_bytes(bytes(content))
+    run_to_file(work, path, Options(workers=1))
+    assert runs.contents(path) == runs.contents(stored)
+
+
+@pytest.mark.slow
+def test_a_killed_run_continues_to_the_same_file(tmp_path) -> None:
+    (tmp_path / "many.toml").write_text(study(PLANE + LAW).text)
+    assert runs.run(tmp_path, "many.toml", "--out", "whole.h5").returncode in (0, 1)
+    kill = "import os, workbench.run.shards as shards\nput, n = shards.store_shard, [0]\n"
+    kill += "def store(*args):\n    put(*args)\n    n[0] += 1\n    n[0] < 4 or os.kill(os.getpid(), 9)\n"
+    kill += "shards.store_shard = store\n"
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "many.toml").write_text(study(PLANE + LAW).text)
+    assert runs.run(tmp_path / "b", "many.toml", "--out", "whole.h5", before=kill).returncode == -9
+    (tmp_path / "b" / "main.py").unlink()
+    assert runs.run(tmp_path / "b", "many.toml", "--out", "whole.h5").returncode in (0, 1)
+    assert runs.contents(tmp_path / "b" / "whole.h5") == runs.contents(tmp_path / "whole.h5")
+
+
+def test_a_finer_tolerance_solves_only_the_new_cases(stored: Path, tmp_path) -> None:
+    path, finer = tmp_path / "small.h5", study(PLANE + LAW, REFINE.replace("15", "30"))
+    path.write_bytes(stored.read_bytes())
+    before = reading.opened(stored).sizes["sample"]
+    done = run_to_file(finer, path, Options(workers=1))
+    run_to_file(finer, tmp_path / "whole.h5", Options(workers=1))
+    with xr.open_dataset(path) as ds:
+        assert done.solved == ds.sizes["sample"] - before > 0
+    assert runs.contents(path) == runs.contents(tmp_path / "whole.h5")
+
+
+def test_a_larger_budget_continues_where_the_smaller_one_ended(stored: Path, tmp_path) -> None:
+    path = tmp_path / "small.h5"
+    work = study(PLANE + LAW, f"{REFINE}budget = 90\n")
+    run_to_file(work, path, Options(workers=1))
+    with xr.open_dataset(path) as ds:
+        assert 80 < ds.sizes["sample"] <= 90
+        assert "the budget of 90 cases is spent" in ds.attrs["refinement"]
+        first = ds["E"].values
+    run_to_file(study(PLANE + LAW), path, Options(workers=1))
+    with xr.open_dataset(path) as ds, xr.open_dataset(stored) as whole:
+        np.testing.assert_array_equal(ds["E"][: first.size], first)
+        for name in ("E", "R", "turns", "wraps"):
+            np.testing.assert_allclose(ds[name], whole[name], rtol=1e-9)
+    done = run_to_file(work, path, Options(workers=1))  # a smaller one is another refinement
+    assert done.solved == first.size
+
+
+def test_another_watched_number_is_another_run(stored: Path, tmp_path) -> None:
+    path = tmp_path / "small.h5"
+    path.write_bytes(stored.read_bytes())
+    done = run_to_file(study(PLANE + LAW, '[refine]\nwatch = ["loops"]\npoints = 30\n'), path, Options(workers=1))
+    with xr.open_dataset(path) as ds:
+        assert done.solved == ds.sizes["sample"]
+
+
+# what is watched
+
+
+def test_a_real_number_is_refined_where_it_changes_by_more_than_its_step() -> None:
+    ds = in_memory.run(study(LINE, '[refine]\nwatch = ["wraps"]\nsteps = { wraps = 0.02 }\npoints = 2000\n'))
+    wraps = refined.line(ds)["wraps"].values
+    assert np.abs(np.diff(wraps)).max() <= 0.02
+    assert boundary(ds, "wraps").sizes["pair"] == 0
+    assert boundary(ds, "wraps", step=0.01).sizes["pair"] == (np.abs(np.diff(wraps)) > 0.01).sum()
+
+
+FAILING = """
+title = "ends"
+observables = ["amplitude"]
+outputs = []
+[units]
+length = "cm"
+force = "N"
+[base]
+nu = 0.25
+a = 0.25
+L = 20.0
+R = 0.75
+dbeta = 0.5
+F1 = 5.0
+beta = "30deg"
+F3 = 10.0
+[axes.E]
+from = 9e3
+to = 2e4
+count = 5
+[refine]
+watch = ["outcome"]
+tolerance = 1e-3
+"""
+
+
+def test_where_cases_begin_to_fail_is_located_and_failed_cells_are_told(monkeypatch, tmp_path) -> None:
+    work, whole = loads(FAILING), block.block_of
+
+    def failing(study_, part):
+        found = whole(study_, part)
+        bad = part.values["E"] > 13_333.0
+        found["solved"] = found["solved"] & ~bad
+        found["outcome"] = np.where(bad, "failed: made up", found["outcome"])
+        found["amplitude"] = np.where(bad, np.nan, found["amplitude"])
+        return found
+
+    monkeypatch.setattr(block, "block_of", failing)
+    path = tmp_path / "ends.h5"
+    run_to_file(work, path, Options(workers=1))
+    with xr.open_dataset(path) as ds:
+        (pair,) = np.unique(boundary(ds, "outcome")["E"])
+        assert abs(pair - 13_333) < 1e-3 * 11_000
+        assert boundary(ds, "amplitude", step=1e9).attrs["unknown"] == 1
+    told = summary(path)["boundaries"]
+    assert (told[0]["name"], told[0]["pairs"]) == ("outcome", 1)
+
+
+# laws, pictures, commands
+
+
+def test_a_law_is_judged_on_the_coarse_grid(stored: Path) -> None:
+    with xr.open_dataset(stored) as ds:
+        rows = law_verdicts.verdicts(ds)
+    assert rows == law_verdicts.verdicts(in_memory.run(study(PLANE + LAW).coarse()))
+    assert rows[0]["lines"] == 4
+
+
+def test_the_coarse_grid_of_a_refined_study_is_the_study_without_refinement(stored: Path) -> None:
+    with xr.open_dataset(stored) as ds:
+        found, plain = refined.coarse(ds.load()), in_memory.run(study(PLANE + LAW).coarse())
+        for name in plain.variables:
+            if plain[name].dtype.kind == "f":
+                np.testing.assert_allclose(found[name], plain[name], rtol=1e-9)  # other neighbours in a block
+            assert found[name].dims == plain[name].dims
+
+
+def test_the_default_picture_is_a_map_in_the_plane_and_lines_along_an_axis(stored: Path, line, tmp_path) -> None:
+    ds = writing.read(stored)
+    assert (study_pictures.kind_of(ds), study_pictures.kind_of(line)) == ("map", "lines")
+    fig = map_figure.figure(ds, show=["turns", "level"])
+    mesh = next(one for one in fig.axes[0].collections if hasattr(one, "get_coordinates"))
+    raster = refined.raster(ds)
+    np.testing.assert_array_equal(mesh.get_array().reshape(raster["turns"].T.shape), raster["turns"].T)
+    edges = mesh.get_coordinates()
+    np.testing.assert_allclose(edges[0, [0, -1], 0], [5e3, 4e4])  # the map ends at the first and the last value
+    np.testing.assert_allclose(edges[[0, -1], 0, 1], [0.5, 1.5])
+    notes = fig.legends[0].get_title().get_text().replace("\n", " ")
+    assert "Refinement ended as the tolerance is reached" in notes
+    assert "Law turns falls along E: " in notes
+    canvas.save(fig, tmp_path / "map.png", dpi=60)
+    assert share_of_ink(pixels(tmp_path / "map.png")) > 0.1
+    shown = [ax.get_xscale() for ax in study_figure.figure(line).axes if ax.get_ylabel() == "turns"]
+    assert shown == ["log"]
+    canvas.save(study_figure.figure(ds), tmp_path / "lines.png", dpi=50)
+
+
+def test_shapes_are_drawn_over_the_refined_map(tmp_path) -> None:
+    ds = in_memory.run(study(refine=REFINE.replace("15", "8"), head=HEAD.replace("[]", '["alpha", "z", "contact"]')))
+    fig = map_figure.figure(ds, shapes=thumbnails.Shapes(3, 2))
+    assert len(fig.axes[-1].child_axes) == 6 or any(len(ax.child_axes) == 6 for ax in fig.axes)
+    with pytest.raises(InputError, match="stores no developed curves"):
+        map_figure.figure(ds.drop_vars("z"), shapes=thumbnails.Shapes(3, 2))
+
+
+def test_the_commands_tell_what_ended_the_refinement_and_where_the_boundary_is(stored: Path, tmp_path, capsys) -> None:
+    path = tmp_path / "small.toml"
+    path.write_text(study(PLANE + LAW).text)
+    command(f"run {path} --out {tmp_path / 'small.h5'} --json", 1)
+    assert '"refinement": "refinement ended as the tolerance is reached' in capsys.readouterr().out
+    for words, status in ((f"summary {stored}", 0), (f"check {stored}", 1)):
+        command(words, status)
+        assert "refinement ended as the tolerance is reached" in capsys.readouterr().out
+    found = summary(stored)["boundaries"]
+    assert [(row["name"], row["axis"]) for row in found] == [("turns", "E"), ("turns", "R")]
+    assert sum(row["pairs"] for row in found) == boundary(writing.read(stored), "turns").sizes["pair"]
+    command("list")
+    assert "refined" in capsys.readouterr().out
+
+
+def test_refined_studies_are_not_merged(stored: Path, tmp_path) -> None:
+    other = tmp_path / "other.h5"
+    run_to_file(study(PLANE.replace("4e4", "5e4") + LAW), other, Options(workers=1))
+    with pytest.raises(InputError, match="is a refined study, whose cases belong together"):
+        merge.merge([stored, other], tmp_path / "all.h5")
+    assert not (tmp_path / "all.h5").exists()
+
+
+def test_a_file_whose_refinement_is_damaged_is_refused(stored: Path, tmp_path) -> None:
+    def damaged(change) -> Path:
+        path = tmp_path / "damaged.h5"
+        path.write_bytes(stored.read_bytes())
+        with h5py.File(path, "a") as file:
+            change(file)
+        return path
+
+    def text(file: h5py.File) -> None:
+        file.attrs["refined"] = '{"axes": {"E": "square"}}'
+
+    def moved(file: h5py.File) -> None:
+        file["E"][40] *= 1.001
+        file["rho"][40] = file["rho"][40]
+
+    def level(file: h5py.File) -> None:
+        file["level"][3] = 2
+
+    for change, sentence in (
+        (text, "the attribute refined does not describe"),
+        (moved, "has not all cases of its refined study"),
+        (level, "has not all cases of its refined study"),
+    ):
+        with pytest.raises(InputError, match=sentence):
+            reading.opened(damaged(change))
+
+
+def test_a_selection_that_lost_cases_is_told(stored: Path) -> None:
+    with xr.open_dataset(stored) as ds, pytest.raises(InputError, match="has not all cases of its refined study"):
+        ds.isel(sample=slice(3, 50)).rod.boundary("turns")
+
+
+def test_a_grid_has_a_boundary_too() -> None:
+    ds = in_memory.run(small.study(PLANE, HEAD))
+    found = boundary(ds, "turns")
+    assert found.sizes["pair"] == sum(int((np.diff(ds["turns"].values, axis=k) != 0).sum()) for k in (0, 1))
+    turned = boundary(ds.isel(E=slice(None, None, -1)), "turns")
+    assert sorted(found["E"].values) == sorted(turned["E"].values)
+    for name, step, sentence in (
+        ("wraps", None, "wraps is a real number: give the change that counts"),
+        ("truns", None, "no observable 'truns', did you mean 'turns'"),
+        ("wraps", -1.0, "step must be a number that is not negative, got -1.0"),
+    ):
+        with pytest.raises(InputError, match=sentence):
+            boundary(ds, name, step)
+    with pytest.raises(InputError, match="the axes are none"):
+        boundary(ds.isel(E=0, R=0), "turns")
+
+
+def test_an_ends_problem_is_refined_by_the_rule_of_its_equilibrium() -> None:
+    text = FAILING.partition("[axes.E]")[0].replace('beta = "30deg"\n', 'beta0 = "30deg"\nbetaL = "20deg"\n')
+    text = (
+        text.replace("dbeta = 0.5\nF1 = 5.0\n", "")
+        .replace("F3 = 10.0\n", "FZ = -10.0\n")
+        .replace("L = 20.0", "L = 6.0")
+    )
+    text += (
+        '[axes.E]\nvalues = [5e3, 1e4, 2e4]\n[refine]\nwatch = ["amplitude"]\nsteps = {amplitude = 0.1}\npoints = 9\n'
+    )
+    ds = in_memory.run(loads(text))
+    assert "branch" not in ds
+    for i in (0, ds.sizes["sample"] - 1):
+        alone = observe(solve(loads(text).case_of({"E": float(ds["E"][i])})), ["amplitude"])["amplitude"]
+        np.testing.assert_allclose(float(ds["amplitude"][i]), float(alone), rtol=1e-7)

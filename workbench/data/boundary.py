@@ -1,0 +1,105 @@
+"""The boundary of an observable: the pairs of neighbouring cases between which it changes."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from solver.problem.errors import InputError, choices, near
+from studies import refine as tables
+from studies.dimensions import SAMPLE
+from studies.lattice import Lattice
+from studies.refinement import Refinement, stored
+
+from . import observed, refined, schema
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from studies.lattice import Places, Values
+
+
+def boundary(ds: "xr.Dataset", name: str, step: float | None = None) -> "xr.Dataset":
+    """The pairs of neighbouring cases between which an observable changes.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        A refined study, or a grid of one axis or two.
+    name : str
+        An observable, an expression, or "outcome" (whether a case is solved).
+    step : float, optional
+        The change that counts, in the unit of the observable; default: that of `[refine.steps]`, and 0 for a count.
+
+    Returns
+    -------
+    xr.Dataset
+        Of the dimension `pair`. Each axis: the middle between the two cases, in the unit of the axis, angles in rad.
+        ``<axis>_half_width``: half their distance along it, so that the boundary lies within; 0 along the other axis.
+        `before` and `after`: the number of the case of the lower and of the higher value of the axis. The attribute
+        `unknown` counts the pairs of which one case has no number: they are not compared.
+
+    Raises
+    ------
+    InputError
+        For an unknown observable, a real one without a step, a dataset of more than two axes, or lost cases.
+    """
+    import xarray as xr
+
+    numbers, step = _numbers(ds, name, step)
+    found = _refinement(ds, numbers)
+    pairs, along = found.edges()
+    change = np.abs(np.diff(found.numbers[pairs, 0], axis=1)[:, 0])
+    unknown = int((np.isnan(found.numbers[pairs, 0]).sum(axis=1) == 1).sum())
+    pairs, along = pairs[change > step], along[change > step]
+    values = found.lattice.values(found.places)
+    result: dict[str, Any] = {}
+    for k, (axis, row) in enumerate(values.items()):
+        low, high = row[pairs].T
+        label = dict(ds[axis].attrs)
+        result[axis] = ("pair", np.where(along == k, low + (high - low) / 2, low), label)
+        half = {**label, "long_name": f"half the distance of the two cases along {axis}"}
+        result[f"{axis}_half_width"] = ("pair", np.where(along == k, (high - low) / 2, 0.0), half)
+    label = {} if name == tables.OUTCOME else dict(ds[name].attrs)
+    for key, side in (("before", 0), ("after", 1)):
+        result[key] = ("pair", found.numbers[pairs[:, side], 0], label)
+    return xr.Dataset(result, attrs={"observable": name, "step": step, "unknown": unknown}).set_coords(list(values))
+
+
+def _numbers(ds: "xr.Dataset", name: str, step: float | None) -> "tuple[Values, float]":
+    """The numbers of an observable, of the shape of the cases, and the change that counts."""
+    watch = refined.described(ds).watch if refined.is_refined(ds) else {}
+    if name == tables.OUTCOME:
+        return ds["solved"].values.astype(float), 0.0
+    known = [*observed.observables(ds), tables.OUTCOME]
+    if name not in ds.data_vars or ds[name].dims != ds["outcome"].dims or ds[name].dtype.kind not in "iuf":
+        raise InputError(f"no observable {name!r}{near(name, known)}; the dataset has {choices(known)}")
+    if step is None and name not in watch and not schema.is_count(ds[name]):
+        raise InputError(f"{name} is a real number: give the change that counts, such as step=0.1")
+    step = watch.get(name, 0.0) if step is None else step
+    if not 0 <= step < np.inf:
+        raise InputError(f"step must be a number that is not negative, got {step}")
+    return ds[name].values.astype(float), float(step)
+
+
+def _refinement(ds: "xr.Dataset", numbers: "Values") -> Refinement:
+    """The cells of a refined study, or of a grid, with these numbers. Raises `InputError`."""
+    if refined.is_refined(ds):
+        found = refined.described(ds)
+        lattice, places = found.lattice, found.places
+    else:
+        lattice, places = _grid(ds)
+    return stored(lattice, places, numbers.reshape(-1, 1), np.zeros(1), lattice.depth)
+
+
+def _grid(ds: "xr.Dataset") -> "tuple[Lattice, Places]":
+    """A grid of one axis or two as a lattice without halvings, and the places of its cases in their order."""
+    axes = schema.axes_of(ds)
+    if not 1 <= len(axes) <= 2 or SAMPLE in axes:
+        has = choices(axes) or "none"
+        raise InputError(f"a boundary needs a refined study, or a grid of one axis or two; the axes are {has}")
+    if small := [axis for axis in axes if ds.sizes[axis] < 2]:
+        raise InputError(f"a boundary needs at least two values of each axis; {small[0]} has one")
+    values = {axis: ds[axis].values.astype(float) for axis in axes}
+    lattice = Lattice({axis: np.sort(row) for axis, row in values.items()}, frozenset(), 0)
+    ranks = np.meshgrid(*(np.argsort(np.argsort(row)) for row in values.values()), indexing="ij")
+    return lattice, np.stack([row.ravel() for row in ranks], axis=1)

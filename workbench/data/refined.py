@@ -1,0 +1,202 @@
+"""Refined studies as stored: what was refined, why it ended, and the cases as a grid, as a line, or as a raster."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import prod
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.problem.errors import InputError
+from studies import refine as tables
+from studies.dimensions import SAMPLE
+from studies.lattice import Lattice, Places, Values
+from studies.refinement import BUDGET, Refinement, stored
+
+from .schema import OF_THE_CASE, SAMPLING, dimension
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from studies import Study
+
+KEY = "refined"  # the attribute of a refined study, JSON
+MOST_DRAWN = 800  # cells of a raster along an axis, unless the coarse grid has more
+SPACINGS = ("linear", "geometric")
+MOST_HALVINGS = 31
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """The refinement of a stored study.
+
+    lattice: its axes as the dataset names them. places: of each case, (cases, axes). watch: name -> the change from
+    which two cases differ.
+    """
+
+    lattice: Lattice
+    places: Places
+    watch: Mapping[str, float]
+
+
+def attributes(study: "Study", found: Refinement) -> dict[str, str]:
+    """The attributes of a refined study: for programs, and a sentence on what ended its refinement."""
+    table, lattice = study.refine, found.lattice
+    assert table is not None
+    spacings = {dimension(name): SPACINGS[name in lattice.geometric] for name in lattice.axes}
+    watch = {name: float(step) for name, step in zip(table.watch, found.steps, strict=True)}
+    told = {"axes": spacings, "halvings": lattice.depth, "watch": watch, "ended": found.ended, "rounds": found.rounds}
+    laws = "; laws are judged on the coarse grid" if study.laws else ""
+    return {KEY: json.dumps(told), SAMPLING[-1]: f"{_sentence(watch, found)}{laws}"}
+
+
+def _sentence(watch: Mapping[str, float], found: Refinement) -> str:
+    """What ended a refinement."""
+    lattice, cases = found.lattice, len(found.places)
+    changes = " or ".join(_change(name, step) for name, step in watch.items())
+    within = f"{lattice.share(lattice.depth):.2g} of an axis"
+    grid = " x ".join(map(str, lattice.sizes))
+    share = f"{cases} cases, {100 * cases / prod(lattice.sizes):.2g} % of the uniform grid of {grid}"
+    if found.ended == BUDGET:
+        left = found.open_cells()
+        largest = lattice.share(next(level for level, count in enumerate(left) if count))
+        many = f"{sum(left)} cell{'s' * (sum(left) != 1)} where {changes}"
+        return (
+            f"refinement ended as the budget of {found.budget} cases is spent: {many}, the largest {largest:.2g} of an "
+            f"axis wide, were not refined to {within} ({share})"
+        )
+    if not found.rounds:
+        return f"refinement added no case: the coarse grid shows no place wider than {within} where {changes}"
+    return f"refinement ended as the tolerance is reached: where {changes} is known to {within} ({share})"
+
+
+def _change(name: str, step: float) -> str:
+    if name == tables.OUTCOME:
+        return "the outcome changes"
+    return f"{name} changes by more than {step:g}" if step else f"{name} changes"
+
+
+def is_refined(ds: "xr.Dataset") -> bool:
+    """Whether the dataset is of a refined study."""
+    return KEY in ds.attrs
+
+
+def axes_of(ds: "xr.Dataset") -> list[str]:
+    """The refined axes of a dataset. Raises `InputError` for an invalid attribute."""
+    return list(_told(ds)["axes"])
+
+
+def _told(ds: "xr.Dataset") -> dict[str, Any]:
+    """The attribute of a refined study. Raises `InputError` where it is invalid."""
+    try:
+        told: dict[str, Any] = json.loads(ds.attrs[KEY])
+        axes, halvings, watch = dict(told["axes"]), told["halvings"], dict(told["watch"])
+        if (
+            1 <= len(axes) <= 2
+            and all(name in ds.variables and spacing in SPACINGS for name, spacing in axes.items())
+            and isinstance(halvings, int)
+            and 0 <= halvings <= MOST_HALVINGS
+            and all(0 <= float(step) < np.inf for step in watch.values())
+        ):
+            return {"axes": axes, "halvings": halvings, "watch": watch}
+    except (KeyError, ValueError, TypeError, RecursionError):
+        pass
+    raise InputError(f"the attribute {KEY} does not describe the refinement of the dataset")
+
+
+def described(ds: "xr.Dataset") -> Refined:
+    """The refinement of a dataset. Raises `InputError` where cases of it are missing or have other values."""
+    told = _told(ds)
+    names = list(told["axes"])
+    fields = {name: np.atleast_1d(ds[name].values).astype(float) for name in names}
+    level = np.atleast_1d(ds[tables.LEVEL].values) if tables.LEVEL in ds.variables else np.zeros(0)
+    coarse = {name: np.unique(values[level == 0]) for name, values in fields.items() if values.size == level.size}
+    size = prod(values.size for values in coarse.values())
+    lost = "the dataset has not all cases of its refined study"
+    if len(coarse) < len(names) or (level == 0).sum() != size or any(values.size < 2 for values in coarse.values()):
+        raise InputError(lost)
+    geometric = frozenset(name for name, spacing in told["axes"].items() if spacing == "geometric")
+    lattice = Lattice(coarse, geometric, told["halvings"])
+    if max(lattice.sizes) > tables.MOST_PLACES:
+        raise InputError(f"the attribute {KEY} does not describe the refinement of the dataset")
+    places = lattice.places(fields)
+    if (places < 0).any() or not np.array_equal(lattice.levels(places), level):
+        raise InputError(lost)
+    return Refined(lattice, places, told["watch"])
+
+
+def coarse(ds: "xr.Dataset") -> "xr.Dataset":
+    """The coarse grid of a refined study as a study over its axes. Raises `InputError`."""
+    found = described(ds)
+    first = np.flatnonzero(ds[tables.LEVEL].values == 0)
+    order = first[np.lexsort(found.places[first].T[::-1])]
+    return _gridded(ds, order.reshape(found.lattice.shape), found.lattice.axes)
+
+
+def line(ds: "xr.Dataset") -> "xr.Dataset":
+    """All cases of a study that is refined along one axis, in the order of that axis. Raises `InputError`."""
+    found = described(ds)
+    (name,) = found.lattice.axes
+    order = np.argsort(found.places[:, 0])
+    return _gridded(ds, order, {name: ds[name].values[order]})
+
+
+def raster(ds: "xr.Dataset") -> "xr.Dataset":
+    """The plane of a refined study as a fine grid, each point with the numbers of the case around which it lies.
+
+    Each cell of the refinement has four quarters, and a quarter has the numbers of the case at its corner. Arrays along
+    the rod are left out; `case` is the index of the case, and `level` a variable. Raises `InputError`.
+    """
+    found = described(ds)
+    lattice = found.lattice
+    depth = lattice.depth
+    while depth and max((size - 1) << (depth + 1) for size in lattice.shape) > MOST_DRAWN:
+        depth -= 1
+    cells = stored(lattice, found.places, np.empty((len(found.places), 0)), np.empty(0), depth)
+    index = np.empty([(size - 1) << (depth + 1) for size in lattice.shape], dtype=np.int64)
+    levels = np.empty(index.shape)  # on a scale of colours, as borders between levels would hide them
+    for level in range(depth + 1):
+        if not len(cells.cells[level]):
+            continue
+        side = 1 << (depth - level)  # of a quarter, in points of the raster
+        low = cells.cells[level] >> (lattice.depth - depth) << 1
+        square = np.indices((side, side)).reshape(2, 1, -1)
+        for corner, (i, j) in zip(cells.corners(level).T, np.ndindex(2, 2), strict=True):
+            at = low.T[:, :, None] + square + np.array([i, j]).reshape(2, 1, 1) * side
+            index[at[0], at[1]] = corner[:, None]
+            levels[at[0], at[1]] = level
+    scale = 2.0 ** (lattice.depth - depth - 1)
+    values = {name: lattice.along(name, (np.arange(size) + 0.5) * scale)
+              for name, size in zip(lattice.axes, index.shape, strict=True)}  # fmt: skip
+    each = [str(name) for name in ds.data_vars if ds[name].dims == (SAMPLE,)]
+    label = {"units": "1", "long_name": "level of the drawn cell", "symbol": tables.LEVEL}
+    grid = _gridded(ds[each].assign(case=(SAMPLE, np.arange(ds.sizes[SAMPLE]))), index, values)
+    return grid.assign({tables.LEVEL: (list(values), levels, label)}).set_coords("case")
+
+
+def _own_axes(field: "xr.DataArray") -> "xr.DataArray":
+    """A field of the case along the axes with which it varies alone, as in the dataset of a grid."""
+    for dim in field.dims:
+        first = field.isel({dim: 0}, drop=True)
+        if bool((field == first).all()):
+            field = first
+    return field
+
+
+def _gridded(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Values]) -> "xr.Dataset":
+    """The cases of these indices as a grid over axes of these values."""
+    import xarray as xr
+
+    dropped = [name for name in (SAMPLE, tables.LEVEL, *values) if name in ds.variables]
+    grid = ds.drop_vars(dropped).isel({SAMPLE: xr.DataArray(index, dims=list(values))})
+    for name in (name for name in OF_THE_CASE if name in grid.data_vars):
+        grid[name] = _own_axes(grid[name])
+    spacings = _told(ds)["axes"]
+    coords = {name: xr.Variable((name,), row, {**ds[name].attrs, "spacing": spacings[name]})
+              for name, row in values.items()}  # fmt: skip
+    attrs = {key: value for key, value in ds.attrs.items() if key not in (KEY, "sampled", *SAMPLING)}
+    found = grid.assign_coords(coords)
+    found.attrs = attrs
+    return found
