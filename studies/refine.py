@@ -4,6 +4,7 @@ from math import ceil, log2, prod
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, Field, model_validator
 
 from solver.observe.observables import OBSERVABLES, is_count
@@ -13,7 +14,9 @@ from .axes import MAX_COUNT, STRICT, Misplaced
 from .dimensions import SAMPLE, Dimension, Values
 from .formulas import parse
 from .lattice import Lattice
-from .refinement import Refinement
+from .law import Law
+from .laws import by_line
+from .refinement import Lines, Refinement
 
 if TYPE_CHECKING:
     from .model import Study
@@ -28,14 +31,16 @@ APART = 1e-14  # least relative difference of neighbouring values
 class Refine(BaseModel):
     """The refinement of a study whose axes are the coarse grid.
 
-    watch: observables, expressions and "outcome". steps: of those that are real numbers, the change that counts.
-    tolerance: the largest step, as a share of its axis, to which a boundary is located; or points: as by so many evenly
-    spaced values of an axis. budget: the most cases, those of the coarse grid among them.
+    watch: observables, expressions and "outcome". laws: claims of laws whose verdict is watched from line to line.
+    steps: of those watched that are real numbers, the change that counts. tolerance: the largest step, as a share of
+    its axis, to which a boundary is located; or points: as by so many evenly spaced values of an axis. budget: the most
+    cases, those of the coarse grid among them.
     """
 
     model_config = STRICT
 
-    watch: list[str]
+    watch: list[str] = []
+    laws: list[str] = []
     steps: dict[str, float] = {}
     tolerance: float | None = None
     points: int | None = None
@@ -43,10 +48,11 @@ class Refine(BaseModel):
 
     @model_validator(mode="after")
     def _complete(self) -> "Refine":
-        if not self.watch:
+        if not (self.watch or self.laws):
             raise Misplaced(f"watch is empty: name at least one observable, or {OUTCOME!r}", "watch")
-        if twice := [name for name in self.watch if self.watch.count(name) > 1]:
-            raise Misplaced(f"{twice[0]!r} is watched twice", "watch")
+        for key, names in (("watch", self.watch), ("laws", self.laws)):
+            if twice := [name for name in names if names.count(name) > 1]:
+                raise Misplaced(f"{twice[0]!r} is watched twice", key)
         for name, step in self.steps.items():
             if name not in self.watch:
                 raise Misplaced(f"{name!r} is not watched; watch names {choices(self.watch)}", "steps", name)
@@ -86,10 +92,25 @@ def check(study: "Study") -> None:
         raise Misplaced(why, "refine", "budget")
     for name in table.watch:
         _check_watched(study, name, name in table.steps)
+    for claim in table.laws:
+        _check_law(study, claim)
     if study.equilibrium is not None and study.equilibrium.dbeta0 is not None:
         why = "dbeta0 and energy name the equilibrium of one case, and refine solves many: give choose or index"
         raise Misplaced(why, "equilibrium", "dbeta0")
     _check_finest(study)
+
+
+def _check_law(study: "Study", claim: str) -> None:
+    """Raise `Misplaced` unless one law has this claim, uses no formula, and has lines beside each other."""
+    known = [law.claim for law in study.laws]
+    if known.count(claim) != 1:
+        why = "two laws have that claim" if claim in known else f"choose from {choices(known) or 'none'}"
+        raise Misplaced(f"no law {claim!r}{near(claim, known)}: {why}", "refine", "laws")
+    if len(study.axes) < 2:
+        why = f"the verdict of {claim} changes from line to line in the plane of two axes, and the study has one axis"
+        raise Misplaced(why, "refine", "laws")
+    if study.laws[known.index(claim)].formulas:
+        raise Misplaced(f"the law {claim} has a formula; watch a law of numbers alone", "refine", "laws")
 
 
 def _check_watched(study: "Study", name: str, has_step: bool) -> None:
@@ -135,8 +156,29 @@ def refinement(study: "Study") -> Refinement:
     """The refinement of a study before anything is solved."""
     table = study.refine
     assert table is not None
-    steps = [table.steps.get(name, 0.0) for name in table.watch]
-    return Refinement(lattice(study), np.array(steps), table.budget)
+    steps = [table.steps.get(name, 0.0) for name in table.watch] + [np.inf] * len(table.laws)
+    lines = [_lines(study, claim, i) for i, claim in enumerate(table.laws, len(table.watch))]
+    return Refinement(lattice(study), np.array(steps), table.budget, tuple(lines))
+
+
+def watched_laws(study: "Study") -> list[Law]:
+    """The laws whose verdict is watched."""
+    return [law for claim in (study.refine.laws if study.refine else ()) for law in study.laws if law.claim == claim]
+
+
+def _lines(study: "Study", claim: str, column: int) -> Lines:
+    """The lines of a watched law, whose observable is this column of the numbers."""
+    assert study.refine is not None
+    law = watched_laws(study)[study.refine.laws.index(claim)]
+    along = np.sort(study.axes[law.axis].numbers())
+    text = study.expressions.get(law.observable)
+    counts = [law.observable] if text is not None and parse(text).whole else []
+
+    def judge(values: Values) -> NDArray[np.str_]:
+        axes = {"line": np.arange(len(values)), law.axis: along}
+        return by_line(law.model_copy(update={"at": {}}), values, axes, None, counts)
+
+    return Lines(list(study.axes).index(law.axis), column, judge)
 
 
 def coarse(study: "Study") -> Dimension:

@@ -6,8 +6,9 @@ next cell. Each round halves the largest of these cells, until none is left that
 the budget is spent. The rounds follow from the numbers alone.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,27 @@ from .lattice import Lattice, Places, Values
 TOLERANCE, BUDGET = "tolerance", "budget"  # what ends a refinement
 
 Mask = NDArray[np.bool_]
+
+
+@dataclass(eq=False)
+class Lines:
+    """The complete lines of the coarse grid along one axis, for a law that is judged on each.
+
+    along: the axis of the lines. column: of the number that is judged. judge: from its values on lines, (lines, cases),
+    to the verdict on each. at: the places of the lines on the other axis, rising. verdicts: of the lines known so far.
+    """
+
+    along: int
+    column: int
+    judge: Callable[[Values], NDArray[np.str_]]
+    at: Places = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    verdicts: dict[int, str] = field(default_factory=dict)
+
+    def gaps(self) -> tuple[Places, Places]:
+        """The places of neighbouring lines that have another verdict: of the lower, and of the upper."""
+        changes = [self.verdicts[a] != self.verdicts[b] for a, b in pairwise(self.at.tolist())]
+        where = np.flatnonzero(changes)
+        return self.at[where], self.at[where + 1]
 
 
 def disagree(numbers: Values, steps: Values) -> Mask:
@@ -30,15 +52,16 @@ def disagree(numbers: Values, steps: Values) -> Mask:
 class Refinement:
     """The cases of a refined study so far, and its cells.
 
-    steps: of each watched number, the change from which its cases disagree, (watched,). budget: the most cases.
-    places: of all cases in the order in which they are solved, (cases, axes). numbers: of those that are solved,
-    (cases, watched). cells: level -> the lowest places of its cells, (cells, axes). ended: "" while it goes on, then
-    `TOLERANCE` or `BUDGET`.
+    steps: of each watched number, the change from which its cases disagree, (watched,). budget: the most cases. lines:
+    of the laws that are watched. places: of all cases in the order in which they are solved, (cases, axes). numbers: of
+    those that are solved, (cases, watched). cells: level -> the lowest places of its cells, (cells, axes). ended: ""
+    while it goes on, then `TOLERANCE` or `BUDGET`.
     """
 
     lattice: Lattice
     steps: Values
     budget: int
+    lines: tuple[Lines, ...] = ()
     places: Places = field(init=False)
     numbers: Values = field(init=False)
     cells: list[Places] = field(init=False)
@@ -50,6 +73,8 @@ class Refinement:
         self.numbers = np.empty((0, self.steps.size))
         below = np.meshgrid(*(np.arange(size - 1) << self.lattice.depth for size in self.lattice.shape), indexing="ij")
         first = np.stack([row.ravel() for row in below], axis=1)
+        for one in self.lines:
+            one.at = np.arange(self.lattice.shape[1 - one.along]) << self.lattice.depth
         self.cells = [first, *(first[:0] for _ in range(self.lattice.depth))]
 
     @property
@@ -61,6 +86,7 @@ class Refinement:
         """Take the watched numbers of the wanted cases, (cases, watched), and find the cases of the next round."""
         assert len(numbers) == self.wanted
         self.numbers = np.concatenate([self.numbers, numbers])
+        self._judge()
         while not self.ended and not self.wanted:
             self._halve()
 
@@ -76,6 +102,10 @@ class Refinement:
     def open_cells(self) -> list[int]:
         """How many cells of each level are still to be halved."""
         return [int(mask.sum()) for mask in self._marked()]
+
+    def open_lines(self) -> int:
+        """How many gaps between lines of different verdicts are wider than the tolerance."""
+        return sum(int((upper - lower > 1).sum()) for one in self.lines for lower, upper in [one.gaps()])
 
     def edges(self) -> tuple[Places, Places]:
         """Pairs of neighbouring cases: their indices, (pairs, 2), the lower first, and the axis of each, (pairs,)."""
@@ -137,31 +167,76 @@ class Refinement:
                 lowest = across & -self.size(larger)
                 marked[larger] |= np.isin(self._keys(self.cells[larger]), self._keys(lowest)[(across >= 0).all(axis=1)])
 
+    def _judge(self) -> None:
+        """The verdicts of the lines that have become complete."""
+        for one in self.lines:
+            new = np.array([place for place in one.at.tolist() if place not in one.verdicts], dtype=np.int64)
+            if new.size:
+                cases = self._cases(self._line(one, new).reshape(-1, 2)).reshape(new.size, -1)
+                one.verdicts |= dict(
+                    zip(new.tolist(), one.judge(self.numbers[cases, one.column]).tolist(), strict=True)
+                )
+
+    def _line(self, one: Lines, at: Places) -> Places:
+        """The places of the cases of lines, (lines, cases, 2)."""
+        along = np.arange(self.lattice.shape[one.along]) << self.lattice.depth
+        pair = np.broadcast_arrays(along[None, :], at[:, None])
+        return np.stack(pair if one.along == 0 else pair[::-1], axis=-1)
+
+    def _between(self, level: int) -> list[tuple[Lines, Places]]:
+        """For each law the places of new lines, half-way between lines of a level with different verdicts."""
+        found = []
+        for one in self.lines:
+            lower, upper = one.gaps()
+            wide = upper - lower == self.size(level)
+            found.append((one, (lower[wide] + upper[wide]) // 2))
+        return found
+
     def _halve(self) -> None:
-        """Halve the largest of the cells that are to be halved; end where there are none, or with the budget."""
+        """Halve the largest of the cells and gaps that are to be halved; end where there are none, or with the budget.
+
+        A law has a new line in each gap.
+        """
         marked = self._marked()
-        level = next((k for k, mask in enumerate(marked) if mask.any()), None)
+        level = next(
+            (k for k, mask in enumerate(marked[:-1]) if mask.any() or any(at.size for _, at in self._between(k))), None
+        )
         if level is None:
             self.ended = TOLERANCE
             return
         cells, half = self.cells[level][marked[level]], self.size(level + 1)
         thirds = np.array(list(product((0, 1, 2), repeat=cells.shape[1])), dtype=np.int64)
-        nodes = (cells[:, None, :] + thirds * half).reshape(-1, cells.shape[1])
-        keys = self._keys(nodes)
-        first = np.zeros(keys.size, dtype=bool)
-        first[np.unique(keys, return_index=True)[1]] = True
-        first &= self._cases(nodes) < 0
-        needed = np.cumsum(first.reshape(len(cells), -1).sum(axis=1))
-        fits = int(np.searchsorted(needed, self.budget - len(self.places), side="right"))
-        if fits < len(cells):
+        groups = [*(cells[:, None, :] + thirds * half)]
+        between = self._between(level)
+        groups += [line for one, at in between for line in self._line(one, at)]
+        fits = self._add(groups)
+        if fits < len(groups):
             self.ended = BUDGET
-        new = nodes[: fits * len(thirds)][first[: fits * len(thirds)]]
         halved = np.flatnonzero(marked[level])[:fits]
         children = (cells[:fits, None, :] + self._offsets() * half).reshape(-1, cells.shape[1])
         self.cells[level] = np.delete(self.cells[level], halved, axis=0)
         self.cells[level + 1] = np.concatenate([self.cells[level + 1], children])
+        left = max(fits - len(cells), 0)
+        for one, at in between:
+            one.at = np.sort(np.concatenate([one.at, at[:left]]))
+            left = max(left - at.size, 0)
+        if not self.wanted:
+            self._judge()
+
+    def _add(self, groups: list[Places]) -> int:
+        """Add the cases of groups of places that fit into the budget, a group as a whole; the number of groups."""
+        nodes = np.concatenate(groups)
+        group = np.repeat(np.arange(len(groups)), [len(one) for one in groups])
+        keys = self._keys(nodes)
+        first = np.zeros(keys.size, dtype=bool)
+        first[np.unique(keys, return_index=True)[1]] = True
+        first &= self._cases(nodes) < 0
+        needed = np.cumsum(np.bincount(group[first], minlength=len(groups)))
+        fits = int(np.searchsorted(needed, self.budget - len(self.places), side="right"))
+        new = nodes[first & (group < fits)]
         self.places = np.concatenate([self.places, new])
         self.rounds += bool(len(new))
+        return fits
 
 
 def stored(lattice: Lattice, places: Places, numbers: Values, steps: Values, most: int) -> Refinement:

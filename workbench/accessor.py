@@ -109,7 +109,8 @@ class RodAccessor:
         Parameters
         ----------
         name : str
-            An observable, an expression, or "outcome" (whether a case is solved).
+            An observable, an expression, "outcome" (whether a case is solved), or the claim of a law, such as "(1)":
+            where its verdict changes from line to line.
         step : float, optional
             The change that counts, in the unit of the observable; default: that of the study's refinement, and 0 for a
             count.
@@ -125,8 +126,11 @@ class RodAccessor:
         InputError
             For an unknown observable, a real one without a step, or a grid of more than two axes.
         """
-        from .data.boundary import boundary
+        from .data.boundary import boundary, boundary_of_law
+        from .data.law_verdicts import laws
 
+        if any(law.claim == name for law in laws(self._ds)):
+            return boundary_of_law(self._ds, name)
         return boundary(self._ds, name, step)
 
     @cached_property

@@ -7,7 +7,7 @@ from solver import InputError
 from studies.lattice import Lattice
 from studies.loader import loads
 from studies.refine import lattice, refinement
-from studies.refinement import BUDGET, TOLERANCE, Refinement, stored
+from studies.refinement import BUDGET, TOLERANCE, Lines, Refinement, stored
 from studies.writer import dumps
 
 HEAD = 'title = "r"\nreading = "force-first/tension/paper"\n'
@@ -54,6 +54,33 @@ def study(axes: str = E + R, table: str = TABLE, head: str = ""):
 def test_bad_input_is_refused_with_the_value_and_the_choices(axes: str, table: str, sentence: str) -> None:
     with pytest.raises(InputError) as refused:
         study(axes, table)
+    assert sentence in str(refused.value)
+
+
+LAW = """
+[[laws]]
+claim = "{}"
+observable = "{}"
+axis = "E"
+kind = "bounded"
+most = {}
+source = "s"
+"""
+
+
+@pytest.mark.parametrize(
+    ("axes", "laws", "sentence"),
+    [
+        (E + R, ["(9)"], "no law '(9)'"),
+        (E, ["(1)"], "the verdict of (1) changes from line to line in the plane of two axes, and the study has one"),
+        (E + R, ["(2)"], "the law (2) has a formula; watch a law of numbers alone"),
+        (E + R, ["(1)", "(1)"], "'(1)' is watched twice"),
+    ],
+)
+def test_a_law_that_cannot_be_watched_is_refused(axes: str, laws: list[str], sentence: str) -> None:
+    told = LAW.format("(1)", "kappa_max", 2.0) + LAW.format("(2)", "kappa_max", '"1/a"')
+    with pytest.raises(InputError) as refused:
+        study(axes, TABLE + f"laws = {laws}\n" + told)
     assert sentence in str(refused.value)
 
 
@@ -196,6 +223,34 @@ def test_along_one_axis_a_jump_costs_one_case_for_each_halving() -> None:
     low, high = found.lattice.along("x", found.places[pairs[jump], 0])
     assert low <= 0.4321 < high
     assert high - low == pytest.approx(0.2 / 2**20)
+
+
+def with_law(along: int, budget: int = 10**6) -> Refinement:
+    """Lines are judged by the largest of a made-up number on them."""
+    axes = {"x": np.linspace(0, 1, 6), "y": np.linspace(0, 1, 4)}
+    lines = Lines(along, 0, lambda values: np.where(values.max(axis=1) > 0.8, "fails", "holds"))
+    found = Refinement(Lattice(axes, frozenset(), 5), np.array([np.inf]), budget, (lines,))
+    while found.wanted:
+        x, y = found.lattice.values(found.places[-found.wanted :]).values()
+        found.take((x * np.cos(y) if along == 0 else np.sin(x) * (1 + y) / 1.5)[:, None])
+    return found
+
+
+@pytest.mark.parametrize(("along", "border"), [(0, np.arccos(0.8)), (1, np.arcsin(0.6))])
+def test_where_a_law_changes_its_verdict_whole_lines_are_added(along: int, border: float) -> None:
+    found = with_law(along)
+    size = (6, 4)[along]
+    assert (len(found.places), found.ended, found.rounds) == (24 + 5 * size, TOLERANCE, 5)
+    ((low, high),) = np.transpose(found.lines[0].gaps())
+    assert high - low == 1
+    name = "yx"[along]
+    assert found.lattice.along(name, np.array([low]))[0] < border <= found.lattice.along(name, np.array([high]))[0]
+
+
+def test_a_budget_adds_whole_lines_alone() -> None:
+    found = with_law(0, budget=24 + 6 * 3 + 5)
+    assert (len(found.places), found.ended, found.open_lines()) == (24 + 6 * 3, BUDGET, 1)
+    np.testing.assert_array_equal(found.places, with_law(0).places[: len(found.places)])
 
 
 def test_nothing_is_added_where_nothing_changes_or_the_coarse_grid_has_the_tolerance() -> None:

@@ -18,7 +18,7 @@ from tests.workbench import runs, small
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench import cli
 from workbench.data import law_verdicts, reading, refined, writing
-from workbench.data.boundary import boundary
+from workbench.data.boundary import boundary, boundary_of_law
 from workbench.figures import canvas, map_figure, study_figure, study_pictures, thumbnails
 from workbench.run import block, in_memory, merge
 from workbench.run.progress import Meter
@@ -358,6 +358,29 @@ def test_a_law_is_judged_on_the_coarse_grid(stored: Path) -> None:
     assert rows[0]["lines"] == 4
 
 
+def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_path, capsys) -> None:
+    work = study(PLANE + LAW, '[refine]\nlaws = ["(1)"]\ntolerance = 0.01\n')
+    path = tmp_path / "small.h5"
+    run_to_file(work, path, Options(workers=1))
+    with xr.open_dataset(path) as ds:
+        found = ds.rod.boundary("(1)")
+        lattice = refined.described(ds).lattice
+        lines = ", ".join(repr(float(R)) for R in lattice.along("R", np.arange(lattice.sizes[1])))
+        fine = study(PLANE.partition("[axes.R]")[0] + f"[axes.R]\nvalues = [{lines}]\n" + LAW, "")
+        grid = in_memory.run(fine)
+        (law,) = law_verdicts.laws(grid)
+        verdicts = law_verdicts.verdicts_of_lines(grid, law).values
+        change = np.flatnonzero(verdicts[1:] != verdicts[:-1])
+        assert change.size == found.sizes["pair"] == 1
+        np.testing.assert_allclose(found["R"], (grid["R"].values[change] + grid["R"].values[change + 1]) / 2)
+        assert (found["before"], found["after"]) == (verdicts[change], verdicts[change + 1])
+        assert ds.sizes["sample"] == 20 + 5 * lattice.depth
+        with pytest.raises(InputError, match=r"no law '\(7\)'"):
+            boundary_of_law(ds, "(7)")
+    command(f"summary {path}")
+    assert "law (1)" in capsys.readouterr().out
+
+
 def test_the_coarse_grid_of_a_refined_study_is_the_study_without_refinement(stored: Path) -> None:
     with xr.open_dataset(stored) as ds:
         found, plain = refined.coarse(ds.load()), in_memory.run(study(PLANE + LAW).coarse())
@@ -379,7 +402,7 @@ def test_the_default_picture_is_a_map_in_the_plane_and_lines_along_an_axis(store
     np.testing.assert_allclose(edges[[0, -1], 0, 1], [0.5, 1.5])
     notes = fig.legends[0].get_title().get_text().replace("\n", " ")
     assert "Refinement ended as the tolerance is reached" in notes
-    assert "Law turns falls along E: " in notes
+    assert "Law (1), bends falls along E: " in notes
     canvas.save(fig, tmp_path / "map.png", dpi=60)
     assert share_of_ink(pixels(tmp_path / "map.png")) > 0.1
     shown = [ax.get_xscale() for ax in study_figure.figure(line).axes if ax.get_ylabel() == "turns"]

@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.problem.errors import InputError, choices, near
+from solver.problem.errors import InputError, choices, near, no_such
 from studies import refine as tables
 from studies.dimensions import SAMPLE
 from studies.lattice import Lattice
 from studies.refinement import Refinement, stored
 
-from . import observed, refined, schema
+from . import law_verdicts, observed, refined, schema
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -63,6 +63,57 @@ def boundary(ds: "xr.Dataset", name: str, step: float | None = None) -> "xr.Data
     for key, side in (("before", 0), ("after", 1)):
         result[key] = ("pair", found.numbers[pairs[:, side], 0], label)
     return xr.Dataset(result, attrs={"observable": name, "step": step, "unknown": unknown}).set_coords(list(values))
+
+
+def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
+    """The pairs of neighbouring lines of a study that is refined in the plane, between which a law changes its verdict.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+    claim : str
+        The claim of a law, such as "(1)".
+
+    Returns
+    -------
+    xr.Dataset
+        Of the dimension `pair`. The axis across the lines: the middle between the two lines; ``<axis>_half_width``:
+        half their distance; `before` and `after`: their verdicts.
+
+    Raises
+    ------
+    InputError
+        For an unknown claim, or a dataset that is not refined in the plane.
+    """
+    import xarray as xr
+
+    law = next((one for one in law_verdicts.laws(ds) if one.claim == claim), None)
+    if law is None:
+        raise no_such("law", claim, [one.claim for one in law_verdicts.laws(ds)])
+    if not refined.is_refined(ds) or len(refined.axes_of(ds)) < 2:
+        raise InputError("the boundary of a law needs a study that is refined in the plane of two axes")
+    found = refined.described(ds)
+    names, coarse = list(found.lattice.axes), found.lattice.axes[law.axis]
+    along = names.index(law.axis)
+    cases = np.flatnonzero(found.places[:, along] % (1 << found.lattice.depth) == 0)
+    at, counts = np.unique(found.places[cases, 1 - along], return_counts=True)
+    cases = cases[np.isin(found.places[cases, 1 - along], at[counts == coarse.size])]  # of complete lines
+    index = cases[np.lexsort(found.places[cases].T[::-1])]
+    across = names[1 - along]
+    values = {law.axis: coarse, across: found.lattice.along(across, at[counts == coarse.size])}
+    values = {name: values[name] for name in names}
+    grid = refined.gridded(ds, index.reshape([row.size for row in values.values()]), values)
+    verdicts = law_verdicts.verdicts_of_lines(grid, law).values
+    change = np.flatnonzero(verdicts[1:] != verdicts[:-1])
+    low, high = values[across][change], values[across][change + 1]
+    half = {**ds[across].attrs, "long_name": f"half the distance of the two lines along {across}"}
+    result: dict[str, Any] = {
+        across: ("pair", low + (high - low) / 2, dict(ds[across].attrs)),
+        f"{across}_half_width": ("pair", (high - low) / 2, half),
+        "before": ("pair", verdicts[change].astype(str)),
+        "after": ("pair", verdicts[change + 1].astype(str)),
+    }
+    return xr.Dataset(result, attrs={"law": claim}).set_coords(across)
 
 
 def _numbers(ds: "xr.Dataset", name: str, step: float | None) -> "tuple[Values, float]":

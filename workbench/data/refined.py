@@ -33,12 +33,13 @@ class Refined:
     """The refinement of a stored study.
 
     lattice: its axes as the dataset names them. places: of each case, (cases, axes). watch: name -> the change from
-    which two cases differ.
+    which two cases differ. laws: the claims of watched laws.
     """
 
     lattice: Lattice
     places: Places
     watch: Mapping[str, float]
+    laws: list[str]
 
 
 def attributes(study: "Study", found: Refinement) -> dict[str, str]:
@@ -46,26 +47,32 @@ def attributes(study: "Study", found: Refinement) -> dict[str, str]:
     table, lattice = study.refine, found.lattice
     assert table is not None
     spacings = {dimension(name): SPACINGS[name in lattice.geometric] for name in lattice.axes}
-    watch = {name: float(step) for name, step in zip(table.watch, found.steps, strict=True)}
-    told = {"axes": spacings, "halvings": lattice.depth, "watch": watch, "ended": found.ended, "rounds": found.rounds}
+    watch = {name: float(step) for name, step in zip(table.watch, found.steps, strict=False)}
+    told = {"axes": spacings, "halvings": lattice.depth, "watch": watch, "laws": table.laws}
+    told |= {"ended": found.ended, "rounds": found.rounds}
+    changes = [_change(name, step) for name, step in watch.items()]
+    changes += [f"the verdict on law {claim} changes" for claim in table.laws]
     laws = "; laws are judged on the coarse grid" if study.laws else ""
-    return {KEY: json.dumps(told), SAMPLING[-1]: f"{_sentence(watch, found)}{laws}"}
+    return {KEY: json.dumps(told), SAMPLING[-1]: f"{_sentence(' or '.join(changes), found)}{laws}"}
 
 
-def _sentence(watch: Mapping[str, float], found: Refinement) -> str:
+def _sentence(changes: str, found: Refinement) -> str:
     """What ended a refinement."""
     lattice, cases = found.lattice, len(found.places)
-    changes = " or ".join(_change(name, step) for name, step in watch.items())
     within = f"{lattice.share(lattice.depth):.2g} of an axis"
     grid = " x ".join(map(str, lattice.sizes))
     share = f"{cases} cases, {100 * cases / prod(lattice.sizes):.2g} % of the uniform grid of {grid}"
     if found.ended == BUDGET:
         left = found.open_cells()
-        largest = lattice.share(next(level for level, count in enumerate(left) if count))
-        many = f"{sum(left)} cell{'s' * (sum(left) != 1)} where {changes}"
+        many = f"{sum(left)} cell{'s' * (sum(left) != 1)}"
+        if any(left):
+            largest = lattice.share(next(level for level, count in enumerate(left) if count))
+            many += f", the largest {largest:.2g} of an axis wide,"
+        if found.lines:
+            many += f" and {found.open_lines()} gaps between lines"
         return (
-            f"refinement ended as the budget of {found.budget} cases is spent: {many}, the largest {largest:.2g} of an "
-            f"axis wide, were not refined to {within} ({share})"
+            f"refinement ended as the budget of {found.budget} cases is spent: {many} where {changes} were not refined "
+            f"to {within} ({share})"
         )
     if not found.rounds:
         return f"refinement added no case: the coarse grid shows no place wider than {within} where {changes}"
@@ -93,6 +100,7 @@ def _told(ds: "xr.Dataset") -> dict[str, Any]:
     try:
         told: dict[str, Any] = json.loads(ds.attrs[KEY])
         axes, halvings, watch = dict(told["axes"]), told["halvings"], dict(told["watch"])
+        laws = list(map(str, told["laws"]))
         if (
             1 <= len(axes) <= 2
             and all(name in ds.variables and spacing in SPACINGS for name, spacing in axes.items())
@@ -100,7 +108,7 @@ def _told(ds: "xr.Dataset") -> dict[str, Any]:
             and 0 <= halvings <= MOST_HALVINGS
             and all(0 <= float(step) < np.inf for step in watch.values())
         ):
-            return {"axes": axes, "halvings": halvings, "watch": watch}
+            return {"axes": axes, "halvings": halvings, "watch": watch, "laws": laws}
     except (KeyError, ValueError, TypeError, RecursionError):
         pass
     raise InputError(f"the attribute {KEY} does not describe the refinement of the dataset")
@@ -124,7 +132,7 @@ def described(ds: "xr.Dataset") -> Refined:
     places = lattice.places(fields)
     if (places < 0).any() or not np.array_equal(lattice.levels(places), level):
         raise InputError(lost)
-    return Refined(lattice, places, told["watch"])
+    return Refined(lattice, places, told["watch"], told["laws"])
 
 
 def coarse(ds: "xr.Dataset") -> "xr.Dataset":
@@ -132,7 +140,7 @@ def coarse(ds: "xr.Dataset") -> "xr.Dataset":
     found = described(ds)
     first = np.flatnonzero(ds[tables.LEVEL].values == 0)
     order = first[np.lexsort(found.places[first].T[::-1])]
-    return _gridded(ds, order.reshape(found.lattice.shape), found.lattice.axes)
+    return gridded(ds, order.reshape(found.lattice.shape), found.lattice.axes)
 
 
 def line(ds: "xr.Dataset") -> "xr.Dataset":
@@ -140,7 +148,7 @@ def line(ds: "xr.Dataset") -> "xr.Dataset":
     found = described(ds)
     (name,) = found.lattice.axes
     order = np.argsort(found.places[:, 0])
-    return _gridded(ds, order, {name: ds[name].values[order]})
+    return gridded(ds, order, {name: ds[name].values[order]})
 
 
 def raster(ds: "xr.Dataset") -> "xr.Dataset":
@@ -172,7 +180,7 @@ def raster(ds: "xr.Dataset") -> "xr.Dataset":
               for name, size in zip(lattice.axes, index.shape, strict=True)}  # fmt: skip
     each = [str(name) for name in ds.data_vars if ds[name].dims == (SAMPLE,)]
     label = {"units": "1", "long_name": "level of the drawn cell", "symbol": tables.LEVEL}
-    grid = _gridded(ds[each].assign(case=(SAMPLE, np.arange(ds.sizes[SAMPLE]))), index, values)
+    grid = gridded(ds[each].assign(case=(SAMPLE, np.arange(ds.sizes[SAMPLE]))), index, values)
     return grid.assign({tables.LEVEL: (list(values), levels, label)}).set_coords("case")
 
 
@@ -185,7 +193,7 @@ def _own_axes(field: "xr.DataArray") -> "xr.DataArray":
     return field
 
 
-def _gridded(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Values]) -> "xr.Dataset":
+def gridded(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Values]) -> "xr.Dataset":
     """The cases of these indices as a grid over axes of these values."""
     import xarray as xr
 

@@ -136,7 +136,7 @@ def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
 
 def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The refinement of a study in words, and the verdict of each of its laws."""
-    told = [f"law {labels.law_text(row, law_verdicts.stated(row))}: {row['verdict']}" for row in rows]
+    told = [f"law {row['claim']}, {labels.law_text(row, law_verdicts.stated(row))}: {row['verdict']}" for row in rows]
     return [str(ds.attrs.get(SAMPLING[-1], "")), *told]
 
 

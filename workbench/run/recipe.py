@@ -103,8 +103,14 @@ def _refine_lines(study: Study) -> dict[str, Any]:
     found = lattice(study)
     lines = {name: axis_line(values) for name, values in found.axes.items()}
     watched = {name: study.refine.steps.get(name, 0) for name in study.refine.watch}
-    return {**lines, "geometric": sorted(found.geometric), "watch": watched, "halvings": found.depth,
-            "budget": study.refine.budget}  # fmt: skip
+    return {
+        **lines,
+        "geometric": sorted(found.geometric),
+        "watch": watched,
+        "laws": study.refine.laws,
+        "halvings": found.depth,
+        "budget": study.refine.budget,
+    }
 
 
 def _law_line(law: Law) -> str:

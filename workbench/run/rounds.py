@@ -65,7 +65,8 @@ class Rounds:
 
 
 def numbers(study: Study, columns: Columns) -> Values:
-    """The watched numbers of each case, (cases, watched); whether it is solved as 0 or 1."""
+    """The watched numbers of each case, (cases, watched), those of laws last; whether it is solved as 0 or 1."""
     assert study.refine is not None
-    rows = [columns["solved" if name == tables.OUTCOME else name] for name in study.refine.watch]
+    watched = ["solved" if name == tables.OUTCOME else name for name in study.refine.watch]
+    rows = [columns[name] for name in (*watched, *(law.observable for law in tables.watched_laws(study)))]
     return np.stack([np.asarray(row, dtype=float) for row in rows], axis=1)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from studies.dimensions import SAMPLE
 
 from ..data import branch_numbers, file_checks, law_verdicts, reading, refined, schema
-from ..data.boundary import boundary
+from ..data.boundary import boundary, boundary_of_law
 from ..data.concatenation import blocks
 
 BLOCK = 100_000  # cases that are read at a time
@@ -52,16 +52,21 @@ def summary(path: Path) -> dict[str, Any]:
 
 def _boundaries(ds: xr.Dataset) -> list[dict[str, Any]]:
     """The located boundary of each watched observable of a refined study, along each axis that crosses it."""
-    rows = []
-    for name in refined.described(ds).watch if refined.is_refined(ds) else ():
-        found = boundary(ds, name)
+    rows: list[dict[str, Any]] = []
+    if not refined.is_refined(ds):
+        return rows
+    told = refined.described(ds)
+    each = [(name, boundary(ds, name)) for name in told.watch]
+    each += [(f"law {claim}", boundary_of_law(ds, claim)) for claim in told.laws]
+    for name, found in each:
         for axis in map(str, found.coords):
             half = found[f"{axis}_half_width"].values
             middle = found[axis].values[half > 0]
             ends = {"from": float(middle.min()), "to": float(middle.max())} if middle.size else {}
-            rows.append({"name": name, "axis": axis, "pairs": int(middle.size), "from": None, "to": None, **ends,
-                         "half_width": float(half.max()) if middle.size else None,
-                         "units": str(ds[axis].attrs.get("units", "")), "unknown": found.attrs["unknown"]})  # fmt: skip
+            row = {"name": name, "axis": axis, "pairs": int(middle.size), "from": None, "to": None, **ends}
+            row["half_width"] = float(half.max()) if middle.size else None
+            row |= {"units": str(ds[axis].attrs.get("units", "")), "unknown": found.attrs.get("unknown", 0)}
+            rows.append(row)
     return rows
 
 
