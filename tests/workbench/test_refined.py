@@ -359,22 +359,24 @@ def test_a_law_is_judged_on_the_coarse_grid(stored: Path) -> None:
 
 
 def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_path, capsys) -> None:
-    work = study(PLANE + LAW, '[refine]\nlaws = ["(1)"]\ntolerance = 0.01\n')
+    plane = PLANE.replace("count = 4", "count = 13")
+    work = study(plane + LAW, '[refine]\nlaws = ["(1)"]\ntolerance = 0.01\n')
     path = tmp_path / "small.h5"
     run_to_file(work, path, Options(workers=1))
     with xr.open_dataset(path) as ds:
         found = ds.rod.boundary("(1)")
         lattice = refined.described(ds).lattice
         lines = ", ".join(repr(float(R)) for R in lattice.along("R", np.arange(lattice.sizes[1])))
-        fine = study(PLANE.partition("[axes.R]")[0] + f"[axes.R]\nvalues = [{lines}]\n" + LAW, "")
+        fine = study(plane.partition("[axes.R]")[0] + f"[axes.R]\nvalues = [{lines}]\n" + LAW, "")
         grid = in_memory.run(fine)
         (law,) = law_verdicts.laws(grid)
         verdicts = law_verdicts.verdicts_of_lines(grid, law).values
         change = np.flatnonzero(verdicts[1:] != verdicts[:-1])
-        assert change.size == found.sizes["pair"] == 1
+        assert change.size == found.sizes["pair"] == 3
         np.testing.assert_allclose(found["R"], (grid["R"].values[change] + grid["R"].values[change + 1]) / 2)
-        assert (found["before"], found["after"]) == (verdicts[change], verdicts[change + 1])
-        assert ds.sizes["sample"] == 20 + 5 * lattice.depth
+        np.testing.assert_array_equal(found["before"], verdicts[change])
+        np.testing.assert_array_equal(found["after"], verdicts[change + 1])
+        assert ds.sizes["sample"] == 5 * 13 + 3 * 5 * lattice.depth
         with pytest.raises(InputError, match=r"no law '\(7\)'"):
             boundary_of_law(ds, "(7)")
     command(f"summary {path}")
@@ -405,8 +407,7 @@ def test_the_default_picture_is_a_map_in_the_plane_and_lines_along_an_axis(store
     assert "Law (1), bends falls along E: " in notes
     canvas.save(fig, tmp_path / "map.png", dpi=60)
     assert share_of_ink(pixels(tmp_path / "map.png")) > 0.1
-    shown = [ax.get_xscale() for ax in study_figure.figure(line).axes if ax.get_ylabel() == "turns"]
-    assert shown == ["log"]
+    assert "log" in [ax.get_xscale() for ax in study_figure.figure(line).axes]
     canvas.save(study_figure.figure(ds), tmp_path / "lines.png", dpi=50)
 
 
