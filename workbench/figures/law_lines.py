@@ -3,6 +3,7 @@
 A law along an axis that the map does not have is judged on one line for each cell: it has a map of its own.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 from studies.laws import VERDICTS
 from studies.reasons import DOES, counted
 
-from ..data import labels, law_verdicts
+from ..data import labels, law_verdicts, refined
 from ..data.schema import SAMPLING
 from . import regions, style
 from .map_cells import Cells, Choice
@@ -137,7 +138,9 @@ def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
 def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The refinement of a study in words, and the verdict of each of its laws."""
     told = [f"law {row['claim']}, {labels.law_text(row, law_verdicts.stated(row))}: {row['verdict']}" for row in rows]
-    return [str(ds.attrs.get(SAMPLING[-1], "")), *told]
+    watched = refined.described(ds).watch
+    sentence_ = str(ds.attrs.get(SAMPLING[-1], ""))
+    return [re.sub(r"\w+", lambda one: labels.symbol_of(one[0]) if one[0] in watched else one[0], sentence_), *told]
 
 
 def counts(law: JudgedLaw, where: Mapping[str, int]) -> str:

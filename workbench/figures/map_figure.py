@@ -9,6 +9,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from studies.refine import LEVEL
+
 from ..data import labels, law_verdicts, refined
 from . import canvas, law_lines, legend, map_panel, style, thumbnails
 from .developed import axis_label
@@ -164,7 +166,8 @@ class _Maps:
         for k, (cell, column, where) in enumerate(zip(grid, self.columns, self.places, strict=True)):
             ax = fig.add_subplot(cell)
             mesh = map_panel.draw(ax, column, name, self.colours[name], self.inches)
-            map_panel.hatch(ax, column, self.hatched)
+            if name != LEVEL:  # of the cells and not of the rods
+                map_panel.hatch(ax, column, self.hatched)
             laws = self._laws_of(name)
             self.entries += law_lines.draw(ax, laws, column, self.choice, where, self.inches)
             self._title(ax, name, column, where, leftmost=k == 0)
