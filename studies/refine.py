@@ -16,7 +16,8 @@ from .formulas import parse
 from .lattice import Lattice
 from .law import Law
 from .laws import by_line
-from .refinement import Lines, Refinement
+from .refinement import Refinement
+from .watched_lines import Lines
 
 if TYPE_CHECKING:
     from .model import Study

@@ -7,7 +7,8 @@ from solver import InputError
 from studies.lattice import Lattice
 from studies.loader import loads
 from studies.refine import lattice, refinement
-from studies.refinement import BUDGET, TOLERANCE, Lines, Refinement, stored
+from studies.refinement import BUDGET, TOLERANCE, Refinement, stored
+from studies.watched_lines import Lines
 from studies.writer import dumps
 
 HEAD = 'title = "r"\nreading = "force-first/tension/paper"\n'

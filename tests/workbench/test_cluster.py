@@ -21,6 +21,7 @@ from workbench.run.study_store import Options, run_to_file
 
 distributed = pytest.importorskip("distributed")
 
+REFINED = '[axes.E]\nvalues = [5e3, 1e4, 4e4]\n[refine]\nwatch = ["turns"]\ntolerance = 1e-3\n'
 SAMPLES = "[sample]\nsize = 150\n[sample.E]\nfrom = 5e3\nto = 4e4\n[sample.F1]\nfrom = 1.0\nto = 9.0\n"
 
 
@@ -119,11 +120,12 @@ def test_every_bit_is_that_of_this_machine_alone(whole, tmp_path, clusters) -> N
 
 
 @pytest.mark.slow
-def test_samples_on_a_cluster_have_the_bits_of_this_machine_alone(tmp_path, clusters) -> None:
+@pytest.mark.parametrize("more", (SAMPLES, REFINED), ids=("samples", "refined"))
+def test_samples_on_a_cluster_have_the_bits_of_this_machine_alone(tmp_path, clusters, more: str) -> None:
     clusters.append(Cluster(folder(tmp_path)))
-    (tmp_path / "many.toml").write_text(runs.HEAD.format(method="orbit") + SAMPLES)
-    for name, more in (("alone.h5", ()), ("many.h5", ("--scheduler", clusters[0].address, "--chunk", 32))):
-        done = runs.run(tmp_path, "many.toml", "--out", name, *more, before=SMALL)
+    (tmp_path / "many.toml").write_text(runs.HEAD.format(method="orbit") + more)
+    for name, options in (("alone.h5", ()), ("many.h5", ("--scheduler", clusters[0].address, "--chunk", 32))):
+        done = runs.run(tmp_path, "many.toml", "--out", name, *options, before=SMALL)
         assert done.returncode == 0, done.stderr
     assert runs.contents(tmp_path / "many.h5") == runs.contents(tmp_path / "alone.h5")
 

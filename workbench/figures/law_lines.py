@@ -139,8 +139,9 @@ def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[st
     """The refinement of a study in words, and the verdict of each of its laws."""
     told = [f"law {row['claim']}, {labels.law_text(row, law_verdicts.stated(row))}: {row['verdict']}" for row in rows]
     watched = refined.described(ds).watch
-    sentence_ = str(ds.attrs.get(SAMPLING[-1], ""))
-    return [re.sub(r"\w+", lambda one: labels.symbol_of(one[0]) if one[0] in watched else one[0], sentence_), *told]
+    ended = str(ds.attrs.get(SAMPLING[-1], ""))
+    ended = re.sub(r"\w+", lambda one: labels.symbol_of(one[0]) if one[0] in watched else one[0], ended)
+    return [f"{text[0].upper()}{text[1:]}." for text in (ended, *told) if text]
 
 
 def counts(law: JudgedLaw, where: Mapping[str, int]) -> str:

@@ -54,8 +54,8 @@ def figure(
     InputError
         As of `map_cells.choose`; where shapes are not stored or more than the values of an axis; for invalid laws.
     """
-    source, verdicts = ds, law_verdicts.verdicts(ds) if "laws" in ds.attrs else []
-    ds = refined.raster(ds) if refined.is_refined(ds) else ds
+    verdicts = law_verdicts.verdicts(ds) if "laws" in ds.attrs else []
+    source, ds = ds, refined.raster(ds) if refined.is_refined(ds) else ds
     choice = choose(ds, x, y, show, at)
     if shapes is not None:
         thumbnails.check(source, ds, choice, shapes)
@@ -63,8 +63,7 @@ def figure(
     columns = [cells(ds, choice, where, whole) for where in choice.places()]
     laws, elsewhere = law_lines.judged(ds, choice, verdicts) if whole is None else ([], [])
     maps = _Maps(ds, choice, columns, laws)
-    if whole is not None:
-        maps.more = [f"{text[0].upper()}{text[1:]}." for text in law_lines.of_coarse_grid(whole, verdicts)]
+    maps.more = [] if whole is None else law_lines.of_coarse_grid(whole, verdicts)
     mixed = [law for law in elsewhere if law.is_mixed()]
     pairs = _in_pairs(mixed)
     heights = maps.heights() + [BESIDE[1] + 1.2] * len(pairs) + ([SHAPES[1] + 0.7] if shapes else [])

@@ -14,10 +14,11 @@ from studies import Study
 from ..data.schema import TEXTS
 from . import local_pool, shards, worker_processes
 from .block import unsolved
-from .plan import Plan, bytes_a_case, bytes_of_file, plan
+from .plan import Plan, plan
 from .progress import Meter, Progress, unshown
 from .recipe import recipe
 from .resume import StoredRun, grown, is_finished, look
+from .room import room
 from .rounds import Rounds
 from .shards import Damaged, decode, encode
 from .tally import Tally, count, statistics_of, tally_of
@@ -154,7 +155,7 @@ def _run(
 
     tally = tally_of(there)
     kept = _verified(work, folder, tally)
-    say(_room(work, folder, kept))
+    say(room(work, folder, kept))
     held = work.size - work.todo
     with progress(max(work.size, held + kept), held + kept) as meter:
         told = None
@@ -240,32 +241,6 @@ def _workers(work: Plan, left: int, options: Options) -> int:
         return options.workers
     blocks = WORTH_TOGETHER if work.batched else WORTH
     return max(1, min(local_pool.cores(), left // (blocks * work.block)))
-
-
-def _room(work: Plan, folder: Path, kept: int) -> str:
-    """The disk space that the run needs, in words; raises `InputError` where there is less."""
-    case = bytes_a_case(work.study)
-    final, parts = bytes_of_file(work), max(work.todo - kept, 0) * case
-    there = shards.free(folder)
-    if final + parts > there:
-        needed = f"{_bytes(final)} for the file and {_bytes(parts)} for its parts until it is whole"
-        raise InputError(f"the study needs up to {needed}, but {folder.parent} has {_bytes(there)} left")
-    new = f", {work.size - work.todo} of them already stored" if work.todo < work.size else ""
-    going = f", {kept} kept from an earlier run" if kept else ""
-    if work.study.refine is not None:
-        grid = f"{work.study.coarse().size} cases of the coarse grid"
-        return (
-            f"{grid}, at most {work.study.refine.budget} in all{new and f', {work.size} of them already stored'}{going}"
-        )
-    room = f"a file of at most {_bytes(final)}, and {_bytes(parts)} more while it runs"
-    return f"{work.size} case{'s' * (work.size != 1)}{new}{going}: {room}"
-
-
-def _bytes(count: int) -> str:
-    for unit, size in (("GB", 1e9), ("MB", 1e6)):
-        if count >= size:
-            return f"{count / size:.3g} {unit}"
-    return f"{count / 1e3:.3g} kB"
 
 
 @contextmanager
