@@ -1,22 +1,27 @@
 """Pictures for print: diagrams as vectors with their letters, scenes and diagrams at a number of dots an inch."""
 
+import csv
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.text import Text
 from PIL import Image
 
+from solver import InputError
 from studies import load
 from studies.loader import loads
 from tests.workbench import small
+from workbench import cli
 from workbench.branches.equilibria import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands import plot
-from workbench.data import writing
-from workbench.figures import canvas, study_figure
+from workbench.data import law_verdicts, writing
+from workbench.figures import canvas, map_figure, single_rod, study_figure
 from workbench.figures import equilibria as equilibria_figure
+from workbench.figures.sheet import SCREEN, sheet
 from workbench.run import in_memory
 from workbench.scene import opengl
 
@@ -97,4 +102,79 @@ def test_the_pages_of_a_pdf_are_as_wide_as_the_pictures(ds, tmp_path) -> None:
     canvas.save(study_figure.figure(ds), tmp_path / "one.pdf")
     box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ([0-9.]+) ?\]", (tmp_path / "one.pdf").read_bytes())
     assert box is not None
-    assert float(box[1]) == pytest.approx(72 * study_figure.WIDTH, abs=0.5)  # points
+    assert float(box[1]) == pytest.approx(72 * SCREEN.width, abs=0.5)  # points
+
+
+@pytest.fixture(scope="module")
+def two() -> xr.Dataset:
+    return in_memory.run(small.grid())
+
+
+@pytest.mark.parametrize("width", (89, 183))
+def test_a_figure_for_print_has_its_width_and_letters_of_seven_and_eight_points(width, two, tmp_path) -> None:
+    page = sheet("paper", width, titled=False)
+    for name, fig in {"lines": study_figure.figure(two, sheet=page), "map": map_figure.figure(two, sheet=page)}.items():
+        canvas.save(fig, tmp_path / f"{name}.pdf")
+        box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ", (tmp_path / f"{name}.pdf").read_bytes())
+        assert box is not None
+        assert float(box[1]) == pytest.approx(72 * width / 25.4, abs=0.5)
+        texts = [text for text in fig.findobj(Text) if text.get_text().strip() and text.get_visible()]
+        assert {round(text.get_fontsize(), 6) for text in texts} <= {7.0, 8.0}
+        assert two.attrs["title"] not in {text.get_text() for text in texts}
+
+
+def test_no_word_of_a_narrow_figure_lies_outside_it(two) -> None:
+    for draw in (study_figure.figure, map_figure.figure):
+        fig = draw(two, sheet=sheet("paper", 89))
+        fig.draw_without_rendering()
+        for text in fig.findobj(Text):
+            if text.get_text().strip() and text.get_visible():
+                box = text.get_window_extent()
+                assert box.x0 > -1, text.get_text()
+                assert box.x1 < fig.bbox.x1 + 1, text.get_text()
+                assert box.y0 > -1, text.get_text()
+
+
+def test_one_panel_is_drawn_alone_and_an_unknown_one_is_refused(two) -> None:
+    alone = study_figure.figure(two, sheet=sheet(panel="(2)"))
+    assert len(alone.axes) == 1
+    assert alone.axes[0].get_ylabel() == "max κ [1/cm]"
+    assert len(study_figure.figure(two, sheet=sheet(panel="R")).axes) == 1
+    with pytest.raises(InputError, match=r"no panel '\(3\)', did you mean '\(2\)'; choose from E, R, \(2\)"):
+        study_figure.figure(two, sheet=sheet(panel="(3)"))
+    one = single_rod.figure(two.isel(E=0, R=0), sheet(panel="curve"))
+    assert [ax.get_ylabel()[:2] for ax in one.axes] == ["ρα"]
+
+
+def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(two, tmp_path, capsys) -> None:
+    writing.write(two, tmp_path / "small.h5")
+    for kind in ("lines", "map"):
+        with pytest.raises(SystemExit) as end:
+            cli.main(["plot", str(tmp_path / "small.h5"), "--kind", kind, "--out", str(tmp_path / f"{kind}.png"),
+                      "--data", str(tmp_path / f"{kind}.csv"), "--dpi", "50"])  # fmt: skip
+        assert end.value.code == 0
+    lines, cells = (
+        list(csv.DictReader((tmp_path / f"{kind}.csv").open(encoding="utf-8"))) for kind in ("lines", "map")
+    )
+    law = [row for row in lines if row["y_label"] == "max κ [1/cm]" and row["kind"] == "dot"]
+    at = law_verdicts.verdicts(two)[0]["at"] or {"E": float(two["E"][0])}
+    np.testing.assert_allclose([float(row["y"]) for row in law], two["kappa_max"].sel(at).values)
+    curve = [row for row in lines if row["series"] == "R = 0.5"]
+    assert len(curve) == two.sizes["u"]
+    turns = {(float(row["x"]), float(row["value"])) for row in cells if row["panel"].endswith("number of bends")}
+    assert {value for _, value in turns} == set(two["turns"].values.ravel().tolist())
+    assert capsys.readouterr().out.splitlines()[-1] == str(tmp_path / "map.csv")
+
+
+def test_bad_sheets_are_refused_in_one_sentence(tmp_path, two, capsys) -> None:
+    writing.write(two, tmp_path / "small.h5")
+    for args, said in (
+        (["--width", "10"], "the width must be from 60 to 500 mm, got 10"),
+        (["--style", "papr"], "no style 'papr', did you mean 'paper'; choose from screen, paper"),
+        (["--data", str(tmp_path / "x.txt")], "cannot write 'x.txt': choose a name that ends in .csv"),
+    ):
+        with pytest.raises(SystemExit) as end:
+            cli.main(["plot", str(tmp_path / "small.h5"), *args])
+        assert end.value.code == 2
+        assert said in capsys.readouterr().err
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["small.h5"]

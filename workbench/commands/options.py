@@ -34,9 +34,9 @@ def numbered(help: str, *names: str, **settings: Any) -> Any:
     return option("NUMBER", help, *names, parser=number, **settings)
 
 
-def flag(help: str, name: str) -> Any:
-    """An option without a value."""
-    return typer.Option(name, help=help)
+def flag(help: str, name: str, **settings: Any) -> Any:
+    """An option without a value; settings: as of `typer.Option`."""
+    return typer.Option(name, help=help, **settings)
 
 
 def argument(metavar: str, help: str) -> Any:

@@ -1,15 +1,16 @@
 """The command plot: the figure of a stored study."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
-from .options import At, File, ForceOutput, option
+from .options import At, File, ForceOutput, flag, numbered, option
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+    from ..figures.sheet import Sheet
 
 
 def plot(
@@ -34,6 +35,26 @@ def plot(
     shapes: Annotated[
         str | None, option("NxM", "Draw N x M developed shapes over the first map, such as 5x5 (at most 12x12).")
     ] = None,
+    style: Annotated[
+        str, option("STYLE", "screen, or paper: letters of 8 points, 183 mm wide.", rich_help_panel="Print")
+    ] = "screen",
+    width: Annotated[
+        float | None,
+        numbered("Width of the picture [mm], such as 89 or 183; letters keep their size.", rich_help_panel="Print"),
+    ] = None,
+    panel: Annotated[
+        str | None,
+        option(
+            "NAME",
+            "One panel alone: an observable of a map; else an axis (its developed curves), the claim of a law, an "
+            "observable, or samples.",
+            rich_help_panel="Print",
+        ),
+    ] = None,
+    no_title: Annotated[bool, flag("Leave out the title of the study.", "--no-title", rich_help_panel="Print")] = False,
+    data: Annotated[
+        Path | None, option("FILE", "CSV file of the numbers that are drawn.", rich_help_panel="Print")
+    ] = None,
     dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
     force: ForceOutput = False,
 ) -> int:
@@ -43,28 +64,32 @@ def plot(
     a map for each of some values; further axes have one value (--at). A developed curve is the centreline on the
     unrolled cylinder.
     """
-    from ..data import writing
-    from ..figures import canvas
+    from ..data import atomic, writing
+    from ..figures import canvas, drawn_data
+    from ..figures.sheet import sheet
     from . import output_file
 
     ds = writing.read(file)
+    page = sheet(style, width, not no_title, panel)
     path = output_file.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
-    canvas.save(_figure(ds, kind, x, y, show or [], at or [], shapes), path, dpi)
+    table = output_file.check(data, (".csv",), force) if data else None
+    drawn = _figure(ds, kind, {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}, page)
+    canvas.save(drawn, path, dpi)
     console.say(str(path))
+    if table:
+        with atomic.replacing(table) as part:
+            part.write_text(drawn_data.table(drawn), encoding="utf-8")
+        console.say(str(table))
     return 0
 
 
-def _figure(
-    ds: "xr.Dataset", kind: str | None, x: str | None, y: str | None, show: Sequence[str], at: list[str],
-    shapes: str | None,
-) -> "Figure":  # fmt: skip
+def _figure(ds: "xr.Dataset", kind: str | None, given: dict[str, Any], page: "Sheet") -> "Figure":
     """The figure of that kind. Raises `InputError` for an option that the kind does not have."""
     from solver.problem.errors import InputError
 
     from ..figures import study_pictures, thumbnails
     from . import at_option
 
-    given: dict[str, Any] = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
     of_map = {name: value for name, value in given.items() if value}
     if of_map and kind is None:
         kind = "map"
@@ -72,8 +97,10 @@ def _figure(
     if kind != "map":
         if of_map:
             raise InputError(f"--{next(iter(of_map))} is an option of maps, got --kind {kind}; give --kind map")
-        return study_pictures.KINDS[kind](ds)
+        return study_pictures.KINDS[kind](ds, sheet=page)
+    show, at, shapes = given["show"], given["at"], given["shapes"]
     of_map |= {"at": at_option.values(ds, at)} if at else {}
     of_map |= {"show": [name.strip() for text in show for name in text.split(",")]} if show else {}
+    of_map |= {"show": [page.panel]} if page.panel else {}
     of_map |= {"shapes": thumbnails.read(shapes)} if shapes else {}
-    return study_pictures.KINDS[kind](ds, **of_map)
+    return study_pictures.KINDS[kind](ds, sheet=page, **of_map)

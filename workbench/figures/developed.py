@@ -84,7 +84,9 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
     room = style.inches(ax)
     factor = _factor(curves, width, room)
     coarse = False
-    for where, line, found, colour in zip(cases, lines, curves, style.ramp_colours(len(cases)), strict=True):
+    values = [labels.value(float(ds[axis].values[where[axis]]), ds[axis]).partition(" ")[0] for where in cases]
+    colours = style.ramp_colours(len(cases))
+    for where, line, found, colour, value in zip(cases, lines, curves, colours, values, strict=True):
         ax.axvline(line, color=style.FAINT, linewidth=0.8, zorder=0)
         if found is None:
             ax.text(line, 0.5, "unsolved", transform=ax.get_xaxis_transform(), rotation=90, ha="center", va="center",
@@ -93,8 +95,7 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
             look: dict[str, Any] = {"linewidth": 1.7, "solid_capstyle": "round"}
             if too_coarse(ds, where):  # a line would show bends that are not there
                 coarse, look = True, {"linestyle": "none", "marker": ".", "markersize": 3}
-            ax.plot(line + found[0], found[1], color=colour, **look)
-    values = [labels.value(float(ds[axis].values[where[axis]]), ds[axis]).partition(" ")[0] for where in cases]
+            ax.plot(line + found[0], found[1], color=colour, label=f"{labels.axis_symbol(axis)} = {value}", **look)
     middles = [line + (found[0].min() + found[0].max()) / 2 if found is not None else line
                for line, found in zip(lines, curves, strict=True)]  # fmt: skip
     ax.set_xticks(middles, values)
@@ -105,7 +106,7 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
     ax.set_aspect(1 / factor, adjustable="box", anchor="NW")
     ax.set_xlim(0, width)
     some = f"; {len(cases)} of {ds.sizes[axis]} values, evenly chosen" if len(cases) < ds.sizes[axis] else ""
-    ax.set_xlabel(f"each curve at its {axis_label(ds, axis, cases[0])}{some}", loc="left")
+    ax.set_xlabel(style.wrapped(f"each curve at its {axis_label(ds, axis, cases[0])}{some}", ax), loc="left")
     ax.set_ylabel(f"z [{labels.unit(str(ds.attrs['length_unit']))}]{larger(factor, 'ρα')}{larger(1 / factor)}")
     scale = "at one scale" if factor == 1 else "at two scales"
     dots = f"; dots: {ds.sizes['u']} stations miss bends" if coarse else ""
@@ -121,7 +122,8 @@ def strip_height(ds: xr.Dataset, axis: str, page: float) -> float:
     _, _, curves, width = _side_by_side(ds, axis)
     room = page - 0.9, STRIP[1]
     tall = 1.1 * _height(curves)
-    return float(np.clip(room[0] * tall / (width * _factor(curves, width, room)), *STRIP)) + 0.9
+    least = min(STRIP[0], 0.25 * page)
+    return float(np.clip(room[0] * tall / (width * _factor(curves, width, room)), least, STRIP[1])) + 0.9
 
 
 def axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = True) -> str:

@@ -24,7 +24,8 @@ def table(fig: Figure) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     for number, ax in enumerate(_panels(fig), 1):
-        head = f"{number} {_one_line(ax.get_title(loc='left') or ax.get_title())}".strip()
+        title = ax.get_title(loc="left") or ax.get_label() or ax.get_title()
+        head = f"{number} {_one_line(str(title))}".strip()
         named = head, _one_line(ax.get_xlabel()), _one_line(ax.get_ylabel())
         writer.writerows((*named, *row) for row in rows(ax))
     return text.getvalue()

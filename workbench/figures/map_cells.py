@@ -83,6 +83,7 @@ def choose(
     y: str | None = None,
     show: Sequence[str] = (),
     at: Mapping[str, float] | None = None,
+    columns: int = MOST_COLUMNS,
 ) -> Choice:
     """What a figure of maps shows.
 
@@ -95,6 +96,8 @@ def choose(
         Observables; default: all that are stored, at most `MOST_MAPS`.
     at : mapping of float, optional
         Values of further axes.
+    columns : int
+        For how many values of a third axis there is room.
 
     Returns
     -------
@@ -111,7 +114,7 @@ def choose(
     free = [axis for axis in mappable(ds) if axis in held and axis not in (at or {})]
     if not free:
         return Choice(x, y, shown, left_out, None, (), held)
-    order = [where[free[0]] for where in selection.spread(selection.line(ds, free[0]), MOST_COLUMNS)]
+    order = [where[free[0]] for where in selection.spread(selection.line(ds, free[0]), min(columns, MOST_COLUMNS))]
     del held[free[0]]
     return Choice(x, y, shown, left_out, free[0], tuple(order), held)
 

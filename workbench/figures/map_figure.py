@@ -15,11 +15,11 @@ from ..data import labels, law_verdicts, refined
 from . import canvas, law_lines, legend, map_panel, style, thumbnails
 from .developed import axis_label
 from .map_cells import Cells, Choice, cells, choose
+from .sheet import SCREEN, Sheet
 
-WIDTH = 9.6  # inches
-ALONE, BESIDE, COLUMN = (7.6, 4.6), (3.55, 2.75), 2.0  # inches of a map: alone, of two in a row, height of columns
+COLUMN = 2.0  # inches, the height of maps in columns
+LEAST_COLUMN = 1.45  # inches, their least width with a gap
 LINE = 0.155  # inches of a line of small text
-SHAPES = (8.2, 5.6)  # inches of the panel of shapes
 
 
 def figure(
@@ -29,6 +29,7 @@ def figure(
     show: Sequence[str] = (),
     at: Mapping[str, float] | None = None,
     shapes: thumbnails.Shapes | None = None,
+    sheet: Sheet = SCREEN,
 ) -> Figure:
     """Draw a map of each observable.
 
@@ -44,6 +45,8 @@ def figure(
         As of `map_cells.choose`.
     shapes : thumbnails.Shapes, optional
         Numbers of developed shapes that a further panel shows; default: no such panel.
+    sheet : Sheet
+        What the figure is drawn for.
 
     Returns
     -------
@@ -56,44 +59,52 @@ def figure(
     """
     verdicts = law_verdicts.verdicts(ds) if "laws" in ds.attrs else []
     source, ds = ds, refined.raster(ds) if refined.is_refined(ds) else ds
-    choice = choose(ds, x, y, show, at)
+    choice = choose(ds, x, y, show, at, max(int((sheet.width - 1.5) / LEAST_COLUMN), 1))
     if shapes is not None:
         thumbnails.check(source, ds, choice, shapes)
     whole = None if source is ds else source
     columns = [cells(ds, choice, where, whole) for where in choice.places()]
     laws, elsewhere = law_lines.judged(ds, choice, verdicts) if whole is None else ([], [])
-    maps = _Maps(ds, choice, columns, laws)
+    maps = _Maps(ds, choice, columns, laws, sheet)
     maps.more = [] if whole is None else law_lines.of_coarse_grid(whole, verdicts)
     mixed = [law for law in elsewhere if law.is_mixed()]
-    pairs = _in_pairs(mixed)
-    heights = maps.heights() + [BESIDE[1] + 1.2] * len(pairs) + ([SHAPES[1] + 0.7] if shapes else [])
+    pairs = _in_rows(mixed, maps.across)
+    heights = maps.heights() + [maps.small[1] + 1.2] * len(pairs) + ([maps.of_shapes[1] + 0.7] if shapes else [])
 
     def draw(fig: Figure) -> None:
         grid = fig.add_gridspec(len(heights), 1, height_ratios=heights)
         for row in range(len(maps.heights())):
             maps.draw_row(fig, grid[row, 0], row)
         for row, pair in enumerate(pairs, len(maps.heights())):
-            maps.draw_laws(fig, grid[row, 0].subgridspec(1, 2), pair)
+            maps.draw_laws(fig, grid[row, 0].subgridspec(1, maps.across), pair)
         if shapes is not None:
             maps.draw_shapes(fig.add_subplot(grid[len(heights) - 1, 0]), shapes)
         entries, notes = map_panel.entries(columns, choice.shown)
         alike = [f"Law {law_lines.sentence(law, ds, choice)}." for law in elsewhere if law not in mixed]
         legend.below(fig, [*entries, *maps.entries], [*notes, *maps.notes(), *alike])
 
-    return canvas.figure((WIDTH, 1.1 + sum(heights)), draw, ds)
+    return canvas.figure((sheet.width, 0.4 + 0.7 * sheet.titled + sum(heights)), draw, ds, sheet=sheet)
 
 
 class _Maps:
     """The maps of one figure, row by row; collects the entries of the legend while it draws."""
 
-    def __init__(self, ds: xr.Dataset, choice: Choice, columns: list[Cells], laws: list[law_lines.JudgedLaw]) -> None:
+    def __init__(
+        self, ds: xr.Dataset, choice: Choice, columns: list[Cells], laws: list[law_lines.JudgedLaw], sheet: Sheet
+    ) -> None:
+        self.width, self.across = sheet.width, 1 if sheet.narrow else 2
+        alone = self.width - (1.25 if sheet.narrow else 2.0)
+        self.large = alone, alone * 0.605  # inches of a map alone in its row
+        beside = (self.width - 2.5) / 2
+        self.small = self.large if sheet.narrow else (beside, beside * 0.775)  # of one of two
+        self.of_shapes = self.width - 1.4, (self.width - 1.4) * 0.683
         self.ds, self.choice, self.columns, self.laws = ds, choice, columns, laws
         self.places = choice.places()
         self.hatched = map_panel.hatched(columns)
         self.entries: list[Artist] = []
         self.more: list[str] = []
         shown = choice.shown
-        self.rows = [[name] for name in shown] if choice.along or len(shown) == 1 else _in_pairs(shown)
+        self.rows = [[name] for name in shown] if choice.along or len(shown) == 1 else _in_rows(shown, self.across)
         self.inches = self._inches()
         values = {name: np.stack([column.values(name) for column in columns]) for name in shown}
         self.colours = {name: map_panel.Colours(ds, name, values[name]) for name in shown}
@@ -101,8 +112,8 @@ class _Maps:
     def _inches(self) -> tuple[float, float]:
         """Width and height of each map."""
         if self.choice.along:
-            return (WIDTH - 1.8) / len(self.columns) - 0.15, COLUMN
-        return ALONE if len(self.choice.shown) == 1 else BESIDE
+            return (self.width - 1.8) / len(self.columns) - 0.15, COLUMN
+        return self.large if len(self.choice.shown) == 1 else self.small
 
     def heights(self) -> list[float]:
         """The height of each row with its titles and labels, in inches."""
@@ -125,10 +136,10 @@ class _Maps:
         for k, law in enumerate(laws):
             ax = fig.add_subplot(grid[0, k])
             where = self.places[0]
-            self.entries += law_lines.draw_map(ax, law, self.columns[0], where, BESIDE)
+            self.entries += law_lines.draw_map(ax, law, self.columns[0], where, self.small)
             self._label(ax, leaving=law.row["axis"])
             said = f"{law_lines.sentence(law, self.ds, self.choice)}; lines: {law_lines.counts(law, where)}"
-            lines = style.fitted(said, BESIDE[0] + 0.2, style.small())
+            lines = style.fitted(said, self.small[0] + 0.2, style.small())
             ax.annotate(lines, (0, 1), (0, 4), xycoords="axes fraction", textcoords="offset points",
                         size=style.small(), color=style.VERDICT_COLOURS[law.row["verdict"]], va="bottom")  # fmt: skip
             along = f"verdicts on {law.row['observable']} along {labels.axis_symbol(law.row['axis'])}"
@@ -137,11 +148,11 @@ class _Maps:
     def draw_shapes(self, ax: Axes, shapes: thumbnails.Shapes) -> None:
         """Draw the panel of shapes: those of the first column, on a pale map of the first observable."""
         name, column = self.choice.shown[0], self.columns[0]
-        map_panel.draw(ax, column, name, self.colours[name], SHAPES, pale=0.3)
+        map_panel.draw(ax, column, name, self.colours[name], self.of_shapes, pale=0.3)
         self._label(ax)
         held = "".join(f", {self._value(axis, i)}" for axis, i in self.places[0].items()) if self.choice.along else ""
         ax.set_title(f"developed shapes over the {labels.long_name(self.ds[name])}{held}", loc="left")
-        self.more += thumbnails.draw(ax, column, shapes, SHAPES, name)
+        self.more += thumbnails.draw(ax, column, shapes, self.of_shapes, name)
         self.entries += thumbnails.entries(column)
 
     def notes(self) -> list[str]:
@@ -218,5 +229,5 @@ class _Maps:
         return f"{labels.axis_symbol(axis)} = {labels.value(float(self.ds[axis][i]), self.ds[axis])}"
 
 
-def _in_pairs(all_of: Sequence[Any]) -> list[list[Any]]:
-    return [list(all_of[i : i + 2]) for i in range(0, len(all_of), 2)]
+def _in_rows(all_of: Sequence[Any], across: int) -> list[list[Any]]:
+    return [list(all_of[i : i + across]) for i in range(0, len(all_of), across)]

@@ -46,7 +46,7 @@ def scatter(ds: xr.Dataset, fig: Figure, cell: Any) -> None:
     for i, name in enumerate(names):
         left: Axes | None = None
         for j, field in enumerate(fields):
-            ax = fig.add_subplot(grid[i, j], sharey=left)
+            ax = fig.add_subplot(grid[i, j], sharey=left, label=f"{name} against {field}")
             _panel(here, ax, name, field)
             left = left or ax
             top = top or ax

@@ -6,21 +6,23 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from solver.problem.errors import InputError
+from solver.problem.errors import InputError, no_such
 from studies.dimensions import SAMPLE
 
 from ..data import labels, law_verdicts, observed, refined, schema
 from . import canvas, legend, scatter, single_rod
 from .developed import developed, has_curve, strip_height
 from .law_panel import panel
+from .sheet import SCREEN, Sheet
 from .trends import trend
 
-WIDTH, LAW_HEIGHT = 9.6, 4.3  # inches
+LAW_HEIGHT, LEAST_LAW = 4.3, 2.7  # inches
+SAMPLES = "samples"  # the panel of the scatter diagrams
 BESIDE, LEAST_BESIDE = 0.55, 2.6  # the share of the width that curves have beside a law, and inches they then need
 MOST_PLAIN = 4  # observables shown where there is no law
 
 
-def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) -> Figure:
+def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, sheet: Sheet = SCREEN) -> Figure:
     """Draw all of a study.
 
     With axes: for each axis of several values the developed curves, beside them each law in its panel (where there is
@@ -32,11 +34,14 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
     ----------
     verdicts
         The rows of `law_verdicts.verdicts` where they are known already; default: they are computed.
+    sheet
+        What the figure is drawn for. Its `panel` is an axis (the developed curves along it), the claim of a law, an
+        observable, or ``samples``.
 
     Raises
     ------
     InputError
-        The dataset's laws are invalid, or there is nothing to draw.
+        The dataset's laws are invalid, there is nothing to draw, or the figure has no such panel.
     """
     rows = law_verdicts.verdicts(ds) if verdicts is None else verdicts
     curves = ds
@@ -45,27 +50,34 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
         ds = refined.line(ds) if len(refined.axes_of(ds)) == 1 else curves
     axes = schema.axes_of(ds)
     if all(ds.sizes[axis] == 1 for axis in axes):
-        return single_rod.figure(ds.isel(dict.fromkeys(axes, 0)))
+        return single_rod.figure(ds.isel(dict.fromkeys(axes, 0)), sheet)
     sampled = SAMPLE in axes and bool(observed.observables(ds))
     if sampled:
         axes = [axis for axis in axes if axis != SAMPLE]
     plain = [] if rows or sampled else observed.observables(ds)[:MOST_PLAIN]
     axes = [axis for axis in axes if ds.sizes[axis] > 1]
-    count, strips = len(rows or plain), axes if has_curve(curves) else []
-    if not (count or strips or sampled):
+    strips = axes if has_curve(curves) else []
+    if not (rows or plain or strips or sampled):
         raise InputError("nothing to draw: the dataset has neither observables nor the arrays alpha and z")
-    beside = count <= len(strips) and all(strip_height(curves, axis, WIDTH * BESIDE) > LEAST_BESIDE for axis in strips)
-    beside = beside and not sampled
-    heights = [LAW_HEIGHT if beside else strip_height(curves, axis, WIDTH) for axis in strips]
-    below = 0 if beside else LAW_HEIGHT * -(-count // 2)
+    strips, rows, plain, sampled = _only(sheet.panel, strips, rows, plain, sampled)
+    count, width = len(rows or plain), sheet.width
+    beside = count <= len(strips) and all(strip_height(curves, axis, width * BESIDE) > LEAST_BESIDE for axis in strips)
+    beside = beside and not sampled and not sheet.narrow
+    across = 1 if sheet.narrow else 2
+    law_height = min(LAW_HEIGHT, max(0.9 * width / across, LEAST_LAW))
+    heights = [law_height if beside else strip_height(curves, axis, width) for axis in strips]
+    below = 0 if beside else law_height * -(-count // across)
     heights += [below] if below else []
     heights += [scatter.ROW_HEIGHT * len(observed.observables(ds)) + 0.7] if sampled else []
-    width = max(WIDTH, scatter.LEAST_WIDTH * len(scatter.fields_of(ds)) + 0.8) if sampled else WIDTH
+    if sampled and sheet.style == SCREEN.style:
+        width = max(width, scatter.LEAST_WIDTH * len(scatter.fields_of(ds)) + 0.8)
 
     def draw(fig: Figure) -> None:
         ratios = (1.3, 1) if beside else (1,)
         grid = fig.add_gridspec(len(heights), len(ratios), height_ratios=heights, width_ratios=ratios)
-        cells = [grid[i, 1] for i in range(count)] if beside else _pairs(grid[len(strips), 0], count) if below else []
+        cells = [grid[i, 1] for i in range(count)] if beside else []
+        if below:
+            cells = _in_rows(grid[len(strips), 0], count, across)
         for i, axis in enumerate(strips):
             developed(curves, fig.add_subplot(grid[i, 0]), axis)
         if sampled:
@@ -77,10 +89,23 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None) 
             ax.set_title(labels.long_name(ds[name]), loc="left")
             legend.add(ax)
 
-    return canvas.figure((width, 0.7 + sum(heights)), draw, ds)
+    return canvas.figure((width, 0.7 * sheet.titled + sum(heights)), draw, ds, sheet=sheet)
 
 
-def _pairs(cell: Any, count: int) -> list[Any]:
-    """That many cells, two a row."""
-    grid = cell.subgridspec(-(-count // 2), min(count, 2))
-    return [grid[i // 2, i % 2] for i in range(count)]
+def _only(
+    name: str | None, strips: list[str], rows: Sequence[Mapping[str, Any]], plain: list[str], sampled: bool
+) -> tuple[list[str], Sequence[Mapping[str, Any]], list[str], bool]:
+    """The panels of that name; all where it is None. Raises `InputError` where there is none."""
+    if name is None:
+        return strips, rows, plain, sampled
+    known = [*strips, *(str(row["claim"]) for row in rows), *plain, *([SAMPLES] if sampled else [])]
+    if name not in known:
+        raise no_such("panel", name, dict.fromkeys(known))
+    some = [axis for axis in strips if axis == name]
+    return some, [row for row in rows if row["claim"] == name], [one for one in plain if one == name], name == SAMPLES
+
+
+def _in_rows(cell: Any, count: int, across: int) -> list[Any]:
+    """That many cells, so many a row."""
+    grid = cell.subgridspec(-(-count // across), min(count, across))
+    return [grid[i // across, i % across] for i in range(count)]

@@ -12,7 +12,7 @@ from ..data import observed, refined, schema
 from . import map_cells, map_figure, study_figure
 
 # kind -> the figure of a dataset
-KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {"map": map_figure.figure, "lines": study_figure.figure}
+KINDS: dict[str, Callable[..., Figure]] = {"map": map_figure.figure, "lines": study_figure.figure}
 
 
 def kind_of(ds: xr.Dataset, kind: str | None = None) -> str:

@@ -41,7 +41,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     _scale(ax, ds, axis, along)
     if "fold" in ds and axis == "betaL" and np.isfinite(ds["fold"]):
         ax.axvline(float(np.degrees(ds["fold"])), color=style.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
-    ax.set_xlabel(axis_label(ds, axis, others, long=False))
+    ax.set_xlabel(style.wrapped(axis_label(ds, axis, others, long=False), ax))
     ax.set_ylabel(labels.label(ds[observable]))
     ax.margins(x=0.04, y=0.1)
     ax.yaxis.set_major_formatter(labels.tick)
