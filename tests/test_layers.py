@@ -32,7 +32,8 @@ LISTS = {
         "sensitivity", "solve", "equilibria", "inverse", "benchmark",
     ],
     "workbench": [
-        "data", "geometry", "run", "branches", "influence", "figures", "scene", "export", "compare", "web", "commands",
+        "data", "geometry", "run", "branches", "influence", "fitting", "figures", "scene", "export", "compare", "web",
+        "commands",
         "accessor", "cli",
     ],
 }  # fmt: skip

@@ -79,7 +79,7 @@ def fit(
     >>> found.outcome
     'solved'
     >>> print(f"F1 = {found.values['F1']:.4f}")
-    F1 = 6.0969
+    F1 = 6.0274
     """
     from .search import fitted  # only a call needs SciPy's optimiser
 

@@ -37,6 +37,7 @@ def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
         correlation = known.covariance / np.outer(spread, spread)
     return Fit(
         outcome=wording.outcome(model, best, directions),
+        reached=wording.missed(model, best) == "",
         values=_values(model, best.x),
         intervals={n: (float(a), float(b)) for n, a, b in zip(names, known.low, known.high, strict=True)},
         rule=wording.rule(data.known, known),
@@ -49,6 +50,7 @@ def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
         measured=_measured(model)[back],
         computed=best.found.computed[back],
         residuals=best.found.residuals[back],
+        feet=_feet(model, best),
         cost=best.cost,
         freedom=known.freedom,
         probability=probability,
@@ -68,12 +70,12 @@ def _nothing(model: "Model") -> Fit:
     names = [one.name for one in model.parameters]
     why = model.refused.most_common(1)[0][0]
     return Fit(
-        outcome=f"failed: at none of the values tried the data can be computed, most often: {why}",
+        outcome=f"failed: at none of the values tried the data can be computed, most often: {why}", reached=True,
         values=dict.fromkeys(names, np.nan), intervals=dict.fromkeys(names, (np.nan, np.nan)), rule="",
         covariance=empty, correlation=empty, condition=np.inf, directions=[],
         shares={name: nothing for name in names}, groups=tuple(model.data.groups),
-        measured=_measured(model)[_as_given(model)], computed=nothing, residuals=nothing, cost=np.inf, freedom=N - F,
-        probability=np.nan, minima=(), remarks=(), case=model.case, solution=None, solves=model.solves,
+        measured=_measured(model)[_as_given(model)], computed=nothing, residuals=nothing, feet=None, cost=np.inf,
+        freedom=N - F, probability=np.nan, minima=(), remarks=(), case=model.case, solution=None, solves=model.solves,
         derivatives=model.derivatives,
     )  # fmt: skip
 
@@ -128,3 +130,13 @@ def _as_given(model: "Model") -> Any:
         back = np.argsort(points.order, kind="stable")
         parts += [targets + k * points.size + back for k in range(len(points.groups))]
     return np.concatenate(parts)
+
+
+def _feet(model: "Model", best: "Minimum") -> tuple[Array, Array, Array] | None:
+    """s, alpha and z of the rod at the points, in the order in which these were given."""
+    points, found = model.data.points, best.found
+    if points is None:
+        return None
+    place = np.arange(points.size) if found.feet is None else found.feet.order
+    at = place[np.argsort(points.order, kind="stable")]
+    return found.sol.s[at], found.sol.alpha[at], found.sol.z[at]

@@ -37,6 +37,8 @@ class Fit:
     ----------
     outcome : str
         "solved"; "undetermined: " and what the data cannot tell apart; or "failed: " and the reason.
+    reached : bool
+        Whether the targets are met, where there are no more of them than fields; elsewhere True.
     values : dict
         Field -> its value at the minimum, in its unit.
     intervals : dict
@@ -57,6 +59,8 @@ class Fit:
     measured, computed, residuals : array, (N,)
         The data (0 for a distance), what the fitted rod gives, and the difference in units of sigma, or in relative
         units without sigma. Points are in the order in which they were given.
+    feet : tuple of array, or None
+        s, alpha and z of the fitted rod at each point, or at its foot, (P,) each; None without points.
     cost : float
         Half the sum of squares of the residuals.
     freedom : int
@@ -74,6 +78,7 @@ class Fit:
     """
 
     outcome: str
+    reached: bool
     values: dict[str, float]
     intervals: dict[str, tuple[float, float]]
     rule: str
@@ -86,6 +91,7 @@ class Fit:
     measured: Array = field(repr=False)
     computed: Array = field(repr=False)
     residuals: Array = field(repr=False)
+    feet: tuple[Array, Array, Array] | None = field(repr=False)
     cost: float
     freedom: int
     probability: float

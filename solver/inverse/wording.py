@@ -25,14 +25,14 @@ def outcome(model: "Model", best: "Minimum", directions: Sequence[dict[str, floa
     """Solved, undetermined, or failed, with the reason."""
     if best.stop:
         return f"failed: {best.stop}"
-    if missed := _missed(model, best):
-        return f"failed: {missed}"
+    if why := missed(model, best):
+        return f"failed: {why}"
     if directions:
         return f"undetermined: {'; '.join(_told(way) for way in directions)}"
     return SOLVED
 
 
-def _missed(model: "Model", best: "Minimum") -> str:
+def missed(model: "Model", best: "Minimum") -> str:
     """That no value reaches the targets, where there are no more of them than parameters; else ""."""
     data = model.data
     if data.points is not None or data.size > len(model.parameters):
@@ -80,7 +80,7 @@ def remarks(
 ) -> Iterator[str]:
     """Sentences on what limits the result."""
     parameters = model.parameters
-    if best.stop or _missed(model, best):  # else the outcome says it
+    if best.stop or missed(model, best):  # else the outcome says it
         yield from map(_told, directions)
     for one, x, free in zip(parameters, best.x, best.free, strict=True):
         if not free:
