@@ -15,6 +15,7 @@ from . import canvas, developed, legend, style
 
 SIZE = (9.6, 7.4)  # inches
 LEVEL = 0.95
+CROSSES = "; crosses: other minima that the data do not exclude"
 MARKS = ("o", "s", "^", "D", "v", "P")
 
 
@@ -69,8 +70,9 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
     for one in others:
         ax.plot(*_shown(ds, one), "X", color=style.STABLE, markersize=7, zorder=3)
     covariance = ds["covariance"].values[:2, :2] * np.outer(_factors(ds), _factors(ds))
-    if not np.isfinite([covariance, covariance]).all() or not np.isfinite([low, high]).all():
-        ax.set_title(f"{' and '.join(names)}: no region is known", loc="left")
+    also = CROSSES if len(others) else ""
+    if not np.isfinite(covariance).all() or not np.isfinite([low, high]).all():
+        ax.set_title(style.wrapped(f"{' and '.join(names)}: no region is known{also}", ax), loc="left")
         return style.with_grid(ax)
     around = values[:, None] + _ellipse(covariance, _size(ds))
     ax.fill(*around, color=style.PUSHED, alpha=0.18, linewidth=0)
@@ -78,7 +80,6 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
     for draw, ends in ((ax.axvline, (low[0], high[0])), (ax.axhline, (low[1], high[1]))):
         for end in ends:
             draw(end, color=style.SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
-    also = "; crosses: other minima" if len(others) else ""
     text = f"95 % region of both; dashed: 95 % interval of each{also}"
     ax.set_title(style.wrapped(text, ax), loc="left")
     return style.with_grid(ax)
@@ -104,7 +105,8 @@ def shares(ds: xr.Dataset, ax: Axes) -> Axes:
         ax.set_yticks(range(len(groups)), groups)
         ax.invert_yaxis()
         ax.set_xlabel("share [%]")
-    ax.set_title("Which data decide: share in what is known of", loc="left")
+    each = "each point" if "point_share" in ds else "each target"
+    ax.set_title(style.wrapped(f"Which data decide: share of {each} in what is known of", ax), loc="left")
     legend.add(ax, loc="best", ncols=len(names))
     return style.with_grid(ax)
 

@@ -9,7 +9,7 @@ from solver import solve
 from solver.inverse.data import DISTANCE
 from solver.inverse.result import Fit
 
-from ..data import schema
+from ..data import labels, schema
 
 STATIONS = 801
 
@@ -33,7 +33,7 @@ def dataset_of(found: Fit, units: dict[str, str], points: dict[str, Any] | None,
         },
         coords={"field": names, "unit": ("field", [schema.labels(name, units)["units"] for name in names])},
         attrs={
-            "title": "Fit", "rule": found.rule, "freedom": found.freedom, "outcome": found.outcome,
+            "title": f"Fit: {_said(found, units)}", "rule": found.rule, "freedom": found.freedom, "outcome": found.outcome,
             "length_unit": units["length"],
         },
     )  # fmt: skip
@@ -45,13 +45,28 @@ def dataset_of(found: Fit, units: dict[str, str], points: dict[str, Any] | None,
     return ds
 
 
+def _said(found: Fit, units: dict[str, str]) -> str:
+    """``E = 10700 N/cm² (10591 to 10812)`` for each field; angles in degrees."""
+    parts = []
+    for name, value in found.values.items():
+        unit = schema.labels(name, units)["units"]
+        factor = np.degrees(1.0) if unit == "rad" else 1.0
+        shown = "°" if unit == "rad" else f" {labels.unit(unit)}".rstrip()
+        low, high = (f"{factor * end:.5g}" for end in found.intervals[name])
+        known = "" if np.isnan(found.intervals[name][0]) else f" ({low} to {high})"
+        parts.append(f"{labels.symbol_of(name)} = {factor * value:.5g}{shown}{known}")
+    return labels.minus_signs(", ".join(parts))
+
+
 def _branch(found: Fit) -> dict[str, Any]:
     """Of an ends problem the equilibrium that was fitted."""
     return {} if found.case.kind == "start" else {"seed": found.solution}
 
 
 def _others(found: Fit, names: list[str]) -> Any:
-    return np.array([[one.values[name] for name in names] for one in found.minima]).reshape(-1, len(names))
+    """The other minima that the data do not exclude."""
+    rows = [[one.values[name] for name in names] for one in found.minima if one.as_good]
+    return np.array(rows).reshape(-1, len(names))
 
 
 def _of_points(found: Fit, points: dict[str, Any], wrapped: bool) -> dict[str, Any]:
