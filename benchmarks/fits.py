@@ -1,8 +1,8 @@
 """Whether the intervals of fits hold, and what a fit costs.
 
-Run from the checkout: `.venv/bin/python -m benchmarks.fits` (some minutes; `--repetitions N`). From 50 points of a known
-rod with noise, E and M3 are fitted many times; counted is how often the true value lies in its 95 % interval. Costs are
-seconds of the processor after all imports. Nothing here is asserted: machines differ.
+Run from the checkout: `.venv/bin/python -m benchmarks.fits` (some minutes; `--repetitions N`). From 50 points of a
+known rod with noise, E and M3 are fitted many times; counted is how often the true value lies in its 95 % interval.
+Costs are seconds of the processor after all imports. Nothing here is asserted: machines differ.
 """
 
 import argparse

@@ -33,8 +33,8 @@ def dataset_of(found: Fit, units: dict[str, str], points: dict[str, Any] | None,
         },
         coords={"field": names, "unit": ("field", [schema.labels(name, units)["units"] for name in names])},
         attrs={
-            "title": f"Fit: {_said(found, units)}", "rule": found.rule, "freedom": found.freedom, "outcome": found.outcome,
-            "length_unit": units["length"],
+            "title": f"Fit: {_said(found, units)}", "rule": found.rule, "freedom": found.freedom,
+            "outcome": found.outcome, "length_unit": units["length"],
         },
     )  # fmt: skip
     curve = solve(found.case, stations=STATIONS, **_branch(found))
