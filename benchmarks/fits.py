@@ -7,12 +7,12 @@ Costs are seconds of the processor after all imports. Nothing here is asserted: 
 
 import argparse
 import statistics
+import time
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from benchmarks.timing import seconds_of_processor
 from solver import Case, Cylinder, Rod, Start, fit, solve
 
 POINTS = 50
@@ -70,16 +70,24 @@ def costs(rounds: int = 15) -> dict[str, float]:
     found = {}
     for name, work in rows.items():
         work()
-        found[name] = statistics.median(seconds_of_processor(work) for _ in range(rounds))
+        found[name] = statistics.median(_seconds(work) for _ in range(rounds))
     return found
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    """Of the processor; `os.times` counts hundredths, which is too coarse here."""
+    begun = time.process_time()
+    work()
+    return time.process_time() - begun
 
 
 def main() -> None:
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     options.add_argument("--repetitions", type=int, default=400)
+    options.add_argument("--costs", action="store_true", help="the costs alone")
     options.add_argument("--rounds", type=int, default=15)
     given = options.parse_args()
-    for with_s, sigma in ((True, False), (True, True), (False, False), (False, True)):
+    for with_s, sigma in ((True, False), (True, True), (False, False), (False, True)) if not given.costs else ():
         held = covered(given.repetitions, with_s, sigma)
         kind = f"{'with' if with_s else 'without'} s, sigma {'given' if sigma else 'estimated'}"
         for name, count in held.items():

@@ -43,9 +43,10 @@ def missed(model: "Model", best: "Minimum") -> str:
         return ""
     goals = choices(f"{name} = {value:g}" for name, value in data.targets.items())
     nearest = choices(f"{name} = {value:.6g}" for name, value in zip(data.targets, reached, strict=True))
-    ranges = choices(one.name + one.between for one in model.parameters)
+    ranges = " and ".join(one.name + one.between for one in model.parameters)
+    verb = "reaches" if len(model.parameters) == 1 else "reach"
     found = written(model.parameters, best.x)
-    return f"the search found no {ranges} that reaches {goals}; the nearest reached is {nearest}, at {found}"
+    return f"the search found no {ranges} that {verb} {goals}; the nearest reached is {nearest}, at {found}"
 
 
 def _told(way: dict[str, float]) -> str:

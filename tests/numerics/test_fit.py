@@ -21,7 +21,9 @@ def rod(E=1.07e4, M3=18.0, R=0.75, L=20.0, side="outside", **start):
 
 
 def between(FZ=-8.66, **given):
-    return Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Ends(0.5, 0.8, FZ=FZ, **({"MZ": 1.3, "M3": 6.1} | given)))
+    return Case(
+        Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Ends(0.5, 0.8, FZ=FZ, **({"MZ": 1.3, "M3": 6.1} | given))
+    )
 
 
 def points_of(case, s=S, noise=0.0, seed=0, with_s=True):
@@ -68,10 +70,11 @@ def test_the_distance_to_a_point_is_the_least_of_the_whole_curve() -> None:
     data = checked_data(case, None, points, None, False)
     found = Model(case, checked_parameters(case, ["E"]), data, "nearest", 1e-12).evaluation(np.log([1.07e4]))
     fine = solve(case, stations=200_001)
-    expected = [
-        np.hypot(fine.alpha - a, fine.z - z).min() for a, z in zip(points["alpha"], points["z"], strict=True)
-    ]  # rho is 1
-    np.testing.assert_allclose(np.abs(found.residuals), expected, atol=1e-8)  # (20/200000)^2 over a distance of 0.2
+    pairs = zip(points["alpha"], points["z"], strict=True)
+    nearest = np.array([np.hypot(fine.alpha - a, fine.z - z).min() for a, z in pairs])  # rho is 1
+    least, half = np.abs(found.residuals), 20 / 200_000 / 2
+    assert (least <= nearest + 1e-12).all()
+    assert (nearest <= np.hypot(least, half) + half**2).all()  # a station is at most half a step from the foot
 
 
 # values that are known
@@ -105,9 +108,10 @@ def test_a_fit_between_two_ends_recovers_the_loads_on_its_branch() -> None:
 def test_the_moment_of_a_helix_is_that_of_its_angle() -> None:
     # H(beta) = 0 with F2 = 0 is M3 = A sin(beta) cos(beta)/rho; the far end is then at L cos(beta)
     beta = 0.6
-    case = rod(M3=10.0, beta=beta, dbeta=0.0)
+    case = rod(L=3.0, M3=10.0, beta=beta, dbeta=0.0)
     exact = case.rod.bending_stiffness * sin(beta) * cos(beta) / case.rho
-    found = fit(rod(M3=1.1 * exact, beta=beta, dbeta=0.0), "M3", {"wraps": 20 * sin(beta) / (2 * pi)}, starts=0)
+    guess = rod(L=3.0, M3=1.1 * exact, beta=beta, dbeta=0.0)
+    found = fit(guess, "M3", {"wraps": 3 * sin(beta) / (2 * pi)}, starts=0)
     assert found.solved
     assert found.values["M3"] == pytest.approx(exact, rel=1e-8)
 
@@ -133,7 +137,9 @@ def test_every_value_that_reaches_a_target_is_found() -> None:
     F1 = np.linspace(1.0, 9.0, 801)
     off = observe(solve(rod(M3=None, F1=F1)), ["height"])["height"] - 8.0
     crossings = [
-        brentq(lambda v: height(v) - 8.0, a, b) for a, b, u, v in zip(F1, F1[1:], off, off[1:], strict=False) if u * v < 0
+        brentq(lambda v: height(v) - 8.0, a, b)
+        for a, b, u, v in zip(F1, F1[1:], off, off[1:], strict=False)
+        if u * v < 0
     ]
     found = fit(rod(M3=None, F1=5.0), {"F1": (1.0, 9.0)}, {"height": 8.0})
     reached = [found.values["F1"], *(one.values["F1"] for one in found.minima if one.as_good)]
@@ -175,19 +181,19 @@ def test_covariance_is_that_of_curve_fit() -> None:
 
 
 def test_the_share_of_a_datum_is_that_of_its_error_in_the_variance() -> None:
-    points = points_of(rod(), S[::5], noise=0.01)
+    points = points_of(rod(), S[::10], noise=0.01)
     found = fit(rod(), ["E", "M3"], points=points, starts=0)
     h, moved = 1e-4, []
     for name in ("alpha", "z"):
-        for i in range(10):
+        for i in range(5):
             ends = []
             for sign in (1, -1):
-                other = {**points, name: points[name] + sign * h * (np.arange(10) == i)}
+                other = {**points, name: points[name] + sign * h * (np.arange(5) == i)}
                 ends.append(np.log(fit(rod(), ["E", "M3"], points=other, starts=0).values["E"]))
             moved.append((ends[0] - ends[1]) / (2 * h))
     shares = np.array(moved) ** 2 / np.sum(np.square(moved))
     assert found.shares["E"].sum() == pytest.approx(1)
-    assert found.groups == ("alpha",) * 10 + ("z",) * 10
+    assert found.groups == ("alpha",) * 5 + ("z",) * 5
     np.testing.assert_allclose(found.shares["E"], shares, atol=0.02)  # Gauss-Newton: residuals of 1 %
 
 
@@ -201,9 +207,7 @@ def coverage(repetitions, with_s):
 
 
 def test_the_intervals_hold_in_most_of_a_few_repetitions() -> None:
-    held = coverage(25, True)
-    assert (held >= 20).all()  # fewer than 20 of 25 at 95 %: chance 0.1 %
-    assert (held >= 1).all()
+    assert (coverage(20, True) >= 16).all()  # fewer than 16 of 20 at 95 %: chance 0.3 %
 
 
 @pytest.mark.slow

@@ -47,15 +47,18 @@ def as_data(found: "Fit", asked: "CaseInput", taken: dict[str, float]) -> dict[s
         "rule": found.rule, "covariance": found.covariance.tolist(), "correlation": found.correlation.tolist(),
         "condition": found.condition, "directions": found.directions,
         "shares": {group: found.share_of(group) for group in groups},
-        "data": [
-            {"group": group, "measured": a, "computed": b, "residual": c}
-            for group, a, b, c in zip(found.groups, found.measured.tolist(), found.computed.tolist(),
-                                      found.residuals.tolist(), strict=True)
-        ],
+        "data": [_datum(found, i) for i in range(len(found.groups))],
         "cost": found.cost, "freedom": found.freedom, "probability": found.probability,
         "minima": [{"values": one.values, "cost": one.cost, "as_good": one.as_good} for one in found.minima],
         "remarks": list(found.remarks), "solves": found.solves, "derivatives": found.derivatives,
         "case": field_values(found.case),
+    }  # fmt: skip
+
+
+def _datum(found: "Fit", i: int) -> dict[str, Any]:
+    return {
+        "group": found.groups[i], "measured": float(found.measured[i]), "computed": float(found.computed[i]),
+        "residual": float(found.residuals[i]), "shares": {name: float(row[i]) for name, row in found.shares.items()},
     }  # fmt: skip
 
 
@@ -69,26 +72,42 @@ def _values(found: "Fit", asked: "CaseInput") -> None:
 
 
 def _data(found: "Fit", asked: "CaseInput") -> None:
-    """A row for each target and each column of the points: how well it is met, and its share in each field."""
-    groups, names = np.array(found.groups), list(found.values)
+    """A row for each target and each third of the points: how well it is met, and its share in each field."""
     rows = []
-    for group in dict.fromkeys(found.groups):
-        mine = groups == group
-        shares = found.share_of(group)
-        told = ["" if math.isnan(shares[name]) else f"{100 * shares[name]:.3g} %" for name in names]
-        off = math.sqrt(float(np.mean(found.residuals[mine] ** 2)))
-        if mine.sum() == 1 and group in _targets(found):
+    for label, group, mine in _groups(found, asked):
+        told = [f"{100 * row[mine].sum():.3g} %" if np.isfinite(row).all() else "" for row in found.shares.values()]
+        off = f"{math.sqrt(float(np.mean(found.residuals[mine] ** 2))):.3g}"
+        if group in _targets(found):
             pair = [_number(group, float(v[mine][0])) for v in (found.measured, found.computed)]
-            rows.append([group, *pair, _unit(group, asked), f"{off:.3g}", *told])
+            rows.append([label, *pair, _unit(group, asked), off, *told])
         else:
-            rows.append([f"{group} of {mine.sum()} points", "", "", "", f"{off:.3g}", *told])
-    heads = ["datum", "measured", "fitted", "unit", "residual", *(f"share in {name}" for name in names)]
+            rows.append([label, "", "", "", off, *told])
+    heads = ["datum", "measured", "fitted", "unit", "residual", *(f"share in {name}" for name in found.values)]
     console.print_table(heads, rows)
+    size = "standard deviations" if found.rule.endswith("normal distribution") else "units of the target, or of rho"
     console.say(
-        "residual: root mean square, in standard deviations, or without sigma relative (of points: in rho); share: of "
-        "what is known of a field, with the other fields unknown"
+        f"residual: root mean square in {size}; share: of what the data say about a field while the others are unknown"
     )
     console.say("")
+
+
+def _groups(found: "Fit", asked: "CaseInput") -> "list[tuple[str, str, Any]]":
+    """A label, the group and which data belong to it: each target, and of each column of the points each third of L."""
+    groups, targets, rows = np.array(found.groups), _targets(found), []
+    for group in dict.fromkeys(found.groups):
+        mine = groups == group
+        if group in targets or found.feet is None:
+            rows.append((group, group, mine))
+            continue
+        s, L = found.feet[0], float(found.case.rod.L)
+        third = np.minimum(3 * s // L, 2)
+        for k in range(3):
+            some = mine.copy()
+            some[mine] = third == k
+            if some.any():
+                until = f"{(k + 1) * L / 3:.3g} {asked.units['length']}"
+                rows.append((f"{group}, {some.sum()} points to s = {until}", group, some))
+    return rows
 
 
 def _targets(found: "Fit") -> set[str]:

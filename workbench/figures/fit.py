@@ -62,7 +62,7 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
 def region(ds: xr.Dataset, ax: Axes) -> Axes:
     """The ellipse of the first two fields that holds both with 95 %, and the interval of each."""
     values, low, high = (_shown(ds, ds[name].values[:2]) for name in ("value", "low", "high"))
-    names = [str(name) for name in ds["field"].values[:2]]
+    names = [labels.symbol_of(str(name)) for name in ds["field"].values[:2]]
     ax.set_xlabel(_label(ds, 0))
     ax.set_ylabel(_label(ds, 1))
     ax.plot(*values, "o", color=style.PUSHED, markersize=6, zorder=4)
@@ -87,7 +87,7 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
 
 def shares(ds: xr.Dataset, ax: Axes) -> Axes:
     """The share of each datum in what is known of each field: along the rod for points, else by observable."""
-    names = [str(name) for name in ds["field"].values]
+    names = [labels.symbol_of(str(name)) for name in ds["field"].values]
     colours = [style.PUSHED, style.LIFTED, *style.ramp_colours(max(len(names) - 2, 0))]
     if "point_share" in ds:
         s, unit = ds["foot_s"].values, labels.unit(str(ds.attrs["length_unit"]))
@@ -106,7 +106,8 @@ def shares(ds: xr.Dataset, ax: Axes) -> Axes:
         ax.invert_yaxis()
         ax.set_xlabel("share [%]")
     each = "each point" if "point_share" in ds else "each target"
-    ax.set_title(style.wrapped(f"Which data decide: share of {each} in what is known of", ax), loc="left")
+    title = f"Which data decide: share of {each} in what is known of {' and '.join(names)}"
+    ax.set_title(style.wrapped(title, ax), loc="left")
     legend.add(ax, loc="best", ncols=len(names))
     return style.with_grid(ax)
 
