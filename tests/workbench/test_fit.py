@@ -76,7 +76,7 @@ def test_points_give_intervals_shares_and_a_picture(points, tmp_path, capsys) ->
     given = ["--table1", "--M3", 17, "--points", points, "--vary", "E,M3", "--starts", 0]
     status, said, _ = run(capsys, *given, "--plot", picture, "--out", table)
     assert status == 0
-    for part in ("95 % interval", "alpha of 30 points", "z of 30 points", "share in E", "correlation of E and M3",
+    for part in ("95 % interval", "alpha, 10 points to s = 6.67 cm", "z, 10 points to s = 20 cm", "share in E", "correlation of E and M3",
                  "by the variance of the residuals and Student's t with 58 degrees of freedom"):  # fmt: skip
         assert part in said
     assert 0.02 < share_of_ink(pixels(picture)) < 0.6
