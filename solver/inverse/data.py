@@ -108,7 +108,7 @@ def _columns(points: Any) -> tuple[dict[str, Array], Array | None]:
     known = ("s", *COLUMNS)
     for name in points.keys():  # noqa: SIM118  (a table of pandas iterates over its columns only by keys)
         if name not in known:
-            raise InputError(f"points have no column {name!r}; choose from {choices(known)}")
+            raise no_such("column of points", name, known)
     found = {name: _array(name, points[name]) for name in known if name in points.keys()}  # noqa: SIM118
     sizes = {name: values.size for name, values in found.items()}
     if len(set(sizes.values())) > 1:
@@ -149,7 +149,7 @@ def _sigmas(
     names = [*targets, *columns]
     for name in sigma:
         if name not in names:
-            raise InputError(f"sigma of {name!r}, which is no datum; choose from {choices(names)}")
+            raise no_such("datum", name, names)
     if sigma and (missing := [name for name in names if name not in sigma]):
         raise InputError(f"sigma is given of {choices(sigma)} and not of {choices(missing)}: give it of all or of none")
     found: dict[str, Any] = {}

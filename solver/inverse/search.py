@@ -1,10 +1,11 @@
 """The search of a fit: a local search from the values of the case, then from the best of a Sobol' set."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import brentq, least_squares
 
 from ..boundary.selection import checked
 from ..numerics.arrays import Array
@@ -109,7 +110,10 @@ def _stopped(seen: list[tuple[Evaluation, Array]], why: str) -> Minimum | None:
 
 
 def _starts(model: Model, count: int, seed: int) -> list[Array]:
-    """Those of a Sobol' set that are lower than their nearest neighbours, lowest first."""
+    """Those of a Sobol' set that are lower than their nearest neighbours, lowest first.
+
+    Of one datum and one parameter also the places between neighbours where the residual changes its sign.
+    """
     if not count:
         return []
     from scipy.stats import qmc  # takes half a second to import
@@ -118,15 +122,29 @@ def _starts(model: Model, count: int, seed: int) -> list[Array]:
     u = qmc.Sobol(F, rng=np.random.default_rng(seed)).random_base2(int(np.ceil(np.log2(count))))[:count]
     low, high = np.array([one.span for one in model.parameters]).T
     x = low + u * (high - low)
-    costs = np.empty(count)
+    residuals = np.empty((count, model.data.size))
     for i, one in enumerate(x):
         model.begin()
-        costs[i] = (model.residuals(one) ** 2).sum()
-    costs = np.where(np.isfinite(costs), costs, np.inf)
+        residuals[i] = model.residuals(one)
+    costs = (np.where(np.isfinite(residuals), residuals, np.inf) ** 2).sum(axis=1)
     order = np.argsort(costs, kind="stable")
     distances = np.linalg.norm(u[:, None] - u, axis=2)
     neighbours = np.argsort(distances, axis=1, kind="stable")[:, 1 : 2 * F + 1]
-    return [x[i] for i in order if costs[i] < np.inf and (costs[i] <= costs[neighbours[i]]).all()]
+    crossings = _crossings(model, x[:, 0], residuals[:, 0]) if (F, model.data.size) == (1, 1) else []
+    return crossings + [x[i] for i in order if costs[i] < np.inf and (costs[i] <= costs[neighbours[i]]).all()]
+
+
+def _crossings(model: Model, x: Array, residuals: Array) -> list[Array]:
+    """The zeros of the only residual between neighbours of different sign, by Brent's rule."""
+    order, found = np.argsort(x), []
+    for i, j in pairwise(order):
+        if residuals[i] * residuals[j] < 0:
+            model.begin()
+            try:
+                found.append(brentq(lambda v: float(model.residuals(np.array([v]))[0]), x[i], x[j], rtol=_STEP))
+            except ValueError:  # there is no value between them
+                continue
+    return [np.array([one]) for one in found]
 
 
 def _distinct(minima: list[Minimum], size: int) -> list[Minimum]:

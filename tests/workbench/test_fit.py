@@ -76,7 +76,8 @@ def test_points_give_intervals_shares_and_a_picture(points, tmp_path, capsys) ->
     given = ["--table1", "--M3", 17, "--points", points, "--vary", "E,M3", "--starts", 0]
     status, said, _ = run(capsys, *given, "--plot", picture, "--out", table)
     assert status == 0
-    for part in ("95 % interval", "alpha, 10 points to s = 6.67 cm", "z, 10 points to s = 20 cm", "share in E", "correlation of E and M3",
+    for part in ("95 % interval", "alpha, 10 points to s = 6.67 cm", "z, 10 points to s = 20 cm", "share in E",
+                 "correlation of E and M3",
                  "by the variance of the residuals and Student's t with 58 degrees of freedom"):  # fmt: skip
         assert part in said
     assert 0.02 < share_of_ink(pixels(picture)) < 0.6
@@ -140,7 +141,10 @@ INVALID = {
         (*STUDY, "--bounds", "F1=1:9", "--target", "height=100"),
         "the search found no F1 from 1 to 9 that reaches height = 100; the nearest reached is height = ",
     ),
-    "observable": ((*STUDY, "--target", "heigth=9"), "no observable 'heigth'; choose from turns, "),
+    "observable": (
+        (*STUDY, "--target", "heigth=9"),
+        "no observable 'heigth', did you mean 'height'; choose",
+    ),
     "count": ((*STUDY, "--target", "turns=5"), "the target turns is a whole number"),
     "number": ((*STUDY, "--target", "height=high"), "--target height must be a finite number, got 'high'"),
     "form": ((*STUDY, "--target", "height"), "--target takes NAME=VALUE, got 'height'"),
