@@ -33,8 +33,7 @@ LISTS = {
     ],
     "workbench": [
         "data", "geometry", "run", "branches", "influence", "fitting", "figures", "scene", "export", "compare", "web",
-        "commands",
-        "accessor", "cli",
+        "commands", "accessor", "cli",
     ],
 }  # fmt: skip
 

@@ -15,33 +15,44 @@ if TYPE_CHECKING:
 OUT = (".toml", ".csv")
 
 
+Study = Annotated[
+    Path | None, argument("FILE|STUDY", "TOML file or name of a study; default: Table 1, or the options alone.")
+]
+Target = Annotated[
+    list[str] | None, option("NAME=VALUE", "Wanted value of an observable, such as height=10; repeatable.")
+]
+Points = Annotated[
+    Path | None,
+    option("FILE", "Measured points, .csv or .parquet: columns alpha and z; s, beta and sigma_NAME are optional."),
+]
+Vary = Annotated[list[str] | None, option("NAMES", "Fields that are fitted, separated by commas, such as E,M3.")]
+Bounds = Annotated[
+    list[str] | None, option("NAME=LOW:HIGH", "Bounds of a field of --vary, such as F1=1:9; repeatable.")
+]
+Sigma = Annotated[
+    list[str] | None,
+    option(
+        "NAME=VALUE",
+        "Standard deviation of a target, or of alpha, z or beta of all points; repeatable. Default: none is known, and "
+        "the intervals use the residuals.",
+    ),
+]
+Out = Annotated[
+    Path | None, option("FILE", "The fitted case as a .toml file for solve, or the fitted values as a .csv table.")
+]
+Picture = Annotated[
+    Path | None, option("FILE", "Picture, .png, .pdf or .svg: curve and points, region, which data decide.")
+]
+
+
 @takes_case()
 def fit(
-    file: Annotated[
-        Path | None, argument("FILE|STUDY", "TOML file or name of a study; default: Table 1, or the options alone.")
-    ] = None,
-    target: Annotated[
-        list[str] | None,
-        option("NAME=VALUE", "Wanted value of an observable, such as height=10; repeatable."),
-    ] = None,
-    points: Annotated[
-        Path | None,
-        option("FILE", "Measured points, .csv or .parquet: columns alpha and z; s, beta and sigma_NAME are optional."),
-    ] = None,
-    vary: Annotated[
-        list[str] | None, option("NAMES", "Fields that are fitted, separated by commas, such as E,M3.")
-    ] = None,
-    bounds: Annotated[
-        list[str] | None, option("NAME=LOW:HIGH", "Bounds of a field of --vary, such as F1=1:9; repeatable.")
-    ] = None,
-    sigma: Annotated[
-        list[str] | None,
-        option(
-            "NAME=VALUE",
-            "Standard deviation of a target, or of alpha, z or beta of all points. Default: none is known, and the "
-            "intervals use the residuals.",
-        ),
-    ] = None,
+    file: Study = None,
+    target: Target = None,
+    points: Points = None,
+    vary: Vary = None,
+    bounds: Bounds = None,
+    sigma: Sigma = None,
     wrapped: Annotated[bool, flag("Measured azimuths are known only up to whole turns.", "--wrapped")] = False,
     starts: Annotated[int, option("NUMBER", "Number of Sobol' points tried beside the case.", min=0)] = 32,
     seed: Annotated[int, option("NUMBER", "Seed of the Sobol' points.", min=0)] = 0,
@@ -51,12 +62,8 @@ def fit(
     *,
     given: Given,
     choose: Choose = None,
-    out: Annotated[
-        Path | None, option("FILE", "The fitted case as a .toml file for solve, or the fitted values as a .csv table.")
-    ] = None,
-    plot: Annotated[
-        Path | None, option("FILE", "Picture, .png, .pdf or .svg: curve and points, region, which data decide.")
-    ] = None,
+    out: Out = None,
+    plot: Picture = None,
     force: ForceOutput = False,
     json: Json = False,
 ) -> int:
