@@ -1,6 +1,7 @@
 """The mechanics and the numerics of an elastic rod on a cylinder. Needs numpy and scipy, nothing else."""
 
 from .equilibria import Equilibrium, equilibria
+from .inverse import fit
 from .observe import observe
 from .problem.case import Case, Cylinder, Ends, Rod, Start
 from .problem.errors import InputError
@@ -17,6 +18,7 @@ __all__ = [
     "Solution",
     "Start",
     "equilibria",
+    "fit",
     "observe",
     "solve",
 ]

@@ -18,8 +18,10 @@ SUFFIXES = (".csv", ".parquet")
 MOST_BYTES = 4_000_000_000
 
 
-def read(path: Path, columns: Sequence[str] | None = None) -> dict[str, Values]:
-    """The columns of a table of cases, (rows,) each, angles in rad.
+def read(
+    path: Path, columns: Sequence[str] | None = None, known: Sequence[str] = NUMERIC, of: str = "field of a case"
+) -> dict[str, Values]:
+    """The columns of a table of cases, or of other numbers, (rows,) each, angles in rad.
 
     Parameters
     ----------
@@ -27,6 +29,8 @@ def read(path: Path, columns: Sequence[str] | None = None) -> dict[str, Values]:
         A .csv file with a line of names, or a .parquet file (which needs the package pyarrow).
     columns : sequence of str, optional
         The columns that are read; default: all.
+    known, of : sequence of str, str
+        The names that a column may have, and what they name.
 
     Raises
     ------
@@ -36,7 +40,7 @@ def read(path: Path, columns: Sequence[str] | None = None) -> dict[str, Values]:
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(f"a table of cases is a file that ends in {choices(SUFFIXES)}, got {path.name!r}")
     _check_file(path)
-    return (_csv if path.suffix.lower() == ".csv" else _parquet)(path, columns)
+    return (_csv if path.suffix.lower() == ".csv" else _parquet)(path, columns, known, of)
 
 
 def _check_file(path: Path) -> None:
@@ -51,14 +55,14 @@ def _check_file(path: Path) -> None:
         raise InputError(f"{path.name} has {status.st_size} bytes; the limit is {MOST_BYTES}")
 
 
-def _csv(path: Path, wanted: Sequence[str] | None) -> dict[str, Values]:
+def _csv(path: Path, wanted: Sequence[str] | None, known: Sequence[str], of: str) -> dict[str, Values]:
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             rows = csv.reader(file, strict=True)
             header = [name.strip() for name in next(rows, [])]
             if not header:
                 raise InputError(f"{path.name} is empty: give a line of names, and below it a line for each case")
-            names = _chosen(path, header, wanted)
+            names = _chosen(path, header, wanted, known, of)
             return _numbers(path, names, [header.index(name) for name in names], len(header), rows)
     except UnicodeDecodeError:
         raise InputError(f"{path.name} is not a text file in UTF-8") from None
@@ -109,9 +113,9 @@ def _filled(rows: Any) -> Iterator[list[str]]:
 def _number(here: str, name: str, cell: str) -> float:
     text = cell.strip()
     if not text:
-        raise InputError(f"{here}: {name} is empty; give each case a number")
+        raise InputError(f"{here}: {name} is empty; give each row a number")
     try:
-        value = float(in_rad(text)) if is_angle(name) else float(text)
+        value = float(in_rad(text)) if is_angle(name.removeprefix("sigma_")) else float(text)
     except ValueError:
         value = np.nan
     if not np.isfinite(value):
@@ -119,7 +123,7 @@ def _number(here: str, name: str, cell: str) -> float:
     return value
 
 
-def _parquet(path: Path, wanted: Sequence[str] | None) -> dict[str, Values]:
+def _parquet(path: Path, wanted: Sequence[str] | None, known: Sequence[str], of: str) -> dict[str, Values]:
     try:
         from pyarrow import ArrowException, parquet
     except ImportError:
@@ -128,7 +132,7 @@ def _parquet(path: Path, wanted: Sequence[str] | None) -> dict[str, Values]:
         ) from None
     try:
         header = list(parquet.read_schema(path).names)
-        names = _chosen(path, header, wanted)
+        names = _chosen(path, header, wanted, known, of)
         table = parquet.read_table(path, columns=names)
         columns: Mapping[str, Any] = {name: table[name].to_numpy() for name in names}
     except (ArrowException, OSError) as error:
@@ -147,11 +151,11 @@ def _checked(path: Path, name: str, values: Any) -> Values:
     numbers = values.astype(float)
     bad = np.flatnonzero(~np.isfinite(numbers))
     if bad.size:
-        raise InputError(f"{path.name}, row {bad[0] + 1}: {name} is empty or not finite; give each case a number")
+        raise InputError(f"{path.name}, row {bad[0] + 1}: {name} is empty or not finite; give each row a number")
     return numbers
 
 
-def _chosen(path: Path, header: list[str], wanted: Sequence[str] | None) -> list[str]:
+def _chosen(path: Path, header: list[str], wanted: Sequence[str] | None, known: Sequence[str], of: str) -> list[str]:
     """The names of the columns to read. Raises `InputError` for one that is missing, empty or repeated."""
     names = list(header if wanted is None else wanted)
     for name in names:
@@ -161,9 +165,10 @@ def _chosen(path: Path, header: list[str], wanted: Sequence[str] | None) -> list
             raise InputError(f"{path.name} has a column without a name; its columns are {choices(header)}")
         if header.count(name) > 1 or names.count(name) > 1:
             raise InputError(f"{path.name} has the column {name!r} twice")
-        if name not in NUMERIC:
-            known = f"choose from {choices(NUMERIC)}, or list the columns to be read in [table] columns"
-            raise InputError(f"{path.name}: the column {name!r} is no field of a case{near(name, NUMERIC)}; {known}")
+        if name not in known:
+            also = ", or list the columns to be read in [table] columns" if known is NUMERIC else ""
+            listed = f"choose from {choices(known)}{also}"
+            raise InputError(f"{path.name}: the column {name!r} is no {of}{near(name, known)}; {listed}")
     if not names:
         raise InputError(f"no column of {path.name} is to be read; its columns are {choices(header)}")
     return names

@@ -29,11 +29,11 @@ FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 LISTS = {
     "solver": [
         "numerics", "problem", "mechanics", "core", "orbit", "boundary", "methods", "solution", "observe",
-        "sensitivity", "solve", "equilibria", "benchmark",
+        "sensitivity", "solve", "equilibria", "inverse", "benchmark",
     ],
     "workbench": [
-        "data", "geometry", "run", "branches", "influence", "figures", "scene", "export", "compare", "web", "commands",
-        "accessor", "cli",
+        "data", "geometry", "run", "branches", "influence", "fitting", "figures", "scene", "export", "compare", "web",
+        "commands", "accessor", "cli",
     ],
 }  # fmt: skip
 

@@ -248,7 +248,7 @@ def test_only_the_columns_that_are_asked_for_are_read(tmp_path) -> None:
 
 
 BAD_TABLES = {
-    "empty cell": ("E,R\n1e4,1\n2e4,\n", "cases.csv, line 3 (row 2): R is empty; give each case a number"),
+    "empty cell": ("E,R\n1e4,1\n2e4,\n", "cases.csv, line 3 (row 2): R is empty; give each row a number"),
     "empty cell after a blank line": ("E,R\n\n1e4,1\n2e4, \n", "cases.csv, line 4 (row 2): R is empty"),
     "short row": ("E,R\n1e4\n", "cases.csv, line 2 (row 1): expected 2 cells, as the line of names has, got 1"),
     "no number": ("E,R\n1e4,one\n", "cases.csv, line 2 (row 1): R must be a finite number, got 'one'"),
@@ -303,7 +303,7 @@ def test_a_table_may_be_parquet(tmp_path) -> None:
     assert {name: row.tolist() for name, row in read({"E": [1e4, 2e4], "R": [1, 2]}).items()} == {
         "E": [1e4, 2e4], "R": [1.0, 2.0],
     }  # fmt: skip
-    with pytest.raises(InputError, match=r"c\.parquet, row 2: R is empty or not finite; give each case a number"):
+    with pytest.raises(InputError, match=r"c\.parquet, row 2: R is empty or not finite; give each row a number"):
         read({"E": [1e4, 2e4], "R": [1, None]})
     with pytest.raises(InputError, match=r"c\.parquet: the column E must hold numbers, got object"):
         read({"E": ["a", "b"]})

@@ -297,7 +297,7 @@ def test_run_solves_the_cases_of_a_table(tmp_path, monkeypatch, capsys) -> None:
     before = Path("one.h5").read_bytes()
     command("run one.toml --cases cases.csv", 2)
     assert capsys.readouterr().err == (
-        "workbench: one.toml: cases.csv, line 4 (row 3): beta is empty; give each case a number\n"
+        "workbench: one.toml: cases.csv, line 4 (row 3): beta is empty; give each row a number\n"
     )
     assert Path("one.h5").read_bytes() == before
     Path("cases.csv").write_text("E,beta\n1e4,30deg\n2e4,0.5\n3e4,0.6\n")

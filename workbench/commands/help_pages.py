@@ -7,7 +7,7 @@ from typer.core import TyperCommand, TyperGroup
 # heading -> its commands, in the order of --help
 GROUPS: dict[str, tuple[str, ...]] = {
     "The paper": ("reproduce",),
-    "One rod": ("solve", "equilibria", "explore"),
+    "One rod": ("solve", "equilibria", "fit", "explore"),
     "Studies": ("list", "run", "check", "summary", "merge", "sensitivity"),
     "Pictures and files": ("plot", "scene", "animate", "gallery", "export"),
     "Methods and machine": ("trade", "extremes", "doctor"),
@@ -36,6 +36,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "sensitivity": (
         "sensitivity fig7_1_modulus --at E=5000 --show height,wraps --plot tornado.pdf",
         "sensitivity study.h5 --global --plot indices.png",
+    ),
+    "fit": (
+        "fit fig7_1_modulus --at E=10905 --target height=9 --vary F1 --bounds F1=1:9",
+        "fit my_rod.toml --points points.csv --vary E,M3 --plot fit.png",
     ),
     "explore": ("explore",),
     "trade": ("trade",),

@@ -1,0 +1,142 @@
+"""From the minima of a search to the result of a fit."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy import special
+
+from ..numerics.arrays import Array
+from . import wording
+from .data import DISTANCE
+from .result import Fit, OtherMinimum
+from .uncertainty import LEVEL, Uncertainty, uncertainty
+
+if TYPE_CHECKING:
+    from .model import Model
+    from .search import Minimum
+
+_LEVEL, _ZERO = 1e-6, 1e-16  # relative, and of the square of one residual: sums that differ by less are equal
+_EXACT = 1e-6  # a residual of data that are no more than the parameters: it is reached
+
+
+def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
+    """The result; minima: what a search found, the best one first, or none where there was no value at all."""
+    if not minima:
+        return _nothing(model)
+    best, data, parameters = minima[0], model.data, model.parameters
+    known = uncertainty(parameters, best.x, best.jacobian, best.found.residuals, data.known, best.free)
+    names = [one.name for one in parameters]
+    directions = [_in_units(model, way) for way in known.directions]
+    others = tuple(_others(model, minima, known))
+    back = _as_given(model)
+    tested = data.known and known.freedom > 0
+    probability = float(special.chdtrc(known.freedom, 2 * best.cost)) if tested else np.nan
+    with np.errstate(invalid="ignore", divide="ignore"):
+        spread = np.sqrt(np.diag(known.covariance))
+        correlation = known.covariance / np.outer(spread, spread)
+    return Fit(
+        outcome=wording.outcome(model, best, directions),
+        reached=wording.missed(model, best) == "",
+        values=_values(model, best.x),
+        intervals={n: (float(a), float(b)) for n, a, b in zip(names, known.low, known.high, strict=True)},
+        rule=wording.rule(data.known, known),
+        covariance=known.covariance,
+        correlation=correlation,
+        condition=known.condition,
+        directions=directions,
+        shares={name: row[back] for name, row in zip(names, known.shares, strict=True)},
+        groups=tuple(data.groups),
+        measured=_measured(model)[back],
+        computed=best.found.computed[back],
+        residuals=best.found.residuals[back],
+        feet=_feet(model, best),
+        cost=best.cost,
+        freedom=known.freedom,
+        probability=probability,
+        minima=others,
+        remarks=tuple(wording.remarks(model, best, directions, correlation, probability, others)),
+        case=best.found.sol.case,
+        solution=best.found.sol,
+        solves=model.solves,
+        derivatives=model.derivatives,
+    )
+
+
+def _nothing(model: "Model") -> Fit:
+    """The result where the data cannot be computed at any of the values tried."""
+    F, N = len(model.parameters), model.data.size
+    empty, nothing = np.full((F, F), np.nan), np.full(N, np.nan)
+    names = [one.name for one in model.parameters]
+    why = model.refused.most_common(1)[0][0]
+    return Fit(
+        outcome=f"failed: at none of the values tried the data can be computed, most often: {why}", reached=True,
+        values=dict.fromkeys(names, np.nan), intervals=dict.fromkeys(names, (np.nan, np.nan)), rule="",
+        covariance=empty, correlation=empty, condition=np.inf, directions=[],
+        shares={name: nothing for name in names}, groups=tuple(model.data.groups),
+        measured=_measured(model)[_as_given(model)], computed=nothing, residuals=nothing, feet=None, cost=np.inf,
+        freedom=N - F, probability=np.nan, minima=(), remarks=(), case=model.case, solution=None, solves=model.solves,
+        derivatives=model.derivatives,
+    )  # fmt: skip
+
+
+def _values(model: "Model", x: Array) -> dict[str, float]:
+    return {one.name: one.value(float(v)) for one, v in zip(model.parameters, x, strict=True)}
+
+
+def _in_units(model: "Model", way: Array) -> dict[str, float]:
+    """A direction by field: relative for a positive field, else in its unit; scaled so that the first one is 1."""
+    found = {one.name: d * (one.scale or 1.0) for one, d in zip(model.parameters, way, strict=True) if d}
+    first = next(iter(found.values()))
+    return {name: float(value / first) for name, value in found.items()}
+
+
+def _others(model: "Model", minima: Sequence["Minimum"], known: Uncertainty) -> "list[OtherMinimum]":
+    """The other minima. Where the data do not determine all parameters, equal ones are places of one valley."""
+    found: list[Minimum] = [minima[0]]
+    for one in minima[1:]:
+        levels = [other.cost * (1 + _LEVEL) + model.data.size * _ZERO for other in found]
+        low = any(one.cost <= level for level in levels) if known.directions else False
+        if not one.stop and not low:
+            found.append(one)
+    return [OtherMinimum(_values(model, one.x), one.cost, _as_good(model, one, minima[0], known)) for one in found[1:]]
+
+
+def _as_good(model: "Model", one: "Minimum", best: "Minimum", known: Uncertainty) -> bool:
+    """Whether the data do not exclude a minimum: by the likelihood ratio, or where sigma is unknown by the F test."""
+    F, more = best.x.size, 2 * (one.cost - best.cost)
+    if known.freedom <= 0:
+        return bool(np.abs(one.found.residuals).max() <= _EXACT)
+    if model.data.known:
+        return bool(more <= special.chdtri(F, 1 - LEVEL))
+    variance = 2 * best.cost / known.freedom
+    return bool(more <= F * variance * special.fdtri(F, known.freedom, LEVEL))
+
+
+def _measured(model: "Model") -> Array:
+    """The data as measured, (N,); the distance of a point is 0."""
+    points = model.data.points
+    found = [np.array(list(model.data.targets.values()))]
+    if points is not None:
+        found += [np.zeros(points.size)] if points.groups == (DISTANCE,) else list(points.columns.values())
+    return np.concatenate(found)
+
+
+def _as_given(model: "Model") -> Any:
+    """The indices that put points back into the order in which they were given, (N,)."""
+    targets, points = len(model.data.targets), model.data.points
+    parts = [np.arange(targets)]
+    if points is not None:
+        back = np.argsort(points.order, kind="stable")
+        parts += [targets + k * points.size + back for k in range(len(points.groups))]
+    return np.concatenate(parts)
+
+
+def _feet(model: "Model", best: "Minimum") -> tuple[Array, Array, Array] | None:
+    """s, alpha and z of the rod at the points, in the order in which these were given."""
+    points, found = model.data.points, best.found
+    if points is None:
+        return None
+    place = np.arange(points.size) if found.feet is None else found.feet.order
+    at = place[np.argsort(points.order, kind="stable")]
+    return found.sol.s[at], found.sol.alpha[at], found.sol.z[at]

@@ -1,0 +1,172 @@
+"""The data of a fit: targets of observables and measured points, each with its standard deviation if that is known."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from ..observe.observables import OBSERVABLES, is_count
+from ..problem.case import Case
+from ..problem.errors import InputError, choices, no_such
+from ..problem.quantities import quantity
+from ..sensitivity.observables import checked_observables
+from .parameters import natural_unit
+
+COLUMNS = ("alpha", "z", "beta")  # what is measured at a point
+DISTANCE = "distance"  # of points without arc length
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """P measured points, (P,) each, in the order of s where that is known.
+
+    columns: of `COLUMNS`, the measured values. sizes: the error of each column that counts as 1. s: arc lengths, or
+    None. order: the number of each point as it was given. wrapped: whether alpha is known up to whole turns.
+    """
+
+    columns: dict[str, Array]
+    sizes: dict[str, Array]
+    s: Array | None
+    order: Any
+    wrapped: bool
+
+    @property
+    def size(self) -> int:
+        return int(self.order.size)
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """The names of the data of a point: the columns, or the distance."""
+        return (DISTANCE,) if self.s is None else tuple(self.columns)
+
+
+@dataclass(frozen=True, eq=False)
+class Data:
+    """All data of a fit: first the targets, then each column of the points.
+
+    targets: observable -> value. sizes: the error of each target that counts as 1. known: whether these are standard
+    deviations.
+    """
+
+    targets: dict[str, float]
+    sizes: dict[str, float]
+    points: Points | None
+    known: bool
+
+    @property
+    def size(self) -> int:
+        """Number of data."""
+        points = self.points
+        return len(self.targets) + (points.size * len(points.groups) if points else 0)
+
+    @property
+    def groups(self) -> list[str]:
+        """The group of each datum: its observable, or its column of the points."""
+        points = self.points
+        return [*self.targets, *([name for name in points.groups for _ in range(points.size)] if points else [])]
+
+
+def checked_data(case: Case, targets: Any, points: Any, sigma: Any, wrapped: bool) -> Data:
+    """The data. Raises `InputError` where they are invalid."""
+    wanted = {name: _number(f"the target {name}", value) for name, value in dict(targets or {}).items()}
+    _check_targets(wanted)
+    columns, s = _columns(points) if points is not None else ({}, None)
+    if not wanted and not columns:
+        raise InputError("fit needs data: give targets, such as height = 10, or measured points")
+    sigmas = _sigmas(dict(sigma or {}), wanted, columns, s)
+    sizes = {name: float(sigmas[name]) if sigmas else _scale(case, name, value) for name, value in wanted.items()}
+    if not columns:
+        return Data(wanted, sizes, None, bool(sigmas))
+    if s is not None and s.max() > float(case.rod.L):
+        raise InputError(f"a point has s = {s.max():g}, beyond the end of the rod at L = {float(case.rod.L):g}")
+    count = next(iter(columns.values())).size
+    order = np.arange(count) if s is None else np.argsort(s, kind="stable")
+    units = {"alpha": 1.0, "beta": 1.0, "z": float(case.rho)}
+    each = {name: np.broadcast_to(sigmas[name] if sigmas else units[name], count)[order] for name in columns}
+    sorted_ = {name: values[order] for name, values in columns.items()}
+    return Data(wanted, sizes, Points(sorted_, each, None if s is None else s[order], order, wrapped), bool(sigmas))
+
+
+def _check_targets(names: Mapping[str, float]) -> None:
+    for name in names:
+        if name not in OBSERVABLES:
+            raise no_such("observable", name, OBSERVABLES)
+        if is_count(name):
+            raise InputError(
+                f"the target {name} is a whole number, which does not change with a small change of a field, so no "
+                "derivative leads to it; a law of kind boundary or a map finds where it changes"
+            )
+    if names:
+        checked_observables(names)
+
+
+def _columns(points: Any) -> tuple[dict[str, Array], Array | None]:
+    if not isinstance(points, Mapping) and not hasattr(points, "keys"):
+        raise InputError(f"points must be a mapping of columns to values, got {type(points).__name__}")
+    known = ("s", *COLUMNS)
+    for name in points.keys():  # noqa: SIM118  (a table of pandas iterates over its columns only by keys)
+        if name not in known:
+            raise no_such("column of points", name, known)
+    found = {name: _array(name, points[name]) for name in known if name in points.keys()}  # noqa: SIM118
+    sizes = {name: values.size for name, values in found.items()}
+    if len(set(sizes.values())) > 1:
+        raise InputError(f"the columns of the points must have one length, got {sizes}")
+    s = found.pop("s", None)
+    if s is not None and (s < 0).any():
+        raise InputError(f"arc lengths of points must not be negative, got s = {s.min():g}")
+    if not found or (s is None and set(found) != {"alpha", "z"}):
+        given = choices([*(["s"] if s is not None else []), *found]) or "none"
+        raise InputError(f"points need alpha and z, or s and one of {choices(COLUMNS)}, got {given}")
+    return found, s
+
+
+def _array(name: str, values: Any) -> Array:
+    try:
+        found = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"the column {name} of the points must hold numbers, got {values!r:.60}") from None
+    if found.ndim != 1 or not found.size or not np.isfinite(found).all():
+        raise InputError(f"the column {name} of the points must be a list of finite numbers, got shape {found.shape}")
+    return found
+
+
+def _number(what: str, value: Any) -> float:
+    try:
+        found = float(value)
+    except (TypeError, ValueError):
+        found = np.nan
+    if not np.isfinite(found):
+        raise InputError(f"{what} must be a finite number, got {value!r}")
+    return found
+
+
+def _sigmas(
+    sigma: dict[str, Any], targets: Mapping[str, float], columns: Mapping[str, Array], s: Array | None
+) -> dict[str, Any]:
+    """The standard deviations of all data, or none. Raises `InputError`."""
+    names = [*targets, *columns]
+    for name in sigma:
+        if name not in names:
+            raise no_such("datum", name, names)
+    if sigma and (missing := [name for name in names if name not in sigma]):
+        raise InputError(f"sigma is given of {choices(sigma)} and not of {choices(missing)}: give it of all or of none")
+    found: dict[str, Any] = {}
+    for name, value in sigma.items():
+        count = 1 if name in targets else columns[name].size
+        try:
+            numbers = np.asarray(value, dtype=float)
+        except (TypeError, ValueError):
+            numbers = np.array(np.nan)
+        if numbers.shape not in ((), (count,)) or not (np.isfinite(numbers) & (numbers > 0)).all():
+            shape = "a positive number" if name in targets else f"a positive number, or {count} of them"
+            raise InputError(f"sigma of {name} must be {shape}, got {value!r:.60}")
+        found[name] = numbers if numbers.ndim == 0 or name not in targets else numbers[0]
+    return found
+
+
+def _scale(case: Case, name: str, value: float) -> float:
+    """The error of a target that counts as 1 where none is known: its size, or the natural unit of the case."""
+    quantity(name)
+    return abs(value) or natural_unit(case, name)

@@ -1,0 +1,169 @@
+"""The parameters of a fit: fields of a case, their bounds, and the numbers x by which a search moves them."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from ..problem.angles import angle
+from ..problem.case import TWISTS, Case, Start, from_fields
+from ..problem.errors import InputError, choices
+from ..problem.field_rates import checked_fields
+from ..problem.quantities import quantity
+
+POSITIVE = ("E", "a", "L", "R")  # searched by their logarithm
+_LIMITS = {"nu": (-1.0, 0.5)}
+_SPREAD = 4.0  # starts of a positive field without bounds: from its value over this to its value times this
+# The fields of Start and Ends that are the value of a quantity at s = 0.
+_FIELD = {"beta0": "beta", "dbeta0": "dbeta", "alpha0": "alpha", "gamma0": "gamma"}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A field that a fit varies.
+
+    low, high: bounds, infinite where there are none. first: the value of the case. scale: of x = value/scale, or 0
+    where x = log(value). reach: how far in x starts are drawn where there is no bound.
+    """
+
+    name: str
+    low: float
+    high: float
+    first: float
+    scale: float
+    reach: float
+
+    def x(self, value: float) -> float:
+        """The number x of a value."""
+        if self.scale:
+            return value / self.scale
+        return float(np.log(value)) if value > 0 else -np.inf
+
+    def value(self, x: float) -> float:
+        """The value of x."""
+        return float(x * self.scale if self.scale else np.exp(x))
+
+    def rate(self, value: float) -> float:
+        """d value/dx."""
+        return self.scale or value
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The bounds of x."""
+        return self.x(self.low), self.x(self.high)
+
+    @property
+    def between(self) -> str:
+        """`` from 1 to 9``, or nothing where there are no bounds."""
+        return f" from {self.low:g} to {self.high:g}" if np.isfinite([self.low, self.high]).all() else ""
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The x between which starts are drawn."""
+        low, high = self.bounds
+        middle = self.x(self.first)
+        return (
+            low if np.isfinite(low) else min(middle, high) - self.reach,
+            high if np.isfinite(high) else max(middle, low) + self.reach,
+        )
+
+    @property
+    def start(self) -> float:
+        """The x of the case's own value, or the middle of the bounds where these exclude it."""
+        low, high = self.bounds
+        own = self.x(self.first)
+        return own if low <= own <= high else sum(self.span) / 2
+
+
+def checked_parameters(case: Case, vary: Any) -> list[Parameter]:
+    """The parameters. Raises `InputError` for an unknown or repeated field and for invalid bounds."""
+    if case.shape:
+        raise InputError(f"fit takes a single case, got a grid of shape {case.shape}")
+    given = _by_name(case, vary)
+    names = checked_fields(case, list(given))
+    return [_parameter(case, name, given[name]) for name in names]
+
+
+def _by_name(case: Case, vary: Any) -> dict[str, Any]:
+    """Name -> bounds or None; `beta` of a start problem is beta0, as in a study."""
+    if isinstance(vary, str):
+        vary = (vary,)
+    pairs = list(vary.items()) if isinstance(vary, Mapping) else [(name, None) for name in _listed(vary)]
+    own = {field: name for name, field in _FIELD.items() if field in {f.name for f in fields(case.given)}}
+    names = [str(own.get(name, name)) for name, _ in pairs]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise InputError(f"the field {twice[0]!r} is varied twice")
+    return {name: bounds for name, (_, bounds) in zip(names, pairs, strict=True)}
+
+
+def _listed(vary: Any) -> list[Any]:
+    if not isinstance(vary, Iterable):
+        raise InputError(f"vary must be names of fields, or a mapping of names to bounds, got {vary!r}")
+    return list(vary)
+
+
+def _parameter(case: Case, name: str, bounds: Any) -> Parameter:
+    first = value_of(case, name)
+    low, high = (0.0, np.inf) if name in POSITIVE else _LIMITS.get(name, (-np.inf, np.inf))
+    if bounds is not None:
+        given = _numbers(name, bounds)
+        if name in POSITIVE and given[0] <= 0:
+            raise InputError(f"the bounds of {name} must be positive, got {given[0]:g} to {given[1]:g}")
+        if name in _LIMITS and not (low <= given[0] and given[1] <= high):
+            raise InputError(f"the bounds of {name} must lie in {low:g} to {high:g}, got {given[0]:g} to {given[1]:g}")
+        low, high = given
+    natural = natural_unit(case, name)
+    if name in POSITIVE:
+        return Parameter(name, low, high, first, 0.0, float(np.log(_SPREAD)))
+    scale = max(abs(first), 1e-3 * natural) if first else natural
+    return Parameter(name, low, high, first, scale, max(abs(first), natural) / scale)
+
+
+def _numbers(name: str, bounds: Any) -> tuple[float, float]:
+    try:
+        low, high = (angle(one) if isinstance(one, str) else float(one) for one in bounds)
+    except (TypeError, ValueError):
+        raise InputError(f"the bounds of {name} must be two numbers, low and high, got {bounds!r}") from None
+    if not low < high:
+        raise InputError(f"the bounds of {name} must rise, got {low:g} to {high:g}")
+    return low, high
+
+
+def natural_unit(case: Case, name: str) -> float:
+    """The unit of a quantity in terms of rho and A/rho^2, in the units of the case."""
+    rho, A = float(case.rho), float(case.rod.bending_stiffness)
+    dimension = quantity(name).dimension
+    if isinstance(dimension, str):
+        return 1 / rho if dimension == "rad/length" else 1.0
+    return rho ** dimension[0] * (A / rho**2) ** dimension[1]
+
+
+def value_of(case: Case, name: str) -> float:
+    """The value of a field, by the name of its derivative."""
+    for part in (case.rod, case.cylinder, case.given):
+        for field in (name, _FIELD.get(name, name)):
+            if getattr(part, field, None) is not None:
+                return float(getattr(part, field))
+    raise InputError(f"this case has no value of {name}")
+
+
+def replaced(case: Case, values: Mapping[str, float]) -> Case:
+    """The case with other values of some fields. Raises `InputError` for values that a case cannot have."""
+    parts = []
+    for part in (case.rod, case.cylinder, case.given):
+        own = {f.name: getattr(part, f.name) for f in fields(part)}
+        for name, value in values.items():
+            field = name if name in own else _FIELD.get(name, name)
+            if field in own:
+                own[field] = value
+        if isinstance(part, Start):
+            own = {k: v for k, v in own.items() if v is not None or k not in TWISTS}
+        parts.append(from_fields(type(part), own))
+    return Case(*parts)
+
+
+def written(parameters: list[Parameter], x: Array) -> str:
+    """``E = 1.07e+04, F1 = 5``."""
+    return choices(f"{one.name} = {one.value(float(v)):.6g}" for one, v in zip(parameters, x, strict=True))

@@ -1,0 +1,105 @@
+"""What the data say about the parameters: covariance, intervals, what they cannot tell apart, which data decide."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special
+
+from ..numerics.arrays import Array
+from .parameters import Parameter
+
+SINGULAR = 1e-8  # of the largest singular value of normalised derivatives: a smaller one is that of rounding
+_NONE = 1e-11  # of the largest derivative: a parameter with smaller ones has no effect
+_PART = 1e-6  # of a direction: a parameter with a smaller part does not belong to it
+LEVEL = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertainty:
+    """F parameters as N data determine them, by the derivatives at the minimum.
+
+    covariance: of the values of the parameters, (F, F); infinite on the diagonal where the data do not determine one,
+    NaN where no variance of the data is known. low, high: the ends of the 95 % intervals, (F,). shares: of each datum
+    in what is known of each parameter, (F, N), each row of sum 1. condition: the condition number of the derivatives,
+    each column normalised. directions: combinations (F,) of changes of x that change no datum. quantile: half the width
+    of an interval in standard deviations. freedom: number of data less that of determined combinations.
+    """
+
+    covariance: Array
+    low: Array
+    high: Array
+    shares: Array
+    condition: float
+    directions: list[Array]
+    quantile: float
+    freedom: int
+
+
+def uncertainty(
+    parameters: Sequence[Parameter], x: Array, jacobian: Array, residuals: Array, known: bool, free: Array
+) -> Uncertainty:
+    """The uncertainty at a minimum.
+
+    jacobian: (N, F), derivatives of the residuals (N,). known: whether the residuals are in standard deviations;
+    otherwise their variance is estimated. free: (F,), False for a parameter at a bound, which counts as known.
+    """
+    N, F = jacobian.shape
+    norms = np.linalg.norm(jacobian, axis=0)
+    active = free & (norms > _NONE * max(norms.max(initial=0.0), 1e-300))
+    columns = jacobian[:, active] / norms[active]
+    U, sizes, Vt = np.linalg.svd(columns, full_matrices=True) if active.any() else (None, np.zeros(0), np.zeros((0, 0)))
+    rank = int((sizes > SINGULAR * sizes.max(initial=0.0)).sum())
+    silent = [np.eye(F)[k] for k in np.flatnonzero(free & ~active)]
+    mixed = [_whole(row / norms[active], active) for row in _reduced(Vt[rank:])]
+    inverse = np.zeros((F, N))
+    if rank and U is not None:
+        inverse[active] = (Vt[:rank].T / sizes[:rank]) @ U[:, :rank].T / norms[active][:, None]
+    unknown = free & ((np.abs(np.array([*silent, *mixed])) > 0).any(axis=0) if silent or mixed else False)
+    freedom = N - rank
+    variance, quantile = _variance(residuals, freedom, known)
+    rates = np.array([one.rate(one.value(float(v))) for one, v in zip(parameters, x, strict=True)])
+    errors = np.sqrt(variance) * np.linalg.norm(inverse, axis=1)
+    errors = np.where(unknown, np.inf, np.where(free, errors, np.nan))
+    low, high = (_end(parameters, x, side * quantile * errors) for side in (-1, 1))
+    covariance = variance * (inverse @ inverse.T) * np.outer(rates, rates)
+    covariance[unknown] = covariance[:, unknown] = np.nan
+    covariance[unknown, unknown] = np.inf
+    with np.errstate(invalid="ignore", divide="ignore"):
+        shares = inverse**2 / (inverse**2).sum(axis=1, keepdims=True)
+    shares[unknown | ~free] = np.nan
+    condition = float(sizes[0] / sizes[-1]) if sizes.size and rank == active.sum() == free.sum() else np.inf
+    return Uncertainty(covariance, low, high, shares, condition, [*silent, *mixed], quantile, freedom)
+
+
+def _variance(residuals: Array, freedom: int, known: bool) -> tuple[float, float]:
+    """The variance of a residual, and the quantile of its distribution: normal, or Student's t."""
+    if known:
+        return 1.0, float(special.ndtri((1 + LEVEL) / 2))
+    if freedom <= 0:
+        return np.nan, np.nan
+    return float(residuals @ residuals) / freedom, float(special.stdtrit(freedom, (1 + LEVEL) / 2))
+
+
+def _end(parameters: Sequence[Parameter], x: Array, away: Array) -> Array:
+    """One end of each interval; a parameter that the data do not determine has the whole range of its field."""
+    with np.errstate(over="ignore"):
+        return np.array([one.value(float(v)) for one, v in zip(parameters, x + away, strict=True)])
+
+
+def _reduced(rows: Array) -> list[Array]:
+    """A basis of the same space with as many zeros as there are rows: each names the fewest parameters."""
+    rows = rows.copy()
+    for k in range(rows.shape[0]):
+        pivot = np.abs(rows[k]).argmax()
+        rows[k] /= rows[k, pivot]
+        others = np.arange(rows.shape[0]) != k
+        rows[others] -= rows[others, pivot][:, None] * rows[k]
+    return [np.where(np.abs(row) > _PART * np.abs(row).max(), row, 0.0) for row in rows]
+
+
+def _whole(part: Array, active: Array) -> Array:
+    """A direction of all parameters, its largest element 1."""
+    found = np.zeros(active.size)
+    found[active] = part
+    return found / found[np.abs(found).argmax()]

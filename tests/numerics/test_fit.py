@@ -1,0 +1,360 @@
+"""Fits: the derivatives, values that are known, intervals that hold, and what the data cannot tell."""
+
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, curve_fit
+
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, fit, observe, solve
+from solver.inverse.data import checked_data
+from solver.inverse.model import Model
+from solver.inverse.parameters import checked_parameters
+
+TRUE = {"E": 1.07e4, "M3": 18.0}
+S = np.linspace(0.4, 20.0, 50)
+
+
+def rod(E=1.07e4, M3=18.0, R=0.75, L=20.0, side="outside", **start):
+    given = {"beta": "30deg", "dbeta": 0.5, "F3": 10.0} | ({"M3": M3} if M3 is not None else {}) | start
+    return Case(Rod(E=E, nu=0.25, a=0.25, L=L, stiffness="paper"), Cylinder(R=R, side=side), Start(**given))
+
+
+def between(FZ=-8.66, **given):
+    return Case(
+        Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Ends(0.5, 0.8, FZ=FZ, **({"MZ": 1.3, "M3": 6.1} | given))
+    )
+
+
+def points_of(case, s=S, noise=0.0, seed=0, with_s=True):
+    sol, rng = solve(case, tol=1e-12, stations=s), np.random.default_rng(seed)
+    found = {name: getattr(sol, name) + noise * rng.standard_normal(s.size) for name in ("alpha", "z")}
+    return found | ({"s": s} if with_s else {})
+
+
+def height(F1):
+    return float(observe(solve(rod(M3=None, F1=F1), tol=1e-11), ["height"])["height"])
+
+
+# derivatives
+
+
+@pytest.mark.parametrize("with_s", (True, False))
+def test_the_derivatives_of_the_residuals_are_those_of_differences(with_s) -> None:
+    case = rod(M3=17.0)
+    fields = ["E", "nu", "a", "L", "R", "alpha0", "beta0", "dbeta0", "F2", "F3", "M3"]
+    points = points_of(rod(), S[:40], 0.03, with_s=with_s)
+    data = checked_data(case, {"height": 7.0, "push_max": 150.0}, points, None, False)
+    parameters = checked_parameters(case, fields)
+    model, x = Model(case, parameters, data, "nearest", 1e-12), np.array([one.start for one in parameters])
+    found, h = model.jacobian(x), 1e-5
+    for k, name in enumerate(fields):
+        near, far = (
+            (model.residuals(x + d * np.eye(x.size)[k]) - model.residuals(x - d * np.eye(x.size)[k])) / (2 * d)
+            for d in (h, 2 * h)
+        )
+        expected = (4 * near - far) / 3
+        size = max(np.abs(expected).max(), 1e-3)
+        np.testing.assert_allclose(found[:, k], expected, atol=1e-7 * size, err_msg=name)  # rounding over h
+
+
+def test_the_derivative_of_a_point_with_s_by_the_length_keeps_its_s() -> None:
+    case, s = rod(), np.array([3.0, 11.0])
+    data = checked_data(case, None, points_of(case, s), None, False)
+    model = Model(case, checked_parameters(case, ["L"]), data, "nearest", 1e-12)
+    assert np.abs(model.jacobian(np.array([np.log(20.0)]))).max() < 1e-9  # a start problem does not know its length
+
+
+def test_the_distance_to_a_point_is_the_least_of_the_whole_curve() -> None:
+    case, points = rod(), points_of(rod(), S, 0.2, with_s=False)
+    data = checked_data(case, None, points, None, False)
+    found = Model(case, checked_parameters(case, ["E"]), data, "nearest", 1e-12).evaluation(np.log([1.07e4]))
+    fine = solve(case, stations=200_001)
+    pairs = zip(points["alpha"], points["z"], strict=True)
+    nearest = np.array([np.hypot(fine.alpha - a, fine.z - z).min() for a, z in pairs])  # rho is 1
+    least, half = np.abs(found.residuals), 20 / 200_000 / 2
+    assert (least <= nearest + 1e-12).all()
+    assert (nearest <= np.hypot(least, half) + half**2).all()  # a station is at most half a step from the foot
+
+
+# values that are known
+
+
+@pytest.mark.parametrize("with_s", (True, False))
+def test_a_fit_to_points_of_a_known_rod_recovers_it(with_s) -> None:
+    found = fit(rod(E=1e4, M3=17.0), ["E", "M3"], points=points_of(rod(), with_s=with_s), starts=0)
+    assert found.solved
+    for name, value in TRUE.items():
+        assert found.values[name] == pytest.approx(value, rel=1e-8)
+
+
+def test_a_fit_to_targets_of_a_known_rod_recovers_it() -> None:
+    seen = observe(solve(rod(), tol=1e-11), ["height", "push_max"])
+    found = fit(rod(E=1.05e4, M3=17.8), ["E", "M3"], {name: float(v) for name, v in seen.items()}, starts=0)
+    assert found.solved
+    assert found.reached
+    for name, value in TRUE.items():
+        assert found.values[name] == pytest.approx(value, rel=1e-8)
+
+
+def test_a_fit_between_two_ends_recovers_the_loads_on_its_branch() -> None:
+    points = points_of(between())
+    found = fit(between(FZ=-8.5, M3=6.0), ["FZ", "M3"], points=points, starts=0)
+    assert found.solved
+    assert found.values["FZ"] == pytest.approx(-8.66, rel=1e-8)
+    assert found.values["M3"] == pytest.approx(6.1, rel=1e-8)
+
+
+def test_the_moment_of_a_helix_is_that_of_its_angle() -> None:
+    # H(beta) = 0 with F2 = 0 is M3 = A sin(beta) cos(beta)/rho; the far end is then at L cos(beta)
+    beta = 0.6
+    case = rod(L=3.0, M3=10.0, beta=beta, dbeta=0.0)
+    exact = case.rod.bending_stiffness * sin(beta) * cos(beta) / case.rho
+    guess = rod(L=3.0, M3=1.1 * exact, beta=beta, dbeta=0.0)
+    found = fit(guess, "M3", {"wraps": 3 * sin(beta) / (2 * pi)}, starts=0)
+    assert found.solved
+    assert found.values["M3"] == pytest.approx(exact, rel=1e-8)
+
+
+def test_the_length_of_the_catenary_like_rod_is_that_of_its_height() -> None:
+    # lam = mu = phi = eta = 0: z/rho = sqrt(1 + u0^2) - sqrt(1 + u^2), u = u0 - L/rho
+    beta, A = pi / 6, rod().rod.bending_stiffness
+    FY = -A * sin(beta) ** 3
+    loads = {"F2": -FY * cos(beta), "F3": FY * sin(beta), "M3": 0.0, "dbeta": sin(beta) ** 2}
+    u0, L = 1 / np.tan(beta), 3.7
+    wanted = np.sqrt(1 + u0**2) - np.sqrt(1 + (u0 - L) ** 2)
+    found = fit(rod(L=3.0, beta=beta, **loads), {"L": (2.0, 6.0)}, {"height": float(wanted)}, starts=0)
+    assert found.values["L"] == pytest.approx(L, rel=1e-8)
+
+
+def test_one_target_and_one_field_agree_with_brent() -> None:
+    expected = brentq(lambda F1: height(F1) - 9.0, 6.0, 9.0, xtol=1e-12)
+    found = fit(rod(M3=None, F1=7.0), {"F1": (6.0, 9.0)}, {"height": 9.0})
+    assert found.values["F1"] == pytest.approx(expected, rel=1e-8)
+
+
+def test_every_value_that_reaches_a_target_is_found() -> None:
+    F1 = np.linspace(1.0, 9.0, 801)
+    off = observe(solve(rod(M3=None, F1=F1)), ["height"])["height"] - 8.0
+    crossings = [
+        brentq(lambda v: height(v) - 8.0, a, b)
+        for a, b, u, v in zip(F1, F1[1:], off, off[1:], strict=False)
+        if u * v < 0
+    ]
+    found = fit(rod(M3=None, F1=5.0), {"F1": (1.0, 9.0)}, {"height": 8.0})
+    reached = [found.values["F1"], *(one.values["F1"] for one in found.minima if one.as_good)]
+    assert len(crossings) > 1
+    np.testing.assert_allclose(sorted(reached), crossings, rtol=1e-6)
+    assert any("not unique" in remark for remark in found.remarks)
+
+
+def test_the_order_of_points_and_whole_turns_do_not_matter() -> None:
+    points, other = points_of(rod(), noise=0.03), np.random.default_rng(1).permutation(S.size)
+    turns = np.random.default_rng(2).integers(-3, 4, S.size)
+    turned = {"s": S[other], "alpha": points["alpha"][other] + 2 * pi * turns, "z": points["z"][other]}
+    one = fit(rod(E=1e4), ["E", "M3"], points=points, starts=0)
+    two = fit(rod(E=1e4), ["E", "M3"], points=turned, wrapped=True, starts=0)
+    assert two.values == pytest.approx(one.values, rel=1e-9)
+    np.testing.assert_allclose(two.residuals[:50], one.residuals[:50][other], atol=1e-9)
+    np.testing.assert_allclose(two.feet[0], S[other])
+    del turned["s"], points["s"]
+    one, two = (
+        fit(rod(E=1e4), ["E", "M3"], points=some, wrapped=some is turned, starts=0) for some in (points, turned)
+    )
+    assert two.values == pytest.approx(one.values, rel=1e-6)  # the ends of the searches differ by rounding
+
+
+# intervals
+
+
+def test_covariance_is_that_of_curve_fit() -> None:
+    points = points_of(rod(), noise=0.03)
+    found = fit(rod(E=1e4, M3=17.0), ["E", "M3"], points=points, starts=0)
+
+    def model(_, E, M3):
+        sol = solve(rod(E=E, M3=M3), tol=1e-11, stations=S)
+        return np.concatenate([sol.alpha, sol.z])
+
+    both = np.concatenate([points["alpha"], points["z"]])  # rho is 1
+    values, covariance = curve_fit(model, None, both, p0=[1e4, 17.0], x_scale=[1e4, 17.0], method="trf", xtol=1e-12)
+    np.testing.assert_allclose(list(found.values.values()), values, rtol=1e-6)
+    np.testing.assert_allclose(found.covariance, covariance, rtol=1e-3)  # its derivatives are differences
+
+
+def test_the_share_of_a_datum_is_that_of_its_error_in_the_variance() -> None:
+    points = points_of(rod(), S[::10], noise=0.01)
+    found = fit(rod(), ["E", "M3"], points=points, starts=0)
+    h, moved = 1e-4, []
+    for name in ("alpha", "z"):
+        for i in range(5):
+            ends = []
+            for sign in (1, -1):
+                other = {**points, name: points[name] + sign * h * (np.arange(5) == i)}
+                ends.append(np.log(fit(rod(), ["E", "M3"], points=other, starts=0).values["E"]))
+            moved.append((ends[0] - ends[1]) / (2 * h))
+    shares = np.array(moved) ** 2 / np.sum(np.square(moved))
+    assert found.shares["E"].sum() == pytest.approx(1)
+    assert found.groups == ("alpha",) * 5 + ("z",) * 5
+    np.testing.assert_allclose(found.shares["E"], shares, atol=0.02)  # Gauss-Newton: residuals of 1 %
+
+
+def coverage(repetitions, with_s):
+    held = np.zeros(2)
+    for seed in range(repetitions):
+        points = points_of(rod(), noise=0.03, seed=seed, with_s=with_s)
+        found = fit(rod(E=1e4, M3=17.0), list(TRUE), points=points, starts=0)
+        held += [found.intervals[name][0] <= value <= found.intervals[name][1] for name, value in TRUE.items()]
+    return held
+
+
+def test_the_intervals_hold_in_most_of_a_few_repetitions() -> None:
+    assert (coverage(20, True) >= 16).all()  # fewer than 16 of 20 at 95 %: chance 0.3 %
+
+
+@pytest.mark.slow
+def test_the_intervals_hold_in_95_percent_of_400_repetitions() -> None:
+    held = coverage(400, True) / 400
+    assert (np.abs(held - 0.95) <= 0.02).all()
+
+
+def test_sigma_gives_intervals_without_residuals_and_judges_them() -> None:
+    points = points_of(rod(), noise=0.03)
+    known = fit(rod(), ["E", "M3"], points=points, sigma={"alpha": 0.03, "z": 0.03}, starts=0)
+    halved = fit(rod(), ["E", "M3"], points=points, sigma={"alpha": 0.015, "z": 0.015}, starts=0)
+    one, two = (np.diff(np.log(found.intervals["E"]))[0] for found in (known, halved))
+    assert one / two == pytest.approx(2, rel=1e-6)
+    assert known.probability > 0.01 > halved.probability
+    assert any("larger than sigma allows" in remark for remark in halved.remarks)
+    target = fit(rod(), "M3", {"height": 7.8}, sigma={"height": 0.1}, starts=0)
+    low, high = target.intervals["M3"]
+    rate = 0.1 / abs(solve(rod(M3=target.values["M3"])).sensitivity(["M3"], ["height"]).observables["height"][0])
+    assert high - low == pytest.approx(2 * 1.959964 * rate, rel=1e-5)
+
+
+def test_without_sigma_as_many_data_as_fields_have_no_interval() -> None:
+    found = fit(rod(), "M3", {"height": 7.8}, starts=0)
+    assert found.solved
+    assert np.isnan(found.intervals["M3"]).all()
+    assert found.rule.startswith("no intervals: no sigma is given")
+
+
+# what the data cannot tell
+
+
+def test_the_modulus_and_all_forces_cannot_be_told_apart() -> None:
+    found = fit(rod(), ["E", "F3", "M3", "R"], points=points_of(rod(), noise=0.01), starts=0)
+    assert found.outcome.startswith("undetermined: the data cannot tell E and F3 and M3 apart")
+    (way,) = found.directions
+    assert way == pytest.approx({"E": 1, "F3": found.values["F3"], "M3": found.values["M3"]}, rel=1e-5)
+    assert found.intervals["E"] == (0.0, np.inf)
+    assert found.intervals["M3"] == (-np.inf, np.inf)
+    assert np.isfinite(found.intervals["R"]).all()
+    assert found.condition == np.inf
+
+
+def test_a_field_without_effect_is_named_and_stays() -> None:
+    guess = rod(E=4.1e3, M3=12.6, gamma=-0.1)  # from which the first search ends at another minimum
+    found = fit(guess, ["E", "M3", "gamma0"], points=points_of(rod(), noise=0.01))
+    assert found.outcome == "undetermined: the data do not depend on gamma0"
+    assert found.values["E"] == pytest.approx(1.07e4, rel=0.02)
+    assert found.values["gamma0"] == pytest.approx(-0.1)
+    assert np.isfinite(found.intervals["E"]).all()
+    assert found.intervals["gamma0"] == (-np.inf, np.inf)
+
+
+def test_fields_that_are_hard_to_tell_apart_are_named() -> None:
+    found = fit(rod(), ["F2", "F3", "M3"], points=points_of(rod(), S[:4], 1e-4), starts=0)
+    assert any(remark.startswith("the data hardly tell") for remark in found.remarks)
+    assert np.isfinite(found.condition)
+
+
+# what has no value
+
+
+def test_the_nearest_value_that_is_reached_is_told() -> None:
+    F1 = np.linspace(1.0, 9.0, 2001)
+    nearest = observe(solve(rod(M3=None, F1=F1)), ["height"])["height"].max()
+    found = fit(rod(M3=None, F1=5.0), {"F1": (1.0, 9.0)}, {"height": 100.0})
+    assert not found.reached
+    assert not found.solved
+    assert found.computed[0] == pytest.approx(nearest, rel=1e-5)
+    assert found.outcome == (
+        f"failed: the search found no F1 from 1 to 9 that reaches height = 100; the nearest reached is height = "
+        f"{found.computed[0]:.6g}, at F1 = {found.values['F1']:.6g}"
+    )
+
+
+def test_a_search_steps_back_from_values_without_a_rod() -> None:
+    case = rod(R=0.5, side="inside", M3=1.0)  # no room at R = 0.25
+    found = fit(case, "R", {"kappa_mean": 12.0}, starts=0)
+    assert found.solved
+    assert observe(solve(found.case), ["kappa_mean"])["kappa_mean"] == pytest.approx(12.0)
+    assert any("of the values tried the data cannot be computed" in remark for remark in found.remarks)
+
+
+def test_a_value_between_starts_of_different_sign_is_found() -> None:
+    case = rod(R=0.8, side="inside", M3=1.0)  # from which the first search ends beside R = 0.3497
+    assert not fit(case, "R", {"wraps": 6.0}, starts=0).reached
+    found = fit(case, "R", {"wraps": 6.0}, starts=16)
+    assert found.solved
+    assert observe(solve(found.case), ["wraps"])["wraps"] == pytest.approx(6.0)
+
+
+def test_a_rod_that_is_too_short_for_a_point_is_not_tried() -> None:
+    points = points_of(rod(), S[:40])
+    found = fit(rod(L=18.0), {"L": (10.0, 30.0)}, {"height": 8.0}, points)
+    assert found.values["L"] >= S[39]
+
+
+def test_no_value_at_all_is_an_outcome() -> None:
+    found = fit(rod(R=0.5, side="inside", M3=1.0), {"R": (0.1, 0.2)}, {"height": 8.0})
+    assert found.outcome.startswith("failed: at none of the values tried")
+    assert np.isnan(found.values["R"])
+
+
+def test_a_field_that_ends_at_its_bound_has_no_interval() -> None:
+    found = fit(rod(E=9e3), {"E": (8e3, 1e4), "M3": None}, points=points_of(rod(), noise=0.01), starts=0)
+    assert found.values["E"] == pytest.approx(1e4, rel=1e-6)
+    assert np.isnan(found.intervals["E"]).all()
+    assert np.isfinite(found.intervals["M3"]).all()
+    assert any(remark.startswith("E ends at its bound, 10000") for remark in found.remarks)
+
+
+GOOD = {"s": [1.0, 2.0], "alpha": [0.1, 0.2], "z": [1.0, 2.0]}
+INVALID = {
+    "count": (dict(targets={"turns": 5}), "the target turns is a whole number"),
+    "observable": (dict(targets={"heigth": 5}), "no observable 'heigth', did you mean 'height'; choose from turns"),
+    "field": (dict(vary=["Q"]), "no field 'Q' in this case; choose from E, nu"),
+    "twist": (dict(vary=["F1"]), "no field 'F1' in this case; choose from"),
+    "twice": (dict(vary=["beta", "beta0"]), "the field 'beta0' is varied twice"),
+    "none": (dict(vary=[]), "fields must be one or several"),
+    "negative": (dict(vary={"E": (-1.0, 2.0)}), "the bounds of E must be positive, got -1 to 2"),
+    "order": (dict(vary={"M3": (2.0, 1.0)}), "the bounds of M3 must rise, got 2 to 1"),
+    "words": (dict(vary={"M3": "ab"}), "the bounds of M3 must be two numbers"),
+    "limit": (dict(vary={"nu": (0.0, 0.7)}), r"the bounds of nu must lie in -1 to 0.5, got 0 to 0.7"),
+    "target": (dict(targets={"height": np.nan}), "the target height must be a finite number, got nan"),
+    "no data": (dict(targets={}), "fit needs data: give targets"),
+    "sigma": (dict(sigma={"z": 1.0}), "no datum 'z'; choose from height"),
+    "some": (dict(points=GOOD, sigma={"z": 1.0}), "sigma is given of z and not of height, alpha"),
+    "zero": (dict(sigma={"height": 0.0}), "sigma of height must be a positive number, got 0.0"),
+    "column": (dict(points={"x": [1.0]}), "no column of points 'x'; choose from s, alpha, z, beta"),
+    "lengths": (dict(points={**GOOD, "z": [1.0]}), "the columns of the points must have one length"),
+    "alone": (dict(points={"z": [1.0]}), "points need alpha and z, or s and one of alpha, z, beta, got z"),
+    "beyond": (dict(points={**GOOD, "s": [1.0, 21.0]}), "a point has s = 21, beyond the end of the rod at L = 20"),
+    "before": (dict(points={**GOOD, "s": [-1.0, 1.0]}), "arc lengths of points must not be negative, got s = -1"),
+    "text": (dict(points={**GOOD, "z": ["a", "b"]}), "the column z of the points must hold numbers"),
+    "finite": (dict(points={**GOOD, "z": [1.0, np.inf]}), "the column z of the points must be a list of finite"),
+    "starts": (dict(starts=-1), "starts must be from 0 to 100000, got -1"),
+}
+
+
+@pytest.mark.parametrize("name", INVALID)
+def test_invalid_input_is_refused_with_a_sentence(name) -> None:
+    given, sentence = INVALID[name]
+    with pytest.raises(InputError, match=sentence):
+        fit(rod(), **({"vary": ["M3"], "targets": {"height": 8.0}} | given))
+
+
+def test_a_grid_is_refused() -> None:
+    with pytest.raises(InputError, match=r"fit takes a single case, got a grid of shape \(2,\)"):
+        fit(rod(E=[1e4, 2e4]), "M3", {"height": 8.0})

@@ -1,0 +1,183 @@
+"""The command fit: values of fields of a case that fit targets and measured points."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from . import console
+from .case_options import Given, takes_case
+from .options import At, Choose, ForceOutput, Json, Reading, argument, flag, option
+
+if TYPE_CHECKING:
+    from solver.inverse.result import Fit
+
+    from ..run.case_input import CaseInput
+
+OUT = (".toml", ".csv")
+
+
+Study = Annotated[
+    Path | None, argument("FILE|STUDY", "TOML file or name of a study; default: Table 1, or the options alone.")
+]
+Target = Annotated[
+    list[str] | None, option("NAME=VALUE", "Wanted value of an observable, such as height=10; repeatable.")
+]
+Points = Annotated[
+    Path | None,
+    option("FILE", "Measured points, .csv or .parquet: columns alpha and z; s, beta and sigma_NAME are optional."),
+]
+Vary = Annotated[list[str] | None, option("NAMES", "Fields that are fitted, separated by commas, such as E,M3.")]
+Bounds = Annotated[
+    list[str] | None, option("NAME=LOW:HIGH", "Bounds of a field of --vary, such as F1=1:9; repeatable.")
+]
+Sigma = Annotated[
+    list[str] | None,
+    option(
+        "NAME=VALUE",
+        "Standard deviation of a target, or of alpha, z or beta of all points; repeatable. Default: none is known, and "
+        "the intervals use the residuals.",
+    ),
+]
+Out = Annotated[
+    Path | None, option("FILE", "The fitted case as a .toml file for solve, or the fitted values as a .csv table.")
+]
+Picture = Annotated[
+    Path | None, option("FILE", "Picture, .png, .pdf or .svg: curve and points, region, which data decide.")
+]
+
+
+@takes_case()
+def fit(
+    file: Study = None,
+    target: Target = None,
+    points: Points = None,
+    vary: Vary = None,
+    bounds: Bounds = None,
+    sigma: Sigma = None,
+    wrapped: Annotated[bool, flag("Measured azimuths are known only up to whole turns.", "--wrapped")] = False,
+    starts: Annotated[int, option("NUMBER", "Number of Sobol' points tried beside the case.", min=0)] = 32,
+    seed: Annotated[int, option("NUMBER", "Seed of the Sobol' points.", min=0)] = 0,
+    at: At = None,
+    table1: Annotated[bool, flag("Take the rod of Table 1; options replace its fields.", "--table1")] = False,
+    reading: Reading = None,
+    *,
+    given: Given,
+    choose: Choose = None,
+    out: Out = None,
+    plot: Picture = None,
+    force: ForceOutput = False,
+    json: Json = False,
+) -> int:
+    """Find values of fields that give wanted observables or fit measured points, with their intervals.
+
+    The search starts from the values of the case and from Sobol' points, and uses exact derivatives. It prints 95 %
+    intervals, which data decide each value, correlations, and other minima.
+
+    Angles: a number in rad, or a form like 30deg or pi/6. Exit status 1 if the data do not determine the values.
+    """
+    from solver import InputError
+    from solver import fit as fitted
+
+    from ..figures import canvas
+    from ..fitting import fit_input
+    from . import output_file
+
+    for path, suffixes in ((out, OUT), (plot, canvas.DIAGRAMS)):
+        if path is not None:
+            output_file.check(path, suffixes, force)
+    targets = fit_input.numbers("--target", target or [])
+    read, sigmas = fit_input.read_points(points) if points is not None else (None, {})
+    asked, taken = _case(file, at or [], given, table1, reading)
+    found = fitted(
+        asked.case,
+        _vary(vary or [], fit_input.bounds(bounds or [])),
+        targets,
+        read,
+        sigma={**sigmas, **fit_input.numbers("--sigma", sigma or [])},
+        wrapped=wrapped,
+        starts=starts,
+        seed=seed,
+        choose=_rule(asked, choose),
+    )
+    if not found.reached:
+        raise InputError(found.outcome.removeprefix("failed: "))
+    if json:
+        from .fit_report import as_data
+
+        console.print_json(as_data(found, asked, taken))
+    else:
+        from .fit_report import say
+
+        say(found, asked, taken)
+    if found.solution is not None:
+        _write(found, asked, out, plot, read, wrapped)
+    return 0 if found.solved else 1
+
+
+def _case(
+    file: Path | None, at: list[str], given: Given, table1: bool, reading: str | None
+) -> "tuple[CaseInput, dict[str, float]]":
+    """The case, and where on the axes of a study it was taken."""
+    from solver import InputError
+    from studies import load
+
+    from ..fitting import fit_input
+    from ..run.case_input import read_case
+    from . import at_option
+
+    if file is None:
+        if at:
+            raise InputError(f"--at {at[0]} names an axis of a study, and no study is given")
+        return read_case(None, given.values, given.units, table1, reading), {}
+    if table1:
+        raise InputError(f"{file.name} and --table1 exclude each other: each describes a whole rod")
+    if given.units:
+        raise InputError(f"{file.name} states its own units: change them in the file")
+    study = load(str(file)).under(reading)
+    ds = fit_input.places(study)
+    return fit_input.case_at(study, ds, at_option.values(ds, at), given.values)
+
+
+def _vary(texts: list[str], bounds: dict[str, tuple[float, float]]) -> "dict[str, tuple[float, float] | None]":
+    """Field -> bounds or None. Raises `InputError` where no field is named, or one is bounded that is not varied."""
+    from solver import InputError
+
+    names = [name.strip() for text in texts for name in text.split(",") if name.strip()]
+    if not names:
+        raise InputError("fit needs --vary NAMES, the fields that are fitted, such as --vary E,M3")
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise InputError(f"--vary names {twice[0]} twice")
+    for name in bounds:
+        if name not in names:
+            raise InputError(f"--bounds {name} is of no field of --vary; choose from {', '.join(names)}")
+    return {name: bounds.get(name) for name in names}
+
+
+def _rule(asked: "CaseInput", choose: str | None) -> Any:
+    """Which equilibrium of an ends problem the search begins with."""
+    from solver import Ends, InputError
+    from solver.boundary.selection import NEAREST
+
+    from .solve import parse_choose
+
+    if choose is not None and not isinstance(asked.case.given, Ends):
+        raise InputError("--choose selects among the equilibria of an ends problem; a start problem has one solution")
+    which = parse_choose(choose) if choose is not None else asked.study.equilibrium if asked.study else None
+    if which is None:
+        return NEAREST
+    if which.rule is None:
+        raise InputError("the study names its equilibrium by dbeta0 and energy, which move in a fit: give --choose")
+    return which.rule
+
+
+def _write(
+    found: "Fit", asked: "CaseInput", out: Path | None, plot: Path | None, points: dict[str, Any] | None, wrapped: bool
+) -> None:
+    """Write the files of --out and --plot."""
+    from ..figures import canvas
+    from ..figures import fit as fit_figure
+    from ..fitting import fit_dataset, fit_output
+
+    if out is not None:
+        fit_output.write(found, asked, out)
+    if plot is not None:
+        canvas.save(fit_figure.figure(fit_dataset.dataset_of(found, asked.units, points, wrapped)), plot)

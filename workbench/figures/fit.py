@@ -1,0 +1,142 @@
+"""The figure of a fit: the fitted developed curve with the measured points, the joint region, which data decide."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from scipy import special
+
+from studies.axes import quantity_of
+
+from ..data import labels
+from . import canvas, developed, legend, style
+
+SIZE = (9.6, 7.4)  # inches
+LEVEL = 0.95
+CROSSES = "; crosses: other minima that the data do not exclude"
+MARKS = ("o", "s", "^", "D", "v", "P")
+
+
+def figure(ds: xr.Dataset) -> Figure:
+    """The figure of a dataset of `fitting.fit_dataset`."""
+
+    def draw(fig: Figure) -> None:
+        rows = fig.add_gridspec(2, 2, height_ratios=(1.15, 1))
+        curve(ds, fig.add_subplot(rows[0, :]))
+        if ds.sizes["field"] > 1:
+            region(ds, fig.add_subplot(rows[1, 0]))
+            shares(ds, fig.add_subplot(rows[1, 1]))
+        else:
+            shares(ds, fig.add_subplot(rows[1, :]))
+
+    return canvas.figure(SIZE, draw, ds)
+
+
+def curve(ds: xr.Dataset, ax: Axes) -> Axes:
+    """The fitted developed curve, seen from outside: z to the right, rho alpha down; with the measured points."""
+    unit, rho = labels.unit(str(ds.attrs["length_unit"])), float(ds["rho"])
+    z, across = ds["z"].values, rho * ds["alpha"].values
+    ax.plot(z, across, color=style.PUSHED, linewidth=2.0, label="fitted rod")
+    if "measured_z" in ds:
+        measured = ds["measured_z"].values, rho * ds["measured_alpha"].values
+        for a, b, c, d in zip(*measured, ds["foot_z"].values, rho * ds["foot_alpha"].values, strict=True):
+            ax.plot((a, c), (b, d), color=style.LIFTED, linewidth=0.9, zorder=1)
+        ax.plot(*measured, "o", color=style.LIFTED, markersize=4, markeredgecolor=style.INK, markeredgewidth=0.4,
+                label="measured points")  # fmt: skip
+        legend.add(ax, loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.2)
+    ax.plot(z[0], across[0], "o", color=style.INK, markersize=5)
+    ax.annotate("s = 0", (z[0], across[0]), (0, 6), textcoords="offset points", ha="center", va="bottom",
+                size=style.SMALL)  # fmt: skip
+    factor = developed.stretch(float(np.ptp(z)), float(np.ptp(across)), (SIZE[0] - 1, SIZE[1] / 2 - 1))
+    ax.set_aspect(1 / factor)
+    ax.set_xlabel(f"z [{unit}]{developed.larger(factor)}")
+    ax.set_ylabel(style.wrapped(f"ρα [{unit}]{developed.larger(1 / factor)}", ax, upward=True))
+    ax.set_title("Developed curve, seen from outside", loc="left")
+    ax.margins(x=0.06, y=0.12)
+    ax.invert_yaxis()
+    return style.with_grid(ax)
+
+
+def region(ds: xr.Dataset, ax: Axes) -> Axes:
+    """The ellipse of the first two fields that holds both with 95 %, and the interval of each."""
+    values, low, high = (_shown(ds, ds[name].values[:2]) for name in ("value", "low", "high"))
+    names = [labels.symbol_of(str(name)) for name in ds["field"].values[:2]]
+    ax.set_xlabel(_label(ds, 0))
+    ax.set_ylabel(_label(ds, 1))
+    ax.plot(*values, "o", color=style.PUSHED, markersize=6, zorder=4)
+    others = ds["other_minimum"].values[:, :2]
+    for one in others:
+        ax.plot(*_shown(ds, one), "X", color=style.STABLE, markersize=7, zorder=3)
+    covariance = ds["covariance"].values[:2, :2] * np.outer(_factors(ds), _factors(ds))
+    also = CROSSES if len(others) else ""
+    if not np.isfinite(covariance).all() or not np.isfinite([low, high]).all():
+        ax.set_title(style.wrapped(f"{' and '.join(names)}: no region is known{also}", ax), loc="left")
+        return style.with_grid(ax)
+    around = values[:, None] + _ellipse(covariance, _size(ds))
+    ax.fill(*around, color=style.PUSHED, alpha=0.18, linewidth=0)
+    ax.plot(*around, color=style.PUSHED, linewidth=1.2)
+    for draw, ends in ((ax.axvline, (low[0], high[0])), (ax.axhline, (low[1], high[1]))):
+        for end in ends:
+            draw(end, color=style.SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
+    text = f"95 % region of both; dashed: 95 % interval of each{also}"
+    ax.set_title(style.wrapped(text, ax), loc="left")
+    return style.with_grid(ax)
+
+
+def shares(ds: xr.Dataset, ax: Axes) -> Axes:
+    """The share of each datum in what is known of each field: along the rod for points, else by observable."""
+    names = [labels.symbol_of(str(name)) for name in ds["field"].values]
+    colours = [style.PUSHED, style.LIFTED, *style.ramp_colours(max(len(names) - 2, 0))]
+    if "point_share" in ds:
+        s, unit = ds["foot_s"].values, labels.unit(str(ds.attrs["length_unit"]))
+        order = np.argsort(s, kind="stable")
+        for name, row, colour, mark in zip(names, ds["point_share"].values, colours, MARKS * len(names), strict=False):
+            ax.plot(s[order], 100 * row[order], color=colour, marker=mark, markersize=3, linewidth=0.9, label=name)
+        ax.set_xlabel(f"s of the point [{unit}]")
+        ax.set_ylabel("share [%]")
+    else:
+        groups = list(dict.fromkeys(map(str, ds["group"].values)))
+        sums = np.array([[row[ds["group"].values == g].sum() for g in groups] for row in ds["share"].values])
+        for k, (name, row, colour) in enumerate(zip(names, sums, colours, strict=False)):
+            place = np.arange(len(groups)) + (k - (len(names) - 1) / 2) * 0.8 / len(names)
+            ax.barh(place, 100 * row, 0.8 / len(names), color=colour, label=name)
+        ax.set_yticks(range(len(groups)), groups)
+        ax.invert_yaxis()
+        ax.set_xlabel("share [%]")
+    each = "each point" if "point_share" in ds else "each target"
+    title = f"Which data decide: share of {each} in what is known of {' and '.join(names)}"
+    ax.set_title(style.wrapped(title, ax), loc="left")
+    legend.add(ax, loc="best", ncols=len(names))
+    return style.with_grid(ax)
+
+
+def _factors(ds: xr.Dataset) -> Any:
+    """What turns the first two fields into the units of their labels."""
+    return np.array([np.degrees(1.0) if unit == "rad" else 1.0 for unit in ds["unit"].values[:2]])
+
+
+def _shown(ds: xr.Dataset, values: Any) -> Any:
+    return np.asarray(values, dtype=float) * _factors(ds)
+
+
+def _label(ds: xr.Dataset, k: int) -> str:
+    name, unit = str(ds["field"].values[k]), str(ds["unit"].values[k])
+    row = quantity_of(name)
+    shown = "°" if unit == "rad" else labels.unit(unit)
+    return f"{row.long_name}  {row.symbol}" + (f" [{shown}]" if shown else "")
+
+
+def _size(ds: xr.Dataset) -> float:
+    """The square of the radius of the region in standard deviations: of the F distribution where sigma is estimated."""
+    freedom = int(ds.attrs["freedom"])
+    normal = "normal" in str(ds.attrs["rule"])
+    return float(special.chdtri(2, 1 - LEVEL) if normal else 2 * special.fdtri(2, freedom, LEVEL))
+
+
+def _ellipse(covariance: Any, square: float) -> Any:
+    """Places where d C^-1 d is `square`, (2, n)."""
+    sizes, axes = np.linalg.eigh(covariance)
+    t = np.linspace(0, 2 * np.pi, 181)
+    return axes @ (np.sqrt(np.maximum(sizes, 0) * square)[:, None] * np.array([np.cos(t), np.sin(t)]))

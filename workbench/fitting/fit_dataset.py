@@ -1,0 +1,94 @@
+"""The dataset of a fit: the fitted curve, the measured points, the fitted values, and what is drawn of them."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver import solve
+from solver.inverse.data import DISTANCE
+from solver.inverse.result import Fit
+
+from ..data import labels, schema
+
+STATIONS = 801
+
+
+def dataset_of(found: Fit, units: dict[str, str], points: dict[str, Any] | None, wrapped: bool = False) -> xr.Dataset:
+    """The dataset of a fit that has a solution.
+
+    Dimensions: `field`, of the fitted fields, twice for matrices; `datum`, of the data; `u`, of the fitted curve;
+    `point`, of measured points.
+    """
+    names = list(found.values)
+    ds = xr.Dataset(
+        {
+            "value": ("field", list(found.values.values())),
+            "low": ("field", [found.intervals[name][0] for name in names]),
+            "high": ("field", [found.intervals[name][1] for name in names]),
+            "covariance": (("field", "other_field"), found.covariance),
+            "share": (("field", "datum"), np.array([found.shares[name] for name in names])),
+            "group": ("datum", list(found.groups)),
+            "other_minimum": (("minimum", "field"), _others(found, names)),
+        },
+        coords={"field": names, "unit": ("field", [schema.labels(name, units)["units"] for name in names])},
+        attrs={
+            "title": f"Fit: {_said(found, units)}", "rule": found.rule, "freedom": found.freedom,
+            "outcome": found.outcome, "length_unit": units["length"],
+        },
+    )  # fmt: skip
+    curve = solve(found.case, stations=STATIONS, **_branch(found))
+    ds["alpha"], ds["z"], ds["s"] = (("u", np.asarray(getattr(curve, name))) for name in ("alpha", "z", "s"))
+    ds["rho"] = float(found.case.rho)
+    if points is not None and {"alpha", "z"} <= set(points):
+        ds = ds.assign(_of_points(found, points, wrapped))
+    return ds
+
+
+def _said(found: Fit, units: dict[str, str]) -> str:
+    """``E = 10700 N/cm² (10591 to 10812)`` for each field; angles in degrees."""
+    parts = []
+    for name, value in found.values.items():
+        unit = schema.labels(name, units)["units"]
+        factor = np.degrees(1.0) if unit == "rad" else 1.0
+        shown = "°" if unit == "rad" else f" {labels.unit(unit)}".rstrip()
+        low, high = (f"{factor * end:.5g}" for end in found.intervals[name])
+        known = "" if np.isnan(found.intervals[name][0]) else f" ({low} to {high})"
+        parts.append(f"{labels.symbol_of(name)} = {factor * value:.5g}{shown}{known}")
+    return labels.minus_signs(", ".join(parts))
+
+
+def _branch(found: Fit) -> dict[str, Any]:
+    """Of an ends problem the equilibrium that was fitted."""
+    return {} if found.case.kind == "start" else {"seed": found.solution}
+
+
+def _others(found: Fit, names: list[str]) -> Any:
+    """The other minima that the data do not exclude."""
+    rows = [[one.values[name] for name in names] for one in found.minima if one.as_good]
+    return np.array(rows).reshape(-1, len(names))
+
+
+def _of_points(found: Fit, points: dict[str, Any], wrapped: bool) -> dict[str, Any]:
+    """The measured points, where the rod has them, and the s there."""
+    count = np.asarray(points["z"]).size
+    assert found.feet is not None
+    s, alpha, z = found.feet
+    measured = np.asarray(points["alpha"])
+    if wrapped:  # drawn on the turn of the rod that it belongs to
+        measured = measured + 2 * np.pi * np.round((alpha - measured) / (2 * np.pi))
+    share = np.array([_by_point(found, name, count) for name in found.values])
+    return {
+        "measured_alpha": ("point", measured),
+        "measured_z": ("point", np.asarray(points["z"])),
+        "foot_s": ("point", s),
+        "foot_alpha": ("point", alpha),
+        "foot_z": ("point", z),
+        "point_share": (("field", "point"), share),
+    }
+
+
+def _by_point(found: Fit, name: str, count: int) -> Any:
+    """The share of each point in what is known of a field, its columns together."""
+    of_points = np.array([group in ("alpha", "z", "beta", DISTANCE) for group in found.groups])
+    return found.shares[name][of_points].reshape(-1, count).sum(axis=0)

@@ -1,0 +1,44 @@
+"""The files that a fit writes: the fitted case as a study, the fitted values as a table."""
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+
+from solver import Ends, observe
+from solver.inverse.result import Fit
+
+from ..branches.equilibria import study_text
+from ..data import atomic, schema
+from ..run.case_input import CaseInput, field_values
+
+
+def study(found: Fit, asked: CaseInput) -> str:
+    """The TOML text of a study of the fitted case; of an ends problem it names the equilibrium that was fitted."""
+    title = f"Fitted {', '.join(found.values)}"
+    text = study_text(title, asked.units, field_values(found.case))
+    if not isinstance(found.case.given, Ends):
+        return text
+    assert found.solution is not None
+    energy = float(observe(found.solution, ["energy"])["energy"])
+    dbeta0 = float(found.solution.dbeta[0])
+    return f"{text}\n[equilibrium]\ndbeta0 = {dbeta0!r}\nenergy = {energy!r}\n"
+
+
+def table(found: Fit, asked: CaseInput) -> str:
+    """The fitted values as CSV: field, value, low and high of its 95 % interval, unit; angles in rad."""
+    names = list(found.values)
+    lines = io.StringIO()
+    writer = csv.writer(lines, lineterminator="\n")
+    writer.writerow(["field", "value", "low", "high", "unit", *(f"covariance_{name}" for name in names)])
+    for name, row in zip(names, np.asarray(found.covariance).tolist(), strict=True):
+        unit = schema.labels(name, asked.units)["units"]
+        writer.writerow([name, found.values[name], *found.intervals[name], unit, *row])
+    return lines.getvalue()
+
+
+def write(found: Fit, asked: CaseInput, path: Path) -> None:
+    """Write the study (.toml) or the table (.csv). Raises `InputError` where the disk refuses."""
+    text = study(found, asked) if path.suffix.lower() == ".toml" else table(found, asked)
+    atomic.write(path, lambda aside: aside.write_text(text, encoding="utf-8"))
