@@ -13,10 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core import strand_pairs as core_pairs
 from ..numerics.arrays import Array
+from ..orbit.marched_orbit import MarchedOrbit
 
 PARTS = 16  # of a period, to begin with
 FINEST = 2.0**-8  # of the radius: shorter stretches count as points, with an error of a thousandth of 2 a
+_DEEPEST = 48  # halvings: the places of shorter stretches differ by rounding alone
 _GRID = 4 * PARTS  # of a period: contains the middles of the parts and of their halves
 _ROUNDS, PAIRS = 10_000_000, 300_000  # largest number of periods and of pairs of stretches compared for a rod
 _WINDOW, TOGETHER, _FEW = 2**16, 8, 64  # periods listed at once; compared together; of a rod that needs no list
@@ -69,10 +72,20 @@ class Pairs:
 
 def strands(orbit: Any, length: Array, a: Array, tightest: Array) -> Strands:
     """The rods of an `Orbit` or a `MarchedOrbit`; length, a, largest curvature: (B,), in units of rho."""
-    with np.errstate(divide="ignore"):  # a helix repeats after any length
-        period = np.where(np.isfinite(orbit.period), orbit.period, 1 / tightest)
+    period = period_of(orbit, tightest)
     _, _, alpha, z = orbit.at((period / _GRID)[:, None] * np.arange(_GRID + 1))
     return Strands(orbit, period, alpha[:, -1], z[:, -1], length, a, apart(a, tightest), alpha, z)
+
+
+def period_of(orbit: Any, tightest: Array) -> Array:
+    """The lengths after which the rods repeat, (B,)."""
+    with np.errstate(divide="ignore"):  # a helix repeats after any length
+        return np.where(np.isfinite(orbit.period), orbit.period, 1 / tightest)
+
+
+def whole_periods(length: Array, period: Array) -> Integers:
+    """The number of periods compared, (B,)."""
+    return np.minimum(length // period, _ROUNDS).astype(np.int64)
 
 
 def apart(a: Array, tightest: Array) -> Any:
@@ -81,13 +94,34 @@ def apart(a: Array, tightest: Array) -> Any:
         return np.where(tightest > 0, 2 / tightest * (np.pi - np.arcsin(np.minimum(a * tightest, 1))), np.inf)
 
 
-def meets(rods: Strands, most_pairs: int = PAIRS, together: int = TOGETHER) -> Array:
+def meets(
+    orbit: Any, length: Array, a: Array, tightest: Array, most_pairs: int = PAIRS, together: int = TOGETHER
+) -> Array:
+    """Whether each rod meets itself, as `reference_meets`; rods that were marched are searched by the compiled core.
+
+    orbit, length, a, tightest: as of `strands`.
+    """
+    found, marched = np.empty(length.size), isinstance(orbit, MarchedOrbit)
+    core = ~orbit.lost if marched else np.zeros(length.size, dtype=bool)
+    if (rows := np.flatnonzero(~core)).size:
+        rest = strands(orbit.pick(rows), length[rows], a[rows], tightest[rows])
+        found[rows] = reference_meets(rest, most_pairs, together)
+    if (rows := np.flatnonzero(core)).size:
+        mine, of = orbit.pick(rows), (length[rows], a[rows], tightest[rows])
+        period = period_of(mine, of[2])
+        numbers = {"period": period, "length": of[0], "a": of[1], "apart": apart(*of[1:])}
+        limits = core_pairs.Limits(_ROUNDS, most_pairs, together)
+        found[rows] = core_pairs.meets(mine, numbers, whole_periods(of[0], period), limits)
+    return found
+
+
+def reference_meets(rods: Strands, most_pairs: int = PAIRS, together: int = TOGETHER) -> Array:
     """Whether each rod meets itself, (B,): 1 or 0, NaN where more than `most_pairs` pairs would have to be compared.
 
     Never 0 for a rod of which a shorter one gives 1: the points compared do not depend on the length. together: the
     number of periods of a rod compared at once; it does not change the result.
     """
-    periods = np.minimum(rods.length // rods.period, _ROUNDS).astype(np.int64)
+    periods = whole_periods(rods.length, rods.period)
     # no point between two of the grid is farther from both than half their distance
     margin = rods.a + rods.period / _GRID
     high = np.ptp(rods.z, axis=1) + 2 * margin
@@ -160,7 +194,7 @@ def _searched(rods: Strands, rod: Integers, k: Integers, left: Integers) -> tupl
         size = rods.period / PARTS * 0.5**pairs.level
         near, here = _near(rods, pairs, size)
         met[pairs.rod[here]] = True
-        pairs = pairs.take(near & ~met[pairs.rod] & (size > FINEST * rods.a)[pairs.rod])
+        pairs = pairs.take(near & ~met[pairs.rod] & ((size > FINEST * rods.a) & (pairs.level < _DEEPEST))[pairs.rod])
         for some in _split(pairs):
             finer = some.halves()
             finer = finer.take(_possible(rods, finer, size / 2))
