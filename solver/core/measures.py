@@ -38,7 +38,9 @@ def can_measure(coefficients: int) -> bool:
     return library() is not None and coefficients <= LONGEST
 
 
-def measure(pieces: Any, given: Mapping[str, Array], groups: Iterable[int], goal: float) -> dict[str, tuple[Any, Any]]:
+def measure(
+    pieces: Any, given: Mapping[str, Array], groups: Iterable[int], goal: float, lanes: int = 0
+) -> dict[str, tuple[Any, Any]]:
     """Measure rods.
 
     Parameters
@@ -51,6 +53,8 @@ def measure(pieces: Any, given: Mapping[str, Array], groups: Iterable[int], goal
         Places of the groups in `measurement.GROUPS`.
     goal : float
         Allowed error of the series, relative.
+    lanes : int
+        Numbers computed at once, 0 for as many as the processor allows; their number changes no bit.
 
     Returns
     -------
@@ -76,7 +80,7 @@ def measure(pieces: Any, given: Mapping[str, Array], groups: Iterable[int], goal
     call = function("rod_measure", ctypes.c_int, *2 * [ctypes.c_void_p], *2 * [ctypes.c_int64], ctypes.c_int)
 
     def part(a: int, b: int) -> None:
-        fine(call(ctypes.addressof(rods), begin_of(out), a, b, widest()))
+        fine(call(ctypes.addressof(rods), begin_of(out), a, b, lanes or widest()))
 
     shared_out(part, size)
     return {name: (out[:, 0, k], out[:, 1, k]) for k, name in enumerate(NUMBERS)}

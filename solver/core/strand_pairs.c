@@ -188,7 +188,9 @@ static int one_rod(search_of_rod *s, int64_t *near, double *found)
     const int enough = periods < all->rounds || fabs((double)periods * s->rise) > high;
     int64_t left = all->most_pairs, count = 0, used;
     int met = 0, failed = DONE;
-    for (int64_t k = 0; k <= periods && fabs((double)k * s->rise) <= high && !met && left > 0 && !failed; k++) {
+    const double before = floor(fmin(s->apart / s->period, (double)all->rounds)) - 2; /* none is far enough apart */
+    int64_t k = before > 0 ? (int64_t)before : 0;
+    for (; k <= periods && fabs((double)k * s->rise) <= high && !met && left > 0 && !failed; k++) {
         if (comes_near(k, s, high, wide))
             near[count++] = k;
         const int last = k == periods || !(fabs((double)(k + 1) * s->rise) <= high) || (k + 1) % WINDOW == 0;

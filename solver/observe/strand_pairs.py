@@ -141,12 +141,13 @@ def _near_periods(
     rods: Strands, periods: Integers, high: Array, wide: Array, together: int
 ) -> tuple[Integers, Integers, Any]:
     """Rods and periods k that come near the first period, (R,) each, to begin with; and lists of more."""
+    first = _first_periods(rods)
     k = np.arange(min(int(periods.max()), _FEW - 1) + 1)
     near = _comes_near(k, rods.turn[:, None], rods.rise[:, None], high[:, None], wide[:, None])
-    near &= k <= periods[:, None]
+    near &= (k >= first[:, None]) & (k <= periods[:, None])
     simple = (periods < _FEW) & (np.count_nonzero(near, axis=1) <= together)
     lists = {
-        int(i): _listed(int(periods[i]), rods.turn[i], rods.rise[i], high[i], wide[i], together)
+        int(i): _listed(int(first[i]), int(periods[i]), rods.turn[i], rods.rise[i], high[i], wide[i], together)
         for i in np.flatnonzero(~simple)
     }
     rod, k = np.nonzero(near & simple[:, None])
@@ -156,16 +157,24 @@ def _near_periods(
     return rod[order], k[order], lists
 
 
+def _first_periods(rods: Strands) -> Integers:
+    """The number of a period before which none is far enough along the rod from the first, (B,)."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.fmax(np.floor(np.fmin(rods.apart / rods.period, _ROUNDS)) - 2, 0).astype(np.int64)
+
+
 def _comes_near(k: Any, turn: Any, rise: Any, high: Any, wide: Any) -> Any:
     around = np.abs(np.mod(k * turn + np.pi, 2 * np.pi) - np.pi)
     return (np.abs(k * rise) <= high) & (around <= wide)
 
 
-def _listed(periods: int, turn: float, rise: float, high: float, wide: float, together: int) -> Iterator[Integers]:
-    """The periods that come near the first one of a rod, some at a time."""
+def _listed(
+    first: int, periods: int, turn: float, rise: float, high: float, wide: float, together: int
+) -> Iterator[Integers]:
+    """The periods from number `first` on that come near the first one of a rod, some at a time."""
     last = min(periods, int(min(high / abs(rise), float(_ROUNDS))) + 1) if rise else periods
-    for begin in range(0, last + 1, _WINDOW):
-        k = np.arange(begin, min(begin + _WINDOW, last + 1))
+    for begin in range(first // _WINDOW * _WINDOW, last + 1, _WINDOW):
+        k = np.arange(max(begin, first), min(begin + _WINDOW, last + 1))
         k = k[_comes_near(k, turn, rise, high, wide)]
         for block in range(0, k.size, together):
             yield k[block : block + together]
