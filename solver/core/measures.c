@@ -252,7 +252,8 @@ static int resolved(workspace *w, int64_t b, int kind, int precision, double all
         else if (refined(w, &goal, loads, &piece))
             return NO_MEMORY;
     }
-    memmove(w->parts + kept, w->parts + pieces, sizeof(stretch) * (size_t)(w->count - pieces));
+    if (w->count > pieces)
+        memmove(w->parts + kept, w->parts + pieces, sizeof(stretch) * (size_t)(w->count - pieces));
     w->count -= pieces - kept;
     return DONE;
 }
