@@ -145,7 +145,17 @@ def _sampled(folder: Path, size: int, axes: tuple[int, int], rounds: int) -> dic
     spent: dict[str, list[tuple[float, float]]] = {"samples": [], "grid": []}
     for _ in range(rounds):
         for name, measured in spent.items():
-            command = [sys.executable, "-m", "workbench.cli", "run", f"{name}.toml", "--workers", "1", "--restart", "--json"]
+            command = [
+                sys.executable,
+                "-m",
+                "workbench.cli",
+                "run",
+                f"{name}.toml",
+                "--workers",
+                "1",
+                "--restart",
+                "--json",
+            ]
             began = os.times()
             peak = _watched(command, folder)[1]
             ended = os.times()

@@ -154,7 +154,7 @@ def _attributes(
 def _sampled_text(study: Study, union: concatenation.Union, out: Path) -> tuple[str, dict[str, Any] | None]:
     """The text of the study with the samples of the union, and the context in which it loads.
 
-    More than `MOST_LISTED` numbers are not listed: the text names a table, and the samples are those stored in the file.
+    More than `MOST_LISTED` numbers are not listed: the text names a table, and the samples are those of the file.
     """
     if union.values.size * len(union.fields) <= MOST_LISTED:
         return dumps_paired(study, union.fields), None
