@@ -22,7 +22,7 @@ _MAPS = ("nodes", "analyse", "values", "differentiate")
 
 
 class _Rods(ctypes.Structure):
-    """`rods` in measures.c."""
+    """`rods` in stretches.h."""
 
     _fields_ = [
         *((name, ctypes.c_int64) for name in _COUNTS),
