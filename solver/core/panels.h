@@ -71,10 +71,10 @@ typedef struct {
     double *series;
 } panels;
 
-/* How panels are cut: see `panels.panelled`. lanes: what rod_lanes says, or fewer. */
+/* How panels are cut: see `panels.panelled`. lanes: what rod_lanes says, or fewer. relative: of `rod_orbits`. */
 typedef struct {
     double length, goal, stretch;
-    int times_only, lanes;
+    int times_only, lanes, relative;
 } cutting;
 
 /* The orbits that are read: arrays as `rod_orbits_fetch` fills them; beta0: (B,). first, count, duration: (2 B,). */
