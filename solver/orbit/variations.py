@@ -18,6 +18,7 @@ saddle no large numbers cancel.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -99,10 +100,10 @@ class Variations:
         values = orbit.read(self.series, phase)
         kind, direction = orbit.arcs.kind[:, None], orbit.arcs.direction[:, None]
         sign = np.where(phase.second, -direction, direction) * np.where(phase.mirrored, -1.0, 1.0)
-        ten = [unfolded(values[..., 9 + k], phase, self.gain[..., k], kind == LIBRATION) for k in range(10)]
-        return _place(sign * values[..., 0], values[..., 1:9], ten)
+        ten = unfolded(values[..., 9:], phase, self.gain, kind == LIBRATION)
+        return _place(sign * values[..., 0], values[..., 1:9], [*np.moveaxis(ten, -1, 0)])
 
-    @property
+    @cached_property
     def start(self) -> Place:
         """The places at the starts of the rods, (B,) each."""
         return self.at(np.zeros((self.orbit.problem.size, 1))).take((slice(None), 0))
