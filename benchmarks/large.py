@@ -130,14 +130,39 @@ def processor(folder: Path, rounds: int) -> dict[str, float]:
 
 def sampled(folder: Path, rounds: int) -> dict[str, float]:
     """100,000 samples, drawn, run and stored by one worker, against a grid of as many: processor time."""
-    text, grid = samples(100_000).text, study(250, 400)
+    return _sampled(folder, 100_000, (250, 400), rounds)
 
-    def drawn() -> None:
-        stored(loads(text, default_name="benchmark"), folder, workers=1)()
 
-    parts = {"samples [s]": drawn, "grid [s]": stored(grid, folder, workers=1)}
-    spent = {name: [seconds_of_processor(part) for _ in range(rounds + 1)][1:] for name, part in parts.items()}
-    found = {name: statistics.median(values) for name, values in spent.items()}
+def sampled_million(folder: Path, rounds: int) -> dict[str, float]:
+    """1,000,000 samples, drawn, run and stored by one worker, against a grid of as many: processor time."""
+    return _sampled(folder, 1_000_000, (1000, 1000), 1)
+
+
+def _sampled(folder: Path, size: int, axes: tuple[int, int], rounds: int) -> dict[str, float]:
+    """In processes of their own, in turn, so that each has its own largest memory."""
+    (folder / "samples.toml").write_text(samples(size).text)
+    (folder / "grid.toml").write_text(study(*axes).text)
+    spent: dict[str, list[tuple[float, float]]] = {"samples": [], "grid": []}
+    for _ in range(rounds):
+        for name, measured in spent.items():
+            command = [
+                sys.executable,
+                "-m",
+                "workbench.cli",
+                "run",
+                f"{name}.toml",
+                "--workers",
+                "1",
+                "--restart",
+                "--json",
+            ]
+            began = os.times()
+            peak = _watched(command, folder)[1]
+            ended = os.times()
+            processor = ended.children_user + ended.children_system - began.children_user - began.children_system
+            measured.append((processor, peak))
+    found = {f"{name} [s]": statistics.median(seconds for seconds, _ in told) for name, told in spent.items()}
+    found |= {f"{name}, peak [GB]": max(peak for _, peak in told) for name, told in spent.items()}
     return {**found, "samples / grid": found["samples [s]"] / found["grid [s]"]}
 
 
@@ -243,6 +268,7 @@ PARTS = {
     "processor": processor,
     "workers": workers,
     "sampled": sampled,
+    "sampled million": sampled_million,
     "cluster": cluster,
     "xyzpy": against_xyzpy,
     "million": going_on,

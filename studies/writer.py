@@ -1,6 +1,6 @@
 """Writes a study as TOML: the keys that were given, without the defaults."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,12 @@ def dumps_paired(study: Study, fields: Mapping[str, NDArray[np.float64]]) -> str
     """A TOML text of the study with these samples, field -> values, as lists of [zip]."""
     said = study.model_dump(by_alias=True, exclude_unset=True, exclude_none=True, exclude={*SOURCES})
     return tomli_w.dumps({**said, "zip": {name: values.tolist() for name, values in fields.items()}})
+
+
+def dumps_table(study: Study, file: str, fields: Sequence[str]) -> str:
+    """A TOML text of the study whose samples are these columns of a table of cases."""
+    said = study.model_dump(by_alias=True, exclude_unset=True, exclude_none=True, exclude={*SOURCES})
+    return tomli_w.dumps({**said, "table": {"file": file, "columns": [*fields]}})
 
 
 def told(values: NDArray[np.float64]) -> dict[str, Any]:

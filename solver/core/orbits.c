@@ -50,14 +50,18 @@ static int one_orbit(orbits *made, int64_t b, const start_problem *p, const doub
                      int64_t *count)
 {
     critical found;
-    arcs from;
+    arcs from, cut;
     if (!is_finite(p) || (pin && !(isfinite(pin[b]) && isfinite(gap[b]))))
         return NOT_POSSIBLE;
     int failed = rod_critical(p->lam, p->mu, p->phi, m, angles, table, &found);
     if (!failed)
         failed = rod_arcs(p, pin ? pin[b] : wrapped(p->beta0), pin ? gap[b] : p->dbeta0 * p->dbeta0, &found, &from);
-    if (!failed)
-        failed = rod_panelled(p, from.pieces, from.count, &made->at, how, &made->all);
+    if (!failed) {
+        cut = from;
+        for (int i = 0; how->relative && i < cut.count; i++)
+            cut.pieces[i].base = 0;
+        failed = rod_panelled(p, cut.pieces, cut.count, &made->at, how, &made->all);
+    }
     if (failed)
         return failed;
     kind[b] = from.kind, direction[b] = from.direction, count[2 * b] = count[2 * b + 1] = 0;

@@ -6,49 +6,6 @@
 enum { MOST = 10000, ROUNDS = 14, PATIENCE = 3, CROWD = 16, NEWTON = 12, ARCS = 4 };
 #define TOO_LONG 1e4 /* times the rod's length: a first panel that lasts longer is cut */
 #define LONG 8.0     /* in u: a piece longer than this is stretched along a saddle */
-#define FAR 1e6      /* angles beyond which sin and cos are left to libm */
-
-/* The loops over nodes below have no branches, so the compiler uses the lanes of the processor; wider lanes do the
-   same operations in the same order and so give the same bits. */
-typedef union {
-    double number;
-    int64_t bits;
-} word;
-
-INLINE double chosen(int64_t mask, double x, double y) /* x where all bits are set, y where none is */
-{
-    word a = {x}, b = {y};
-    a.bits = (a.bits & mask) | (b.bits & ~mask);
-    return a.number;
-}
-
-/* sin and cos to about one unit in the last place, |x| < FAR */
-INLINE void sin_cos_of(int n, const double *restrict x, double *restrict sine, double *restrict cosine)
-{
-    /* pi/2 in three parts: the products of the first two with a whole number below 2^20 are exact */
-    const double p1 = 0x1.921fb54400000p+0, p2 = 0x1.0b4611a600000p-34, p3 = 0x1.3198a2e037073p-69;
-    const double nearest = 0x1.8p52;
-    for (int i = 0; i < n; i++) {
-        word shifted = {x[i] * (2 / PI) + nearest};
-        const double k = shifted.number - nearest;
-        const double r = ((x[i] - k * p1) - k * p2) - k * p3, q = r * r;
-        double s = -1.0 / 121645100408832000.0, c = -1.0 / 6402373705728000.0;
-        s = s * q + 1.0 / 355687428096000.0, c = c * q + 1.0 / 20922789888000.0;
-        s = s * q - 1.0 / 1307674368000.0, c = c * q - 1.0 / 87178291200.0;
-        s = s * q + 1.0 / 6227020800.0, c = c * q + 1.0 / 479001600.0;
-        s = s * q - 1.0 / 39916800.0, c = c * q - 1.0 / 3628800.0;
-        s = s * q + 1.0 / 362880.0, c = c * q + 1.0 / 40320.0;
-        s = s * q - 1.0 / 5040.0, c = c * q - 1.0 / 720.0;
-        s = s * q + 1.0 / 120.0, c = c * q + 1.0 / 24.0;
-        s = s * q - 1.0 / 6.0;
-        s = r + r * q * s, c = 1.0 - (0.5 * q - q * q * c);
-        const int64_t swap = -(shifted.bits & 1);
-        word a = {chosen(swap, c, s)}, b = {chosen(swap, s, c)};
-        a.bits ^= (int64_t)((uint64_t)(shifted.bits & 2) << 62);
-        b.bits ^= (int64_t)((uint64_t)((shifted.bits + 1) & 2) << 62);
-        sine[i] = a.number, cosine[i] = b.number;
-    }
-}
 
 /* sinh and cosh, |u| < 700 */
 INLINE void sinh_cosh_of(int n, const double *restrict u, double *restrict sinh_, double *restrict cosh_)

@@ -16,6 +16,7 @@
 #define EPS DBL_EPSILON
 #define PI 3.14159265358979323846
 #define TAU (2 * PI)
+#define FAR 1e6      /* angles beyond which sin and cos are left to libm */
 #define TINY 1e-150 /* angles and speeds below this have squares that a float cannot hold: they count as zero */
 
 enum { NODES = 32, CRITICAL = 16, PIECES = 3 * CRITICAL, FUNCTIONS = 5 };
@@ -70,10 +71,10 @@ typedef struct {
     double *series;
 } panels;
 
-/* How panels are cut: see `panels.panelled`. lanes: what rod_lanes says, or fewer. */
+/* How panels are cut: see `panels.panelled`. lanes: what rod_lanes says, or fewer. relative: of `rod_orbits`. */
 typedef struct {
     double length, goal, stretch;
-    int times_only, lanes;
+    int times_only, lanes, relative;
 } cutting;
 
 /* The orbits that are read: arrays as `rod_orbits_fetch` fills them; beta0: (B,). first, count, duration: (2 B,). */
@@ -156,6 +157,48 @@ static inline double wrapped(double angle)
 #else
 #define INLINE static inline
 #endif
+
+/* The loops over nodes below have no branches, so the compiler uses the lanes of the processor; wider lanes do the
+   same operations in the same order and so give the same bits. */
+typedef union {
+    double number;
+    int64_t bits;
+} word;
+
+INLINE double chosen(int64_t mask, double x, double y) /* x where all bits are set, y where none is */
+{
+    word a = {x}, b = {y};
+    a.bits = (a.bits & mask) | (b.bits & ~mask);
+    return a.number;
+}
+
+/* sin and cos to about one unit in the last place, |x| < FAR */
+INLINE void sin_cos_of(int n, const double *restrict x, double *restrict sine, double *restrict cosine)
+{
+    /* pi/2 in three parts: the products of the first two with a whole number below 2^20 are exact */
+    const double p1 = 0x1.921fb54400000p+0, p2 = 0x1.0b4611a600000p-34, p3 = 0x1.3198a2e037073p-69;
+    const double nearest = 0x1.8p52;
+    for (int i = 0; i < n; i++) {
+        word shifted = {x[i] * (2 / PI) + nearest};
+        const double k = shifted.number - nearest;
+        const double r = ((x[i] - k * p1) - k * p2) - k * p3, q = r * r;
+        double s = -1.0 / 121645100408832000.0, c = -1.0 / 6402373705728000.0;
+        s = s * q + 1.0 / 355687428096000.0, c = c * q + 1.0 / 20922789888000.0;
+        s = s * q - 1.0 / 1307674368000.0, c = c * q - 1.0 / 87178291200.0;
+        s = s * q + 1.0 / 6227020800.0, c = c * q + 1.0 / 479001600.0;
+        s = s * q - 1.0 / 39916800.0, c = c * q - 1.0 / 3628800.0;
+        s = s * q + 1.0 / 362880.0, c = c * q + 1.0 / 40320.0;
+        s = s * q - 1.0 / 5040.0, c = c * q - 1.0 / 720.0;
+        s = s * q + 1.0 / 120.0, c = c * q + 1.0 / 24.0;
+        s = s * q - 1.0 / 6.0;
+        s = r + r * q * s, c = 1.0 - (0.5 * q - q * q * c);
+        const int64_t swap = -(shifted.bits & 1);
+        word a = {chosen(swap, c, s)}, b = {chosen(swap, s, c)};
+        a.bits ^= (int64_t)((uint64_t)(shifted.bits & 2) << 62);
+        b.bits ^= (int64_t)((uint64_t)((shifted.bits + 1) & 2) << 62);
+        sine[i] = a.number, cosine[i] = b.number;
+    }
+}
 
 /* out (m,) = values (n,) @ linear (n, m) */
 INLINE void product(int n, int m, const double *restrict values, const double *restrict linear, double *restrict out)

@@ -23,16 +23,19 @@ class _Cutting(ctypes.Structure):
 
     _fields_ = [(name, ctypes.c_double) for name in ("length", "goal", "stretch")]
     _fields_ += [("times_only", ctypes.c_int), ("lanes", ctypes.c_int)]
+    _fields_ += [("relative", ctypes.c_int)]
 
 
 class Cutting(NamedTuple):
     """How panels are cut: see `orbit.panels.panelled`. lanes: numbers computed at once, 0 for as many as there can be;
-    their number changes no bit."""
+    their number changes no bit. relative: whether series of beta count from the angles of their pieces, and not from 0;
+    those of alpha, z and the swirl then have no meaning."""
 
     length: float
     goal: float
     stretch: float
     lanes: int = 0
+    relative: bool = False
 
 
 @cache
@@ -50,8 +53,8 @@ def points(n: int) -> Any:
 
 def cut(cutting: Cutting, times_only: bool) -> Any:
     """How panels are cut, as an argument of the core."""
-    length, goal, stretch, lanes = cutting
-    return ctypes.byref(_Cutting(length, goal, stretch, int(times_only), lanes or widest()))
+    length, goal, stretch, lanes, relative = cutting
+    return ctypes.byref(_Cutting(length, goal, stretch, int(times_only), lanes or widest(), int(relative)))
 
 
 @cache

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..core.measures import can_measure, measure
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import means, primitive, series_at
 from ..orbit.marched_orbit import MarchedOrbit
@@ -159,7 +160,16 @@ GROUPS = (
 MIDDLE = (1 / 3, 2 / 3)  # the middle third of the length
 
 
-def _of_groups(groups: list[Group], pieces: Pieces, *given: Any) -> dict[str, Pair]:
+def _of_groups(groups: list[Group], pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+    """The numbers of some groups, (B,) each; where the compiled core is there, by it."""
+    if not can_measure(pieces.series.shape[2]):
+        return reference_groups(groups, pieces, sign, error, goal)
+    found = measure(pieces, {"sign": sign, "error": error}, [GROUPS.index(group) for group in groups], goal)
+    return {name: found[name] for group in groups for name in group.names}
+
+
+def reference_groups(groups: list[Group], pieces: Pieces, *given: Any) -> dict[str, Pair]:
+    """The same in NumPy."""
     found: dict[str, Pair] = {}
     with np.errstate(all="ignore"):  # replacement rods of refused cases, and numbers next to the range of a float
         for group in groups:

@@ -16,7 +16,7 @@ from ..numerics.arrays import Array
 from ..problem.reduced import flat
 from ..solution import Solution
 from .strand_pairs import apart as apart_along
-from .strand_pairs import meets, strands
+from .strand_pairs import meets
 
 # of the radius: distance of stations, and of points between them; and the largest number of points
 _COARSE, _DENSE, _MOST = 0.5, 0.125, 200_000
@@ -66,8 +66,7 @@ def overlaps(sol: Solution, kappa_max: Any, low: Any, high: Any, **limits: int) 
         if orbit is None:
             found[rows] = [_at_stations(sol, int(i), a[i]) for i in rows]
         else:
-            rods = strands(orbit.pick(rows), sol.problem.span[rows], a[rows], tightest[rows])
-            found[rows] = meets(rods, **limits)
+            found[rows] = meets(orbit.pick(rows), sol.problem.span[rows], a[rows], tightest[rows], **limits)
     whole = found if np.isnan(found).any() else found.astype(np.int64)
     return whole.reshape(case.shape)[()]
 

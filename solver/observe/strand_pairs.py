@@ -13,10 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core import strand_pairs as core_pairs
 from ..numerics.arrays import Array
+from ..orbit.marched_orbit import MarchedOrbit
 
 PARTS = 16  # of a period, to begin with
 FINEST = 2.0**-8  # of the radius: shorter stretches count as points, with an error of a thousandth of 2 a
+_DEEPEST = 48  # halvings: the places of shorter stretches differ by rounding alone
 _GRID = 4 * PARTS  # of a period: contains the middles of the parts and of their halves
 _ROUNDS, PAIRS = 10_000_000, 300_000  # largest number of periods and of pairs of stretches compared for a rod
 _WINDOW, TOGETHER, _FEW = 2**16, 8, 64  # periods listed at once; compared together; of a rod that needs no list
@@ -69,10 +72,20 @@ class Pairs:
 
 def strands(orbit: Any, length: Array, a: Array, tightest: Array) -> Strands:
     """The rods of an `Orbit` or a `MarchedOrbit`; length, a, largest curvature: (B,), in units of rho."""
-    with np.errstate(divide="ignore"):  # a helix repeats after any length
-        period = np.where(np.isfinite(orbit.period), orbit.period, 1 / tightest)
+    period = period_of(orbit, tightest)
     _, _, alpha, z = orbit.at((period / _GRID)[:, None] * np.arange(_GRID + 1))
     return Strands(orbit, period, alpha[:, -1], z[:, -1], length, a, apart(a, tightest), alpha, z)
+
+
+def period_of(orbit: Any, tightest: Array) -> Array:
+    """The lengths after which the rods repeat, (B,)."""
+    with np.errstate(divide="ignore"):  # a helix repeats after any length
+        return np.where(np.isfinite(orbit.period), orbit.period, 1 / tightest)
+
+
+def whole_periods(length: Array, period: Array) -> Integers:
+    """The number of periods compared, (B,)."""
+    return np.minimum(length // period, _ROUNDS).astype(np.int64)
 
 
 def apart(a: Array, tightest: Array) -> Any:
@@ -81,13 +94,34 @@ def apart(a: Array, tightest: Array) -> Any:
         return np.where(tightest > 0, 2 / tightest * (np.pi - np.arcsin(np.minimum(a * tightest, 1))), np.inf)
 
 
-def meets(rods: Strands, most_pairs: int = PAIRS, together: int = TOGETHER) -> Array:
+def meets(
+    orbit: Any, length: Array, a: Array, tightest: Array, most_pairs: int = PAIRS, together: int = TOGETHER
+) -> Array:
+    """Whether each rod meets itself, as `reference_meets`; rods that were marched are searched by the compiled core.
+
+    orbit, length, a, tightest: as of `strands`.
+    """
+    found, marched = np.empty(length.size), isinstance(orbit, MarchedOrbit)
+    core = ~orbit.lost if marched else np.zeros(length.size, dtype=bool)
+    if (rows := np.flatnonzero(~core)).size:
+        rest = strands(orbit.pick(rows), length[rows], a[rows], tightest[rows])
+        found[rows] = reference_meets(rest, most_pairs, together)
+    if (rows := np.flatnonzero(core)).size:
+        mine, of = orbit.pick(rows), (length[rows], a[rows], tightest[rows])
+        period = period_of(mine, of[2])
+        numbers = {"period": period, "length": of[0], "a": of[1], "apart": apart(*of[1:])}
+        limits = core_pairs.Limits(_ROUNDS, most_pairs, together)
+        found[rows] = core_pairs.meets(mine, numbers, whole_periods(of[0], period), limits)
+    return found
+
+
+def reference_meets(rods: Strands, most_pairs: int = PAIRS, together: int = TOGETHER) -> Array:
     """Whether each rod meets itself, (B,): 1 or 0, NaN where more than `most_pairs` pairs would have to be compared.
 
     Never 0 for a rod of which a shorter one gives 1: the points compared do not depend on the length. together: the
     number of periods of a rod compared at once; it does not change the result.
     """
-    periods = np.minimum(rods.length // rods.period, _ROUNDS).astype(np.int64)
+    periods = whole_periods(rods.length, rods.period)
     # no point between two of the grid is farther from both than half their distance
     margin = rods.a + rods.period / _GRID
     high = np.ptp(rods.z, axis=1) + 2 * margin
@@ -107,12 +141,13 @@ def _near_periods(
     rods: Strands, periods: Integers, high: Array, wide: Array, together: int
 ) -> tuple[Integers, Integers, Any]:
     """Rods and periods k that come near the first period, (R,) each, to begin with; and lists of more."""
+    first = _first_periods(rods)
     k = np.arange(min(int(periods.max()), _FEW - 1) + 1)
     near = _comes_near(k, rods.turn[:, None], rods.rise[:, None], high[:, None], wide[:, None])
-    near &= k <= periods[:, None]
+    near &= (k >= first[:, None]) & (k <= periods[:, None])
     simple = (periods < _FEW) & (np.count_nonzero(near, axis=1) <= together)
     lists = {
-        int(i): _listed(int(periods[i]), rods.turn[i], rods.rise[i], high[i], wide[i], together)
+        int(i): _listed(int(first[i]), int(periods[i]), rods.turn[i], rods.rise[i], high[i], wide[i], together)
         for i in np.flatnonzero(~simple)
     }
     rod, k = np.nonzero(near & simple[:, None])
@@ -122,16 +157,24 @@ def _near_periods(
     return rod[order], k[order], lists
 
 
+def _first_periods(rods: Strands) -> Integers:
+    """The number of a period before which none is far enough along the rod from the first, (B,)."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.fmax(np.floor(np.fmin(rods.apart / rods.period, _ROUNDS)) - 2, 0).astype(np.int64)
+
+
 def _comes_near(k: Any, turn: Any, rise: Any, high: Any, wide: Any) -> Any:
     around = np.abs(np.mod(k * turn + np.pi, 2 * np.pi) - np.pi)
     return (np.abs(k * rise) <= high) & (around <= wide)
 
 
-def _listed(periods: int, turn: float, rise: float, high: float, wide: float, together: int) -> Iterator[Integers]:
-    """The periods that come near the first one of a rod, some at a time."""
+def _listed(
+    first: int, periods: int, turn: float, rise: float, high: float, wide: float, together: int
+) -> Iterator[Integers]:
+    """The periods from number `first` on that come near the first one of a rod, some at a time."""
     last = min(periods, int(min(high / abs(rise), float(_ROUNDS))) + 1) if rise else periods
-    for begin in range(0, last + 1, _WINDOW):
-        k = np.arange(begin, min(begin + _WINDOW, last + 1))
+    for begin in range(first // _WINDOW * _WINDOW, last + 1, _WINDOW):
+        k = np.arange(max(begin, first), min(begin + _WINDOW, last + 1))
         k = k[_comes_near(k, turn, rise, high, wide)]
         for block in range(0, k.size, together):
             yield k[block : block + together]
@@ -160,7 +203,7 @@ def _searched(rods: Strands, rod: Integers, k: Integers, left: Integers) -> tupl
         size = rods.period / PARTS * 0.5**pairs.level
         near, here = _near(rods, pairs, size)
         met[pairs.rod[here]] = True
-        pairs = pairs.take(near & ~met[pairs.rod] & (size > FINEST * rods.a)[pairs.rod])
+        pairs = pairs.take(near & ~met[pairs.rod] & ((size > FINEST * rods.a) & (pairs.level < _DEEPEST))[pairs.rod])
         for some in _split(pairs):
             finer = some.halves()
             finer = finer.take(_possible(rods, finer, size / 2))

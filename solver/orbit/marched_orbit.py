@@ -109,8 +109,10 @@ class MarchedOrbit:
     @cached_property
     def steps(self) -> core.Steps:
         """The series of all steps, marched again: an answer that is only read at its stations does not store them."""
-        steps = core.room_for(self.found)
-        core.march(core.problems_of(self.problem), self.tol, np.empty((self.problem.size, 0)), steps=steps)
+        steps, mine = core.room_for(self.found), np.flatnonzero(~self.lost)
+        # a lost orbit has no room: the march of one that was too inaccurate would write beyond the arrays
+        own = replace(steps, first=steps.first[mine])
+        core.march(core.problems_of(self.problem.take(mine)), self.tol, np.empty((mine.size, 0)), steps=own)
         return steps
 
     def completed(self, lost: Booleans, answer: "Trajectory") -> "MarchedOrbit":

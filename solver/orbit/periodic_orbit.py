@@ -215,6 +215,27 @@ def reference_orbit(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[
     return assembled(problem, arcs, panels)
 
 
+def relative_orbit(problem: StartProblem, n: int, cutting: Cutting) -> Orbit:
+    """The orbits of B start problems whose series of beta count from the angles of their pieces.
+
+    Next to such an angle beta then has relative accuracy. The series of alpha, z and the swirl have no meaning.
+    n: nodes of a panel.
+    """
+    if available():
+        found = core.orbits(core.numbers_of(problem), None, grid(), n, cutting._replace(relative=True))
+        if found is not None:
+            return orbit_of(problem, found)
+    return reference_relative_orbit(problem, n, cutting)
+
+
+def reference_relative_orbit(problem: StartProblem, n: int, cutting: Cutting) -> Orbit:
+    """The same without the core."""
+    arcs = arcs_of(problem)
+    plain = replace(arcs, pieces=replace(arcs.pieces, base=np.zeros_like(arcs.pieces.base)))
+    panels = panelled(problem, plain, basis(n), cutting.length, cutting.goal, stretch=cutting.stretch)
+    return replace(assembled(problem, plain, panels), arcs=arcs)
+
+
 def orbit_of(problem: StartProblem, found: core.FoundOrbits) -> Orbit:
     """The orbits that the core made."""
     duration, fastest, error, time_error, time_rounding, since = found.columns

@@ -51,9 +51,12 @@ def located(t: Array, kind: Any, ahead: Array, back: Array, period: Array) -> Ph
 def unfolded(value: Array, phase: Phase, gain: Array, librates: Array) -> Array:
     """What an integral along the orbit has grown to, from its value within an arc.
 
-    value: (B, n), from the start along the arc. gain: (B, 2), over the forward and the backward arc. librates: (B, 1).
+    value: (B, n) or (B, n, k), from the start along the arc. gain: (B, 2) or (B, 2, k), over the forward and the
+    backward arc. librates: (B, 1).
     """
     there, after = gain[:, :1], gain[:, 1:]
-    limit = np.where(phase.second, after, there)
-    value = np.where(phase.mirrored, 2 * limit - value, value) + np.where(phase.second, 2 * there, 0.0)
-    return value + phase.periods * np.where(librates, 2 * (there + after), there)
+    every = (phase.second, phase.mirrored, phase.periods, librates)
+    second, mirrored, periods, folded = every if value.ndim == 2 else (v[..., None] for v in every)
+    limit = np.where(second, after, there)
+    value = np.where(mirrored, 2 * limit - value, value) + np.where(second, 2 * there, 0.0)
+    return value + periods * np.where(folded, 2 * (there + after), there)

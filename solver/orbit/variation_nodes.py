@@ -145,9 +145,7 @@ def _jump(orbit: Orbit, nodes: Nodes, old: Integers, new: Integers) -> Array:
     was, now = (np.concatenate([zero, nodes.shift[k]], axis=1) for k in (old, new))
     full = np.concatenate([zero + 1, nodes.gamma[new, :, 0]], axis=1) + now * H[:, None]
     g, less = full - was * H[:, None], was - now
-    found = np.empty((v.size, 10))
-    for n, (i, j) in enumerate(zip(*PAIRS, strict=True)):
-        found[:, n] = turn * g[:, i] * g[:, j]
-        found[:, n] += lift * (less[:, i] * full[:, j] + full[:, i] * less[:, j])
-        found[:, n] -= lift * H * (was[:, i] * was[:, j] - now[:, i] * now[:, j])
-    return found
+    i, j = PAIRS
+    turn, raised, lift = turn[:, None], (lift * H)[:, None], lift[:, None]
+    found = turn * g[:, i] * g[:, j] + lift * (less[:, i] * full[:, j] + full[:, i] * less[:, j])
+    return np.asarray(found - raised * (was[:, i] * was[:, j] - now[:, i] * now[:, j]))

@@ -18,17 +18,19 @@ saddle no large numbers cancel.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from ..core.panels import Cutting
 from ..mechanics.potential import TAU
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, polynomials
 from ..problem.reduced import StartProblem
 from .arcs import Arcs
-from .panels import panelled, running
-from .periodic_orbit import Orbit, assembled
+from .panels import running
+from .periodic_orbit import Orbit, assembled, relative_orbit
 from .phase import unfolded
 from .pieces import LIBRATION
 from .variation_nodes import PAIRS, Nodes, jumps, state_at_nodes
@@ -98,10 +100,10 @@ class Variations:
         values = orbit.read(self.series, phase)
         kind, direction = orbit.arcs.kind[:, None], orbit.arcs.direction[:, None]
         sign = np.where(phase.second, -direction, direction) * np.where(phase.mirrored, -1.0, 1.0)
-        ten = [unfolded(values[..., 9 + k], phase, self.gain[..., k], kind == LIBRATION) for k in range(10)]
-        return _place(sign * values[..., 0], values[..., 1:9], ten)
+        ten = unfolded(values[..., 9:], phase, self.gain, kind == LIBRATION)
+        return _place(sign * values[..., 0], values[..., 1:9], [*np.moveaxis(ten, -1, 0)])
 
-    @property
+    @cached_property
     def start(self) -> Place:
         """The places at the starts of the rods, (B,) each."""
         return self.at(np.zeros((self.orbit.problem.size, 1))).take((slice(None), 0))
@@ -214,22 +216,18 @@ def _end_term(place: Place, a: Array, g: Array) -> Array:
     return shift * (g * (place.v / place.D)[..., None])[..., None] - a[..., None] * gamma
 
 
-def variations(problem: StartProblem, arcs: Arcs, stretch: float = 1.0) -> Variations:
-    """The variations of orbits with these arcs, none of them a helix.
-
-    stretch: as in `panels.panelled`.
-    """
-    pieces = arcs.pieces
-    plain = replace(arcs, pieces=replace(pieces, base=np.zeros_like(pieces.base)))
-    panels = panelled(problem, plain, basis(POINTS), LENGTH, GOAL, stretch=stretch)
-    return variations_on(assembled(problem, plain, panels), arcs)
+def orbits_to_vary(problem: StartProblem) -> Orbit:
+    """The orbits of start problems as `variations_on` takes them, helices included."""
+    return relative_orbit(problem, POINTS, Cutting(LENGTH, GOAL, 1.0))
 
 
 def variations_on(orbit: Orbit, arcs: Arcs) -> Variations:
     """The variations on panels whose series of beta count from the angles from which the pieces of `arcs` count."""
     pieces, panels = arcs.pieces, orbit.panels
     most = int(pieces.rank.max(initial=0)) + 1
-    place = np.searchsorted(pieces.arc * most + pieces.rank, panels.arc * most + panels.rank)
+    number = pieces.arc * most + pieces.rank
+    order = np.argsort(number, kind="stable")
+    place = order[np.searchsorted(number, panels.arc * most + panels.rank, sorter=order)]
     nodes = state_at_nodes(orbit, pieces.local.o[place, 0])
     jump, closing = jumps(orbit, nodes)
     return _varied(orbit, pieces.base[place], nodes, jump, closing)

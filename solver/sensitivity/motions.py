@@ -11,9 +11,9 @@ from ..boundary.path_orbits import path_from_start
 from ..numerics.arrays import Array, Integers
 from ..observe.measurement import MIDDLE
 from ..orbit import helix_variations
-from ..orbit.arcs import Arcs, arcs_of
+from ..orbit.periodic_orbit import Orbit
 from ..orbit.pieces import HELIX
-from ..orbit.variations import Change, Place, Variations, changed, directions, variations
+from ..orbit.variations import Change, Place, Variations, changed, directions, orbits_to_vary, variations_on
 from ..problem.reduced import EndsProblem, Reduced, StartProblem
 from ..solution import Solution
 
@@ -71,20 +71,19 @@ def motions(sol: Solution, outcome: Array) -> Iterator[Motion]:
     for block in (solved[k : k + _BLOCK] for k in range(0, solved.size, _BLOCK)):
         problem = sol.problem.take(block)
         assert isinstance(problem, StartProblem)
-        arcs = arcs_of(problem)
-        still = arcs.kind == HELIX
+        orbit = orbits_to_vary(problem)
+        still = orbit.kind == HELIX
         if not still.any():
-            yield _of_orbits(sol, block, problem, arcs)
+            yield _of_orbits(sol, block, orbit)
             continue
         yield _of_helices(sol, block[still], problem.take(still))
         if not still.all():
-            some = problem.take(~still)
-            yield _of_orbits(sol, block[~still], some, arcs_of(some))
+            yield _of_orbits(sol, block[~still], orbits_to_vary(problem.take(~still)))
 
 
-def _of_orbits(sol: Solution, rows: Integers, problem: StartProblem, arcs: Arcs) -> Motion:
-    varied = variations(problem, arcs)
-    return _moved(varied, rows, problem, sol.t[rows], *directions(varied.start))
+def _of_orbits(sol: Solution, rows: Integers, orbit: Orbit) -> Motion:
+    varied = variations_on(orbit, orbit.arcs)
+    return _moved(varied, rows, orbit.problem, sol.t[rows], *directions(varied.start))
 
 
 def _moved(varied: Variations, rows: Integers, problem: StartProblem, t: Array, a0: Array, e: Array) -> Motion:

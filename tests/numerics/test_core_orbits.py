@@ -23,7 +23,13 @@ from solver.orbit.conditioning import condition
 from solver.orbit.critical_points import critical_points, grid, reference_critical_points
 from solver.orbit.error_estimate import estimated_error
 from solver.orbit.orbit_energy import reference_action
-from solver.orbit.periodic_orbit import Orbit, reference_orbit, solve_orbit
+from solver.orbit.periodic_orbit import (
+    Orbit,
+    reference_orbit,
+    reference_relative_orbit,
+    relative_orbit,
+    solve_orbit,
+)
 from solver.problem.reduced import EndsProblem, Reduced, StartProblem
 
 pytestmark = pytest.mark.skipif(not available(), reason="the compiled core is missing or switched off")
@@ -230,3 +236,17 @@ def test_the_equilibria_are_those_found_without_the_core(name: str, count: int) 
     np.testing.assert_allclose(np.array(slope)[order], np.array(slope0)[order0], rtol=1e-9, atol=1e-11)
     np.testing.assert_allclose(np.array(energy)[order], np.array(energy0)[order0], rtol=1e-11)
     np.testing.assert_allclose(np.array(whole)[:, order], np.array(whole0)[:, order0], atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_orbits_about_their_pieces_agree_with_those_of_numpy(kind: str) -> None:
+    problem, cutting = problems(kind, 6 if "saddle" in kind else 40), Cutting(0.45, 5e-15, 1.0)
+    theirs, mine = reference_relative_orbit(problem, 22, cutting), relative_orbit(problem, 22, cutting)
+    assert (mine.kind == theirs.kind).all()
+    np.testing.assert_allclose(mine.arcs.pieces.base, theirs.arcs.pieces.base, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(mine.duration, theirs.duration, rtol=1e-11)
+    same = np.array_equal(mine.panels.arc, theirs.panels.arc)
+    assert same or kind != "anywhere"
+    if same:
+        first = mine.panels.series[:, 0].sum(axis=1), theirs.panels.series[:, 0].sum(axis=1)
+        np.testing.assert_allclose(*first, rtol=1e-9, atol=1e-13)

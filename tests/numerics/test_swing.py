@@ -19,7 +19,7 @@ from solver.orbit.linearised_growth import beside_helix
 from solver.orbit.pieces import ROTATION
 from solver.problem.reduced import StartProblem
 from tests.cases import EXACT
-from tests.extreme_cases import KINDS
+from tests.extreme_cases import KINDS, draw
 from tests.helix_cases import NEAR, problems
 from workbench.compare.trade_cases import CASES
 
@@ -127,6 +127,19 @@ def test_digits_that_only_a_march_would_lose_are_not_lost() -> None:
     assert exact.condition[0] > 1e5
     assert fast.error[0] <= 1e-4
     np.testing.assert_allclose(fast.beta, exact.beta, atol=1e-9)
+
+
+@compiled
+def test_steps_of_rods_that_go_to_the_quadrature_overwrite_no_others() -> None:
+    """Some of these marches end, but too inaccurately: they are not kept and have no room among the steps."""
+    case = draw(150, 0, "helix")
+    orbit = solve(case, tol=1e-6, stations=3).trajectory.orbit
+    ended = march.march(march.problems_of(orbit.problem), orbit.tol, np.empty((case.size, 0)))["count"][:, 0] > 0
+    assert (orbit.lost & ended).any()
+    assert not orbit.lost.all()
+    t = orbit.problem.span * 0.37
+    alpha, z = orbit.along(np.arange(case.size), t)
+    np.testing.assert_array_equal([alpha, z], [row[:, 0] for row in orbit.at(t[:, None])[2:]])
 
 
 @compiled

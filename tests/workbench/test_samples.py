@@ -242,6 +242,27 @@ def test_repeated_samples_of_one_file_stay_repeated(tmp_path) -> None:
         assert ds["E"].values.tolist() == [1e4, 1e4, 2e4, 3e4]
 
 
+def test_a_merged_study_of_too_many_samples_names_a_table_and_keeps_them_as_arrays(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(merge, "MOST_LISTED", 9)  # as with a million samples
+    paths = [tmp_path / "a.h5", tmp_path / "b.h5"]
+    for path, E in zip(paths, ([1e4, 2e4, 3e4], [3e4, 4e4]), strict=True):
+        text = f"[zip]\nE = {E}\nR = {[e / 1e4 for e in E]}\n"
+        writing.write(in_memory.run(small.study(text, HEAD)), path)
+    merge.merge(paths, tmp_path / "c.h5")
+    with xr.open_dataset(tmp_path / "c.h5") as ds:
+        assert "[zip]" in ds.attrs["study"]
+    writing.write(in_memory.run(small.study("[zip]\nE = [5e4]\nR = [0.5]\n", HEAD)), paths[0])
+    told = merge.merge([tmp_path / "c.h5", paths[0]], tmp_path / "d.h5")
+    assert told["cases"] == 5
+    with xr.open_dataset(tmp_path / "d.h5") as ds:
+        assert 'file = "d.csv"' in ds.attrs["study"]
+        assert "[zip]" not in ds.attrs["study"]
+        assert stored_case.study_of(ds).coordinates()["E"].tolist() == [1e4, 2e4, 3e4, 4e4, 5e4]
+        assert ds.rod.sel(sample=4).rod.study.coordinates()["E"].tolist() == [5e4]
+    writing.write(in_memory.run(small.study("[zip]\nE = [6e4]\nR = [0.5]\n", HEAD)), paths[0])
+    assert merge.merge([tmp_path / "d.h5", paths[0]], tmp_path / "e.h5")["cases"] == 6
+
+
 def test_files_with_other_sampled_fields_or_the_same_samples_are_not_merged(stored: Path, tmp_path) -> None:
     fewer = tmp_path / "fewer.h5"
     writing.write(in_memory.run(small.study("[zip]\nE = [1e4]\nbeta = [0.5]\n", HEAD)), fewer)

@@ -14,10 +14,10 @@ import xarray as xr
 
 from solver.problem.errors import InputError, choices
 from studies import TABLE_1, Study
-from studies.dimensions import SAMPLE
+from studies.dimensions import SAMPLE, Dimension
 from studies.loader import loads
 from studies.paired import SOURCES
-from studies.writer import dumps, dumps_paired, told
+from studies.writer import dumps, dumps_paired, dumps_table, told
 
 from ..data import atomic, cautions, concatenation, law_verdicts, reading, schema, writing
 from ..data.selection import SAME
@@ -29,6 +29,7 @@ ALIKE = {
     "reading": "the reading", "side": "the side", "stiffness": "the stiffness", "tolerance": "the tolerance",
     "method": "the method", "length_unit": "the unit of length", "force_unit": "the unit of force",
 }  # fmt: skip
+MOST_LISTED = 1_000_000  # numbers of samples in the text of a merged study; the text of more would be too long to load
 MOST_SOURCES = 5  # files of which a merged file says how their samples were drawn
 # Fields of a study that are compared in the dataset, or that do not change a number.
 APART = {"name", "title", "axes", *SOURCES, "base", "observables", "outputs", "stations", "tol", "method"}
@@ -44,7 +45,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         studies = [stored_case.study_of(ds) for ds in opened]
         names = [str(path) for path in files]
         union = _union(opened, studies, names)
-        attrs = _attributes(opened, studies[0], union, names)
+        attrs = _attributes(opened, studies[0], union, names, out)
         writing.check_parent(out)
         if not force:
             writing.check_free(out, attrs["study_name"])
@@ -121,19 +122,20 @@ def _said(value: Any) -> str:
 
 
 def _attributes(
-    files: Sequence[xr.Dataset], study: Study, union: concatenation.Union, names: Sequence[str]
+    files: Sequence[xr.Dataset], study: Study, union: concatenation.Union, names: Sequence[str], out: Path
 ) -> dict[str, Any]:
     """The attributes of the merged file: those of the first, with the study over all values, which is read again."""
+    context = None
     attrs = {key: value for key, value in files[0].attrs.items() if key not in OF_ONE_RUN}
     if union.fields:
-        text = dumps_paired(study, union.fields)
+        text, context = _sampled_text(study, union, out)
         fields = union.fields
         attrs["sampling"] = _sampling(files, union)
     else:
         field = schema.field_of(study, union.axis)
         text = dumps(study, {field: told(union.values)})
         fields = {field: union.values}
-    again = loads(text, "the merged study", study.name).coordinates()
+    again = loads(text, "the merged study", study.name, context).coordinates()
     assert all(np.array_equal(values, again[name] if union.fields else np.sort(again[name]))
                for name, values in fields.items())  # fmt: skip
     versions = [reading.versions(ds, name) for ds, name in zip(files, names, strict=True)]
@@ -149,6 +151,16 @@ def _attributes(
         "versions": json.dumps(_together(versions)),
         "merged": json.dumps(sources),
     }
+
+
+def _sampled_text(study: Study, union: concatenation.Union, out: Path) -> tuple[str, dict[str, Any] | None]:
+    """The text of the study with the samples of the union, and the context in which it loads.
+
+    More than `MOST_LISTED` numbers are not listed: the text names a table, and the samples are those of the file.
+    """
+    if union.values.size * len(union.fields) <= MOST_LISTED:
+        return dumps_paired(study, union.fields), None
+    return dumps_table(study, f"{out.stem}.csv", list(union.fields)), {"samples": Dimension(SAMPLE, union.fields)}
 
 
 def _sampling(files: Sequence[xr.Dataset], union: concatenation.Union) -> str:

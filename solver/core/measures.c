@@ -1,0 +1,228 @@
+/* The numbers measured along each rod: solver/observe/measurement.py. One rod at a time; the result for a rod does not
+   depend on the others. */
+
+#include "stretches.h"
+
+enum { ANGLES, CURVATURES, BENDINGS, POTENTIALS, PUSHES, PUSH_ALONE, LIFT_OFFS, TENSIONS, DIRECTIONS }; /* GROUPS */
+enum { LOW, HIGH, CURVED, TIGHTEST, BENT, POTENTIAL_ENERGY, PUSHED, PULLED, SHARE, LEAST, GREATEST, PUSHED_ALONE, LIFTS,
+       LARGEST_TENSION, TURNED, RISEN, NUMBERS };
+#define BARELY (64 * EPS)   /* of the size of its terms: a push below this is rounding */
+#define SURELY 1e4          /* times that: a push beyond this is none by the series of either */
+
+typedef struct {
+    double value[NUMBERS], error[NUMBERS];
+} numbers;
+
+/* The error of the integral by truncation and rounding. */
+static double left_out(const workspace *w)
+{
+    double total = 0;
+    for (int64_t i = 0; i < w->count; i++) {
+        const stretch *p = &w->parts[i];
+        total += (2 * p->tail + EPS * highest(p->of.size)) * p->time * p->count;
+    }
+    return total;
+}
+
+/* The integral, and its error where beta has the error `error`. */
+static void integrated(const workspace *w, double error, double *value, double *doubt)
+{
+    double total = 0, wrong = 0;
+    for (int64_t i = 0; i < w->count; i++) {
+        const stretch *p = &w->parts[i];
+        total += total_of(p->series, w->by.mean) * p->time * p->count;
+        wrong += total_of(p->of.spread, w->by.weight) * (2 * error) * p->time * p->count;
+    }
+    *value = total, *doubt = left_out(w) + wrong;
+}
+
+/* The error of the extremes. push: whether the error of a value includes what is counted as rounding of a push. */
+static double worst_of(const workspace *w, double error, int push)
+{
+    double worst = -INFINITY;
+    for (int64_t i = 0; i < w->count; i++) {
+        const stretch *p = &w->parts[i];
+        double doubt[AT];
+        for (int k = 0; k < AT; k++)
+            doubt[k] = p->of.spread[k] * (2 * error) + (push ? 2 * p->tail + BARELY * p->of.size[k] : 0);
+        keep_larger(&worst, highest(doubt) + 2 * p->tail + EPS * highest(p->of.size));
+    }
+    return worst;
+}
+
+/* What one stretch adds: the share on which the cylinder pushes, and its error; and the mean of the push there. */
+typedef struct {
+    double area, share, unsure;
+} parted;
+
+static parted parted_on(const workspace *w, const stretch *p, double whole, double largest_doubt)
+{
+    const points *at = &w->all->at;
+    double left[AT], c[AT], integral_[AT + 1];
+    const double clear = fabs(p->series[0]) - range_of(p->series), size = highest(p->of.size);
+    if (clear > SURELY * BARELY * size)
+        return p->series[0] > 0 ? (parted){whole, 1, 0} : (parted){0, 0, 0};
+    for (int k = 0; k < AT; k++)
+        left[k] = p->of.values[k] - BARELY * p->of.size[k];
+    sign_changes found;
+    w->use.through(left, at->analyse, c);
+    rod_changes(w, left, c, &found);
+    const int first = left[0] > 0;
+    parted out = {first ? whole : 0, first, 0};
+    if (!found.count)
+        return out;
+    integral(AT, p->series, integral_);
+    double end = 0;
+    for (int k = 0; k <= AT; k++)
+        end += integral_[k];
+    for (int i = 0; i < found.count; i++) {
+        double rate, value, before = rod_series_value(integral_, found.x[i]);
+        before += integral_[AT] * cos(AT * acos(smaller(larger(found.x[i], -1), 1)));
+        rod_series_and_rate(c, found.x[i], &value, &rate);
+        const double moved = largest_doubt / fabs(rate);
+        out.area += found.sign[i] * (end - before) / 2;
+        out.share += found.sign[i] * (1 - found.x[i]) / 2;
+        out.unsure += moved < 1 ? moved : 1;
+    }
+    out.share = smaller(larger(out.share, 0), 1);
+    return out;
+}
+
+/* The parts of the rod on which the cylinder pushes and pulls: `measurement._parted`; the error of the push alone. */
+static void pushes_of(const workspace *w, double error, numbers *out)
+{
+    double pushed = 0, pulled = 0, share = 0, unsure = 0, wrong = 0;
+    for (int64_t i = 0; i < w->count; i++) {
+        const stretch *p = &w->parts[i];
+        double doubt[AT], faint = 0;
+        for (int k = 0; k < AT; k++) {
+            doubt[k] = p->of.spread[k] * (2 * error) + 2 * p->tail + BARELY * p->of.size[k];
+            faint += (fabs(p->of.values[k]) < doubt[k]) & (p->of.values[k] != 0);
+        }
+        const double length = p->time * p->count, whole = total_of(p->series, w->by.mean);
+        const parted part = parted_on(w, p, whole, highest(doubt));
+        pushed += part.area * length, pulled += (part.area - whole) * length, share += part.share * length;
+        unsure += (smaller(larger(part.unsure, faint / AT), 1) + EPS) * length;
+        wrong += total_of(doubt, w->by.weight) * length;
+    }
+    out->value[PUSHED] = out->value[PUSHED_ALONE] = pushed, out->value[PULLED] = pulled, out->value[SHARE] = share;
+    out->error[PUSHED] = out->error[PUSHED_ALONE] = out->error[PULLED] = wrong, out->error[SHARE] = unsure;
+}
+
+/* The least t at which the push is less than `barely` times its rounding and `doubted` times its doubt. */
+static double first_below(const workspace *w, double error, double barely, double doubted)
+{
+    double first = INFINITY;
+    for (int64_t i = 0; i < w->count; i++) {
+        const stretch *p = &w->parts[i];
+        double left[AT], c[AT];
+        for (int k = 0; k < AT; k++) {
+            const double doubt = p->of.spread[k] * (2 * error) + 2 * p->tail + BARELY * p->of.size[k];
+            left[k] = p->of.values[k] - (doubted != 0 ? doubted * doubt : barely * (BARELY * p->of.size[k]));
+        }
+        sign_changes found;
+        w->use.through(left, w->all->at.analyse, c);
+        rod_changes(w, left, c, &found);
+        double share = left[0] < 0 ? 0 : INFINITY;
+        for (int k = 0; k < found.count; k++)
+            if (found.sign[k] < 0 && (1 + found.x[k]) / 2 < share)
+                share = (1 + found.x[k]) / 2;
+        if (p->begin + share * p->time < first)
+            first = p->begin + share * p->time;
+    }
+    return first;
+}
+
+static void lift_offs_of(const workspace *w, double error, double span, numbers *out)
+{
+    const double first = smaller(first_below(w, error, -1, 0), span);
+    const double early = smaller(first_below(w, error, 0, 1), span), late = smaller(first_below(w, error, 0, -1), span);
+    out->value[LIFTS] = first, out->error[LIFTS] = larger(late - first, first - early) + 8 * EPS * span;
+}
+
+static void range_of_angles(const workspace *w, int64_t pieces, numbers *out)
+{
+    double low = INFINITY, high = -INFINITY;
+    for (int64_t i = 0; i < pieces; i++) {
+        const double a = w->angles[i].beta[0], b = w->angles[i].beta[AT - 1];
+        if (smaller(a, b) < low)
+            low = smaller(a, b);
+        keep_larger(&high, larger(a, b));
+    }
+    out->value[LOW] = low, out->value[HIGH] = high;
+}
+
+/* Integrals, of all groups asked for that need no extremes. */
+static int integrals_of(workspace *w, int64_t b, const rod_loads *loads, double error, numbers *out)
+{
+    static const int kinds[4] = {BENDING, POTENTIAL, ACROSS, ALONG}, names[4] = {BENT, POTENTIAL_ENERGY, TURNED, RISEN};
+    static const int groups[4] = {BENDINGS, POTENTIALS, DIRECTIONS, DIRECTIONS};
+    for (int i = 0; i < 4; i++) {
+        if (!(w->all->groups >> groups[i] & 1))
+            continue;
+        if (rod_resolved(w, b, kinds[i], INTEGRAL, w->all->goal, loads))
+            return NO_MEMORY;
+        integrated(w, error, &out->value[names[i]], &out->error[names[i]]);
+    }
+    return DONE;
+}
+
+static int measured(workspace *w, int64_t b, numbers *out)
+{
+    const rods *all = w->all;
+    const double lam = all->lam[b], mu = all->mu[b], phi = all->phi[b], error = all->error[b];
+    const rod_loads loads = {lam, mu, phi, all->sign[b], sqrt(fabs(lam) + 2 * fabs(mu) + fabs(phi) + 2)};
+    const int64_t groups = all->groups;
+    if (rod_angles(w, b))
+        return NO_MEMORY;
+    if (groups >> ANGLES & 1) {
+        out->error[LOW] = out->error[HIGH] = error;
+        if (all->monotone)
+            range_of_angles(w, all->first[b + 1] - all->first[b], out);
+        else if (rod_resolved(w, b, ANGLE, EXTREMES, INFINITY, &loads))
+            return NO_MEMORY;
+        else
+            out->value[LOW] = -rod_largest(w, -1), out->value[HIGH] = rod_largest(w, 1);
+    }
+    if (groups >> CURVATURES & 1) {
+        if (rod_resolved(w, b, CURVATURE, EXTREMES, all->goal, &loads))
+            return NO_MEMORY;
+        integrated(w, error, &out->value[CURVED], &out->error[CURVED]);
+        out->value[TIGHTEST] = rod_largest(w, 1), out->error[TIGHTEST] = worst_of(w, error, 0);
+    }
+    if (groups & (1 << PUSHES | 1 << PUSH_ALONE | 1 << LIFT_OFFS)) {
+        if (rod_resolved(w, b, OUTWARD, SIGNS, all->goal, &loads))
+            return NO_MEMORY;
+        if (groups & (1 << PUSHES | 1 << PUSH_ALONE))
+            pushes_of(w, error, out);
+        if (groups >> PUSHES & 1) {
+            out->value[LEAST] = -rod_largest(w, -1), out->value[GREATEST] = rod_largest(w, 1);
+            out->error[LEAST] = out->error[GREATEST] = worst_of(w, error, 1);
+        }
+        if (groups >> LIFT_OFFS & 1)
+            lift_offs_of(w, error, all->span[b], out);
+    }
+    if (groups >> TENSIONS & 1) {
+        if (rod_resolved(w, b, TENSION, EXTREMES, all->goal, &loads))
+            return NO_MEMORY;
+        out->value[LARGEST_TENSION] = larger(fabs(rod_largest(w, 1)), fabs(rod_largest(w, -1)));
+        out->error[LARGEST_TENSION] = worst_of(w, error, 0);
+    }
+    return integrals_of(w, b, &loads, error, out);
+}
+
+/* Measures rods from `begin` to `end` into out: (n, 2, NUMBERS), values and errors of the groups asked for.
+
+   lanes: what rod_lanes says, or fewer; changes no bit. Returns DONE, NO_MEMORY or NOT_POSSIBLE: other nodes than AT, or
+   series longer than LONGEST. */
+int rod_measure(const rods *all, numbers *out, int64_t begin, int64_t end, int lanes)
+{
+    if (all->at.n != AT || all->coefficients < 1 || all->coefficients > LONGEST)
+        return NOT_POSSIBLE;
+    workspace *w = rod_workspace(all, lanes);
+    int failed = w ? DONE : NO_MEMORY;
+    for (int64_t b = begin; b < end && !failed; b++)
+        failed = measured(w, b, out + b);
+    rod_workspace_free(w);
+    return failed;
+}

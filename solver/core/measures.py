@@ -1,0 +1,86 @@
+"""Integrals and extremes along rods by the compiled core: `measures.c`."""
+
+import ctypes
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from ..numerics.chebyshev import basis
+from .library import begin_of, function, library, shared_out, widest
+from .panels import fine
+
+NODES, LONGEST = 24, 64  # of each piece; most coefficients of a series
+NUMBERS = (  # in the order of measures.c
+    "low", "high", "curvature", "tightest", "bending", "potential", "pushed", "pulled", "share", "least", "most",
+    "push", "lifts", "tension", "turned", "risen",
+)  # fmt: skip
+_COUNTS = ("coefficients", "monotone", "groups")
+_PIECES, _RODS = ("low", "high", "time", "count", "begin"), ("lam", "mu", "phi", "span", "beta0", "sign", "error")
+_MAPS = ("nodes", "analyse", "values", "differentiate")
+
+
+class _Rods(ctypes.Structure):
+    """`rods` in stretches.h."""
+
+    _fields_ = [
+        *((name, ctypes.c_int64) for name in _COUNTS),
+        ("goal", ctypes.c_double),
+        *((name, ctypes.c_void_p) for name in ("series", "first", "row", *_PIECES, *_RODS)),
+        ("n", ctypes.c_int64),
+        *((name, ctypes.c_void_p) for name in _MAPS),
+    ]
+
+
+def can_measure(coefficients: int) -> bool:
+    """Whether the core is there, and measures pieces whose series have so many coefficients."""
+    return library() is not None and coefficients <= LONGEST
+
+
+def measure(
+    pieces: Any, given: Mapping[str, Array], groups: Iterable[int], goal: float, lanes: int = 0
+) -> dict[str, tuple[Any, Any]]:
+    """Measure rods.
+
+    Parameters
+    ----------
+    pieces : Pieces
+        The pieces of B rods.
+    given : mapping
+        ``sign`` of the push and ``error`` of beta, (B,) each.
+    groups : iterable of int
+        Places of the groups in `measurement.GROUPS`.
+    goal : float
+        Allowed error of the series, relative.
+    lanes : int
+        Numbers computed at once, 0 for as many as the processor allows; their number changes no bit.
+
+    Returns
+    -------
+    dict
+        Name -> values and errors, (B,) each, of `NUMBERS`; those of other groups are 0.
+    """
+    size, order = pieces.problem.size, np.argsort(pieces.case, kind="stable")
+    kept: dict[str, Any] = {name: getattr(pieces, name)[order] for name in _PIECES}
+    kept["first"] = np.searchsorted(pieces.case[order], np.arange(size + 1))
+    kept["row"], kept["series"] = pieces.row[order], pieces.series
+    kept |= {name: getattr(pieces.problem, name) for name in _RODS[:5]}
+    kept |= given
+    kept |= {name: getattr(basis(NODES), name) for name in _MAPS}
+    kept = {
+        name: np.ascontiguousarray(array, dtype=np.int64 if name in ("first", "row") else float)
+        for name, array in kept.items()
+    }
+    asked = sum(1 << group for group in groups)
+    counts = pieces.series.shape[2], int(pieces.monotone), asked
+    places = {name: begin_of(array) for name, array in kept.items()}
+    rods = _Rods(**dict(zip(_COUNTS, counts, strict=True)), goal=goal, n=NODES, **places)
+    out = np.zeros((size, 2, len(NUMBERS)))
+    call = function("rod_measure", ctypes.c_int, *2 * [ctypes.c_void_p], *2 * [ctypes.c_int64], ctypes.c_int)
+
+    def part(a: int, b: int) -> None:
+        fine(call(ctypes.addressof(rods), begin_of(out), a, b, lanes or widest()))
+
+    shared_out(part, size)
+    return {name: (out[:, 0, k], out[:, 1, k]) for k, name in enumerate(NUMBERS)}

@@ -1,0 +1,222 @@
+/* Whether rods meet themselves: solver/observe/strand_pairs.py, where the search is explained. One rod at a time. */
+
+#include "panels.h"
+
+enum { PARTS = 16, GRID = 4 * PARTS, WINDOW = 65536, DEEPEST = 48 }; /* DEEPEST: halvings */
+#define FINEST 0.00390625 /* of the radius: shorter stretches count as points */
+
+/* rod.c; orbits: of the march */
+void rod_read(int64_t n, const int64_t *which, const void *orbits, const int64_t *first, const double *since,
+              const double *width, const double *series, int64_t stations, const double *t, double *beta, double *rate,
+              double *alpha, double *z, double *swirl, int most);
+
+/* Rods and their marched orbits; period, length, a, apart, periods: (n,), lengths in units of rho. */
+typedef struct {
+    const void *orbits;
+    const int64_t *first;
+    const double *since, *width, *series, *period, *length, *a, *apart;
+    const int64_t *periods;
+    int64_t rounds, most_pairs, together, lanes;
+} rods;
+
+/* Stretch i of the first period and stretch j of the k-th after it. */
+typedef struct {
+    int64_t k, i, j;
+} pair;
+
+typedef struct {
+    pair *rows;
+    int64_t count, room;
+} pairs;
+
+typedef struct {
+    const rods *all;
+    int64_t rod;
+    double period, length, a, apart, turn, rise, alpha[GRID + 1], z[GRID + 1];
+    pairs now, next;
+    double *points; /* times, beta, beta_t, alpha and z */
+    int64_t point_room;
+} search_of_rod;
+
+static int add_pair(pairs *to, int64_t k, int64_t i, int64_t j)
+{
+    if (to->count == to->room) {
+        const int64_t room = 2 * to->room + 1024;
+        pair *rows = realloc(to->rows, sizeof(pair) * (size_t)room);
+        if (!rows)
+            return NO_MEMORY;
+        to->rows = rows, to->room = room;
+    }
+    to->rows[to->count++] = (pair){k, i, j};
+    return DONE;
+}
+
+static void read_at(const search_of_rod *s, int64_t n, const double *t, double *beta, double *rate, double *alpha,
+                    double *z)
+{
+    const rods *all = s->all;
+    rod_read(1, &s->rod, all->orbits, all->first, all->since, all->width, all->series, n, t, beta, rate, alpha, z, NULL,
+             (int)all->lanes);
+}
+
+/* Whether period k comes near the first, of which it is the screw. */
+static int comes_near(int64_t k, const search_of_rod *s, double high, double wide)
+{
+    const double turned = (double)k * s->turn + PI, rest = fmod(turned, TAU);
+    const double around = fabs((rest < 0 ? rest + TAU : rest) - PI);
+    return fabs((double)k * s->rise) <= high && around <= wide;
+}
+
+/* Whether two stretches are on the rod, in order, and somewhere far enough apart along it. */
+static int possible(const search_of_rod *s, int64_t k, int64_t i, int64_t j, double size)
+{
+    const double before = (double)i * size, begins = (double)k * s->period + (double)j * size;
+    return before < s->length && begins < s->length && begins >= before && begins + size - before >= s->apart;
+}
+
+/* The pairs of parts of the first and the k-th period whose heights allow them to meet; counts those possible. */
+static int whole_pairs(search_of_rod *s, int64_t k, int64_t *used)
+{
+    const double size = s->period / PARTS, most = (2 * s->a + size) * (1 + 1e-12);
+    for (int64_t i = 0; i < PARTS; i++)
+        for (int64_t j = 0; j < PARTS; j++) {
+            if (!possible(s, k, i, j, size))
+                continue;
+            ++*used;
+            const double later = s->z[2 + 4 * j] + (double)k * s->rise;
+            if (fabs(later - s->z[2 + 4 * i]) <= most && add_pair(&s->now, k, i, j))
+                return NO_MEMORY;
+        }
+    return DONE;
+}
+
+/* alpha and z in the middles of stretches i and j of each pair, in turn: from the grid, or read. */
+static int middles(search_of_rod *s, int level, double size, const double **alpha, const double **z)
+{
+    const int64_t n = 2 * s->now.count;
+    if (5 * n > s->point_room) {
+        double *points = realloc(s->points, sizeof(double) * (size_t)(10 * n));
+        if (!points)
+            return NO_MEMORY;
+        s->points = points, s->point_room = 10 * n;
+    }
+    double *t = s->points, *angle = t + 3 * n, *height = t + 4 * n;
+    *alpha = angle, *z = height;
+    for (int64_t m = 0; m < n; m++) {
+        const pair *p = &s->now.rows[m / 2];
+        const int64_t v = m % 2 ? p->j : p->i;
+        if (level < 2) {
+            const int64_t place = (2 >> level) * (2 * v + 1);
+            angle[m] = s->alpha[place], height[m] = s->z[place];
+        } else
+            t[m] = ((double)v + 0.5) * size;
+    }
+    if (level >= 2)
+        read_at(s, n, t, t + n, t + 2 * n, angle, height);
+    return DONE;
+}
+
+/* Halves the pairs that might meet; met: whether middles do. */
+static int finer(search_of_rod *s, int level, int64_t *used, int *met)
+{
+    const double size = s->period / PARTS * ldexp(1, -level), thick = 2 * s->a;
+    const double *alpha, *z;
+    s->next.count = 0;
+    if (middles(s, level, size, &alpha, &z))
+        return NO_MEMORY;
+    for (int64_t m = 0; m < s->now.count; m++) {
+        const pair p = s->now.rows[m];
+        const double chord = 2 * sin((alpha[2 * m + 1] + (double)p.k * s->turn - alpha[2 * m]) / 2);
+        const double distance = hypot(chord, z[2 * m + 1] + (double)p.k * s->rise - z[2 * m]);
+        const double first = ((double)p.i + 0.5) * size, later = (double)p.k * s->period + ((double)p.j + 0.5) * size;
+        if (distance < thick && later <= s->length && later - first > PI * s->a) {
+            *met = 1;
+            return DONE;
+        }
+        if (!(distance <= thick + size && size > FINEST * s->a && level < DEEPEST))
+            continue;
+        for (int child = 0; child < 4; child++) {
+            const int64_t i = 2 * p.i + child / 2, j = 2 * p.j + child % 2;
+            if (!possible(s, p.k, i, j, size / 2))
+                continue;
+            ++*used;
+            if (add_pair(&s->next, p.k, i, j))
+                return NO_MEMORY;
+        }
+    }
+    const pairs done = s->now;
+    s->now = s->next, s->next = done;
+    return DONE;
+}
+
+/* Compares the first period with some others; used: the pairs compared; met: whether stretches meet. */
+static int searched(search_of_rod *s, int64_t count, const int64_t *periods, int64_t left, int64_t *used, int *met)
+{
+    int failed = DONE;
+    *used = 0, s->now.count = 0;
+    for (int64_t m = 0; m < count && !failed; m++)
+        failed = whole_pairs(s, periods[m], used);
+    for (int level = 0; !failed && !*met && s->now.count && *used <= left; level++)
+        failed = finer(s, level, used, met);
+    return failed;
+}
+
+static void range_of(const double *values, double *range)
+{
+    double low = values[0], high = values[0];
+    for (int i = 1; i <= GRID; i++)
+        low = smaller(low, values[i]), high = larger(high, values[i]);
+    *range = high - low;
+}
+
+/* 1 where the rod meets itself, 0 where it does not, NaN where more pairs would have to be compared. */
+static int one_rod(search_of_rod *s, int64_t *near, double *found)
+{
+    const rods *all = s->all;
+    const int64_t b = s->rod, periods = all->periods[b];
+    double t[GRID + 1], beta[GRID + 1], rate[GRID + 1], high, wide;
+    s->period = all->period[b], s->length = all->length[b], s->a = all->a[b], s->apart = all->apart[b];
+    for (int i = 0; i <= GRID; i++)
+        t[i] = s->period / GRID * i;
+    read_at(s, GRID + 1, t, beta, rate, s->alpha, s->z);
+    s->turn = s->alpha[GRID], s->rise = s->z[GRID];
+    range_of(s->z, &high);
+    range_of(s->alpha, &wide);
+    /* no point between two of the grid is farther from both than half their distance */
+    const double margin = s->a + s->period / GRID;
+    high += 2 * margin, wide += 2 * asin(smaller(1, margin));
+    const int enough = periods < all->rounds || fabs((double)periods * s->rise) > high;
+    int64_t left = all->most_pairs, count = 0, used;
+    int met = 0, failed = DONE;
+    const double before = floor(fmin(s->apart / s->period, (double)all->rounds)) - 2; /* none is far enough apart */
+    int64_t k = before > 0 ? (int64_t)before : 0;
+    for (; k <= periods && fabs((double)k * s->rise) <= high && !met && left > 0 && !failed; k++) {
+        if (comes_near(k, s, high, wide))
+            near[count++] = k;
+        const int last = k == periods || !(fabs((double)(k + 1) * s->rise) <= high) || (k + 1) % WINDOW == 0;
+        if (count == all->together || (count && last)) {
+            failed = searched(s, count, near, left, &used, &met);
+            left -= used, count = 0;
+        }
+    }
+    *found = met ? 1 : enough && left > 0 ? 0 : NAN;
+    return failed;
+}
+
+/* Whether the rods from begin to end meet themselves: `strand_pairs.meets`, into found (n,). */
+int rod_meets(const rods *all, double *found, int64_t begin, int64_t end)
+{
+    search_of_rod *s = calloc(1, sizeof(search_of_rod));
+    int64_t *near = malloc(sizeof(int64_t) * (size_t)(all->together > 0 ? all->together : 1));
+    int failed = s && near ? DONE : NO_MEMORY;
+    if (s)
+        s->all = all;
+    for (int64_t b = begin; b < end && !failed; b++) {
+        s->rod = b;
+        failed = one_rod(s, near, &found[b]);
+    }
+    if (s)
+        free(s->now.rows), free(s->next.rows), free(s->points);
+    free(s), free(near);
+    return failed;
+}

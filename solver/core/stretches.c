@@ -1,0 +1,310 @@
+/* Densities on the pieces of a rod, and their extremes and changes of sign: `quadrature.Resolved`. */
+
+#include "stretches.h"
+
+enum { PATIENCE = 3, MOST = 1 << 19 }; /* halvings that may fail to shorten a series; parts of the pieces of a rod */
+#define ROUNDING (64 * EPS) /* of the terms of a density, and of beta: a series cannot end below that */
+
+static int roomy(void **array, int64_t *room, int64_t wanted, size_t size)
+{
+    if (wanted <= *room)
+        return DONE;
+    const int64_t more = 2 * wanted + 64;
+    void *larger_one = realloc(*array, size * (size_t)more);
+    if (!larger_one)
+        return NO_MEMORY;
+    *array = larger_one, *room = more;
+    return DONE;
+}
+
+INLINE void angles_on(const rods *all, const rule *by, const stretch *p, node_angles *out)
+{
+    const int n = (int)all->coefficients;
+    const double *series = all->series + 2 * n * p->row;
+    if (p->low == -1 && p->high == 1) {
+        angles_at(n, series, by->polynomials, out);
+        return;
+    }
+    double x[AT], polynomials[LONGEST * AT];
+    for (int i = 0; i < AT; i++)
+        x[i] = smaller(larger(p->low + (p->high - p->low) * (1 + all->at.nodes[i]) / 2, -1), 1);
+    polynomials_at(n, x, polynomials);
+    angles_at(n, series, polynomials, out);
+}
+
+INLINE void expanded(const rods *all, int kind, const node_angles *angles, const rod_loads *loads, stretch *p)
+{
+    density_of(kind, angles, loads, &p->of);
+    product(AT, AT, p->of.values, all->at.analyse, p->series);
+    p->tail = larger(larger(fabs(p->series[AT - 3]), fabs(p->series[AT - 2])), fabs(p->series[AT - 1]));
+}
+
+/* The kernels above for lanes of one width. */
+#define KERNELS(TARGET, SUFFIX)                                                                                        \
+    static TARGET void angles_##SUFFIX(const rods *all, const rule *by, const stretch *p, node_angles *out)            \
+    {                                                                                                                  \
+        angles_on(all, by, p, out);                                                                                    \
+    }                                                                                                                  \
+    static TARGET void expanded_##SUFFIX(const rods *all, int kind, const node_angles *a, const rod_loads *l,          \
+                                         stretch *p)                                                                   \
+    {                                                                                                                  \
+        expanded(all, kind, a, l, p);                                                                                  \
+    }                                                                                                                  \
+    static TARGET void through_##SUFFIX(const double *values, const double *linear, double *out)                       \
+    {                                                                                                                  \
+        product(AT, AT, values, linear, out);                                                                          \
+    }
+
+#define NARROW
+KERNELS(NARROW, narrow)
+#ifdef WIDE
+KERNELS(WIDE, wide)
+#endif
+
+static kernels kernels_for(int lanes)
+{
+#ifdef WIDE
+    if (lanes >= 4)
+        return (kernels){angles_wide, expanded_wide, through_wide};
+#endif
+    (void)lanes;
+    return (kernels){angles_narrow, expanded_narrow, through_narrow};
+}
+
+
+static void prepare(rule *by, const rods *all)
+{
+    for (int k = 0; k < AT; k++)
+        by->mean[k] = k % 2 ? 0 : 1 / (1 - (double)k * k);
+    for (int i = 0; i < AT; i++)
+        by->weight[i] = total_of(all->at.analyse + AT * i, by->mean);
+    polynomials_at((int)(all->coefficients > 2 ? all->coefficients : 2), all->at.nodes, by->polynomials);
+}
+
+/* Room for the rods `all`, or NULL. */
+workspace *rod_workspace(const rods *all, int lanes)
+{
+    workspace *w = calloc(1, sizeof(workspace));
+    if (w) {
+        w->all = all, w->use = kernels_for(lanes);
+        prepare(&w->by, all);
+    }
+    return w;
+}
+
+void rod_workspace_free(workspace *w)
+{
+    if (w)
+        free(w->angles), free(w->parts);
+    free(w);
+}
+
+/* The angles at the nodes of the pieces of rod b. */
+int rod_angles(workspace *w, int64_t b)
+{
+    const rods *all = w->all;
+    const int64_t pieces = all->first[b + 1] - all->first[b];
+    if (roomy((void **)&w->angles, &w->angle_room, pieces, sizeof(node_angles)))
+        return NO_MEMORY;
+    for (int64_t i = 0; i < pieces; i++) {
+        const int64_t j = all->first[b] + i;
+        const stretch p = {.row = all->row[j], .low = all->low[j], .high = all->high[j]};
+        w->use.angles(all, &w->by, &p, &w->angles[i]);
+    }
+    return DONE;
+}
+
+typedef struct {
+    int kind, precision;
+    double goal, total, top, beta0;
+} wanted;
+
+static double absolute_top(const stretch *p)
+{
+    double best = fabs(p->of.values[0]);
+    for (int i = 1; i < AT; i++)
+        best = larger(best, fabs(p->of.values[i]));
+    return best;
+}
+
+static int insufficient(const wanted *goal, const stretch *p)
+{
+    const double top = absolute_top(p), length = p->time * p->count;
+    int bad = p->tail * length > goal->goal * goal->total / 8;
+    if (goal->precision == SIGNS)
+        bad |= p->tail > goal->goal * top;
+    else if (goal->precision == EXTREMES)
+        bad |= (p->tail > goal->goal * top) & (top + 16 * p->tail >= goal->top);
+    if (!bad)
+        return 0;
+    double floor_[AT];
+    for (int i = 0; i < AT; i++)
+        floor_[i] = p->of.size[i] + p->of.spread[i] * goal->beta0;
+    return p->tail > ROUNDING * highest(floor_);
+}
+
+static void halved(const stretch *p, int second, stretch *out)
+{
+    const double middle = (p->low + p->high) / 2;
+    out->row = p->row, out->count = p->count, out->time = p->time / 2;
+    out->low = second ? middle : p->low, out->high = second ? p->high : middle;
+    out->begin = p->begin + (second ? out->time : 0.0);
+}
+
+/* Adds the parts of a piece on which the series of the density converges. */
+static int refined(workspace *w, const wanted *goal, const rod_loads *loads, const stretch *piece)
+{
+    int waiting = 1;
+    node_angles angles;
+    w->waiting[0] = (candidate){*piece, INFINITY, 0, 0};
+    while (waiting > 0) {
+        const candidate one = w->waiting[--waiting];
+        const int stuck = one.stuck + (one.part.tail > 0.7 * one.before);
+        if (insufficient(goal, &one.part) && stuck < PATIENCE && one.round < ROUNDS &&
+            one.part.high - one.part.low > 1e-13 && w->count < MOST) {
+            for (int second = 1; second >= 0; second--) {
+                candidate *half = &w->waiting[waiting++];
+                halved(&one.part, second, &half->part);
+                half->before = one.part.tail, half->stuck = stuck, half->round = one.round + 1;
+                w->use.angles(w->all, &w->by, &half->part, &angles);
+                w->use.expanded(w->all, goal->kind, &angles, loads, &half->part);
+            }
+            continue;
+        }
+        if (roomy((void **)&w->parts, &w->room, w->count + 1, sizeof(stretch)))
+            return NO_MEMORY;
+        w->parts[w->count++] = one.part;
+    }
+    return DONE;
+}
+
+/* The density on the parts of rod b: `quadrature.resolve`. */
+int rod_resolved(workspace *w, int64_t b, int kind, int precision, double allowed, const rod_loads *loads)
+{
+    const rods *all = w->all;
+    const int64_t pieces = all->first[b + 1] - all->first[b];
+    wanted goal = {kind, precision, allowed, 0, -INFINITY, larger(1, fabs(all->beta0[b]))};
+    w->count = 0;
+    if (roomy((void **)&w->parts, &w->room, pieces, sizeof(stretch)))
+        return NO_MEMORY;
+    for (int64_t i = 0; i < pieces; i++) {
+        const int64_t j = all->first[b] + i;
+        stretch *p = &w->parts[i];
+        p->row = all->row[j], p->low = all->low[j], p->high = all->high[j];
+        p->time = all->time[j], p->count = all->count[j], p->begin = all->begin[j];
+        w->use.expanded(all, kind, &w->angles[i], loads, p);
+        double absolute[AT];
+        for (int k = 0; k < AT; k++)
+            absolute[k] = fabs(p->of.values[k]);
+        goal.total += total_of(absolute, w->by.weight) * p->time * p->count;
+        keep_larger(&goal.top, highest(absolute));
+    }
+    int64_t kept = 0;
+    w->count = pieces;
+    for (int64_t i = 0; i < pieces; i++) { /* those that suffice close up, the parts of the others stand behind them */
+        const stretch piece = w->parts[i];
+        if (!insufficient(&goal, &piece))
+            w->parts[kept++] = piece;
+        else if (refined(w, &goal, loads, &piece))
+            return NO_MEMORY;
+    }
+    if (w->count > pieces)
+        memmove(w->parts + kept, w->parts + pieces, sizeof(stretch) * (size_t)(w->count - pieces));
+    w->count -= pieces - kept;
+    return DONE;
+}
+
+/* A series and how often it has been differentiated, as `rod_bracketed` reads it. */
+void rod_series_and_rate(const void *of, double x, double *value, double *rate)
+{
+    const double *c = of;
+    double b1 = 0, b2 = 0, d1 = 0, d2 = 0;
+    for (int k = AT - 1; k > 0; k--) {
+        const double b0 = 2 * x * b1 - b2 + c[k], d0 = 2 * x * d1 - d2 + 2 * b1;
+        b2 = b1, b1 = b0, d2 = d1, d1 = d0;
+    }
+    *value = x * b1 - b2 + c[0], *rate = x * d1 - d2 + b1;
+}
+
+double rod_series_value(const double *c, double x)
+{
+    double value, rate;
+    rod_series_and_rate(c, x, &value, &rate);
+    return value;
+}
+
+/* Where the derivative of a series, times `sign` rising through zero between two places, is zero. */
+static double turning_place(const double *c, double sign, double low, double high)
+{
+    double slopes[AT + 1] = {0};
+    for (int k = AT - 1; k > 0; k--)
+        slopes[k - 1] = (k + 1 < AT ? slopes[k + 1] : 0) + 2 * k * sign * c[k];
+    slopes[0] /= 2;
+    return rod_bracketed(rod_series_and_rate, slopes, low, high, (low + high) / 2);
+}
+
+/* The largest value, times sign. */
+double rod_largest(const workspace *w, double sign)
+{
+    const double *nodes = w->all->at.nodes;
+    double best = -INFINITY;
+    for (int64_t i = 0; i < w->count; i++) {
+        double values[AT];
+        for (int k = 0; k < AT; k++)
+            values[k] = sign * w->parts[i].of.values[k];
+        keep_larger(&best, highest(values));
+    }
+    for (int64_t i = 0; i < w->count; i++) {
+        const stretch *p = &w->parts[i];
+        double rate[AT];
+        if (sign * p->series[0] + range_of(p->series) <= best)
+            continue;
+        w->use.through(p->series, w->all->at.differentiate, rate);
+        for (int k = 0; k + 1 < AT; k++) {
+            const double r0 = sign * rate[k], r1 = sign * rate[k + 1], width = nodes[k + 1] - nodes[k];
+            if (!(r0 > 0 && r1 < 0))
+                continue;
+            const double v0 = sign * p->of.values[k], v1 = sign * p->of.values[k + 1];
+            if (larger(v0 + r0 * width, v1 - r1 * width) > best)
+                keep_larger(&best, sign * rod_series_value(p->series, turning_place(p->series, -sign, nodes[k], nodes[k + 1])));
+        }
+    }
+    return best;
+}
+
+static void add_change(sign_changes *found, const double *c, double low, double high, int rises)
+{
+    found->x[found->count] = rod_bracketed(rod_series_and_rate, c, low, high, (low + high) / 2);
+    found->sign[found->count++] = rises ? 1 : -1;
+}
+
+/* Where values with these coefficients change sign, twice in a cell included: `Resolved.crossings`. */
+void rod_changes(const workspace *w, const double *values, const double *c, sign_changes *found)
+{
+    const points *at = &w->all->at;
+    double rate[AT];
+    found->count = 0;
+    for (int k = 0; k + 1 < AT; k++) {
+        const double a = at->nodes[k], b = at->nodes[k + 1];
+        const int up = values[k + 1] > 0;
+        if (up != (values[k] > 0))
+            add_change(found, c, up ? a : b, up ? b : a, up);
+    }
+    w->use.through(c, at->differentiate, rate);
+    for (int k = 0; k + 1 < AT; k++) {
+        const double a = at->nodes[k], b = at->nodes[k + 1], sign = values[k] > 0 ? 1 : -1;
+        const double v0 = sign * values[k], v1 = sign * values[k + 1], r0 = sign * rate[k], r1 = sign * rate[k + 1];
+        if ((values[k] > 0) != (values[k + 1] > 0) || !(r0 < 0 && r1 > 0))
+            continue;
+        if (!(v0 + r0 * (b - a) < 0 || v1 - r1 * (b - a) < 0))
+            continue;
+        const double x = turning_place(c, sign, a, b);
+        if (!(sign * rod_series_value(c, x) < 0))
+            continue;
+        if (sign > 0)
+            add_change(found, c, x, a, 0), add_change(found, c, x, b, 1);
+        else
+            add_change(found, c, a, x, 1), add_change(found, c, b, x, 0);
+    }
+}
+

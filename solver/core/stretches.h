@@ -1,0 +1,107 @@
+/* Densities on the pieces of rods, which are halved until a series of each converges: solver/observe/quadrature.py. */
+
+#ifndef ROD_STRETCHES_H
+#define ROD_STRETCHES_H
+
+#include "densities.h"
+
+enum { ROUNDS = 48, CROSSINGS = 4 * AT }; /* most halvings of a piece; most changes of sign on a part of one */
+
+/* The pieces of the rods, those of rod b from first[b] to first[b + 1]: `rod_pieces.Pieces`. The others: (n,). */
+typedef struct {
+    int64_t coefficients, monotone, groups;
+    double goal;
+    const double *series;
+    const int64_t *first, *row;
+    const double *low, *high, *time, *count, *begin, *lam, *mu, *phi, *span, *beta0, *sign, *error;
+    points at;
+} rods;
+
+/* A piece, or a part of one, with a density on it. tail: what its series leaves out. */
+typedef struct {
+    int64_t row;
+    double low, high, time, count, begin, series[AT], tail;
+    density of;
+} stretch;
+
+/* A stretch that may have to be halved. before: the tail of the one of which it is a half. */
+typedef struct {
+    stretch part;
+    double before;
+    int stuck, round;
+} candidate;
+
+typedef struct {
+    double mean[AT], weight[AT], polynomials[LONGEST * AT];
+} rule;
+
+/* The functions in which most time is spent, for the lanes of the processor; all give the same bits. */
+typedef struct {
+    void (*angles)(const rods *, const rule *, const stretch *, node_angles *);
+    void (*expanded)(const rods *, int kind, const node_angles *, const rod_loads *, stretch *);
+    void (*through)(const double *values, const double *linear, double *out);
+} kernels;
+
+/* What a call needs: room for the angles of the pieces of a rod, and for the stretches of a density. */
+typedef struct {
+    const rods *all;
+    rule by;
+    kernels use;
+    int64_t angle_room, room, count;
+    node_angles *angles;
+    stretch *parts;
+    candidate waiting[2 * ROUNDS + 4];
+} workspace;
+
+INLINE double highest(const double *values)
+{
+    double best = values[0];
+    for (int i = 1; i < AT; i++)
+        best = larger(best, values[i]);
+    return best;
+}
+
+INLINE double total_of(const double *values, const double *weight)
+{
+    double total = 0;
+    for (int i = 0; i < AT; i++)
+        total += values[i] * weight[i];
+    return total;
+}
+
+/* How far a series may be from its first coefficient. */
+INLINE double range_of(const double *series)
+{
+    double total = 0;
+    for (int k = 1; k < AT; k++)
+        total += fabs(series[k]);
+    return total;
+}
+
+/* Keeps the best, as np.fmax.at does. */
+INLINE void keep_larger(double *best, double value)
+{
+    if (value > *best)
+        *best = value;
+}
+
+/* Which precision a density needs: of its integral, of its largest value, or of all values. */
+enum { INTEGRAL, EXTREMES, SIGNS };
+
+/* Changes of sign: where in [-1, 1], and whether up (1) or down (-1). */
+typedef struct {
+    int count;
+    double x[CROSSINGS], sign[CROSSINGS];
+} sign_changes;
+
+/* stretches.c */
+workspace *rod_workspace(const rods *, int lanes);
+void rod_workspace_free(workspace *);
+int rod_angles(workspace *, int64_t b);
+int rod_resolved(workspace *, int64_t b, int kind, int precision, double allowed, const rod_loads *);
+double rod_largest(const workspace *, double sign);
+void rod_changes(const workspace *, const double *values, const double *series, sign_changes *);
+void rod_series_and_rate(const void *series, double x, double *value, double *rate);
+double rod_series_value(const double *series, double x);
+
+#endif
