@@ -106,7 +106,9 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
     ax.set_aspect(1 / factor, adjustable="box", anchor="NW")
     ax.set_xlim(0, width)
     some = f"; {len(cases)} of {ds.sizes[axis]} values, evenly chosen" if len(cases) < ds.sizes[axis] else ""
-    ax.set_xlabel(style.wrapped(f"each curve at its {axis_label(ds, axis, cases[0])}{some}", ax), loc="left")
+    said = [f"each curve at its {axis_label(ds, axis, cases[0], long)}{some}" for long in (True, False)]
+    texts = [style.wrapped(text, ax) for text in said]
+    ax.set_xlabel(texts["\n" in texts[0]], loc="left")  # the short label where the long one needs two lines
     ax.set_ylabel(f"z [{labels.unit(str(ds.attrs['length_unit']))}]{larger(factor, 'ρα')}{larger(1 / factor)}")
     scale = "at one scale" if factor == 1 else "at two scales"
     dots = f"; dots: {ds.sizes['u']} stations miss bends" if coarse else ""

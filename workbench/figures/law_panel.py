@@ -34,10 +34,10 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> Axes:
     ax.set_title(style.wrapped(title, ax), loc="left", pad=pad)
     if row["also"]:
         text = style.wrapped(_other_observables(ds, row), ax, style.small())
-        lines = "\n" * (text.count("\n") + 3)
+        lines = "\n" * (text.count("\n") + 2)
         ax.set_xlabel(ax.get_xlabel() + lines, linespacing=0.95)  # room that the layout sees
-        note = ax.annotate(text, (0, 0), (-8, -38), xycoords="axes fraction", textcoords="offset points", va="top",
-                           size=style.small(), color=style.SOFT)  # fmt: skip
+        note = ax.annotate(text, (0, 0), (-8, -4 * style.normal()), xycoords="axes fraction",
+                           textcoords="offset points", va="top", size=style.small(), color=style.SOFT)  # fmt: skip
         note.set_in_layout(False)
     legend.add(ax)
     return ax
