@@ -23,8 +23,9 @@ from ..data import atomic, labels, law_verdicts, schema, selection
 from ..figures import canvas, style
 from ..figures.trends import trend
 from . import page
+from .arrangement import Arrangement
 from .kinds import KINDS, kind_of
-from .page import Cell, Page
+from .page import Page, Words
 
 SUFFIXES = (".mp4", ".gif")
 DIAGRAM = 4.4  # inches of width
@@ -184,6 +185,6 @@ def _pixels(fig: Figure) -> Pixels:
 def _empty(ds: xr.Dataset, outcome: str, dpi: int, size: tuple[int, int]) -> Pixels:
     """A page of a scene's size with the reason why there is no rod."""
     blank = np.full((8, 8, 3), 255, dtype=np.uint8)
-    made = Page(str(ds.attrs["title"]), outcome, blank, [[Cell("")]], 1.0, str(ds.attrs["length_unit"]),
-                np.zeros((3, 2)), least=size, dpi=dpi)  # fmt: skip
-    return _pixels(page.figure(made))
+    nothing = Arrangement([], (0.0, 0.0), 1.0)
+    words = Words(str(ds.attrs["title"]), outcome, str(ds.attrs["length_unit"]))
+    return _pixels(page.figure(Page(words, blank, nothing, np.zeros((3, 2)), size[0], size[1], dpi)))
