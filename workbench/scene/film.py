@@ -29,6 +29,7 @@ from .page import Page, Words
 
 SUFFIXES = (".mp4", ".gif")
 DIAGRAM = 4.4  # inches of width
+SIZE = (1600, 1060)  # pixels at `style.DPI` of the scene in a frame
 HOLD = 1.0  # seconds for which the last frame stays
 LEAST, MOST = 2, 2000  # frames
 INSTALL = "pip install 'imageio[ffmpeg]', or the extra animate"
@@ -104,7 +105,8 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     """
     from . import composition, layout  # VTK, which ends the process where OpenGL does not work
 
-    settings = composition.Settings(film.pixel_error, film.dpi)
+    size = tuple(round(n * film.dpi / style.DPI) for n in SIZE)
+    settings = composition.Settings(film.pixel_error, film.dpi, size=(size[0], size[1]))
     for k, where in enumerate(cases_of(ds, film)):
         value = float(ds[film.axis].values[where[film.axis]])
         step(f"{film.axis} = {value:.4g}")
@@ -112,7 +114,7 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
             picture = layout.compose(ds, {**film.at, film.axis: value}, film.kind, (), film.axis, settings)
             left = _pixels(page.figure(picture.page))
         else:
-            left = _empty(ds, str(ds["outcome"].isel(where).values), film.dpi, composition.SIZE)
+            left = _empty(ds, str(ds["outcome"].isel(where).values), film.dpi, SIZE)
         yield even(np.concatenate([left, _pixels(diagram(ds, film, k, left.shape[0]))], axis=1))
 
 
@@ -131,9 +133,11 @@ def diagram(ds: xr.Dataset, film: Film, k: int, height: int) -> Figure:
         ax.scatter(along[:k], values[:k], color=style.SOFT, s=14, zorder=3)
         ax.scatter(along[k], values[k], color=style.PUSHED, s=60, zorder=4, edgecolors="white")
         ax.set(xlim=limits[0], ylim=limits[1])
-        ax.set_title(style.wrapped(labels.long_name(ds[film.observable]), ax), loc="left")
+        ax.set_title(style.wrapped(f"{_capital(labels.long_name(ds[film.observable]))} against {along_axis}", ax),
+                     loc="left")  # fmt: skip
 
-    room = ConstrainedLayoutEngine(rect=(0.02, 0.2, 0.92, 0.6))
+    along_axis = labels.long_name(ds[film.axis])
+    room = ConstrainedLayoutEngine(rect=(0.02, 0.08, 0.92, 0.78))
     return canvas.figure((DIAGRAM, height / film.dpi), draw, dpi=film.dpi, layout=room)
 
 
@@ -174,6 +178,11 @@ def _writer(path: Path, fps: float) -> Any:
         return _imageio().get_writer(path, mode="I", duration=1000 / fps, loop=0)
     return _imageio().get_writer(path, fps=fps, codec="libx264", quality=8, macro_block_size=2,
                                   ffmpeg_log_level="error")  # fmt: skip
+
+
+def _capital(text: str) -> str:
+    """The text with a capital letter at its beginning, except where it begins with a symbol."""
+    return text[:1].upper() + text[1:] if text[1:2].isalpha() else text
 
 
 def _pixels(fig: Figure) -> Pixels:

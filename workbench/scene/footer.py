@@ -81,7 +81,7 @@ def lines_of(found: Sequence[Block], room: float) -> list[list[Block]]:
 
 def height(lines: Sequence[Sequence[Block]]) -> float:
     """The height of all lines."""
-    return sum(max(block.height for block in line) for line in lines) + LINE * (len(lines) - 1)
+    return sum(max(block.height for block in line) for line in lines) + LINE * max(len(lines) - 1, 0)
 
 
 def draw(fig: Figure, lines: Sequence[Sequence[Block]], x: float, y: float) -> None:

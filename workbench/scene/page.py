@@ -98,7 +98,9 @@ class Page:
 
     @cached_property
     def foot(self) -> list[list[footer.Block]]:
-        """The blocks below the views."""
+        """The blocks below the views; without views none."""
+        if not self.arrangement.rows:
+            return []
         along = float(np.hypot(*self.axes[2]))
         return feet(self.words, self.axes, self.arrangement.per_unit, along, self.width)
 
