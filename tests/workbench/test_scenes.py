@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import to_rgb
+from PIL import Image
 
 from solver.mechanics import frames
 from solver.problem.errors import InputError
@@ -21,7 +22,7 @@ from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench.commands import at_option, scene
 from workbench.data import selection, writing
 from workbench.figures import style
-from workbench.geometry import refinement, tube
+from workbench.geometry import refinement, self_contact, tube
 from workbench.geometry.centreline import Centreline
 from workbench.run import in_memory
 from workbench.scene import body as rods
@@ -342,7 +343,7 @@ def test_a_row_has_one_scale_and_one_camera() -> None:
 
 @draws
 def test_each_pixel_is_the_mean_of_its_parts(monkeypatch) -> None:
-    from workbench.scene import rendering
+    from workbench.scene import rendering, sampling
 
     rod = body(dataset())
     camera = before_it([rod], 400, 160, lying=True)
@@ -353,7 +354,7 @@ def test_each_pixel_is_the_mean_of_its_parts(monkeypatch) -> None:
         return rendering.render(placed, at, (400 * finer, 160 * finer), 0.5)[0].astype(float)
 
     sampled = drawn(1)
-    monkeypatch.setattr(rendering, "FINER", 1)
+    monkeypatch.setattr(sampling, "FINER", 1)
     assert sampled.shape == (160, 400, 3)
     mean = drawn(4).reshape(160, 4, 400, 4, 3).mean(axis=(1, 3))
     # of 255; moved by a pixel it would be above 2, by a quarter above 0.5
@@ -445,7 +446,7 @@ def test_only_what_is_wide_enough_is_an_outline() -> None:
     rods[26:28, 5:50] = 0.6  # a sliver behind it
     rods[33:38, 5:50] = 0.6  # beyond the wall
     everything[33:38, 5:50] = 0.6
-    line, behind = hidden.lines(rods, everything, 0.1, 4.0)
+    line, behind = hidden.lines(rods, everything, hidden.Drawn(0.1, 4.0, 1.0))
     assert behind[10:20, 5:50].all()
     assert behind.sum() == 450
     assert line[10, 5:50].all()
@@ -550,3 +551,80 @@ def test_each_cylinder_is_as_long_as_its_rod_and_all_words_stay_on_the_page() ->
     boxes = [text.get_window_extent() for text in drawn.texts]
     assert all(box.x0 >= 0 and box.y0 >= 0 and box.x1 <= wide and box.y1 <= high for box in boxes)
     assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i] if min(a.width, b.width) > 12)
+
+
+@pytest.mark.parametrize(
+    "look, sentence",
+    [
+        ({"camera": "top"}, "no camera 'top'; choose from sides, front, side, oblique, AZIMUTH,ELEVATION"),
+        ({"camera": "10,80"}, "an elevation between -60 and 60 degrees, got 10,80"),
+        ({"color_range": "5"}, "--color-range takes two numbers LOW,HIGH, got '5'"),
+        ({"color_range": "9,1"}, "takes a lower and a higher finite number, got 9,1"),
+        ({"color_range": "0,nan"}, "takes a lower and a higher finite number, got 0,nan"),
+        ({"size": "wide"}, "--size takes WIDTHxHEIGHT in pixels, for example 1600x1200, got 'wide'"),
+        ({"size": "5x900"}, "between 200 and 12000 pixels on each side .* got 5x900"),
+        ({"transparent": True}, r"only a \.png can have a transparent background \(--transparent\), not out\.jpg"),
+    ],
+)
+def test_a_look_that_cannot_be_drawn_is_refused_in_a_sentence(look, sentence, fig6, tmp_path) -> None:
+    file = writing.write(fig6, tmp_path / "fig6.h5")
+    with pytest.raises(InputError, match=sentence):
+        scene.scene_file(file, [], tmp_path / "out.jpg", look=scene.Look(**look))
+    assert not (tmp_path / "out.jpg").exists()
+
+
+@draws
+@pytest.mark.parametrize(
+    "kind, look, sentence",
+    [
+        (
+            "contact",
+            {"color_range": "3,100"},
+            "colours of a push begin at 0, so --color-range is 0,HIGH, got 3,100",
+        ),
+        ("plain", {"color_range": "0,1"}, "a scene of kind plain has no colour bar, so it takes no --color-range"),
+        ("contact", {"size": "300x200"}, "--size 300x200 leaves no room for the views"),
+    ],
+)
+def test_a_look_that_does_not_fit_the_kind_or_the_page_is_refused(kind, look, sentence, fig6, tmp_path) -> None:
+    file = writing.write(fig6, tmp_path / "fig6.h5")
+    with pytest.raises(InputError, match=sentence):
+        scene.scene_file(file, [], tmp_path / "out.png", kind=kind, look=scene.Look(**look))
+    assert not (tmp_path / "out.png").exists()
+
+
+@draws
+def test_a_look_chooses_side_colours_size_and_what_is_left_out(fig6, tmp_path) -> None:
+    file = writing.write(fig6, tmp_path / "fig6.h5")
+    look = scene.Look("front", "0,50", bare=True, transparent=True, size="640x300")
+    assert scene.scene_file(file, [], tmp_path / "out.png", dpi=80, look=look) == 0
+    with Image.open(tmp_path / "out.png") as picture:
+        assert (picture.size, picture.mode) == ((640, 300), "RGBA")
+        seen = np.asarray(picture) / 255.0
+    assert seen[:5, :, 3].max() == 0  # no title, nothing at the edge
+    # most of the pushed part is above 50 N/cm, so it has the darkest blue
+    assert share_of_hue(seen[..., :3], colours.hex_of(colours.PUSH_RAMP, 1.0)) > 0.02
+
+
+def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_two_radii_apart(fig6) -> None:
+    rod = body(fig6)
+    places = self_contact.places(rod.line, rod.span)
+    s = np.linspace(0, 20, 8001)
+    curve = rod.line.frame(s)[0]
+    for place in places:
+        near = s[np.linalg.norm(curve - place, axis=1) < rod.a]  # of two stretches at least
+        assert np.ptp(near) > np.pi * rod.a
+    assert len(places) >= 5
+    assert not self_contact.places(rod.line, (0.0, 2.0))
+
+
+@draws
+def test_self_intersections_are_ringed_in_the_first_view_and_said_once(fig6) -> None:
+    from workbench.scene import composition, layout
+
+    taken = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 50)).page
+    box = taken.cells[0][0]
+    assert len(taken.rings) >= 5
+    assert all(box.x < x < box.x + box.width and box.y < y < box.y + box.height for x, y, _ in taken.rings)
+    assert [text for _, text in taken.words.legend] == ["the rod passes through itself"]
+    assert "the rod passes through itself" not in taken.notes

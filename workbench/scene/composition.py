@@ -25,6 +25,7 @@ from .settings import DEFAULT, Settings
 from .views import View
 
 SIZE = (1600, 1200)  # pixels at `style.DPI`: width, and largest height, of the page of one case
+LINE = 1.2  # width of lines in pixels at `style.DPI`
 NARROWEST = 1400.0  # width of a page, for the line below the views
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
 
@@ -114,8 +115,10 @@ def composed(scene: Scene) -> Picture:
     if settings.strict and stations > n:
         raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
     size = int(np.ceil(arranged.size[0] * finer)), int(np.ceil(arranged.size[1] * finer))
-    pixels, error = render(_placed(scene, arranged, camera, size), camera, size, settings.pixel_error,
-                           settings.transparent)  # fmt: skip
+    pixels, error = render(
+        _placed(scene, arranged, camera, size), camera, size, settings.pixel_error, settings.transparent,
+        max(LINE * finer, 0.8),
+    )  # fmt: skip
     if error > COARSEST:
         raise TooFewStations(_too_few(n, stations, error, settings), stations)
     if error > settings.pixel_error * (1 + 1e-9):

@@ -32,6 +32,7 @@ from .views import View, ends_of
 
 SUFFIXES = (".png", ".jpg")
 LYING = 1.3  # how much taller than wide a scene must be to be laid on its side
+LEVEL = 3  # of the compression of a PNG
 MOST_ROWS = 5
 GRID = (2000, 2400)  # pixels at `style.DPI`: width, and largest height, of the page of several cases
 GUTTER = 130  # pixels before the lines of a long rod
@@ -51,7 +52,7 @@ def render(
     path = canvas.check_name(path, SUFFIXES)
     check_name(path, settings)
     picture = compose(ds, at, kind, axes, along, settings)
-    canvas.save(page.figure(picture.page), path, settings.dpi, SUFFIXES)
+    canvas.save(page.figure(picture.page), path, settings.dpi, SUFFIXES, LEVEL)
     return picture
 
 

@@ -1,6 +1,6 @@
 """Rods on their cylinders before a camera: geometry to pixels, with VTK. Needs OpenGL, see `opengl`."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,17 +9,17 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from ..figures import style
-from . import hidden, surfaces
+from . import hidden, sampling, surfaces
+from .body import Body
 from .camera import Camera
 from .views import View
 
-FINER = 4  # each pixel is the mean of 4 x 4 samples
 COLOUR_PIXELS = 2  # between rings; on shorter intervals colours need not be true
 THIN = 6.0  # pixels of thickness, below which hidden stretches have no outline
 # Lights fixed to the camera: azimuth and elevation in degrees, intensity. The first is at the camera: nothing that is
 # seen is black.
-LIGHTS = ((0, 0, 0.34), (-40, 45, 0.28), (50, -10, 0.1))
-LOOK = {"ambient": 0.4, "diffuse": 1.0, "smooth_shading": False, "show_scalar_bar": False, "render": False}
+LIGHTS = ((0, 0, 0.4), (-40, 45, 0.28))
+LOOK = {"ambient": 0.42, "diffuse": 1.0, "smooth_shading": False, "show_scalar_bar": False, "render": False}
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,12 @@ class Placed:
 
 
 def render(
-    placed: Sequence[Placed], camera: Camera, size: tuple[int, int], pixel_error: float, transparent: bool = False
+    placed: Sequence[Placed],
+    camera: Camera,
+    size: tuple[int, int],
+    pixel_error: float,
+    transparent: bool = False,
+    line: float = 1.0,
 ) -> tuple[NDArray[np.uint8], float]:
     """Render all views into one picture.
 
@@ -41,6 +46,8 @@ def render(
         Width and height in pixels.
     transparent
         The picture has no background: a fourth channel holds how much of each pixel is covered.
+    line
+        Width of lines in pixels.
 
     Returns
     -------
@@ -53,7 +60,8 @@ def render(
     if not drawn:
         background[..., 3] = 0
         return background if transparent else background[..., :3], 0.0
-    plotter: Any = pv.Plotter(off_screen=True, window_size=list(size), lighting="none")
+    block = sampling.block_for(size)
+    plotter: Any = pv.Plotter(off_screen=True, window_size=[block * n for n in size], lighting="none")
     try:
         plotter.ren_win.SetMultiSamples(0)  # each pixel is a mean anyway
         plotter.set_background("white")
@@ -62,74 +70,34 @@ def render(
         walls: list[Any] = []
         error = 0.0
         for one in drawn:
-            made, off = _place(plotter, one, camera, size, pixel_error)
+            made, off = _place(plotter, one, camera, size, pixel_error, line * block)
             walls, error = walls + made, max(error, off)
         depth = _set_camera(plotter, drawn, camera, size)
-        thick = max(2 * body.a for one in drawn for body in one.view.bodies) * camera.per_unit
-        pixels, alpha = _mean(
-            plotter, walls if thick > THIN else [], depth, size, _edge(drawn), camera.per_unit, transparent
-        )
+        outline = _drawn(drawn, camera, depth, block, line)
+        pixels, alpha = sampling.mean(sampling.Window(plotter, size, block), walls, outline, transparent)
     finally:
         plotter.close()
     return (np.concatenate([pixels, alpha], axis=-1) if transparent else pixels), error
 
 
-def _mean(
-    plotter: Any, walls: list[Any], depth: float, size: tuple[int, int], edge: float, per_unit: float, transparent: bool
-) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """The mean of all samples of each pixel: colours, (height, width, 3), and what is covered, (height, width, 1)."""
-    sums = np.zeros((size[1], size[0], 3), dtype=np.uint16)
-    covered = np.zeros((size[1], size[0], 1), dtype=np.uint16)
-    some: dict[int, NDArray[np.float32]] = {}  # four of the samples, which are enough for outlines
-    for k in _samples(plotter, size):
-        sums += _colours(plotter, size)
-        wanted = k % (FINER * 2) < FINER and k % 2 == 0
-        if wanted or transparent:
-            z = _depths(plotter, size)
-            covered += (z < 1)[..., None]
-            some |= {k: z} if wanted else {}
-    if walls:
-        for actor in walls:
-            actor.SetVisibility(False)
-        lines, shadow = np.zeros((2, size[1], size[0]))
-        for k in _samples(plotter, size, list(some)):
-            line, behind = hidden.lines(_depths(plotter, size), some[k], edge / depth, 0.7 * edge * per_unit)
-            lines += line / len(some)
-            shadow += behind / len(some)
-        pixels = hidden.drawn(sums / FINER**2, lines, shadow)
-    else:
-        pixels = sums / FINER**2
-    if transparent:  # what is seen beside white in a pixel
-        share = np.maximum(covered, 1) / FINER**2
-        pixels = np.where(covered > 0, (pixels - 255 * (1 - share)) / share, 255)
-    alpha = np.round(covered * (255 / FINER**2)).astype(np.uint8)
-    return np.clip(np.round(pixels), 0, 255).astype(np.uint8)[::-1], alpha[::-1]
+def _drawn(placed: Sequence[Placed], camera: Camera, depth: float, block: int, line: float) -> hidden.Drawn | None:
+    """How the hidden stretches are drawn; None where nothing is hidden, or too thin for an outline."""
+    bodies = [(one.view, body) for one in placed for body in one.view.bodies]
+    thick = max(2 * body.a for _, body in bodies) * camera.per_unit
+    if thick < THIN or not any(_hides(view, body, camera) for view, body in bodies):
+        return None
+    edge = 0.6 * min(body.a for _, body in bodies)
+    return hidden.Drawn(edge / depth, 0.7 * edge * camera.per_unit * block, max(line * block, 1.0))
 
 
-def _samples(plotter: Any, size: tuple[int, int], chosen: Sequence[int] | None = None) -> Iterator[int]:
-    """Render the samples of all pixels one after the other: the picture moved by parts of a pixel."""
-    for k in range(FINER**2) if chosen is None else chosen:
-        i, j = ((n + 0.5) / FINER - 0.5 for n in divmod(k, FINER))
-        plotter.camera.SetWindowCenter(2 * i / size[0], 2 * j / size[1])
-        plotter.ren_win.Render()
-        yield k
-
-
-def _colours(plotter: Any, size: tuple[int, int]) -> NDArray[np.uint8]:
-    found = pv.convert_array(np.zeros(1, dtype=np.uint8))
-    plotter.ren_win.GetPixelData(0, 0, size[0] - 1, size[1] - 1, 0, found, 0)
-    return np.asarray(pv.convert_array(found)).reshape(size[1], size[0], 3)
-
-
-def _depths(plotter: Any, size: tuple[int, int]) -> NDArray[np.float32]:
-    found = pv.convert_array(np.zeros(1, dtype=np.float32))
-    plotter.ren_win.GetZbufferData(0, 0, size[0] - 1, size[1] - 1, found)
-    return np.asarray(pv.convert_array(found)).reshape(size[1], size[0])
-
-
-def _edge(placed: Sequence[Placed]) -> float:
-    """The step of depth that is drawn as an edge of a hidden rod [length]."""
-    return 0.6 * min(body.a for one in placed for body in one.view.bodies)
+def _hides(view: View, body: Body, camera: Camera) -> bool:
+    """Whether the cylinder hides a part of a rod."""
+    if body.side == "inside":
+        return False
+    place = view.places(body)
+    across = np.cross(camera.toward, [0.0, 0.0, 1.0])
+    behind = (place[:, :2] @ camera.toward[:2] < 0) & (np.abs(place @ across) < np.linalg.norm(across) * (body.R + 0.6 * body.a))
+    return bool(behind.any())
 
 
 def _set_camera(plotter: Any, placed: Sequence[Placed], camera: Camera, size: tuple[int, int]) -> float:
@@ -146,7 +114,7 @@ def _set_camera(plotter: Any, placed: Sequence[Placed], camera: Camera, size: tu
 
 
 def _place(
-    plotter: Any, placed: Placed, camera: Camera, size: tuple[int, int], pixel_error: float
+    plotter: Any, placed: Placed, camera: Camera, size: tuple[int, int], pixel_error: float, line: float
 ) -> tuple[list[Any], float]:
     """Add the rods and their cylinder, turned about the axis and then moved.
 
@@ -168,7 +136,7 @@ def _place(
     def rim(z: float) -> Any:
         beyond = 0.5 / camera.per_unit * (1 if z == ends[1] else -1)  # before the edge of the wall
         circle = surfaces.rim(first.R, z + beyond) @ turn.T + where
-        return plotter.add_mesh(pv.lines_from_points(circle), color=style.SOFT, line_width=1.3, lighting=False,
+        return plotter.add_mesh(pv.lines_from_points(circle), color=style.SOFT, line_width=line, lighting=False,
                                 render=False)  # fmt: skip
 
     error = 0.0
