@@ -142,3 +142,15 @@ def test_what_is_missing_is_said_before_anything_is_drawn(ds, tmp_path, monkeypa
     assert made("film.gif") == 1
     assert said == ["workbench: no OpenGL here"]
     assert [path.name for path in tmp_path.iterdir()] == ["one.h5"]
+
+
+def test_a_gif_has_no_bands_where_a_colour_changes_smoothly(tmp_path) -> None:
+    iio = pytest.importorskip("imageio.v2")
+    across, down = np.meshgrid(np.linspace(0, 1, 320), np.linspace(0, 1, 200))
+    frame = np.stack([255 * across, 120 + 60 * down, 255 * (1 - across) * down], axis=-1).astype(np.uint8)
+    film.write([tmp_path / "film.gif"], iter([frame]), fps=1.0)
+    with iio.get_reader(tmp_path / "film.gif") as gif:
+        seen = next(iter(gif))[..., :3].astype(float)
+    # means over areas of 10 x 10 pixels; without dots one is off by 8
+    blocks = (seen - frame).reshape(20, 10, 32, 10, 3).mean(axis=(1, 3))
+    assert np.abs(blocks).max() < 5

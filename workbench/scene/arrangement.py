@@ -17,7 +17,7 @@ from .views import View
 GAP = 26.0  # between columns
 BELOW = 10.0  # from a view to its caption
 BETWEEN = 24.0  # from a caption to the next row
-EDGE = 3.0  # around what is drawn, for its lines; not of a picture set in lines
+EDGE = 3.0  # around what is drawn, for its lines; above and below not where rows have a pitch
 EMPTY = 150.0  # least width of a column with a cell without a rod, for its reason
 DOT = 42.0  # the width of the dot of an equilibrium and the gap after it
 
@@ -69,12 +69,12 @@ def arrange(
     free = room[0] - gutter - (len(wide) - 1) * GAP
 
     def over(per_unit: float) -> float:
-        return float(np.maximum(wide * per_unit + 2 * edge, least).sum() - free)
+        return float(np.maximum(wide * per_unit + 2 * EDGE, least).sum() - free)
 
     most = (room[1] - below.sum() - 2 * edge * len(high)) / (high.sum() * (pitch or 1.0))
     most = max(float(most), 1e-9)
     per_unit = most if over(most) <= 0 else float(brentq(over, 0.0, most)) if over(0.0) < 0 else free / wide.sum()
-    widths = np.maximum(wide * per_unit + 2 * edge, least)
+    widths = np.maximum(wide * per_unit + 2 * EDGE, least)
     heights = high * per_unit + 2 * edge
     if pitch:
         below = heights * (pitch - 1)

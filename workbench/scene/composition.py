@@ -25,7 +25,7 @@ from .settings import DEFAULT, Settings
 from .views import View
 
 SIZE = (1600, 1200)  # pixels at `style.DPI`: width, and largest height, of the page of one case
-LINE = 1.2  # width of lines in pixels at `style.DPI`
+LINE = 1.5  # width of lines in pixels at `style.DPI`
 NARROWEST = 1400.0  # width of a page, for the line below the views
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
 

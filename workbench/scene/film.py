@@ -148,13 +148,30 @@ def write(paths: Sequence[Path], made: Iterator[Pixels], fps: float) -> None:
         with ExitStack() as open_ones:
             # imageio's own context leaves ffmpeg running where something fails inside
             writers = [open_ones.enter_context(closing(_writer(path, fps))) for path in aside]
-            last = None
+            adding = [_adding(path, writer) for path, writer in zip(aside, writers, strict=True)]
+            last = np.zeros((0, 0, 3), dtype=np.uint8)
             for last in made:
-                for writer in writers:
-                    writer.append_data(last)
+                for add in adding:
+                    add(last)
             for _ in range(round(HOLD * fps)):
-                for writer in writers:
-                    writer.append_data(last)
+                for add in adding:
+                    add(last)
+
+
+def _adding(path: Path, writer: Any) -> Callable[[Pixels], None]:
+    """What adds a frame to a film; a GIF has 256 colours, which are mixed in dots where a colour changes smoothly."""
+    if path.suffix.lower() != ".gif":
+        return lambda frame: writer.append_data(frame)
+
+    def add(frame: Pixels) -> None:
+        from PIL import Image  # imageio needs it
+
+        picture = Image.fromarray(frame)
+        palette = picture.quantize(256, method=Image.Quantize.FASTOCTREE)
+        mixed = picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG)
+        writer.append_data(np.asarray(mixed.convert("RGB")))
+
+    return add
 
 
 def even(frame: Pixels) -> Pixels:

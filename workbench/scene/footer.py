@@ -163,7 +163,7 @@ def _colour_bar(bar: Bar) -> Block:
 
 def _entry(colour: str, words: str) -> Block:
     """A colour of the legend and its meaning."""
-    words = measure.wrapped(words, 330.0, style.SMALL)
+    words = measure.wrapped(words, 420.0, style.SMALL)
     high = max(measure.height(words, style.SMALL), PATCH)
 
     def draw(fig: Figure, x: float, y: float) -> None:

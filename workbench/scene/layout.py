@@ -20,7 +20,7 @@ from ..figures import canvas
 from . import body as rods
 from . import camera as cameras
 from . import captions, colours, long_rod, page
-from .arrangement import in_rows
+from .arrangement import EDGE, in_rows
 from .body import Body
 from .camera import Camera
 from .cells import Cell
@@ -47,12 +47,13 @@ def render(
     axes: Sequence[str] = (),
     along: str | None = None,
     settings: Settings = DEFAULT,
+    level: int = LEVEL,
 ) -> Picture:
-    """Draw a scene and save it; parameters as of `compose`."""
+    """Draw a scene and save it; parameters as of `compose`; level: of the compression of a PNG."""
     path = canvas.check_name(path, SUFFIXES)
     check_name(path, settings)
     picture = compose(ds, at, kind, axes, along, settings)
-    canvas.save(page.figure(picture.page), path, settings.dpi, SUFFIXES, LEVEL)
+    canvas.save(page.figure(picture.page), path, settings.dpi, SUFFIXES, level)
     return picture
 
 
@@ -171,7 +172,7 @@ def _in_lines(
     camera, turned = cameras.side_on(context), -np.radians(azimuth)
     scene = Scene(ds, kind, [[View([body], Cell(""))]], context, case, camera, settings, notes, gutter=GUTTER)
     wide, high = room(scene)
-    lines = long_rod.lines_for(context, (int(wide - GUTTER), int(high)))
+    lines = long_rod.lines_for(context, (int(wide - GUTTER - 2 * EDGE), int(high)))
     pieces, unit = lines.cut(body), str(ds.attrs["length_unit"])
     cells = lines.cells(pieces, unit)
     rows = [[View([piece], cell, turned, lines.ends)] for piece, cell in zip(pieces, cells, strict=True)]

@@ -18,7 +18,7 @@ COLOUR_PIXELS = 2  # between rings; on shorter intervals colours need not be tru
 THIN = 6.0  # pixels of thickness, below which hidden stretches have no outline
 # Lights fixed to the camera: azimuth and elevation in degrees, intensity. The first is at the camera: nothing that is
 # seen is black.
-LIGHTS = ((0, 0, 0.4), (-40, 45, 0.28))
+LIGHTS = ((0, 0, 0.3), (-28, 25, 0.32))
 LOOK = {"ambient": 0.42, "diffuse": 1.0, "smooth_shading": False, "show_scalar_bar": False, "render": False}
 
 
@@ -96,8 +96,8 @@ def _hides(view: View, body: Body, camera: Camera) -> bool:
         return False
     place = view.places(body)
     across = np.cross(camera.toward, [0.0, 0.0, 1.0])
-    behind = (place[:, :2] @ camera.toward[:2] < 0) & (np.abs(place @ across) < np.linalg.norm(across) * (body.R + 0.6 * body.a))
-    return bool(behind.any())
+    near = np.abs(place @ across) < np.linalg.norm(across) * (body.R + 0.6 * body.a)
+    return bool((near & (place[:, :2] @ camera.toward[:2] < 0)).any())
 
 
 def _set_camera(plotter: Any, placed: Sequence[Placed], camera: Camera, size: tuple[int, int]) -> float:
