@@ -76,6 +76,7 @@ def gallery(
     for name, path in paths.items():
         axes = ["F1", "F3"] if name == "grid" else []
         settings = composition.Settings(dpi=DPI)
-        layout.render(solved.get(name, one), path, None, "contact" if name in own else name, axes, settings=settings, level=9)
+        kind = "contact" if name in own else name
+        layout.render(solved.get(name, one), path, None, kind, axes, settings=settings, level=9)
         console.say(str(path))
     return 0

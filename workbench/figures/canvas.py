@@ -63,7 +63,8 @@ def save(
     file = path if isinstance(path, BytesIO) else check_name(path, suffixes)
     with rc_context(RC):
         png = isinstance(file, BytesIO) or file.suffix.lower() == ".png"
-        fig.savefig(file, dpi=dpi, pil_kwargs={"compress_level": level} if png else None)
+        more: dict[str, Any] = {"pil_kwargs": {"compress_level": level}} if png else {}
+        fig.savefig(file, dpi=dpi, **more)
 
 
 def _set_title(fig: Figure, ds: xr.Dataset) -> None:

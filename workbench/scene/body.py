@@ -169,6 +169,21 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
     return Body(line, span or (float(line.s[0]), float(line.s[-1])), kind.value, gamma, caution)
 
 
+def of_case(
+    ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None
+) -> tuple[Body | None, str]:
+    """The rod of a case, or why there is none. Raises `InputError` for a part that is not on the rod."""
+    if not ds["solved"].isel(dict(where)):
+        return None, str(ds["outcome"].isel(dict(where)).values)
+    body = read(ds, where, kind, span)
+    if span and not 0 <= span[0] < span[1] <= body.line.L * (1 + 1e-9):
+        raise InputError(
+            f"no part from {span[0]:g} to {span[1]:g} on a rod of length {body.line.L:g}: give --from and --to with "
+            "0 <= from < to <= L"
+        )
+    return body, ""
+
+
 def beginning(body: Body) -> Body:
     """The rod, or its beginning that is no taller than `TALLEST` diameters of the cylinder."""
     tall = TALLEST * 2 * body.reach

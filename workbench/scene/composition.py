@@ -10,10 +10,9 @@ from solver.problem.errors import InputError
 from studies.model import MAX_STATIONS
 
 from ..data import labels
-from ..geometry.centreline import Array
 from ..geometry.refinement import stations_for
-from . import captions, colours, contacts, footer, long_rod, marks, page
-from .arrangement import EDGE, Arrangement, Box, arrange
+from . import captions, colours, footer, long_rod, overlays, page
+from .arrangement import EDGE, Arrangement, arrange
 from .body import Body
 from .camera import Camera
 from .cells import Cell
@@ -123,11 +122,12 @@ def composed(scene: Scene) -> Picture:
         raise TooFewStations(_too_few(n, stations, error, settings), stations)
     if error > settings.pixel_error * (1 + 1e-9):
         words = replace(words, notes=[*words.notes, f"drawn to within {error:.1f} pixels"])
-    rings = _rings(scene, arranged) if scene.ringed else []
+    first = scene.rows[0][0], arranged.rows[0][0], camera, arranged.per_unit
+    rings = overlays.rings(*first) if scene.ringed else []
     if rings:
         notes = [note for note in words.notes if note != captions.ITSELF]
         words = replace(words, legend=[*words.legend, (footer.RING, captions.ITSELF)], notes=notes)
-    labelled = _marks(scene, arranged) if scene.labels else []
+    labelled = overlays.names(*first, scene.labels, arranged.size) if scene.labels else []
     wide, high = page_size(scene)
     if settings.bare and not settings.size:
         wide, high = size[0] / finer, size[1] / finer
@@ -216,35 +216,6 @@ def _placed(scene: Scene, arranged: Arrangement, camera: Camera, size: tuple[int
                 y = size[1] - bottom * finer + (high - low)[1] / 2 * camera.per_unit
                 found.append(Placed(view, (float(x), float(y))))
     return found
-
-
-def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, float]]:
-    """Where the rods of the first view pass through themselves, as `Page.rings`."""
-    view, box = scene.rows[0][0], arranged.rows[0][0]
-    places = [_on_page(scene, view, box, place, arranged.per_unit) for place in contacts.seen(view, scene.camera)]
-    return [(*place, 1.1 * view.bodies[0].a * arranged.per_unit) for place in places]
-
-
-def _marks(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, str, str]]:
-    """The labels at the ends of the rods of the first view, as `Page.marks`."""
-    view, box = scene.rows[0][0], arranged.rows[0][0]
-    curves = [
-        np.array(
-            [_on_page(scene, view, box, place, arranged.per_unit) for place in view.places(body) @ scene.camera.page.T]
-        )
-        for body in view.bodies
-    ]
-    ends = [(float(x), float(y)) for x, y in (curve[-1] for curve in curves)]
-    found = marks.beside(ends, scene.labels, curves, arranged.size)
-    colour = [body.paint.colour for body in view.bodies]
-    return [(x, y, text, c) for (x, y), text, c in zip(found, scene.labels, colour, strict=True)]
-
-
-def _on_page(scene: Scene, view: View, box: Box, place: Array, per_unit: float) -> tuple[float, float]:
-    """A place of a view, (2,) [length], in its picture."""
-    low, high = view.box(scene.camera)
-    x, up = (place - (low + high) / 2) * per_unit
-    return float(box.x + box.width / 2 + x), float(box.y + box.height - EDGE - (high - low)[1] / 2 * per_unit - up)
 
 
 def _stations(bodies: Sequence[Body], tolerance: float) -> tuple[int, int]:

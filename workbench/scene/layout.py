@@ -19,8 +19,8 @@ from ..data.schema import axes_of
 from ..figures import canvas
 from . import body as rods
 from . import camera as cameras
-from . import captions, colours, long_rod, page
-from .arrangement import EDGE, in_rows
+from . import captions, colours, long_rod, page, table
+from .arrangement import EDGE
 from .body import Body
 from .camera import Camera
 from .cells import Cell
@@ -33,8 +33,6 @@ from .views import View, ends_of
 SUFFIXES = (".png", ".jpg")
 LYING = 1.3  # how much taller than wide a scene must be to be laid on its side
 LEVEL = 3  # of the compression of a PNG
-MOST_ROWS = 5
-GRID = (2000, 2400)  # pixels at `style.DPI`: width, and largest height, of the page of several cases
 GUTTER = 130  # pixels before the lines of a long rod
 GHOST = 0.3  # of its thickness is a rod drawn among others, so that none hides another
 
@@ -121,20 +119,20 @@ def compose(
         raise InputError(f"a scene of kind {kind} shows at most {most} of the axes {', '.join(names)}")
     if chosen.cells == "together":
         return _together(ds, chosen, names[0], at, settings)
-    return _each(ds, chosen, names, at, settings)
+    return table.several(ds, chosen, names, at, settings)
 
 
 def _one(ds: xr.Dataset, kind: Kind, where: dict[str, int], along: str | None, settings: Settings) -> Picture:
     """One case large, from its front and from its side; a long one in lines."""
     case = captions.case_values(ds, where)
-    body, why = _body(ds, where, kind, settings)
+    body, why = rods.of_case(ds, where, kind, settings.span)
     if body is None:
         raise InputError(f"nothing to draw{f' at {case}' if case else ''}: {why}")
     context = [body]
     if along:
         at = {name: float(ds[name].values[i]) for name, i in where.items() if name != along}
         cases = selection.line(ds, along, at)
-        context = [found for each in cases if (found := _body(ds, each, kind, settings)[0])]
+        context = [found for each in cases if (found := rods.of_case(ds, each, kind, settings.span)[0])]
     notes = captions.part_drawn([body], str(ds.attrs["length_unit"]))
     if long_rod.is_long(context):
         return _in_lines(ds, kind, body, context, case, settings, notes)
@@ -180,56 +178,6 @@ def _in_lines(
     return composed(replace(scene, rows=rows, notes=notes, pitch=long_rod.PITCH))
 
 
-def _each(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Picture:
-    """The cases of an axis in rows, or of two axes in a table."""
-    line = selection.line(ds, names[0], at)
-    cases = _table(ds, kind, names, at, line)
-    table, rows = len(names) == 2, []
-    for row in cases:
-        found = [(where, *_body(ds, where, kind, settings)) for where in row]
-        cells = [kind.cell(ds, [] if table else names, where, why) for where, _, why in found]
-        drawn = [rods.beginning(b) if b and not settings.span else b for _, b, _ in found]
-        rows.append([View([b] if b else [], cell) for b, cell in zip(drawn, cells, strict=True)])
-    bodies = [body for row in rows for view in row for body in view.bodies]
-    (azimuth, elevation), *_ = cameras.views_of(settings.camera)
-    rows = [[replace(view, turned=-np.radians(azimuth)) for view in row] for row in rows]
-    camera = cameras.facing(bodies, elevation)
-    held = {k: i for k, i in cases[0][0].items() if k not in names}
-    shown = [] if table else [labels.axis_label(n, ds[n]) for n in names if n != "equilibrium"]
-    case = ", ".join([*shown, *captions.values(ds, held)])
-    scene = Scene(ds, kind, rows, bodies, case, camera, settings, _notes(ds, kind, names, cases, line, bodies), GRID)
-    if table:
-        heads = [captions.headings(ds, names[0], cases[0]), captions.headings(ds, names[1], [row[0] for row in cases])]
-        scene = replace(scene, columns=heads[0], heads=heads[1])
-    else:
-        scene = replace(scene, rows=in_rows(rows[0], camera, room(scene), View([], Cell(""))))
-    return composed(scene)
-
-
-def _notes(
-    ds: xr.Dataset, kind: Kind, names: list[str], cases: list[list[dict[str, int]]], line: list[dict[str, int]],
-    bodies: Sequence[Body],
-) -> list[str]:  # fmt: skip
-    """Which cases are shown, and which part of them."""
-    shown = {names[0]: (len(cases[0]), len(line))}
-    if len(names) == 2:
-        shown[names[1]] = len(cases), ds.sizes[names[1]]
-    notes = [f"{count} of {of} values of {labels.axis_symbol(name) if name != 'equilibrium' else 'the list'}"
-             for name, (count, of) in shown.items() if count < of]  # fmt: skip
-    return [*notes, *captions.part_drawn(bodies, str(ds.attrs["length_unit"])), *kind.notes]
-
-
-def _table(
-    ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, line: list[dict[str, int]]
-) -> list[list[dict[str, int]]]:
-    """The cases that are shown, row by row; of one axis in one row."""
-    cases = selection.spread(line, kind.most)
-    if len(names) == 1:
-        return [cases]
-    down = selection.spread(selection.line(ds, names[1], at), MOST_ROWS)
-    return [[{**case, names[1]: row[names[1]]} for case in cases] for row in down]
-
-
 def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | None, settings: Settings) -> Picture:
     """The cases of an axis on one cylinder, thin, each in the colour of its value."""
     if settings.color_range:
@@ -238,7 +186,7 @@ def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | N
     cases = selection.spread(line, kind.most)
     bodies, words = [], []
     for k, where in enumerate(cases):
-        body, _ = _body(ds, where, kind, settings)
+        body, _ = rods.of_case(ds, where, kind, settings.span)
         if body:
             body = body if settings.span else rods.beginning(body)
             outward = (2 * k / max(len(cases) - 1, 1) - 1) * (1 - GHOST) * body.a  # no rod cuts another
@@ -254,17 +202,3 @@ def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | N
     notes += captions.part_drawn(bodies, str(ds.attrs["length_unit"]))
     rows, camera = _from_sides(bodies, bodies, settings)
     return composed(Scene(ds, kind, rows, bodies, case, camera, settings, notes, labels=words))
-
-
-def _body(ds: xr.Dataset, where: dict[str, int], kind: Kind, settings: Settings) -> tuple[Body | None, str]:
-    """The rod of a case, or why there is none. Raises `InputError` for a part that is not on the rod."""
-    if not ds["solved"].isel(where):
-        return None, str(ds["outcome"].isel(where).values)
-    span = settings.span
-    body = rods.read(ds, where, kind, span)
-    if span and not 0 <= span[0] < span[1] <= body.line.L * (1 + 1e-9):
-        raise InputError(
-            f"no part from {span[0]:g} to {span[1]:g} on a rod of length {body.line.L:g}: give --from and --to with "
-            "0 <= from < to <= L"
-        )
-    return body, ""
