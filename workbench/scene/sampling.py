@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from . import hidden
 
 FINER = 4  # each pixel is the mean of 4 x 4 samples
-AT_ONCE = 3_000_000  # pixels of a picture, up to which 2 x 2 samples of each are rendered at once
+AT_ONCE = 5_000_000  # pixels of a picture, up to which 2 x 2 samples of each are rendered at once
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from .colours import SURFACE, Paint
 FACETS = 180  # of a cylinder
 WALL_PIXELS = 4.0  # between points of the wall at which its light is computed
 MOST_WALL = 1000  # of these points along each direction
+COLUMNS = 8192  # of a texture: between a push and a pull of a ten thousandth of the scale no colours are mixed
 BELOW = 1 / 16  # of a texture's width is for values below the scale
 
 
@@ -86,7 +87,7 @@ def rim(R: float, z: float) -> Array:
     return np.stack([R * np.cos(turn), R * np.sin(turn), np.full(turn.size, z)], axis=-1)
 
 
-def texture_of(paint: Paint, columns: int = 512) -> NDArray[np.uint8]:
+def texture_of(paint: Paint, columns: int = COLUMNS) -> NDArray[np.uint8]:
     """The colours of a scale from left to right, those below it first; black below, full light above."""
     share = ((np.arange(columns) + 0.5) / columns - BELOW) / (1 - BELOW)
     row = np.asarray(paint.ramp(np.clip(share, 0.0, 1.0)))[:, :3]

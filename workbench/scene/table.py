@@ -19,7 +19,8 @@ from .settings import Settings
 from .views import View
 
 MOST_ROWS = 5
-GRID = (2000, 2400)  # pixels at `style.DPI`: width, and largest height, of the page
+ROW, GRID = (2000, 1300), (2000, 2400)  # pixels at `style.DPI`: width, and largest height, of a page
+IN_ROW = 9  # cases of one axis
 
 
 def several(
@@ -38,10 +39,11 @@ def several(
     (azimuth, elevation), *_ = cameras.views_of(settings.camera)
     rows = [[replace(view, turned=-np.radians(azimuth)) for view in row] for row in rows]
     camera = cameras.facing(bodies, elevation)
+    size = GRID if table or len(cases[0]) > IN_ROW else ROW
     held = {k: i for k, i in cases[0][0].items() if k not in names}
     shown = [] if table else [labels.axis_label(n, ds[n]) for n in names if n != "equilibrium"]
     case = ", ".join([*shown, *captions.values(ds, held)])
-    scene = Scene(ds, kind, rows, bodies, case, camera, settings, _notes(ds, kind, names, cases, line, bodies), GRID)
+    scene = Scene(ds, kind, rows, bodies, case, camera, settings, _notes(ds, kind, names, cases, line, bodies), size)
     if table:
         heads = [captions.headings(ds, names[0], cases[0]), captions.headings(ds, names[1], [row[0] for row in cases])]
         scene = replace(scene, columns=heads[0], heads=heads[1])
