@@ -1,7 +1,10 @@
 """The live page in a real browser."""
 
+import hashlib
 import json
 import shutil
+import subprocess
+import tarfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -372,6 +375,37 @@ def test_the_saved_page_solves_every_rod_without_a_server(page, driver, saved) -
     page.click("csv")
     path = driver.folder / "table1 (1).csv"
     page.until(lambda: any(one.stat().st_size for one in driver.folder.glob("table1*.csv")), str(path))
+
+
+AXE = ("axe-core@4.14.1", "29348999450cdf2849a8e70b7912fc2da85a849da39c0d0d5394f51d4a9ed95c")
+
+
+@pytest.fixture(scope="module")
+def axe(tmp_path_factory) -> str:
+    """The script of axe-core, which judges the accessibility of a page; the test is skipped where npm has none."""
+    npm, folder = shutil.which("npm"), tmp_path_factory.mktemp("axe")
+    done = subprocess.run([npm or "npm", "pack", AXE[0]], cwd=folder, capture_output=True, timeout=120, check=False) if npm else None
+    if done is None or done.returncode != 0:
+        pytest.skip("npm does not offer axe-core here")
+    with tarfile.open(next(folder.glob("*.tgz"))) as archive:
+        text = archive.extractfile("package/axe.min.js").read()
+    assert hashlib.sha256(text).hexdigest() == AXE[1]
+    return text.decode()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_that_bars_people(page, axe, scheme) -> None:
+    page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]})
+    page("page.begin('cable')")
+    page.until(lambda: page("return page.list.length"), "the equilibria")
+    page("const c = document.getElementById('cursor'); c.value = 300; c.dispatchEvent(new Event('input'))")
+    for name, value in (("E", -1), ("E", 5000)):
+        page("page.state.base[arguments[0]] = arguments[1]; page.update()", name, value)
+        page(axe)
+        found = page.driver.execute_async_script("const done = arguments[0]; axe.run().then(done)")
+        assert [(one["id"], [node["html"] for node in one["nodes"]]) for one in found["violations"] + found["incomplete"]] == []
+        assert "color-contrast" in [one["id"] for one in found["passes"]]
 
 
 def test_on_a_phone_the_rod_comes_first_and_stays_and_the_controls_are_large(page) -> None:

@@ -85,6 +85,16 @@ def test_the_observables_are_those_of_the_solver() -> None:
             assert found[name] == pytest.approx(float(wanted[name]), abs=share * max(size, 1e-9)), name
 
 
+def test_which_rods_pass_through_themselves() -> None:
+    states = [*STARTS, state(E=5.35e4), state(L=4.0), state("dna", dgamma=0.0), state("dna", beta=-1.52)]
+    script = "answer(given.map((state) => self_contact.passesThroughItself(rod_shape.marched(core, rod_case.caseOf(state, {})))));"
+    found = run(script, states, (*MODULES, "self_contact"))
+    wanted = [bool(observe(solve(case_of(made)), ["overlaps"])["overlaps"]) for made in states]
+    tight = [float(observe(solve(case_of(made)), ["kappa_max"])["kappa_max"]) * float(case_of(made).rod.a) >= 1 for made in states]
+    assert [one or bent for one, bent in zip(found, tight, strict=True)] == wanted
+    assert {True, False} == set(wanted)
+
+
 def test_the_peaks_of_the_push_are_stations_so_that_equal_peaks_are_drawn_equal() -> None:
     script = SHAPE + "const [{ y }] = curves.diagrams(shape, given.units).filter(({ key }) => key === 'push'); answer(y);"
     push = np.array(run(script, state(), (*MODULES, "curves")))

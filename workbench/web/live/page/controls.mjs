@@ -1,7 +1,7 @@
 // The fields of a rod: a slider and a number each, and what is wrong beside its field.
 
 import { DEGREE, fieldNames, isUnused, kindOf, meaning, quantityOf } from "./rod_case.mjs";
-import { minus, number, unitText } from "./text.mjs";
+import { minus, number, unitText, withUnit } from "./text.mjs";
 
 const RATIO = [-0.95, 0.5]; // of nu
 const WIDER = 5; // the ends of a slider, as a factor of the value of the preset
@@ -75,7 +75,7 @@ export function makeControls(box, quantities, changed) {
       const text = Number.isFinite(spoken) ? String(Number(spoken.toPrecision(7))) : field.value;
       if (Number.isFinite(value)) slider.value = placeOf(name, value, context.span(name));
       if (!(bad && document.activeElement === field) && field.value !== text) field.value = text;
-      const said = `${number(spoken, 7)} ${unit}`.trim();
+      const said = withUnit(number(spoken, 7), unit);
       if (slider.getAttribute("aria-valuetext") !== said) {
         slider.setAttribute("aria-valuetext", said);
         field.setAttribute("aria-valuetext", said);
@@ -99,5 +99,5 @@ export function makeControls(box, quantities, changed) {
 export function hereText(at, units) {
   const { length, force } = units, unit = (v, text) => `${v} ${text}`;
   return minus([`s = ${unit(number(at.s), length)}`, `β = ${number(at.beta / DEGREE)}°`, `${at.push < 0 ? "pull" : "push"} ${unit(number(Math.abs(at.push)), `${force}/${length}`)}`,
-    `κ = ${unit(number(at.kappa), `1/${length}`)}`, `F₃ = ${unit(number(at.tension), force)}`].join("   "));
+    `κ = ${unit(number(at.kappa), `1/${length}`)}`, `F₃ = ${unit(number(at.tension), force)}`].join(" · "));
 }

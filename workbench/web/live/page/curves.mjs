@@ -11,7 +11,7 @@ export function diagrams(shape, units) {
   const { one, s, beta, push, z, alpha } = shape, { length, force } = units, rho = one.rho;
   const across = alpha.map((v) => rho * (v - alpha[0])), degrees = beta.map((v) => v * DEGREE);
   return [
-    { key: "developed", title: "Developed curve (unrolled cylinder), seen from outside", x: across, y: z, xlabel: `ρα [${length}]`, ylabel: `z [${length}]`,
+    { key: "developed", title: "Developed curve, seen from outside", x: across, y: z, xlabel: `ρα [${length}]`, ylabel: `z [${length}]`,
       height: 250, least: 1e-6 * one.L, ...scales(across, z), dot: true },
     { key: "beta", title: "Angle β from the axis to the tangent", x: s, y: degrees, xlabel: `s [${length}]`, ylabel: "β [°]", least: 0.2, rising: true },
     { key: "push", title: "Push of the cylinder per length; orange: pull", x: s, y: push, xlabel: `s [${length}]`, ylabel: `push [${force}/${length}]`, zero: true, coloured: true, rising: true },

@@ -4,7 +4,7 @@ import { css, pushColour } from "./colours.mjs";
 import { number, tickText, ticks } from "./text.mjs";
 
 const LEFT = 58, RIGHT = 12, TOP = 8, FOOT = 36;
-const LETTER = 11, LEAST_SCALES = 1.05;
+const LETTER = 11, LEAST_SCALES = 1.05, LEAST_RANGE = 5;
 
 /* The scales of a diagram in a box of so many pixels. */
 export function frameOf(spec, width, height) {
@@ -93,7 +93,10 @@ function levelOf(ctx, spec, { px, py, w }, theme) {
   ctx.setLineDash([4, 3]);
   line(ctx, [[LEFT, y], [LEFT + w, y]], theme.level, 1);
   ctx.setLineDash([]);
-  for (const [from, to] of spec.ranges) line(ctx, [[px(from), y], [px(to), y]], theme.level, 3.5);
+  for (const [from, to] of spec.ranges) {
+    const left = px(from), wide = Math.max(px(to) - left, LEAST_RANGE);
+    line(ctx, [[(left + px(to) - wide) / 2, y], [(left + px(to) + wide) / 2, y]], theme.level, 3.5);
+  }
 }
 
 function labels(ctx, spec, { px, py, x0, x1, y0, y1, w, h, height, stretch }, theme) {

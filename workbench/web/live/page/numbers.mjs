@@ -1,6 +1,7 @@
 // Observables of a shape: integrals, extremes and counts along the whole rod.
 
 import { forcesAlong } from "./forces.mjs";
+import { passesThroughItself } from "./self_contact.mjs";
 
 const ROUNDING = 1e-9; // rad: beta of a helix changes by no more
 
@@ -30,6 +31,7 @@ export function observables(shape) {
 export function warnings(shape, found) {
   const told = [], size = Math.max(Math.abs(found.push_min), Math.abs(found.push_max));
   if (found.kappa_max * shape.one.a > 1) told.push("The rod is bent tighter than its own radius.");
+  if (passesThroughItself(shape)) told.push("The rod passes through itself.");
   if (found.push_min < -1e-6 * size) told.push("The rod would lift off where the cylinder has to pull.");
   return told;
 }

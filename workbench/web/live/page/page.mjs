@@ -5,7 +5,7 @@ import { css, ramp } from "./colours.mjs";
 import { valuesAt } from "./curves.mjs";
 import { rowOf, showList } from "./equilibria_list.mjs";
 import { observables, warnings } from "./numbers.mjs";
-import { DEGREE, Refused, caseOf, heldState, isEnds, quantityOf } from "./rod_case.mjs";
+import { DEGREE, Refused, caseOf, fieldNames, heldState, isEnds, isUnused, quantityOf } from "./rod_case.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
 import { post, unpacked } from "./server.mjs";
@@ -13,7 +13,7 @@ import { fromHash, studyText, toHash } from "./study_text.mjs";
 import { drawPicture } from "./picture.mjs";
 import { csvText } from "./table.mjs";
 import { makeView } from "./rod_view.mjs";
-import { number, unitText } from "./text.mjs";
+import { number, unitText, withUnit } from "./text.mjs";
 
 const PATIENCE = { numbers: 90, more: 250, list: 500 }; // ms of rest before what is slower
 const OFFLINE = "This file works without a server, so it does not list all equilibria and follows only the one it began with. The command workbench explore starts the page with a server.";
@@ -160,7 +160,7 @@ function set(box, text) { if (box.textContent !== text) box.textContent = text; 
 function showNumbers() {
   const { shape, state } = me, found = observables(shape);
   if (shape.one.kind === "ends" && !me.head.ticket) state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
-  showRows(Object.entries(found), [...warnings(shape, found), ...partNote()]);
+  showRows(Object.entries(found).filter(([, value]) => Number.isFinite(value)), [...warnings(shape, found), ...partNote()]);
   const told = [me.head.outcome || "solved", shape.error > 0 ? `estimated error ${number(shape.error, 2)}` : "", Number.isFinite(shape.condition) ? `condition number ${number(shape.condition, 3)}` : "", `${shape.s.length} stations`];
   set(element("fine"), `${told.filter(Boolean).join(", ")} (${me.head.method}).`);
   link();
@@ -179,7 +179,7 @@ function showRows(rows, told) {
     const term = document.createElement("dt"), letter = document.createElement("b"), amount = document.createElement("dd");
     letter.textContent = symbol;
     term.append(letter, ` ${words}`);
-    amount.textContent = `${number(dimension === "rad" ? value / DEGREE : value)} ${unit}`.trim();
+    amount.textContent = withUnit(number(dimension === "rad" ? value / DEGREE : value), unit);
     amount.id = `o-${name}`;
     row.append(term, amount);
     list.append(row);
@@ -271,7 +271,7 @@ function save(content, name) {
 }
 
 async function picture() {
-  const rows = Object.keys(me.state.base).filter((name) => document.getElementById(`n-${name}`)).map((name) => [name, element(`n-${name}`).value]);
+  const rows = fieldNames(me.state).filter((name) => !isUnused(me.state, name)).map((name) => [name, element(`n-${name}`).value]);
   save(await drawPicture({ view, shape: me.shape, code: data.colours, rows, quantities: data.quantities, state: me.state, title: presetOf().title }), `${me.preset}.png`);
   say("The picture is in your downloads.");
 }

@@ -2,7 +2,7 @@
 
 import { css, pushColour } from "./colours.mjs";
 import { quantityOf } from "./rod_case.mjs";
-import { number, unitText } from "./text.mjs";
+import { minus, number, unitText, withUnit } from "./text.mjs";
 
 export const WIDE = 2400;
 const HIGH = 1800, SIDE = 700, EDGE = 70, LETTER = 34, LINE = 54;
@@ -36,7 +36,7 @@ function column(ctx, { code, rows, quantities, state, title, squeeze, most, shap
     const [symbol, , dimension] = quantities[quantityOf(name)];
     text(symbol, INK, true);
     ctx.font = `${LETTER}px ${FONT}`;
-    ctx.fillText(`${value.replaceAll("-", "−")} ${unitText(dimension, state.units)}`, x + 130, y);
+    ctx.fillText(withUnit(minus(value), unitText(dimension, state.units)), x + 130, y);
     y += LINE;
   }
   legend(ctx, code, x, right, Math.max(y + 40, HIGH - EDGE - 190), most, state.units, squeeze);
