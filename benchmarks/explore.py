@@ -4,9 +4,9 @@
 
 Needs the extra test, and Debian's chromium and chromium-driver. The page is saved as a file and opened without a
 server; each slider is moved one step at a time, as a hand moves it, and each step waits until the pixels of the rod are
-there (a pixel is read back). `page` ends when the frame with the diagrams beside the rod is painted, too. Chromium draws
-in software here, so `pixels` is more than on a machine with a graphics card. At the end the moves of one second without
-a pause between them are counted.
+there (a pixel is read back). `page` ends when the frame with the diagrams beside the rod is painted, too. Chromium
+draws in software here, so `pixels` is more than on a machine with a graphics card. At the end the moves of one second
+without a pause between them are counted.
 """
 
 import json
@@ -53,7 +53,8 @@ document.addEventListener("drawn", function seen(event) {
 move();
 """
 RATE = """
-const [slider, done] = [document.getElementById(arguments[0]), arguments[1]], centre = Number(slider.value), end = performance.now() + 1000;
+const [slider, done] = [document.getElementById(arguments[0]), arguments[1]], centre = Number(slider.value);
+const end = performance.now() + 1000;
 let i = 0;
 function move() { // one move a frame, as a browser hands on the moves of a mouse
   slider.value = centre - 50 + ((37 * i++) % 101);

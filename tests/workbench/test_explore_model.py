@@ -7,7 +7,7 @@ from struct import unpack
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Rod, Start, solve
+from solver import solve
 from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError
 from studies.loader import loads

@@ -12,8 +12,8 @@ pytest.importorskip("workbench.web.live.server", reason="the extra explore is no
 
 from solver.problem.errors import InputError
 from studies import load
-from tests.workbench.node import needs_node, run
 from tests.workbench.live import asked, served, unpacked
+from tests.workbench.node import needs_node, run
 from workbench import cli
 from workbench.commands import explore
 from workbench.run.case_input import read_case

@@ -38,10 +38,12 @@ FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftsh
          "--window-size=1500,1100")  # fmt: skip
 FRAME = """
 const { camera, drawn, shape } = page.view, canvas = document.getElementById("scene");
-const [ca, sa, ce, se] = [Math.cos(camera.azimuth), Math.sin(camera.azimuth), Math.cos(camera.elevation), Math.sin(camera.elevation)];
+const [ca, sa] = [Math.cos(camera.azimuth), Math.sin(camera.azimuth)];
+const [ce, se] = [Math.cos(camera.elevation), Math.sin(camera.elevation)];
 let [wide, high] = [0, 0];
 for (let i = 0; i < shape.s.length; i++) {
-  const x = shape.one.rho * Math.cos(shape.alpha[i]), y = shape.one.rho * Math.sin(shape.alpha[i]), z = drawn.squeeze * shape.z[i];
+  const x = shape.one.rho * Math.cos(shape.alpha[i]), y = shape.one.rho * Math.sin(shape.alpha[i]);
+  const z = drawn.squeeze * shape.z[i];
   wide = Math.max(wide, Math.abs(-sa * x + ca * y - camera.x) + shape.one.a);
   high = Math.max(high, Math.abs(-se * ca * x - se * sa * y + ce * z - camera.y) + shape.one.a);
 }
@@ -91,7 +93,9 @@ class Page:
 
     def points(self) -> np.ndarray:
         """Stations, beta, azimuth and height of the rod that is drawn, (4, n)."""
-        return np.array(self("return [page.shape.s, page.shape.beta, page.shape.alpha, page.shape.z].map((v) => [...v])"))
+        return np.array(
+            self("return [page.shape.s, page.shape.beta, page.shape.alpha, page.shape.z].map((v) => [...v])")
+        )
 
     def frame(self) -> tuple[float, float]:
         """How far the rod reaches from the middle of the view, as a share of its half height and half width."""
@@ -183,7 +187,7 @@ def test_the_rod_stays_in_its_frame_whatever_is_chosen(page) -> None:
     page.slide("E", 1000)  # a stiff rod
     page.until(lambda: page.drawn() != before, "the stiff rod")
     within()
-    page("document.getElementById('side').value = 'inside'; document.getElementById('side').dispatchEvent(new Event('change'))")
+    page("const side = document.getElementById('side'); side.value = 'inside'; side.dispatchEvent(new Event('change'))")
     within()
     page.click("reset")
     assert page("return [page.state.base.E, page.state.base.side]") == [1.07e4, "outside"]
@@ -199,7 +203,10 @@ def test_the_rod_stays_in_its_frame_whatever_is_chosen(page) -> None:
 
 
 def test_who_has_zoomed_is_left_alone_until_the_view_is_fitted(page) -> None:
-    page("document.getElementById('scene').dispatchEvent(new WheelEvent('wheel', { deltaY: -800, bubbles: true, cancelable: true }))")
+    page(
+        "const wheel = new WheelEvent('wheel', { deltaY: -800, bubbles: true, cancelable: true });"
+        "document.getElementById('scene').dispatchEvent(wheel)"
+    )
     half = page("return page.view.camera.half")
     page.slide("L", 700)
     assert page("return page.view.camera.half") == half
@@ -208,8 +215,13 @@ def test_who_has_zoomed_is_left_alone_until_the_view_is_fitted(page) -> None:
 
 
 def test_with_reduced_motion_the_camera_jumps(page) -> None:
-    page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-reduced-motion", "value": "reduce"}]})
-    page("const s = document.getElementById('s-L'); s.value = 1000; s.dispatchEvent(new Event('input', { bubbles: true }))")
+    page.driver.execute_cdp_cmd(
+        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-reduced-motion", "value": "reduce"}]}
+    )
+    page(
+        "const s = document.getElementById('s-L'); s.value = 1000;"
+        "s.dispatchEvent(new Event('input', { bubbles: true }))"
+    )
     assert max(page.frame()) <= 1.0
     assert page("return page.view.camera === page.view.target")
 
@@ -223,15 +235,22 @@ def test_of_many_moves_the_last_is_drawn(page) -> None:
     assert page("return page.shape.one.rho") == pytest.approx(R + 0.25)
 
 
-@pytest.mark.parametrize("name, text, sentence", [("E", "-1", "E must be greater than 0."), ("R", "", "R needs a number.")])
+@pytest.mark.parametrize(
+    "name, text, sentence", [("E", "-1", "E must be greater than 0."), ("R", "", "R needs a number.")]
+)
 def test_bad_input_is_explained_once_in_place_and_the_last_good_shape_stays(page, name, text, sentence) -> None:
     before, points = page.drawn(), page.points()
     page.type(name, text)
-    told = page.until(lambda: page("return document.getElementById('why-' + arguments[0])?.innerText", name), "a reason")
+    told = page.until(
+        lambda: page("return document.getElementById('why-' + arguments[0])?.innerText", name), "a reason"
+    )
     assert told == sentence
     assert page("return document.body.innerText").count(sentence) == 1
     assert page("return document.getElementById('n-' + arguments[0]).getAttribute('aria-invalid')", name) == "true"
-    assert page("return document.getElementById('n-' + arguments[0]).getAttribute('aria-describedby')", name) == f"why-{name}"
+    assert (
+        page("return document.getElementById('n-' + arguments[0]).getAttribute('aria-describedby')", name)
+        == f"why-{name}"
+    )
     np.testing.assert_array_equal(page.points(), points)
     page.type(name, "0.9")
     page.until(lambda: page.drawn() != before, "a good shape")
@@ -244,7 +263,9 @@ def test_arrow_keys_move_a_field_and_its_unit_is_spoken(page) -> None:
     assert 1.07e4 < E < 1.2e4
     assert page("return document.getElementById('n-E').getAttribute('aria-valuetext')").endswith(" N/cm²")
     assert page("return document.getElementById('s-E').getAttribute('aria-valuetext')").endswith(" N/cm²")
-    stops = page("return [...document.querySelectorAll('#fields input')].filter((one) => one.tabIndex >= 0).map((one) => one.id)")
+    stops = page(
+        "return [...document.querySelectorAll('#fields input')].filter((one) => one.tabIndex >= 0).map((one) => one.id)"
+    )
     assert len(stops) == len(set(stops)) == 10
 
 
@@ -263,7 +284,12 @@ def test_the_cursor_is_one_in_all_diagrams_and_on_the_rod(page) -> None:
     assert "s = 10 cm" in page("return document.getElementById('here').innerText")
     assert not page("return document.getElementById('mark').hidden")
     box = page("const b = document.getElementById('d-push').getBoundingClientRect(); return [b.left, b.top, b.width]")
-    page("document.getElementById('d-push').dispatchEvent(new PointerEvent('pointermove', { clientX: arguments[0], clientY: arguments[1] }))", box[0] + 0.6 * box[2], box[1] + 40)
+    page(
+        "const move = new PointerEvent('pointermove', { clientX: arguments[0], clientY: arguments[1] });"
+        "document.getElementById('d-push').dispatchEvent(move)",
+        box[0] + 0.6 * box[2],
+        box[1] + 40,
+    )
     s = page("return page.cursor")
     assert 10 < s < 13
     assert f"s = {s:.4g}"[:6] in page("return document.getElementById('here').innerText")
@@ -384,7 +410,11 @@ AXE = ("axe-core@4.14.1", "29348999450cdf2849a8e70b7912fc2da85a849da39c0d0d5394f
 def axe(tmp_path_factory) -> str:
     """The script of axe-core, which judges the accessibility of a page; the test is skipped where npm has none."""
     npm, folder = shutil.which("npm"), tmp_path_factory.mktemp("axe")
-    done = subprocess.run([npm or "npm", "pack", AXE[0]], cwd=folder, capture_output=True, timeout=120, check=False) if npm else None
+    done = (
+        subprocess.run([npm or "npm", "pack", AXE[0]], cwd=folder, capture_output=True, timeout=120, check=False)
+        if npm
+        else None
+    )
     if done is None or done.returncode != 0:
         pytest.skip("npm does not offer axe-core here")
     with tarfile.open(next(folder.glob("*.tgz"))) as archive:
@@ -396,7 +426,9 @@ def axe(tmp_path_factory) -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_nothing_that_bars_people(page, axe, scheme) -> None:
-    page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]})
+    page.driver.execute_cdp_cmd(
+        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+    )
     page("page.begin('cable')")
     page.until(lambda: page("return page.list.length"), "the equilibria")
     page("const c = document.getElementById('cursor'); c.value = 300; c.dispatchEvent(new Event('input'))")
@@ -404,19 +436,26 @@ def test_axe_finds_nothing_that_bars_people(page, axe, scheme) -> None:
         page("page.state.base[arguments[0]] = arguments[1]; page.update()", name, value)
         page(axe)
         found = page.driver.execute_async_script("const done = arguments[0]; axe.run().then(done)")
-        assert [(one["id"], [node["html"] for node in one["nodes"]]) for one in found["violations"] + found["incomplete"]] == []
+        assert [
+            (one["id"], [node["html"] for node in one["nodes"]]) for one in found["violations"] + found["incomplete"]
+        ] == []
         assert "color-contrast" in [one["id"] for one in found["passes"]]
 
 
 def test_on_a_phone_the_rod_comes_first_and_stays_and_the_controls_are_large(page) -> None:
-    page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True})
+    page.driver.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
+    )
     try:
         top = "return document.getElementById('view').getBoundingClientRect().top"
         page.until(lambda: page("return innerWidth") == 390, "a phone")
         assert page(top) < 20
         page("window.scrollTo(0, 900)")
         assert abs(page(top)) < 20
-        small = page("return [...document.querySelectorAll('button, select, input')].filter((one) => one.offsetParent && one.getBoundingClientRect().height < 44).map((one) => one.id)")
+        small = page(
+            "const low = (one) => one.offsetParent && one.getBoundingClientRect().height < 44;"
+            "return [...document.querySelectorAll('button, select, input')].filter(low).map((one) => one.id)"
+        )
         assert small == []
         assert page("return document.documentElement.scrollWidth") <= 390
     finally:

@@ -53,7 +53,9 @@ def test_the_page_is_one_text_that_names_no_other_address_and_runs_only_its_own_
     assert "'unsafe-eval'" not in policy
     assert b"http://" not in answer.data
     assert b"https://" not in answer.data
-    assert asked(port, "POST", "/numbers", {"state": TABLE_1}).headers["Content-Security-Policy"].startswith("default-src")
+    assert (
+        asked(port, "POST", "/numbers", {"state": TABLE_1}).headers["Content-Security-Policy"].startswith("default-src")
+    )
 
 
 @pytest.mark.parametrize(

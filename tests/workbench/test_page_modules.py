@@ -41,13 +41,15 @@ STARTS = [
     *(state(reading=name) for name in READINGS),
     state("dna"), state("dna", side="inside", R=9.0), state(side="inside"), state(E=3e5), state(E=900.0, L=60.0),
     {"units": {"length": "m", "force": "N"}, "base": {
-        "E": 2e9, "nu": 0.3, "a": 0.01, "L": 3.0, "R": 0.1, "stiffness": "paper", "beta": -2.0, "dbeta": 4.0, "M3": -3.0,
-        "F2": 2.0, "F3": -40.0, "alpha": 0.7}},
+        "E": 2e9, "nu": 0.3, "a": 0.01, "L": 3.0, "R": 0.1, "stiffness": "paper", "beta": -2.0, "dbeta": 4.0,
+        "M3": -3.0,         "F2": 2.0, "F3": -40.0, "alpha": 0.7}},
 ]  # fmt: skip
 
 
 def test_the_loads_of_every_reading_are_those_of_the_solver() -> None:
-    script = "answer(given.map((state) => { const { FZ, MZ, M3, rho, A, C } = rod_case.caseOf(state, {}); return [FZ, MZ, M3, rho, A, C]; }));"
+    script = """
+    const loads = ({ FZ, MZ, M3, rho, A, C }) => [FZ, MZ, M3, rho, A, C];
+    answer(given.map((state) => loads(rod_case.caseOf(state, {}))));"""
     for made, found in zip(STARTS, run(script, STARTS, MODULES), strict=True):
         case = case_of(made)
         wanted = [*case.loads, case.rho, case.rod.bending_stiffness, case.rod.torsional_stiffness]
@@ -57,12 +59,21 @@ def test_the_loads_of_every_reading_are_those_of_the_solver() -> None:
 def test_shape_and_push_along_the_rod_are_those_of_the_solver() -> None:
     script = (
         "answer(given.map((state) => { const shape = rod_shape.marched(core, rod_case.caseOf(state, {}));"
-        "return Object.fromEntries(['s', 'beta', 'dbeta', 'alpha', 'z', 'push', 'kappa', 'tension'].map((name) => [name, shape[name]])); }));"
+        "const names = ['s', 'beta', 'dbeta', 'alpha', 'z', 'push', 'kappa', 'tension'];"
+        "return Object.fromEntries(names.map((name) => [name, shape[name]])); }));"
     )
     for made, found in zip(STARTS, run(script, STARTS, MODULES), strict=True):
         sol = solve(case_of(made), 1e-8, stations=np.array(found["s"]))
         assert sol.solved
-        names = {"beta": "beta", "dbeta": "dbeta", "alpha": "alpha", "z": "z", "push": "push", "kappa": "kappa", "tension": "F3"}
+        names = {
+            "beta": "beta",
+            "dbeta": "dbeta",
+            "alpha": "alpha",
+            "z": "z",
+            "push": "push",
+            "kappa": "kappa",
+            "tension": "F3",
+        }
         for mine, name in names.items():
             wanted = getattr(sol, name)
             np.testing.assert_allclose(found[mine], wanted, atol=1e-7 * max(np.abs(wanted).max(), 1e-6), err_msg=mine)
@@ -87,16 +98,23 @@ def test_the_observables_are_those_of_the_solver() -> None:
 
 def test_which_rods_pass_through_themselves() -> None:
     states = [*STARTS, state(E=5.35e4), state(L=4.0), state("dna", dgamma=0.0), state("dna", beta=-1.52)]
-    script = "answer(given.map((state) => self_contact.passesThroughItself(rod_shape.marched(core, rod_case.caseOf(state, {})))));"
+    script = """
+    const solved = (state) => rod_shape.marched(core, rod_case.caseOf(state, {}));
+    answer(given.map((state) => self_contact.passesThroughItself(solved(state))));"""
     found = run(script, states, (*MODULES, "self_contact"))
     wanted = [bool(observe(solve(case_of(made)), ["overlaps"])["overlaps"]) for made in states]
-    tight = [float(observe(solve(case_of(made)), ["kappa_max"])["kappa_max"]) * float(case_of(made).rod.a) >= 1 for made in states]
+    tight = [
+        float(observe(solve(case_of(made)), ["kappa_max"])["kappa_max"]) * float(case_of(made).rod.a) >= 1
+        for made in states
+    ]
     assert [one or bent for one, bent in zip(found, tight, strict=True)] == wanted
     assert {True, False} == set(wanted)
 
 
 def test_the_peaks_of_the_push_are_stations_so_that_equal_peaks_are_drawn_equal() -> None:
-    script = SHAPE + "const [{ y }] = curves.diagrams(shape, given.units).filter(({ key }) => key === 'push'); answer(y);"
+    script = (
+        SHAPE + "const [{ y }] = curves.diagrams(shape, given.units).filter(({ key }) => key === 'push'); answer(y);"
+    )
     push = np.array(run(script, state(), (*MODULES, "curves")))
     inner = push[1:-1]
     peaks = inner[(inner > push[:-2]) & (inner > push[2:]) & (inner > 100)]
@@ -108,7 +126,17 @@ def test_the_peaks_of_the_push_are_stations_so_that_equal_peaks_are_drawn_equal(
 def test_beside_an_unstable_equilibrium_the_shape_is_integrated() -> None:
     made = state(E=1.07e4)
     made.pop("reading")
-    made["base"] = {"E": 1e4, "nu": 0.3, "a": 0.25, "L": 20.0, "R": 0.75, "beta": math.pi, "dbeta": 1e-9, "M3": 0.0, "F3": 10.0}
+    made["base"] = {
+        "E": 1e4,
+        "nu": 0.3,
+        "a": 0.25,
+        "L": 20.0,
+        "R": 0.75,
+        "beta": math.pi,
+        "dbeta": 1e-9,
+        "M3": 0.0,
+        "F3": 10.0,
+    }
     script = SHAPE + (
         "const lost = core.solve(rod_case.reduced(one), 1e-8, Float64Array.of(1)).end;"
         "answer([lost, shape.s, shape.beta, shape.z, shape.condition, shape.error]);"
@@ -170,7 +198,9 @@ def test_an_invalid_value_is_told_at_its_field_in_plain_words() -> None:
 
 
 def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_part() -> None:
-    script = "answer(given.map((state) => { const { s, beta, shown } = rod_shape.marched(core, rod_case.caseOf(state, {})); return [s, beta, shown]; }));"
+    script = """
+    const part = ({ s, beta, shown }) => [s, beta, shown];
+    answer(given.map((state) => part(rod_shape.marched(core, rod_case.caseOf(state, {})))));"""
     many, part = run(script, [state(L=200.0), state(L=2e4)], MODULES)
     assert np.abs(np.diff(many[1])).max() < 0.26
     assert many[2] == 1
@@ -181,11 +211,15 @@ def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_
 @pytest.mark.parametrize("name", ["table1", "dna"])
 def test_the_tube_is_closed_touches_the_cylinder_and_is_as_near_as_it_says(name) -> None:
     tolerance = 0.003 * case_of(STATES[name]).rho
-    script = SHAPE + f"""
-    const largest = Math.max(...shape.push), chosen = tube.rings(shape, {tolerance}, largest), sides = tube.sidesFor(one.a, {tolerance});
+    script = (
+        SHAPE
+        + f"""
+    const largest = Math.max(...shape.push), chosen = tube.rings(shape, {tolerance}, largest);
+    const sides = tube.sidesFor(one.a, {tolerance});
     const corners = tube.tube(shape, chosen, sides, 1, largest), walls = tube.wallTriangles(chosen.length, sides);
     const ends = tube.endTriangles(chosen.length * sides, sides);
     answer([corners, [...walls, ...ends], Array.from(chosen, (i) => shape.s[i]), sides]);"""
+    )
     corners, triangles, s, sides = run(script, STATES[name], (*MODULES, "tube"))
     points, normals = np.array(corners).reshape(-1, 7)[:, :3], np.array(corners).reshape(-1, 7)[:, 3:6]
     faces = np.array(triangles).reshape(-1, 3)
@@ -204,13 +238,18 @@ def test_the_tube_is_closed_touches_the_cylinder_and_is_as_near_as_it_says(name)
     drawn = points[: len(s) * sides].reshape(len(s), sides, 3)
     for j in (0, sides // 4, sides // 2):
         angle = 2 * np.pi * j / sides
-        true = centre + a * (np.cos(angle) * frames.outward(sol.alpha) + np.sin(angle) * frames.binormal(sol.alpha, sol.beta))
+        true = centre + a * (
+            np.cos(angle) * frames.outward(sol.alpha) + np.sin(angle) * frames.binormal(sol.alpha, sol.beta)
+        )
         straight = np.stack([np.interp(fine, s, drawn[:, j, k]) for k in range(3)], axis=-1)
         assert np.sqrt(((true - straight) ** 2).sum(axis=-1)).max() < 2 * tolerance
 
 
 def test_the_rings_are_where_the_rod_bends() -> None:
-    script = SHAPE + "const chosen = tube.rings(shape, 0.004, 170); answer([Array.from(chosen, (i) => shape.s[i]), Array.from(chosen, (i) => shape.kappa[i])]);"
+    script = (
+        SHAPE + "const at = (row) => Array.from(tube.rings(shape, 0.004, 170), (i) => row[i]);"
+        "answer([at(shape.s), at(shape.kappa)]);"
+    )
     s, kappa = (np.array(row) for row in run(script, state(), (*MODULES, "tube")))
     gaps, tight = np.diff(s), (kappa[1:] + kappa[:-1]) / 2
     assert np.median(gaps[tight > 2.5]) < 0.5 * np.median(gaps[tight < 0.8])
@@ -230,10 +269,18 @@ def test_numbers_and_units_are_written_as_in_the_figures() -> None:
     values = [0.0, 10910.0, 0.625, -0.00031416, 123456.0, 3.0000004]
     found = run("answer(given.map((v) => text.number(v)));", values, ("text",))
     assert [one.replace("−", "-") for one in found] == [labels.number(v) for v in values]
-    assert run("answer([2.5e7, -3.25e-6, NaN].map((v) => text.number(v)));", None, ("text",)) == ["2.5e7", "−3.25e−6", "not known"]
+    assert run("answer([2.5e7, -3.25e-6, NaN].map((v) => text.number(v)));", None, ("text",)) == [
+        "2.5e7",
+        "−3.25e−6",
+        "not known",
+    ]
     units = {"length": "cm", "force": "N"}
     rows = {name: row.dimension for name, row in QUANTITIES.items()}
-    told = run("answer(Object.values(given.rows).map((d) => text.unitText(d, given.units)));", {"rows": rows, "units": units}, ("text",))
+    told = run(
+        "answer(Object.values(given.rows).map((d) => text.unitText(d, given.units)));",
+        {"rows": rows, "units": units},
+        ("text",),
+    )
     for name, unit in zip(rows, told, strict=True):
         assert unit == labels.unit(unit_of(name, units)).replace("rad", "°" if rows[name] == "rad" else "rad"), name
 
@@ -254,7 +301,8 @@ def test_a_link_holds_the_whole_state() -> None:
 
 
 @pytest.mark.parametrize(
-    "text, value", [("5", 5), ("-0,5", -0.5), ("−2e3", -2000), (" .5 ", 0.5), ("1e-3", 1e-3), ("", "NaN"), ("1.2.3", "NaN"), ("0x10", "NaN"), ("Infinity", "NaN")]
+    "text, value", [("5", 5), ("-0,5", -0.5), ("−2e3", -2000), (" .5 ", 0.5), ("1e-3", 1e-3), ("", "NaN"),
+     ("1.2.3", "NaN"), ("0x10", "NaN"), ("Infinity", "NaN")]
 )  # fmt: skip
 def test_what_a_person_types_is_a_number_or_none(text, value) -> None:
     assert run("answer(controls.typed(given));", text, ("controls",)) == value
@@ -283,7 +331,8 @@ def test_a_line_keeps_its_peaks_however_many_points_fall_on_one_pixel() -> None:
 
 def test_unequal_scales_are_told_and_equal_ones_are_equal() -> None:
     script = """
-    const shape = (x, y) => diagram.frameOf({ x, y, equal: Math.max(x[1], y[1]) <= 6 * Math.min(x[1], y[1]) }, 370, 250).stretch;
+    const equal = (x, y) => Math.max(x[1], y[1]) <= 6 * Math.min(x[1], y[1]);
+    const shape = (x, y) => diagram.frameOf({ x, y, equal: equal(x, y) }, 370, 250).stretch;
     answer([shape([0, 2], [0, 8]), shape([0, 100], [0, 2]), diagram.scaleText(40), diagram.scaleText(0.5)]);"""
     equal, other, wide, tall = run(script, None, ("diagram",))
     assert equal == pytest.approx(1)
@@ -295,9 +344,12 @@ def test_unequal_scales_are_told_and_equal_ones_are_equal() -> None:
 def test_the_camera_fits_all_of_a_rod_and_moves_only_where_it_must() -> None:
     script = """
     const camera0 = { azimuth: 0.4, elevation: 0.3 }, points = [1, 0, 0, -1, 0.5, 8, 0, 1, 4];
-    const box = camera.seen(camera0, points, 0.25), fits = camera.fitted(camera0, box, 1.5), steps = [0, 0.5, 1].map((u) => camera.between({ ...fits, half: 1 }, fits, u).half);
-    const longer = camera.seen(camera0, [...points, 0, 0, 12], 0.25), shorter = camera.seen(camera0, [0, 0, 0, 0, 0, 1], 0.25);
-    answer([camera.needsFit(fits, box, 1.5), camera.needsFit(fits, longer, 1.5), camera.needsFit(fits, shorter, 1.5), fits.half, box.y1 - box.y0, steps]);"""
+    const box = camera.seen(camera0, points, 0.25), fits = camera.fitted(camera0, box, 1.5);
+    const steps = [0, 0.5, 1].map((u) => camera.between({ ...fits, half: 1 }, fits, u).half);
+    const longer = camera.seen(camera0, [...points, 0, 0, 12], 0.25);
+    const shorter = camera.seen(camera0, [0, 0, 0, 0, 0, 1], 0.25);
+    const moves = [box, longer, shorter].map((one) => camera.needsFit(fits, one, 1.5));
+    answer([...moves, fits.half, box.y1 - box.y0, steps]);"""
     fits, grown, shrunk, half, tall, steps = run(script, None, ("camera",))
     assert (fits, grown, shrunk) == (False, True, True)
     assert half == pytest.approx(1.07 * tall / 2)
@@ -306,10 +358,15 @@ def test_the_camera_fits_all_of_a_rod_and_moves_only_where_it_must() -> None:
 
 
 def test_the_potential_and_the_level_are_the_solvers() -> None:
-    script = SHAPE + "const [well] = curves.diagrams(shape, given.units).filter(({ key }) => key === 'well'); answer([well.x, well.y, well.level, well.ranges]);"
+    script = (
+        SHAPE + "const [well] = curves.diagrams(shape, given.units).filter(({ key }) => key === 'well');"
+        "answer([well.x, well.y, well.level, well.ranges]);"
+    )
     x, y, level, ranges = run(script, state(), (*MODULES, "curves"))
     sol = solve(case_of(state()))
-    np.testing.assert_allclose(y, potential(sol.problem, np.radians(x)) / float(sol.case.rho) ** 2, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(
+        y, potential(sol.problem, np.radians(x)) / float(sol.case.rho) ** 2, rtol=1e-12, atol=1e-12
+    )
     assert level == pytest.approx(float(sol.h[0]), rel=1e-9)
     assert len(ranges) == 2  # it passes 180 degrees
     allowed = np.interp(np.concatenate(ranges), x, y)
@@ -317,7 +374,10 @@ def test_the_potential_and_the_level_are_the_solvers() -> None:
 
 
 def test_the_state_of_a_held_rod_is_the_ends_problem_of_its_own_shape() -> None:
-    script = SHAPE + "answer(rod_case.heldState(given, one, shape.beta[shape.beta.length - 1], { dbeta0: shape.dbeta[0], energy: numbers.observables(shape).energy }));"
+    script = (
+        SHAPE + "const { energy } = numbers.observables(shape);"
+        "answer(rod_case.heldState(given, one, shape.beta.at(-1), { dbeta0: shape.dbeta[0], energy }));"
+    )
     held = run(script, state(), (*MODULES, "numbers"))
     first = page_shape.shape(page_model.study_of(state()))
     study = page_model.study_of(held)
@@ -330,13 +390,30 @@ def test_the_state_of_a_held_rod_is_the_ends_problem_of_its_own_shape() -> None:
 
 def test_the_nearest_row_of_the_list_is_the_one_that_is_shown() -> None:
     rows = [{"dbeta0": 0.5, "energy": -3.0}, {"dbeta0": 0.1, "energy": -2.0}, {"dbeta0": 0.5, "energy": 1.0}]
-    script = "answer([{ dbeta0: 0.49, energy: 0.9 }, { dbeta0: 0.12, energy: -2.1 }, null].map((at) => equilibria_list.rowOf(given, at)));"
+    script = """
+    const places = [{ dbeta0: 0.49, energy: 0.9 }, { dbeta0: 0.12, energy: -2.1 }, null];
+    answer(places.map((at) => equilibria_list.rowOf(given, at)));"""
     assert run(script, rows, ("equilibria_list",)) == [2, 1, -1]
 
 
 def test_a_case_of_the_page_and_of_the_solver_agree_without_a_reading() -> None:
-    made = {"units": {"length": "mm", "force": "N"}, "base": {"E": 1e3, "nu": 0.3, "a": 1.0, "L": 80.0, "R": 4.0, "side": "inside", "beta": 0.3, "dbeta": 0.05, "M3": 40.0}}
+    made = {
+        "units": {"length": "mm", "force": "N"},
+        "base": {
+            "E": 1e3,
+            "nu": 0.3,
+            "a": 1.0,
+            "L": 80.0,
+            "R": 4.0,
+            "side": "inside",
+            "beta": 0.3,
+            "dbeta": 0.05,
+            "M3": 40.0,
+        },
+    }
     found = run(SHAPE + "answer([shape.s, shape.push]);", made, MODULES)
     case = Case(Rod(1e3, 0.3, 1.0, 80.0), Cylinder(4.0, "inside"), Start(0.3, 0.05, M3=40.0))
     wanted = solve(case, stations=np.array(found[0])).push
-    np.testing.assert_allclose(found[1], wanted, atol=1e-7 * np.abs(wanted).max())  # positive where the wall pushes inward
+    np.testing.assert_allclose(
+        found[1], wanted, atol=1e-7 * np.abs(wanted).max()
+    )  # positive where the wall pushes inward

@@ -50,7 +50,8 @@ function begin(name) {
 
 /* seed: s and beta of the shape between two ends with which this file was saved. */
 function enter(name, state, seed = null) {
-  Object.assign(me, { preset: name, centre: copied(state.base), state, list: [], here: -1 });
+  Object.assign(me, { preset: name, centre: copied(state.base), state, list: [], here: -1, cursor: null });
+  setCursor(null);
   element("preset").value = name;
   element("source").textContent = presetOf().source;
   say("");

@@ -5,7 +5,7 @@ import { range } from "./numbers.mjs";
 import { makeScene } from "./scene.mjs";
 import { cylinder, rings, sidesFor, squeezeOf, tube } from "./tube.mjs";
 
-const FINE = 0.3, COARSE = 0.8; // pixels that the tube may be off at rest, and while a slider moves
+const FINE = 0.12, COARSE = 0.8; // pixels that the tube may be off at rest, and while a slider moves
 const REST = 160, EASE = 240; // ms until all is drawn finely, and of a change of the camera
 const BUDGET = 5, COARSEST = 3; // ms that drawing may take while a slider moves; largest factor by which pixels grow
 const TURN = 0.008, KEY = 0.12, ZOOM = 1.15; // rad for a pixel of a drag and a key; factor of a key

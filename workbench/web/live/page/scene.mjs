@@ -21,9 +21,9 @@ void main() {
   if (!gl_FrontFacing) n = -n;
   vec3 base = isRod ? (value < 0.0 ? pull : texture(ramp, vec2(value, 0.5)).rgb) : wall;
   float key = max(dot(n, vec3(-0.40, 0.55, 0.73)), 0.0), eye = max(n.z, 0.0);
-  float light = isRod ? 0.30 + 0.52 * key + 0.30 * eye : 0.62 + 0.14 * key + 0.24 * eye;
-  float edge = isRod ? mix(0.45, 1.0, smoothstep(0.05, 0.42, eye)) : 1.0;
-  float shine = isRod ? 0.16 * pow(max(dot(n, vec3(-0.215, 0.296, 0.931)), 0.0), 40.0) : 0.0;
+  float light = isRod ? 0.46 + 0.42 * key + 0.24 * eye : 0.62 + 0.14 * key + 0.24 * eye;
+  float edge = isRod ? mix(0.55, 1.0, smoothstep(0.02, 0.36, eye)) : 1.0;
+  float shine = isRod ? 0.18 * pow(max(dot(n, vec3(-0.215, 0.296, 0.931)), 0.0), 40.0) : 0.0;
   colour = vec4(base * light * edge + shine, 1.0);
 }`;
 
