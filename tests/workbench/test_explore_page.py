@@ -460,3 +460,10 @@ def test_on_a_phone_the_rod_comes_first_and_stays_and_the_controls_are_large(pag
         assert page("return document.documentElement.scrollWidth") <= 390
     finally:
         page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_an_answer_that_comes_too_late_does_not_replace_a_newer_rod(page) -> None:
+    page("page.begin('cable'); page.begin('dna')")
+    page.until(lambda: not page("return page.busy"), "the late answer")
+    time.sleep(0.2)
+    assert page("return [page.state.units.length, page.shape.one.kind, page.shape.one.L]") == ["nm", "start", 43.5]

@@ -18,8 +18,10 @@ export function seen(camera, points, radius) {
   const { right, up } = axesOf(camera);
   let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
   for (let i = 0; i < points.length; i += 3) {
-    const p = [points[i], points[i + 1], points[i + 2]], x = dot(p, right), y = dot(p, up);
-    x0 = Math.min(x0, x), x1 = Math.max(x1, x), y0 = Math.min(y0, y), y1 = Math.max(y1, y);
+    const p = [points[i], points[i + 1], points[i + 2]],
+      x = dot(p, right),
+      y = dot(p, up);
+    ((x0 = Math.min(x0, x)), (x1 = Math.max(x1, x)), (y0 = Math.min(y0, y)), (y1 = Math.max(y1, y)));
   }
   return { x0: x0 - radius, x1: x1 + radius, y0: y0 - radius, y1: y1 + radius };
 }
@@ -32,26 +34,45 @@ export function fitted(camera, { x0, x1, y0, y1 }, aspect) {
 
 /* Whether the rectangle leaves the view or fills little of it. */
 export function needsFit(camera, { x0, x1, y0, y1 }, aspect) {
-  const { x, y, half } = camera, wide = half * aspect;
+  const { x, y, half } = camera,
+    wide = half * aspect;
   const leaves = x0 < x - wide || x1 > x + wide || y0 < y - half || y1 > y + half;
   return leaves || Math.max((y1 - y0) / (2 * half), (x1 - x0) / (2 * wide)) < SMALL;
 }
 
 export function turned(camera, by, up) {
-  return { ...camera, azimuth: camera.azimuth + by, elevation: Math.min(Math.max(camera.elevation + up, -STEEPEST), STEEPEST) };
+  return {
+    ...camera,
+    azimuth: camera.azimuth + by,
+    elevation: Math.min(Math.max(camera.elevation + up, -STEEPEST), STEEPEST),
+  };
 }
 
 /* Between two cameras; share: from 0 to 1. */
 export function between(from, to, share) {
-  const eased = share * share * (3 - 2 * share), found = {};
-  for (const key of Object.keys(to)) found[key] = key === "half" ? from[key] * (to[key] / from[key]) ** eased : from[key] + eased * (to[key] - from[key]);
+  const eased = share * share * (3 - 2 * share),
+    found = {};
+  for (const key of Object.keys(to))
+    found[key] =
+      key === "half" ? from[key] * (to[key] / from[key]) ** eased : from[key] + eased * (to[key] - from[key]);
   return found;
 }
 
 /* The matrix, column by column, that takes points of the scene into the view; depth: what is seen before and behind. */
 export function matrix(camera, aspect, depth) {
-  const { right, up, toward } = axesOf(camera), { x, y, half } = camera, wide = half * aspect;
+  const { right, up, toward } = axesOf(camera),
+    { x, y, half } = camera,
+    wide = half * aspect;
   const row = (axis, size, shift) => [axis[0] / size, axis[1] / size, axis[2] / size, -shift / size];
-  const rows = [row(right, wide, x), row(up, half, y), row(toward.map((v) => -v), depth, 0), [0, 0, 0, 1]];
+  const rows = [
+    row(right, wide, x),
+    row(up, half, y),
+    row(
+      toward.map((v) => -v),
+      depth,
+      0,
+    ),
+    [0, 0, 0, 1],
+  ];
   return Float32Array.from({ length: 16 }, (_, i) => rows[i % 4][i >> 2]);
 }

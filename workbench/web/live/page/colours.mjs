@@ -4,7 +4,12 @@
 export function pushColour({ stops, pull }, push, largest) {
   if (push < 0) return pull;
   const share = largest > 0 ? Math.min(push / largest, 1) : 0;
-  const j = Math.max(1, stops.findIndex(([at]) => at >= share)), [at, from] = stops[j - 1], [until, to] = stops[j];
+  const j = Math.max(
+      1,
+      stops.findIndex(([at]) => at >= share),
+    ),
+    [at, from] = stops[j - 1],
+    [until, to] = stops[j];
   return from.map((v, k) => Math.round(v + ((to[k] - v) * (share - at)) / (until - at)));
 }
 

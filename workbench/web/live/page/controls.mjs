@@ -5,7 +5,9 @@ import { minus, number, unitText, withUnit } from "./text.mjs";
 
 const RATIO = [-0.95, 0.5]; // of nu
 const WIDER = 5; // the ends of a slider, as a factor of the value of the preset
-const STEPS = 1000, KEY = 10, PAGE = 100; // of a slider; of an arrow key; of page up and down
+const STEPS = 1000,
+  KEY = 10,
+  PAGE = 100; // of a slider; of an arrow key; of page up and down
 
 /* The two ends of the slider of a field; centre: its value in the preset. */
 export function spanOf(name, centre, span) {
@@ -19,7 +21,9 @@ export function spanOf(name, centre, span) {
 
 /* The place of a value on its slider, and the value at a place. */
 export function placeOf(name, value, [low, high]) {
-  return STEPS * (kindOf(name) === "positive" ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low));
+  return (
+    STEPS * (kindOf(name) === "positive" ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low))
+  );
 }
 export function valueAt(name, place, [low, high]) {
   const u = place / STEPS;
@@ -34,29 +38,50 @@ export function typed(text) {
 
 /* The fields in `box`. data: quantities and units. changed(name, value): called with each new value. */
 export function makeControls(box, quantities, changed) {
-  let rows = {}, made = "";
+  let rows = {},
+    made = "";
 
   function build(state, context) {
     box.replaceChildren();
     rows = {};
     for (const name of fieldNames(state)) {
-      const [symbol, words, dimension] = quantities[quantityOf(name)], unit = unitText(dimension, state.units);
-      const row = document.createElement("div"), label = document.createElement("label"), letter = document.createElement("b"), told = document.createElement("span");
+      const [symbol, words, dimension] = quantities[quantityOf(name)],
+        unit = unitText(dimension, state.units);
+      const row = document.createElement("div"),
+        label = document.createElement("label"),
+        letter = document.createElement("b"),
+        told = document.createElement("span");
       row.className = "field";
-      letter.textContent = symbol, told.textContent = ` ${words}`;
+      ((letter.textContent = symbol), (told.textContent = ` ${words}`));
       label.htmlFor = `n-${name}`;
       label.append(letter, told);
-      const slider = Object.assign(document.createElement("input"), { type: "range", min: 0, max: STEPS, step: "any", id: `s-${name}`, tabIndex: -1 });
-      const field = Object.assign(document.createElement("input"), { type: "text", id: `n-${name}`, autocomplete: "off", spellcheck: false });
+      const slider = Object.assign(document.createElement("input"), {
+        type: "range",
+        min: 0,
+        max: STEPS,
+        step: "any",
+        id: `s-${name}`,
+        tabIndex: -1,
+      });
+      const field = Object.assign(document.createElement("input"), {
+        type: "text",
+        id: `n-${name}`,
+        autocomplete: "off",
+        spellcheck: false,
+      });
       slider.setAttribute("aria-label", `${words}, slider`);
       field.setAttribute("role", "spinbutton");
-      const shown = document.createElement("span"), note = document.createElement("p");
-      shown.className = "unit", shown.textContent = unit, note.id = `why-${name}`;
+      const shown = document.createElement("span"),
+        note = document.createElement("p");
+      ((shown.className = "unit"), (shown.textContent = unit), (note.id = `why-${name}`));
       row.append(label, slider, field, shown, note);
       box.append(row);
       rows[name] = { row, slider, field, note, unit };
       slider.addEventListener("input", () => changed(name, valueAt(name, Number(slider.value), context.span(name))));
-      field.addEventListener("change", () => { const v = typed(field.value); changed(name, kindOf(name) === "angle" ? v * DEGREE : v, true); });
+      field.addEventListener("change", () => {
+        const v = typed(field.value);
+        changed(name, kindOf(name) === "angle" ? v * DEGREE : v, true);
+      });
       field.addEventListener("keydown", (event) => {
         const by = { ArrowUp: KEY, ArrowDown: -KEY, PageUp: PAGE, PageDown: -PAGE }[event.key];
         if (!by || !Number.isFinite(context.value(name))) return;
@@ -69,9 +94,11 @@ export function makeControls(box, quantities, changed) {
   /* Show the values of a state. wrong: a sentence and its field. context: the span and the value of each field. */
   function show(state, wrong, context) {
     const key = JSON.stringify([fieldNames(state), state.units]);
-    if (key !== made) build(state, context), (made = key);
+    if (key !== made) (build(state, context), (made = key));
     for (const [name, { row, slider, field, note, unit }] of Object.entries(rows)) {
-      const value = state.base[name] ?? 0, spoken = kindOf(name) === "angle" ? value / DEGREE : value, bad = wrong.field === name;
+      const value = state.base[name] ?? 0,
+        spoken = kindOf(name) === "angle" ? value / DEGREE : value,
+        bad = wrong.field === name;
       const text = Number.isFinite(spoken) ? String(Number(spoken.toPrecision(7))) : field.value;
       if (Number.isFinite(value)) slider.value = placeOf(name, value, context.span(name));
       if (!(bad && document.activeElement === field) && field.value !== text) field.value = text;
@@ -86,7 +113,8 @@ export function makeControls(box, quantities, changed) {
       note.className = bad ? "why" : "note";
       note.hidden = !about;
       field.setAttribute("aria-invalid", String(bad));
-      if (about) field.setAttribute("aria-describedby", note.id); else field.removeAttribute("aria-describedby");
+      if (about) field.setAttribute("aria-describedby", note.id);
+      else field.removeAttribute("aria-describedby");
       row.classList.toggle("wrong", bad);
       row.classList.toggle("unused", isUnused(state, name));
     }
@@ -97,7 +125,15 @@ export function makeControls(box, quantities, changed) {
 
 /* A line of the values at one place of the rod. */
 export function hereText(at, units) {
-  const { length, force } = units, unit = (v, text) => `${v} ${text}`;
-  return minus([`s = ${unit(number(at.s), length)}`, `β = ${number(at.beta / DEGREE)}°`, `${at.push < 0 ? "pull" : "push"} ${unit(number(Math.abs(at.push)), `${force}/${length}`)}`,
-    `κ = ${unit(number(at.kappa), `1/${length}`)}`, `F₃ = ${unit(number(at.tension), force)}`].join(" · "));
+  const { length, force } = units,
+    unit = (v, text) => `${v} ${text}`;
+  return minus(
+    [
+      `s = ${unit(number(at.s), length)}`,
+      `β = ${number(at.beta / DEGREE)}°`,
+      `${at.push < 0 ? "pull" : "push"} ${unit(number(Math.abs(at.push)), `${force}/${length}`)}`,
+      `κ = ${unit(number(at.kappa), `1/${length}`)}`,
+      `F₃ = ${unit(number(at.tension), force)}`,
+    ].join(" · "),
+  );
 }

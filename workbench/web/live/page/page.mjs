@@ -3,43 +3,64 @@
 import { hereText, makeControls, spanOf } from "./controls.mjs";
 import { css, ramp } from "./colours.mjs";
 import { valuesAt } from "./curves.mjs";
+import { element, makeTheme, set, showRows, solvedText } from "./details.mjs";
 import { rowOf, showList } from "./equilibria_list.mjs";
+import { copyText, saveFile, savePicture, showStudy } from "./files.mjs";
 import { observables, warnings } from "./numbers.mjs";
-import { DEGREE, Refused, caseOf, fieldNames, heldState, isEnds, isUnused, quantityOf } from "./rod_case.mjs";
+import { Refused, caseOf, heldState, isEnds } from "./rod_case.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
 import { post, unpacked } from "./server.mjs";
-import { fromHash, studyText, toHash } from "./study_text.mjs";
-import { drawPicture } from "./picture.mjs";
-import { csvText } from "./table.mjs";
+import { fromHash, toHash } from "./study_text.mjs";
 import { makeView } from "./rod_view.mjs";
-import { number, unitText, withUnit } from "./text.mjs";
+import { number } from "./text.mjs";
 
 const PATIENCE = { numbers: 90, more: 250, list: 500 }; // ms of rest before what is slower
-const OFFLINE = "This file works without a server, so it does not list all equilibria and follows only the one it began with. The command workbench explore starts the page with a server.";
+const OFFLINE =
+  "This file works without a server, so it does not list all equilibria and follows only the one it began with. " +
+  "The command workbench explore starts the page with a server.";
 
-const element = (id) => document.getElementById(id);
-const data = JSON.parse(element("data").textContent), served = data.served;
+const data = JSON.parse(element("data").textContent),
+  served = data.served;
 const letters = Object.fromEntries(Object.keys(data.quantities).map((name) => [name, data.quantities[name][0]]));
-for (const [field, quantity] of [["beta", "beta0"], ["dbeta", "dbeta0"]]) letters[field] = data.quantities[quantity][0];
+Object.assign(letters, { beta: letters.beta0, dbeta: letters.dbeta0 });
 const copied = (value) => JSON.parse(JSON.stringify(value));
-const still = window.matchMedia("(prefers-reduced-motion: reduce)"), dark = window.matchMedia("(prefers-color-scheme: dark)");
+const still = window.matchMedia("(prefers-reduced-motion: reduce)"),
+  dark = window.matchMedia("(prefers-color-scheme: dark)");
 
-const me = { preset: "", centre: {}, state: null, shape: null, head: {}, list: [], here: -1, wrong: { sentence: "", field: "" }, cursor: null, drawn: 0, busy: false };
-let core = null, again = null, timers = {}, asking = {}, hash = "", colours = null;
+const me = {
+  preset: "",
+  centre: {},
+  state: null,
+  shape: null,
+  head: {},
+  list: [],
+  here: -1,
+  wrong: { sentence: "", field: "" },
+  cursor: null,
+  drawn: 0,
+  busy: false,
+};
+let core = null,
+  again = null,
+  timers = {},
+  asking = {},
+  moves = 0,
+  hash = "";
 
+const theme = makeTheme();
 const view = makeView(element("scene"), element("mark"), data.colours, () => still.matches);
 const diagrams = makeDiagrams(element("diagrams"), data.colours, theme, setCursor);
-const context = { span: (name) => spanOf(name, me.centre[name], (presetOf() || {}).spans?.[name]), value: (name) => me.state.base[name] };
-const controls = makeControls(element("fields"), data.quantities, (name, value) => { me.state.base[name] = value; update(); });
+const context = {
+  span: (name) => spanOf(name, me.centre[name], (presetOf() || {}).spans?.[name]),
+  value: (name) => me.state.base[name],
+};
+const controls = makeControls(element("fields"), data.quantities, (name, value) => {
+  me.state.base[name] = value;
+  update();
+});
 
 const presetOf = () => data.presets.find((one) => one.name === me.preset);
-
-function theme() {
-  if (colours) return colours;
-  const style = getComputedStyle(document.documentElement), read = (name) => style.getPropertyValue(name).trim();
-  return (colours = { ink: read("--ink"), soft: read("--soft"), faint: read("--faint"), line: read("--line"), level: read("--level"), mark: read("--mark"), badge: read("--badge"), onBadge: read("--on-badge"), paper: read("--paper"), font: read("--font") });
-}
 
 // a state to begin with
 
@@ -54,7 +75,8 @@ function enter(name, state, seed = null) {
   setCursor(null);
   element("preset").value = name;
   element("source").textContent = presetOf().source;
-  say("");
+  set(element("message"), "");
+  element("list").replaceChildren();
   update({ fresh: true, seed });
 }
 
@@ -63,7 +85,8 @@ function follow() {
   try {
     const { preset, state } = fromHash(location.hash.slice(1));
     if (typeof state.base !== "object" || typeof state.units !== "object") throw new Error();
-    enter(data.presets.some((one) => one.name === preset) ? preset : data.presets[0].name, state);
+    const known = data.presets.find((one) => one.name === preset) || data.presets[0];
+    enter(known.name, state, isEnds(state) ? known.shape : null);
     return true;
   } catch {
     begin(data.presets[0].name);
@@ -77,46 +100,82 @@ function follow() {
 /* how: fresh, for another rod; chosen, for another equilibrium; refit, for a rod that must be seen whole. */
 function update(how = {}) {
   const since = performance.now();
+  moves += 1;
   try {
-    const one = caseOf(me.state, letters), near = how.seed ? { ...how.seed, one } : me.shape;
-    if (one.kind === "start") return took(marched(core, one), { method: "in this page" }, how, since);
-    const shape = served && !how.seed ? null : !how.chosen && near && near.one.kind === "ends" ? moved(one, near) : null;
+    const one = caseOf(me.state, letters),
+      near = how.seed ? { ...how.seed, one } : me.shape;
+    const asks = served && one.kind === "ends";
+    if (asks) return ask(one, how, since);
+    again = null;
+    const shape = one.kind === "start" ? marched(core, one) : near && near.one.kind === "ends" && moved(one, near);
     if (shape) return took(shape, { method: "in this page" }, how, since);
-    if (!served) throw new Refused("No equilibrium was found next to the one before. Move the slider back, or use workbench explore.");
-    return ask(one, how, since);
-  } catch (error) { return refuse(error, how); }
+    if (one.kind === "ends")
+      throw new Refused(
+        "No equilibrium was found next to the one before. Move the slider back, or use workbench explore.",
+      );
+  } catch (error) {
+    return refuse(error);
+  }
 }
 
 /* One request at a time; of those that wait only the last is sent. */
 async function ask(one, how, since) {
-  if (me.busy) { again = { ...how, fresh: how.fresh || (again || {}).fresh }; return; }
+  if (me.busy) {
+    again = { ...how, fresh: how.fresh || (again || {}).fresh };
+    return;
+  }
+  const mine = moves,
+    isOld = () => mine !== moves && !again; // what was asked since needs no server
   me.busy = true;
   try {
     const near = how.fresh || how.chosen ? undefined : me.head.ticket;
     if (!how.fresh && !how.chosen && me.state.equilibrium && !near) delete me.state.equilibrium;
     const { head, arrays } = unpacked(await (await post("/shape", { state: me.state, near })).arrayBuffer());
+    if (isOld()) return;
     if (head.which) me.state.equilibrium = head.which;
     const { outcome, error, condition, method, notes, ticket } = head;
-    took(interpolated(one, arrays, { error: error ?? NaN, condition: condition ?? NaN, sound: true, shown: 1 }), { outcome, method, notes, ticket }, how, since);
+    took(
+      interpolated(one, arrays, { error: error ?? NaN, condition: condition ?? NaN, sound: true, shown: 1 }),
+      { outcome, method, notes, ticket },
+      how,
+      since,
+    );
   } catch (error) {
-    refuse(error, how);
+    if (!isOld()) refuse(error);
   } finally {
     me.busy = false;
-    if (again) { const next = again; again = null; update(next); }
+    if (again) {
+      const next = again;
+      again = null;
+      update(next);
+    }
   }
 }
 
 function took(shape, head, how, since) {
-  const solved = performance.now(), refit = how.refit || how.chosen || !me.shape || me.shape.one.side !== shape.one.side || me.shape.one.kind !== shape.one.kind;
+  const solved = performance.now(),
+    refit =
+      how.refit ||
+      how.chosen ||
+      !me.shape ||
+      me.shape.one.side !== shape.one.side ||
+      me.shape.one.kind !== shape.one.kind;
   Object.assign(me, { shape, head, wrong: { sentence: "", field: "" } });
   view.show(shape, { fresh: how.fresh, refit });
   const drawn = performance.now();
   diagrams.show(shape, me.state.units);
   showState();
   me.drawn += 1;
-  document.dispatchEvent(new CustomEvent("drawn", { detail: { since, solve: solved - since, draw: drawn - solved, diagrams: performance.now() - drawn } }));
+  document.dispatchEvent(
+    new CustomEvent("drawn", {
+      detail: { since, solve: solved - since, draw: drawn - solved, diagrams: performance.now() - drawn },
+    }),
+  );
   later("numbers", PATIENCE.numbers, showNumbers);
-  if (shape.one.kind !== "ends") { me.list = []; return; }
+  if (shape.one.kind !== "ends") {
+    me.list = [];
+    return;
+  }
   if (served && (!how.chosen || !me.list.length)) later("list", PATIENCE.list, askList);
 }
 
@@ -135,7 +194,9 @@ function refuse(error) {
 // what is shown
 
 function showState() {
-  const { state, wrong, shape, head } = me, units = state.units, most = view.drawn ? view.drawn.largest : 0;
+  const { state, wrong, shape, head } = me,
+    units = state.units,
+    most = view.drawn ? view.drawn.largest : 0;
   controls.show(state, wrong, context);
   const shown = document.querySelector(`#n-${CSS.escape(wrong.field || "-")}`) ? "" : wrong.sentence;
   set(element("problem"), shown && shape ? `${shown} The last shape is shown.` : shown);
@@ -155,44 +216,31 @@ function showState() {
   set(element("unlisted"), served ? element("unlisted").textContent : OFFLINE);
 }
 
-function set(box, text) { if (box.textContent !== text) box.textContent = text; }
-
 /* What takes longer than a move of a slider may: observables, warnings, the address. */
 function showNumbers() {
-  const { shape, state } = me, found = observables(shape);
-  if (shape.one.kind === "ends" && !me.head.ticket) state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
-  showRows(Object.entries(found).filter(([, value]) => Number.isFinite(value)), [...warnings(shape, found), ...partNote()]);
-  const told = [me.head.outcome || "solved", shape.error > 0 ? `estimated error ${number(shape.error, 2)}` : "", Number.isFinite(shape.condition) ? `condition number ${number(shape.condition, 3)}` : "", `${shape.s.length} stations`];
-  set(element("fine"), `${told.filter(Boolean).join(", ")} (${me.head.method}).`);
+  const { shape, state } = me,
+    found = observables(shape);
+  if (shape.one.kind === "ends" && !me.head.ticket)
+    state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
+  const known = Object.entries(found).filter(([, value]) => Number.isFinite(value));
+  showRows(known, [...warnings(shape, found), ...partNote()], data.quantities, state.units);
+  set(element("fine"), solvedText(me.head, shape));
   link();
   if (served) later("more", PATIENCE.more, askNumbers);
 }
 
 function partNote() {
-  const { s, one, shown } = me.shape;
-  return [...(me.head.notes || []), ...(shown < 1 ? [`Only the first ${number(s[s.length - 1])} ${me.state.units.length} of ${number(one.L)} are shown: the rod bends too often for more.`] : [])];
-}
-
-function showRows(rows, told) {
-  const units = me.state.units, list = document.createDocumentFragment();
-  for (const [name, value] of rows) {
-    const [symbol, words, dimension] = data.quantities[quantityOf(name)], unit = unitText(dimension, units), row = document.createElement("div");
-    const term = document.createElement("dt"), letter = document.createElement("b"), amount = document.createElement("dd");
-    letter.textContent = symbol;
-    term.append(letter, ` ${words}`);
-    amount.textContent = withUnit(number(dimension === "rad" ? value / DEGREE : value), unit);
-    amount.id = `o-${name}`;
-    row.append(term, amount);
-    list.append(row);
-  }
-  element("numbers").replaceChildren(list);
-  element("warnings").replaceChildren(...told.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+  const { s, one, shown } = me.shape,
+    part = `${number(s[s.length - 1])} ${me.state.units.length} of ${number(one.L)}`;
+  const note = `Only the first ${part} are shown: the rod bends too often for more.`;
+  return [...(me.head.notes || []), ...(shown < 1 ? [note] : [])];
 }
 
 function setCursor(s) {
   const { shape } = me;
   me.cursor = s === null || !shape ? null : Math.min(s, shape.s[shape.s.length - 1]);
-  const at = me.cursor === null ? null : valuesAt(shape, me.cursor), slider = element("cursor");
+  const at = me.cursor === null ? null : valuesAt(shape, me.cursor),
+    slider = element("cursor");
   view.setMark(at);
   diagrams.setCursor(me.cursor);
   if (at) slider.value = (1000 * at.s) / shape.s[shape.s.length - 1];
@@ -200,13 +248,12 @@ function setCursor(s) {
   slider.setAttribute("aria-valuetext", at ? hereText(at, me.state.units) : "none");
 }
 
-function say(text) { set(element("message"), text); }
-
 // what the server adds
 
 async function more(path, body, then, refused) {
   if (asking[path]) asking[path].abort(); // the server then stops that search
-  const mine = (asking[path] = new AbortController()), shape = me.shape;
+  const mine = (asking[path] = new AbortController()),
+    shape = me.shape;
   try {
     const reply = await (await post(path, body, mine.signal)).json();
     if (shape === me.shape) then(reply);
@@ -219,14 +266,25 @@ async function more(path, body, then, refused) {
 
 /* The rows of the server are those of the whole solver: they replace the page's. */
 function askNumbers() {
-  more("/numbers", { state: me.state, ticket: me.head.ticket }, ({ rows, warnings: told }) => {
-    showRows(rows.map(({ name, value }) => [name, value ?? NaN]), [...told, ...partNote()]);
-  }, say);
+  more(
+    "/numbers",
+    { state: me.state, ticket: me.head.ticket },
+    ({ rows, warnings: told }) => {
+      const found = rows.map(({ name, value }) => [name, value ?? NaN]);
+      showRows(found, [...told, ...partNote()], data.quantities, me.state.units);
+    },
+    (why) => set(element("message"), why),
+  );
 }
 
 function askList() {
   set(element("searching"), "searching …");
-  more("/equilibria", { state: me.state, ticket: me.head.ticket }, ({ rows }) => listed(rows), (why) => listed([], why));
+  more(
+    "/equilibria",
+    { state: me.state, ticket: me.head.ticket },
+    ({ rows }) => listed(rows),
+    (why) => listed([], why),
+  );
 }
 
 function listed(rows, why = "") {
@@ -251,56 +309,20 @@ const step = (by) => choose((Math.max(me.here, 0) + by + me.list.length) % me.li
 
 /* The same rod between its two ends: the shape stays, and the state names it. */
 function byEnds() {
-  const { shape, state } = me, { energy } = observables(shape);
-  if (shape.shown < 1) return refuse(new Refused("Only a part of this rod is shown, so its far end is not known: make it shorter."));
+  const { shape, state } = me,
+    { energy } = observables(shape);
+  if (shape.shown < 1)
+    return refuse(new Refused("Only a part of this rod is shown, so its far end is not known: make it shorter."));
   me.state = heldState(state, shape.one, shape.beta[shape.beta.length - 1], { dbeta0: shape.dbeta[0], energy });
   me.centre = copied(me.state.base);
   return update({ refit: true, ...(served ? { chosen: true } : { seed: shape }) });
 }
 
-// links, files, pictures
+// the address, and what is pressed
 
 function link() {
   hash = `#${toHash({ preset: me.preset, state: me.state })}`;
   history.replaceState(null, "", hash);
-}
-
-function save(content, name) {
-  const url = URL.createObjectURL(content);
-  Object.assign(document.createElement("a"), { href: url, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(url), 1000);
-}
-
-async function picture() {
-  const rows = fieldNames(me.state).filter((name) => !isUnused(me.state, name)).map((name) => [name, element(`n-${name}`).value]);
-  save(await drawPicture({ view, shape: me.shape, code: data.colours, rows, quantities: data.quantities, state: me.state, title: presetOf().title }), `${me.preset}.png`);
-  say("The picture is in your downloads.");
-}
-
-async function download(kind) {
-  say("");
-  if (kind === "csv" && !served) { save(new Blob([csvText(me.shape, me.state.units)], { type: "text/csv" }), `${me.preset}.csv`); say("The CSV file is in your downloads."); return; }
-  try {
-    save(await (await post("/download", { kind, state: me.state, ticket: me.head.ticket })).blob(), `${me.preset}.${kind}`);
-    say(`The ${kind.toUpperCase()} file is in your downloads.`);
-  } catch (error) {
-    if (!(error instanceof Refused)) throw error;
-    say(error.sentence);
-  }
-}
-
-async function copy(text, then) {
-  try {
-    await navigator.clipboard.writeText(text);
-    say(then);
-  } catch { say("The browser does not allow copying: copy the text by hand."); }
-}
-
-function copyStudy() {
-  const text = studyText(me.state);
-  element("study-text").value = text;
-  element("study").showModal();
-  return copy(text, "The study is copied.");
 }
 
 function prepare() {
@@ -308,19 +330,44 @@ function prepare() {
   element("preset").append(...data.presets.map((one) => option(one.name, one.title)));
   element("reading").append(...data.readings.map((one) => option(one, one.split("/").join(", "))));
   element("pull").style.background = css(data.colours.pull);
-  const canvas = element("ramp"), bytes = ramp(data.colours, canvas.width);
+  const canvas = element("ramp"),
+    bytes = ramp(data.colours, canvas.width);
   canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(bytes), canvas.width, 1), 0, 0);
   element("no-webgl").hidden = Boolean(view.scene);
   for (const button of document.querySelectorAll(".served")) button.hidden = !served;
-  const acts = { fit: () => view.fit(), front: () => view.front(), reset: () => begin(me.preset), "by-ends": byEnds, picture, previous: () => step(-1), next: () => step(1),
-    "copy-study": copyStudy, "copy-link": () => { link(); return copy(location.href, "The link is copied."); }, ...Object.fromEntries(["csv", "step", "stl", "glb"].map((kind) => [kind, () => download(kind)])) };
+  const acts = {
+    fit: () => view.fit(),
+    front: () => view.front(),
+    reset: () => begin(me.preset),
+    "by-ends": byEnds,
+    picture: () => savePicture(me, view, data),
+    previous: () => step(-1),
+    next: () => step(1),
+    "copy-study": () => showStudy(me.state),
+    "copy-link": () => {
+      link();
+      return copyText(location.href, "The link is copied.");
+    },
+    ...Object.fromEntries(["csv", "step", "stl", "glb"].map((kind) => [kind, () => saveFile(me, kind, served)])),
+  };
   for (const [id, act] of Object.entries(acts)) element(id).addEventListener("click", act);
   element("preset").addEventListener("change", (event) => begin(event.target.value));
-  element("reading").addEventListener("change", (event) => { me.state.reading = event.target.value; update(); });
-  element("side").addEventListener("change", (event) => { me.state.base.side = event.target.value; update({ refit: true }); });
-  element("cursor").addEventListener("input", (event) => setCursor((Number(event.target.value) / 1000) * me.shape.s[me.shape.s.length - 1]));
+  element("reading").addEventListener("change", (event) => {
+    me.state.reading = event.target.value;
+    update();
+  });
+  element("side").addEventListener("change", (event) => {
+    me.state.base.side = event.target.value;
+    update({ refit: true });
+  });
+  element("cursor").addEventListener("input", (event) =>
+    setCursor((Number(event.target.value) / 1000) * me.shape.s[me.shape.s.length - 1]),
+  );
   view.picked = setCursor;
-  dark.addEventListener("change", () => { colours = null; diagrams.paint(); });
+  dark.addEventListener("change", () => {
+    theme.forget();
+    diagrams.paint();
+  });
   window.addEventListener("hashchange", follow);
 }
 

@@ -5,12 +5,20 @@ import { quantityOf } from "./rod_case.mjs";
 import { minus, number, unitText, withUnit } from "./text.mjs";
 
 export const WIDE = 2400;
-const HIGH = 1800, SIDE = 700, EDGE = 70, LETTER = 34, LINE = 54;
-const INK = "#1c2430", SOFT = "#4d5866", PAPER = "#ffffff", FONT = 'system-ui, "DejaVu Sans", sans-serif';
+const HIGH = 1800,
+  SIDE = 700,
+  EDGE = 70,
+  LETTER = 34,
+  LINE = 54;
+const INK = "#1c2430",
+  SOFT = "#4d5866",
+  PAPER = "#ffffff",
+  FONT = 'system-ui, "DejaVu Sans", sans-serif';
 
 /* The picture as a PNG file. rows: name and text of each value. */
 export async function drawPicture({ view, shape, code, rows, quantities, state, title }) {
-  const canvas = Object.assign(document.createElement("canvas"), { width: WIDE, height: HIGH }), ctx = canvas.getContext("2d");
+  const canvas = Object.assign(document.createElement("canvas"), { width: WIDE, height: HIGH }),
+    ctx = canvas.getContext("2d");
   ctx.fillStyle = PAPER;
   ctx.fillRect(0, 0, WIDE, HIGH);
   const [w, h] = [WIDE - SIDE - 2 * EDGE, HIGH - 2 * EDGE];
@@ -21,15 +29,35 @@ export async function drawPicture({ view, shape, code, rows, quantities, state, 
     view.rest();
   }
   column(ctx, { shape, code, rows, quantities, state, title, squeeze: view.drawn.squeeze, most: view.drawn.largest });
-  return new Promise((done) => { canvas.toBlob(done, "image/png"); });
+  return new Promise((done) => {
+    canvas.toBlob(done, "image/png");
+  });
 }
 
 function column(ctx, { code, rows, quantities, state, title, squeeze, most, shape }) {
-  const x = WIDE - SIDE, right = WIDE - EDGE;
+  const x = WIDE - SIDE,
+    right = WIDE - EDGE;
   let y = EDGE + 20;
-  const text = (words, colour, bold, size = LETTER) => { ctx.font = `${bold ? "600 " : ""}${size}px ${FONT}`; ctx.fillStyle = colour; ctx.textAlign = "left"; ctx.fillText(words, x, y); };
-  for (const words of broken(ctx, title, right - x, `600 ${LETTER + 8}px ${FONT}`)) { text(words, INK, true, LETTER + 8); y += LINE; }
-  if (state.reading) for (const words of broken(ctx, `Table 1 read ${state.reading.split("/").join(", ")}`, right - x, `${LETTER - 6}px ${FONT}`)) { text(words, SOFT, false, LETTER - 6); y += LINE - 10; }
+  const text = (words, colour, bold, size = LETTER) => {
+    ctx.font = `${bold ? "600 " : ""}${size}px ${FONT}`;
+    ctx.fillStyle = colour;
+    ctx.textAlign = "left";
+    ctx.fillText(words, x, y);
+  };
+  for (const words of broken(ctx, title, right - x, `600 ${LETTER + 8}px ${FONT}`)) {
+    text(words, INK, true, LETTER + 8);
+    y += LINE;
+  }
+  if (state.reading)
+    for (const words of broken(
+      ctx,
+      `Table 1 read ${state.reading.split("/").join(", ")}`,
+      right - x,
+      `${LETTER - 6}px ${FONT}`,
+    )) {
+      text(words, SOFT, false, LETTER - 6);
+      y += LINE - 10;
+    }
   text(`Rod ${shape.one.side} the cylinder`, SOFT, false, LETTER - 6);
   y += LINE + 16;
   for (const [name, value] of rows) {
@@ -44,7 +72,10 @@ function column(ctx, { code, rows, quantities, state, title, squeeze, most, shap
 
 function legend(ctx, code, x, right, y, most, { length, force }, squeeze) {
   const wide = right - x;
-  for (let k = 0; k < wide; k++) { ctx.fillStyle = css(pushColour(code, k, wide - 1)); ctx.fillRect(x + k, y, 1.5, 40); }
+  for (let k = 0; k < wide; k++) {
+    ctx.fillStyle = css(pushColour(code, k, wide - 1));
+    ctx.fillRect(x + k, y, 1.5, 40);
+  }
   ctx.fillStyle = INK;
   ctx.font = `${LETTER - 4}px ${FONT}`;
   ctx.textAlign = "left";
@@ -64,7 +95,8 @@ function broken(ctx, words, wide, font) {
   const lines = [""];
   for (const word of words.split(" ")) {
     const longer = `${lines[lines.length - 1]} ${word}`.trim();
-    if (ctx.measureText(longer).width > wide && lines[lines.length - 1]) lines.push(word); else lines[lines.length - 1] = longer;
+    if (ctx.measureText(longer).width > wide && lines[lines.length - 1]) lines.push(word);
+    else lines[lines.length - 1] = longer;
   }
   return lines;
 }

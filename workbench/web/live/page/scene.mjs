@@ -28,14 +28,24 @@ void main() {
 }`;
 
 export function makeScene(canvas, code) {
-  const gl = canvas.getContext("webgl2", { antialias: false, alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: false });
+  const gl = canvas.getContext("webgl2", {
+    antialias: false,
+    alpha: true,
+    premultipliedAlpha: true,
+    preserveDrawingBuffer: false,
+  });
   if (!gl) return null;
-  const program = linked(gl), at = (name) => gl.getUniformLocation(program, name), where = {};
+  const program = linked(gl),
+    at = (name) => gl.getUniformLocation(program, name),
+    where = {};
   for (const name of ["view", "turn", "pull", "wall", "isRod", "ramp"]) where[name] = at(name);
   const surfaces = { rod: surface(gl, program), ends: surface(gl, program), wall: surface(gl, program) };
   const state = { open: false, depth: 1, smooth: null, walls: {} };
   gl.useProgram(program);
-  gl.uniform3fv(where.pull, code.pull.map((v) => v / 255));
+  gl.uniform3fv(
+    where.pull,
+    code.pull.map((v) => v / 255),
+  );
   gl.uniform3fv(where.wall, WALL);
   painted(gl, ramp(code, TONES));
   gl.enable(gl.DEPTH_TEST);
@@ -43,7 +53,8 @@ export function makeScene(canvas, code) {
   /* The tube: its corners, number of rings and sides. The ends share its corners. */
   function setRod(corners, count, sides) {
     const known = state.walls[sides];
-    if (!known || known.count < count) state.walls = { [sides]: { count: 2 * count, triangles: wallTriangles(2 * count, sides), fresh: true } };
+    if (!known || known.count < count)
+      state.walls = { [sides]: { count: 2 * count, triangles: wallTriangles(2 * count, sides), fresh: true } };
     fill(gl, surfaces.rod, corners, state.walls[sides].fresh ? state.walls[sides].triangles : null);
     state.walls[sides].fresh = false;
     surfaces.rod.size = 6 * (count - 1) * sides;
@@ -57,25 +68,38 @@ export function makeScene(canvas, code) {
   }
 
   function paint(camera, width, height) {
-    const aspect = width / height, { right, up, toward } = axesOf(camera);
+    const aspect = width / height,
+      { right, up, toward } = axesOf(camera);
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.uniformMatrix4fv(where.view, false, matrix(camera, aspect, state.depth));
-    gl.uniformMatrix3fv(where.turn, false, [0, 1, 2].flatMap((k) => [right[k], up[k], toward[k]]));
+    gl.uniformMatrix3fv(
+      where.turn,
+      false,
+      [0, 1, 2].flatMap((k) => [right[k], up[k], toward[k]]),
+    );
     gl.uniform1i(where.isRod, 1);
     gl.disable(gl.CULL_FACE);
     for (const part of [surfaces.rod, surfaces.ends]) shown(gl, part);
     gl.uniform1i(where.isRod, 0);
-    if (state.open) { gl.enable(gl.CULL_FACE); gl.cullFace(gl.FRONT); } // the near half of the wall is not drawn
+    if (state.open) {
+      gl.enable(gl.CULL_FACE);
+      gl.cullFace(gl.FRONT);
+    } // the near half of the wall is not drawn
     shown(gl, surfaces.wall);
   }
 
   /* Draw at so many pixels for one pixel of the page; smooth: with four samples a pixel. */
   function draw(camera, ratio, smooth) {
-    const width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    const width = Math.max(1, Math.round(canvas.clientWidth * ratio)),
+      height = Math.max(1, Math.round(canvas.clientHeight * ratio));
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-    if (!smooth) { gl.bindFramebuffer(gl.FRAMEBUFFER, null); paint(camera, width, height); return; }
+    if (!smooth) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+      paint(camera, width, height);
+      return;
+    }
     const target = sampled(gl, state, width, height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, target);
     paint(camera, width, height);
@@ -87,7 +111,8 @@ export function makeScene(canvas, code) {
 
   /* The scene as pixels, row by row from the top: red, green, blue and opacity. */
   function pixels(camera, width, height) {
-    const [high, low] = [sampled(gl, {}, width, height), plain(gl, width, height)], bytes = new Uint8Array(4 * width * height);
+    const [high, low] = [sampled(gl, {}, width, height), plain(gl, width, height)],
+      bytes = new Uint8Array(4 * width * height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, high);
     paint(camera, width, height);
     gl.bindFramebuffer(gl.READ_FRAMEBUFFER, high);
@@ -97,9 +122,12 @@ export function makeScene(canvas, code) {
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     const found = new Uint8ClampedArray(bytes.length);
-    for (let y = 0; y < height; y++) found.set(bytes.subarray(4 * width * (height - 1 - y), 4 * width * (height - y)), 4 * width * y);
-    for (let i = 0; i < found.length; i += 4) // edges are stored as shares of their colour
-      if (found[i + 3] > 0 && found[i + 3] < 255) for (let k = 0; k < 3; k++) found[i + k] = (255 * found[i + k]) / found[i + 3];
+    for (let y = 0; y < height; y++)
+      found.set(bytes.subarray(4 * width * (height - 1 - y), 4 * width * (height - y)), 4 * width * y);
+    for (let i = 0; i < found.length; i += 4)
+      // edges are stored as shares of their colour
+      if (found[i + 3] > 0 && found[i + 3] < 255)
+        for (let k = 0; k < 3; k++) found[i + k] = (255 * found[i + k]) / found[i + 3];
     return found;
   }
 
@@ -109,7 +137,10 @@ export function makeScene(canvas, code) {
 
 function linked(gl) {
   const program = gl.createProgram();
-  for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+  for (const [kind, text] of [
+    [gl.VERTEX_SHADER, VERTEX],
+    [gl.FRAGMENT_SHADER, FRAGMENT],
+  ]) {
     const shader = gl.createShader(kind);
     gl.shaderSource(shader, text);
     gl.compileShader(shader);
@@ -126,7 +157,11 @@ function surface(gl) {
   gl.bindVertexArray(found.array);
   gl.bindBuffer(gl.ARRAY_BUFFER, found.corners);
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, found.triangles);
-  [[3, 0], [3, 3], [1, 6]].forEach(([size, first], i) => {
+  [
+    [3, 0],
+    [3, 3],
+    [1, 6],
+  ].forEach(([size, first], i) => {
     gl.enableVertexAttribArray(i);
     gl.vertexAttribPointer(i, size, gl.FLOAT, false, 4 * STRIDE, 4 * first);
   });
@@ -157,10 +192,17 @@ function painted(gl, bytes) {
 /* A target with four samples a pixel, kept for the next picture of the same size. */
 function sampled(gl, state, width, height) {
   if (state.smooth && state.smooth.width === width && state.smooth.height === height) return state.smooth.target;
-  if (state.smooth) { gl.deleteFramebuffer(state.smooth.target); for (const one of state.smooth.parts) gl.deleteRenderbuffer(one); }
-  const target = gl.createFramebuffer(), samples = Math.min(4, gl.getParameter(gl.MAX_SAMPLES));
+  if (state.smooth) {
+    gl.deleteFramebuffer(state.smooth.target);
+    for (const one of state.smooth.parts) gl.deleteRenderbuffer(one);
+  }
+  const target = gl.createFramebuffer(),
+    samples = Math.min(4, gl.getParameter(gl.MAX_SAMPLES));
   gl.bindFramebuffer(gl.FRAMEBUFFER, target);
-  const parts = [[gl.RGBA8, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT]].map(([kind, place]) => {
+  const parts = [
+    [gl.RGBA8, gl.COLOR_ATTACHMENT0],
+    [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT],
+  ].map(([kind, place]) => {
     const one = gl.createRenderbuffer();
     gl.bindRenderbuffer(gl.RENDERBUFFER, one);
     gl.renderbufferStorageMultisample(gl.RENDERBUFFER, samples, kind, width, height);
@@ -172,7 +214,8 @@ function sampled(gl, state, width, height) {
 }
 
 function plain(gl, width, height) {
-  const target = gl.createFramebuffer(), one = gl.createRenderbuffer();
+  const target = gl.createFramebuffer(),
+    one = gl.createRenderbuffer();
   gl.bindFramebuffer(gl.FRAMEBUFFER, target);
   gl.bindRenderbuffer(gl.RENDERBUFFER, one);
   gl.renderbufferStorage(gl.RENDERBUFFER, gl.RGBA8, width, height);

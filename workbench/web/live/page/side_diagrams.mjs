@@ -6,12 +6,16 @@ import { frameOf, paintCursor, paintDiagram } from "./diagram.mjs";
 const HEIGHT = 165;
 
 export function makeDiagrams(box, code, theme, pointed) {
-  let shown = [], shape = null, at = null;
+  let shown = [],
+    shape = null,
+    at = null;
 
   function build(specs) {
     box.replaceChildren();
     shown = specs.map((spec) => {
-      const figure = document.createElement("figure"), title = document.createElement("figcaption"), canvas = document.createElement("canvas");
+      const figure = document.createElement("figure"),
+        title = document.createElement("figcaption"),
+        canvas = document.createElement("canvas");
       figure.className = "diagram";
       canvas.id = `d-${spec.key}`;
       canvas.setAttribute("role", "img");
@@ -40,15 +44,22 @@ export function makeDiagrams(box, code, theme, pointed) {
 
   function paint() {
     if (!shape) return;
-    const ratio = window.devicePixelRatio || 1, here = at === null ? null : valuesAt(shape, at);
+    const ratio = window.devicePixelRatio || 1,
+      here = at === null ? null : valuesAt(shape, at);
     for (const one of shown) {
-      const wide = one.canvas.clientWidth || 370, high = one.spec.height || HEIGHT, [w, h] = [Math.round(wide * ratio), Math.round(high * ratio)];
-      if (one.canvas.width !== w || one.canvas.height !== h) { Object.assign(one.canvas, { width: w, height: h }); one.canvas.style.height = `${high}px`; }
+      const wide = one.canvas.clientWidth || 370,
+        high = one.spec.height || HEIGHT,
+        [w, h] = [Math.round(wide * ratio), Math.round(high * ratio)];
+      if (one.canvas.width !== w || one.canvas.height !== h) {
+        Object.assign(one.canvas, { width: w, height: h });
+        one.canvas.style.height = `${high}px`;
+      }
       const ctx = (one.ctx ??= one.canvas.getContext("2d"));
       ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
       one.frame = frameOf(one.spec, wide, high);
       paintDiagram(ctx, one.spec, one.frame, theme(), code);
-      if (here) paintCursor(ctx, one.frame, cursorIn(one.key, shape, here), one.key === "beta" || one.key === "push", theme());
+      if (here)
+        paintCursor(ctx, one.frame, cursorIn(one.key, shape, here), one.key === "beta" || one.key === "push", theme());
     }
   }
 
@@ -56,9 +67,16 @@ export function makeDiagrams(box, code, theme, pointed) {
   function nearest({ key, frame, spec }, x, y) {
     const ends = shape.s[shape.s.length - 1];
     if (key === "beta" || key === "push") return Math.min(Math.max(frame.back(x), 0), ends);
-    let best = null, least = 30 ** 2;
+    let best = null,
+      least = 30 ** 2;
     for (let i = 0; i < shape.s.length; i++) {
-      const [u, v] = cursorIn(key, shape, { s: shape.s[i], beta: shape.beta[i], alpha: shape.alpha[i], z: shape.z[i], push: 0 });
+      const [u, v] = cursorIn(key, shape, {
+        s: shape.s[i],
+        beta: shape.beta[i],
+        alpha: shape.alpha[i],
+        z: shape.z[i],
+        push: 0,
+      });
       const off = (frame.px(u) - x) ** 2 + (key === "well" ? 0 : (frame.py(v) - y) ** 2);
       if (off < least) [best, least] = [shape.s[i], off];
     }
@@ -66,5 +84,12 @@ export function makeDiagrams(box, code, theme, pointed) {
   }
 
   new ResizeObserver(() => paint()).observe(box);
-  return { show, paint, setCursor: (s) => { at = s; paint(); } };
+  return {
+    show,
+    paint,
+    setCursor: (s) => {
+      at = s;
+      paint();
+    },
+  };
 }

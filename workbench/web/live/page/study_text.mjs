@@ -15,7 +15,8 @@ export function studyText(state) {
   for (const name of ["units", "base", "equilibrium"]) {
     if (!state[name]) continue;
     rows.push("", `[${name}]`);
-    for (const [key, v] of Object.entries(state[name])) if (v !== null && v !== undefined) rows.push(`${key} = ${value(v)}`);
+    for (const [key, v] of Object.entries(state[name]))
+      if (v !== null && v !== undefined) rows.push(`${key} = ${value(v)}`);
   }
   return `${rows.join("\n")}\n`;
 }
@@ -24,4 +25,9 @@ const bytes = (data) => String.fromCharCode(...new TextEncoder().encode(JSON.str
 
 /* Plain data as the part of an address behind "#", and back. */
 export const toHash = (data) => btoa(bytes(data)).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
-export const fromHash = (hash) => JSON.parse(new TextDecoder().decode(Uint8Array.from(atob(hash.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0))));
+export const fromHash = (hash) =>
+  JSON.parse(
+    new TextDecoder().decode(
+      Uint8Array.from(atob(hash.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0)),
+    ),
+  );

@@ -14,20 +14,29 @@ export function number(value, digits = 4) {
 
 export const minus = (text) => text.replaceAll("-", "−");
 
-/* The unit of a dimension, that is of exponents of length and force, or of "rad", "rad/length"; "" for a plain number. */
+/* The unit of a dimension: exponents of length and force, or "rad", "rad/length"; "" for a plain number. */
 export function unitText(dimension, units) {
   if (dimension === "text") return "";
   if (typeof dimension === "string") return dimension === "rad" ? "°" : dimension.replace("length", units.length);
-  const [length, force] = dimension, named = [[units.force, force], [units.length, length]];
+  const [length, force] = dimension,
+    named = [
+      [units.force, force],
+      [units.length, length],
+    ];
   const part = (sign) => named.filter(([, n]) => sign * n > 0).map(([unit, n]) => unit + (HIGH[sign * n] || ""));
-  const above = part(1).join(" "), below = part(-1).map((unit) => `/${unit}`).join("");
+  const above = part(1).join(" "),
+    below = part(-1)
+      .map((unit) => `/${unit}`)
+      .join("");
   return above || below ? (above || "1") + below : "";
 }
 
 /* Round values between two ends, about so many. */
 export function ticks(low, high, count) {
-  const raw = (high - low) / count, power = 10 ** Math.floor(Math.log10(raw));
-  const step = power * [1, 2, 5, 10].find((m) => m * power >= raw * 0.999), found = [];
+  const raw = (high - low) / count,
+    power = 10 ** Math.floor(Math.log10(raw));
+  const step = power * [1, 2, 5, 10].find((m) => m * power >= raw * 0.999),
+    found = [];
   for (let k = Math.ceil(low / step - 1e-9); k <= high / step + 1e-9; k++) found.push(k * step);
   return found;
 }
