@@ -197,6 +197,34 @@ def test_an_invalid_value_is_told_at_its_field_in_plain_words() -> None:
         assert "Rod." not in sentence
 
 
+EXTREME = [{"E": 1e308}, {"E": 5e-324}, {"a": 1e-80}, {"a": 1e80}, {"L": 1e300}, {"L": 1e-300}, {"R": 1e200}, {"R": 1e-9},
+           {"F3": 1e308}, {"F1": -1e12}, {"beta": 1e300}, {"dbeta": 1e-300}, {"dbeta": 1e9}, {"L": 1e7}]  # fmt: skip
+
+
+def test_numbers_at_the_end_of_what_a_float_holds_are_solved_or_refused_in_a_sentence() -> None:
+    script = """
+    const told = (state) => {
+      try {
+        const shape = rod_shape.marched(core, rod_case.caseOf(state, {}));
+        return [...shape.beta, ...shape.alpha, ...shape.z].every(Number.isFinite) ? "solved" : "not finite";
+      } catch (error) { if (!error.sentence) throw error; return error.sentence; }
+    };
+    answer(given.map(told));"""
+    found = run(script, [state(**changes) for changes in EXTREME], MODULES)
+    assert "not finite" not in found
+    assert all(one == "solved" or one.endswith(".") for one in found)
+
+
+@pytest.mark.parametrize(
+    "odd", [{"reading": "none"}, {"units": {"length": 3, "force": "N"}}, {"base": {"side": "above"}}, {"base": None},
+            {"equilibrium": {"dbeta0": "x"}}, {"title": 3}]
+)  # fmt: skip
+def test_a_link_that_holds_no_state_is_told_from_one_that_does(odd) -> None:
+    data = {"good": state(), "bad": state() | odd, "readings": list(READINGS)}
+    script = "answer([given.good, given.bad].map((one) => rod_case.isState(one, given.readings)));"
+    assert run(script, data, ("rod_case",)) == [True, False]
+
+
 def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_part() -> None:
     script = """
     const part = ({ s, beta, shown }) => [s, beta, shown];

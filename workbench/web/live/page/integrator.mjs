@@ -2,7 +2,7 @@
 // Runge-Kutta method of order 5, together with the two solutions of the linearised equation for the condition number.
 
 const GOAL = 1e-11,
-  MOST_STEPS = 200_000,
+  MOST_STEPS = 60_000,
   SAFETY = 10;
 const A = [
   [],

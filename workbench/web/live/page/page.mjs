@@ -7,7 +7,7 @@ import { element, makeTheme, set, showRows, solvedText } from "./details.mjs";
 import { rowOf, showList } from "./equilibria_list.mjs";
 import { copyText, saveFile, savePicture, showStudy } from "./files.mjs";
 import { observables, warnings } from "./numbers.mjs";
-import { Refused, caseOf, heldState, isEnds } from "./rod_case.mjs";
+import { Refused, caseOf, heldState, isEnds, isState } from "./rod_case.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
 import { post, unpacked } from "./server.mjs";
@@ -84,7 +84,7 @@ function follow() {
   if (location.hash.length < 2 || location.hash === hash) return location.hash.length > 1;
   try {
     const { preset, state } = fromHash(location.hash.slice(1));
-    if (typeof state.base !== "object" || typeof state.units !== "object") throw new Error();
+    if (!isState(state, data.readings)) throw new Error();
     const known = data.presets.find((one) => one.name === preset) || data.presets[0];
     enter(known.name, state, isEnds(state) ? known.shape : null);
     return true;

@@ -27,6 +27,15 @@ export const kindOf = (name) =>
   POSITIVE.includes(name) ? "positive" : name === "nu" ? "ratio" : ANGLES.includes(name) ? "angle" : "signed";
 export const isEnds = (state) => state.reading === undefined && "betaL" in state.base;
 
+/* Whether data of a link is a state at all; its numbers are checked by `caseOf`. */
+export function isState({ base, units, reading, equilibrium, title = "" }, readings) {
+  const isText = (one) => typeof one === "string";
+  if (!base || !units || !isText(units.length) || !isText(units.force) || !isText(title)) return false;
+  if (reading !== undefined && !readings.includes(reading)) return false;
+  if (equilibrium && !Object.values(equilibrium).every(Number.isFinite)) return false;
+  return (base.side || "outside") in SIDE && (base.stiffness || "solid") in STIFFNESS;
+}
+
 /* The names of the numbers of a state that the page shows, in order. */
 export function fieldNames(state) {
   if (state.reading !== undefined) return PRINTED;

@@ -12,11 +12,13 @@ const A_HALF_PERIOD = 40; // stations that each half period of beta has at least
 const TURN = 0.06; // rad by which beta or the azimuth may change between two stations
 const ZERO_ROUNDS = 3;
 const ROUGHER = 4; // times these distances, where MOST stations are too few; a still longer rod is shown in part
+const LARGEST = 1e12; // a number of the dimensionless problem
+const UNFIT = "These numbers are too large or too small to compute with.";
 export const LOST = "The shape was not found: the orbit runs too near an unstable equilibrium of β.";
 
 /* The shape of a start problem. Throws Refused where it was not found. */
 export function marched(core, one, dbeta0 = one.dbeta) {
-  const problem = reduced(one, dbeta0),
+  const problem = fitting(reduced(one, dbeta0)),
     tried = orbit(core, problem, evenly(problem.span, LEAST));
   if (!tried) throw new Refused(LOST);
   const { shown, n } = stationsFor(problem.span, tried);
@@ -41,6 +43,12 @@ export function marched(core, one, dbeta0 = one.dbeta) {
   });
 }
 
+/* The problem, where its numbers can be computed with; else throws Refused. */
+function fitting(problem) {
+  if (!Object.values(problem).every((v) => Math.abs(v) < LARGEST) || !(problem.span > 1e-12)) throw new Refused(UNFIT);
+  return problem;
+}
+
 /* The orbit of a problem at times that rise, by the core or, where its march is lost, by the integrator; or null. */
 function orbit(core, problem, times) {
   const found = core.solve(problem, TOL, times);
@@ -59,6 +67,7 @@ export function interpolated(one, stations, facts) {
 
 /* The shape between two ends that a slider leads to from the shape before, in one step or in four; or null. */
 export function moved(one, near) {
+  fitting(reduced(one, 0));
   for (const steps of [1, 4]) {
     let stations = near;
     for (let k = 1; k <= steps && stations; k++)

@@ -44,16 +44,16 @@ export function makeView(canvas, mark, code, calm) {
     const { one } = shape,
       reach = Math.max(one.R, one.rho + one.a);
     scene.setWall(wall, one.sign < 0, 2 * (reach + Math.max(Math.abs(wall.low), Math.abs(wall.high))));
-    mesh(COARSE * me.ratio);
+    mesh(COARSE * me.ratio, true);
     paint(false);
     if (fresh) weigh();
     later();
   }
 
-  function mesh(pixels) {
+  function mesh(pixels, moves) {
     const { shape, drawn } = me,
       tolerance = (pixels * 2 * me.target.half) / Math.max(canvas.clientHeight * pixelRatio(), 1);
-    const chosen = rings(shape, tolerance, drawn.largest),
+    const chosen = rings(shape, tolerance, drawn.largest, moves),
       sides = sidesFor(shape.one.a, tolerance);
     scene.setRod(tube(shape, chosen, sides, drawn.squeeze, drawn.largest), chosen.length, sides);
     me.rings = chosen.length;

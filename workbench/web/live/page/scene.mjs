@@ -23,8 +23,9 @@ void main() {
   float key = max(dot(n, vec3(-0.40, 0.55, 0.73)), 0.0), eye = max(n.z, 0.0);
   float light = isRod ? 0.46 + 0.42 * key + 0.24 * eye : 0.62 + 0.14 * key + 0.24 * eye;
   float edge = isRod ? mix(0.55, 1.0, smoothstep(0.02, 0.36, eye)) : 1.0;
-  float shine = isRod ? 0.18 * pow(max(dot(n, vec3(-0.215, 0.296, 0.931)), 0.0), 40.0) : 0.0;
-  colour = vec4(base * light * edge + shine, 1.0);
+  float shine = max(dot(n, vec3(-0.215, 0.296, 0.931)), 0.0);
+  shine *= shine; shine *= shine; shine *= shine; shine *= shine; shine *= shine; // to the power 32
+  colour = vec4(base * light * edge + (isRod ? 0.18 * shine : 0.0), 1.0);
 }`;
 
 export function makeScene(canvas, code) {
@@ -80,13 +81,11 @@ export function makeScene(canvas, code) {
       [0, 1, 2].flatMap((k) => [right[k], up[k], toward[k]]),
     );
     gl.uniform1i(where.isRod, 1);
-    gl.disable(gl.CULL_FACE);
+    gl.enable(gl.CULL_FACE);
+    gl.cullFace(gl.BACK);
     for (const part of [surfaces.rod, surfaces.ends]) shown(gl, part);
     gl.uniform1i(where.isRod, 0);
-    if (state.open) {
-      gl.enable(gl.CULL_FACE);
-      gl.cullFace(gl.FRONT);
-    } // the near half of the wall is not drawn
+    if (state.open) gl.cullFace(gl.FRONT); // the near half of the wall is not drawn
     shown(gl, surfaces.wall);
   }
 
@@ -185,7 +184,7 @@ function shown(gl, part) {
 function painted(gl, bytes) {
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, bytes.length / 4, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
-  for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.LINEAR);
+  for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
   for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
 }
 

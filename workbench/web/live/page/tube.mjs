@@ -4,6 +4,7 @@ const LEAST_SIDES = 8,
   MOST_SIDES = 40;
 const SHADE = 0.2; // rad by which a section may turn between two rings, or the light on the tube has edges
 const TONES = 24; // rings at least from no push to the largest
+const ROUGH = 2.5; // times as far apart, while a slider moves
 export const TALLEST = 9; // diameters; a taller scene is compressed along the axis, or the rod would be too thin
 export const STRIDE = 7; // numbers of a corner: place, normal, push as a share of the largest
 const AROUND = 120; // sides of the wall
@@ -19,16 +20,21 @@ export function squeezeOf({ one, z }) {
   return Math.min(1, (TALLEST * 2 * Math.max(one.R, one.rho + one.a)) / Math.max(high - low, 1e-300));
 }
 
-/* The stations at which rings stand, so that the tube is off by no more than a length; largest: the largest push. */
-export function rings(shape, tolerance, largest) {
+/* The stations at which rings stand, so that the tube is off by no more than a length; largest: the largest push.
+   moves: whether the light and the colours may be rougher. */
+export function rings(shape, tolerance, largest, moves = false) {
   const { one, s, beta, kappa, dbeta, push } = shape,
     chosen = [0],
-    last = s.length - 1;
+    last = s.length - 1,
+    rough = moves ? ROUGH : 1;
   let due = 0;
   for (let i = 1; i <= last; i++) {
     const turn = Math.hypot(dbeta[i], Math.sin(beta[i]) / one.rho);
-    const rate = Math.max(Math.sqrt((kappa[i] + one.a * turn * turn) / (8 * tolerance)), turn / SHADE);
-    due += Math.max(rate * (s[i] - s[i - 1]), largest > 0 ? (TONES * Math.abs(push[i] - push[i - 1])) / largest : 0);
+    const rate = Math.max(Math.sqrt((kappa[i] + one.a * turn * turn) / (8 * tolerance)), turn / (SHADE * rough));
+    due += Math.max(
+      rate * (s[i] - s[i - 1]),
+      largest > 0 ? ((TONES / rough) * Math.abs(push[i] - push[i - 1])) / largest : 0,
+    );
     if (due >= 1 || i === last) {
       chosen.push(i);
       due = 0;
