@@ -243,7 +243,7 @@ function setCursor(s) {
     slider = element("cursor");
   view.setMark(at);
   diagrams.setCursor(me.cursor);
-  if (at) slider.value = (1000 * at.s) / shape.s[shape.s.length - 1];
+  slider.value = at ? (1000 * at.s) / shape.s[shape.s.length - 1] : 0;
   set(element("here"), at ? hereText(at, me.state.units) : "");
   slider.setAttribute("aria-valuetext", at ? hereText(at, me.state.units) : "none");
 }
