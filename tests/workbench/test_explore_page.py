@@ -18,6 +18,7 @@ pytest.importorskip("selenium", reason="selenium is not installed: pip install '
 
 from matplotlib.image import imread
 from selenium import webdriver
+from selenium.webdriver import ActionChains
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -293,6 +294,33 @@ def test_the_cursor_is_one_in_all_diagrams_and_on_the_rod(page) -> None:
     s = page("return page.cursor")
     assert 10 < s < 13
     assert f"s = {s:.4g}"[:6] in page("return document.getElementById('here').innerText")
+
+
+def test_the_rod_under_the_pointer_or_a_finger_is_marked_and_a_drag_turns_it(page) -> None:
+    canvas = page.driver.find_element(By.ID, "scene")
+    azimuth = page("return page.view.camera.azimuth")
+    found = page("""
+      const canvas = document.getElementById("scene"), box = canvas.getBoundingClientRect(), found = [];
+      for (let y = 0.3; y < 0.7; y += 0.02) {
+        const at = { clientX: box.left + 0.5 * box.width, clientY: box.top + y * box.height };
+        canvas.dispatchEvent(new PointerEvent("pointermove", at));
+        if (page.cursor !== null) found.push([at.clientX, at.clientY, page.cursor]);
+      }
+      canvas.dispatchEvent(new PointerEvent("pointerleave"));
+      return found;""")
+    assert len(found) > 3
+    assert all(0 <= s <= 20 for *_, s in found)
+    assert page("return page.cursor") is None
+    x, y, _ = found[0]
+    page.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
+    page.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    page.until(lambda: page("return page.cursor"), "a mark")
+    left, top = page(
+        "const b = document.getElementById('mark').getBoundingClientRect(); return [b.left + 7, b.top + 7]"
+    )
+    assert np.hypot(left - x, top - y) < 30  # pixels: the rod is 40 thick
+    ActionChains(page.driver).click_and_hold(canvas).move_by_offset(100, 20).release().perform()
+    assert page("return page.view.camera.azimuth") < azimuth - 0.5
 
 
 def test_two_tabs_do_not_disturb_each_other(page, driver, port) -> None:

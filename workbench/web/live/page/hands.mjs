@@ -11,20 +11,21 @@ export function hands(canvas, { turn, zoom, shift, fit, picked }) {
     const [a, b] = [...down.values()];
     return Math.hypot(a.x - b.x, a.y - b.y);
   };
+  const point = ({ clientX, clientY }) => {
+    const box = canvas.getBoundingClientRect();
+    picked(clientX - box.left, clientY - box.top);
+  };
   canvas.addEventListener("pointerdown", (event) => {
     down.set(event.pointerId, { x: event.clientX, y: event.clientY });
     canvas.setPointerCapture(event.pointerId);
+    if (event.pointerType === "touch") point(event);
   });
   for (const name of ["pointerup", "pointercancel"])
     canvas.addEventListener(name, (event) => down.delete(event.pointerId));
   canvas.addEventListener("pointermove", (event) => {
     const before = down.get(event.pointerId),
       here = { x: event.clientX, y: event.clientY };
-    if (!before) {
-      const box = canvas.getBoundingClientRect();
-      picked(here.x - box.left, here.y - box.top);
-      return;
-    }
+    if (!before) return point(event);
     const [x, y] = [here.x - before.x, here.y - before.y],
       wide = down.size === 2 ? spread() : 0;
     down.set(event.pointerId, here);
@@ -34,7 +35,7 @@ export function hands(canvas, { turn, zoom, shift, fit, picked }) {
     } else if (event.shiftKey || event.buttons & 6) shift(x, y);
     else turn(-TURN * x, TURN * y);
   });
-  canvas.addEventListener("pointerleave", () => picked(null));
+  canvas.addEventListener("pointerleave", (event) => event.pointerType !== "touch" && picked(null)); // a finger may leave
   canvas.addEventListener(
     "wheel",
     (event) => {

@@ -22,8 +22,9 @@ export function makeDiagrams(box, code, theme, pointed) {
       figure.append(title, canvas);
       box.append(figure);
       const one = { canvas, title, key: spec.key, spec, frame: null };
-      canvas.addEventListener("pointermove", (event) => pointed(nearest(one, event.offsetX, event.offsetY)));
-      canvas.addEventListener("pointerleave", () => pointed(null));
+      for (const name of ["pointerdown", "pointermove"])
+        canvas.addEventListener(name, (event) => pointed(nearest(one, event.offsetX, event.offsetY)));
+      canvas.addEventListener("pointerleave", (event) => event.pointerType !== "touch" && pointed(null)); // a finger may leave
       return one;
     });
   }
