@@ -100,7 +100,8 @@ export function makeControls(box, quantities, changed) {
         spoken = kindOf(name) === "angle" ? value / DEGREE : value,
         bad = wrong.field === name;
       const text = Number.isFinite(spoken) ? String(Number(spoken.toPrecision(7))) : field.value;
-      if (Number.isFinite(value)) slider.value = placeOf(name, value, context.span(name));
+      const place = placeOf(name, value, context.span(name));
+      if (!(Math.abs(Number(slider.value) - Math.min(Math.max(place, 0), STEPS)) < 0.01)) slider.value = place;
       if (!(bad && document.activeElement === field) && field.value !== text) field.value = text;
       const said = withUnit(number(spoken, 7), unit);
       if (slider.getAttribute("aria-valuetext") !== said) {
@@ -112,9 +113,11 @@ export function makeControls(box, quantities, changed) {
       if (note.textContent !== about) note.textContent = about;
       note.className = bad ? "why" : "note";
       note.hidden = !about;
-      field.setAttribute("aria-invalid", String(bad));
-      if (about) field.setAttribute("aria-describedby", note.id);
-      else field.removeAttribute("aria-describedby");
+      if (field.getAttribute("aria-invalid") !== String(bad)) field.setAttribute("aria-invalid", String(bad));
+      if (Boolean(about) !== field.hasAttribute("aria-describedby")) {
+        if (about) field.setAttribute("aria-describedby", note.id);
+        else field.removeAttribute("aria-describedby");
+      }
       row.classList.toggle("wrong", bad);
       row.classList.toggle("unused", isUnused(state, name));
     }

@@ -1,6 +1,7 @@
 // A line diagram on a canvas, from the rows of numbers of curves.mjs.
 
 import { css, pushColour } from "./colours.mjs";
+import { range } from "./numbers.mjs";
 import { number, tickText, ticks } from "./text.mjs";
 
 const LEFT = 58,
@@ -9,7 +10,9 @@ const LEFT = 58,
   FOOT = 36;
 const LETTER = 11,
   LEAST_SCALES = 1.05,
-  LEAST_RANGE = 5;
+  LEAST_RANGE = 5,
+  TONES = 128,
+  NEAR = 0.7; // pixels
 
 /* The scales of a diagram in a box of so many pixels. */
 export function frameOf(spec, width, height) {
@@ -63,20 +66,27 @@ export function extent(values, more = [], least = 0) {
   return [low, high];
 }
 
-/* The points of a line in pixels; of many within one column of pixels the first, lowest, highest and last. */
+/* The points of a line in pixels. Over x: in each column of pixels the first, and its lowest and highest where they lie
+   between its ends; of another curve those a pixel's part apart. */
 export function thinned(xs, ys, rising) {
-  if (!rising) return xs.map((x, i) => [x, ys[i]]);
-  const found = [];
-  for (let i = 0; i < xs.length;) {
-    let j = i,
-      low = i,
-      high = i;
-    while (j + 1 < xs.length && Math.floor(xs[j + 1]) === Math.floor(xs[i])) {
+  const found = [],
+    last = xs.length - 1;
+  if (!rising) {
+    xs.forEach((x, i) => {
+      const before = found[found.length - 1];
+      if (!before || i === last || Math.hypot(x - before[0], ys[i] - before[1]) > NEAR) found.push([x, ys[i]]);
+    });
+    return found;
+  }
+  for (let i = 0; i <= last;) {
+    let [j, low, high] = [i, i, i];
+    while (j < last && Math.floor(xs[j + 1]) === Math.floor(xs[i])) {
       j++;
       if (ys[j] < ys[low]) low = j;
       if (ys[j] > ys[high]) high = j;
     }
-    for (const k of [...new Set([i, Math.min(low, high), Math.max(low, high), j])]) found.push([xs[k], ys[k]]);
+    const inner = [low, high].filter((k) => k > i && k < j).sort((a, b) => a - b);
+    for (const k of [i, ...inner, ...(j === last && j > i ? [j] : [])]) found.push([xs[k], ys[k]]);
     i = j + 1;
   }
   return found;
@@ -127,15 +137,17 @@ export function paintCursor(ctx, frame, [x, y], vertical, theme) {
 
 /* The stretches of push and pull between the line and zero, column by column, in the colours of the rod. */
 function columns(ctx, spec, { px, py, x0, x1, w }, code) {
-  const [, most] = extent(spec.y),
+  const most = Math.max(range(spec.y)[1], 1e-300),
     zero = py(0),
-    step = (x1 - x0) / w;
+    step = (x1 - x0) / w,
+    tones = {};
   for (let k = 0, i = 0; k < w; k++) {
     const x = x0 + (k + 0.5) * step;
     while (i < spec.x.length - 2 && spec.x[i + 1] < x) i++;
     const u = (x - spec.x[i]) / (spec.x[i + 1] - spec.x[i] || 1),
       y = spec.y[i] + u * (spec.y[i + 1] - spec.y[i]);
-    ctx.fillStyle = css(pushColour(code, y, most));
+    const tone = y < 0 ? -1 : Math.round((TONES * y) / most);
+    ctx.fillStyle = tones[tone] ??= css(pushColour(code, tone, TONES));
     ctx.fillRect(px(x) - 0.5, Math.min(py(y), zero), 1, Math.abs(py(y) - zero));
   }
 }

@@ -6,12 +6,12 @@ import { followed, isFar } from "./between_ends.mjs";
 import { integrated } from "./integrator.mjs";
 
 const TOL = 1e-8;
-const LEAST = 401,
+const LEAST = 301,
   MOST = 8001; // stations of a shape
 const A_HALF_PERIOD = 40; // stations that each half period of beta has at least
-const TURN = 0.06; // rad by which beta or the azimuth may change between two stations
+const TURN = 0.09; // rad by which beta or the azimuth may change between two stations
 const ZERO_ROUNDS = 3;
-const ROUGHER = 4; // times these distances, where MOST stations are too few; a still longer rod is shown in part
+const ROUGHER = 2.7; // times these distances, where MOST stations are too few; a still longer rod is shown in part
 const LARGEST = 1e12; // a number of the dimensionless problem
 const UNFIT = "These numbers are too large or too small to compute with.";
 export const LOST = "The shape was not found: the orbit runs too near an unstable equilibrium of β.";

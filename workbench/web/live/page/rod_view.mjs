@@ -10,7 +10,7 @@ const FINE = 0.12,
   COARSE = 0.8; // pixels that the tube may be off at rest, and while a slider moves
 const REST = 160,
   EASE = 240; // ms until all is drawn finely, and of a change of the camera
-const BUDGET = 5,
+const BUDGET = 2.5,
   COARSEST = 3; // ms that drawing may take while a slider moves; largest factor by which pixels grow
 const AROUND = Array.from({ length: 24 }, (_, i) => [Math.cos((i * Math.PI) / 12), Math.sin((i * Math.PI) / 12)]);
 
