@@ -197,8 +197,9 @@ def test_an_invalid_value_is_told_at_its_field_in_plain_words() -> None:
         assert "Rod." not in sentence
 
 
-EXTREME = [{"E": 1e308}, {"E": 5e-324}, {"a": 1e-80}, {"a": 1e80}, {"L": 1e300}, {"L": 1e-300}, {"R": 1e200}, {"R": 1e-9},
-           {"F3": 1e308}, {"F1": -1e12}, {"beta": 1e300}, {"dbeta": 1e-300}, {"dbeta": 1e9}, {"L": 1e7}]  # fmt: skip
+EXTREME = [{"E": 1e308}, {"E": 5e-324}, {"a": 1e-80}, {"a": 1e80}, {"L": 1e300}, {"L": 1e-300}, {"R": 1e200},
+           {"R": 1e-9}, {"F3": 1e308}, {"F1": -1e12}, {"beta": 1e300},
+           {"dbeta": 1e-300}, {"dbeta": 1e9}, {"L": 1e7}]  # fmt: skip
 
 
 def test_numbers_at_the_end_of_what_a_float_holds_are_solved_or_refused_in_a_sentence() -> None:
@@ -270,7 +271,7 @@ def test_the_tube_is_closed_touches_the_cylinder_and_is_as_near_as_it_says(name)
             np.cos(angle) * frames.outward(sol.alpha) + np.sin(angle) * frames.binormal(sol.alpha, sol.beta)
         )
         straight = np.stack([np.interp(fine, s, drawn[:, j, k]) for k in range(3)], axis=-1)
-        assert np.sqrt(((true - straight) ** 2).sum(axis=-1)).max() < 2 * tolerance
+        assert np.sqrt(((true - straight) ** 2).sum(axis=-1)).max() < tolerance
 
 
 def test_the_rings_are_where_the_rod_bends() -> None:

@@ -29,17 +29,21 @@ export function rings(shape, tolerance, largest, moves = false) {
     rough = moves ? ROUGH : 1;
   let due = 0;
   for (let i = 1; i <= last; i++) {
-    const turn = Math.hypot(dbeta[i], Math.sin(beta[i]) / one.rho);
-    const rate = Math.max(Math.sqrt((kappa[i] + one.a * turn * turn) / (8 * tolerance)), turn / (SHADE * rough));
-    due += Math.max(
-      rate * (s[i] - s[i - 1]),
-      largest > 0 ? ((TONES / rough) * Math.abs(push[i] - push[i - 1])) / largest : 0,
-    );
-    if (due >= 1 || i === last) {
-      chosen.push(i);
+    const h = Math.max(s[i] - s[i - 1], 1e-300),
+      turn = Math.hypot(dbeta[i], Math.sin(beta[i]) / one.rho);
+    const faster =
+      (Math.abs(dbeta[i] - dbeta[i - 1]) + Math.abs(Math.sin(beta[i]) - Math.sin(beta[i - 1])) / one.rho) / h;
+    const bend = kappa[i] + one.a * (turn * turn + faster); // of the lines along the surface, at most
+    const rate = Math.max(Math.sqrt(bend / (8 * tolerance)), turn / (SHADE * rough));
+    const tones = largest > 0 ? ((TONES / rough) * Math.abs(push[i] - push[i - 1])) / largest : 0;
+    const step = Math.max(rate * h, tones);
+    if (due > 0 && due + step > 1) {
+      chosen.push(i - 1);
       due = 0;
     }
+    due += step;
   }
+  chosen.push(last);
   return chosen;
 }
 
