@@ -14,7 +14,7 @@ import sys
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy as np
 import xarray as xr
@@ -144,12 +144,12 @@ def scene(file: Path, pixel_error: float) -> None:
         return found
 
     Body.surface = counted  # type: ignore[method-assign]
-    start = perf_counter()
+    start = process_time()
     ds = writing.read(file)
     read(ds, {}, KINDS["plain"])
-    reading = perf_counter() - start
+    reading = process_time() - start
     layout.render(ds, file.with_suffix(".png"), kind="plain", settings=composition.Settings(pixel_error))
-    seconds = perf_counter() - start - 2 * reading  # the scene reads once more
+    seconds = process_time() - start - 2 * reading  # the scene reads once more
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
     told = {"views": len(triangles), "triangles": sum(triangles), "memory": memory}
     print(json.dumps({**told, "reading": reading, "drawing": seconds}))
@@ -171,7 +171,7 @@ def main() -> None:
         files = {name: Path(folder) / f"{i}.h5" for i, name in enumerate(RODS) if name != "stiff"}
         for name, file in files.items():
             writing.write(solved(name), file)
-        heads = ["rod", "pixels allowed", "views or lines", "triangles", "s", "MB"]
+        heads = ["rod", "pixels allowed", "views or lines", "triangles", "processor s", "MB"]
         rows(heads, (whole(name, file, pixel_error) for name, file in files.items() for pixel_error in ERRORS))
     if len(sys.argv) > 1:
         draw(Path(sys.argv[1]))

@@ -37,8 +37,8 @@ STIFFNESSES = ("paper", "solid")
 
 # The meaning of a printed value that is not simply the field of its name.
 MEANING = {
-    ("force-first", "dgamma"): "printed, but dropped by the reading",
-    ("twist-first", "F1"): "printed, but dropped by the reading: it has no effect",
+    ("force-first", "dgamma"): "printed in Table 1, not used in this reading",
+    ("twist-first", "F1"): "printed in Table 1, not used in this reading: it has no effect",
     ("shear", "F1"): "printed F10, taken as the in-surface shear F2",
     ("tension", "F3"): "printed F30, taken as tension",
     ("compression", "F3"): "printed F30, taken as compression",

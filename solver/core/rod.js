@@ -5,13 +5,14 @@
 
    The problem is dimensionless: lengths in units of rho, loads as lam = MZ rho/A, mu = M3 rho/A, phi = FZ rho^2/A.
    times rise from 0 to at most span. The orbit has beta, rate (d beta/dt), alpha, z, swirl (arrays over the times),
-   error, condition, sound (whether the error is within the tolerance) and end: "turns", "goes round" or "lost". A lost
-   orbit, next to a saddle, has no values: the march cannot tell where it goes. */
+   error, condition, sound (whether the error is within the tolerance), halfPeriod (of beta; of an orbit that goes round
+   the time of one round) and end: "turns", "goes round" or "lost". A lost orbit, next to a saddle, has no values: the
+   march cannot tell where it goes. */
 "use strict";
 const RodCore = (() => {
   const ENDS = ["lost", "turns", "goes round"];
   const ORBIT = 256 + 16; // bytes: `orbit` in rod.c
-  const STATUS = 2 * 8 + 2 * 13 * 8, SOUND = STATUS + 4 * 8;
+  const LEG = 13 * 8, AHEAD = 2 * 8, BACK = AHEAD + LEG, STATUS = BACK + LEG, SOUND = STATUS + 4 * 8;
 
   async function load(bytes) {
     const made = await WebAssembly.instantiate(bytes, {});
@@ -46,7 +47,8 @@ const RodCore = (() => {
       const known = {end, sound, error: numbers[orbit / 8], condition: numbers[orbit / 8 + 1]};
       if (end === "lost") return known;
       const [beta, rate, alpha, z, swirl] = rows.map(row => numbers.slice(row / 8, row / 8 + n));
-      return {...known, beta, rate, alpha, z, swirl};
+      const ahead = numbers[(orbit + AHEAD) / 8], halfPeriod = end === "turns" ? ahead + numbers[(orbit + BACK) / 8] : ahead;
+      return {...known, halfPeriod, beta, rate, alpha, z, swirl};
     }
 
     return {solve};

@@ -1,6 +1,7 @@
 """The live page begins with a rod of one's own, from a file or from options, in its own units."""
 
 import json
+import re
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ pytest.importorskip("workbench.web.live.server", reason="the extra explore is no
 from solver.problem.errors import InputError
 from studies import load
 from tests.workbench.live import asked, served, unpacked
+from tests.workbench.node import needs_node, run
 from workbench import cli
 from workbench.commands import explore
 from workbench.run.case_input import read_case
@@ -82,11 +84,12 @@ def test_the_page_begins_with_the_case_of_the_file(tmp_path, text) -> None:
     assert own.state["units"]["length"] in own.source
 
 
-@pytest.mark.parametrize("text", [PIPE, READ, START])
-def test_every_slider_of_a_file_has_a_value(tmp_path, text) -> None:
-    own = begun(tmp_path, text)
-    for field in page_model.fields(page_model.study_of(own.state)):
-        assert isinstance(own.state["base"][field["name"]], float)
+@needs_node
+def test_every_slider_of_a_file_has_a_value(tmp_path) -> None:
+    states = [begun(tmp_path, text).state for text in (PIPE, READ, START)]
+    named = run("answer(given.map((state) => rod_case.fieldNames(state)));", states, ("rod_case",))
+    for state, names in zip(states, named, strict=True):
+        assert all(isinstance(state["base"][name], float) for name in names)
 
 
 def test_options_change_the_file_as_they_do_for_solve(tmp_path) -> None:
@@ -133,15 +136,46 @@ def test_nothing_given_begins_with_table_1() -> None:
     assert own_case.preset(None, {}, {}) is None
 
 
+def offered(text: str) -> dict[str, Any]:
+    """The data that a page begins with."""
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)[1])
+
+
 def test_the_server_offers_the_own_rod_first_and_draws_it(tmp_path) -> None:
     own = begun(tmp_path, START)
     with served([own, *PRESETS]) as port:
-        offered = json.loads(asked(port, "GET", "/presets").data)["presets"]
-        assert offered[0] == json.loads(json.dumps(asdict(own)))
-        assert [one["name"] for one in offered[1:]] == [preset.name for preset in PRESETS]
-        head, arrays = unpacked(asked(port, "POST", "/shape", {"state": offered[0]["state"]}).data)
+        data = offered(asked(port, "GET", "/").data.decode())
+        assert data["served"] is True
+        assert data["presets"][0] == json.loads(json.dumps(asdict(own)))
+        assert [one["name"] for one in data["presets"][1:]] == [preset.name for preset in PRESETS]
+        head, arrays = unpacked(asked(port, "POST", "/shape", {"state": data["presets"][0]["state"]}).data)
     assert head["outcome"] == "solved"
     assert arrays["s"][-1] == 80.0
+
+
+def test_the_page_is_saved_as_one_file_that_names_no_address_and_begins_with_the_own_rod(tmp_path, capsys) -> None:
+    (tmp_path / "mine.toml").write_text(PIPE)
+    with pytest.raises(SystemExit, match="0"):
+        cli.main(["explore", str(tmp_path / "mine.toml"), "--L", "20", "--save", str(tmp_path / "rod.html")])
+    text = (tmp_path / "rod.html").read_text(encoding="utf-8")
+    assert "http://" not in text
+    assert "https://" not in text
+    assert "connect-src 'none'" in text
+    assert len(text) < 400_000
+    data = offered(text)
+    assert data["served"] is False
+    assert data["presets"][0]["state"]["base"]["L"] == 20.0
+    assert data["presets"][0]["shape"]["beta"][0] == 0.0  # between two ends the page follows from a solved shape
+    assert "opens in a browser without a server" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["rod.htm", "rod", "rod.html/x.html"])
+def test_a_page_that_cannot_be_saved_is_told_in_a_sentence(name, tmp_path, capsys) -> None:
+    (tmp_path / "rod.html").write_text("mine")
+    with pytest.raises(SystemExit, match="2"):
+        cli.main(["explore", "--save", str(tmp_path / name)])
+    assert "rod" in capsys.readouterr().err
+    assert (tmp_path / "rod.html").read_text() == "mine"
 
 
 @pytest.mark.parametrize(

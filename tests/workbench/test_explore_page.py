@@ -1,7 +1,10 @@
 """The live page in a real browser."""
 
+import hashlib
 import json
 import shutil
+import subprocess
+import tarfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,6 +18,7 @@ pytest.importorskip("selenium", reason="selenium is not installed: pip install '
 
 from matplotlib.image import imread
 from selenium import webdriver
+from selenium.webdriver import ActionChains
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -22,7 +26,9 @@ from selenium.webdriver.common.keys import Keys
 from studies.loader import loads
 from tests.workbench.live import served
 from tests.workbench.pictures import share_of_hue
-from workbench.figures import style
+from workbench.data import push_colours
+from workbench.web.live import document
+from workbench.web.live.presets import PRESETS
 
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(
@@ -31,6 +37,19 @@ pytestmark = pytest.mark.skipif(
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-quic",
          "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
          "--window-size=1500,1100")  # fmt: skip
+FRAME = """
+const { camera, drawn, shape } = page.view, canvas = document.getElementById("scene");
+const [ca, sa] = [Math.cos(camera.azimuth), Math.sin(camera.azimuth)];
+const [ce, se] = [Math.cos(camera.elevation), Math.sin(camera.elevation)];
+let [wide, high] = [0, 0];
+for (let i = 0; i < shape.s.length; i++) {
+  const x = shape.one.rho * Math.cos(shape.alpha[i]), y = shape.one.rho * Math.sin(shape.alpha[i]);
+  const z = drawn.squeeze * shape.z[i];
+  wide = Math.max(wide, Math.abs(-sa * x + ca * y - camera.x) + shape.one.a);
+  high = Math.max(high, Math.abs(-se * ca * x - se * sa * y + ce * z - camera.y) + shape.one.a);
+}
+return [high / camera.half, wide / (camera.half * canvas.clientWidth / canvas.clientHeight)];
+"""
 PATIENCE = 600  # s that anything is waited for, on a machine with much else to do
 
 
@@ -53,10 +72,10 @@ class Page:
             time.sleep(0.03)
         pytest.fail(f"the page does not come to {what}: {self('return document.body.innerText')[:600]}")
 
-    def drawn(self) -> str:
-        """Waits until nothing is asked or about to be; returns the ticket of the shape that is drawn."""
-        self.until(lambda: self("return view !== null && !busy && !again && page.head.ticket"), "a shape")
-        return str(self("return page.head.ticket"))
+    def drawn(self) -> int:
+        """Waits until nothing is asked; returns how many shapes have been drawn."""
+        self.until(lambda: self("return window.page && page.shape !== null && !page.busy"), "a shape")
+        return int(self("return page.drawn"))
 
     def slide(self, name: str, share: int) -> None:
         self("const s = document.getElementById('s-' + arguments[0]); s.value = arguments[1];"
@@ -74,8 +93,14 @@ class Page:
         field.send_keys(text or Keys.DELETE, Keys.TAB)
 
     def points(self) -> np.ndarray:
-        """The corners of the rod in the browser's own scene."""
-        return np.array(self("return Array.from(actors.rod.getMapper().getInputData(0).getPoints().getData())"))
+        """Stations, beta, azimuth and height of the rod that is drawn, (4, n)."""
+        return np.array(
+            self("return [page.shape.s, page.shape.beta, page.shape.alpha, page.shape.z].map((v) => [...v])")
+        )
+
+    def frame(self) -> tuple[float, float]:
+        """How far the rod reaches from the middle of the view, as a share of its half height and half width."""
+        return tuple(self(FRAME))
 
 
 @pytest.fixture(scope="module")
@@ -115,19 +140,32 @@ def page(driver, port) -> Iterator[Page]:
     assert [error for error in errors if expected not in error] == []
     messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
     asked = {m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"}
-    own = (f"http://127.0.0.1:{port}/", "data:", "blob:", "chrome://")
+    own = (f"http://127.0.0.1:{port}/", "data:", "blob:", "chrome://", "file://")
     assert [url for url in asked if not url.startswith(own)] == []
-    assert any(url.endswith("/shape") for url in asked)
+    assert asked
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory) -> Path:
+    """The page as a file."""
+    path = tmp_path_factory.mktemp("page") / "rod.html"
+    path.write_text(document.text(PRESETS, served=False), encoding="utf-8")
+    return path
 
 
 def test_the_page_draws_a_rod_and_says_what_it_is(page, tmp_path) -> None:
-    page.until(lambda: "max κ" in page("return document.getElementById('numbers').innerText"), "its observables")
-    assert "6" in page("return document.getElementById('numbers').innerText")
-    assert page("return document.querySelectorAll('.diagram path').length") == 4
+    page.until(lambda: page("return document.getElementById('o-overlaps')"), "the observables of the server")
+    assert page("return document.getElementById('o-turns').innerText") == "6"
+    assert "passes through itself" in page("return document.getElementById('warnings').innerText")
+    assert page("return document.querySelectorAll('.diagram canvas').length") == 4
     page.driver.save_screenshot(str(tmp_path / "page.png"))
     picture = imread(tmp_path / "page.png")[:, :, :3]
-    assert share_of_hue(picture, style.LIFTED) > 0.01
-    assert share_of_hue(picture, style.PUSHED) > 0.003
+    assert share_of_hue(picture, hexed(push_colours.PULL)) > 0.01
+    assert share_of_hue(picture, hexed(push_colours.STOPS[-1][1]), 0.12) > 0.001
+
+
+def hexed(rgb: tuple[int, int, int]) -> str:
+    return "#" + "".join(f"{v:02x}" for v in rgb)
 
 
 def test_a_slider_moves_the_shape(page) -> None:
@@ -136,21 +174,57 @@ def test_a_slider_moves_the_shape(page) -> None:
     page.until(lambda: page.drawn() != before, "another shape")
     E = page("return page.state.base.E")
     assert pytest.approx(1.07e4 / 5 * 25**0.7, rel=1e-4) == E
-    assert np.abs(page.points() - points).max() > 0.1
+    assert np.abs(page.points()[3, -1] - points[3, -1]).max() > 0.1
     assert float(page("return document.getElementById('n-E').value")) == pytest.approx(E)
 
 
-def test_what_outgrows_the_view_is_seen_from_farther(page) -> None:
-    page("page.begin('cable')")
-    page.until(lambda: page("return page.units.length") == "mm" and page.drawn(), "the cable")
-    scale, before = page("return view.renderer.getActiveCamera().getParallelScale()"), page.drawn()
-    page.slide("R", 505)  # hardly
-    page.until(lambda: page.drawn() != before, "a drum of 183 mm")
-    assert page("return view.renderer.getActiveCamera().getParallelScale()") == scale
+def test_the_rod_stays_in_its_frame_whatever_is_chosen(page) -> None:
+    def within() -> None:
+        page.until(lambda: max(page.frame()) <= 1.0, "a view that contains the rod")
+        assert max(page.frame()) > 0.5
+
+    within()
     before = page.drawn()
+    page.slide("E", 1000)  # a stiff rod
+    page.until(lambda: page.drawn() != before, "the stiff rod")
+    within()
+    page("const side = document.getElementById('side'); side.value = 'inside'; side.dispatchEvent(new Event('change'))")
+    within()
+    page.click("reset")
+    assert page("return [page.state.base.E, page.state.base.side]") == [1.07e4, "outside"]
+    page.click("by-ends")
+    page.until(lambda: page("return page.shape.one.kind") == "ends" and not page("return page.busy"), "both ends")
+    within()
+    page("page.begin('cable')")
+    page.until(lambda: page("return page.state.units.length") == "mm" and page.drawn(), "the cable")
+    within()
     page.slide("R", 900)
-    page.until(lambda: page.drawn() != before, "a drum of 650 mm")
-    assert page("return view.renderer.getActiveCamera().getParallelScale()") > 2.5 * scale
+    page.until(lambda: page("return page.shape.one.R") > 600, "a drum of 650 mm")
+    within()
+
+
+def test_who_has_zoomed_is_left_alone_until_the_view_is_fitted(page) -> None:
+    page(
+        "const wheel = new WheelEvent('wheel', { deltaY: -800, bubbles: true, cancelable: true });"
+        "document.getElementById('scene').dispatchEvent(wheel)"
+    )
+    half = page("return page.view.camera.half")
+    page.slide("L", 700)
+    assert page("return page.view.camera.half") == half
+    page.click("fit")
+    page.until(lambda: 0.8 < max(page.frame()) <= 1.0, "all of the rod")
+
+
+def test_with_reduced_motion_the_camera_jumps(page) -> None:
+    page.driver.execute_cdp_cmd(
+        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-reduced-motion", "value": "reduce"}]}
+    )
+    page(
+        "const s = document.getElementById('s-L'); s.value = 1000;"
+        "s.dispatchEvent(new Event('input', { bubbles: true }))"
+    )
+    assert max(page.frame()) <= 1.0
+    assert page("return page.view.camera === page.view.target")
 
 
 def test_of_many_moves_the_last_is_drawn(page) -> None:
@@ -159,44 +233,94 @@ def test_of_many_moves_the_last_is_drawn(page) -> None:
     page.drawn()
     R = page("return page.state.base.R")
     assert pytest.approx(0.15 * 25**0.62, rel=1e-4) == R
-    rho = np.hypot(*page.points().reshape(-1, 3).T[:2]).min()
-    assert rho == pytest.approx(R, rel=1e-5)
+    assert page("return page.shape.one.rho") == pytest.approx(R + 0.25)
 
 
 @pytest.mark.parametrize(
-    "name, text, sentence", [("E", "-1", "Rod.E must be positive"), ("R", "", "R must be a number, got nothing")]
+    "name, text, sentence", [("E", "-1", "E must be greater than 0."), ("R", "", "R needs a number.")]
 )
-def test_bad_input_is_explained_in_place_and_the_last_good_shape_stays(page, name, text, sentence) -> None:
+def test_bad_input_is_explained_once_in_place_and_the_last_good_shape_stays(page, name, text, sentence) -> None:
     before, points = page.drawn(), page.points()
     page.type(name, text)
     told = page.until(
         lambda: page("return document.getElementById('why-' + arguments[0])?.innerText", name), "a reason"
     )
-    assert sentence in told
-    assert sentence in page("return document.getElementById('problem').innerText")
+    assert told == sentence
+    assert page("return document.body.innerText").count(sentence) == 1
     assert page("return document.getElementById('n-' + arguments[0]).getAttribute('aria-invalid')", name) == "true"
+    assert (
+        page("return document.getElementById('n-' + arguments[0]).getAttribute('aria-describedby')", name)
+        == f"why-{name}"
+    )
     np.testing.assert_array_equal(page.points(), points)
     page.type(name, "0.9")
-    page.until(lambda: page.drawn() != before and not page("return document.getElementById('problem')"), "a good shape")
+    page.until(lambda: page.drawn() != before, "a good shape")
+    assert page("return document.getElementById('n-' + arguments[0]).getAttribute('aria-invalid')", name) == "false"
 
 
-def test_where_drawing_is_slow_a_lighter_tube_is_drawn_until_the_slider_rests(page) -> None:
-    drawn = "return actors.rod.getMapper().getInputData(0).getPolys().getData().length"
-    whole = page(drawn)
-    page("keys.coarse = 2; PATIENCE.whole = 1e6; waiting.whole = null")  # as if it were, and no end to the moving
-    before = page.drawn()
-    page.slide("E", 600)
-    page.until(lambda: page.drawn() != before, "another shape")
-    assert page(drawn) < 0.51 * whole
-    assert page(
-        "return waiting.whole !== null"
-    )  # fewer pixels, too; the browser may lay the page out at any time since
-    size = "view.openglRenderWindow.getSize()[0]"
-    few, all_ = page(
-        f"page.sketch(); const few = {size}; clearTimeout(waiting.whole); page.whole(); return [few, {size}]"
+def test_arrow_keys_move_a_field_and_its_unit_is_spoken(page) -> None:
+    page.driver.find_element(By.ID, "n-E").send_keys(Keys.ARROW_UP)
+    E = page("return page.state.base.E")
+    assert 1.07e4 < E < 1.2e4
+    assert page("return document.getElementById('n-E').getAttribute('aria-valuetext')").endswith(" N/cm²")
+    assert page("return document.getElementById('s-E').getAttribute('aria-valuetext')").endswith(" N/cm²")
+    stops = page(
+        "return [...document.querySelectorAll('#fields input')].filter((one) => one.tabIndex >= 0).map((one) => one.id)"
     )
-    assert page(drawn) == whole
-    assert all_ > 1.9 * few
+    assert len(stops) == len(set(stops)) == 10
+
+
+def test_where_drawing_is_slow_fewer_pixels_are_drawn_until_the_slider_rests(page) -> None:
+    page("page.view.ratio = 3")
+    size = "return document.getElementById('scene').width"
+    page.slide("E", 600)
+    few = page(size)
+    page.until(lambda: page(size) > 2.5 * few, "the whole picture")
+
+
+def test_the_cursor_is_one_in_all_diagrams_and_on_the_rod(page) -> None:
+    page("document.getElementById('mark').hidden")
+    page("const c = document.getElementById('cursor'); c.value = 500; c.dispatchEvent(new Event('input'))")
+    assert page("return page.cursor") == pytest.approx(10.0)
+    assert "s = 10 cm" in page("return document.getElementById('here').innerText")
+    assert not page("return document.getElementById('mark').hidden")
+    box = page("const b = document.getElementById('d-push').getBoundingClientRect(); return [b.left, b.top, b.width]")
+    page(
+        "const move = new PointerEvent('pointermove', { clientX: arguments[0], clientY: arguments[1] });"
+        "document.getElementById('d-push').dispatchEvent(move)",
+        box[0] + 0.6 * box[2],
+        box[1] + 40,
+    )
+    s = page("return page.cursor")
+    assert 10 < s < 13
+    assert f"s = {s:.4g}"[:6] in page("return document.getElementById('here').innerText")
+
+
+def test_the_rod_under_the_pointer_or_a_finger_is_marked_and_a_drag_turns_it(page) -> None:
+    canvas = page.driver.find_element(By.ID, "scene")
+    azimuth = page("return page.view.camera.azimuth")
+    found = page("""
+      const canvas = document.getElementById("scene"), box = canvas.getBoundingClientRect(), found = [];
+      for (let y = 0.3; y < 0.7; y += 0.02) {
+        const at = { clientX: box.left + 0.5 * box.width, clientY: box.top + y * box.height };
+        canvas.dispatchEvent(new PointerEvent("pointermove", at));
+        if (page.cursor !== null) found.push([at.clientX, at.clientY, page.cursor]);
+      }
+      canvas.dispatchEvent(new PointerEvent("pointerleave"));
+      return found;""")
+    assert len(found) > 3
+    assert all(0 <= s <= 20 for *_, s in found)
+    assert page("return page.cursor") is None
+    x, y, _ = found[0]
+    page.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
+    page.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    page.until(lambda: page("return page.cursor"), "a mark")
+    left, top = page(
+        "const b = document.getElementById('mark').getBoundingClientRect(); return [b.left + 7, b.top + 7]"
+    )
+    assert np.hypot(left - x, top - y) < 30  # pixels: the rod is 40 thick
+    ActionChains(page.driver).click_and_hold(canvas).move_by_offset(100, 20).release().perform()
+    assert page("return page.view.camera.azimuth") < azimuth - 0.5
 
 
 def test_two_tabs_do_not_disturb_each_other(page, driver, port) -> None:
@@ -206,19 +330,15 @@ def test_two_tabs_do_not_disturb_each_other(page, driver, port) -> None:
     driver.get(f"http://127.0.0.1:{port}/")
     other.drawn()
     other.slide("E", 900)
-    other("document.getElementById('preset').value = 'dna'; page.begin('dna')")
-    other.until(lambda: other("return page.units.length") == "nm" and other.drawn(), "the DNA")
+    other("page.begin('dna')")
+    other.until(lambda: other("return page.state.units.length") == "nm" and other.drawn(), "the DNA")
     np.testing.assert_array_equal(page.points(), points)
-    assert page("return page.units.length") == "cm"
-    before = page.drawn()
     page.slide("E", 520)
-    page.until(lambda: page.drawn() != before, "another shape")
-    assert other("return page.units.length") == "nm"
     assert other("return page.state.base.E") == 262.0
 
 
-def test_every_preset_is_drawn_and_its_equilibria_can_be_stepped_through(page) -> None:
-    for name in page("return page.presets.map((one) => one.name)"):
+def test_every_preset_is_drawn_and_its_equilibria_can_be_stepped_through_with_the_keys(page) -> None:
+    for name in page("return [...document.querySelectorAll('#preset option')].map((one) => one.value)"):
         before = page.drawn()
         page("page.begin(arguments[0])", name)
         page.until(lambda before=before: page.drawn() != before, name)
@@ -230,22 +350,24 @@ def test_every_preset_is_drawn_and_its_equilibria_can_be_stepped_through(page) -
     page.click("next")
     page.until(lambda: page.drawn() != before, "the next one")
     assert page("return page.here") == 1
-    assert np.abs(page.points() - points).max() > 1
+    assert np.abs(page.points()[1, ::50].mean() - points[1, ::50].mean()) > 0.01
+    before = page.drawn()
+    page.driver.find_element(By.ID, "e-1").send_keys(Keys.ARROW_DOWN)
+    page.until(lambda: page.drawn() != before, "the one below")
+    assert page("return page.here") == 2
+    assert page("return document.activeElement.id") == "e-2"
 
 
 def test_a_rod_held_by_both_its_ends_keeps_its_shape(page) -> None:
-    beta = page("return Array.from(page.curves.beta)")
+    beta = page.points()[:2]
     page.click("by-ends")
-    page.until(lambda: page("return page.head.problem") == "ends", "both ends")
-    np.testing.assert_allclose(
-        page("return Array.from(page.curves.beta)")[::2], beta, atol=1e-3
-    )  # degrees, single precision
+    page.until(lambda: page("return page.shape.one.kind") == "ends" and not page("return page.busy"), "both ends")
+    held = page.points()[:2]
+    np.testing.assert_allclose(np.interp(beta[0], *held), beta[1], atol=1e-3)
 
 
 def test_a_link_brings_back_the_rod(page, driver) -> None:
-    before = page.drawn()
     page.slide("L", 650)
-    page.until(lambda: page.drawn() != before, "another shape")
     page.click("copy-link")
     points, link = page.points(), page("return location.href")
     driver.switch_to.new_window("tab")
@@ -259,14 +381,11 @@ def test_a_broken_link_is_explained_and_the_page_still_works(page, driver, port)
     driver.get("about:blank")
     driver.get(f"http://127.0.0.1:{port}/#nonsense")
     page.drawn()
-    assert page("return page.head.outcome") == "solved"
+    assert "link is not complete" in page("return document.getElementById('problem').innerText")
 
 
 def test_the_copied_study_is_the_rod_that_is_shown(page) -> None:
     page.type("E", "20000")
-    page.until(
-        lambda: page("return page.head.fields && page.state.base.E") == 20000 and page.drawn(), "the stiffer rod"
-    )
     page.click("copy-study")
     text = page.until(lambda: page("return document.getElementById('study-text').value"), "the study")
     study = loads(text)
@@ -279,11 +398,100 @@ def test_picture_and_csv_are_downloaded(page, driver) -> None:
         path = driver.folder / f"table1.{ending}"
         page.until(lambda path=path: path.exists() and path.stat().st_size, f"the {ending}")
     picture = imread(driver.folder / "table1.png")[:, :, :3]
-    assert share_of_hue(picture, style.LIFTED) > 0.02
+    assert picture.shape[1] == 2400
+    assert share_of_hue(picture, hexed(push_colours.PULL)) > 0.02
+    assert (picture[:, 1700:].min(axis=-1) < 0.5).mean() > 0.01  # the parameters
     assert (driver.folder / "table1.csv").read_text().startswith("s [cm],x [cm],")
 
 
 def test_what_cannot_be_downloaded_is_explained(page) -> None:
     page.click("step")
     told = page.until(lambda: page("return document.getElementById('message').innerText"), "a reason")
-    assert "no solid: the rod passes through itself" in told or "Open Cascade" in told
+    assert "No solid: the rod passes through itself" in told or "Open Cascade" in told
+
+
+def test_the_saved_page_solves_every_rod_without_a_server(page, driver, saved) -> None:
+    driver.get(saved.as_uri())
+    for name in ("dna", "pipe", "cable", "table1"):
+        page("page.begin(arguments[0])", name)
+        assert page("return page.wrong.sentence") == ""
+        before = page.points()
+        for field in ("R", "L"):
+            page.slide(field, 520)
+            assert page("return page.wrong.sentence") == ""
+        assert not np.array_equal(page.points(), before)
+    page.until(lambda: page("return document.getElementById('o-turns')"), "its observables")
+    page.click("by-ends")
+    assert page("return page.shape.one.kind") == "ends"
+    page.slide("L", 501)
+    assert page("return page.wrong.sentence") == ""
+    assert "without a server" in page("return document.getElementById('equilibria').innerText")
+    page.click("csv")
+    path = driver.folder / "table1 (1).csv"
+    page.until(lambda: any(one.stat().st_size for one in driver.folder.glob("table1*.csv")), str(path))
+
+
+AXE = ("axe-core@4.14.1", "29348999450cdf2849a8e70b7912fc2da85a849da39c0d0d5394f51d4a9ed95c")
+
+
+@pytest.fixture(scope="module")
+def axe(tmp_path_factory) -> str:
+    """The script of axe-core, which judges the accessibility of a page; the test is skipped where npm has none."""
+    npm, folder = shutil.which("npm"), tmp_path_factory.mktemp("axe")
+    done = (
+        subprocess.run([npm or "npm", "pack", AXE[0]], cwd=folder, capture_output=True, timeout=120, check=False)
+        if npm
+        else None
+    )
+    if done is None or done.returncode != 0:
+        pytest.skip("npm does not offer axe-core here")
+    with tarfile.open(next(folder.glob("*.tgz"))) as archive:
+        text = archive.extractfile("package/axe.min.js").read()
+    assert hashlib.sha256(text).hexdigest() == AXE[1]
+    return text.decode()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_that_bars_people(page, axe, scheme) -> None:
+    page.driver.execute_cdp_cmd(
+        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+    )
+    page("page.begin('cable')")
+    page.until(lambda: page("return page.list.length"), "the equilibria")
+    page("const c = document.getElementById('cursor'); c.value = 300; c.dispatchEvent(new Event('input'))")
+    for name, value in (("E", -1), ("E", 5000)):
+        page("page.state.base[arguments[0]] = arguments[1]; page.update()", name, value)
+        page(axe)
+        found = page.driver.execute_async_script("const done = arguments[0]; axe.run().then(done)")
+        assert [
+            (one["id"], [node["html"] for node in one["nodes"]]) for one in found["violations"] + found["incomplete"]
+        ] == []
+        assert "color-contrast" in [one["id"] for one in found["passes"]]
+
+
+def test_on_a_phone_the_rod_comes_first_and_stays_and_the_controls_are_large(page) -> None:
+    page.driver.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
+    )
+    try:
+        top = "return document.getElementById('view').getBoundingClientRect().top"
+        page.until(lambda: page("return innerWidth") == 390, "a phone")
+        assert page(top) < 20
+        page("window.scrollTo(0, 900)")
+        assert abs(page(top)) < 20
+        small = page(
+            "const low = (one) => one.offsetParent && one.getBoundingClientRect().height < 44;"
+            "return [...document.querySelectorAll('button, select, input')].filter(low).map((one) => one.id)"
+        )
+        assert small == []
+        assert page("return document.documentElement.scrollWidth") <= 390
+    finally:
+        page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_an_answer_that_comes_too_late_does_not_replace_a_newer_rod(page) -> None:
+    page("page.begin('cable'); page.begin('dna')")
+    page.until(lambda: not page("return page.busy"), "the late answer")
+    time.sleep(0.2)
+    assert page("return [page.state.units.length, page.shape.one.kind, page.shape.one.L]") == ["nm", "start", 43.5]

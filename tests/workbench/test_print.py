@@ -2,6 +2,7 @@
 
 import csv
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -73,29 +74,34 @@ def test_the_dots_an_inch_of_a_plot_change_its_pixels_and_not_its_inches(ds, tmp
 def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
     from workbench.scene import composition, layout
 
-    pages = []
+    pages, sizes = [], []
     for dpi in (50, 75, 110):
         path = tmp_path / f"{dpi}.png"
         layout.render(ds, path, kind="plain", settings=composition.Settings(1.0, dpi))
         with Image.open(path) as picture:
-            assert picture.size == (8 * dpi, 6 * dpi)
+            sizes.append(np.array(picture.size) / dpi)
             assert picture.info["dpi"] == pytest.approx((dpi, dpi), abs=0.1)
             pages.append(np.asarray(picture.convert("L").resize((200, 150), Image.Resampling.BOX), dtype=float))
+    np.testing.assert_allclose(sizes, [sizes[0]] * 3, atol=0.04)  # two pixels of the coarsest
+    assert sizes[0][0] == 8
     # the same picture, but for edges that fall elsewhere between pixels
     assert (np.abs(pages[0] - pages[2]) > 40).mean() < 0.03
 
 
 @draws
-def test_a_picture_too_large_to_be_rendered_twice_as_fine_is_the_same_picture(ds) -> None:
-    from workbench.scene import composition, layout, rendering
+def test_without_background_only_what_is_drawn_is_opaque(ds, tmp_path) -> None:
+    from workbench.scene import composition, layout
 
-    taken = []
-    for most in (rendering.MOST_PIXELS, 1):
-        settings = composition.Settings(1.0, 60, most_pixels=most)
-        taken.append(layout.compose(ds, kind="plain", settings=settings).page.pixels.astype(float))
-    assert taken[0].shape == taken[1].shape
-    assert not np.array_equal(taken[0], taken[1])
-    assert (np.abs(taken[0] - taken[1]).max(axis=-1) > 60).mean() < 0.06  # edges are rough where nothing is averaged
+    settings = composition.Settings(1.0, 60, transparent=True, bare=True, size=(500, 400))
+    layout.render(ds, tmp_path / "clear.png", kind="plain", settings=settings)
+    layout.render(ds, tmp_path / "white.png", kind="plain", settings=replace(settings, transparent=False))
+    with Image.open(tmp_path / "clear.png") as clear, Image.open(tmp_path / "white.png") as white:
+        assert clear.size == white.size == (500, 400)
+        over = Image.new("RGBA", clear.size, "white")
+        over.alpha_composite(clear.convert("RGBA"))
+        assert np.asarray(clear)[..., 3].min() == 0
+        differ = np.abs(np.asarray(over.convert("RGB")).astype(int) - np.asarray(white.convert("RGB")))
+    assert np.quantile(differ, 0.999) <= 6
 
 
 def test_the_pages_of_a_pdf_are_as_wide_as_the_pictures(ds, tmp_path) -> None:

@@ -184,13 +184,18 @@ def test_a_study_in_memory_has_the_numbers_of_the_stored_one(stored: Path) -> No
         xr.testing.assert_identical(ds.load().drop_attrs(), in_memory.run(study()).drop_attrs())
 
 
-@pytest.mark.parametrize("options", [Options(workers=1, chunk=1), Options(workers=2, chunk=16)], ids=["cut", "pool"])
+CUT, POOL = Options(workers=1, chunk=1), Options(workers=2, chunk=16)
+
+
+@pytest.mark.parametrize(
+    "options", [pytest.param(CUT, id="cut"), pytest.param(POOL, id="pool", marks=pytest.mark.slow)]
+)
 def test_every_bit_is_the_same_whatever_the_chunks_and_the_workers(stored: Path, tmp_path, options: Options) -> None:
     run_to_file(study(PLANE + LAW), tmp_path / "small.h5", options)
     assert runs.contents(tmp_path / "small.h5") == runs.contents(stored)
 
 
-@pytest.mark.parametrize("after", (1, 3, 8))
+@pytest.mark.parametrize("after", (pytest.param(1, marks=pytest.mark.slow), 3, pytest.param(8, marks=pytest.mark.slow)))
 def test_a_run_that_is_interrupted_in_any_round_continues_to_the_same_file(stored: Path, tmp_path, after) -> None:
     class Stopping(Meter):
         left = after

@@ -1,7 +1,8 @@
 """The tube about the rod, and the pictures made of it."""
 
+import re
 import resource
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,22 +10,28 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import to_rgb
+from PIL import Image
 
 from solver.mechanics import frames
 from solver.problem.errors import InputError
 from studies import load
 from studies.loader import loads
+from tests.cases import helix_moment, in_units_of_rho
 from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench.commands import at_option, scene
 from workbench.data import selection, writing
 from workbench.figures import style
-from workbench.geometry import refinement, tube
+from workbench.geometry import refinement, self_contact, tube
 from workbench.geometry.centreline import Centreline
 from workbench.run import in_memory
 from workbench.scene import body as rods
-from workbench.scene import captions, colours, kinds, long_rod, opengl, page
+from workbench.scene import camera as cameras
+from workbench.scene import captions, colours, footer, hidden, kinds, long_rod, opengl, shading
+from workbench.scene import measure as measured
+from workbench.scene.cells import Cell
 from workbench.scene.kinds import KINDS, kind_of
+from workbench.scene.views import View
 
 HEAD = 'title = "a rod"\nstations = %d\n[units]\nlength = "cm"\nforce = "N"\n'
 BASE = """[base]
@@ -232,7 +239,7 @@ def test_lift_off_is_told_from_every_push_whatever_the_eyes(eyes: str) -> None:
     lifted = np.array(to_rgb(style.LIFTED))
     # some 2.3 is a just noticeable difference between neighbouring patches; ten times that is another colour
     assert np.linalg.norm(seen(ramp) - seen(lifted), axis=1).min() > 23
-    assert (np.diff(seen(ramp)[:, 0]) > 0).all()  # more push is lighter
+    assert (np.diff(seen(ramp)[:, 0]) < 0).all()  # more push is darker
 
 
 def test_a_row_runs_along_its_axis_with_the_others_at_table_1() -> None:
@@ -271,7 +278,7 @@ def test_at_most_so_many_are_chosen_and_both_ends_among_them() -> None:
 
 def test_a_scale_bar_is_a_round_length_that_fits() -> None:
     targets = np.geomspace(1e-3, 1e6, 200)
-    bars = np.array([page.round_length(target) for target in targets])
+    bars = np.array([footer.round_length(target) for target in targets])
     assert ((bars <= targets * (1 + 1e-9)) & (bars > targets / 2.6)).all()
     assert {f"{bar:.0e}"[0] for bar in bars} == {"1", "2", "5"}
 
@@ -302,7 +309,8 @@ def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> N
     taken = layout.render(fig6, tmp_path / "fig6.png")
     assert taken.error <= 0.5 * (1 + 1e-9)
     picture = pixels(tmp_path / "fig6.png")
-    assert picture.shape == (1200, 1600, 3)
+    assert picture.shape[1] == 1600
+    assert 700 < picture.shape[0] <= 1200  # no emptier than its words need
     assert share_of_ink(picture) > 0.25
     assert share_of_hue(picture, colours.hex_of(colours.PUSH_RAMP, 0.9)) > 0.01
     assert share_of_hue(picture, style.LIFTED) > 0.05
@@ -310,34 +318,160 @@ def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> N
     assert (edge > 0.98).all()  # nothing is cut off
 
 
+def before_it(bodies: list[rods.Body], width: int, height: int, lying: bool = False) -> cameras.Camera:
+    """A camera that sees all of a rod in a picture of a size."""
+    camera = cameras.facing(bodies, lying=lying)
+    low, high = View(bodies, Cell("")).box(camera)
+    return replace(camera, per_unit=float(np.min(np.array([width, height]) / (high - low))))
+
+
 @draws
 def test_a_row_has_one_scale_and_one_camera() -> None:
-    from workbench.scene import rendering
-    from workbench.scene.page import Cell
+    from workbench.scene.rendering import Placed, render
 
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n")
-    rods = [body(ds, E=i) for i in (0, 1, 0, 1)]
-    ends = rendering.ends_of(rods)
-    view = rendering.front_camera(rods, ends, (160, 300), lying=False)
-    picture = rendering.render([[rendering.View([rod], Cell("")) for rod in rods]], ends, view, 0.5, 76)[0].astype(int)
+    found = [body(ds, E=i) for i in (0, 1, 0, 1)]
+    camera = before_it(found, 160, 300)
+    placed = [Placed(View([rod], Cell(""), ends=(-1.0, 19.0)), (80.0 + 160 * k, 150.0)) for k, rod in enumerate(found)]
+    picture = render(placed, camera, (640, 300), 0.5)[0].astype(int)
     first, second, third, fourth = np.split(picture, 4, axis=1)
-    # the same rod in another cell, even of another part of the picture: the ambient shading is random in places
-    assert (np.abs(first - third).max(axis=-1) > 24).mean() < 0.002
-    assert (np.abs(second - fourth).max(axis=-1) > 24).mean() < 0.002
+    for one, again in ((first, third), (second, fourth)):  # the same rod in another cell
+        assert np.abs(one - again).max() <= 2 * 255 / 16  # two of the samples of a pixel on an edge
+        assert np.abs(one - again).mean() < 0.2
     assert (np.abs(first - second).max(axis=-1) > 24).mean() > 0.02  # and another rod looks different
 
 
 @draws
-def test_the_cylinder_is_as_wide_as_the_scale_bar_says() -> None:
-    from workbench.scene import rendering
-    from workbench.scene.page import Cell
+def test_each_pixel_is_the_mean_of_its_parts(monkeypatch) -> None:
+    from workbench.scene import rendering, sampling
 
     rod = body(dataset())
-    ends = rendering.ends_of([rod])
-    view = rendering.front_camera([rod], ends, (300, 600), lying=False)
-    picture, _ = rendering.render([[rendering.View([rod], Cell(""))]], ends, view, 0.5, 76)
-    top = picture[:40].min(axis=-1) < 250  # only the cylinder reaches up there
-    assert top.sum(axis=1).max() == pytest.approx(2 * 0.75 * view.per_unit, abs=2)  # a pixel on either side
+    camera = before_it([rod], 400, 160, lying=True)
+
+    def drawn(finer: int) -> np.ndarray:
+        placed = [rendering.Placed(View([rod], Cell("")), (200.0 * finer, 80.0 * finer))]
+        at = replace(camera, per_unit=camera.per_unit * finer)
+        return rendering.render(placed, at, (400 * finer, 160 * finer), 0.5)[0].astype(float)
+
+    sampled = drawn(1)
+    monkeypatch.setattr(sampling, "FINER", 1)
+    assert sampled.shape == (160, 400, 3)
+    mean = drawn(4).reshape(160, 4, 400, 4, 3).mean(axis=(1, 3))
+    # of 255; moved by a pixel it would be above 2, by a quarter above 0.5
+    assert np.abs(sampled - mean).mean() < 0.5
+
+
+@draws
+def test_the_cylinder_is_as_wide_as_the_scale_bar_says() -> None:
+    from workbench.scene.rendering import Placed, render
+
+    rod = body(dataset())
+    camera = before_it([rod], 300, 600)
+    camera = replace(camera, per_unit=0.9 * camera.per_unit)
+    low, high = View([rod], Cell("")).cylinder
+    view = View([rod], Cell(""), ends=(low - 1.0, high + 1.0))
+    picture, _ = render([Placed(view, (150.0, 300.0))], camera, (300, 600), 0.5)
+    first = np.argmax(picture.min(axis=(1, 2)) < 250) + 3
+    top = picture[first : first + 15].min(axis=-1) < 250  # only the cylinder reaches up there
+    assert top.sum(axis=1).max() == pytest.approx(2 * 0.75 * camera.per_unit, abs=2)  # a pixel on either side
+
+
+@pytest.fixture(scope="module")
+def helix() -> xr.Dataset:
+    """A helix at 0.8 rad on a cylinder of rho = 1, whose pitch is 2 pi / tan(0.8)."""
+    case = in_units_of_rho(helix_moment(0.8, 0.9, -0.4), 0.9, -0.4, 20.0, 0.8, 0.0)
+    given = {**asdict(case)["rod"], **asdict(case)["cylinder"], **asdict(case)["given"]}
+    written = {k: f'"{v}"' if isinstance(v, str) else float(v) for k, v in given.items() if v is not None}
+    base = "\n".join(f"{name} = {value}" for name, value in written.items())
+    return in_memory.run(loads(f"{HEAD % 201}[base]\n{base}\n", default_name="helix"))
+
+
+@draws
+@pytest.mark.parametrize("camera", [None, "side", "oblique", "-40,-30"])
+def test_the_scale_bar_measures_the_pitch_of_a_helix_along_the_axis(camera, helix) -> None:
+    from workbench.scene import composition, layout
+    from workbench.scene.page import figure
+
+    taken = layout.compose(helix, kind="plain", settings=composition.Settings(dpi=100, camera=camera))
+    drawn = figure(taken.page)
+    (said,) = [text for text in (t.get_text() for t in drawn.texts) if re.match(r"[\d.]+ cm", text)]
+    assert said.endswith("along the axis") == (camera not in (None, "side"))
+    drawn.canvas.draw()
+    page = np.asarray(drawn.canvas.buffer_rgba())[..., :3]
+    ink = page[-75:].max(axis=-1) < 90  # the line below the views
+    line = max(range(len(ink)), key=lambda k: _runs(ink[k])[:, 1].max(initial=0))  # the bar
+    begin, length = max(_runs(ink[line]), key=lambda run: run[1])
+    ticks = _runs(ink[line - 3, begin - 2 : begin + length + 2]) @ [1.0, 0.5]  # the lines at its two ends
+    longest = ticks[-1] - ticks[0]
+    box = taken.page.cells[0][0]  # beside the cylinder only the rod is seen, once in each turn
+    top = taken.page.pixels[: int(box.height / 2)].min(axis=-1) < 250
+    row = next(r for r in top if len(_runs(r)) >= 2 and (_runs(r)[:, 1] > 20).all())
+    runs = _runs(row)
+    middles = runs[runs[:, 1] >= runs[:, 1].max() - 1] @ [1.0, 0.5]  # without one that an end of the rod cuts
+    pitch = np.diff(middles).mean() / longest * float(said.split()[0])
+    assert pitch == pytest.approx(2 * np.pi / np.tan(0.8), rel=0.01)  # a pixel of a bar of 100
+
+
+def _runs(row: np.ndarray) -> np.ndarray:
+    """Where the runs of true values begin, and their lengths, (n, 2)."""
+    steps = np.flatnonzero(np.diff(np.concatenate([[0], row.astype(int), [0]])))
+    return np.stack([steps[::2], steps[1::2] - steps[::2]], axis=-1)
+
+
+@draws
+def test_a_hidden_stretch_is_an_outline_and_has_no_colour_of_the_bar(helix) -> None:
+    from workbench.scene.rendering import Placed, render
+
+    rod = body(helix, "plain")
+    rod = replace(rod, paint=colours.Paint("#ff0000"))
+    camera = before_it([rod], 600, 120, lying=True)
+    view = View([rod], Cell(""))
+    picture = render([Placed(view, (300.0, 60.0))], camera, (600, 120), 0.5)[0] / 255.0
+    red = picture[..., 0] - picture[..., 2] > 0.25  # what is in front, and what is seen beside the cylinder
+    place = view.places(rod)
+    across, towards = (np.column_stack([camera.page[1], camera.toward]).T @ place.T)[:, :]
+    hidden_ones = (towards < 0) & (np.abs(across) < 0.3)
+    at = np.round((place[hidden_ones] - np.array([0, 0, sum(view.cylinder) / 2])) @ camera.page.T * camera.per_unit)
+    column, row = (300 + at[:, 0]).astype(int), (60 - at[:, 1]).astype(int)
+    assert not red[row, column].any()
+    cool = picture[..., 0] - picture[..., 2] < 0.025  # unlike the cylinder
+    lines = [cool[r - 16 : r + 17, c].any() for r, c in zip(row, column, strict=True)]
+    assert np.mean(lines) > 0.9
+
+
+def test_only_what_is_wide_enough_is_an_outline() -> None:
+    rods, everything = np.ones((2, 40, 60), dtype=np.float32)
+    everything[:30] = 0.3  # a wall
+    rods[10:20, 5:50] = 0.6  # a stretch behind it
+    rods[26:28, 5:50] = 0.6  # a sliver behind it
+    rods[33:38, 5:50] = 0.6  # beyond the wall
+    everything[33:38, 5:50] = 0.6
+    line, behind = hidden.lines(rods, everything, hidden.Drawn(0.1, 4.0, 1.0))
+    assert behind[10:20, 5:50].all()
+    assert behind.sum() == 450
+    assert line[10, 5:50].all()
+    assert line[19, 5:50].all()
+    assert not line[12:18, 8:47].any()
+
+
+def test_the_shadow_of_contact_is_that_of_a_bar_on_a_plane() -> None:
+    s = np.linspace(-50, 50, 4001)
+    bar = np.stack([0 * s, 0 * s + 0.5, s], axis=-1)  # of radius 0.5 above the plane y = 0
+    away = np.array([0.0, 0.1, 0.5, 1.0, 2.0])
+    light = shading.on_wall(np.stack([away, 0 * away, 0 * away], axis=-1), bar, 0.5)
+    # half of the plane's light is that of the directions up to a height, (1 + cos)/2 of Lambert's law in two dimensions
+    height = 2 * np.arctan2(0.5, away)
+    lost = 1 - (1 + np.cos(height)) / 2
+    scale = shading.REACH**2 / (shading.REACH**2 - 1)  # nothing is lost at the reach
+    np.testing.assert_allclose(1 - light, shading.DEPTH * (1 - (1 - lost) * scale), atol=1e-4)
+
+
+def test_words_are_broken_at_spaces_and_fit_their_room() -> None:
+    text = "the cylinder would have to pull: the rod would lift off"
+    lines = measured.wrapped(text, 200.0).split("\n")
+    assert " ".join(lines) == text
+    assert max(map(measured.width, lines)) <= 200
+    assert measured.wrapped("E[N/cm²]", 5.0) == "E[N/cm²]"
 
 
 @draws
@@ -359,8 +493,8 @@ def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
 def test_inside_the_rod_is_seen_through_the_near_wall(tmp_path) -> None:
     from workbench.scene import layout
 
-    layout.render(dataset("inside"), tmp_path / "inside.png", kind="plain")
-    assert share_of_hue(pixels(tmp_path / "inside.png"), style.PUSHED, 0.12) > 0.02
+    layout.render(dataset("inside"), tmp_path / "inside.png", kind="curvature")
+    assert share_of_hue(pixels(tmp_path / "inside.png"), "#21918c", 0.2) > 0.01
 
 
 @draws
@@ -400,3 +534,97 @@ def test_a_table_of_two_axes_says_how_many_values_it_shows(tmp_path) -> None:
     taken = layout.compose(dataset(axes=axes), None, "grid", ["E", "R"], settings=composition.Settings(2.0, 60))
     assert taken.page.notes[:2] == ["9 of 11 values of E", "5 of 7 values of R"]
     assert [len(row) for row in taken.page.cells] == [9] * 5
+    assert [len(taken.page.words.columns), len(taken.page.words.rows)] == [1 + 9, 1 + 5]  # a heading and its values
+    assert all(box.cell.caption == "" for row in taken.page.cells for box in row)
+
+
+@draws
+def test_each_cylinder_is_as_long_as_its_rod_and_all_words_stay_on_the_page() -> None:
+    from workbench.scene import composition, layout
+    from workbench.scene.page import figure
+
+    ds = dataset(axes="[axes.L]\nvalues = [5.0, 10.0, 20.0]\n".replace("[axes.L]", "[axes.E]"))
+    taken = layout.compose(ds, None, "grid", ["E"], settings=composition.Settings(2.0, 60))
+    drawn = figure(taken.page)
+    drawn.canvas.draw()
+    wide, high = drawn.canvas.get_width_height()
+    boxes = [text.get_window_extent() for text in drawn.texts]
+    assert all(box.x0 >= 0 and box.y0 >= 0 and box.x1 <= wide and box.y1 <= high for box in boxes)
+    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i] if min(a.width, b.width) > 12)
+
+
+@pytest.mark.parametrize(
+    "look, sentence",
+    [
+        ({"camera": "top"}, "no camera 'top'; choose from sides, front, side, oblique, AZIMUTH,ELEVATION"),
+        ({"camera": "10,80"}, "an elevation between -60 and 60 degrees, got 10,80"),
+        ({"color_range": "5"}, "--color-range takes two numbers LOW,HIGH, got '5'"),
+        ({"color_range": "9,1"}, "takes a lower and a higher finite number, got 9,1"),
+        ({"color_range": "0,nan"}, "takes a lower and a higher finite number, got 0,nan"),
+        ({"size": "wide"}, "--size takes WIDTHxHEIGHT in pixels, for example 1600x1200, got 'wide'"),
+        ({"size": "5x900"}, "between 200 and 12000 pixels on each side .* got 5x900"),
+        ({"transparent": True}, r"only a \.png can have a transparent background \(--transparent\), not out\.jpg"),
+    ],
+)
+def test_a_look_that_cannot_be_drawn_is_refused_in_a_sentence(look, sentence, fig6, tmp_path) -> None:
+    file = writing.write(fig6, tmp_path / "fig6.h5")
+    with pytest.raises(InputError, match=sentence):
+        scene.scene_file(file, [], tmp_path / "out.jpg", look=scene.Look(**look))
+    assert not (tmp_path / "out.jpg").exists()
+
+
+@draws
+@pytest.mark.parametrize(
+    "kind, look, sentence",
+    [
+        (
+            "contact",
+            {"color_range": "3,100"},
+            "colours of a push begin at 0, so --color-range is 0,HIGH, got 3,100",
+        ),
+        ("plain", {"color_range": "0,1"}, "a scene of kind plain has no colour bar, so it takes no --color-range"),
+        ("contact", {"size": "300x200"}, "--size 300x200 leaves no room for the views"),
+    ],
+)
+def test_a_look_that_does_not_fit_the_kind_or_the_page_is_refused(kind, look, sentence, fig6, tmp_path) -> None:
+    file = writing.write(fig6, tmp_path / "fig6.h5")
+    with pytest.raises(InputError, match=sentence):
+        scene.scene_file(file, [], tmp_path / "out.png", kind=kind, look=scene.Look(**look))
+    assert not (tmp_path / "out.png").exists()
+
+
+@draws
+def test_a_look_chooses_side_colours_size_and_what_is_left_out(fig6, tmp_path) -> None:
+    file = writing.write(fig6, tmp_path / "fig6.h5")
+    look = scene.Look("front", "0,50", bare=True, transparent=True, size="640x300")
+    assert scene.scene_file(file, [], tmp_path / "out.png", dpi=80, look=look) == 0
+    with Image.open(tmp_path / "out.png") as picture:
+        assert (picture.size, picture.mode) == ((640, 300), "RGBA")
+        seen = np.asarray(picture) / 255.0
+    assert seen[:5, :, 3].max() == 0  # no title, nothing at the edge
+    # most of the pushed part is above 50 N/cm, so it has the darkest blue
+    assert share_of_hue(seen[..., :3], colours.hex_of(colours.PUSH_RAMP, 1.0)) > 0.02
+
+
+def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_two_radii_apart(fig6) -> None:
+    rod = body(fig6)
+    places = self_contact.places(rod.line, rod.span)
+    s = np.linspace(0, 20, 8001)
+    curve = rod.line.frame(s)[0]
+    for place in places:
+        near = s[np.linalg.norm(curve - place, axis=1) < rod.a]  # of two stretches at least
+        assert np.ptp(near) > np.pi * rod.a
+    assert len(places) >= 5
+    assert not self_contact.places(rod.line, (0.0, 2.0))
+
+
+@draws
+def test_self_intersections_are_ringed_in_the_first_view_and_said_once(fig6) -> None:
+    from workbench.scene import composition, layout
+
+    taken = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 50)).page
+    box = taken.cells[0][0]
+    assert len(taken.rings) >= 5
+    assert all(box.x < x < box.x + box.width and box.y < y < box.y + box.height for x, y, _ in taken.rings)
+    assert [text for _, text in taken.words.legend] == ["the rod passes through itself"]
+    assert "the rod passes through itself" not in taken.notes

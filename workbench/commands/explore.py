@@ -4,13 +4,14 @@ import contextlib
 import socket
 import sys
 import threading
+from pathlib import Path
 from typing import Annotated, Any
 
 from . import console
 from .case_options import Given, takes_case
 from .options import CaseFile, option
 
-MISSING = "the live page needs aiohttp, trame-client and trame-vtk ({why}): pip install 'rod-workbench[explore]'"
+MISSING = "the server of the live page needs aiohttp ({why}): pip install 'rod-workbench[explore]'"
 THIS_MACHINE = ("127.0.0.1", "localhost", "::1")
 EVERYWHERE = ("0.0.0.0", "::", "")
 
@@ -23,6 +24,9 @@ def explore(
     name: Annotated[
         list[str] | None, option("NAME", "Another host name under which browsers reach this machine; repeatable.")
     ] = None,
+    save: Annotated[
+        Path | None, option("FILE", "Write the page as one HTML file that works offline, and serve nothing.")
+    ] = None,
     *,
     given: Given,
 ) -> int:
@@ -34,11 +38,17 @@ def explore(
     """
     from solver.problem.errors import InputError
 
+    from ..web.live import own_case
+    from ..web.live.presets import PRESETS
+
+    if save is not None:
+        own = own_case.preset(file, given.values, given.units)
+        return _saved(save, PRESETS if own is None else (own, *PRESETS))
+
     try:
-        from ..web.live import own_case, server
+        from ..web.live import server
     except ImportError as error:
         raise InputError(MISSING.format(why=error)) from None
-    from ..web.live.presets import PRESETS
 
     names = name or []
     if host in EVERYWHERE and not names:
@@ -54,6 +64,21 @@ def explore(
         console.warn(f"everyone who can reach {host} can use the page; it has no password")
     threading.Thread(target=server.warm, daemon=True).start()
     _serve(app, listener)
+    return 0
+
+
+def _saved(path: Path, presets: Any) -> int:
+    """Write the page as a file."""
+    from solver.problem.errors import InputError
+
+    from ..data import atomic
+    from ..web.live import document
+
+    if path.suffix != ".html":
+        raise InputError(f"--save needs a file name that ends in .html, got {str(path)!r}")
+    text = document.text(presets, served=False)
+    atomic.write(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+    console.say(f"wrote {path}: {len(text.encode()) / 1e3:.0f} kB, opens in a browser without a server")
     return 0
 
 

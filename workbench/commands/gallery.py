@@ -1,4 +1,4 @@
-"""The command gallery: one small picture of every kind of scene."""
+"""The command gallery: one picture of every kind of scene."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,7 +6,7 @@ from typing import Annotated
 from . import console
 from .options import ForceOutput, option
 
-DPI = 100  # 800 x 600 for one case, half of the default
+DPI = 200  # of print
 INSIDE = """
 title = "A soft rod inside a tube, pushed"
 outputs = ["beta", "alpha", "z"]
@@ -75,7 +75,8 @@ def gallery(
     solved |= {"ghosts": row, "grid": table, "equilibria": every}
     for name, path in paths.items():
         axes = ["F1", "F3"] if name == "grid" else []
-        settings = composition.Settings(dpi=150 if name == "longest" else DPI)
-        layout.render(solved.get(name, one), path, None, "contact" if name in own else name, axes, settings=settings)
+        settings = composition.Settings(dpi=DPI)
+        kind = "contact" if name in own else name
+        layout.render(solved.get(name, one), path, None, kind, axes, settings=settings, level=9)
         console.say(str(path))
     return 0

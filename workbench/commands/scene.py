@@ -1,33 +1,60 @@
 """The command scene: a stored dataset, or a study, drawn in three dimensions."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from . import console
-from .options import At, ForceOutput, PixelError, argument, numbered, option
+from .options import At, ForceOutput, PixelError, argument, flag, numbered, option
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ..scene.composition import Picture
+    from ..scene.settings import Settings
 
 SUFFIXES = (".png", ".jpg")
+
+
+@dataclass(frozen=True)
+class Look:
+    """The options for the look of a scene, as they are written."""
+
+    camera: str | None = None
+    color_range: str | None = None
+    bare: bool = False
+    transparent: bool = False
+    size: str | None = None
+
+    def settings(self, pixel_error: float, dpi: int) -> "Settings":
+        """The settings that they mean. Raises `InputError`."""
+        from ..scene.settings import Settings, color_range_of, size_of
+
+        return Settings(
+            pixel_error, dpi, camera=self.camera, color_range=color_range_of(self.color_range), bare=self.bare,
+            transparent=self.transparent, size=size_of(self.size),
+        )  # fmt: skip
 
 
 def scene_file(
     file: Path, at: list[str], out: Path | None, force: bool = False, kind: str | None = None,
     axes: list[str] | None = None, along: str | None = None, span: tuple[float | None, float | None] = (None, None),
-    pixel_error: float = 0.5, dpi: int = 200,
+    pixel_error: float = 0.5, dpi: int = 200, look: "Look | None" = None,
 ) -> int:  # fmt: skip
     """Draw a scene of a dataset or a study; 0, or 1 where OpenGL is missing or the stations are too few.
 
     file: of a dataset, or the name or TOML file of a study, which is then solved at the stations that the picture
     needs. kind: a name of `kinds.KINDS`; default: equilibria for a dataset of them, else contact. Raises `InputError`.
     """
+    from dataclasses import replace
+
     from ..data import schema, selection
     from ..scene import kinds, opengl
+    from ..scene.settings import check, check_name
     from . import at_option, output_file, study_scene
 
+    asked = (look or Look()).settings(pixel_error, dpi)
+    check(asked)
     study = None
     if study_scene.is_study(file):
         study, ds = study_scene.two_stations(file)
@@ -40,16 +67,17 @@ def scene_file(
     named = [] if found.name in ("contact", "equilibria") else [found.name, *(axes or [])]
     default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
     path = output_file.check(out or default, SUFFIXES, force)
+    check_name(path, asked)
     able, advice = opengl.probe()
     if not able:
         console.warn(advice)
         return 1
-    from ..scene import composition, layout
+    from ..scene import layout
 
     part = part_of(ds, span)
 
     def draw(ds: "xr.Dataset", strict: bool) -> "Picture":
-        settings = composition.Settings(pixel_error, dpi, part, strict)
+        settings = replace(asked, span=part, strict=strict)
         return layout.render(ds, path, where or None, found.name, axes or [], along, settings)
 
     if found.cells == "one":  # the case is named also where --at was not given
@@ -121,7 +149,22 @@ def scene(
     low: Annotated[float | None, numbered("First arc length drawn [length]; default: 0.", "--from")] = None,
     high: Annotated[float | None, numbered("Last arc length drawn [length]; default: L.", "--to")] = None,
     pixel_error: PixelError = 0.5,
-    dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 200 gives 1600 x 1200 pixels for one case.")] = 200,
+    dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 200 gives 1600 pixels of width for one case.")] = 200,
+    camera: Annotated[
+        str | None,
+        option(
+            "CAMERA",
+            "sides, front, side, oblique, or AZIMUTH,ELEVATION in degrees; default: sides for one case, else front.",
+        ),
+    ] = None,
+    color_range: Annotated[
+        str | None, option("LOW,HIGH", "Values at the ends of the colour bar; default: the extremes of the rods.")
+    ] = None,
+    size: Annotated[
+        str | None, option("WIDTHxHEIGHT", "Size of the picture in pixels; default: as high as what it shows.")
+    ] = None,
+    bare: Annotated[bool, flag("Draw the views alone: no words, no bars.", "--bare")] = False,
+    transparent: Annotated[bool, flag("Leave the background transparent (.png).", "--transparent")] = False,
     out: Annotated[
         Path | None, option("FILE", "Picture, .png or .jpg; default: FILE_scene.png or FILE_scene_E=10905.png.")
     ] = None,
@@ -131,4 +174,5 @@ def scene(
 
     Exit status 1 if OpenGL does not work on this machine, or if the file has too few stations for --pixel-error.
     """
-    return scene_file(file, at or [], out, force, kind, axis, along, (low, high), pixel_error, dpi)
+    look = Look(camera, color_range, bare, transparent, size)
+    return scene_file(file, at or [], out, force, kind, axis, along, (low, high), pixel_error, dpi, look)

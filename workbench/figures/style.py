@@ -11,9 +11,10 @@ from matplotlib.font_manager import FontProperties
 
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
-# Okabe and Ito: distinct under every common colour blindness, and in grey
-PUSHED = "#0072b2"  # the cylinder pushes
-LIFTED = "#e69f00"  # it would have to pull
+from ..data import push_colours
+
+PUSHED = "#{:02x}{:02x}{:02x}".format(*push_colours.STOPS[3][1])  # the cylinder pushes
+LIFTED = "#{:02x}{:02x}{:02x}".format(*push_colours.PULL)  # it would have to pull
 INK, SOFT, FAINT = "#1c2430", "#5b6675", "#d5dae1"
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
 VERDICT_COLOURS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#bb5802", UNDECIDED: "#6d727c", FAILS: "#8a050f"}

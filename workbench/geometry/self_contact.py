@@ -1,6 +1,7 @@
 """Whether a rod can be a solid body: no bend tighter than its own radius, and no self-contact."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -50,12 +51,39 @@ def findings(line: Centreline, unit: str) -> list[Finding]:
     return found
 
 
+def places(line: Centreline, span: tuple[float, float], most: int = 40) -> list[Array]:
+    """The middles of the places where the rod passes through itself, (3,) each [length], the deepest first.
+
+    Of a rod too long to test (`MOST`) none.
+    """
+    s = np.linspace(*span, int(np.ceil(4 * (span[1] - span[0]) / line.a)) + 1)
+    if s.size > MOST:
+        return []
+    points, pairs = _close(line, s)
+    gaps = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=-1)
+    deep = gaps < 2 * line.a * (1 - 1e-3)
+    pairs, gaps = pairs[deep], gaps[deep]
+    found: list[Array] = []
+    while len(pairs) and len(found) < most:
+        i, j = pairs[np.argmin(gaps)]
+        middle = (points[i] + points[j]) / 2
+        found.append(middle)
+        far = np.linalg.norm((points[pairs[:, 0]] + points[pairs[:, 1]]) / 2 - middle, axis=-1) > 2.5 * line.a
+        pairs, gaps = pairs[far], gaps[far]
+    return found
+
+
+def _close(line: Centreline, s: Array) -> tuple[Array, Any]:
+    """Points of the centreline, and the pairs of them that are not neighbours and about 2 a apart or less, (n, 2)."""
+    points = line.frame(s)[0]
+    pairs = cKDTree(points).query_pairs(2 * line.a + (s[1] - s[0]), output_type="ndarray")
+    return points, pairs[np.abs(s[pairs[:, 0]] - s[pairs[:, 1]]) > APART * line.a]
+
+
 def _nearest(line: Centreline, s: Array) -> tuple[float, float, float] | None:
     """The least distance of two points that are not neighbours, and their s, where it is less than 2 a; else None."""
-    points = line.frame(s)[0]
     h = s[1] - s[0]
-    pairs = cKDTree(points).query_pairs(2 * line.a + h, output_type="ndarray")  # a pair may lie between two samples
-    pairs = pairs[np.abs(s[pairs[:, 0]] - s[pairs[:, 1]]) > APART * line.a]
+    points, pairs = _close(line, s)  # a pair may lie between two samples
     if not len(pairs):
         return None
     gaps = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=-1)

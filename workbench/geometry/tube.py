@@ -81,13 +81,10 @@ def at_points(values: NDArray[Any], sides: int, sharp: bool = True) -> NDArray[A
     return np.concatenate([np.repeat(values, sides, axis=0), ends])
 
 
-def triangles(n: int, sides: int, sharp: bool = True, every: int = 1, skip: int = 1) -> NDArray[np.int64]:
-    """The triangles of a tube of n rings, all squares with the same diagonal, (k, 3).
-
-    every, skip: only every so many rings, the last among them, and sides are joined; the points are the same.
-    """
-    index = np.arange(n * sides).reshape(n, sides)[np.append(np.arange(0, n - 1, every), n - 1), ::skip]
-    return np.concatenate([_walls(index, np.zeros(len(index) - 1, dtype=bool)), _ends(n, sides, sharp, skip)])
+def triangles(n: int, sides: int, sharp: bool = True) -> NDArray[np.int64]:
+    """The triangles of a tube of n rings, all squares with the same diagonal, (k, 3)."""
+    index = np.arange(n * sides).reshape(n, sides)
+    return np.concatenate([_walls(index, np.zeros(n - 1, dtype=bool)), _ends(n, sides, sharp)])
 
 
 def _walls(index: NDArray[np.int64], ahead: NDArray[np.bool_]) -> NDArray[np.int64]:
@@ -100,9 +97,9 @@ def _walls(index: NDArray[np.int64], ahead: NDArray[np.bool_]) -> NDArray[np.int
     return np.stack([one, two], axis=2).reshape(-1, 3)
 
 
-def _ends(n: int, sides: int, sharp: bool, skip: int = 1) -> NDArray[np.int64]:
+def _ends(n: int, sides: int, sharp: bool) -> NDArray[np.int64]:
     """The two flat ends as fans about their centres."""
-    rim = np.arange(0, sides, skip)
+    rim = np.arange(sides)
     beside, m = np.roll(rim, -1), n * sides
     first, last = (m, m + sides + 1) if sharp else (0, m - sides)  # where each end's ring begins
     centres = (m + sides, m + 2 * sides + 1) if sharp else (m, m + 1)

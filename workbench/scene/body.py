@@ -15,6 +15,7 @@ from solver.problem.errors import InputError
 from ..geometry import centreline, tube
 from ..geometry.centreline import Array, Centreline
 from ..geometry.refinement import Rings, rings
+from . import shading
 from .colours import Paint
 from .kinds import Kind
 
@@ -24,11 +25,16 @@ STRIPE = 3  # one side in so many is painted
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A tube as it is drawn. values: what the colour shows at each point, or None; striped: triangles in the stripe."""
+    """A tube as it is drawn.
+
+    values: what the colour shows at each point, or None; striped: triangles in the stripe; light: the share of diffuse
+    light that reaches each point.
+    """
 
     mesh: tube.Mesh
     values: Array | None
     striped: NDArray[np.bool_]
+    light: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +51,8 @@ class Body:
         The section's rotation at the stations, (n,) [rad], where a stripe shows it.
     caution
         What a real rod could not do, as `cautions` writes it.
+    lift
+        By how much it is drawn farther from the axis than it is [length], to set rods apart.
     """
 
     line: Centreline
@@ -52,6 +60,7 @@ class Body:
     value_of: Callable[[Centreline, Array], Array] | None = None
     gamma: Array | None = None
     caution: str = ""
+    lift: float = 0.0
     paint: Paint = field(default_factory=Paint)
 
     @property
@@ -74,7 +83,7 @@ class Body:
     @property
     def reach(self) -> float:
         """The largest distance from the axis of the rod and the cylinder."""
-        return max(self.line.R, self.line.rho + self.line.a)
+        return max(self.line.R, self.line.rho + self.line.a + self.lift)
 
     @cached_property
     def _sampled(self) -> tuple[Array, Array]:
@@ -109,6 +118,11 @@ class Body:
         """The angle of the stripe about the tangent as a function of s, from the outward normal; None without one."""
         return None if self.gamma is None else CubicSpline(self.line.s, -self.gamma)
 
+    def places(self, s: Array) -> Array:
+        """The centreline where it is drawn, (k, 3) [length]; heights are from where the drawing begins."""
+        place, _, out, _ = self.line.frame(s)
+        return place + self.lift * out - [0, 0, self.line.at(np.array(self.span[:1]))[2][0]]
+
     def rings(self, tolerance: float, colour_length: float) -> Rings:
         """Rings and sides for a tolerance [length]; colours are true on intervals longer than `colour_length`."""
         scale = (self.paint.high - self.paint.low) or 1.0
@@ -119,17 +133,21 @@ class Body:
     def surface(self, drawn: Rings) -> Surface:
         """The tube of radius a about the curve, closed at both ends, its corners on the true surface."""
         s, sides = drawn.s, drawn.sides
-        place, *directions = self.line.frame(s)
-        place = place - [0, 0, self.line.at(s[:1])[2][0]]
+        _, along, out, across = self.line.frame(s)
+        place = self.places(s)
         turned = self.turned()
         angle = np.zeros(s.size) if turned is None else turned(s)
-        made = tube.mesh((place, *directions), self.a, sides, angle)
+        made = tube.mesh((place, along, out, across), self.a, sides, angle)
         values = None
         if self.paint.ramp is not None:
             values = tube.at_points(self.value(s), sides)
         side = np.arange(sides)
         painted = np.tile(np.repeat((side + sides // (2 * STRIPE)) % sides < sides // STRIPE, 2), s.size - 1)
-        return Surface(made, values, np.concatenate([painted, np.zeros(2 * sides, dtype=bool)]))
+        normals = made.normals[: s.size * sides].reshape(s.size, sides, 3)
+        light = shading.on_tube(s, place, normals, out, self.a, self.side == "inside")
+        ends = [np.append(light[k], light[k].mean()) for k in (0, -1)]
+        light = np.concatenate([light.ravel(), *ends])
+        return Surface(made, values, np.concatenate([painted, np.zeros(2 * sides, dtype=bool)]), light)
 
 
 def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None) -> Body:
@@ -149,6 +167,21 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
     gamma = np.asarray(this["gamma"], dtype=float) if "gamma" in kind.reads else None
     caution = str(this["caution"].values) if "caution" in this else ""
     return Body(line, span or (float(line.s[0]), float(line.s[-1])), kind.value, gamma, caution)
+
+
+def of_case(
+    ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None
+) -> tuple[Body | None, str]:
+    """The rod of a case, or why there is none. Raises `InputError` for a part that is not on the rod."""
+    if not ds["solved"].isel(dict(where)):
+        return None, str(ds["outcome"].isel(dict(where)).values)
+    body = read(ds, where, kind, span)
+    if span and not 0 <= span[0] < span[1] <= body.line.L * (1 + 1e-9):
+        raise InputError(
+            f"no part from {span[0]:g} to {span[1]:g} on a rod of length {body.line.L:g}: give --from and --to with "
+            "0 <= from < to <= L"
+        )
+    return body, ""
 
 
 def beginning(body: Body) -> Body:

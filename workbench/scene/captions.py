@@ -12,7 +12,9 @@ from ..data.schema import dimension, sampled_fields
 
 if TYPE_CHECKING:
     from .body import Body
+    from .colours import Bar
 
+ITSELF = "the rod passes through itself"
 ASKED = 6  # digits of a value with which --at finds its case again
 
 
@@ -21,13 +23,24 @@ def impossible(bodies: Sequence["Body"]) -> list[str]:
     each = {id(body.line): body.caution for body in bodies}.values()
     found = []
     for key, one, more in (
-        ("overlaps", "the rod passes through itself", "pass through themselves"),
+        ("overlaps", ITSELF, "pass through themselves"),
         ("too tight", "bent tighter than it is thick", "bent tighter than thick"),
     ):
         count = sum(key in caution for caution in each)
         if count:
             found.append(one if len(each) == 1 else f"{count} of {len(each)} {more}")
     return found
+
+
+def beyond(bodies: Sequence["Body"], bar: "Bar | None", chosen: tuple[float, float]) -> list[str]:
+    """The extremes of the rods where they lie outside the chosen scale of colours."""
+    if not bodies or bar is None:
+        return []
+    extremes = [body.extremes() for body in bodies]
+    low, high = min(one for one, _ in extremes), max(one for _, one in extremes)
+    said = [f"up to {labels.number(high)}"] if high > chosen[1] else []
+    said += [f"down to {labels.number(low)}"] if low < chosen[0] and not bar.pulls else []
+    return [f"{bar.label}: {', '.join(said)}"] if said else []
 
 
 def part_drawn(bodies: Sequence["Body"], unit: str) -> list[str]:
@@ -45,6 +58,13 @@ def axis_values(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> str:
     if len(names) == 1:
         return labels.value(float(ds[names[0]].values[where[names[0]]]), ds[names[0]])
     return "\n".join(values(ds, {name: where[name] for name in names}))
+
+
+def headings(ds: xr.Dataset, name: str, cases: list[dict[str, int]]) -> list[str]:
+    """The headings of a table: the quantity of an axis with its unit, and the value of each case without."""
+    array = ds[name]
+    each = labels.in_label_unit(array, array.values[[where[name] for where in cases]])
+    return [labels.axis_label(name, array), *(labels.minus_signs(labels.number(float(value))) for value in each)]
 
 
 def case_values(ds: xr.Dataset, where: Mapping[str, int]) -> str:

@@ -10,53 +10,25 @@ from solver.problem.errors import InputError
 from studies.model import MAX_STATIONS
 
 from ..data import labels
-from ..figures import style
 from ..geometry.refinement import stations_for
-from . import captions, long_rod, page
+from . import captions, colours, footer, long_rod, overlays, page
+from .arrangement import EDGE, Arrangement, arrange
 from .body import Body
+from .camera import Camera
+from .cells import Cell
 from .colours import Bar
 from .kinds import Kind
-from .page import Page
-from .rendering import MOST_PIXELS, Camera, View, ends_of, front_camera, render
+from .page import Page, Words
+from .rendering import Placed, render
+from .settings import DEFAULT, Settings
+from .views import View
 
-SIZE = (1600, 1200)  # pixels at `style.DPI` of the page of one case
+SIZE = (1600, 1200)  # pixels at `style.DPI`: width, and largest height, of the page of one case
+LINE = 1.5  # width of lines in pixels at `style.DPI`
+NARROWEST = 1400.0  # width of a page, for the line below the views
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
 
-
-@dataclass(frozen=True)
-class Settings:
-    """How a scene is drawn.
-
-    Attributes
-    ----------
-    pixel_error
-        The error allowed of the drawn surface in pixels.
-    dpi
-        Pixels per inch of the picture.
-    span
-        The arc lengths between which the rod is drawn [length]; default: all of it.
-    strict
-        Raise `TooFewStations` where the stations do not allow the pixel error; default: draw as well as they allow.
-    most_pixels
-        Of a picture that is rendered at once.
-    """
-
-    pixel_error: float = 0.5
-    dpi: int = style.DPI
-    span: tuple[float, float] | None = None
-    strict: bool = False
-    most_pixels: int = MOST_PIXELS
-
-
-DEFAULT = Settings()
-
-
-@dataclass(frozen=True)
-class Room:
-    """Pixels at `style.DPI` below each view and before the first."""
-
-    caption: int = page.CAPTION
-    gutter: int = 0
+__all__ = ["DEFAULT", "SIZE", "Picture", "Scene", "Settings", "TooFewStations", "composed"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,13 +61,23 @@ class Scene:
     rows
         Views in rows of cells.
     context
-        The rods that fix the camera and the scale of colours.
+        The rods that fix the scale of colours.
     case
         The case in words.
+    camera
+        Its scale is chosen here.
     size
-        Least size of the page in pixels at `style.DPI`.
+        Width and largest height of the page in pixels at `style.DPI`.
     bar
         The colour bar of rods that already have their colours.
+    columns, heads
+        Headings of columns and of rows.
+    gutter, pitch
+        As of `arrangement.arrange`.
+    ringed
+        Whether self-intersections are ringed.
+    labels
+        Of the rods of the first view, at their ends.
     """
 
     ds: xr.Dataset
@@ -103,66 +85,142 @@ class Scene:
     rows: Sequence[Sequence[View]]
     context: Sequence[Body]
     case: str
+    camera: Camera
     settings: Settings
     notes: Sequence[str] = ()
     size: tuple[int, int] = SIZE
     bar: Bar | None = None
+    columns: Sequence[str] = ()
+    heads: Sequence[str] = ()
+    gutter: float = 0.0
+    pitch: float = 0.0
+    ringed: bool = False
+    labels: Sequence[str] = ()
+
+    @property
+    def bodies(self) -> list[Body]:
+        return [body for row in self.rows for view in row for body in view.bodies]
 
 
-def in_one_view(scene: Scene, lying: bool = False) -> Picture:
-    """Rods before a camera that sees all of them, in cells of one size. Raises `InputError`."""
-    rows, context, size = scene.rows, scene.context, scene.size
-    ends = ends_of(context)
-    room = size[0] - 2 * page.MARGIN, size[1] - page.HEAD - page.FOOT
-    cell = room[0] // len(rows[0]), room[1] // len(rows) - page.CAPTION
-    camera = _at_dpi(front_camera(context, ends, cell, lying), scene.settings.dpi / style.DPI)
-    if context and 2 * context[0].reach * camera.per_unit < long_rod.THINNEST:
-        raise InputError(
-            f"a cylinder {2 * context[0].reach:.3g} wide and {np.ptp(ends):.4g} long is "
-            f"{2 * context[0].reach * camera.per_unit:.2g} pixels wide in the picture: draw a shorter part with "
-            "--from and --to, or draw one case, which is set in lines"
-        )
-    return composed(scene, ends, camera)
-
-
-def composed(scene: Scene, ends: tuple[float, float], camera: Camera, beside: Room = Room()) -> Picture:
-    """Colour the rods, render them, and set the page. Raises `TooFewStations`."""
-    ds, kind, settings, rows = scene.ds, scene.kind, scene.settings, scene.rows
-    bar, together = scene.bar, kind.cells == "together"
-    if not together:
-        paint, bar = kind.paint(ds, scene.context)
-        rows = [[replace(view, bodies=[replace(b, paint=paint) for b in view.bodies]) for view in row] for row in rows]
-    n, stations = _stations(rows, settings.pixel_error / camera.per_unit)
+def composed(scene: Scene) -> Picture:
+    """Colour the rods, render them, and set the page. Raises `InputError`, `TooFewStations`."""
+    scene = _coloured(_bare(scene) if scene.settings.bare else scene)
+    settings, finer = scene.settings, scene.settings.finer
+    words = _words(scene)
+    arranged = arrange(scene.rows, scene.camera, room(scene, words), scene.gutter, scene.pitch)
+    camera = replace(scene.camera, per_unit=arranged.per_unit * finer)
+    _check_width(scene, camera)
+    n, stations = _stations(scene.bodies, settings.pixel_error / camera.per_unit)
     if settings.strict and stations > n:
         raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
-    caption = round(beside.caption * settings.dpi / style.DPI)
-    pixels, error = render(rows, ends, camera, settings.pixel_error, caption, settings.most_pixels)
+    size = int(np.ceil(arranged.size[0] * finer)), int(np.ceil(arranged.size[1] * finer))
+    pixels, error = render(
+        _placed(scene, arranged, camera, size), camera, size, settings.pixel_error, settings.transparent,
+        max(LINE * finer, 0.8),
+    )  # fmt: skip
     if error > COARSEST:
         raise TooFewStations(_too_few(n, stations, error, settings), stations)
-    notes = list(scene.notes)
     if error > settings.pixel_error * (1 + 1e-9):
-        notes = [*notes, f"drawn to within {error:.1f} pixels"]
-    if not together:
-        notes += captions.impossible([body for row in rows for view in row for body in view.bodies])
+        words = replace(words, notes=[*words.notes, f"drawn to within {error:.1f} pixels"])
+    first = scene.rows[0][0], arranged.rows[0][0], camera, arranged.per_unit
+    rings = overlays.rings(*first) if scene.ringed else []
+    if rings:
+        notes = [note for note in words.notes if note != captions.ITSELF]
+        words = replace(words, legend=[*words.legend, (footer.RING, captions.ITSELF)], notes=notes)
+    labelled = overlays.names(*first, scene.labels, arranged.size) if scene.labels else []
+    wide, high = page_size(scene)
+    if settings.bare and not settings.size:
+        wide, high = size[0] / finer, size[1] / finer
+    elif not settings.size:
+        wide = min(wide, max(NARROWEST, arranged.size[0] + words.heads[0] + 2 * page.MARGIN))
+    made = Page(words, pixels, arranged, scene.camera.page.T, wide, high, settings.dpi, rings, labelled,
+                settings.bare)  # fmt: skip
+    return Picture(made, error, stations)
+
+
+def page_size(scene: Scene) -> tuple[float, float]:
+    """Width and height of the page in pixels at `style.DPI`; height 0: as its content needs."""
+    if scene.settings.size:
+        return scene.settings.size[0] / scene.settings.finer, scene.settings.size[1] / scene.settings.finer
+    return float(scene.size[0]), 0.0
+
+
+def room(scene: Scene, words: Words | None = None) -> tuple[float, float]:
+    """The room of the views on the page, in pixels at `style.DPI`."""
+    words = words or _words(scene)
+    wide, high = page_size(scene)
+    high = high or float(scene.size[1])
+    if scene.settings.bare:
+        return wide, high
+    left, top = words.heads
+    foot = page.below(page.feet(words, scene.camera.page.T, 1.0, scene.camera.along_axis, wide))
+    inside = wide - 2 * page.MARGIN - left, high - page.above(words, wide) - foot - top
+    if min(inside) < 60:
+        raise InputError(
+            f"--size {wide * scene.settings.finer:.0f}x{high * scene.settings.finer:.0f} leaves no room for the views "
+            f"beside the words at {scene.settings.dpi} dots per inch: give a larger size, fewer --dpi, or --bare"
+        )
+    return inside
+
+
+def _bare(scene: Scene) -> Scene:
+    """The scene without words beside its views."""
+    rows = [[replace(view, cell=Cell("")) for view in row] for row in scene.rows]
+    return replace(scene, rows=rows, columns=(), heads=(), gutter=0.0, labels=(), ringed=False)
+
+
+def _coloured(scene: Scene) -> Scene:
+    """The scene with the colours of its kind on all rods."""
+    if scene.kind.cells == "together":
+        return scene
+    (paint, bar), notes = scene.kind.paint(scene.ds, scene.context), list(scene.notes)
+    if chosen := scene.settings.color_range:
+        if scene.kind.value is None:
+            raise InputError(f"a scene of kind {scene.kind.name} has no colour bar, so it takes no --color-range")
+        paint, bar = colours.ranged(paint, bar, chosen)
+        notes += captions.beyond(scene.context, bar, chosen)
+    rows = [[replace(v, bodies=[replace(b, paint=paint) for b in v.bodies]) for v in row] for row in scene.rows]
+    return replace(scene, rows=rows, bar=bar, notes=notes)
+
+
+def _words(scene: Scene) -> Words:
+    ds = scene.ds
     inside = "inside the cylinder, cut open" if ds.attrs["side"] == "inside" else ""
     subtitle = " · ".join(fact for fact in (scene.case, labels.reading(ds), inside) if fact)
-    composed_page = Page(
-        str(ds.attrs["title"]), subtitle, pixels, [[view.cell for view in row] for row in rows], camera.per_unit,
-        str(ds.attrs["length_unit"]), camera.page.T, kind.legend(scene.context), notes,
-        scene.size if scene.size == SIZE else (SIZE[0], 0), bar, settings.dpi, beside.caption, beside.gutter,
-    )  # fmt: skip
-    return Picture(composed_page, error, stations)
+    notes = list(scene.notes)
+    if scene.kind.cells != "together":
+        notes += captions.impossible(scene.bodies)
+    return Words(str(ds.attrs["title"]), subtitle, str(ds.attrs["length_unit"]), scene.kind.legend(scene.context),
+                 notes, scene.bar, scene.columns, scene.heads)  # fmt: skip
 
 
-def _at_dpi(camera: Camera, finer: float) -> Camera:
-    # cut, not rounded: the page must not grow by a pixel
-    size = int(camera.size[0] * finer), int(camera.size[1] * finer)
-    return replace(camera, per_unit=camera.per_unit * finer, size=size)
+def _check_width(scene: Scene, camera: Camera) -> None:
+    for body in scene.bodies[:1]:
+        wide, ends = 2 * body.reach * camera.per_unit, scene.rows[0][0].cylinder
+        if wide < long_rod.THINNEST * (1 - 1e-6) and not scene.pitch:
+            raise InputError(
+                f"a cylinder {2 * body.reach:.3g} wide and {np.ptp(ends):.4g} long is {wide:.2g} pixels wide in the "
+                "picture: draw a shorter part with --from and --to, or draw one case, which is set in lines"
+            )
 
 
-def _stations(rows: Sequence[Sequence[View]], tolerance: float) -> tuple[int, int]:
+def _placed(scene: Scene, arranged: Arrangement, camera: Camera, size: tuple[int, int]) -> list[Placed]:
+    """The views where they stand in the picture: each in the middle of its box, on the lower edge of it."""
+    finer, found = scene.settings.finer, []
+    for row, boxes in zip(scene.rows, arranged.rows, strict=True):
+        for view, box in zip(row, boxes, strict=True):
+            if view.bodies:
+                low, high = view.box(camera)
+                x = (box.x + box.width / 2) * finer
+                bottom = box.y + box.height - (0.0 if scene.pitch else EDGE)
+                y = size[1] - bottom * finer + (high - low)[1] / 2 * camera.per_unit
+                found.append(Placed(view, (float(x), float(y))))
+    return found
+
+
+def _stations(bodies: Sequence[Body], tolerance: float) -> tuple[int, int]:
     """How many stations the rods have, and about how many are needed to draw them all to a tolerance [length]."""
-    found = {id(body.line): body.line for row in rows for view in row for body in view.bodies}.values()
+    found = {id(body.line): body.line for body in bodies}.values()
     each = [(line.s.size, stations_for(line, tolerance)) for line in found] or [(0, 0)]
     return max(n for n, _ in each), max(needed for _, needed in each)
 

@@ -23,11 +23,13 @@ from ..data import atomic, labels, law_verdicts, schema, selection
 from ..figures import canvas, style
 from ..figures.trends import trend
 from . import page
+from .arrangement import Arrangement
 from .kinds import KINDS, kind_of
-from .page import Cell, Page
+from .page import Page, Words
 
 SUFFIXES = (".mp4", ".gif")
 DIAGRAM = 4.4  # inches of width
+SIZE = (1600, 1060)  # pixels at `style.DPI` of the scene in a frame
 HOLD = 1.0  # seconds for which the last frame stays
 LEAST, MOST = 2, 2000  # frames
 INSTALL = "pip install 'imageio[ffmpeg]', or the extra animate"
@@ -103,7 +105,8 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     """
     from . import composition, layout  # VTK, which ends the process where OpenGL does not work
 
-    settings = composition.Settings(film.pixel_error, film.dpi)
+    size = tuple(round(n * film.dpi / style.DPI) for n in SIZE)
+    settings = composition.Settings(film.pixel_error, film.dpi, size=(size[0], size[1]))
     for k, where in enumerate(cases_of(ds, film)):
         value = float(ds[film.axis].values[where[film.axis]])
         step(f"{film.axis} = {value:.4g}")
@@ -111,7 +114,7 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
             picture = layout.compose(ds, {**film.at, film.axis: value}, film.kind, (), film.axis, settings)
             left = _pixels(page.figure(picture.page))
         else:
-            left = _empty(ds, str(ds["outcome"].isel(where).values), film.dpi, composition.SIZE)
+            left = _empty(ds, str(ds["outcome"].isel(where).values), film.dpi, SIZE)
         yield even(np.concatenate([left, _pixels(diagram(ds, film, k, left.shape[0]))], axis=1))
 
 
@@ -130,9 +133,11 @@ def diagram(ds: xr.Dataset, film: Film, k: int, height: int) -> Figure:
         ax.scatter(along[:k], values[:k], color=style.SOFT, s=14, zorder=3)
         ax.scatter(along[k], values[k], color=style.PUSHED, s=60, zorder=4, edgecolors="white")
         ax.set(xlim=limits[0], ylim=limits[1])
-        ax.set_title(style.wrapped(labels.long_name(ds[film.observable]), ax), loc="left")
+        ax.set_title(style.wrapped(f"{_capital(labels.long_name(ds[film.observable]))} against {along_axis}", ax),
+                     loc="left")  # fmt: skip
 
-    room = ConstrainedLayoutEngine(rect=(0.02, 0.2, 0.92, 0.6))
+    along_axis = labels.long_name(ds[film.axis])
+    room = ConstrainedLayoutEngine(rect=(0.02, 0.08, 0.92, 0.78))
     return canvas.figure((DIAGRAM, height / film.dpi), draw, dpi=film.dpi, layout=room)
 
 
@@ -143,13 +148,30 @@ def write(paths: Sequence[Path], made: Iterator[Pixels], fps: float) -> None:
         with ExitStack() as open_ones:
             # imageio's own context leaves ffmpeg running where something fails inside
             writers = [open_ones.enter_context(closing(_writer(path, fps))) for path in aside]
-            last = None
+            adding = [_adding(path, writer) for path, writer in zip(aside, writers, strict=True)]
+            last = np.zeros((0, 0, 3), dtype=np.uint8)
             for last in made:
-                for writer in writers:
-                    writer.append_data(last)
+                for add in adding:
+                    add(last)
             for _ in range(round(HOLD * fps)):
-                for writer in writers:
-                    writer.append_data(last)
+                for add in adding:
+                    add(last)
+
+
+def _adding(path: Path, writer: Any) -> Callable[[Pixels], None]:
+    """What adds a frame to a film; a GIF has 256 colours, which are mixed in dots where a colour changes smoothly."""
+    if path.suffix.lower() != ".gif":
+        return lambda frame: writer.append_data(frame)
+
+    def add(frame: Pixels) -> None:
+        from PIL import Image  # imageio needs it
+
+        picture = Image.fromarray(frame)
+        palette = picture.quantize(256, method=Image.Quantize.FASTOCTREE)
+        mixed = picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG)
+        writer.append_data(np.asarray(mixed.convert("RGB")))
+
+    return add
 
 
 def even(frame: Pixels) -> Pixels:
@@ -175,6 +197,11 @@ def _writer(path: Path, fps: float) -> Any:
                                   ffmpeg_log_level="error")  # fmt: skip
 
 
+def _capital(text: str) -> str:
+    """The text with a capital letter at its beginning, except where it begins with a symbol."""
+    return text[:1].upper() + text[1:] if text[1:2].isalpha() else text
+
+
 def _pixels(fig: Figure) -> Pixels:
     canvas_: Any = fig.canvas
     canvas_.draw()
@@ -184,6 +211,6 @@ def _pixels(fig: Figure) -> Pixels:
 def _empty(ds: xr.Dataset, outcome: str, dpi: int, size: tuple[int, int]) -> Pixels:
     """A page of a scene's size with the reason why there is no rod."""
     blank = np.full((8, 8, 3), 255, dtype=np.uint8)
-    made = Page(str(ds.attrs["title"]), outcome, blank, [[Cell("")]], 1.0, str(ds.attrs["length_unit"]),
-                np.zeros((3, 2)), least=size, dpi=dpi)  # fmt: skip
-    return _pixels(page.figure(made))
+    nothing = Arrangement([], (0.0, 0.0), 1.0)
+    words = Words(str(ds.attrs["title"]), outcome, str(ds.attrs["length_unit"]))
+    return _pixels(page.figure(Page(words, blank, nothing, np.zeros((3, 2)), size[0], size[1], dpi)))

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..data import labels
 from .body import TALLEST, Body
-from .page import Cell
+from .cells import Cell
 
 PITCH = 1.5  # from line to line, in widths of the rod on its cylinder
 THINNEST = 4.0  # width of a cylinder in pixels; below, nothing of its rod is seen

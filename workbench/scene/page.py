@@ -1,38 +1,51 @@
-"""The page of a scene: rendered views with title, captions, scale bar, axes, colour bar and legend around them."""
+"""The page of a scene: rendered views with title, captions, and what stands below them (`footer`)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from textwrap import fill
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..data import labels
 from ..figures import canvas, style
+from . import footer, measure
+from .arrangement import BELOW, DOT, Arrangement, Box
 from .colours import Bar
 
 # pixels at `style.DPI`
-MARGIN, HEAD, FOOT = 36, 112, 126  # around the page, for the title, for legend and scale bar
-CAPTION = 76  # below each cell
-TRIAD = 46  # an arrow of the axes
-ROOMY = 230  # the width of a cell from which its caption has the normal size
-BAR = (330, 20)  # the colour bar
-NOTE = 31  # letters in a line of the notes
-SMALL: dict[str, Any] = {"size": style.SMALL}
+MARGIN = 36.0  # around the page
+TITLE = 10.0  # from the title to the line below it
+AFTER = 30.0  # from there to the views, and from the views to the footer
+HEAD, SIDE = 34.0, 16.0  # the height of a line of headings, and the gap between a heading of a row and the row
 
 
 @dataclass(frozen=True)
-class Cell:
-    """The text below a view, why it is empty where it is, and the text before it."""
+class Words:
+    """What is written around the views of a scene.
 
-    caption: str
-    why_empty: str = ""
-    before: str = ""
+    Attributes
+    ----------
+    legend
+        Colours and their meaning; `footer.RING` for a ring.
+    columns, rows
+        Headings of a table: its quantity, then the values. Default: none.
+    """
+
+    title: str
+    subtitle: str
+    length_unit: str
+    legend: Sequence[tuple[str, str]] = ()
+    notes: Sequence[str] = ()
+    bar: Bar | None = None
+    columns: Sequence[str] = ()
+    rows: Sequence[str] = ()
+
+    @property
+    def heads(self) -> tuple[float, float]:
+        """The room of the headings: to the left of the views, and above them."""
+        left = max(map(measure.width, self.rows[1:]), default=0.0) + HEAD + 2 * SIDE if self.rows else 0.0
+        return left, 2 * HEAD + SIDE if self.columns else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,141 +55,156 @@ class Page:
     Attributes
     ----------
     pixels
-        (height, width, 3), all views in one picture, each with room for its caption below.
-    cells
-        The views, row by row.
-    per_unit
-        Pixels per length.
+        (height, width, 3 or 4), all views in one picture; without background where there are four channels.
+    arrangement
+        Where the views are in it, in pixels at `style.DPI`.
     axes
         Where x, y, z point on the page, (3, 2).
-    legend
-        Colours and their meaning.
-    least
-        Least width and height of the page in pixels at `style.DPI`.
+    width, height
+        Of the page in pixels at `style.DPI`; height 0: as high as its content.
     dpi
         Of the picture; all lengths in pixels grow with it, but `pixels` are taken as they are.
-    caption, gutter
-        The room below each view and before the first, in pixels at `style.DPI`.
+    rings
+        Places to be ringed: x, y and radius in the picture, in pixels at `style.DPI` from its upper left.
+    marks
+        Words beside places, each with x, y and colour.
+    bare
+        Without words, bars and rings.
     """
 
-    title: str
-    subtitle: str
+    words: Words
     pixels: NDArray[np.uint8]
-    cells: Sequence[Sequence[Cell]]
-    per_unit: float
-    length_unit: str
+    arrangement: Arrangement
     axes: NDArray[np.float64]
-    legend: Sequence[tuple[str, str]] = field(default_factory=list)
-    notes: Sequence[str] = field(default_factory=list)
-    least: tuple[int, int] = (1300, 0)
-    bar: Bar | None = None
+    width: float
+    height: float = 0.0
     dpi: int = style.DPI
-    caption: int = CAPTION
-    gutter: int = 0
+    rings: Sequence[tuple[float, float, float]] = field(default_factory=list)
+    marks: Sequence[tuple[float, float, str, str]] = field(default_factory=list)
+    bare: bool = False
+
+    @property
+    def notes(self) -> Sequence[str]:
+        return self.words.notes
+
+    @property
+    def cells(self) -> list[list[Box]]:
+        return [list(row) for row in self.arrangement.rows]
+
+    @cached_property
+    def head(self) -> tuple[str, str]:
+        """Title and subtitle in lines that fit."""
+        return fitted(self.words, self.width)
+
+    @cached_property
+    def foot(self) -> list[list[footer.Block]]:
+        """The blocks below the views; without views none."""
+        if not self.arrangement.rows:
+            return []
+        along = float(np.hypot(*self.axes[2]))
+        return feet(self.words, self.axes, self.arrangement.per_unit, along, self.width)
+
+
+def fitted(words: Words, width: float) -> tuple[str, str]:
+    """Title and subtitle in lines that fit on a page of that width."""
+    room = width - 2 * MARGIN
+    return measure.wrapped(words.title, room, style.LARGE, bold=True), measure.wrapped(words.subtitle, room)
+
+
+def feet(
+    words: Words, axes: NDArray[np.float64], per_unit: float, along_axis: float, width: float
+) -> list[list[footer.Block]]:
+    """The lines below the views on a page of that width."""
+    room = width - 2 * MARGIN
+    scale = per_unit, words.length_unit, along_axis
+    return footer.lines_of(footer.blocks(axes, scale, words.bar, words.legend, words.notes, room), room)
+
+
+def above(words: Words, width: float) -> float:
+    """The height of title and subtitle with the gaps around them."""
+    title, subtitle = fitted(words, width)
+    high = measure.height(title, style.LARGE) + (TITLE + measure.height(subtitle) if subtitle else 0.0)
+    return 0.7 * MARGIN + high + AFTER
+
+
+def below(lines: Sequence[Sequence[footer.Block]]) -> float:
+    """The height of the footer with the gaps around it."""
+    return AFTER + footer.height(lines) + 0.7 * MARGIN
 
 
 def figure(page: Page) -> Figure:
     """The page as a figure of its dpi, in which the pixels of the views are kept."""
     finer = page.dpi / style.DPI
     high, wide = (n / finer for n in page.pixels.shape[:2])
-    width, height = max(wide + 2 * MARGIN, page.least[0]), max(high + HEAD + FOOT, page.least[1])
+    heads = page.words.heads
+    top, foot = (0.0, 0.0) if page.bare else (above(page.words, page.width), below(page.foot))
+    if page.bare:
+        heads = 0.0, 0.0
+    height = page.height or top + heads[1] + high + foot
 
     def draw(fig: Figure) -> None:
-        _text(fig, MARGIN, height - 30, page.title, size=style.LARGE, va="top", weight="bold")
-        _text(fig, MARGIN, height - 72, page.subtitle, color=style.SOFT, va="top")
-        left = (width - wide + page.gutter) // 2
-        bottom = FOOT + (height - HEAD - FOOT - high) // 2
+        if not page.bare:
+            _title(fig, page, height)
+            footer.draw(fig, page.foot, MARGIN, 0.7 * MARGIN)
+        left = (page.width - wide - heads[0]) / 2 + heads[0]
+        bottom = foot + max(height - top - heads[1] - high - foot, 0.0) / 2
         fig.figimage(page.pixels, round(left * finer), round(bottom * finer), origin="upper")
-        _cells(fig, page, left, bottom, finer)
-        right = _triad(fig, MARGIN + TRIAD, FOOT / 2 + 4, page.axes)
-        right = _scale_bar(fig, right + 60, FOOT / 2 - 22, page, finer)
-        if page.bar:
-            right = _colour_bar(fig, right + 70, FOOT / 2 - 16, page.bar)
-        _legend(fig, right + 60, width, page)
+        if not page.bare:
+            _cells(fig, page, left, bottom + high)
+            _headings(fig, page, left, bottom + high)
+            for x, y, radius in page.rings:
+                footer.ring(fig, left + x, bottom + high - y, radius)
+            for x, y, text, colour in page.marks:
+                footer.text(fig, left + x, bottom + high - y, text, color=colour, va="center", **footer.HALO)
 
-    return canvas.figure((width / style.DPI, height / style.DPI), draw, dpi=page.dpi, layout=None)
+    made = canvas.figure((page.width / style.DPI, height / style.DPI), draw, dpi=page.dpi, layout=None)
+    if page.pixels.shape[2] == 4:
+        made.patch.set_alpha(0.0)
+    return made
 
 
-def _cells(fig: Figure, page: Page, left: float, bottom: float, finer: float) -> None:
-    high = page.pixels.shape[0] / finer / len(page.cells)
-    for i, row in enumerate(reversed(page.cells)):
-        wide = page.pixels.shape[1] / finer / len(row)
-        for j, cell in enumerate(row):
-            x, y = left + (j + 0.5) * wide, bottom + i * high
-            size = style.NORMAL if wide > ROOMY else style.SMALL
-            letters = max(map(len, cell.caption.split("\n"))) or 1
-            size = min(size, 0.95 * wide / style.DPI / (letters * style.LETTER))
-            middle = y + (high + page.caption) / 2
-            _text(fig, x, y + page.caption - 10, cell.caption, ha="center", va="top", size=size)
+def _title(fig: Figure, page: Page, height: float) -> None:
+    title, subtitle = page.head
+    y = height - 0.7 * MARGIN
+    footer.text(fig, MARGIN, y, title, size=style.LARGE, va="top", weight="bold")
+    y -= measure.height(title, style.LARGE) + TITLE
+    footer.text(fig, MARGIN, y, subtitle, color=style.SOFT, va="top")
+
+
+def _cells(fig: Figure, page: Page, left: float, top: float) -> None:
+    for row in page.arrangement.rows:
+        for box in row:
+            cell, middle = box.cell, left + box.x + box.width / 2
+            y = top - box.y - box.height - BELOW
+            lines = cell.caption.split("\n")
+            shift = DOT / 2 if cell.number is not None else 0.0
+            footer.text(fig, middle + shift, y, lines[0], ha="center", va="top")
+            for k, line in enumerate(lines[1:], start=1):
+                footer.text(fig, middle, y - measure.step() * k, line, ha="center", va="top")
+            if cell.number is not None:
+                x = middle + shift - measure.width(lines[0]) / 2 - DOT / 2 - 3
+                footer.dot(fig, x, y - measure.height("1") / 2, str(cell.number), cell.stable)
             if cell.before:
-                _text(fig, x - wide / 2 - 8, middle, cell.before, ha="right", va="center", **SMALL)
+                footer.text(fig, left + box.x - 8, top - box.y - box.height / 2, cell.before, ha="right", va="center",
+                            **footer.SMALL)  # fmt: skip
             if cell.why_empty:
-                reason = fill(cell.why_empty, max(int(wide / 13), 10))
-                _text(fig, x, middle, reason, color=style.SOFT, ha="center", va="center", **SMALL)
+                reason = measure.wrapped(cell.why_empty, box.width, style.SMALL)
+                footer.text(fig, middle, top - box.y - box.height / 2, reason, color=style.SOFT, ha="center",
+                            va="center", **footer.SMALL)  # fmt: skip
 
 
-def _triad(fig: Figure, x: float, y: float, axes: NDArray[np.float64]) -> float:
-    """The axes x, y, z as the camera sees them; returns the right end."""
-    middle = (np.minimum(axes.min(axis=0), 0) + np.maximum(axes.max(axis=0), 0)) / 2
-    origin = np.array([x, y]) - TRIAD * middle
-    for name, way in zip("xyz", axes, strict=True):
-        tip = origin + TRIAD * way
-        if np.hypot(*way) > 0.08:
-            fig.add_artist(_line(fig, origin, tip, color=style.INK, linewidth=1.4))
-        side = way / max(np.hypot(*way), 0.3) if np.hypot(*way) > 0.08 else -axes.sum(axis=0) / 1.5
-        _text(fig, tip[0] + 13 * side[0], tip[1] + 13 * side[1], name, ha="center", va="center", **SMALL)
-    return float(x + TRIAD + 12)
-
-
-def _colour_bar(fig: Figure, x: float, y: float, bar: Bar) -> float:
-    """The colour bar with a few round values below and its quantity above; returns its right end."""
-    width, height = fig.get_size_inches() * style.DPI
-    ax = fig.add_axes((x / width, y / height, BAR[0] / width, BAR[1] / height))
-    ax.imshow(np.linspace(0, 1, 256)[None], cmap=bar.ramp, aspect="auto", extent=(bar.low, bar.high, 0, 1))
-    ax.set(yticks=[])
-    ax.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
-    ax.xaxis.set_major_formatter(lambda value, _: labels.number(value).replace("-", "−"))
-    ax.tick_params(axis="x", length=3, labelsize=style.SMALL, labelcolor=style.INK, pad=2)
-    ax.set_title(bar.label, size=style.SMALL, color=style.INK, pad=5, loc="left")
-    for spine in ax.spines.values():
-        spine.set_visible(False)
-    return float(x + BAR[0])
-
-
-def _scale_bar(fig: Figure, x: float, y: float, page: Page, finer: float) -> float:
-    """A bar of a round length; returns its right end."""
-    length = round_length(150 * finer / page.per_unit)
-    pixels = length * page.per_unit / finer
-    for a, b in (((0, 0), (pixels, 0)), ((0, -7), (0, 7)), ((pixels, -7), (pixels, 7))):
-        fig.add_artist(_line(fig, np.add((x, y), a), np.add((x, y), b), color=style.INK, linewidth=1.4))
-    _text(fig, x + pixels / 2, y + 16, f"{labels.number(length)} {page.length_unit}", ha="center", va="bottom")
-    return float(x + pixels)
-
-
-def round_length(target: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above the target."""
-    power = 10.0 ** np.floor(np.log10(target))
-    return float(max(step for step in (1, 2, 5) if step * power <= target * (1 + 1e-9)) * power)
-
-
-def _legend(fig: Figure, x: float, width: float, page: Page) -> None:
-    height = fig.get_size_inches()[1] * style.DPI
-    handles = [Patch(facecolor=colour, label=text) for colour, text in page.legend]
-    if handles:
-        fig.legend(handles=handles, loc="center left", bbox_to_anchor=(x / width, (FOOT / 2 - 14) / height),
-                   fontsize=style.SMALL, handlelength=1.4, labelspacing=0.5)  # fmt: skip
-    if page.notes:
-        notes = "\n".join(fill(note, NOTE) for note in page.notes)
-        _text(fig, width - MARGIN, FOOT / 2 - 4, notes, color=style.SOFT, ha="right", va="center",
-              **SMALL)  # fmt: skip
-
-
-def _text(fig: Figure, x: float, y: float, text: str, **how: Any) -> None:
-    width, height = fig.get_size_inches() * style.DPI
-    fig.text(x / width, y / height, text, **{"linespacing": 1.35, **how})
-
-
-def _line(fig: Figure, a: Any, b: Any, **how: Any) -> Line2D:
-    size = fig.get_size_inches() * style.DPI
-    (x0, y0), (x1, y1) = np.asarray(a) / size, np.asarray(b) / size
-    return Line2D([x0, x1], [y0, y1], transform=fig.transFigure, solid_capstyle="round", **how)
+def _headings(fig: Figure, page: Page, left: float, top: float) -> None:
+    """The headings of a table: the values above its columns and to the left of its rows, once."""
+    boxes, words = page.arrangement.rows, page.words
+    if words.columns:
+        y, (first, last) = top + SIDE, (boxes[0][0], boxes[0][-1])
+        for box, value in zip(boxes[0], words.columns[1:], strict=True):
+            footer.text(fig, left + box.x + box.width / 2, y, value, ha="center", va="bottom")
+        middle = left + (first.x + last.x + last.width) / 2
+        footer.text(fig, middle, y + HEAD, words.columns[0], ha="center", va="bottom")
+    if words.rows:
+        for row, value in zip(boxes, words.rows[1:], strict=True):
+            y = top - row[0].y - row[0].height / 2
+            footer.text(fig, left + row[0].x - SIDE, y, value, ha="right", va="center")
+        y = top - (boxes[0][0].y + boxes[-1][0].y + boxes[-1][0].height) / 2
+        footer.text(fig, left - words.heads[0] + HEAD / 2, y, words.rows[0], ha="center", va="center", rotation=90)

@@ -9,6 +9,7 @@ import xarray as xr
 from ...geometry import centreline
 from ...geometry.centreline import Array, Centreline
 from .. import captions, colours
+from ..cells import Cell
 
 if TYPE_CHECKING:
     from ..body import Body
@@ -19,6 +20,11 @@ CURVE = frozenset(centreline.NEEDED)
 def no_legend(bodies: Sequence["Body"]) -> list[tuple[str, str]]:
     """No entries."""
     return []
+
+
+def named(ds: xr.Dataset, names: list[str], where: dict[str, int], why_empty: str) -> Cell:
+    """A cell with the case's values along the axes below it."""
+    return Cell(captions.axis_values(ds, names, where) if names else "", why_empty)
 
 
 def any_dataset(ds: xr.Dataset) -> None:
@@ -42,8 +48,9 @@ class Kind:
         The colours of all rods and their bar; for "together" each rod has the colour of its value on the axis instead.
     legend
         Colours that the bar does not explain, each with its meaning.
-    caption
-        The text below the cell of a case, from the dataset, the axes shown and the case's indices.
+    cell
+        The words of the cell of a case, from the dataset, the axes named below it, the case's indices, and why it has
+        no shape.
     check
         Raises `InputError` for a dataset that the kind cannot show.
     most
@@ -59,7 +66,7 @@ class Kind:
     value: Callable[[Centreline, Array], Array] | None = None
     paint: Callable[[xr.Dataset, Sequence["Body"]], colours.Painted] = colours.one_colour
     legend: Callable[[Sequence["Body"]], list[tuple[str, str]]] = no_legend
-    caption: Callable[[xr.Dataset, list[str], dict[str, int]], str] = captions.axis_values
+    cell: Callable[[xr.Dataset, list[str], dict[str, int], str], Cell] = named
     check: Callable[[xr.Dataset], None] = any_dataset
     most: int = 9
     notes: tuple[str, ...] = ()

@@ -8,6 +8,7 @@ from solver.problem.errors import InputError
 
 from ...data import labels
 from ...data.schema import axes_of
+from ..cells import Cell
 from .grid import KIND as GRID
 
 
@@ -17,14 +18,16 @@ def check(ds: xr.Dataset) -> None:
         raise InputError("a scene of kind equilibria takes a dataset that `workbench equilibria --out FILE` stored")
 
 
-def caption(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> str:
-    """Its number, whether it is stable, and its energy."""
-    one = ds.isel(where)
-    stable = "stable" if int(one["index"]) == 0 else f"index {int(one['index'])}"
-    return f"{where['equilibrium'] + 1}: {stable}\n{labels.value(float(one['energy']), one['energy'])}"
+def cell(ds: xr.Dataset, names: list[str], where: dict[str, int], why_empty: str) -> Cell:
+    """Its number, in a dot that says whether it is stable, and its energy."""
+    one, number = ds.isel(where), where["equilibrium"] + 1
+    stable = int(one["index"]) == 0
+    word = "stable" if stable else f"index {int(one['index'])}"
+    energy = labels.value(float(one["energy"]), one["energy"])
+    return Cell(f"{word}\n{energy}", why_empty, number=number, stable=stable)
 
 
 KIND = replace(
     GRID, name="equilibria", description="every equilibrium between two ends", reads=GRID.reads | {"energy", "index"},
-    caption=caption, check=check, most=2 * GRID.most, notes=("below each rod its energy",),
+    cell=cell, check=check, most=2 * GRID.most, notes=("below each rod its energy",),
 )  # fmt: skip

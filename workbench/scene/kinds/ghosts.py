@@ -2,4 +2,4 @@
 
 from .base import Kind
 
-KIND = Kind("ghosts", "every case of an axis in one scene", "together", most=5)
+KIND = Kind("ghosts", "every case of an axis in one scene", "together", most=3)

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from ...figures.style import PUSHED
-from ..colours import UNPAINTED, Paint, Painted
+from ..colours import STRIPE, UNPAINTED, Paint, Painted
 from .base import CURVE, Kind
 
 if TYPE_CHECKING:
@@ -15,12 +14,12 @@ if TYPE_CHECKING:
 
 def striped(ds: xr.Dataset, bodies: Sequence["Body"]) -> Painted:
     """A stripe on an unpainted rod."""
-    return Paint(UNPAINTED, stripe=PUSHED), None
+    return Paint(UNPAINTED, stripe=STRIPE), None
 
 
 def legend(bodies: Sequence["Body"]) -> list[tuple[str, str]]:
     """The stripe."""
-    return [(PUSHED, "a stripe along the material: it turns as the rod is twisted and bent")]
+    return [(STRIPE, "a stripe along the material: it turns as the rod is twisted and bent")]
 
 
 KIND = Kind("twist", "a stripe on the rod that turns with its material", "one", CURVE | {"gamma"}, paint=striped,

@@ -8,13 +8,13 @@ import asyncio
 import gc
 import json
 import logging
+import re
 import secrets
 import time
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 from struct import pack
 from threading import Lock
 from typing import Any
@@ -23,31 +23,17 @@ import numpy as np
 from aiohttp import web
 
 from solver.problem.errors import InputError
-from studies.readings import READINGS
 
 from ...data import escaping
 from ...data.escaping import finite
 from ...run import worker_processes
-from .. import browser_assets
-from . import mesh, page_model, page_shape, search_processes
+from . import document, page_model, page_shape, search_processes
 from .presets import PRESETS, Preset
 
-PAGE = Path(__file__).parent / "page"
-FILES = {
-    "/": PAGE / "index.html",
-    "/page.js": PAGE / "page.js",
-    "/diagram.js": PAGE / "diagram.js",
-    "/page.css": PAGE / "page.css",
-    **{f"/{name}": path for name, path in browser_assets.scripts().items()},
-}
-# Vue compiles its templates in the page, hence unsafe-eval. No other address is contacted, and no other page may hold
-# this one in a frame.
-POLICY = (
-    "default-src 'none'; script-src 'self' 'unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; "
-    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-)
-HEADERS = {"Content-Security-Policy": POLICY, "X-Content-Type-Options": "nosniff", "Cache-Control": "no-store",
-           "Referrer-Policy": "no-referrer", "X-Frame-Options": "DENY"}  # fmt: skip
+HEADERS = {"Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",
+           "X-Content-Type-Options": "nosniff", "Cache-Control": "no-store", "Referrer-Policy": "no-referrer",
+           "X-Frame-Options": "DENY"}  # fmt: skip
+POLICY = re.compile(r'http-equiv="Content-Security-Policy" content="([^"]*)"')  # of the page, as a header too
 LARGEST = 64 * 1024  # bytes of a request
 DOWNLOADS = {"csv": "text/csv", "step": "model/step", "stl": "model/stl", "glb": "model/gltf-binary"}
 REMEMBERED = 64  # solved rods that a slider may follow
@@ -99,15 +85,14 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Re
         if request.method == "POST" and request.content_type != "application/json":
             raise web.HTTPUnsupportedMediaType(text="a request must be JSON")
         response = await handler(request)
-        response.headers.update(HEADERS)
+        for name, value in HEADERS.items():
+            response.headers.setdefault(name, value)
         return response
 
     app = web.Application(middlewares=[guarded], client_max_size=LARGEST)
-    for path in FILES:
-        app.router.add_get(path, _file)
-    app.router.add_get("/presets", _offering(presets))
-    for path, work in (("/shape", _shape), ("/numbers", _numbers), ("/equilibria", _equilibria), ("/ends", _ends),
-                       ("/study", _study), ("/download", _download)):  # fmt: skip
+    app.router.add_get("/", _page(document.text(presets, served=True)))
+    for path, work in (("/shape", _shape), ("/numbers", _numbers), ("/equilibria", _equilibria),
+                       ("/download", _download)):  # fmt: skip
         app.router.add_post(path, _answering(work, shapes, few, tasks, report))
     return app
 
@@ -119,15 +104,14 @@ def warm() -> None:
     gc.freeze()  # what is loaded stays: the collector need not scan it while a slider moves
 
 
-async def _file(request: web.Request) -> web.StreamResponse:
-    return web.FileResponse(FILES[request.path])
-
-
-def _offering(presets: Sequence[Preset]) -> Handler:
-    """Answers with the rods to begin with and the readings of Table 1."""
+def _page(text: str) -> Handler:
+    """Answers with the page."""
+    policy = POLICY.search(text)
+    assert policy is not None
+    headers = {"Content-Security-Policy": f"{policy[1]}; frame-ancestors 'none'"}
 
     async def handler(request: web.Request) -> web.StreamResponse:
-        return web.json_response({"presets": [asdict(preset) for preset in presets], "readings": list(READINGS)})
+        return web.Response(text=text, content_type="text/html", headers=headers)
 
     return handler
 
@@ -203,50 +187,35 @@ def _answering(
 
 
 async def _shape(asked: dict[str, Any], at: Context) -> web.Response:
-    """The rod's mesh and curves, with the seconds that solving and meshing took; polygons only where they are new."""
+    """The rod at its stations, and what is known of it."""
     start = time.perf_counter()
     one = await at.shape(asked.get("state"), at.shapes.find(asked.get("near")))
-    body = await at.in_thread(_drawn, asked, one, at.shapes, time.perf_counter() - start)
+    body = await at.in_thread(_told, one, at.shapes, time.perf_counter() - start)
     return web.Response(body=body, content_type="application/octet-stream")
 
 
-def _drawn(asked: dict[str, Any], one: page_shape.Shape, shapes: Shapes, solving: float) -> bytes:
-    begun = time.perf_counter()
-    with np.errstate(over="raise"):  # numbers beyond single precision are an error, not drawn
-        rod = mesh.rod(one.sol)
-        wall = mesh.cylinder(one.sol, rod.squeeze)
-        meshing = time.perf_counter() - begun
-        lines = {name: np.asarray(values, dtype=np.float32) for name, values in page_model.curves(one).items()}
-    arrays: dict[str, Any] = {}
-    for name, drawn in (("rod", rod), ("wall", wall)):
-        arrays |= {f"{name}.points": drawn.points, f"{name}.normals": drawn.normals, f"{name}.colours": drawn.colours}
-        if asked.get(f"{name}_has") != drawn.key:
-            arrays[f"{name}.polygons"] = drawn.polygons
-            if drawn.coarse is not None:
-                arrays[f"{name}.coarse"] = drawn.coarse
+def _told(one: page_shape.Shape, shapes: Shapes, solving: float) -> bytes:
     head = {
-        **page_model.facts(one), "squeeze": rod.squeeze, "rod_key": rod.key, "wall_key": wall.key,
-        "ticket": shapes.keep(page_shape.bare(one)), "fields": page_model.fields(one.study),
-        "side": one.sol.case.cylinder.side, "problem": one.sol.problem.kind,
-        "seconds": {"solve": solving, "mesh": meshing},
+        **page_model.facts(one), "ticket": shapes.keep(page_shape.bare(one)), "problem": one.sol.problem.kind,
+        "seconds": {"solve": solving},
     }  # fmt: skip
-    return packed(head, arrays | lines)
+    return packed(head, page_model.stations(one))
 
 
 def packed(head: dict[str, Any], arrays: dict[str, Any]) -> bytes:
     """The length of the JSON (4 bytes), the head as JSON, the arrays.
 
-    Each begins at a multiple of 4 bytes; the head lists of each array its name, type, size and first byte after the
+    Each begins at a multiple of 8 bytes; the head lists of each array its name, type, size and first byte after the
     JSON.
     """
     listed, parts, at = [], [], 0
     for name, array in arrays.items():
         data = np.ascontiguousarray(array).tobytes()
         listed.append([name, array.dtype.str[1:], array.size, at])
-        parts.append(data + b"\0" * (-len(data) % 4))
+        parts.append(data + b"\0" * (-len(data) % 8))
         at += len(parts[-1])
     text = json.dumps({**finite(head), "arrays": listed}).encode()
-    text += b" " * (-len(text) % 4)
+    text += b" " * (-(4 + len(text)) % 8)
     return b"".join([pack("<I", len(text)), text, *parts])
 
 
@@ -257,16 +226,6 @@ async def _numbers(asked: dict[str, Any], at: Context) -> web.Response:
 async def _equilibria(asked: dict[str, Any], at: Context) -> web.Response:
     study = await at.in_thread(page_model.study_of, asked.get("state"))
     return web.json_response(finite({"rows": await at.search(page_model.list_equilibria, study)}))
-
-
-async def _ends(asked: dict[str, Any], at: Context) -> web.Response:
-    study = await at.in_thread(page_model.study_of, asked.get("state"))
-    return web.json_response(await at.search(page_model.ends_state, study))
-
-
-async def _study(asked: dict[str, Any], at: Context) -> web.Response:
-    study = await at.in_thread(page_model.study_of, asked.get("state"))
-    return web.json_response({"text": await at.in_thread(page_model.text, study)})
 
 
 async def _download(asked: dict[str, Any], at: Context) -> web.Response:

@@ -18,10 +18,9 @@ from ...geometry import centreline, tube
 from ...geometry.centreline import Array, Centreline
 from ...scene.colours import SURFACE
 from .. import browser_assets
-from ..live import mesh
 
-SIDES = mesh.SIDES[0]
-RINGS = 600
+SIDES, RINGS = 20, 600  # of the tube
+AROUND = 72  # sides of the cylinder
 PLACES = 4  # decimals of a point, whose unit is the scene's largest radius: a tenth of a pixel
 BEYOND = 0.3  # radii by which the cylinder is longer than the rod
 
@@ -43,7 +42,7 @@ def view(ds: xr.Dataset) -> View:
     return View(
         _packed(json.dumps(scene(line, s), separators=(",", ":"))),
         {name: _packed_file(path) for name, path in scripts.items()},
-        (files("workbench.web.live") / "page/view.js").read_text(encoding="utf-8"),
+        (files("workbench.web.report") / "view.js").read_text(encoding="utf-8"),
     )
 
 
@@ -60,9 +59,9 @@ def scene(line: Centreline, s: Array) -> dict[str, Any]:
     triangles = tube.triangles(s.size, SIDES)
     pushed = tube.at_points(line.push(s) >= 0, SIDES)[triangles[:, 0]]
     beyond = line.a + BEYOND * R
-    wall = mesh.wall(R, line.side, float(place[:, 2].min()) - beyond, float(place[:, 2].max()) + beyond)
+    wall = _wall(R, line.side, float(place[:, 2].min()) - beyond, float(place[:, 2].max()) + beyond)
     opacity = 1.0 if line.side == "outside" else 0.16
-    parts = [_part("wall", wall.points / reach, wall.normals, wall.polygons, SURFACE, opacity)]
+    parts = [_part("wall", wall[0] / reach, *wall[1:], SURFACE, opacity)]
     for name, colour, chosen in (("pushed", style.PUSHED, pushed), ("lifted", style.LIFTED, ~pushed)):
         if chosen.any():
             own, inverse = np.unique(triangles[chosen], return_inverse=True)
@@ -70,6 +69,14 @@ def scene(line: Centreline, s: Array) -> dict[str, Any]:
             parts.append(_part(name, points[own] / reach, normals[own], polygons, colour, 1.0))
     azimuth = np.angle((place[:, 0] + 1j * place[:, 1]).mean())
     return {"azimuth": float(azimuth), "parts": parts}
+
+
+def _wall(R: float, side: str, low: float, high: float) -> tuple[Array, Array, Any]:
+    """Points, normals and polygons of the cylinder between two heights, with flat ends where the rod lies outside."""
+    along, out, across = (np.tile(way, (2, 1)) for way in ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]))
+    points, normals = tube.surface((np.array([[0.0, 0.0, low], [0.0, 0.0, high]]), along, out, across), R, AROUND)
+    triangles = tube.triangles(2, AROUND)[: None if side == "outside" else 2 * AROUND]
+    return points, normals, np.insert(triangles, 0, 3, axis=1).ravel()
 
 
 def _part(name: str, points: Any, normals: Any, polygons: Any, colour: str, opacity: float) -> dict[str, Any]:

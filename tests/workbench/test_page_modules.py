@@ -1,0 +1,448 @@
+"""What the live page computes in the browser, against the workbench: loads, shapes, forces, observables, meshes."""
+
+import copy
+import math
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Ends, Rod, Start, solve
+from solver.mechanics import frames
+from solver.mechanics.potential import potential
+from solver.observe.observables import observe
+from solver.problem.quantities import QUANTITIES, unit_of
+from studies.loader import loads
+from studies.readings import READINGS
+from tests.workbench.node import needs_node, run
+from workbench.data import labels, push_colours
+from workbench.web.live import page_model, page_shape
+from workbench.web.live.presets import PRESETS
+
+pytestmark = needs_node
+STATES = {preset.name: preset.state for preset in PRESETS}
+SHAPE = """
+const one = rod_case.caseOf(given.state ?? given, {});
+const shape = rod_shape.marched(core, one);
+"""
+MODULES = ("rod_case", "rod_shape")
+
+
+def state(name: str = "table1", reading: str | None = None, **changes: object) -> dict:
+    made = copy.deepcopy(STATES[name])
+    made["base"] |= changes
+    return made | ({"reading": reading} if reading else {})
+
+
+def case_of(made: dict) -> Case:
+    return page_model.study_of(made).case()
+
+
+STARTS = [
+    *(state(reading=name) for name in READINGS),
+    state("dna"), state("dna", side="inside", R=9.0), state(side="inside"), state(E=3e5), state(E=900.0, L=60.0),
+    {"units": {"length": "m", "force": "N"}, "base": {
+        "E": 2e9, "nu": 0.3, "a": 0.01, "L": 3.0, "R": 0.1, "stiffness": "paper", "beta": -2.0, "dbeta": 4.0,
+        "M3": -3.0,         "F2": 2.0, "F3": -40.0, "alpha": 0.7}},
+]  # fmt: skip
+
+
+def test_the_loads_of_every_reading_are_those_of_the_solver() -> None:
+    script = """
+    const loads = ({ FZ, MZ, M3, rho, A, C }) => [FZ, MZ, M3, rho, A, C];
+    answer(given.map((state) => loads(rod_case.caseOf(state, {}))));"""
+    for made, found in zip(STARTS, run(script, STARTS, MODULES), strict=True):
+        case = case_of(made)
+        wanted = [*case.loads, case.rho, case.rod.bending_stiffness, case.rod.torsional_stiffness]
+        np.testing.assert_allclose(found, wanted, rtol=1e-13)
+
+
+def test_shape_and_push_along_the_rod_are_those_of_the_solver() -> None:
+    script = (
+        "answer(given.map((state) => { const shape = rod_shape.marched(core, rod_case.caseOf(state, {}));"
+        "const names = ['s', 'beta', 'dbeta', 'alpha', 'z', 'push', 'kappa', 'tension'];"
+        "return Object.fromEntries(names.map((name) => [name, shape[name]])); }));"
+    )
+    for made, found in zip(STARTS, run(script, STARTS, MODULES), strict=True):
+        sol = solve(case_of(made), 1e-8, stations=np.array(found["s"]))
+        assert sol.solved
+        names = {
+            "beta": "beta",
+            "dbeta": "dbeta",
+            "alpha": "alpha",
+            "z": "z",
+            "push": "push",
+            "kappa": "kappa",
+            "tension": "F3",
+        }
+        for mine, name in names.items():
+            wanted = getattr(sol, name)
+            np.testing.assert_allclose(found[mine], wanted, atol=1e-7 * max(np.abs(wanted).max(), 1e-6), err_msg=mine)
+
+
+OBSERVED = ("turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "push_mean", "pull_mean",
+            "push_min", "push_max", "attached", "lift_off_at", "F3_size_max", "bending_moment_max",
+            "bending_stress_max", "energy", "bending_energy", "twist_energy")  # fmt: skip
+
+
+def test_the_observables_are_those_of_the_solver() -> None:
+    script = "answer(given.map((state) => numbers.observables(rod_shape.marched(core, rod_case.caseOf(state, {})))));"
+    for made, found in zip(STARTS, run(script, STARTS, (*MODULES, "numbers")), strict=True):
+        wanted = observe(solve(case_of(made), 1e-10), OBSERVED)
+        for name in OBSERVED:
+            size = abs(float(wanted[name]))
+            if name.startswith("pu"):
+                size = max(abs(float(wanted["push_min"])), abs(float(wanted["push_max"])))
+            half = 5e-5  # of a unit in the fourth digit, which is the last that the page shows
+            assert found[name] == pytest.approx(float(wanted[name]), abs=half * max(size, 1e-9)), name
+
+
+def test_which_rods_pass_through_themselves() -> None:
+    states = [*STARTS, state(E=5.35e4), state(L=4.0), state("dna", dgamma=0.0), state("dna", beta=-1.52)]
+    script = """
+    const solved = (state) => rod_shape.marched(core, rod_case.caseOf(state, {}));
+    answer(given.map((state) => self_contact.passesThroughItself(solved(state))));"""
+    found = run(script, states, (*MODULES, "self_contact"))
+    wanted = [bool(observe(solve(case_of(made)), ["overlaps"])["overlaps"]) for made in states]
+    tight = [
+        float(observe(solve(case_of(made)), ["kappa_max"])["kappa_max"]) * float(case_of(made).rod.a) >= 1
+        for made in states
+    ]
+    assert [one or bent for one, bent in zip(found, tight, strict=True)] == wanted
+    assert {True, False} == set(wanted)
+
+
+def test_the_peaks_of_the_push_are_stations_so_that_equal_peaks_are_drawn_equal() -> None:
+    script = (
+        SHAPE + "const [{ y }] = curves.diagrams(shape, given.units).filter(({ key }) => key === 'push'); answer(y);"
+    )
+    push = np.array(run(script, state(), (*MODULES, "curves")))
+    inner = push[1:-1]
+    peaks = inner[(inner > push[:-2]) & (inner > push[2:]) & (inner > 100)]
+    highest = peaks[peaks > 170]
+    assert len(highest) == 6
+    assert np.ptp(highest) < 1e-4 * highest.max()
+
+
+def test_beside_an_unstable_equilibrium_the_shape_is_integrated() -> None:
+    made = state(E=1.07e4)
+    made.pop("reading")
+    made["base"] = {
+        "E": 1e4,
+        "nu": 0.3,
+        "a": 0.25,
+        "L": 20.0,
+        "R": 0.75,
+        "beta": math.pi,
+        "dbeta": 1e-9,
+        "M3": 0.0,
+        "F3": 10.0,
+    }
+    script = SHAPE + (
+        "const lost = core.solve(rod_case.reduced(one), 1e-8, Float64Array.of(1)).end;"
+        "answer([lost, shape.s, shape.beta, shape.z, shape.condition, shape.error]);"
+    )
+    lost, s, beta, z, condition, error = run(script, made, MODULES)
+    assert lost == "lost"
+    sol = solve(case_of(made), 1e-10, stations=np.array(s))
+    assert sol.solved
+    np.testing.assert_allclose(beta, sol.beta, atol=max(error, 1e-9))
+    np.testing.assert_allclose(z, sol.z, atol=20 * max(error, 1e-9))
+    assert condition == pytest.approx(float(sol.condition), rel=0.5)
+
+
+@pytest.mark.parametrize("name, field, value", [("pipe", "FZ", -230.0), ("pipe", "R", 0.12), ("cable", "R", 190.0)])
+def test_between_two_ends_the_page_follows_the_equilibrium_as_the_server_does(name, field, value) -> None:
+    began = page_shape.shape(page_model.study_of(STATES[name]))
+    seed = {"s": began.sol.s.tolist(), "beta": began.sol.beta.tolist()}
+    script = (
+        "const from = rod_case.caseOf(given.from, {}), one = rod_case.caseOf(given.to, {});"
+        "const shape = rod_shape.moved(one, { ...given.seed, one: from });"
+        "answer(shape && [shape.s, shape.beta, shape.dbeta, shape.alpha, shape.z, shape.error]);"
+    )
+    to = state(name, **{field: value})
+    s, beta, dbeta, alpha, z, error = run(script, {"from": STATES[name], "to": to, "seed": seed}, MODULES)
+    there = page_shape.shape(page_model.study_of(to), began.sol).sol
+    assert error < 1e-7
+    for mine, wanted in ((beta, there.beta), (dbeta, there.dbeta), (alpha, there.alpha), (z, there.z)):
+        size = np.abs(wanted).max()
+        np.testing.assert_allclose(np.interp(there.s, s, mine), wanted, atol=3e-4 * size)
+
+
+def test_a_shape_too_far_from_the_one_before_is_not_followed_silently() -> None:
+    script = (
+        "const one = rod_case.caseOf(given.to, {}), s = [0, one.L / 2, one.L];"
+        "answer(rod_shape.moved(one, { s, beta: [one.beta0, one.beta0 + 9, one.betaL], one }));"
+    )
+    assert run(script, {"to": STATES["cable"]}, MODULES) is None
+
+
+INVALID = [
+    ({"E": -1.0}, "E", "must be greater than 0"),
+    ({"R": None}, "R", "needs a number"),
+    ({"nu": 0.7}, "nu", "at most 0.5"),
+    ({"dbeta": 0.0}, "dbeta", "does not fix the twist"),
+    ({"side": "inside", "R": 0.2}, "R", "too narrow"),
+]
+
+
+def test_an_invalid_value_is_told_at_its_field_in_plain_words() -> None:
+    script = (
+        "answer(given.map((state) => { try { rod_case.caseOf(state, { E: 'E' }); return null; }"
+        "catch (error) { return [error.field, error.sentence]; } }));"
+    )
+    found = run(script, [state(**changes) for changes, *_ in INVALID], MODULES)
+    for (_, field, part), (got, sentence) in zip(INVALID, found, strict=True):
+        assert got == field
+        assert part in sentence
+        assert "Rod." not in sentence
+
+
+EXTREME = [{"E": 1e308}, {"E": 5e-324}, {"a": 1e-80}, {"a": 1e80}, {"L": 1e300}, {"L": 1e-300}, {"R": 1e200},
+           {"R": 1e-9}, {"F3": 1e308}, {"F1": -1e12}, {"beta": 1e300},
+           {"dbeta": 1e-300}, {"dbeta": 1e9}, {"L": 1e7}]  # fmt: skip
+
+
+def test_numbers_at_the_end_of_what_a_float_holds_are_solved_or_refused_in_a_sentence() -> None:
+    script = """
+    const told = (state) => {
+      try {
+        const shape = rod_shape.marched(core, rod_case.caseOf(state, {}));
+        return [...shape.beta, ...shape.alpha, ...shape.z].every(Number.isFinite) ? "solved" : "not finite";
+      } catch (error) { if (!error.sentence) throw error; return error.sentence; }
+    };
+    answer(given.map(told));"""
+    found = run(script, [state(**changes) for changes in EXTREME], MODULES)
+    assert "not finite" not in found
+    assert all(one == "solved" or one.endswith(".") for one in found)
+
+
+@pytest.mark.parametrize(
+    "odd", [{"reading": "none"}, {"units": {"length": 3, "force": "N"}}, {"base": {"side": "above"}}, {"base": None},
+            {"equilibrium": {"dbeta0": "x"}}, {"title": 3}]
+)  # fmt: skip
+def test_a_link_that_holds_no_state_is_told_from_one_that_does(odd) -> None:
+    data = {"good": state(), "bad": state() | odd, "readings": list(READINGS)}
+    script = "answer([given.good, given.bad].map((one) => rod_case.isState(one, given.readings)));"
+    assert run(script, data, ("rod_case",)) == [True, False]
+
+
+def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_part() -> None:
+    script = """
+    const part = ({ s, beta, shown }) => [s, beta, shown];
+    answer(given.map((state) => part(rod_shape.marched(core, rod_case.caseOf(state, {})))));"""
+    many, part = run(script, [state(L=200.0), state(L=2e4)], MODULES)
+    assert np.abs(np.diff(many[1])).max() < 0.26
+    assert many[2] == 1
+    assert 0.05 < part[2] < 0.2
+    assert part[0][-1] == pytest.approx(2e4 * part[2])
+
+
+@pytest.mark.parametrize("name", ["table1", "dna"])
+def test_the_tube_is_closed_touches_the_cylinder_and_is_as_near_as_it_says(name) -> None:
+    tolerance = 0.003 * case_of(STATES[name]).rho
+    script = (
+        SHAPE
+        + f"""
+    const largest = Math.max(...shape.push), chosen = tube.rings(shape, {tolerance}, largest);
+    const sides = tube.sidesFor(one.a, {tolerance});
+    const corners = tube.tube(shape, chosen, sides, 1, largest), walls = tube.wallTriangles(chosen.length, sides);
+    const ends = tube.endTriangles(chosen.length * sides, sides);
+    answer([corners, [...walls, ...ends], Array.from(chosen, (i) => shape.s[i]), sides]);"""
+    )
+    corners, triangles, s, sides = run(script, STATES[name], (*MODULES, "tube"))
+    points, normals = np.array(corners).reshape(-1, 7)[:, :3], np.array(corners).reshape(-1, 7)[:, 3:6]
+    faces = np.array(triangles).reshape(-1, 3)
+    _, at = np.unique(points.round(6), axis=0, return_inverse=True)
+    edges = np.sort(at.reshape(-1)[faces[:, [0, 1, 1, 2, 2, 0]]].reshape(-1, 2), axis=1)
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
+    case = case_of(STATES[name])
+    a, rho = float(case.rod.a), float(case.rho)
+    assert np.hypot(points[:, 0], points[:, 1]).min() == pytest.approx(rho - a, rel=1e-5)
+    corner = points[faces]
+    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    assert (np.einsum("ij,ij->i", across, normals[faces[:, 0]]) > 0).all()  # counterclockwise as seen from outside
+    fine = np.linspace(0, s[-1], 4001)
+    sol = solve(case, 1e-8, stations=fine)
+    centre = frames.position(rho, sol.alpha, sol.z)
+    drawn = points[: len(s) * sides].reshape(len(s), sides, 3)
+    for j in (0, sides // 4, sides // 2):
+        angle = 2 * np.pi * j / sides
+        true = centre + a * (
+            np.cos(angle) * frames.outward(sol.alpha) + np.sin(angle) * frames.binormal(sol.alpha, sol.beta)
+        )
+        straight = np.stack([np.interp(fine, s, drawn[:, j, k]) for k in range(3)], axis=-1)
+        assert np.sqrt(((true - straight) ** 2).sum(axis=-1)).max() < tolerance
+
+
+def test_the_rings_are_where_the_rod_bends() -> None:
+    script = (
+        SHAPE + "const at = (row) => Array.from(tube.rings(shape, 0.004, 170), (i) => row[i]);"
+        "answer([at(shape.s), at(shape.kappa)]);"
+    )
+    s, kappa = (np.array(row) for row in run(script, state(), (*MODULES, "tube")))
+    gaps, tight = np.diff(s), (kappa[1:] + kappa[:-1]) / 2
+    assert np.median(gaps[tight > 2.5]) < 0.5 * np.median(gaps[tight < 0.8])
+
+
+def test_the_colours_are_those_of_the_one_table() -> None:
+    values = np.linspace(-20, 190, 43)
+    data = {"code": {"stops": push_colours.STOPS, "pull": push_colours.PULL}, "values": values.tolist()}
+    found = run("answer(given.values.map((v) => colours.pushColour(given.code, v, 172)));", data, ("colours",))
+    assert np.abs(np.array(found) - push_colours.colours(values, 172).astype(int)).max() <= 1  # halves are rounded up
+    assert (push_colours.colours(-1.0, 172) == push_colours.PULL).all()
+    grey = push_colours.colours(np.linspace(0, 1, 50), 1.0) @ [0.2126, 0.7152, 0.0722]
+    assert (np.diff(grey) < 0).all()  # darker with more push, in grey too
+
+
+def test_numbers_and_units_are_written_as_in_the_figures() -> None:
+    values = [0.0, 10910.0, 0.625, -0.00031416, 123456.0, 3.0000004]
+    found = run("answer(given.map((v) => text.number(v)));", values, ("text",))
+    assert [one.replace("−", "-") for one in found] == [labels.number(v) for v in values]
+    assert run("answer([2.5e7, -3.25e-6, NaN].map((v) => text.number(v)));", None, ("text",)) == [
+        "2.5e7",
+        "−3.25e−6",
+        "not known",
+    ]
+    units = {"length": "cm", "force": "N"}
+    rows = {name: row.dimension for name, row in QUANTITIES.items()}
+    told = run(
+        "answer(Object.values(given.rows).map((d) => text.unitText(d, given.units)));",
+        {"rows": rows, "units": units},
+        ("text",),
+    )
+    for name, unit in zip(rows, told, strict=True):
+        assert unit == labels.unit(unit_of(name, units)).replace("rad", "°" if rows[name] == "rad" else "rad"), name
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_the_copied_study_is_the_case_of_the_state(name) -> None:
+    text = run("answer(study_text.studyText(given));", STATES[name], ("study_text",))
+    study = loads(text)
+    assert study.unit_system == STATES[name]["units"]
+    for part in ("rod", "cylinder", "given"):
+        mine, wanted = getattr(study.case(), part), getattr(case_of(STATES[name]), part)
+        assert vars(mine) == vars(wanted)
+
+
+def test_a_link_holds_the_whole_state() -> None:
+    data = {"preset": "dna", "state": state("dna") | {"title": "β – ∞"}}
+    assert run("answer(study_text.fromHash(study_text.toHash(given)));", data, ("study_text",)) == data
+
+
+@pytest.mark.parametrize(
+    "text, value", [("5", 5), ("-0,5", -0.5), ("−2e3", -2000), (" .5 ", 0.5), ("1e-3", 1e-3), ("", "NaN"),
+     ("1.2.3", "NaN"), ("0x10", "NaN"), ("Infinity", "NaN")]
+)  # fmt: skip
+def test_what_a_person_types_is_a_number_or_none(text, value) -> None:
+    assert run("answer(controls.typed(given));", text, ("controls",)) == value
+
+
+def test_a_slider_and_its_value_are_inverse_to_each_other() -> None:
+    script = (
+        "answer(['E', 'nu', 'beta', 'F3'].map((name) => { const span = controls.spanOf(name, 8, 20);"
+        "return [100, 437, 900].map((place) => controls.placeOf(name, controls.valueAt(name, place, span), span)); }));"
+    )
+    np.testing.assert_allclose(run(script, None, ("controls",)), [[100, 437, 900]] * 4, atol=1e-2)
+
+
+def test_a_line_keeps_its_peaks_however_many_points_fall_on_one_pixel() -> None:
+    script = """
+    const xs = Array.from({ length: 5000 }, (_, i) => i / 25), ys = xs.map((x) => Math.sin(x * 7));
+    ys[1234] = 3; ys[4321] = -2;
+    const few = diagram.thinned(xs, ys, true);
+    answer([few.length, Math.max(...few.map(([, y]) => y)), Math.min(...few.map(([, y]) => y)), few[0], few.at(-1)]);"""
+    count, high, low, first, last = run(script, None, ("diagram",))
+    assert count <= 4 * 200
+    assert (high, low) == (3, -2)
+    assert first == [0, 0]
+    assert last[0] == 4999 / 25
+
+
+def test_unequal_scales_are_told_and_equal_ones_are_equal() -> None:
+    script = """
+    const equal = (x, y) => Math.max(x[1], y[1]) <= 6 * Math.min(x[1], y[1]);
+    const shape = (x, y) => diagram.frameOf({ x, y, equal: equal(x, y) }, 370, 250).stretch;
+    answer([shape([0, 2], [0, 8]), shape([0, 100], [0, 2]), diagram.scaleText(40), diagram.scaleText(0.5)]);"""
+    equal, other, wide, tall = run(script, None, ("diagram",))
+    assert equal == pytest.approx(1)
+    assert other < 0.1
+    assert wide == "width drawn 40 times larger"
+    assert tall == "height drawn 2 times larger"
+
+
+def test_the_camera_fits_all_of_a_rod_and_moves_only_where_it_must() -> None:
+    script = """
+    const camera0 = { azimuth: 0.4, elevation: 0.3 }, points = [1, 0, 0, -1, 0.5, 8, 0, 1, 4];
+    const box = camera.seen(camera0, points, 0.25), fits = camera.fitted(camera0, box, 1.5);
+    const steps = [0, 0.5, 1].map((u) => camera.between({ ...fits, half: 1 }, fits, u).half);
+    const longer = camera.seen(camera0, [...points, 0, 0, 12], 0.25);
+    const shorter = camera.seen(camera0, [0, 0, 0, 0, 0, 1], 0.25);
+    const moves = [box, longer, shorter].map((one) => camera.needsFit(fits, one, 1.5));
+    answer([...moves, fits.half, box.y1 - box.y0, steps]);"""
+    fits, grown, shrunk, half, tall, steps = run(script, None, ("camera",))
+    assert (fits, grown, shrunk) == (False, True, True)
+    assert half == pytest.approx(1.07 * tall / 2)
+    assert steps[0] == pytest.approx(1)
+    assert steps[2] == pytest.approx(half)
+
+
+def test_the_potential_and_the_level_are_the_solvers() -> None:
+    script = (
+        SHAPE + "const [well] = curves.diagrams(shape, given.units).filter(({ key }) => key === 'well');"
+        "answer([well.x, well.y, well.level, well.ranges]);"
+    )
+    x, y, level, ranges = run(script, state(), (*MODULES, "curves"))
+    sol = solve(case_of(state()))
+    np.testing.assert_allclose(
+        y, potential(sol.problem, np.radians(x)) / float(sol.case.rho) ** 2, rtol=1e-12, atol=1e-12
+    )
+    assert level == pytest.approx(float(sol.h[0]), rel=1e-9)
+    assert len(ranges) == 2  # it passes 180 degrees
+    allowed = np.interp(np.concatenate(ranges), x, y)
+    assert (allowed <= level + 0.01 * np.ptp(y)).all()
+
+
+def test_the_state_of_a_held_rod_is_the_ends_problem_of_its_own_shape() -> None:
+    script = (
+        SHAPE + "const { energy } = numbers.observables(shape);"
+        "answer(rod_case.heldState(given, one, shape.beta.at(-1), { dbeta0: shape.dbeta[0], energy }));"
+    )
+    held = run(script, state(), (*MODULES, "numbers"))
+    first = page_shape.shape(page_model.study_of(state()))
+    study = page_model.study_of(held)
+    assert isinstance(study.case().given, Ends)
+    found = page_shape.shape(study)
+    np.testing.assert_allclose(found.sol.beta[::2], first.sol.beta, atol=1e-7)
+    rows = page_model.list_equilibria(study)
+    assert min(abs(row["dbeta0"] - 0.5) for row in rows) < 1e-7
+
+
+def test_the_nearest_row_of_the_list_is_the_one_that_is_shown() -> None:
+    rows = [{"dbeta0": 0.5, "energy": -3.0}, {"dbeta0": 0.1, "energy": -2.0}, {"dbeta0": 0.5, "energy": 1.0}]
+    script = """
+    const places = [{ dbeta0: 0.49, energy: 0.9 }, { dbeta0: 0.12, energy: -2.1 }, null];
+    answer(places.map((at) => equilibria_list.rowOf(given, at)));"""
+    assert run(script, rows, ("equilibria_list",)) == [2, 1, -1]
+
+
+def test_a_case_of_the_page_and_of_the_solver_agree_without_a_reading() -> None:
+    made = {
+        "units": {"length": "mm", "force": "N"},
+        "base": {
+            "E": 1e3,
+            "nu": 0.3,
+            "a": 1.0,
+            "L": 80.0,
+            "R": 4.0,
+            "side": "inside",
+            "beta": 0.3,
+            "dbeta": 0.05,
+            "M3": 40.0,
+        },
+    }
+    found = run(SHAPE + "answer([shape.s, shape.push]);", made, MODULES)
+    case = Case(Rod(1e3, 0.3, 1.0, 80.0), Cylinder(4.0, "inside"), Start(0.3, 0.05, M3=40.0))
+    wanted = solve(case, stations=np.array(found[0])).push
+    np.testing.assert_allclose(
+        found[1], wanted, atol=1e-7 * np.abs(wanted).max()
+    )  # positive where the wall pushes inward

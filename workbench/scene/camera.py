@@ -1,0 +1,100 @@
+"""The camera of a scene: parallel projection, so one scale holds for all of the picture. No OpenGL."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from solver.problem.errors import InputError, no_such
+
+from ..geometry.centreline import Array
+
+if TYPE_CHECKING:
+    from .body import Body
+
+# name -> its views, each with the angle about the axis from the side where the rod is and the angle above the plane
+# across the axis, in degrees
+CAMERAS: dict[str, tuple[tuple[float, float], ...]] = {
+    "sides": ((0.0, 0.0), (90.0, 0.0)),
+    "front": ((0.0, 0.0),),
+    "side": ((90.0, 0.0),),
+    "oblique": ((25.0, 20.0),),
+}
+STEEPEST = 60.0  # degrees; beyond, lengths along the axis are hardly seen
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A camera in parallel projection.
+
+    Attributes
+    ----------
+    toward, up
+        Directions to the camera, and up on the page, (3,).
+    per_unit
+        Pixels per length.
+    """
+
+    toward: Array
+    up: Array
+    per_unit: float = 1.0
+
+    @property
+    def page(self) -> Array:
+        """Directions to the right and up on the page, (2, 3)."""
+        return np.array([np.cross(self.up, self.toward), self.up])
+
+    @property
+    def along_axis(self) -> float:
+        """The share of a length along the axis that is seen: 1 from the side."""
+        return float(np.hypot(*self.page[:, 2]))
+
+    def box(self, reach: float, ends: tuple[float, float]) -> tuple[Array, Array]:
+        """The least and the largest coordinates on the page of a cylinder between two heights, (2,) each [length]."""
+        across = reach * np.sqrt(np.maximum(1 - self.page[:, 2] ** 2, 0.0))  # the largest x cos t + y sin t of a rim
+        along = np.outer(ends, self.page[:, 2])
+        return along.min(axis=0) - across, along.max(axis=0) + across
+
+
+def views_of(text: str | None) -> tuple[tuple[float, float], ...]:
+    """The views that --camera names, each as azimuth and elevation [deg]; default: both sides.
+
+    Raises `InputError` for what is neither a name of `CAMERAS` nor two angles.
+    """
+    if text is None:
+        return CAMERAS["sides"]
+    if text in CAMERAS:
+        return CAMERAS[text]
+    try:
+        azimuth, elevation = (float(part) for part in text.split(","))
+    except ValueError:
+        raise no_such("camera", text, [*CAMERAS, "AZIMUTH,ELEVATION in degrees"]) from None
+    if not (-360 <= azimuth <= 360 and -STEEPEST <= elevation <= STEEPEST):
+        raise InputError(
+            f"--camera takes an azimuth between -360 and 360 and an elevation between {-STEEPEST:g} and {STEEPEST:g} "
+            f"degrees, got {text}"
+        )
+    return ((azimuth, elevation),)
+
+
+def facing(bodies: Sequence["Body"], elevation: float = 0.0, lying: bool = False) -> Camera:
+    """The camera before the rods' mean azimuth; the axis goes up the page, or with `lying` to its right.
+
+    elevation: the angle by which it looks down on the plane across the axis [deg].
+    """
+    mean = np.mean([np.exp(1j * body.alpha).mean() for body in bodies] or [1.0])
+    azimuth = np.angle(mean) if abs(mean) > 0.05 else 0.0  # a rod all around the cylinder has no front
+    out, axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0]), np.array([0.0, 0.0, 1.0])
+    above = np.radians(elevation)
+    toward = np.cos(above) * out + np.sin(above) * axis
+    flat = np.cos(above) * axis - np.sin(above) * out
+    return Camera(toward, np.cross(toward, flat) if lying else flat)
+
+
+def side_on(bodies: Sequence["Body"], lying: bool = True) -> Camera:
+    """The camera at right angles to the axis that looks along x or along y, whichever faces the rods more."""
+    front = facing(bodies).toward
+    out = np.sign(front) * (np.abs(front) == np.abs(front).max())
+    axis = np.array([0.0, 0.0, 1.0])
+    return Camera(out, np.cross(out, axis) if lying else axis)

@@ -1,0 +1,226 @@
+"""What stands below the views of a scene: the directions of x, y, z, scale bar, colour bar, legend, notes.
+
+Each block is measured before it is placed; what does not fit into a line begins the next. Lengths are in pixels at
+`style.DPI`, from the lower left of the page.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Rectangle
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Affine2D
+from numpy.typing import NDArray
+
+from ..data import labels
+from ..figures import style
+from . import measure
+from .colours import Bar
+
+TRIAD = 46.0  # an arrow of the axes
+BAR = (330.0, 20.0)  # the colour bar
+SCALE = 200.0  # the longest scale bar
+APART, LINE = 50.0, 20.0  # between blocks of a line, and between lines
+PATCH = 26.0  # a colour of the legend
+RING = "ring"  # in place of a colour: an open circle
+SMALL: dict[str, Any] = {"size": style.SMALL}
+HALO: dict[str, Any] = {
+    "weight": "bold", "size": style.SMALL, "path_effects": [withStroke(linewidth=2.5, foreground="white")],
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A piece of the footer: its width and height, and what draws it from its lower left corner on."""
+
+    width: float
+    height: float
+    draw: Callable[[Figure, float, float], Any]
+
+
+def blocks(
+    axes: NDArray[np.float64],
+    scale: tuple[float, str, float],
+    bar: Bar | None,
+    legend: Sequence[tuple[str, str]],
+    notes: Sequence[str],
+    room: float,
+) -> list[Block]:
+    """All blocks in order.
+
+    Parameters
+    ----------
+    axes
+        Where x, y, z point on the page, (3, 2).
+    scale
+        Pixels per length, the unit of length, and the share of a length along the axis that is seen.
+    """
+    found = [_triad(axes), _scale_bar(*scale)]
+    if bar:
+        found.append(_colour_bar(bar))
+    found += [_entry(colour, text) for colour, text in legend]
+    if notes:
+        found.append(_words("\n".join(measure.wrapped(note, 0.45 * room, style.SMALL) for note in notes)))
+    return found
+
+
+def lines_of(found: Sequence[Block], room: float) -> list[list[Block]]:
+    """The blocks in lines no longer than the room."""
+    lines: list[list[Block]] = [[]]
+    for block in found:
+        if lines[-1] and sum(one.width + APART for one in lines[-1]) + block.width > room:
+            lines.append([])
+        lines[-1].append(block)
+    return lines
+
+
+def height(lines: Sequence[Sequence[Block]]) -> float:
+    """The height of all lines."""
+    return sum(max(block.height for block in line) for line in lines) + LINE * max(len(lines) - 1, 0)
+
+
+def draw(fig: Figure, lines: Sequence[Sequence[Block]], x: float, y: float) -> None:
+    """Draw the lines from the lower left corner on."""
+    for line in reversed(lines):
+        tall, left = max(block.height for block in line), x
+        for block in line:
+            block.draw(fig, left, y + (tall - block.height) / 2)
+            left += block.width + APART
+        y += tall + LINE
+
+
+def _triad(axes: NDArray[np.float64]) -> Block:
+    """The axes x, y, z as the camera sees them; one that points at the viewer is a dot."""
+    low, high = np.minimum(axes.min(axis=0), 0), np.maximum(axes.max(axis=0), 0)
+    size = TRIAD * (high - low) + 30
+
+    def draw(fig: Figure, x: float, y: float) -> None:
+        origin = np.array([x, y]) + 15 - TRIAD * low
+        for name, way in zip("xyz", axes, strict=True):
+            seen = float(np.hypot(*way))
+            if seen > 0.08:
+                line(fig, origin, origin + TRIAD * way, color=style.INK, linewidth=1.4)
+            side = way / max(seen, 0.3) if seen > 0.08 else _free_side(axes)
+            x, y = origin + TRIAD * way * (seen > 0.08) + 13 * side
+            text(fig, x, y, name, ha="center", va="center", **SMALL)
+        fig.add_artist(_circle(fig, origin[0], origin[1], 3.5, facecolor=style.INK, linewidth=0))
+
+    return Block(float(size[0]), float(max(size[1], 86.0)), draw)
+
+
+def _free_side(axes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The direction on the page that is farthest from the axes, for the letter of one that points at the viewer."""
+    away = -axes.sum(axis=0)
+    return away / max(float(np.hypot(*away)), 0.3)
+
+
+def _scale_bar(per_unit: float, unit: str, along_axis: float) -> Block:
+    """A bar of a round length; where the axis is seen at a slant, of a length along it."""
+    length = round_length(SCALE / (per_unit * along_axis))
+    pixels = length * per_unit * along_axis
+    words = f"{labels.number(length)} {unit}" + ("" if along_axis > 1 - 1e-9 else " along the axis")
+    wide = max(measure.width(words), pixels)
+
+    def draw(fig: Figure, x: float, y: float) -> None:
+        left = x + (wide - pixels) / 2
+        for a, b in (((0, 0), (pixels, 0)), ((0, -7), (0, 7)), ((pixels, -7), (pixels, 7))):
+            line(fig, np.add((left, y + 14), a), np.add((left, y + 14), b), color=style.INK, linewidth=1.4)
+        text(fig, x + wide / 2, y + 30, words, ha="center", va="bottom")
+
+    return Block(wide, 64.0, draw)
+
+
+def round_length(target: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above the target."""
+    power = 10.0 ** np.floor(np.log10(target))
+    return float(max(step for step in (1, 2, 5) if step * power <= target * (1 + 1e-9)) * power)
+
+
+def _colour_bar(bar: Bar) -> Block:
+    """The colour bar with a few round values below and its quantity above."""
+    label = measure.wrapped(bar.label, BAR[0] + 60, style.SMALL)
+    words = measure.height(label, style.SMALL)
+
+    def draw(fig: Figure, x: float, y: float) -> None:
+        width, high = fig.get_size_inches() * style.DPI
+        ax = fig.add_axes((x / width, (y + 30) / high, BAR[0] / width, BAR[1] / high))
+        ax.imshow(np.linspace(0, 1, 256)[None], cmap=bar.ramp, aspect="auto", extent=(bar.low, bar.high, 0, 1))
+        ax.set(yticks=[])
+        ax.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
+        ax.xaxis.set_major_formatter(lambda value, _: labels.number(value).replace("-", "−"))
+        ax.tick_params(axis="x", length=3, labelsize=style.SMALL, labelcolor=style.INK, pad=2)
+        for spine in ax.spines.values():
+            spine.set(visible=True, color=style.SOFT, linewidth=0.5)
+        text(fig, x, y + 34 + BAR[1], label, va="bottom", **SMALL)
+
+    return Block(max(BAR[0], measure.width(label, style.SMALL)) + 12, 34 + BAR[1] + words, draw)
+
+
+def _entry(colour: str, words: str) -> Block:
+    """A colour of the legend and its meaning."""
+    words = measure.wrapped(words, 420.0, style.SMALL)
+    high = max(measure.height(words, style.SMALL), PATCH)
+
+    def draw(fig: Figure, x: float, y: float) -> None:
+        middle = y + high / 2
+        if colour == RING:
+            ring(fig, x + PATCH / 2, middle, PATCH / 2)
+        else:
+            size = fig.get_size_inches() * style.DPI
+            fig.add_artist(Rectangle((x / size[0], (middle - 8) / size[1]), PATCH / size[0], 16 / size[1],
+                                     facecolor=colour, linewidth=0, transform=fig.transFigure))  # fmt: skip
+        text(fig, x + PATCH + 12, middle, words, va="center", **SMALL)
+
+    return Block(PATCH + 12 + measure.width(words, style.SMALL), high, draw)
+
+
+def _words(words: str) -> Block:
+    high = measure.height(words, style.SMALL)
+    return Block(
+        measure.width(words, style.SMALL), high,
+        lambda fig, x, y: text(fig, x, y + high / 2, words, color=style.SOFT, va="center", **SMALL),
+    )  # fmt: skip
+
+
+def ring(fig: Figure, x: float, y: float, radius: float) -> None:
+    """Draw an open circle in ink with a white edge, seen on every colour."""
+    for colour, wide in (("white", 2.6), (style.INK, 1.2)):
+        fig.add_artist(_circle(fig, x, y, radius, fill=False, edgecolor=colour, linewidth=wide))
+
+
+def _circle(fig: Figure, x: float, y: float, radius: float, **how: Any) -> Circle:
+    return Circle((x, y), radius, transform=_pixels(fig), **how)
+
+
+def _pixels(fig: Figure) -> Any:
+    """From pixels at `style.DPI` to the figure's own."""
+
+    return Affine2D().scale(1 / style.DPI) + fig.dpi_scale_trans
+
+
+def text(fig: Figure, x: float, y: float, words: str, **how: Any) -> None:
+    """Write words at a place of the page."""
+    width, high = fig.get_size_inches() * style.DPI
+    if "\n" in words:
+        how = {"linespacing": measure.LINE / measure.ASCENT, **how}
+    fig.text(x / width, y / high, words, **how)
+
+
+def line(fig: Figure, a: Any, b: Any, **how: Any) -> None:
+    """Draw a line from a to b."""
+    fig.add_artist(
+        Line2D([a[0], b[0]], [a[1], b[1]], transform=_pixels(fig), solid_capstyle=how.pop("capstyle", "round"), **how)
+    )
+
+
+def dot(fig: Figure, x: float, y: float, number: str, stable: bool) -> None:
+    """The number of an equilibrium in a dot: filled where it is stable."""
+    look = {"facecolor": style.STABLE} if stable else {"facecolor": "white"}
+    fig.add_artist(_circle(fig, x, y, 15.0, edgecolor=style.STABLE if stable else style.SOFT, linewidth=0.9, **look))
+    size = style.SMALL if len(number) < 2 else 0.8 * style.SMALL
+    text(fig, x, y - 1, number, ha="center", va="center", color="white" if stable else style.INK, size=size)

@@ -1,0 +1,91 @@
+"""The pixels of a picture as means of samples, rendered a few at a time. Needs OpenGL."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from . import hidden
+
+FINER = 4  # each pixel is the mean of 4 x 4 samples
+AT_ONCE = 5_000_000  # pixels of a picture, up to which 2 x 2 samples of each are rendered at once
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """What renders: a plotter, the width and height of the picture in pixels, and `block` x `block` samples of each."""
+
+    plotter: Any
+    size: tuple[int, int]
+    block: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width in samples."""
+        return self.size[1] * self.block, self.size[0] * self.block
+
+    def colours(self) -> NDArray[np.uint8]:
+        """The colours of what was rendered, (*shape, 3)."""
+        found = pv.convert_array(np.zeros(1, dtype=np.uint8))
+        self.plotter.ren_win.GetPixelData(0, 0, self.shape[1] - 1, self.shape[0] - 1, 0, found, 0)
+        return np.asarray(pv.convert_array(found)).reshape(*self.shape, 3)
+
+    def depths(self) -> NDArray[np.float32]:
+        """The depths of what was rendered, from 0 at the camera to 1 where nothing is, `shape`."""
+        found = pv.convert_array(np.zeros(1, dtype=np.float32))
+        self.plotter.ren_win.GetZbufferData(0, 0, self.shape[1] - 1, self.shape[0] - 1, found)
+        return np.asarray(pv.convert_array(found)).reshape(self.shape)
+
+    def samples(self) -> Iterator[int]:
+        """Render the samples of all pixels one after the other: the picture moved by parts of a pixel."""
+        steps = FINER // self.block
+        for k in range(steps**2):
+            i, j = ((n + 0.5) / steps - 0.5 for n in divmod(k, steps))
+            self.plotter.camera.SetWindowCenter(2 * i / self.shape[1], 2 * j / self.shape[0])
+            self.plotter.ren_win.Render()
+            yield k
+
+    def summed(self, samples: NDArray[Any], into: NDArray[Any]) -> None:
+        """Add the samples of each pixel to it."""
+        for i, j in np.ndindex(self.block, self.block):
+            into += samples[i :: self.block, j :: self.block]
+
+
+def block_for(size: tuple[int, int]) -> int:
+    """How many samples along each direction are rendered at once."""
+    return min(FINER, 2 if size[0] * size[1] <= AT_ONCE else 1)
+
+
+def mean(
+    window: Window, walls: Sequence[Any], drawn: hidden.Drawn | None, transparent: bool
+) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """The mean of all samples of each pixel: colours, (height, width, 3), and what is covered, (height, width, 1).
+
+    walls: what hides stretches of the rods. drawn: how these are drawn; default: not at all.
+    """
+    wide, high = window.size
+    sums, covered = np.zeros((high, wide, 3), dtype=np.uint16), np.zeros((high, wide, 1), dtype=np.uint16)
+    everything = np.ones((1, 1), dtype=np.float32)
+    for k in window.samples():
+        window.summed(window.colours(), sums)
+        if transparent:
+            window.summed((window.depths() < 1)[..., None], covered)
+        if k == 0 and drawn:
+            everything = window.depths()
+    pixels = sums * np.float32(1 / FINER**2)
+    if drawn:
+        for actor in walls:
+            actor.SetVisibility(False)
+        next(window.samples())
+        line, behind = np.zeros((2, high, wide), dtype=np.float32)
+        for found, into in zip(hidden.lines(window.depths(), everything, drawn), (line, behind), strict=True):
+            window.summed(found / window.block**2, into)
+        pixels = hidden.over(pixels, line, behind)
+    if transparent:  # what is seen beside white in a pixel
+        share = np.maximum(covered, 1) / FINER**2
+        pixels = np.where(covered > 0, (pixels - 255 * (1 - share)) / share, 255)
+    alpha = np.round(covered * (255 / FINER**2)).astype(np.uint8)
+    return np.clip(np.round(pixels), 0, 255).astype(np.uint8)[::-1], alpha[::-1]

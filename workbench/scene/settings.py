@@ -1,0 +1,109 @@
+"""How a scene is drawn, whatever it shows. No OpenGL."""
+
+from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+
+from solver.problem.errors import InputError
+
+from ..figures import style
+from . import camera
+
+DPIS = (50, 600)
+SIDES = (200, 12_000)  # pixels of a page's width and height
+MOST_PIXELS = 40_000_000
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a scene is drawn.
+
+    Attributes
+    ----------
+    pixel_error
+        The error allowed of the drawn surface in pixels.
+    dpi
+        Pixels per inch of the picture.
+    span
+        The arc lengths between which the rod is drawn [length]; default: all of it.
+    strict
+        Raise `TooFewStations` where the stations do not allow the pixel error; default: draw as well as they allow.
+    camera
+        A name of `camera.CAMERAS`, or azimuth and elevation in degrees; default: from both sides where one case is
+        shown, else from the front.
+    color_range
+        The values at the ends of the colour bar; default: those that the rods have.
+    bare
+        The views alone, without words and bars.
+    transparent
+        Without background.
+    size
+        Width and height of the picture in pixels; default: as high as its content.
+    """
+
+    pixel_error: float = 0.5
+    dpi: int = style.DPI
+    span: tuple[float, float] | None = None
+    strict: bool = False
+    camera: str | None = None
+    color_range: tuple[float, float] | None = None
+    bare: bool = False
+    transparent: bool = False
+    size: tuple[int, int] | None = None
+
+    @property
+    def finer(self) -> float:
+        """Pixels of the picture per pixel at `style.DPI`."""
+        return self.dpi / style.DPI
+
+
+DEFAULT = Settings()
+
+
+def check(settings: Settings) -> None:
+    """Raise `InputError` for an invalid value."""
+    if not 0.01 <= settings.pixel_error <= 10:
+        raise InputError(f"--pixel-error must be between 0.01 and 10 pixels, got {settings.pixel_error:g}")
+    if not DPIS[0] <= settings.dpi <= DPIS[1]:
+        raise InputError(f"--dpi must be between {DPIS[0]} and {DPIS[1]}, got {settings.dpi}")
+    camera.views_of(settings.camera)
+    if settings.color_range and not -inf < settings.color_range[0] < settings.color_range[1] < inf:
+        low, high = settings.color_range
+        raise InputError(f"--color-range takes a lower and a higher finite number, got {low:g},{high:g}")
+    if settings.size and (
+        not all(SIDES[0] <= side <= SIDES[1] for side in settings.size)
+        or settings.size[0] * settings.size[1] > MOST_PIXELS
+    ):
+        wide, high = settings.size
+        raise InputError(
+            f"--size must have between {SIDES[0]} and {SIDES[1]} pixels on each side and at most {MOST_PIXELS} in all, "
+            f"got {wide}x{high}"
+        )
+
+
+def check_name(path: Path, settings: Settings) -> None:
+    """Raise `InputError` where a file of that name cannot hold the picture."""
+    if settings.transparent and path.suffix.lower() != ".png":
+        raise InputError(f"only a .png can have a transparent background (--transparent), not {path.name}")
+
+
+def color_range_of(text: str | None) -> tuple[float, float] | None:
+    """The two values of --color-range. Raises `InputError`."""
+    if text is None:
+        return None
+    try:
+        low, high = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(f"--color-range takes two numbers LOW,HIGH, got {text!r}") from None
+    return low, high
+
+
+def size_of(text: str | None) -> tuple[int, int] | None:
+    """Width and height of --size. Raises `InputError`."""
+    if text is None:
+        return None
+    try:
+        wide, high = (int(part) for part in text.lower().split("x"))
+    except ValueError:
+        raise InputError(f"--size takes WIDTHxHEIGHT in pixels, for example 1600x1200, got {text!r}") from None
+    return wide, high

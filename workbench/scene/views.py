@@ -1,0 +1,68 @@
+"""What a scene shows in one cell of its page. No OpenGL."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry.centreline import Array
+from .body import Body
+from .camera import Camera
+from .cells import Cell
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What stands in a cell: rods on one cylinder, or none.
+
+    turned: the angle about the axis by which all of it is turned [rad]. ends: the heights between which its cylinder
+    stands [length]; default: a little beyond the rods. frame: the rods for which there is room; default: those shown.
+    """
+
+    bodies: Sequence[Body]
+    cell: Cell
+    turned: float = 0.0
+    ends: tuple[float, float] | None = None
+    frame: Sequence[Body] = ()
+
+    def box(self, camera: Camera) -> tuple[Array, Array]:
+        """The least and the largest coordinates on the page of what is shown, (2,) each [length].
+
+        To the left and to the right of an upright cylinder there is as much room.
+        """
+        low, high = camera.box(self.bodies[0].R, self.cylinder)
+        for body in self.frame or self.bodies:
+            seen = self.places(body) @ camera.page.T
+            low, high = np.minimum(low, seen.min(axis=0) - body.a), np.maximum(high, seen.max(axis=0) + body.a)
+        if abs(camera.page[0, 2]) < 1e-9:
+            wide = max(-low[0], high[0])
+            low, high = np.array([-wide, low[1]]), np.array([wide, high[1]])
+        return low, high
+
+    @property
+    def turn(self) -> Array:
+        """The matrix that turns places about the axis, (3, 3)."""
+        cos, sin = np.cos(self.turned), np.sin(self.turned)
+        return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+    def places(self, body: Body) -> Array:
+        """The centreline of a rod as it is turned, (n, 3) [length]."""
+        return body.places(np.linspace(*body.span, 4 * body.alpha.size)) @ self.turn.T
+
+    @property
+    def cylinder(self) -> tuple[float, float]:
+        """The heights between which the cylinder stands [length]."""
+        return self.ends or ends_of(self.bodies)
+
+    @property
+    def reach(self) -> float:
+        """The largest distance from the axis of what is shown [length]."""
+        return max(body.reach for body in self.bodies)
+
+
+def ends_of(bodies: Sequence[Body]) -> tuple[float, float]:
+    """Where the cylinder begins and ends [length], a little beyond the rods; 0 and 5 without rods."""
+    if not bodies:
+        return 0.0, 5.0
+    beyond = max(body.a for body in bodies) + 0.3 * max(body.R for body in bodies)
+    return min(body.z.min() for body in bodies) - beyond, max(body.z.max() for body in bodies) + beyond

@@ -1,0 +1,102 @@
+"""The live page as one HTML text: its markup, style, program, the compiled core and the data that it begins with.
+
+The text loads nothing from any address. With a server it asks the server for what the page cannot compute; without one
+it is a file that works offline.
+"""
+
+import base64
+import hashlib
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from solver.core import build
+from solver.problem.quantities import QUANTITIES
+from studies.readings import READINGS
+
+from ...data import push_colours
+from ...data.escaping import finite
+from . import page_shape
+from .page_model import study_of
+from .presets import Preset
+
+PAGE = Path(__file__).parent / "page"
+FIRST = "page"
+_IMPORT = re.compile(r'^import (\{.*\}) from "\./(\w+)\.mjs";$', re.M)
+_EXPORT = re.compile(r"^export ((?:async )?(?:const|function|class) (\w+))", re.M)
+
+
+def text(presets: Sequence[Preset], served: bool) -> str:
+    """The page. presets: the rods to begin with, the first is drawn; served: whether a server answers it."""
+    read = {name: (PAGE / name).read_text(encoding="utf-8") for name in ("index.html", "page.css")}
+    core, program = (build.HERE / "rod.js").read_text(encoding="utf-8"), bundle()
+    parts = {
+        "style": read["page.css"], "core": core, "program": program, "data": _json(_data(presets, served)),
+        "policy": policy(read["page.css"], core, program, served),
+    }  # fmt: skip
+    return re.sub(r"{{ (\w+) }}", lambda found: parts[found[1]], read["index.html"])
+
+
+def bundle() -> str:
+    """The modules of the page as one script: each a function that returns what it exports, after those it imports."""
+    source = {path.stem: path.read_text(encoding="utf-8") for path in PAGE.glob("*.mjs")}
+    done: list[str] = []
+
+    def add(name: str) -> None:
+        for _, other in _IMPORT.findall(source[name]):
+            if other not in done:
+                add(other)
+        done.append(name)
+
+    add(FIRST)
+    return "\n".join(_module(name, source[name]) for name in done)
+
+
+def _module(name: str, source: str) -> str:
+    exported = ", ".join(found for _, found in _EXPORT.findall(source))
+    body = _EXPORT.sub(r"\1", _IMPORT.sub(r"const \1 = module_\2;", source))
+    return f"const module_{name} = (() => {{\n{body}return {{ {exported} }};\n}})();"
+
+
+def policy(style: str, core: str, program: str, served: bool) -> str:
+    """The content security policy: the scripts and the style of this text, WebAssembly, and at most its own server."""
+    scripts, own = " ".join(_hash(script) for script in (core, program)), "'self'" if served else "'none'"
+    return (
+        f"default-src 'none'; script-src {scripts} 'wasm-unsafe-eval'; style-src {_hash(style)}; img-src data: blob:; "
+        f"connect-src {own}; base-uri 'none'; form-action 'none'"
+    )
+
+
+def _hash(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
+    return {
+        "served": served,
+        "presets": [asdict(preset) | ({} if served else _begun(preset)) for preset in presets],
+        "readings": list(READINGS),
+        "quantities": {name: [row.symbol, _short(row.long_name), row.dimension] for name, row in QUANTITIES.items()},
+        "colours": {"stops": push_colours.STOPS, "pull": push_colours.PULL},
+        "core": base64.b64encode((build.HERE / build.WASM).read_bytes()).decode(),
+    }
+
+
+def _short(words: str) -> str:
+    return words.partition(" (")[0]
+
+
+def _begun(preset: Preset) -> dict[str, Any]:
+    """The solved shape of a rod between two ends, from which a page without a server follows. Raises `InputError`."""
+    sol = page_shape.shape(study_of(preset.state)).sol
+    if sol.problem.kind != "ends":
+        return {}
+    return {"shape": {"s": sol.s.tolist(), "beta": [round(float(beta), 10) for beta in sol.beta]}}
+
+
+def _json(data: Any) -> str:
+    """Plain data as JSON that may stand inside a script element."""
+    return json.dumps(finite(data), ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")

@@ -1,0 +1,142 @@
+// The fields of a rod: a slider and a number each, and what is wrong beside its field.
+
+import { DEGREE, fieldNames, isUnused, kindOf, meaning, quantityOf } from "./rod_case.mjs";
+import { minus, number, unitText, withUnit } from "./text.mjs";
+
+const RATIO = [-0.95, 0.5]; // of nu
+const WIDER = 5; // the ends of a slider, as a factor of the value of the preset
+const STEPS = 1000,
+  KEY = 10,
+  PAGE = 100; // of a slider; of an arrow key; of page up and down
+
+/* The two ends of the slider of a field; centre: its value in the preset. */
+export function spanOf(name, centre, span) {
+  const kind = kindOf(name);
+  if (kind === "ratio") return RATIO;
+  if (kind === "positive") return [centre / WIDER, centre * WIDER];
+  if (Array.isArray(span)) return span;
+  const far = span || (kind === "angle" ? (name === "betaL" ? 2 : 1) * Math.PI : 4 * Math.abs(centre || 0) || 1);
+  return [-far, far];
+}
+
+/* The place of a value on its slider, and the value at a place. */
+export function placeOf(name, value, [low, high]) {
+  return (
+    STEPS * (kindOf(name) === "positive" ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low))
+  );
+}
+export function valueAt(name, place, [low, high]) {
+  const u = place / STEPS;
+  return Number((kindOf(name) === "positive" ? low * (high / low) ** u : low + u * (high - low)).toPrecision(6));
+}
+
+/* A number that a person typed: with a comma or a minus sign, too; NaN for anything else. */
+export function typed(text) {
+  const plain = text.trim().replaceAll("−", "-").replace(",", ".");
+  return /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
+}
+
+/* The fields in `box`. data: quantities and units. changed(name, value): called with each new value. */
+export function makeControls(box, quantities, changed) {
+  let rows = {},
+    made = "";
+
+  function build(state, context) {
+    box.replaceChildren();
+    rows = {};
+    for (const name of fieldNames(state)) {
+      const [symbol, words, dimension] = quantities[quantityOf(name)],
+        unit = unitText(dimension, state.units);
+      const row = document.createElement("div"),
+        label = document.createElement("label"),
+        letter = document.createElement("b"),
+        told = document.createElement("span");
+      row.className = "field";
+      ((letter.textContent = symbol), (told.textContent = ` ${words}`));
+      label.htmlFor = `n-${name}`;
+      label.append(letter, told);
+      const slider = Object.assign(document.createElement("input"), {
+        type: "range",
+        min: 0,
+        max: STEPS,
+        step: "any",
+        id: `s-${name}`,
+        tabIndex: -1,
+      });
+      const field = Object.assign(document.createElement("input"), {
+        type: "text",
+        id: `n-${name}`,
+        autocomplete: "off",
+        spellcheck: false,
+      });
+      slider.setAttribute("aria-label", `${words}, slider`);
+      field.setAttribute("role", "spinbutton");
+      const shown = document.createElement("span"),
+        note = document.createElement("p");
+      ((shown.className = "unit"), (shown.textContent = unit), (note.id = `why-${name}`));
+      row.append(label, slider, field, shown, note);
+      box.append(row);
+      rows[name] = { row, slider, field, note, unit };
+      slider.addEventListener("input", () => changed(name, valueAt(name, Number(slider.value), context.span(name))));
+      field.addEventListener("change", () => {
+        const v = typed(field.value);
+        changed(name, kindOf(name) === "angle" ? v * DEGREE : v, true);
+      });
+      field.addEventListener("keydown", (event) => {
+        const by = { ArrowUp: KEY, ArrowDown: -KEY, PageUp: PAGE, PageDown: -PAGE }[event.key];
+        if (!by || !Number.isFinite(context.value(name))) return;
+        event.preventDefault();
+        changed(name, valueAt(name, placeOf(name, context.value(name), context.span(name)) + by, context.span(name)));
+      });
+    }
+  }
+
+  /* Show the values of a state. wrong: a sentence and its field. context: the span and the value of each field. */
+  function show(state, wrong, context) {
+    const key = JSON.stringify([fieldNames(state), state.units]);
+    if (key !== made) (build(state, context), (made = key));
+    for (const [name, { row, slider, field, note, unit }] of Object.entries(rows)) {
+      const value = state.base[name] ?? 0,
+        spoken = kindOf(name) === "angle" ? value / DEGREE : value,
+        bad = wrong.field === name;
+      const text = Number.isFinite(spoken) ? String(Number(spoken.toPrecision(7))) : field.value;
+      const place = placeOf(name, value, context.span(name));
+      if (!(Math.abs(Number(slider.value) - Math.min(Math.max(place, 0), STEPS)) < 0.01)) slider.value = place;
+      if (!(bad && document.activeElement === field) && field.value !== text) field.value = text;
+      const said = withUnit(number(spoken, 7), unit);
+      if (slider.getAttribute("aria-valuetext") !== said) {
+        slider.setAttribute("aria-valuetext", said);
+        field.setAttribute("aria-valuetext", said);
+        if (Number.isFinite(spoken)) field.setAttribute("aria-valuenow", spoken);
+      }
+      const about = bad ? wrong.sentence : meaning(state, name);
+      if (note.textContent !== about) note.textContent = about;
+      note.className = bad ? "why" : "note";
+      note.hidden = !about;
+      if (field.getAttribute("aria-invalid") !== String(bad)) field.setAttribute("aria-invalid", String(bad));
+      if (Boolean(about) !== field.hasAttribute("aria-describedby")) {
+        if (about) field.setAttribute("aria-describedby", note.id);
+        else field.removeAttribute("aria-describedby");
+      }
+      row.classList.toggle("wrong", bad);
+      row.classList.toggle("unused", isUnused(state, name));
+    }
+  }
+
+  return { show };
+}
+
+/* A line of the values at one place of the rod. */
+export function hereText(at, units) {
+  const { length, force } = units,
+    unit = (v, text) => `${v} ${text}`;
+  return minus(
+    [
+      `s = ${unit(number(at.s), length)}`,
+      `β = ${number(at.beta / DEGREE)}°`,
+      `${at.push < 0 ? "pull" : "push"} ${unit(number(Math.abs(at.push)), `${force}/${length}`)}`,
+      `κ = ${unit(number(at.kappa), `1/${length}`)}`,
+      `F₃ = ${unit(number(at.tension), force)}`,
+    ].join(" · "),
+  );
+}

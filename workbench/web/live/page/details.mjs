@@ -1,0 +1,50 @@
+// The observables and warnings below the rod, and the small parts that other modules of the page share.
+
+import { DEGREE, quantityOf } from "./rod_case.mjs";
+import { number, unitText, withUnit } from "./text.mjs";
+
+export const element = (id) => document.getElementById(id);
+
+export function set(box, text) {
+  if (box.textContent !== text) box.textContent = text;
+}
+
+/* Observables, name and value each, and sentences. quantities: symbol, words and dimension of each name. */
+export function showRows(rows, told, quantities, units) {
+  const list = document.createDocumentFragment();
+  for (const [name, value] of rows) {
+    const [symbol, words, dimension] = quantities[quantityOf(name)];
+    const [row, term, letter, amount] = ["div", "dt", "b", "dd"].map((tag) => document.createElement(tag));
+    letter.textContent = symbol;
+    term.append(letter, ` ${words}`);
+    amount.textContent = withUnit(number(dimension === "rad" ? value / DEGREE : value), unitText(dimension, units));
+    amount.id = `o-${name}`;
+    row.append(term, amount);
+    list.append(row);
+  }
+  element("numbers").replaceChildren(list);
+  const items = told.map((text) => Object.assign(document.createElement("li"), { textContent: text }));
+  element("warnings").replaceChildren(...items);
+}
+
+/* How the shape was solved, in one line. */
+export function solvedText({ outcome, method }, { error, condition, s }) {
+  const told = [
+    outcome || "solved",
+    error > 0 ? `estimated error ${number(error, 2)}` : "",
+    Number.isFinite(condition) ? `condition number ${number(condition, 3)}` : "",
+    `${s.length} stations`,
+  ];
+  return `${told.filter(Boolean).join(", ")} (${method}).`;
+}
+
+/* The colours of the page's style, read anew after `forget`. */
+export function makeTheme() {
+  let known = null;
+  const names = ["ink", "soft", "faint", "line", "level", "mark", "badge", "on-badge", "font"];
+  const read = () => {
+    const style = getComputedStyle(document.documentElement);
+    return Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
+  };
+  return Object.assign(() => (known ??= read()), { forget: () => (known = null) });
+}

@@ -1,0 +1,250 @@
+// A line diagram on a canvas, from the rows of numbers of curves.mjs.
+
+import { css, pushColour } from "./colours.mjs";
+import { range } from "./numbers.mjs";
+import { number, tickText, ticks } from "./text.mjs";
+
+const LEFT = 58,
+  RIGHT = 12,
+  TOP = 8,
+  FOOT = 36;
+const LETTER = 11,
+  LEAST_SCALES = 1.05,
+  LEAST_RANGE = 5,
+  TONES = 128,
+  NEAR = 0.7; // pixels
+
+/* The scales of a diagram in a box of so many pixels. */
+export function frameOf(spec, width, height) {
+  const w = width - LEFT - RIGHT,
+    h = height - TOP - FOOT,
+    more = [spec.zero ? 0 : NaN, spec.level ?? NaN];
+  let [x0, x1] = extent(spec.x, [], spec.least),
+    [y0, y1] = extent(spec.y, more, spec.least);
+  if (!spec.rising) [x0, x1] = padded(x0, x1, 0.04);
+  [y0, y1] = padded(y0, y1, 0.07);
+  if (spec.equal) {
+    const unit = Math.max((x1 - x0) / w, (y1 - y0) / h),
+      cx = (x0 + x1) / 2,
+      cy = (y0 + y1) / 2;
+    [x0, x1, y0, y1] = [cx - (unit * w) / 2, cx + (unit * w) / 2, cy - (unit * h) / 2, cy + (unit * h) / 2];
+  }
+  const px = (v) => LEFT + ((v - x0) / (x1 - x0)) * w,
+    py = (v) => TOP + h - ((v - y0) / (y1 - y0)) * h;
+  return {
+    w,
+    h,
+    x0,
+    x1,
+    y0,
+    y1,
+    px,
+    py,
+    width,
+    height,
+    back: (p) => x0 + ((p - LEFT) / w) * (x1 - x0),
+    stretch: w / (x1 - x0) / (h / (y1 - y0)),
+  };
+}
+
+const padded = (low, high, share) => [low - share * (high - low), high + share * (high - low)];
+
+/* Smallest and largest value; a row without a difference, or with less than `least`, gets room about it. */
+export function extent(values, more = [], least = 0) {
+  let low = Infinity,
+    high = -Infinity;
+  for (const list of [values, more])
+    for (const v of list)
+      if (Number.isFinite(v)) {
+        low = Math.min(low, v);
+        high = Math.max(high, v);
+      }
+  if (!(low <= high)) return [0, 1];
+  const size = Math.max(Math.abs(low), Math.abs(high), 1e-300);
+  if (high - low < least) return [(low + high - least) / 2, (low + high + least) / 2]; // less is rounding
+  if (high - low < 1e-6 * size) return [low - 0.05 * size, high + 0.05 * size]; // a constant is drawn as level
+  return [low, high];
+}
+
+/* The points of a line in pixels. Over x: in each column of pixels the first, and its lowest and highest where they lie
+   between its ends; of another curve those a pixel's part apart. */
+export function thinned(xs, ys, rising) {
+  const found = [],
+    last = xs.length - 1;
+  if (!rising) {
+    xs.forEach((x, i) => {
+      const before = found[found.length - 1];
+      if (!before || i === last || Math.hypot(x - before[0], ys[i] - before[1]) > NEAR) found.push([x, ys[i]]);
+    });
+    return found;
+  }
+  for (let i = 0; i <= last;) {
+    let [j, low, high] = [i, i, i];
+    while (j < last && Math.floor(xs[j + 1]) === Math.floor(xs[i])) {
+      j++;
+      if (ys[j] < ys[low]) low = j;
+      if (ys[j] > ys[high]) high = j;
+    }
+    const inner = [low, high].filter((k) => k > i && k < j).sort((a, b) => a - b);
+    for (const k of [i, ...inner, ...(j === last && j > i ? [j] : [])]) found.push([xs[k], ys[k]]);
+    i = j + 1;
+  }
+  return found;
+}
+
+export function paintDiagram(ctx, spec, frame, theme, code) {
+  const { w, h, px, py } = frame;
+  ctx.clearRect(0, 0, frame.width, frame.height);
+  ctx.font = `${LETTER}px ${theme.font}`;
+  const points = thinned(Array.from(spec.x, px), Array.from(spec.y, py), spec.rising);
+  gridOf(ctx, frame, theme);
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(LEFT, TOP, w, h);
+  ctx.clip();
+  if (spec.coloured) columns(ctx, spec, frame, code);
+  if (spec.zero)
+    line(
+      ctx,
+      [
+        [LEFT, py(0)],
+        [LEFT + w, py(0)],
+      ],
+      theme.soft,
+      1,
+    );
+  line(ctx, points, spec.coloured ? theme.ink : theme.line, spec.coloured ? 1.2 : 1.8);
+  if (spec.level !== undefined) levelOf(ctx, spec, frame, theme);
+  if (spec.dot) spot(ctx, points[0], 3.5, theme.ink);
+  ctx.restore();
+  labels(ctx, spec, frame, theme);
+}
+
+/* The cursor: a mark on the line and, over s, a line through it. */
+export function paintCursor(ctx, frame, [x, y], vertical, theme) {
+  if (vertical)
+    line(
+      ctx,
+      [
+        [frame.px(x), TOP],
+        [frame.px(x), TOP + frame.h],
+      ],
+      theme.mark,
+      1,
+    );
+  spot(ctx, [frame.px(x), frame.py(y)], 4.5, theme.mark);
+}
+
+/* The stretches of push and pull between the line and zero, column by column, in the colours of the rod. */
+function columns(ctx, spec, { px, py, x0, x1, w }, code) {
+  const most = Math.max(range(spec.y)[1], 1e-300),
+    zero = py(0),
+    step = (x1 - x0) / w,
+    tones = {};
+  for (let k = 0, i = 0; k < w; k++) {
+    const x = x0 + (k + 0.5) * step;
+    while (i < spec.x.length - 2 && spec.x[i + 1] < x) i++;
+    const u = (x - spec.x[i]) / (spec.x[i + 1] - spec.x[i] || 1),
+      y = spec.y[i] + u * (spec.y[i + 1] - spec.y[i]);
+    const tone = y < 0 ? -1 : Math.round((TONES * y) / most);
+    ctx.fillStyle = tones[tone] ??= css(pushColour(code, tone, TONES));
+    ctx.fillRect(px(x) - 0.5, Math.min(py(y), zero), 1, Math.abs(py(y) - zero));
+  }
+}
+
+function gridOf(ctx, { px, py, x0, x1, y0, y1, w, h }, theme) {
+  for (const v of ticks(x0, x1, 6))
+    line(
+      ctx,
+      [
+        [px(v), TOP],
+        [px(v), TOP + h],
+      ],
+      theme.faint,
+      1,
+    );
+  for (const v of ticks(y0, y1, 4))
+    line(
+      ctx,
+      [
+        [LEFT, py(v)],
+        [LEFT + w, py(v)],
+      ],
+      theme.faint,
+      1,
+    );
+}
+
+function levelOf(ctx, spec, { px, py, w }, theme) {
+  const y = py(spec.level);
+  ctx.setLineDash([4, 3]);
+  line(
+    ctx,
+    [
+      [LEFT, y],
+      [LEFT + w, y],
+    ],
+    theme.level,
+    1,
+  );
+  ctx.setLineDash([]);
+  for (const [from, to] of spec.ranges) {
+    const left = px(from),
+      wide = Math.max(px(to) - left, LEAST_RANGE);
+    line(
+      ctx,
+      [
+        [(left + px(to) - wide) / 2, y],
+        [(left + px(to) + wide) / 2, y],
+      ],
+      theme.level,
+      3.5,
+    );
+  }
+}
+
+function labels(ctx, spec, { px, py, x0, x1, y0, y1, w, h, height, stretch }, theme) {
+  ctx.fillStyle = theme.soft;
+  ctx.textAlign = "center";
+  for (const v of ticks(x0, x1, 6)) ctx.fillText(tickText(v, x1 - x0), px(v), TOP + h + 14);
+  ctx.fillText(spec.xlabel, LEFT + w / 2, height - 6);
+  ctx.textAlign = "right";
+  for (const v of ticks(y0, y1, 4)) ctx.fillText(tickText(v, y1 - y0), LEFT - 5, py(v) + 4);
+  ctx.save();
+  ctx.translate(11, TOP + h / 2);
+  ctx.rotate(-Math.PI / 2);
+  ctx.textAlign = "center";
+  ctx.fillText(spec.ylabel, 0, 0);
+  ctx.restore();
+  if ("equal" in spec && Math.max(stretch, 1 / stretch) > LEAST_SCALES) badge(ctx, scaleText(stretch), LEFT + w, theme);
+}
+
+/* How unequal the two scales of a diagram are, in words; stretch: of the horizontal over the vertical. */
+export function scaleText(stretch) {
+  return stretch > 1
+    ? `width drawn ${number(stretch, 2)} times larger`
+    : `height drawn ${number(1 / stretch, 2)} times larger`;
+}
+
+function badge(ctx, text, right, theme) {
+  const wide = ctx.measureText(text).width + 12;
+  ctx.fillStyle = theme.badge;
+  ctx.fillRect(right - wide, TOP, wide, 18);
+  ctx.fillStyle = theme["on-badge"];
+  ctx.textAlign = "left";
+  ctx.fillText(text, right - wide + 6, TOP + 13);
+}
+
+function line(ctx, points, colour, width) {
+  ctx.beginPath();
+  for (const [x, y] of points) ctx.lineTo(x, y);
+  Object.assign(ctx, { strokeStyle: colour, lineWidth: width, lineJoin: "round" });
+  ctx.stroke();
+}
+
+function spot(ctx, [x, y], radius, colour) {
+  ctx.beginPath();
+  ctx.arc(x, y, radius, 0, 2 * Math.PI);
+  ctx.fillStyle = colour;
+  ctx.fill();
+}

@@ -1,0 +1,102 @@
+// A picture of the page for a paper or a slide: the rod, the colour code, and every value that made it.
+
+import { css, pushColour } from "./colours.mjs";
+import { quantityOf } from "./rod_case.mjs";
+import { minus, number, unitText, withUnit } from "./text.mjs";
+
+export const WIDE = 2400;
+const HIGH = 1800,
+  SIDE = 700,
+  EDGE = 70,
+  LETTER = 34,
+  LINE = 54;
+const INK = "#1c2430",
+  SOFT = "#4d5866",
+  PAPER = "#ffffff",
+  FONT = 'system-ui, "DejaVu Sans", sans-serif';
+
+/* The picture as a PNG file. rows: name and text of each value. */
+export async function drawPicture({ view, shape, code, rows, quantities, state, title }) {
+  const canvas = Object.assign(document.createElement("canvas"), { width: WIDE, height: HIGH }),
+    ctx = canvas.getContext("2d");
+  ctx.fillStyle = PAPER;
+  ctx.fillRect(0, 0, WIDE, HIGH);
+  const [w, h] = [WIDE - SIDE - 2 * EDGE, HIGH - 2 * EDGE];
+  if (view.scene) {
+    const part = Object.assign(document.createElement("canvas"), { width: w, height: h });
+    part.getContext("2d").putImageData(new ImageData(view.pixels(w, h), w, h), 0, 0);
+    ctx.drawImage(part, EDGE, EDGE);
+    view.rest();
+  }
+  column(ctx, { shape, code, rows, quantities, state, title, squeeze: view.drawn.squeeze, most: view.drawn.largest });
+  return new Promise((done) => {
+    canvas.toBlob(done, "image/png");
+  });
+}
+
+function column(ctx, { code, rows, quantities, state, title, squeeze, most, shape }) {
+  const x = WIDE - SIDE,
+    right = WIDE - EDGE;
+  let y = EDGE + 20;
+  const text = (words, colour, bold, size = LETTER) => {
+    ctx.font = `${bold ? "600 " : ""}${size}px ${FONT}`;
+    ctx.fillStyle = colour;
+    ctx.textAlign = "left";
+    ctx.fillText(words, x, y);
+  };
+  for (const words of broken(ctx, title, right - x, `600 ${LETTER + 8}px ${FONT}`)) {
+    text(words, INK, true, LETTER + 8);
+    y += LINE;
+  }
+  if (state.reading)
+    for (const words of broken(
+      ctx,
+      `Table 1 read ${state.reading.split("/").join(", ")}`,
+      right - x,
+      `${LETTER - 6}px ${FONT}`,
+    )) {
+      text(words, SOFT, false, LETTER - 6);
+      y += LINE - 10;
+    }
+  text(`Rod ${shape.one.side} the cylinder`, SOFT, false, LETTER - 6);
+  y += LINE + 16;
+  for (const [name, value] of rows) {
+    const [symbol, , dimension] = quantities[quantityOf(name)];
+    text(symbol, INK, true);
+    ctx.font = `${LETTER}px ${FONT}`;
+    ctx.fillText(withUnit(minus(value), unitText(dimension, state.units)), x + 130, y);
+    y += LINE;
+  }
+  legend(ctx, code, x, right, Math.max(y + 40, HIGH - EDGE - 190), most, state.units, squeeze);
+}
+
+function legend(ctx, code, x, right, y, most, { length, force }, squeeze) {
+  const wide = right - x;
+  for (let k = 0; k < wide; k++) {
+    ctx.fillStyle = css(pushColour(code, k, wide - 1));
+    ctx.fillRect(x + k, y, 1.5, 40);
+  }
+  ctx.fillStyle = INK;
+  ctx.font = `${LETTER - 4}px ${FONT}`;
+  ctx.textAlign = "left";
+  ctx.fillText("0", x, y + 78);
+  ctx.textAlign = "right";
+  ctx.fillText(`push ${number(most, 3)} ${force}/${length}`, right, y + 78);
+  ctx.fillStyle = css(code.pull);
+  ctx.fillRect(x, y + 102, 40, 40);
+  ctx.fillStyle = INK;
+  ctx.textAlign = "left";
+  ctx.fillText("the cylinder would have to pull", x + 56, y + 132);
+  if (squeeze < 1) ctx.fillText(`axis compressed 1 : ${(1 / squeeze).toPrecision(3)}`, x, y - 24);
+}
+
+function broken(ctx, words, wide, font) {
+  ctx.font = font;
+  const lines = [""];
+  for (const word of words.split(" ")) {
+    const longer = `${lines[lines.length - 1]} ${word}`.trim();
+    if (ctx.measureText(longer).width > wide && lines[lines.length - 1]) lines.push(word);
+    else lines[lines.length - 1] = longer;
+  }
+  return lines;
+}

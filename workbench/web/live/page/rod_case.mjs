@@ -1,0 +1,144 @@
+// A case from the state of the page: validation, loads, the dimensionless problem. As solver/problem does it.
+
+export const DEGREE = Math.PI / 180;
+const STIFFNESS = { solid: Math.PI / 4, paper: Math.PI / 16 }; // A/(E a^4)
+const SIDE = { outside: 1, inside: -1 };
+const TWISTS = ["F1", "dgamma", "M3"];
+const ROD = ["E", "nu", "a", "L", "R"];
+const PRINTED = ["E", "nu", "R", "a", "L", "beta", "dbeta", "dgamma", "F1", "F3"]; // by Table 1
+const START = ["beta", "dbeta", "F1", "F2", "F3", "dgamma", "M3"],
+  ENDS = ["beta0", "betaL", "FZ", "MZ", "M3"];
+const POSITIVE = ["E", "a", "L", "R"],
+  ANGLES = ["beta", "beta0", "betaL"],
+  OPTIONAL = ["F2", "F3", "FZ", "MZ", "M3"];
+const AT_START = { beta: "beta0", dbeta: "dbeta0" }; // fields that are the value of another quantity at s = 0
+
+/* An invalid value: a sentence for the one who typed it, and the field ("" if it is about none). */
+export class Refused extends Error {
+  constructor(sentence, field = "") {
+    super(sentence);
+    this.sentence = sentence;
+    this.field = field;
+  }
+}
+
+export const quantityOf = (name) => AT_START[name] || name;
+export const kindOf = (name) =>
+  POSITIVE.includes(name) ? "positive" : name === "nu" ? "ratio" : ANGLES.includes(name) ? "angle" : "signed";
+export const isEnds = (state) => state.reading === undefined && "betaL" in state.base;
+
+/* Whether data of a link is a state at all; its numbers are checked by `caseOf`. */
+export function isState({ base, units, reading, equilibrium, title = "" }, readings) {
+  const isText = (one) => typeof one === "string";
+  if (!base || !units || !isText(units.length) || !isText(units.force) || !isText(title)) return false;
+  if (reading !== undefined && !readings.includes(reading)) return false;
+  if (equilibrium && !Object.values(equilibrium).every(Number.isFinite)) return false;
+  return (base.side || "outside") in SIDE && (base.stiffness || "solid") in STIFFNESS;
+}
+
+/* The names of the numbers of a state that the page shows, in order. */
+export function fieldNames(state) {
+  if (state.reading !== undefined) return PRINTED;
+  const given = isEnds(state) ? ENDS : START.filter((name) => !TWISTS.includes(name) || name in state.base);
+  return [...ROD, ...given];
+}
+
+/* What a reading of Table 1 makes of a printed value, in words; "" where the value is used as it is. */
+export function meaning(state, name) {
+  if (state.reading === undefined) return "";
+  const [twist, load] = state.reading.split("/");
+  if (twist === "force-first" && name === "dgamma") return "Not used: in this reading F₁ gives the twist.";
+  if (twist === "twist-first" && name === "F1") return "Not used: in this reading γ₀′ gives the twist.";
+  if (twist === "shear" && name === "F1") return "In this reading the shear force F₂.";
+  if (name === "F3") return load === "tension" ? "In this reading a tension." : "In this reading a compression.";
+  return "";
+}
+
+export const isUnused = (state, name) => meaning(state, name).startsWith("Not used");
+
+/* The case of a state, every number checked. Throws Refused. symbols: name -> letter, for the sentences. */
+export function caseOf(state, symbols) {
+  const values = {},
+    { base } = state;
+  for (const name of fieldNames(state))
+    values[name] = checked(name, base[name] ?? (OPTIONAL.includes(name) ? 0 : null), symbols);
+  const reading = state.reading === undefined ? null : state.reading.split("/");
+  const one = {
+    ...values,
+    side: base.side || "outside",
+    alpha: base.alpha || 0,
+    stiffness: reading ? reading[2] : base.stiffness || "solid",
+  };
+  one.sign = SIDE[one.side];
+  if (one.sign < 0 && one.R <= one.a)
+    throw new Refused("The cylinder is too narrow: R must be greater than a where the rod lies inside.", "R");
+  one.rho = one.R + one.sign * one.a;
+  one.A = STIFFNESS[one.stiffness] * one.E * one.a ** 4;
+  one.C = one.A / (1 + one.nu);
+  one.kind = isEnds(state) ? "ends" : "start";
+  return {
+    ...one,
+    ...(one.kind === "ends" ? { FZ: one.FZ, MZ: one.MZ, M3: one.M3 } : startLoads(one, given(one, reading))),
+  };
+}
+
+function checked(name, value, symbols) {
+  const letter = symbols[name] || name;
+  if (typeof value !== "number" || !Number.isFinite(value)) throw new Refused(`${letter} needs a number.`, name);
+  if (POSITIVE.includes(name) && !(value > 0)) throw new Refused(`${letter} must be greater than 0.`, name);
+  if (name === "nu" && !(value > -1 && value <= 0.5))
+    throw new Refused(`${letter} must be greater than −1 and at most 0.5.`, name);
+  return value;
+}
+
+/* The forces and the one twist that a start problem is given; reading: its words, or null. */
+function given(one, reading) {
+  if (!reading) return { F2: one.F2, F3: one.F3, twist: TWISTS.find((name) => name in one) };
+  const [twist, load] = reading;
+  return {
+    F2: twist === "shear" ? one.F1 : 0,
+    F3: load === "tension" ? one.F3 : -one.F3,
+    twist: twist === "force-first" ? "F1" : "dgamma",
+  };
+}
+
+/* FZ, MZ and M3 of a start problem; eqs. (24), (25), (30), (33). */
+function startLoads(one, { F2, F3, twist }) {
+  const { A, rho, nu, beta, dbeta } = one,
+    s = Math.sin(beta),
+    c = Math.cos(beta);
+  if (twist === "F1" && dbeta === 0)
+    throw new Refused("F₁ does not fix the twist where β₀′ is 0: give β₀′ another value.", "dbeta");
+  const m = {
+    M3: () => one.M3 / A,
+    dgamma: () => (one.dgamma + (s * c) / rho) / (1 + nu),
+    F1: () => one.F1 / (A * dbeta) + (3 * s * c) / rho,
+  }[twist]();
+  const FY = -F2 * c + F3 * s,
+    FZ = F2 * s + F3 * c;
+  return { FZ, MZ: rho * FY + A * (m * c + s ** 3 / rho), M3: A * m };
+}
+
+/* The dimensionless problem of a case that begins with the slope dbeta0 [1/length]. */
+export function reduced(one, dbeta0 = one.dbeta) {
+  const { A, rho } = one;
+  return {
+    lam: (one.MZ / A) * rho,
+    mu: (one.M3 / A) * rho,
+    phi: (one.FZ / A) * rho * rho,
+    span: one.L / rho,
+    beta0: one.kind === "ends" ? one.beta0 : one.beta,
+    dbeta0: dbeta0 * rho,
+  };
+}
+
+/* The state of the ends problem with the loads and the end angles of a solved start problem. */
+export function heldState(state, one, betaL, equilibrium) {
+  const { E, nu, a, L, stiffness, R, side, FZ, MZ, M3 } = one;
+  return {
+    title: state.title,
+    units: state.units,
+    base: { E, nu, a, L, stiffness, R, side, beta0: one.beta, betaL, FZ, MZ, M3 },
+    equilibrium,
+  };
+}

@@ -1,0 +1,245 @@
+// The shape of a rod: solved by the compiled core in this page, or read between the stations that the server solved.
+
+import { Refused, reduced } from "./rod_case.mjs";
+import { bend, forcesAlong } from "./forces.mjs";
+import { followed, isFar } from "./between_ends.mjs";
+import { integrated } from "./integrator.mjs";
+
+const TOL = 1e-8;
+const LEAST = 301,
+  MOST = 8001; // stations of a shape
+const A_HALF_PERIOD = 40; // stations that each half period of beta has at least
+const TURN = 0.09; // rad by which beta or the azimuth may change between two stations
+const ZERO_ROUNDS = 3;
+const ROUGHER = 2.7; // times these distances, where MOST stations are too few; a still longer rod is shown in part
+const LARGEST = 1e12; // a number of the dimensionless problem
+const UNFIT = "These numbers are too large or too small to compute with.";
+export const LOST = "The shape was not found: the orbit runs too near an unstable equilibrium of β.";
+
+/* The shape of a start problem. Throws Refused where it was not found. */
+export function marched(core, one, dbeta0 = one.dbeta) {
+  const problem = fitting(reduced(one, dbeta0)),
+    tried = orbit(core, problem, evenly(problem.span, LEAST));
+  if (!tried) throw new Refused(LOST);
+  const { shown, n } = stationsFor(problem.span, tried);
+  const at = (s) =>
+    scaled(
+      one,
+      orbit(
+        core,
+        problem,
+        s.map((v) => v / one.rho),
+      ),
+    );
+  const s = evenly(one.L * shown, n),
+    halfPeriod = tried.end === "turns" ? tried.halfPeriod * one.rho : tried.end === "integrated" ? undefined : 0;
+  return made(one, at, s, {
+    error: tried.error,
+    condition: tried.condition,
+    sound: tried.sound,
+    halfPeriod,
+    shown,
+    problem,
+  });
+}
+
+/* The problem, where its numbers can be computed with; else throws Refused. */
+function fitting(problem) {
+  if (!Object.values(problem).every((v) => Math.abs(v) < LARGEST) || !(problem.span > 1e-12)) throw new Refused(UNFIT);
+  return problem;
+}
+
+/* The orbit of a problem at times that rise, by the core or, where its march is lost, by the integrator; or null. */
+function orbit(core, problem, times) {
+  const found = core.solve(problem, TOL, times);
+  return found.end === "lost" ? integrated(problem, times) : found;
+}
+
+/* The shape at stations that the server solved: s, beta, dbeta, alpha, z. Between them by cubic polynomials. */
+export function interpolated(one, stations, facts) {
+  const { s } = stations,
+    length = s[s.length - 1],
+    problem = reduced(one, stations.dbeta[0]);
+  const at = (where) => between(one, stations, where);
+  const { n } = stationsFor(length / one.rho, { beta: stations.beta, alpha: stations.alpha });
+  return made(one, at, evenly(length, Math.max(n, s.length)), { ...facts, problem });
+}
+
+/* The shape between two ends that a slider leads to from the shape before, in one step or in four; or null. */
+export function moved(one, near) {
+  fitting(reduced(one, 0));
+  for (const steps of [1, 4]) {
+    let stations = near;
+    for (let k = 1; k <= steps && stations; k++)
+      stations = followed(k === steps ? one : partWay(near.one, one, k / steps), stations);
+    if (stations && !isFar(stations, near))
+      return interpolated(one, stations, {
+        error: stations.error,
+        condition: NaN,
+        sound: stations.error < 1e-6,
+        shown: 1,
+      });
+  }
+  return null;
+}
+
+/* The case a share of the way from one to another. */
+function partWay(from, to, share) {
+  const found = { ...to };
+  for (const name of ["L", "R", "rho", "A", "C", "E", "a", "nu", "beta0", "betaL", "FZ", "MZ", "M3"])
+    found[name] = (from[name] ?? to[name]) + share * (to[name] - (from[name] ?? to[name]));
+  return found;
+}
+
+function evenly(end, n) {
+  const found = new Float64Array(n);
+  for (let i = 0; i < n; i++) found[i] = (end * i) / (n - 1);
+  return found;
+}
+
+/* How many stations the shape needs, and which share of the rod it can show; tried: the shape at fewer stations. */
+function stationsFor(span, { beta, alpha, halfPeriod = 0 }) {
+  let most = 0;
+  for (let i = 1; i < beta.length; i++)
+    most = Math.max(most, Math.abs(beta[i] - beta[i - 1]), Math.abs(alpha[i] - alpha[i - 1]));
+  const needed = Math.max(LEAST, halfPeriod ? (A_HALF_PERIOD * span) / halfPeriod : 0, (beta.length * most) / TURN);
+  return { shown: Math.min(1, (ROUGHER * MOST) / needed), n: Math.min(MOST, 2 * Math.ceil(needed / 2) + 1) };
+}
+
+function scaled(one, orbit) {
+  const { rho } = one;
+  return {
+    beta: orbit.beta,
+    dbeta: orbit.rate.map((v) => v / rho),
+    alpha: orbit.alpha.map((v) => one.alpha + v),
+    z: orbit.z.map((v) => rho * v),
+  };
+}
+
+/* The arrays over s, with the extremes of beta, push and curvature and the zeros of the push as further stations. */
+function made(one, at, s, facts) {
+  const even = withForces(one, s, at);
+  const peaks = ["beta", "push", "kappa"].flatMap((name) =>
+    sharpened(peaksOf(s, even[name]), name, s[1] / 10, one, at),
+  );
+  const more = withForces(one, Float64Array.from([...peaks, ...zerosOf(even, one, at)]).sort(), at);
+  return { one, at, even, ...(more.s.length ? merged(even, more) : even), ...facts };
+}
+
+/* Extremes again, by the parabola through values a little before and after each. */
+function sharpened(peaks, name, h, one, at) {
+  if (!peaks.length) return peaks;
+  const near = Float64Array.from(peaks.flatMap((s) => [s - h, s, s + h])),
+    values = withForces(one, near, at)[name];
+  return peaks.map((s, k) => {
+    const left = values[3 * k + 1] - values[3 * k],
+      right = values[3 * k + 2] - values[3 * k + 1];
+    const off = left === right ? 0 : (left + right) / (left - right) / 2;
+    return Math.abs(off) < 5 ? s + h * off : s;
+  });
+}
+
+function withForces(one, s, at) {
+  const arrays = at(s);
+  return { s, ...arrays, ...forcesAlong(one, arrays.beta, arrays.dbeta) };
+}
+
+/* Where a row of values has its inner extremes: the vertex of the parabola through three stations. */
+export function peaksOf(s, values) {
+  const found = [];
+  let size = 0;
+  for (const v of values) size = Math.max(size, Math.abs(v));
+  for (let i = 1; i < s.length - 1; i++) {
+    const left = values[i] - values[i - 1],
+      right = values[i + 1] - values[i];
+    if (!(left * right < 0) || Math.abs(left) + Math.abs(right) < 1e-9 * size) continue;
+    found.push(
+      Math.min(
+        Math.max(s[i] + ((s[i + 1] - s[i]) / 2) * ((left + right) / (left - right)), (s[i - 1] + s[i]) / 2),
+        (s[i] + s[i + 1]) / 2,
+      ),
+    );
+  }
+  return found;
+}
+
+/* Where the push changes its sign: bracketed by two stations and found by the Illinois rule. */
+function zerosOf({ s, push }, one, at) {
+  const ends = [];
+  for (let i = 1; i < s.length; i++)
+    if (push[i - 1] < 0 !== push[i] < 0)
+      ends.push({ low: s[i - 1], high: s[i], fLow: push[i - 1], fHigh: push[i], side: 0 });
+  for (let round = 0; round < ZERO_ROUNDS && ends.length; round++) {
+    const values = withForces(one, Float64Array.from(ends, chordZero), at).push;
+    ends.forEach((e, k) => {
+      const where = chordZero(e);
+      if (values[k] < 0 === e.fLow < 0) {
+        e.fHigh *= e.side === -1 ? 0.5 : 1;
+        Object.assign(e, { low: where, fLow: values[k], side: -1 });
+      } else {
+        e.fLow *= e.side === 1 ? 0.5 : 1;
+        Object.assign(e, { high: where, fHigh: values[k], side: 1 });
+      }
+    });
+  }
+  return ends.map(chordZero);
+}
+
+const chordZero = ({ low, high, fLow, fHigh }) => (fLow === fHigh ? low : low - (fLow * (high - low)) / (fHigh - fLow));
+
+/* Two sets of arrays over s as one, in order of s. */
+function merged(first, second) {
+  const n = first.s.length,
+    m = second.s.length,
+    order = new Int32Array(n + m),
+    all = {};
+  for (let i = 0, j = 0; i < n || j < m;) {
+    const mine = j >= m || (i < n && first.s[i] <= second.s[j]);
+    order[i + j] = mine ? i : n + j;
+    if (mine) i++;
+    else j++;
+  }
+  for (const name of Object.keys(first)) {
+    const [one, other] = [first[name], second[name]],
+      row = (all[name] = new Float64Array(n + m));
+    for (let k = 0; k < n + m; k++) row[k] = order[k] < n ? one[order[k]] : other[order[k] - n];
+  }
+  return all;
+}
+
+function between(one, stations, where) {
+  const { s, beta, dbeta, alpha, z } = stations,
+    n = where.length,
+    last = s.length - 2;
+  const found = {
+    beta: new Float64Array(n),
+    dbeta: new Float64Array(n),
+    alpha: new Float64Array(n),
+    z: new Float64Array(n),
+  };
+  for (let k = 0; k < n; k++) {
+    const i = Math.min(intervalOf(s, where[k]), last),
+      j = i + 1,
+      h = s[j] - s[i],
+      u = (where[k] - s[i]) / h;
+    const cubic = (p, dp, q, dq) =>
+      (1 - u) ** 2 * ((1 + 2 * u) * p + u * h * dp) + u * u * ((3 - 2 * u) * q - (1 - u) * h * dq);
+    found.beta[k] = cubic(beta[i], dbeta[i], beta[j], dbeta[j]);
+    found.dbeta[k] = cubic(dbeta[i], bend(one, beta[i]), dbeta[j], bend(one, beta[j]));
+    found.alpha[k] = cubic(alpha[i], Math.sin(beta[i]) / one.rho, alpha[j], Math.sin(beta[j]) / one.rho);
+    found.z[k] = cubic(z[i], Math.cos(beta[i]), z[j], Math.cos(beta[j]));
+  }
+  return found;
+}
+
+/* The number of the last station at or before s. */
+export function intervalOf(stations, s) {
+  let low = 0,
+    high = stations.length - 1;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (stations[middle] <= s) low = middle;
+    else high = middle;
+  }
+  return low;
+}

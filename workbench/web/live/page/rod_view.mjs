@@ -1,0 +1,261 @@
+// The view of the rod: what is drawn, from where, and the hands that turn it.
+
+import { ABOVE, axesOf, between, dot, fitted, needsFit, seen, turned } from "./camera.mjs";
+import { hands } from "./hands.mjs";
+import { range } from "./numbers.mjs";
+import { makeScene } from "./scene.mjs";
+import { cylinder, rings, sidesFor, squeezeOf, tube } from "./tube.mjs";
+
+const FINE = 0.12,
+  COARSE = 0.8; // pixels that the tube may be off at rest, and while a slider moves
+const REST = 160,
+  EASE = 240; // ms until all is drawn finely, and of a change of the camera
+const BUDGET = 2.5,
+  COARSEST = 3; // ms that drawing may take while a slider moves; largest factor by which pixels grow
+const AROUND = Array.from({ length: 24 }, (_, i) => [Math.cos((i * Math.PI) / 12), Math.sin((i * Math.PI) / 12)]);
+
+/* The view in a canvas. code: the colours of the push. calm: whether the camera must not move by itself. */
+export function makeView(canvas, mark, code, calm) {
+  const scene = makeScene(canvas, code),
+    me = { shape: null, drawn: null, camera: null, target: null, ratio: 1, touched: false, at: null, picked: () => {} };
+  let resting = 0,
+    easing = 0;
+  const aspect = () => Math.max(canvas.clientWidth, 1) / Math.max(canvas.clientHeight, 1);
+  const pixelRatio = () => window.devicePixelRatio || 1;
+
+  /* Draw a shape. fresh: seen from its front; refit: at least with all of it in the view. */
+  function show(shape, { fresh = false, refit = false } = {}) {
+    const squeeze = squeezeOf(shape),
+      wall = cylinder(shape, squeeze),
+      largest = Math.max(range(shape.push)[1], 0);
+    const drawn = { squeeze, wall, largest, points: pointsOf(shape, squeeze, wall) };
+    Object.assign(me, { shape, drawn });
+    if (fresh || !me.camera) {
+      me.camera = facing(shape);
+      me.touched = false;
+    }
+    const bounds = seen(me.camera, drawn.points, shape.one.a),
+      mustFit = fresh || refit || !me.camera.half;
+    if (mustFit) me.touched = false;
+    if (!me.camera.half || fresh) me.camera = me.target = fitted(me.camera, bounds, aspect());
+    else if (mustFit || (!me.touched && needsFit(me.target, bounds, aspect())))
+      ease(fitted(me.camera, bounds, aspect()));
+    if (!scene) return;
+    const { one } = shape,
+      reach = Math.max(one.R, one.rho + one.a);
+    scene.setWall(wall, one.sign < 0, 2 * (reach + Math.max(Math.abs(wall.low), Math.abs(wall.high))));
+    mesh(COARSE * me.ratio, true);
+    paint(false);
+    if (fresh) weigh();
+    later();
+  }
+
+  function mesh(pixels, moves) {
+    const { shape, drawn } = me,
+      tolerance = (pixels * 2 * me.target.half) / Math.max(canvas.clientHeight * pixelRatio(), 1);
+    const chosen = rings(shape, tolerance, drawn.largest, moves),
+      sides = sidesFor(shape.one.a, tolerance);
+    scene.setRod(tube(shape, chosen, sides, drawn.squeeze, drawn.largest), chosen.length, sides);
+    me.rings = chosen.length;
+  }
+
+  function paint(fine) {
+    if (!scene || !me.shape) return;
+    scene.draw(me.camera, pixelRatio() / (fine ? 1 : me.ratio), fine);
+    place();
+  }
+
+  /* Where drawing is slow (no graphics card), fewer pixels while something moves. */
+  function weigh() {
+    me.ratio = 1;
+    (paint(false), scene.wait());
+    const from = performance.now();
+    (paint(false), scene.wait());
+    me.ratio = Math.min(Math.max(Math.sqrt((performance.now() - from) / BUDGET), 1), COARSEST);
+  }
+
+  function later() {
+    clearTimeout(resting);
+    resting = setTimeout(() => {
+      if (scene && me.shape) {
+        mesh(FINE);
+        paint(true);
+      }
+    }, REST);
+  }
+
+  function ease(to) {
+    const from = me.camera,
+      begun = performance.now();
+    me.target = to;
+    cancelAnimationFrame(easing);
+    if (calm()) {
+      me.camera = to;
+      paint(false);
+      later();
+      return;
+    }
+    const step = (now) => {
+      const share = Math.min(Math.max((now - begun) / EASE, 0), 1);
+      me.camera = share < 1 ? between(from, to, share) : to;
+      (paint(false), later());
+      if (share < 1) easing = requestAnimationFrame(step);
+    };
+    easing = requestAnimationFrame(step);
+  }
+
+  const moveTo = (camera) => {
+    cancelAnimationFrame(easing);
+    me.camera = me.target = camera;
+    paint(false);
+    later();
+  };
+  const bounds = (camera) => seen(camera, me.drawn.points, me.shape.one.a);
+
+  /* All of the rod, from the same side. */
+  function fit() {
+    me.touched = false;
+    ease(fitted(me.camera, bounds(me.camera), aspect()));
+  }
+
+  /* All of the rod, from its front. */
+  function front() {
+    const camera = facing(me.shape),
+      full = 2 * Math.PI,
+      way = camera.azimuth - me.camera.azimuth;
+    me.touched = false;
+    ease(
+      fitted({ ...camera, azimuth: me.camera.azimuth + way - full * Math.round(way / full) }, bounds(camera), aspect()),
+    );
+  }
+
+  const turn = (by, up) => {
+    const camera = turned(me.camera, by, up);
+    moveTo(me.touched ? camera : keepSize(fitted(camera, bounds(camera), aspect())));
+  };
+  const keepSize = (camera) => ({ ...camera, half: Math.max(camera.half, me.camera.half) });
+  const zoom = (factor) => {
+    me.touched = true;
+    moveTo({ ...me.camera, half: me.camera.half / factor });
+  };
+  const shift = (x, y) => {
+    const size = (2 * me.camera.half) / canvas.clientHeight;
+    me.touched = true;
+    moveTo({ ...me.camera, x: me.camera.x - x * size, y: me.camera.y + y * size });
+  };
+
+  /* Put the mark at s, or nowhere. */
+  function setMark(at) {
+    me.at = at;
+    place();
+  }
+
+  function place() {
+    mark.hidden = !me.at || !me.shape || !scene;
+    if (mark.hidden) return;
+    const { x, y, behind } = onScreen(placeOf(me.shape.one, me.at, me.drawn.squeeze));
+    mark.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+    mark.classList.toggle("behind", behind);
+  }
+
+  function onScreen(p) {
+    const { right, up, toward } = axesOf(me.camera),
+      size = canvas.clientHeight / (2 * me.camera.half),
+      { one } = me.shape;
+    const x = dot(p, right),
+      behind =
+        one.sign > 0 &&
+        Math.abs(-right[1] * p[0] + right[0] * p[1]) < 1e300 &&
+        p[0] * toward[0] + p[1] * toward[1] < 0 &&
+        Math.abs(x) < one.R;
+    return {
+      x: canvas.clientWidth / 2 + (x - me.camera.x) * size,
+      y: canvas.clientHeight / 2 - (dot(p, up) - me.camera.y) * size,
+      depth: dot(p, toward),
+      behind,
+    };
+  }
+
+  /* The s of the rod under the pointer, or null. */
+  function sAt(px, py) {
+    if (!me.shape) return null;
+    const { one, s, alpha, z } = me.shape,
+      near = (one.a * canvas.clientHeight) / (2 * me.camera.half) + 6;
+    let best = null,
+      nearest = -Infinity;
+    for (let i = 0; i < s.length; i++) {
+      const spot = onScreen(placeOf(one, { alpha: alpha[i], z: z[i] }, me.drawn.squeeze)),
+        off = Math.hypot(spot.x - px, spot.y - py);
+      if (off > near || spot.behind) continue;
+      const score = spot.depth - (off / near) * one.a * 3;
+      if (score > nearest) [best, nearest] = [s[i], score];
+    }
+    return best;
+  }
+
+  if (scene) hands(canvas, { turn, zoom, shift, fit, picked: (x, y) => me.picked(x === null ? null : sAt(x, y)) });
+  new ResizeObserver(() => {
+    if (me.shape) {
+      if (!me.touched) me.camera = me.target = fitted(me.camera, bounds(me.camera), aspect());
+      paint(false);
+      later();
+    }
+  }).observe(canvas);
+  return Object.assign(me, {
+    scene,
+    show,
+    fit,
+    front,
+    turn,
+    setMark,
+    paint,
+    pixels: (w, h) => picture(me, scene, w, h),
+    rest: () => {
+      clearTimeout(resting);
+      mesh(FINE);
+      paint(true);
+    },
+  });
+}
+
+/* The scene as pixels of a picture, as fine as it is large. */
+function picture(me, scene, width, height) {
+  const { shape, drawn, camera } = me,
+    tolerance = (FINE * 2 * camera.half) / height;
+  const chosen = rings(shape, tolerance, drawn.largest),
+    sides = sidesFor(shape.one.a, tolerance);
+  scene.setRod(tube(shape, chosen, sides, drawn.squeeze, drawn.largest), chosen.length, sides);
+  const fits = fitted(camera, seen(camera, drawn.points, shape.one.a), width / height);
+  return scene.pixels(me.touched ? camera : fits, width, height);
+}
+
+/* The camera before the middle of a rod. */
+function facing({ alpha }) {
+  let [x, y] = [0, 0];
+  for (const v of alpha) {
+    x += Math.cos(v);
+    y += Math.sin(v);
+  }
+  return {
+    azimuth: Math.hypot(x, y) > 0.05 * alpha.length ? Math.atan2(y, x) : alpha[alpha.length >> 1],
+    elevation: ABOVE,
+  };
+}
+
+const placeOf = (one, { alpha, z }, squeeze) => [one.rho * Math.cos(alpha), one.rho * Math.sin(alpha), squeeze * z];
+
+/* The points that a view must contain: the rod's centreline and the ends of the wall. */
+function pointsOf({ one, alpha, z }, squeeze, { low, high }) {
+  const n = alpha.length,
+    found = new Float32Array(3 * (n + 2 * AROUND.length));
+  for (let i = 0; i < n; i++) {
+    ((found[3 * i] = one.rho * Math.cos(alpha[i])),
+      (found[3 * i + 1] = one.rho * Math.sin(alpha[i])),
+      (found[3 * i + 2] = squeeze * z[i]));
+  }
+  const inner = one.sign > 0 ? one.R - one.a : one.R;
+  [low, high].forEach((height, k) =>
+    AROUND.forEach(([c, s], i) => found.set([inner * c, inner * s, height], 3 * (n + k * AROUND.length + i))),
+  );
+  return found;
+}

@@ -1,0 +1,223 @@
+// Rod and cylinder by WebGL 2: two surfaces, one light from above the eye's left shoulder, one from the eye.
+
+import { axesOf, matrix } from "./camera.mjs";
+import { ramp } from "./colours.mjs";
+import { STRIDE, endTriangles, wallTriangles } from "./tube.mjs";
+
+const TONES = 256;
+const WALL = [0.86, 0.87, 0.885];
+const VERTEX = `#version 300 es
+in vec3 place; in vec3 normal; in float push;
+uniform mat4 view; uniform mat3 turn;
+out vec3 way; out float value;
+void main() { gl_Position = view * vec4(place, 1.0); way = turn * normal; value = push; }`;
+const FRAGMENT = `#version 300 es
+precision mediump float;
+in vec3 way; in float value;
+uniform sampler2D ramp; uniform vec3 pull, wall; uniform bool isRod;
+out vec4 colour;
+void main() {
+  vec3 n = normalize(way);
+  if (!gl_FrontFacing) n = -n;
+  vec3 base = isRod ? (value < 0.0 ? pull : texture(ramp, vec2(value, 0.5)).rgb) : wall;
+  float key = max(dot(n, vec3(-0.40, 0.55, 0.73)), 0.0), eye = max(n.z, 0.0);
+  float light = isRod ? 0.46 + 0.42 * key + 0.24 * eye : 0.62 + 0.14 * key + 0.24 * eye;
+  float edge = isRod ? mix(0.55, 1.0, smoothstep(0.02, 0.36, eye)) : 1.0;
+  float shine = max(dot(n, vec3(-0.215, 0.296, 0.931)), 0.0);
+  shine *= shine; shine *= shine; shine *= shine; shine *= shine; shine *= shine; // to the power 32
+  colour = vec4(base * light * edge + (isRod ? 0.18 * shine : 0.0), 1.0);
+}`;
+
+export function makeScene(canvas, code) {
+  const gl = canvas.getContext("webgl2", {
+    antialias: false,
+    alpha: true,
+    premultipliedAlpha: true,
+    preserveDrawingBuffer: false,
+  });
+  if (!gl) return null;
+  const program = linked(gl),
+    at = (name) => gl.getUniformLocation(program, name),
+    where = {};
+  for (const name of ["view", "turn", "pull", "wall", "isRod", "ramp"]) where[name] = at(name);
+  const surfaces = { rod: surface(gl, program), ends: surface(gl, program), wall: surface(gl, program) };
+  const state = { open: false, depth: 1, smooth: null, walls: {} };
+  gl.useProgram(program);
+  gl.uniform3fv(
+    where.pull,
+    code.pull.map((v) => v / 255),
+  );
+  gl.uniform3fv(where.wall, WALL);
+  painted(gl, ramp(code, TONES));
+  gl.enable(gl.DEPTH_TEST);
+
+  /* The tube: its corners, number of rings and sides. The ends share its corners. */
+  function setRod(corners, count, sides) {
+    const known = state.walls[sides];
+    if (!known || known.count < count)
+      state.walls = { [sides]: { count: 2 * count, triangles: wallTriangles(2 * count, sides), fresh: true } };
+    fill(gl, surfaces.rod, corners, state.walls[sides].fresh ? state.walls[sides].triangles : null);
+    state.walls[sides].fresh = false;
+    surfaces.rod.size = 6 * (count - 1) * sides;
+    const first = count * sides;
+    fill(gl, surfaces.ends, corners.subarray(STRIDE * first), endTriangles(0, sides));
+  }
+
+  function setWall({ corners, triangles }, open, depth) {
+    fill(gl, surfaces.wall, corners, triangles);
+    Object.assign(state, { open, depth });
+  }
+
+  function paint(camera, width, height) {
+    const aspect = width / height,
+      { right, up, toward } = axesOf(camera);
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.uniformMatrix4fv(where.view, false, matrix(camera, aspect, state.depth));
+    gl.uniformMatrix3fv(
+      where.turn,
+      false,
+      [0, 1, 2].flatMap((k) => [right[k], up[k], toward[k]]),
+    );
+    gl.uniform1i(where.isRod, 1);
+    gl.enable(gl.CULL_FACE);
+    gl.cullFace(gl.BACK);
+    for (const part of [surfaces.rod, surfaces.ends]) shown(gl, part);
+    gl.uniform1i(where.isRod, 0);
+    if (state.open) gl.cullFace(gl.FRONT); // the near half of the wall is not drawn
+    shown(gl, surfaces.wall);
+  }
+
+  /* Draw at so many pixels for one pixel of the page; smooth: with four samples a pixel. */
+  function draw(camera, ratio, smooth) {
+    const width = Math.max(1, Math.round(canvas.clientWidth * ratio)),
+      height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    if (!smooth) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+      paint(camera, width, height);
+      return;
+    }
+    const target = sampled(gl, state, width, height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+    paint(camera, width, height);
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, target);
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
+
+  /* The scene as pixels, row by row from the top: red, green, blue and opacity. */
+  function pixels(camera, width, height) {
+    const [high, low] = [sampled(gl, {}, width, height), plain(gl, width, height)],
+      bytes = new Uint8Array(4 * width * height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, high);
+    paint(camera, width, height);
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, high);
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, low);
+    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, low);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    const found = new Uint8ClampedArray(bytes.length);
+    for (let y = 0; y < height; y++)
+      found.set(bytes.subarray(4 * width * (height - 1 - y), 4 * width * (height - y)), 4 * width * y);
+    for (let i = 0; i < found.length; i += 4)
+      // edges are stored as shares of their colour
+      if (found[i + 3] > 0 && found[i + 3] < 255)
+        for (let k = 0; k < 3; k++) found[i + k] = (255 * found[i + k]) / found[i + 3];
+    return found;
+  }
+
+  const wait = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // until all is drawn
+  return { setRod, setWall, draw, pixels, wait, largest: gl.getParameter(gl.MAX_RENDERBUFFER_SIZE) };
+}
+
+function linked(gl) {
+  const program = gl.createProgram();
+  for (const [kind, text] of [
+    [gl.VERTEX_SHADER, VERTEX],
+    [gl.FRAGMENT_SHADER, FRAGMENT],
+  ]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, text);
+    gl.compileShader(shader);
+    gl.attachShader(program, shader);
+  }
+  ["place", "normal", "push"].forEach((name, i) => gl.bindAttribLocation(program, i, name));
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+  return program;
+}
+
+function surface(gl) {
+  const found = { array: gl.createVertexArray(), corners: gl.createBuffer(), triangles: gl.createBuffer(), size: 0 };
+  gl.bindVertexArray(found.array);
+  gl.bindBuffer(gl.ARRAY_BUFFER, found.corners);
+  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, found.triangles);
+  [
+    [3, 0],
+    [3, 3],
+    [1, 6],
+  ].forEach(([size, first], i) => {
+    gl.enableVertexAttribArray(i);
+    gl.vertexAttribPointer(i, size, gl.FLOAT, false, 4 * STRIDE, 4 * first);
+  });
+  return found;
+}
+
+function fill(gl, part, corners, triangles) {
+  gl.bindVertexArray(part.array);
+  gl.bindBuffer(gl.ARRAY_BUFFER, part.corners);
+  gl.bufferData(gl.ARRAY_BUFFER, corners, gl.DYNAMIC_DRAW);
+  if (!triangles) return;
+  gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
+  part.size = triangles.length;
+}
+
+function shown(gl, part) {
+  gl.bindVertexArray(part.array);
+  gl.drawElements(gl.TRIANGLES, part.size, gl.UNSIGNED_INT, 0);
+}
+
+function painted(gl, bytes) {
+  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, bytes.length / 4, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
+  for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+}
+
+/* A target with four samples a pixel, kept for the next picture of the same size. */
+function sampled(gl, state, width, height) {
+  if (state.smooth && state.smooth.width === width && state.smooth.height === height) return state.smooth.target;
+  if (state.smooth) {
+    gl.deleteFramebuffer(state.smooth.target);
+    for (const one of state.smooth.parts) gl.deleteRenderbuffer(one);
+  }
+  const target = gl.createFramebuffer(),
+    samples = Math.min(4, gl.getParameter(gl.MAX_SAMPLES));
+  gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+  const parts = [
+    [gl.RGBA8, gl.COLOR_ATTACHMENT0],
+    [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT],
+  ].map(([kind, place]) => {
+    const one = gl.createRenderbuffer();
+    gl.bindRenderbuffer(gl.RENDERBUFFER, one);
+    gl.renderbufferStorageMultisample(gl.RENDERBUFFER, samples, kind, width, height);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, one);
+    return one;
+  });
+  state.smooth = { target, parts, width, height };
+  return target;
+}
+
+function plain(gl, width, height) {
+  const target = gl.createFramebuffer(),
+    one = gl.createRenderbuffer();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+  gl.bindRenderbuffer(gl.RENDERBUFFER, one);
+  gl.renderbufferStorage(gl.RENDERBUFFER, gl.RGBA8, width, height);
+  gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.RENDERBUFFER, one);
+  return target;
+}

@@ -1,0 +1,45 @@
+// What only the server can do: search for equilibria, observables that need the whole solver, files.
+
+import { Refused } from "./rod_case.mjs";
+
+const TYPES = { f8: Float64Array };
+
+export async function post(path, body, signal) {
+  let answer;
+  try {
+    answer = await fetch(path, {
+      method: "POST",
+      headers: { "Content-Type": "application/json" },
+      body: JSON.stringify(body),
+      signal,
+    });
+  } catch {
+    throw new Refused(
+      signal && signal.aborted
+        ? ""
+        : "The page has lost its server. Start workbench explore again, then reload the page.",
+    );
+  }
+  if (answer.ok) return answer;
+  const isReply = (answer.headers.get("Content-Type") || "").includes("json"),
+    reply = isReply ? await answer.json() : { sentence: await answer.text() };
+  throw new Refused(asSentence(reply.sentence), reply.field || "");
+}
+
+/* A message of the workbench as a sentence of the page. */
+export function asSentence(message) {
+  const plain = message
+    .replace(/^(Rod|Cylinder|Start|Ends)\./, "")
+    .replace(/: use workbench equilibria$/, ". The command workbench equilibria has no such limit");
+  return plain ? plain[0].toUpperCase() + plain.slice(1) + (/[.!?]$/.test(plain) ? "" : ".") : "";
+}
+
+/* The head and the arrays of an answer: the length of the JSON, the JSON, the arrays. */
+export function unpacked(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length))),
+    arrays = {};
+  for (const [name, type, count, at] of head.arrays)
+    arrays[name] = new TYPES[type](buffer.slice(4 + length + at, 4 + length + at + 8 * count));
+  return { head, arrays };
+}

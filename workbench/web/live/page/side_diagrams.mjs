@@ -1,0 +1,96 @@
+// The diagrams beside the rod: their canvases, and the cursor that they share with the rod.
+
+import { cursorIn, diagrams, valuesAt } from "./curves.mjs";
+import { frameOf, paintCursor, paintDiagram } from "./diagram.mjs";
+
+const HEIGHT = 165;
+
+export function makeDiagrams(box, code, theme, pointed) {
+  let shown = [],
+    shape = null,
+    at = null;
+
+  function build(specs) {
+    box.replaceChildren();
+    shown = specs.map((spec) => {
+      const figure = document.createElement("figure"),
+        title = document.createElement("figcaption"),
+        canvas = document.createElement("canvas");
+      figure.className = "diagram";
+      canvas.id = `d-${spec.key}`;
+      canvas.setAttribute("role", "img");
+      figure.append(title, canvas);
+      box.append(figure);
+      const one = { canvas, title, key: spec.key, spec, frame: null };
+      for (const name of ["pointerdown", "pointermove"])
+        canvas.addEventListener(name, (event) => pointed(nearest(one, event.offsetX, event.offsetY)));
+      canvas.addEventListener("pointerleave", (event) => event.pointerType !== "touch" && pointed(null)); // a finger may leave
+      return one;
+    });
+  }
+
+  function show(next, units) {
+    shape = next;
+    const specs = diagrams(shape, units);
+    if (!shown.length) build(specs);
+    shown.forEach((one, i) => {
+      one.spec = specs[i];
+      if (one.title.textContent !== specs[i].title) {
+        one.title.textContent = specs[i].title;
+        one.canvas.setAttribute("aria-label", specs[i].title);
+      }
+    });
+    paint();
+  }
+
+  function paint() {
+    if (!shape) return;
+    const ratio = window.devicePixelRatio || 1,
+      here = at === null ? null : valuesAt(shape, at);
+    for (const one of shown) {
+      const wide = one.canvas.clientWidth || 370,
+        high = one.spec.height || HEIGHT,
+        [w, h] = [Math.round(wide * ratio), Math.round(high * ratio)];
+      if (one.canvas.width !== w || one.canvas.height !== h) {
+        Object.assign(one.canvas, { width: w, height: h });
+        one.canvas.style.height = `${high}px`;
+      }
+      const ctx = (one.ctx ??= one.canvas.getContext("2d"));
+      ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+      one.frame = frameOf(one.spec, wide, high);
+      paintDiagram(ctx, one.spec, one.frame, theme(), code);
+      if (here)
+        paintCursor(ctx, one.frame, cursorIn(one.key, shape, here), one.key === "beta" || one.key === "push", theme());
+    }
+  }
+
+  /* The s that a pointer in a diagram means, or null. */
+  function nearest({ key, frame, spec }, x, y) {
+    const ends = shape.s[shape.s.length - 1];
+    if (key === "beta" || key === "push") return Math.min(Math.max(frame.back(x), 0), ends);
+    let best = null,
+      least = 30 ** 2;
+    for (let i = 0; i < shape.s.length; i++) {
+      const [u, v] = cursorIn(key, shape, {
+        s: shape.s[i],
+        beta: shape.beta[i],
+        alpha: shape.alpha[i],
+        z: shape.z[i],
+        push: 0,
+      });
+      const off = (frame.px(u) - x) ** 2 + (key === "well" ? 0 : (frame.py(v) - y) ** 2);
+      if (off < least) [best, least] = [shape.s[i], off];
+    }
+    return best;
+  }
+
+  new ResizeObserver(() => paint()).observe(box);
+  return {
+    show,
+    paint,
+    setCursor: (s) => {
+      at = s;
+      paint();
+    },
+  };
+}

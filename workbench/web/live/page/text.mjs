@@ -1,0 +1,48 @@
+// Numbers, units and the ticks of an axis as text.
+
+const HIGH = { 2: "²", 3: "³", 4: "⁴" };
+
+/* A number with at most so many digits: "10910", "0.625", "2e6". */
+export function number(value, digits = 4) {
+  if (value === 0) return "0";
+  if (!Number.isFinite(value)) return "not known";
+  const power = Math.floor(Math.log10(Math.abs(value)));
+  const rounded = Number(value.toPrecision(digits));
+  const text = power < -4 || power > 5 ? rounded.toExponential().replace("e+", "e") : String(rounded);
+  return minus(text);
+}
+
+export const minus = (text) => text.replaceAll("-", "−");
+
+/* The unit of a dimension: exponents of length and force, or "rad", "rad/length"; "" for a plain number. */
+export function unitText(dimension, units) {
+  if (dimension === "text") return "";
+  if (typeof dimension === "string") return dimension === "rad" ? "°" : dimension.replace("length", units.length);
+  const [length, force] = dimension,
+    named = [
+      [units.force, force],
+      [units.length, length],
+    ];
+  const part = (sign) => named.filter(([, n]) => sign * n > 0).map(([unit, n]) => unit + (HIGH[sign * n] || ""));
+  const above = part(1).join(" "),
+    below = part(-1)
+      .map((unit) => `/${unit}`)
+      .join("");
+  return above || below ? (above || "1") + below : "";
+}
+
+/* Round values between two ends, about so many. */
+export function ticks(low, high, count) {
+  const raw = (high - low) / count,
+    power = 10 ** Math.floor(Math.log10(raw));
+  const step = power * [1, 2, 5, 10].find((m) => m * power >= raw * 0.999),
+    found = [];
+  for (let k = Math.ceil(low / step - 1e-9); k <= high / step + 1e-9; k++) found.push(k * step);
+  return found;
+}
+
+/* The text of a tick: a value next to 0, compared with the distance of the ticks, is 0. */
+export const tickText = (value, size) => number(Math.abs(value) < 1e-9 * size ? 0 : value, 6);
+
+/* A number with its unit: "5 N", "30°", "0.25". */
+export const withUnit = (text, unit) => (unit === "°" ? `${text}°` : `${text} ${unit}`.trim());

@@ -1,0 +1,193 @@
+// The rod as a tube and the cylinder as a wall: rings where the shape needs them, and their triangles.
+
+const LEAST_SIDES = 8,
+  MOST_SIDES = 40;
+const SHADE = 0.2; // rad by which a section may turn between two rings, or the light on the tube has edges
+const TONES = 24; // rings at least from no push to the largest
+const ROUGH = 2.5; // times as far apart, while a slider moves
+export const TALLEST = 9; // diameters; a taller scene is compressed along the axis, or the rod would be too thin
+export const STRIDE = 7; // numbers of a corner: place, normal, push as a share of the largest
+const AROUND = 120; // sides of the wall
+
+/* By which factor the axis is compressed, at most 1. */
+export function squeezeOf({ one, z }) {
+  let low = Infinity,
+    high = -Infinity;
+  for (const v of z) {
+    low = Math.min(low, v);
+    high = Math.max(high, v);
+  }
+  return Math.min(1, (TALLEST * 2 * Math.max(one.R, one.rho + one.a)) / Math.max(high - low, 1e-300));
+}
+
+/* The stations at which rings stand, so that the tube is off by no more than a length; largest: the largest push.
+   moves: whether the light and the colours may be rougher. */
+export function rings(shape, tolerance, largest, moves = false) {
+  const { one, s, beta, kappa, dbeta, push } = shape,
+    chosen = [0],
+    last = s.length - 1,
+    rough = moves ? ROUGH : 1;
+  let due = 0;
+  for (let i = 1; i <= last; i++) {
+    const h = Math.max(s[i] - s[i - 1], 1e-300),
+      turn = Math.hypot(dbeta[i], Math.sin(beta[i]) / one.rho);
+    const faster =
+      (Math.abs(dbeta[i] - dbeta[i - 1]) + Math.abs(Math.sin(beta[i]) - Math.sin(beta[i - 1])) / one.rho) / h;
+    const bend = kappa[i] + one.a * (turn * turn + faster); // of the lines along the surface, at most
+    const rate = Math.max(Math.sqrt(bend / (8 * tolerance)), turn / (SHADE * rough));
+    const tones = largest > 0 ? ((TONES / rough) * Math.abs(push[i] - push[i - 1])) / largest : 0;
+    const step = Math.max(rate * h, tones);
+    if (due > 0 && due + step > 1) {
+      chosen.push(i - 1);
+      due = 0;
+    }
+    due += step;
+  }
+  chosen.push(last);
+  return chosen;
+}
+
+/* The number of sides with which a section is off by no more than a length; even, so that a corner touches the wall. */
+export function sidesFor(a, tolerance) {
+  const n = Math.PI / Math.acos(Math.max(1 - tolerance / a, 0));
+  return Math.min(Math.max(2 * Math.ceil(n / 2), LEAST_SIDES), MOST_SIDES);
+}
+
+/* The corners of the tube: rings one after the other, then of each flat end a ring and its middle. */
+export function tube(shape, chosen, sides, squeeze, largest) {
+  const { one } = shape,
+    count = chosen.length,
+    corners = new Float32Array(STRIDE * (count * sides + 2 * (sides + 1)));
+  const around = Array.from({ length: sides }, (_, j) => [
+    Math.cos((2 * Math.PI * j) / sides),
+    Math.sin((2 * Math.PI * j) / sides),
+  ]);
+  let at = 0;
+  const put = (...numbers) => {
+    for (const v of numbers) corners[at++] = v;
+  };
+  const ring = (frame, flat) => {
+    const { x, y, z, ox, oy, bx, by, bz, value } = frame;
+    for (let j = 0; j < sides; j++) {
+      const c = around[j][0],
+        d = around[j][1],
+        nx = c * ox + d * bx,
+        ny = c * oy + d * by,
+        nz = d * bz;
+      corners[at] = x + one.a * nx;
+      corners[at + 1] = y + one.a * ny;
+      corners[at + 2] = z + one.a * nz;
+      corners[at + 3] = flat ? flat[0] : nx;
+      corners[at + 4] = flat ? flat[1] : ny;
+      corners[at + 5] = flat ? flat[2] : nz;
+      corners[at + 6] = value;
+      at += STRIDE;
+    }
+  };
+  for (const i of chosen) ring(frameAt(shape, i, squeeze, largest));
+  for (const [i, way] of [
+    [chosen[0], -1],
+    [chosen[count - 1], 1],
+  ]) {
+    const frame = frameAt(shape, i, squeeze, largest),
+      flat = frame.along.map((v) => way * v);
+    ring(frame, flat);
+    put(frame.x, frame.y, frame.z, ...flat, frame.value);
+  }
+  return corners;
+}
+
+/* Place, outward normal, binormal and tangent of the drawn curve at a station, and the push there as a share. */
+export function frameAt({ one, alpha, beta, z, push }, i, squeeze, largest) {
+  const b = squeeze < 1 ? Math.atan2(Math.sin(beta[i]), squeeze * Math.cos(beta[i])) : beta[i];
+  const ca = Math.cos(alpha[i]),
+    sa = Math.sin(alpha[i]),
+    cb = Math.cos(b),
+    sb = Math.sin(b);
+  return {
+    x: one.rho * ca,
+    y: one.rho * sa,
+    z: squeeze * z[i],
+    ox: ca,
+    oy: sa,
+    bx: cb * sa,
+    by: -cb * ca,
+    bz: sb,
+    along: [-sb * sa, sb * ca, cb],
+    value: largest > 0 ? push[i] / largest : push[i] < 0 ? -1 : 0,
+  };
+}
+
+/* The triangles of a tube's wall between rings, in order, so that the first belong to a tube of fewer rings. */
+export function wallTriangles(count, sides) {
+  const found = new Uint32Array(6 * (count - 1) * sides);
+  let at = 0;
+  for (let i = 0; i < count - 1; i++)
+    for (let j = 0; j < sides; j++) {
+      const a = i * sides + j,
+        b = i * sides + ((j + 1) % sides),
+        c = b + sides,
+        d = a + sides;
+      found.set([a, c, b, a, d, c], at);
+      at += 6;
+    }
+  return found;
+}
+
+/* The triangles of the two flat ends, which follow `first` corners. */
+export function endTriangles(first, sides) {
+  const found = [];
+  for (const [start, way] of [
+    [first, -1],
+    [first + sides + 1, 1],
+  ])
+    for (let j = 0; j < sides; j++) {
+      const a = start + j,
+        b = start + ((j + 1) % sides),
+        middle = start + sides;
+      found.push(...(way > 0 ? [a, middle, b] : [a, b, middle]));
+    }
+  return Uint32Array.from(found);
+}
+
+/* Corners and triangles of the cylinder, a little longer than the rod; with flat ends where the rod lies outside. */
+export function cylinder({ one, z }, squeeze) {
+  const beyond = one.a + 0.35 * one.R;
+  let low = Infinity,
+    high = -Infinity;
+  for (const v of z) {
+    low = Math.min(low, v);
+    high = Math.max(high, v);
+  }
+  [low, high] = [squeeze * low - beyond, squeeze * high + beyond];
+  const corners = [],
+    open = one.sign < 0;
+  for (const height of [low, high])
+    for (let j = 0; j < AROUND; j++) {
+      const c = Math.cos((2 * Math.PI * j) / AROUND),
+        s = Math.sin((2 * Math.PI * j) / AROUND);
+      corners.push(one.R * c, one.R * s, height, c, s, 0, 0);
+    }
+  const walls = wallTriangles(2, AROUND);
+  for (let i = 0; i < walls.length; i += 3) [walls[i + 1], walls[i + 2]] = [walls[i + 2], walls[i + 1]];
+  if (open) return { corners: Float32Array.from(corners), triangles: walls, low, high };
+  for (const [height, way] of [
+    [low, -1],
+    [high, 1],
+  ]) {
+    for (let j = 0; j < AROUND; j++)
+      corners.push(
+        one.R * Math.cos((2 * Math.PI * j) / AROUND),
+        one.R * Math.sin((2 * Math.PI * j) / AROUND),
+        height,
+        0,
+        0,
+        way,
+        0,
+      );
+    corners.push(0, 0, height, 0, 0, way, 0);
+  }
+  const ends = endTriangles(2 * AROUND, AROUND);
+  for (let i = 0; i < ends.length; i += 3) [ends[i + 1], ends[i + 2]] = [ends[i + 2], ends[i + 1]];
+  return { corners: Float32Array.from(corners), triangles: Uint32Array.from([...walls, ...ends]), low, high };
+}
