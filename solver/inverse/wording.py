@@ -7,9 +7,10 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.errors import choices
+from ..problem.quantities import quantity
 from ..problem.trajectory import SOLVED
 from .data import scale_of
-from .parameters import POSITIVE, written
+from .parameters import POSITIVE, Parameter, written
 from .result import OtherMinimum
 from .uncertainty import LEVEL, Uncertainty
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 _REACHED = 1e-6  # relative: a target that is missed by more is not reached
 UNLIKELY = 0.01  # probability of a larger sum of squares
 _ALIKE = 0.99  # correlation of two parameters that is told
+_ROUNDING = 1e-9  # of the scale of a parameter: a smaller value is 0
 
 
 def outcome(model: "Model", best: "Minimum", directions: Sequence[dict[str, float]]) -> str:
@@ -29,7 +31,7 @@ def outcome(model: "Model", best: "Minimum", directions: Sequence[dict[str, floa
     if why := missed(model, best):
         return f"failed: {why}"
     if directions:
-        return f"undetermined: {'; '.join(_told(way) for way in directions)}"
+        return f"undetermined: {'; '.join(_told(model, best, way) for way in directions)}"
     return SOLVED
 
 
@@ -50,16 +52,39 @@ def missed(model: "Model", best: "Minimum") -> str:
     return f"the search found no {ranges} that {verb} {goals}; the nearest reached is {nearest}, at {found}"
 
 
-def _told(way: dict[str, float]) -> str:
+def _told(model: "Model", best: "Minimum", way: dict[str, float]) -> str:
     """A direction in words."""
     if len(way) == 1:
         return f"the data do not depend on {next(iter(way))}"
-    changes = choices(f"{name} by {_change(name, value)}" for name, value in way.items())
+    rates = {
+        one.name: _rate(one, one.value(float(x)))
+        for one, x in zip(model.parameters, best.x, strict=True)
+        if one.name in way
+    }
+    relative = next((name for name, rate in rates.items() if rate), None)
+    size = 0.01 if relative is None else 0.01 / (way[relative] * rates[relative])
+    parts = {name: _change(size * value, rates[name], name) for name, value in way.items()}
+    names, same = list(parts), len(set(parts.values())) == 1 and relative is not None
+    if same:
+        changes = f"{', '.join(names[:-1])} and {names[-1]} by {parts[names[0]]} each"
+    else:
+        changes = choices(f"{name} by {part}" for name, part in parts.items())
     return f"the data cannot tell {' and '.join(way)} apart: no datum changes when these change together, {changes}"
 
 
-def _change(name: str, value: float) -> str:
-    return f"{value:+.4g} %" if name in POSITIVE else f"{value / 100:+.4g}"
+def _rate(one: Parameter, value: float) -> float:
+    """The relative change of a field for a change by 1 of its direction; 0 for an angle and for a value of 0."""
+    if one.name in POSITIVE:
+        return 1.0
+    angular = quantity(one.name).dimension == "rad"
+    return 0.0 if angular or abs(value) < _ROUNDING * one.scale else 1 / value
+
+
+def _change(change: float, rate: float, name: str) -> str:
+    """``+1 %``; for an angle or a value of 0 the change itself."""
+    if rate:
+        return f"{100 * change * rate:+.4g} %"
+    return f"{change:+.4g}{' rad' if quantity(name).dimension == 'rad' else ''}"
 
 
 def rule(sigma: bool, known: Uncertainty) -> str:
@@ -83,7 +108,7 @@ def remarks(
     """Sentences on what limits the result."""
     parameters = model.parameters
     if best.stop or missed(model, best):  # else the outcome says it
-        yield from map(_told, directions)
+        yield from (_told(model, best, way) for way in directions)
     for one, x, free in zip(parameters, best.x, best.free, strict=True):
         if not free:
             yield (

@@ -243,7 +243,10 @@ def test_without_sigma_as_many_data_as_fields_have_no_interval() -> None:
 
 def test_the_modulus_and_all_forces_cannot_be_told_apart() -> None:
     found = fit(rod(), ["E", "F3", "M3", "R"], points=points_of(rod(), noise=0.01), starts=0)
-    assert found.outcome.startswith("undetermined: the data cannot tell E and F3 and M3 apart")
+    assert found.outcome == (
+        "undetermined: the data cannot tell E and F3 and M3 apart: no datum changes when these change together, E, F3 "
+        "and M3 by +1 % each"
+    )
     (way,) = found.directions
     assert way == pytest.approx({"E": 1, "F3": found.values["F3"], "M3": found.values["M3"]}, rel=1e-5)
     assert found.intervals["E"] == (0.0, np.inf)
@@ -404,3 +407,11 @@ def test_a_field_without_effect_by_symmetry_alone_is_searched() -> None:
     (mirrored,) = [one for one in found.minima if one.values["beta0"] == pytest.approx(-found.values["beta0"])]
     assert mirrored.as_good
     assert all(one.values["beta0"] for one in found.minima)
+
+
+def test_an_undetermined_direction_names_the_change_of_an_angle_in_rad() -> None:
+    case = rod(dbeta=0.0)
+    height = float(observe(solve(case), ["height"])["height"])
+    found = fit(case, ["beta0", "M3"], {"height": height}, starts=0)
+    beta0, M3 = solve(case).sensitivity(["beta0", "M3"], ["height"]).observables["height"]
+    assert found.outcome.endswith(f"change together, beta0 by {-0.18 * M3 / beta0:+.4g} rad, M3 by +1 %")

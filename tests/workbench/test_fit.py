@@ -121,7 +121,10 @@ def test_what_the_data_cannot_tell_is_status_1_and_a_sentence(points, tmp_path, 
     status, said, _ = run(capsys, *given, "--plot", tmp_path / "fit.pdf")
     assert status == 1
     assert "undetermined: the data cannot tell E and F3 and M3 apart" in said
-    assert "0 to inf" in said
+    assert "when these change together, E, F3 and M3 by +1 % each" in said
+    row = next(line.split() for line in said.splitlines() if line.startswith("E "))
+    assert row[2:4] == ["undetermined", "N/cm^2"]
+    assert " inf" not in said
 
 
 def test_sigma_of_a_file_and_of_the_command_line_are_the_same(points, tmp_path, capsys) -> None:

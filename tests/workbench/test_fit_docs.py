@@ -57,8 +57,8 @@ def test_the_commands_of_the_page_run_as_they_stand(folder, capsys) -> None:
     for part in ("F1      2.74196", "3.08124", "caution: the data do not exclude 1 other minimum"):
         assert part in said
     assert "the data cannot tell E and M3 and F3 apart: no datum changes when these change together" in said
-    assert "M3 by +0.1776, F3 by +0.09824" in said
-    assert "M3 by +0.1776, F3 by +0.09824" in unwrapped(PAGE)
+    assert "E, M3 and F3 by +1 % each" in said
+    assert "E, M3 and F3 by +1 % each" in unwrapped(PAGE)
     assert run("fit fig7_1_modulus --at E=10905 --target height=12 --vary F1 --bounds F1=1:9") == 2
     nearest = re.findall(r"\*(the nearest reached.*?)\.\*", unwrapped(PAGE))
     assert nearest

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..fitting.fit_dataset import UNDETERMINED
 from ..fitting.fit_input import is_angle
 from . import console
 
@@ -66,7 +67,7 @@ def _values(found: "Fit", asked: "CaseInput") -> None:
     rows = []
     for name, value in found.values.items():
         low, high = (_number(name, end) for end in found.intervals[name])
-        known = "unknown" if math.isnan(low) else f"{low:.6g} to {high:.6g}"
+        known = "unknown" if math.isnan(low) else UNDETERMINED if math.isinf(high) else f"{low:.6g} to {high:.6g}"
         rows.append([name, _number(name, value), known, _unit(name, asked), _long(name)])
     console.print_table(["fitted", "value", "95 % interval", "unit", ""], rows)
 

@@ -12,6 +12,7 @@ from solver.inverse.result import Fit
 from ..data import labels, schema
 
 STATIONS = 801
+UNDETERMINED = "undetermined"  # in place of an unbounded interval
 
 
 def dataset_of(found: Fit, units: dict[str, str], points: dict[str, Any] | None, wrapped: bool = False) -> xr.Dataset:
@@ -46,9 +47,12 @@ def dataset_of(found: Fit, units: dict[str, str], points: dict[str, Any] | None,
 
 
 def _said(found: Fit, units: dict[str, str]) -> str:
-    """``E = 10700 N/cm² (10591 to 10812)`` for each field; angles in degrees."""
+    """``E = 10700 N/cm² (10591 to 10812)`` or ``E undetermined`` for each field; angles in degrees."""
     parts = []
     for name, value in found.values.items():
+        if np.isinf(found.intervals[name][1]):
+            parts.append(f"{labels.symbol_of(name)} {UNDETERMINED}")
+            continue
         unit = schema.labels(name, units)["units"]
         factor = np.degrees(1.0) if unit == "rad" else 1.0
         shown = "°" if unit == "rad" else f" {labels.unit(unit)}".rstrip()
