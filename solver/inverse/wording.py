@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 _REACHED = 1e-6  # relative: a target that is missed by more is not reached
 UNLIKELY = 0.01  # probability of a larger sum of squares
 _ALIKE = 0.99  # correlation of two parameters that is told
+# Distance of the points in rho, 0.5 rad or 29 degrees of azimuth, that is told: intervals are those of small errors, and
+# sin(0.5) differs from 0.5 by 4 %. Errors of measurement are smaller on any cylinder that can be seen.
+FAR = 0.5
 _ROUNDING = 1e-9  # of the scale of a parameter: a smaller value is 0
 
 
@@ -50,6 +53,34 @@ def missed(model: "Model", best: "Minimum") -> str:
     verb = "reaches" if len(model.parameters) == 1 else "reach"
     found = written(model.parameters, best.x)
     return f"the search found no {ranges} that {verb} {goals}; the nearest reached is {nearest}, at {found}"
+
+
+def miss(model: "Model", best: "Minimum") -> float:
+    """The root mean square distance of the points from the rod in units of rho; of alpha and z alone."""
+    points, sol = model.data.points, best.found.sol
+    if points is None:
+        return 0.0
+    place = np.arange(points.size) if best.found.feet is None else best.found.feet.order
+    square = np.zeros(points.size)
+    if "alpha" in points.columns:
+        off = points.columns["alpha"] - sol.alpha[place]
+        if points.wrapped:
+            off = off - 2 * np.pi * np.round(off / (2 * np.pi))
+        square += off**2
+    if "z" in points.columns:
+        square += ((points.columns["z"] - sol.z[place]) / float(sol.case.rho)) ** 2
+    return float(np.sqrt(square.mean()))
+
+
+def _far(model: "Model", best: "Minimum", probability: float) -> str:
+    """That the points are too far from the rod, unless sigma says that they may be; else ""."""
+    far = miss(model, best)
+    if far <= FAR or probability >= UNLIKELY:
+        return ""
+    return (
+        f"the rod misses the points by {far:.3g} rho (root mean square): check the units of alpha (rad, or 17deg) and "
+        "z, and where the rod begins"
+    )
 
 
 def _told(model: "Model", best: "Minimum", way: dict[str, float]) -> str:
@@ -120,6 +151,8 @@ def remarks(
             f"the residuals are larger than sigma allows (chance {probability:.1e}): sigma or the rod that is assumed "
             "is wrong, and the intervals are too narrow"
         )
+    if far := _far(model, best, probability):
+        yield far
     for i, j in np.argwhere(np.triu(np.abs(correlation) > _ALIKE, 1)):
         pair = f"{parameters[i].name} and {parameters[j].name}"
         yield f"the data hardly tell {pair} apart: correlation {correlation[i, j]:+.5f}"

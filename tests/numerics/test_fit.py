@@ -415,3 +415,20 @@ def test_an_undetermined_direction_names_the_change_of_an_angle_in_rad() -> None
     found = fit(case, ["beta0", "M3"], {"height": height}, starts=0)
     beta0, M3 = solve(case).sensitivity(["beta0", "M3"], ["height"]).observables["height"]
     assert found.outcome.endswith(f"change together, beta0 by {-0.18 * M3 / beta0:+.4g} rad, M3 by +1 %")
+
+
+@pytest.mark.parametrize("with_s", (True, False))
+def test_points_in_wrong_units_are_a_remark(with_s) -> None:
+    points = points_of(rod(), noise=0.03, with_s=with_s)
+    wrong = [{**points, "z": 10 * points["z"]}, {**points, "alpha": np.degrees(points["alpha"])}]
+    for some in wrong:
+        found = fit(rod(), "M3", points=some, starts=0)
+        s, alpha, z = found.feet
+        off = np.sqrt(np.mean((some["alpha"] - alpha) ** 2 + (some["z"] - z) ** 2))  # rho is 1
+        said = f"the rod misses the points by {off:.3g} rho (root mean square): check the units of alpha (rad, or 17deg"
+        assert any(remark.startswith(said) for remark in found.remarks)
+    for sigma in (None, {"alpha": 0.03, "z": 0.03}):
+        assert not any("misses" in remark for remark in fit(rod(), "M3", points=points, sigma=sigma, starts=0).remarks)
+    rough = points_of(rod(), noise=2.0, with_s=True)
+    known = fit(rod(), "M3", points=rough, sigma={"alpha": 2.0, "z": 2.0}, starts=0)
+    assert not any("misses" in remark for remark in known.remarks)
