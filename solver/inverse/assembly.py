@@ -30,6 +30,7 @@ def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
     directions = [_in_units(model, way) for way in known.directions]
     others = tuple(_others(model, minima, known))
     back = _as_given(model)
+    exact = not data.known and known.freedom <= 0
     tested = data.known and known.freedom > 0
     probability = float(special.chdtrc(known.freedom, 2 * best.cost)) if tested else np.nan
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -55,7 +56,7 @@ def result(model: "Model", minima: Sequence["Minimum"]) -> Fit:
         freedom=known.freedom,
         probability=probability,
         minima=others,
-        remarks=tuple(wording.remarks(model, best, directions, correlation, probability, others)),
+        remarks=tuple(wording.remarks(model, best, directions, correlation, probability, others, exact)),
         case=best.found.sol.case,
         solution=best.found.sol,
         solves=model.solves,
@@ -99,7 +100,13 @@ def _others(model: "Model", minima: Sequence["Minimum"], known: Uncertainty) -> 
         low = any(one.cost <= level for level in levels) if known.directions else False
         if not one.stop and not low:
             found.append(one)
-    return [OtherMinimum(_values(model, one.x), one.cost, _as_good(model, one, minima[0], known)) for one in found[1:]]
+    return [
+        OtherMinimum(
+            _values(model, one.x), one.cost, _as_good(model, one, minima[0], known),
+            tuple(part.name for part, free in zip(model.parameters, one.free, strict=True) if not free),
+        )
+        for one in found[1:]
+    ]  # fmt: skip
 
 
 def _as_good(model: "Model", one: "Minimum", best: "Minimum", known: Uncertainty) -> bool:

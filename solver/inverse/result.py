@@ -9,6 +9,8 @@ from ..problem.case import Case
 from ..problem.trajectory import SOLVED
 from ..solution import Solution
 
+NO_INTERVALS = "no intervals: no sigma is given, and there are no more data than fitted values"
+
 
 @dataclass(frozen=True)
 class OtherMinimum:
@@ -21,12 +23,16 @@ class OtherMinimum:
     cost : float
         Half the sum of squares of the residuals.
     as_good : bool
-        Whether the data do not exclude it, at 95 %, against the best one.
+        Whether the data do not exclude it, at 95 %, against the best one; of a fit that is `exact`, whether it reaches
+        them.
+    at_bound : tuple of str
+        The fields that are at a bound there.
     """
 
     values: dict[str, float]
     cost: float
     as_good: bool
+    at_bound: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +112,11 @@ class Fit:
     def solved(self) -> bool:
         """Whether the values are a minimum that the data determine, and every exact target is reached."""
         return self.outcome == SOLVED
+
+    @property
+    def exact(self) -> bool:
+        """Whether there is neither sigma nor more data than fitted values: data are reached or not, none excludes."""
+        return self.rule == NO_INTERVALS
 
     def share_of(self, group: str) -> dict[str, float]:
         """Field -> the share of a group of data in what is known of it."""

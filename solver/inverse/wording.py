@@ -11,7 +11,7 @@ from ..problem.quantities import quantity
 from ..problem.trajectory import SOLVED
 from .data import scale_of
 from .parameters import POSITIVE, Parameter, written
-from .result import OtherMinimum
+from .result import NO_INTERVALS, OtherMinimum
 from .uncertainty import LEVEL, Uncertainty
 
 if TYPE_CHECKING:
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 _REACHED = 1e-6  # relative: a target that is missed by more is not reached
 UNLIKELY = 0.01  # probability of a larger sum of squares
 _ALIKE = 0.99  # correlation of two parameters that is told
-# Distance of the points in rho, 0.5 rad or 29 degrees of azimuth, that is told: intervals are those of small errors, and
-# sin(0.5) differs from 0.5 by 4 %. Errors of measurement are smaller on any cylinder that can be seen.
+# Distance of the points in rho that is told: 0.5 rad or 29 degrees of azimuth. Errors of measurement are smaller, and
+# the intervals are those of errors so small that the shape changes in proportion to them.
 FAR = 0.5
 _ROUNDING = 1e-9  # of the scale of a parameter: a smaller value is 0
 
@@ -83,6 +83,16 @@ def _far(model: "Model", best: "Minimum", probability: float) -> str:
     )
 
 
+def _as_good(model: "Model", count: int, exact: bool) -> str:
+    """How many other minima are as good as the best one."""
+    if not exact:
+        return f"the data do not exclude {count} other minim{'um' if count == 1 else 'a'}"
+    what = "data" if model.data.points else "target" if len(model.data.targets) == 1 else "targets"
+    many = len(model.parameters) > 1
+    found = ("set of values" if count == 1 else "sets of values") if many else "value" if count == 1 else "values"
+    return f"{count} other {found} {'reaches' if count == 1 else 'reach'} the {what}"
+
+
 def _told(model: "Model", best: "Minimum", way: dict[str, float]) -> str:
     """A direction in words."""
     if len(way) == 1:
@@ -124,7 +134,7 @@ def rule(sigma: bool, known: Uncertainty) -> str:
     if sigma:
         return f"{percent} by the given sigma and the normal distribution"
     if known.freedom <= 0:
-        return "no intervals: no sigma is given, and there are no more data than fitted values"
+        return NO_INTERVALS
     return f"{percent} by the variance of the residuals and Student's t with {known.freedom} degrees of freedom"
 
 
@@ -135,6 +145,7 @@ def remarks(
     correlation: Array,
     probability: float,
     others: Sequence[OtherMinimum],
+    exact: bool,
 ) -> Iterator[str]:
     """Sentences on what limits the result."""
     parameters = model.parameters
@@ -157,7 +168,7 @@ def remarks(
         pair = f"{parameters[i].name} and {parameters[j].name}"
         yield f"the data hardly tell {pair} apart: correlation {correlation[i, j]:+.5f}"
     if good := sum(one.as_good for one in others):
-        yield f"the data do not exclude {good} other minim{'um' if good == 1 else 'a'}: the values are not unique"
+        yield f"{_as_good(model, good, exact)}: the values are not unique"
     if count := model.refused.total():
         reason, _ = model.refused.most_common(1)[0]
         yield f"at {count} of the values tried the data cannot be computed, most often: {reason}"

@@ -423,7 +423,7 @@ def test_points_in_wrong_units_are_a_remark(with_s) -> None:
     wrong = [{**points, "z": 10 * points["z"]}, {**points, "alpha": np.degrees(points["alpha"])}]
     for some in wrong:
         found = fit(rod(), "M3", points=some, starts=0)
-        s, alpha, z = found.feet
+        _, alpha, z = found.feet
         off = np.sqrt(np.mean((some["alpha"] - alpha) ** 2 + (some["z"] - z) ** 2))  # rho is 1
         said = f"the rod misses the points by {off:.3g} rho (root mean square): check the units of alpha (rad, or 17deg"
         assert any(remark.startswith(said) for remark in found.remarks)

@@ -65,6 +65,18 @@ def test_a_target_is_reached_and_the_fitted_case_solves_to_it(tmp_path, capsys) 
     assert status == 0
     assert "at E = 10905.1" in said
     assert "no intervals: no sigma is given, and there are no more data than fitted values" in said
+    assert "caution: 1 other value reaches the target: the values are not unique" in said
+    rows = said[said.index("other minima") :].splitlines()
+    assert rows[1].split("  ")[-1].strip() == "reaches the target"
+    assert [row.split()[-1] for row in rows if "3.08124" in row] == ["yes"]
+    assert [row.split()[-1] for row in rows if "9 (bound)" in row] == ["no"]
+    shape = "caution: The rod passes through itself and would lift off where the cylinder has to pull"
+    assert shape in said
+    with pytest.raises(SystemExit):
+        cli.main(["solve", str(out)])
+    assert [line for line in said.splitlines() if "The rod" in line] == [
+        line for line in capsys.readouterr().out.splitlines() if "The rod" in line
+    ]
     study = load(str(out))
     modulus = study.case().rod.E
     assert modulus == pytest.approx(10905.077)

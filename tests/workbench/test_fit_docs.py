@@ -54,7 +54,13 @@ def test_the_commands_of_the_page_run_as_they_stand(folder, capsys) -> None:
     for line in lines:
         assert run(line) == (1 if UNDETERMINED in line else 0), line
     said = capsys.readouterr().out
-    for part in ("F1      2.74196", "3.08124", "caution: the data do not exclude 1 other minimum"):
+    for part in (
+        "F1      2.74196",
+        "3.08124",
+        "reaches the target",
+        "9 (bound)",
+        "caution: 1 other value reaches the target: the values are not unique",
+    ):
         assert part in said
     assert "the data cannot tell E and M3 and F3 apart: no datum changes when these change together" in said
     assert "E, M3 and F3 by +1 % each" in said

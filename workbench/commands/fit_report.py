@@ -31,7 +31,7 @@ def say(found: "Fit", asked: "CaseInput", taken: dict[str, float]) -> None:
         _data(found, asked)
         _pairs(found)
         _minima(found, asked)
-    for remark in found.remarks:
+    for remark in (*found.remarks, *_shape(found)):
         console.say(f"caution: {remark}")
     count = "" if math.isnan(found.probability) else f", chance of larger residuals {found.probability:.3g}"
     console.say(f"{found.outcome} ({found.solves} solutions, {found.derivatives} with derivatives{count})")
@@ -50,10 +50,20 @@ def as_data(found: "Fit", asked: "CaseInput", taken: dict[str, float]) -> dict[s
         "shares": {group: found.share_of(group) for group in groups},
         "data": [_datum(found, i) for i in range(len(found.groups))],
         "cost": found.cost, "freedom": found.freedom, "probability": found.probability,
-        "minima": [{"values": one.values, "cost": one.cost, "as_good": one.as_good} for one in found.minima],
-        "remarks": list(found.remarks), "solves": found.solves, "derivatives": found.derivatives,
+        "minima": [{"values": one.values, "cost": one.cost, "as_good": one.as_good, "at_bound": list(one.at_bound)}
+                   for one in found.minima],
+        "remarks": list(found.remarks), "caution": " ".join(_shape(found)),
+        "solves": found.solves, "derivatives": found.derivatives,
         "case": field_values(found.case),
     }  # fmt: skip
+
+
+def _shape(found: "Fit") -> list[str]:
+    """The sentence of `solve` on a shape that is not physically realisable."""
+    from ..data import cautions
+
+    told = "" if found.solution is None else cautions.said(cautions.of_cases(found.solution))
+    return [told] if told else []
 
 
 def _datum(found: "Fit", i: int) -> dict[str, Any]:
@@ -131,13 +141,23 @@ def _minima(found: "Fit", asked: "CaseInput") -> None:
         return
     names = list(found.values)
     rows = [
-        [_sum(found, one.cost), *(_number(n, one.values[n]) for n in names), "no" if one.as_good else "yes"]
+        [
+            _sum(found, one.cost),
+            *(f"{_number(n, one.values[n]):.6g}{' (bound)' if n in one.at_bound else ''}" for n in names),
+            "yes" if one.as_good == found.exact else "no",
+        ]
         for one in found.minima
     ]
     heads = [f"{name} ({_unit(name, asked)})" if _unit(name, asked) else name for name in names]
     console.say("")
-    console.print_table(["sum of squares", *heads, "excluded by the data"], rows, title="other minima")
+    judged = f"reaches the {_goal(found)}" if found.exact else "excluded by the data"
+    console.print_table(["sum of squares", *heads, judged], rows, title="other minima")
     console.say(f"sum of squares of the fit: {_sum(found, found.cost)}")
+
+
+def _goal(found: "Fit") -> str:
+    """What an exact fit has to reach."""
+    return "data" if found.feet is not None else "target" if len(found.groups) == 1 else "targets"
 
 
 def _sum(found: "Fit", cost: float) -> str:

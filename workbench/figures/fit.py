@@ -15,7 +15,7 @@ from . import canvas, developed, legend, style
 
 SIZE = (9.6, 7.4)  # inches
 LEVEL = 0.95
-CROSSES = "; crosses: other minima that the data do not exclude"
+CROSSES = {False: "; crosses: other minima that the data do not exclude", True: "; crosses: others that reach the data"}
 MARKS = ("o", "s", "^", "D", "v", "P")
 
 
@@ -70,7 +70,7 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
     for one in others:
         ax.plot(*_shown(ds, one), "X", color=style.STABLE, markersize=7, zorder=3)
     covariance = ds["covariance"].values[:2, :2] * np.outer(_factors(ds), _factors(ds))
-    also = CROSSES if len(others) else ""
+    also = CROSSES[bool(ds.attrs["exact"])] if len(others) else ""
     if not np.isfinite(covariance).all() or not np.isfinite([low, high]).all():
         ax.set_title(style.wrapped(f"{' and '.join(names)}: no region is known{also}", ax), loc="left")
         return style.with_grid(ax)

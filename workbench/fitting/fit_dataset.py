@@ -35,7 +35,7 @@ def dataset_of(found: Fit, units: dict[str, str], points: dict[str, Any] | None,
         coords={"field": names, "unit": ("field", [schema.labels(name, units)["units"] for name in names])},
         attrs={
             "title": f"Fit: {_said(found, units)}", "rule": found.rule, "freedom": found.freedom,
-            "outcome": found.outcome, "length_unit": units["length"],
+            "outcome": found.outcome, "length_unit": units["length"], "exact": found.exact,
         },
     )  # fmt: skip
     curve = solve(found.case, stations=STATIONS, **_branch(found))
