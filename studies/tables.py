@@ -19,7 +19,11 @@ MOST_BYTES = 4_000_000_000
 
 
 def read(
-    path: Path, columns: Sequence[str] | None = None, known: Sequence[str] = NUMERIC, of: str = "field of a case"
+    path: Path,
+    columns: Sequence[str] | None = None,
+    known: Sequence[str] = NUMERIC,
+    of: str = "field of a case",
+    row: str = "case",
 ) -> dict[str, Values]:
     """The columns of a table of cases, or of other numbers, (rows,) each, angles in rad.
 
@@ -29,8 +33,8 @@ def read(
         A .csv file with a line of names, or a .parquet file (which needs the package pyarrow).
     columns : sequence of str, optional
         The columns that are read; default: all.
-    known, of : sequence of str, str
-        The names that a column may have, and what they name.
+    known, of, row : sequence of str, str, str
+        The names that a column may have, what they name, and what a row describes.
 
     Raises
     ------
@@ -40,7 +44,9 @@ def read(
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(f"a table of cases is a file that ends in {choices(SUFFIXES)}, got {path.name!r}")
     _check_file(path)
-    return (_csv if path.suffix.lower() == ".csv" else _parquet)(path, columns, known, of)
+    if path.suffix.lower() == ".csv":
+        return _csv(path, columns, known, of, row)
+    return _parquet(path, columns, known, of)
 
 
 def _check_file(path: Path) -> None:
@@ -55,15 +61,17 @@ def _check_file(path: Path) -> None:
         raise InputError(f"{path.name} has {status.st_size} bytes; the limit is {MOST_BYTES}")
 
 
-def _csv(path: Path, wanted: Sequence[str] | None, known: Sequence[str], of: str) -> dict[str, Values]:
+def _csv(path: Path, wanted: Sequence[str] | None, known: Sequence[str], of: str, row: str) -> dict[str, Values]:
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             rows = csv.reader(file, strict=True)
             header = [name.strip() for name in next(rows, [])]
             if not header:
-                raise InputError(f"{path.name} is empty: give a line of names, and below it a line for each case")
+                raise InputError(f"{path.name} is empty: give a line of names, and below it a line for each {row}")
+            if len(header) == 1 and ";" in header[0]:
+                raise InputError(f"{path.name}: columns are separated by commas, not semicolons, got {header[0]!r:.60}")
             names = _chosen(path, header, wanted, known, of)
-            return _numbers(path, names, [header.index(name) for name in names], len(header), rows)
+            return _numbers(path, names, [header.index(name) for name in names], len(header), rows, row)
     except UnicodeDecodeError:
         raise InputError(f"{path.name} is not a text file in UTF-8") from None
     except csv.Error as error:
@@ -72,7 +80,7 @@ def _csv(path: Path, wanted: Sequence[str] | None, known: Sequence[str], of: str
         raise InputError(f"cannot read the table {path}: {error.strerror}") from None
 
 
-def _numbers(path: Path, names: list[str], places: list[int], width: int, rows: Any) -> dict[str, Values]:
+def _numbers(path: Path, names: list[str], places: list[int], width: int, rows: Any, row: str) -> dict[str, Values]:
     """The numbers of the columns at these places. Raises `InputError` with the line, the row and the column."""
     texts: list[list[str]] = [[] for _ in names]
     lines: list[int] = []
@@ -86,7 +94,7 @@ def _numbers(path: Path, names: list[str], places: list[int], width: int, rows: 
         for place, column in zip(places, texts, strict=True):
             column.append(cells[place])
     if not lines:
-        raise InputError(f"{path.name} has no rows: give a line for each case below the line of names")
+        raise InputError(f"{path.name} has no rows: give a line for each {row} below the line of names")
     return {name: _column(path, name, column, lines) for name, column in zip(names, texts, strict=True)}
 
 

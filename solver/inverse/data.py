@@ -150,8 +150,6 @@ def _sigmas(
     for name in sigma:
         if name not in names:
             raise no_such("datum", name, names)
-    if sigma and (missing := [name for name in names if name not in sigma]):
-        raise InputError(f"sigma is given of {choices(sigma)} and not of {choices(missing)}: give it of all or of none")
     found: dict[str, Any] = {}
     for name, value in sigma.items():
         count = 1 if name in targets else columns[name].size
@@ -163,6 +161,8 @@ def _sigmas(
             shape = "a positive number" if name in targets else f"a positive number, or {count} of them"
             raise InputError(f"sigma of {name} must be {shape}, got {value!r:.60}")
         found[name] = numbers if numbers.ndim == 0 or name not in targets else numbers[0]
+    if sigma and (missing := [name for name in names if name not in sigma]):
+        raise InputError(f"sigma is given of {choices(sigma)} and not of {choices(missing)}: give it of all or of none")
     return found
 
 

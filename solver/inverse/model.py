@@ -42,6 +42,7 @@ class Model:
     def __init__(self, case: Case, parameters: Sequence[Parameter], data: Data, choose: Any, tol: float) -> None:
         self.case, self.parameters, self.data = case, list(parameters), data
         self.solves = self.derivatives = 0
+        self.starts = 0  # Sobol' points of the search
         self.refused: Counter[str] = Counter()
         self._choose, self._tol = choose, tol
         self._branch: Solution | None = None

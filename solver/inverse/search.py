@@ -56,6 +56,7 @@ def fitted(
     if not 0 <= starts <= MOST_STARTS:
         raise InputError(f"starts must be from 0 to {MOST_STARTS}, got {starts}")
     model = Model(case, parameters, data, checked(choose), checked_tolerance(tol))
+    model.starts = starts
     own = np.array([one.start for one in parameters])
     first = _searched(model, own, [])
     minima = [] if first is None else [first]

@@ -49,7 +49,7 @@ def missed(model: "Model", best: "Minimum") -> str:
         return ""
     goals = choices(f"{name} = {value:g}" for name, value in data.targets.items())
     nearest = choices(f"{name} = {value:.6g}" for name, value in zip(data.targets, reached, strict=True))
-    ranges = " and ".join(one.name + one.between for one in model.parameters)
+    ranges = " and ".join(one.name + (one.between or _searched(model, one)) for one in model.parameters)
     verb = "reaches" if len(model.parameters) == 1 else "reach"
     found = written(model.parameters, best.x)
     return f"the search found no {ranges} that {verb} {goals}; the nearest reached is {nearest}, at {found}"
@@ -81,6 +81,14 @@ def _far(model: "Model", best: "Minimum", probability: float) -> str:
         f"the rod misses the points by {far:.3g} rho (root mean square): check the units of alpha (rad, or 17deg) and "
         "z, and where the rod begins"
     )
+
+
+def _searched(model: "Model", one: Parameter) -> str:
+    """Where the starts of a field without bounds lie."""
+    if not model.starts:
+        return f" (start: {one.value(one.start):.4g})"
+    low, high = (one.value(x) for x in one.span)
+    return f" (starts from {low:.4g} to {high:.4g})"
 
 
 def _as_good(model: "Model", count: int, exact: bool) -> str:

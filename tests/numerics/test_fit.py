@@ -339,6 +339,7 @@ INVALID = {
     "no data": (dict(targets={}), "fit needs data: give targets"),
     "sigma": (dict(sigma={"z": 1.0}), "no datum 'z'; choose from height"),
     "some": (dict(points=GOOD, sigma={"z": 1.0}), "sigma is given of z and not of height, alpha"),
+    "sign": (dict(points=GOOD, sigma={"alpha": -1.0}), "sigma of alpha must be a positive number"),
     "zero": (dict(sigma={"height": 0.0}), "sigma of height must be a positive number, got 0.0"),
     "column": (dict(points={"x": [1.0]}), "no column of points 'x'; choose from s, alpha, z, beta"),
     "lengths": (dict(points={**GOOD, "z": [1.0]}), "the columns of the points must have one length"),
@@ -387,7 +388,9 @@ def test_with_sigma_the_likelihood_tells_which_minima_the_data_exclude() -> None
 @pytest.mark.filterwarnings("error")
 def test_a_field_without_effect_alone_ends_where_it_begins() -> None:
     found = fit(rod(), "gamma0", {"height": 9.0}, sigma={"height": 0.1})
-    assert found.outcome.startswith("failed: the search found no gamma0 that reaches height = 9; the nearest reached")
+    assert found.outcome.startswith(
+        "failed: the search found no gamma0 (starts from -1 to 1) that reaches height = 9; the ne"
+    )
     assert found.values["gamma0"] == 0.0
     assert found.solves < 100
 

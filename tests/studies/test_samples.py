@@ -255,7 +255,7 @@ BAD_TABLES = {
     "not finite": ("E,R\n1e4,inf\n", "cases.csv, line 2 (row 1): R must be a finite number, got 'inf'"),
     "no angle": ("beta\n30dog\n", "cases.csv, line 2 (row 1): beta must be a finite number, got '30dog'"),
     "more columns": ("E,note\n1e4,a\n", "cases.csv: the column 'note' is no field of a case; choose from E, nu, a"),
-    "semicolons": ("E;R\n1e4;1\n", "cases.csv: the column 'E;R' is no field of a case"),
+    "semicolons": ("E;R\n1e4;1\n", "cases.csv: columns are separated by commas, not semicolons, got 'E;R'"),
     "another problem's field": ("E,FZ\n1e4,1\n", "no column 'FZ'; choose from E, nu, R"),
     "twice": ("E,E\n1,2\n", "cases.csv has the column 'E' twice"),
     "no name": ("E,\n1,2\n", "cases.csv has a column without a name; its columns are E, "),

@@ -152,6 +152,10 @@ def test_sigma_of_a_file_and_of_the_command_line_are_the_same(points, tmp_path, 
 
 STUDY = ("fig7_1_modulus", "--vary", "F1")
 INVALID = {
+    "unbounded": (
+        ("fig7_1_modulus", "--vary", "E", "--starts", 0, "--target", "height=100"),
+        "the search found no E (start: 1.091e+04) that reaches height = 100; the nearest reached is height = ",
+    ),
     "unreached": (
         (*STUDY, "--bounds", "F1=1:9", "--target", "height=100"),
         "the search found no F1 from 1 to 9 that reaches height = 100; the nearest reached is height = ",
@@ -195,6 +199,9 @@ def test_invalid_input_is_one_sentence_and_status_2(name, tmp_path, monkeypatch,
 
 
 POINTS = {
+    "": "points.csv is empty: give a line of names, and below it a line for each point",
+    "s,alpha,z\n": "points.csv has no rows: give a line for each point below the line of names",
+    "s;alpha;z\n1;0.1;1\n": "points.csv: columns are separated by commas, not semicolons, got 's;alpha;z'",
     "s,alpha,z\n1,0.1,1\n2,x,1\n": "points.csv, line 3 (row 2): alpha must be a finite number, got 'x'",
     "s,alpha,z\n1,0.1,1\n2,0.2,\n": "points.csv, line 3 (row 2): z is empty; give each row a number",
     "s,alpha,z\n1,0.1\n": "points.csv, line 2 (row 1): expected 3 cells, as the line of names has, got 2",

@@ -84,21 +84,20 @@ def _values(found: "Fit", asked: "CaseInput") -> None:
 
 def _data(found: "Fit", asked: "CaseInput") -> None:
     """A row for each target and each third of the points: how well it is met, and its share in each field."""
-    rows = []
+    rows, targets = [], _targets(found)
     for label, group, mine in _groups(found, asked):
         told = [f"{100 * row[mine].sum():.3g} %" if np.isfinite(row).all() else "" for row in found.shares.values()]
         off = f"{math.sqrt(float(np.mean(found.residuals[mine] ** 2))):.3g}"
-        if group in _targets(found):
+        if group in targets:
             pair = [_number(group, float(v[mine][0])) for v in (found.measured, found.computed)]
             rows.append([label, *pair, _unit(group, asked), off, *told])
         else:
-            rows.append([label, "", "", "", off, *told])
-    heads = ["datum", "measured", "fitted", "unit", "residual", *(f"share in {name}" for name in found.values)]
+            rows.append([label, *([""] * 3 if targets else []), off, *told])
+    pair = ["wanted", "fitted", "unit"] if targets else []
+    heads = ["datum", *pair, "residual", *(f"share in {name}" for name in found.values)]
     console.print_table(heads, rows)
     size = "standard deviations" if found.rule.endswith("normal distribution") else "units of the target, or of rho"
-    console.say(
-        f"residual: root mean square in {size}; share: of what the data say about a field while the others are unknown"
-    )
+    console.say(f"residual: root mean square in {size}; share: of the field's variance, all fields fitted together")
     console.say("")
 
 

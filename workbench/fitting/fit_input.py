@@ -63,7 +63,7 @@ def read_points(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
 
     Raises `InputError` with the line and the column.
     """
-    found = tables.read(path, known=POINT_COLUMNS, of="column of measured points")
+    found = tables.read(path, known=POINT_COLUMNS, of="column of measured points", row="point")
     points = {name: values for name, values in found.items() if not name.startswith("sigma_")}
     sigma = {name.removeprefix("sigma_"): values for name, values in found.items() if name.startswith("sigma_")}
     for name in sigma:
