@@ -5,12 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
-from solver import Case, Cylinder, Rod, Start, observe, solve
+from solver import Case, Cylinder, Rod, Start, fit, observe, solve
 from studies import load
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench import cli
+from workbench.figures import fit as fit_figure
 from workbench.figures import style
+from workbench.fitting import fit_dataset
 
 ENDS = """title = "a rod between two ends"
 
@@ -148,6 +151,53 @@ def test_sigma_of_a_file_and_of_the_command_line_are_the_same(points, tmp_path, 
     two = json.loads(run(capsys, *given, points, "--sigma", "alpha=0.01", "--sigma", "z=0.02")[1])
     assert one["intervals"] == two["intervals"]
     assert one["rule"] == "95 % intervals by the given sigma and the normal distribution"
+
+
+def drawn(case: Case, vary):
+    """The figure of a fit to points of the case with errors, and its fit."""
+    s, rng = np.linspace(0.5, 20, 30), np.random.default_rng(0)
+    sol = solve(case, stations=s)
+    points = {"s": s, "alpha": sol.alpha + 0.01 * rng.standard_normal(s.size), "z": sol.z}
+    found = fit(case, vary, points=points, starts=0)
+    figure = fit_figure.figure(fit_dataset.dataset_of(found, {"length": "cm", "force": "N"}, points))
+    figure.draw_without_rendering()
+    return figure, found
+
+
+def wide(beta=1.3) -> Case:
+    """A helix whose rho alpha spans more than its z."""
+    rod, cylinder = table1().rod, Cylinder(0.75)
+    return Case(rod, cylinder, Start(beta, 0.0, M3=float(rod.bending_stiffness) * np.sin(beta) * np.cos(beta)))
+
+
+@pytest.mark.parametrize(("case", "across", "along"), ((wide(), "ρα", "z"), (table1(), "z", "ρα")))
+def test_the_longer_extent_of_the_curve_is_drawn_to_the_right(case, across, along) -> None:
+    figure, _ = drawn(case, ["M3"])
+    panel = figure.axes[0]
+    assert panel.get_xlabel().startswith(across)
+    assert panel.get_ylabel().startswith(along)
+    assert panel.get_title(loc="left").endswith(
+        "ρα to the right, z up" if across == "ρα" else "z to the right, ρα down"
+    )
+    assert panel.yaxis_inverted() == (along == "ρα")
+    box, legend = panel.get_window_extent(), panel.get_legend().get_window_extent()
+    title = next(
+        text for text in panel.findobj(Text) if text.get_text() == panel.get_title(loc="left")
+    ).get_window_extent()
+    assert box.y1 <= legend.y0 + 1
+    assert legend.y1 <= title.y0 + 1
+    assert box.width > 0.8 * figure.bbox.width
+    assert box.height > 0.1 * figure.bbox.height
+
+
+def test_fields_that_are_undetermined_have_no_shares_in_the_picture() -> None:
+    figure, found = drawn(table1(), ["E", "F3", "M3", "R"])
+    assert [text.get_text() for text in figure.axes[2].get_legend().get_texts()] == ["R"]
+    figure, found = drawn(table1(), ["E", "F3", "M3"])
+    assert figure.axes[2].get_legend() is None
+    assert figure.get_figheight() < 7.4
+    title = fit_dataset.dataset_of(found, {"length": "cm", "force": "N"}, None).attrs["title"]
+    assert title == "Fit: E undetermined, F₃ undetermined, M₃ undetermined"
 
 
 STUDY = ("fig7_1_modulus", "--vary", "F1")

@@ -84,13 +84,14 @@ def _values(found: "Fit", asked: "CaseInput") -> None:
 
 def _data(found: "Fit", asked: "CaseInput") -> None:
     """A row for each target and each third of the points: how well it is met, and its share in each field."""
-    rows, targets = [], _targets(found)
+    targets = _targets(found)
+    rows: list[list[Any]] = []
     for label, group, mine in _groups(found, asked):
         told = [f"{100 * row[mine].sum():.3g} %" if np.isfinite(row).all() else "" for row in found.shares.values()]
         off = f"{math.sqrt(float(np.mean(found.residuals[mine] ** 2))):.3g}"
         if group in targets:
-            pair = [_number(group, float(v[mine][0])) for v in (found.measured, found.computed)]
-            rows.append([label, *pair, _unit(group, asked), off, *told])
+            values = [_number(group, float(v[mine][0])) for v in (found.measured, found.computed)]
+            rows.append([label, *values, _unit(group, asked), off, *told])
         else:
             rows.append([label, *([""] * 3 if targets else []), off, *told])
     pair = ["wanted", "fitted", "unit"] if targets else []

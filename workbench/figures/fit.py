@@ -13,7 +13,10 @@ from studies.axes import quantity_of
 from ..data import labels
 from . import canvas, developed, legend, style
 
-SIZE = (9.6, 7.4)  # inches
+WIDTH, LOWER = 9.6, 3.4  # inches: of the figure, and the height of the lower panels
+ROOM = (8.8, 2.2)  # inches of the developed curve
+TALLEST, LABELS = 4.4, 1.1  # inches: the highest curve, and the title, legend and labels beside it
+TITLE = 0.5  # inches above all panels
 LEVEL = 0.95
 CROSSES = {False: "; crosses: other minima that the data do not exclude", True: "; crosses: others that reach the data"}
 MARKS = ("o", "s", "^", "D", "v", "P")
@@ -22,8 +25,10 @@ MARKS = ("o", "s", "^", "D", "v", "P")
 def figure(ds: xr.Dataset) -> Figure:
     """The figure of a dataset of `fitting.fit_dataset`."""
 
+    upper = _height(ds)
+
     def draw(fig: Figure) -> None:
-        rows = fig.add_gridspec(2, 2, height_ratios=(1.15, 1))
+        rows = fig.add_gridspec(2, 2, height_ratios=(upper, LOWER))
         curve(ds, fig.add_subplot(rows[0, :]))
         if ds.sizes["field"] > 1:
             region(ds, fig.add_subplot(rows[1, 0]))
@@ -31,32 +36,71 @@ def figure(ds: xr.Dataset) -> Figure:
         else:
             shares(ds, fig.add_subplot(rows[1, :]))
 
-    return canvas.figure(SIZE, draw, ds)
+    return canvas.figure((WIDTH, TITLE + upper + LOWER), draw, ds)
 
 
 def curve(ds: xr.Dataset, ax: Axes) -> Axes:
-    """The fitted developed curve, seen from outside: z to the right, rho alpha down; with the measured points."""
-    unit, rho = labels.unit(str(ds.attrs["length_unit"])), float(ds["rho"])
-    z, across = ds["z"].values, rho * ds["alpha"].values
-    ax.plot(z, across, color=style.PUSHED, linewidth=2.0, label="fitted rod")
+    """The fitted developed curve, seen from outside, with the measured points.
+
+    z to the right and rho alpha down; where rho alpha spans more than z, rho alpha to the right and z up.
+    """
+    unit, up = labels.unit(str(ds.attrs["length_unit"])), _upright(ds)
+    names = ("alpha", "z") if up else ("z", "alpha")
+    line, feet, points = ([_places(ds, part + name) for name in names] for part in ("", "foot_", "measured_"))
+    ax.plot(*line, color=style.PUSHED, linewidth=2.0, label="fitted rod")
     if "measured_z" in ds:
-        measured = ds["measured_z"].values, rho * ds["measured_alpha"].values
-        for a, b, c, d in zip(*measured, ds["foot_z"].values, rho * ds["foot_alpha"].values, strict=True):
+        for a, b, c, d in zip(*points, *feet, strict=True):
             ax.plot((a, c), (b, d), color=style.LIFTED, linewidth=0.9, zorder=1)
-        ax.plot(*measured, "o", color=style.LIFTED, markersize=4, markeredgecolor=style.INK, markeredgewidth=0.4,
+        ax.plot(*points, "o", color=style.LIFTED, markersize=4, markeredgecolor=style.INK, markeredgewidth=0.4,
                 label="measured points")  # fmt: skip
-        legend.add(ax, loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.2)
-    ax.plot(z[0], across[0], "o", color=style.INK, markersize=5)
-    ax.annotate("s = 0", (z[0], across[0]), (0, 6), textcoords="offset points", ha="center", va="bottom",
-                size=style.SMALL)  # fmt: skip
-    factor = developed.stretch(float(np.ptp(z)), float(np.ptp(across)), (SIZE[0] - 1, SIZE[1] / 2 - 1))
-    ax.set_aspect(1 / factor)
-    ax.set_xlabel(f"z [{unit}]{developed.larger(factor)}")
-    ax.set_ylabel(style.wrapped(f"ρα [{unit}]{developed.larger(1 / factor)}", ax, upward=True))
-    ax.set_title("Developed curve, seen from outside", loc="left")
+        legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, borderaxespad=0, borderpad=0.3)
+    ax.plot(line[0][0], line[1][0], "o", color=style.INK, markersize=5)
+    ax.annotate("s = 0", (line[0][0], line[1][0]), (0, -6 if up else 6), textcoords="offset points", ha="center",
+                va="top" if up else "bottom", size=style.SMALL)  # fmt: skip
+    wide, high = _extent(ds)
+    factor = developed.stretch(wide, high, ROOM)
+    ax.set_aspect(1 / factor, anchor="NW")
+    across, along = (f"ρα [{unit}]", f"z [{unit}]") if up else (f"z [{unit}]", f"ρα [{unit}]")
+    ax.set_xlabel(f"{across}{developed.larger(factor)}")
+    ax.set_ylabel(style.wrapped(f"{along}{developed.larger(1 / factor)}", ax, upward=True))
+    ways = "ρα to the right, z up" if up else "z to the right, ρα down"
+    ax.set_title(f"Developed curve, seen from outside: {ways}", loc="left", pad=22 if "measured_z" in ds else 6)
     ax.margins(x=0.06, y=0.12)
-    ax.invert_yaxis()
+    if not up:
+        ax.invert_yaxis()
     return style.with_grid(ax)
+
+
+def _places(ds: xr.Dataset, name: str) -> Any:
+    """z, or rho alpha, of the curve, the feet or the points; nothing where the dataset has none."""
+    if name not in ds:
+        return np.zeros(0)
+    return ds[name].values * (float(ds["rho"]) if name.endswith("alpha") else 1.0)
+
+
+def _spans(ds: xr.Dataset) -> tuple[float, float]:
+    """The extents of z and of rho alpha, of the curve and the points together [length]."""
+    z, alpha = (np.ptp(np.concatenate([_places(ds, k) for k in (name, f"measured_{name}")])) for name in ("z", "alpha"))
+    return float(z), float(alpha)
+
+
+def _upright(ds: xr.Dataset) -> bool:
+    """Whether z is drawn up: the longer extent is drawn to the right."""
+    z, across = _spans(ds)
+    return across > z
+
+
+def _extent(ds: xr.Dataset) -> tuple[float, float]:
+    """The width and the height of what is drawn [length]."""
+    z, across = _spans(ds)
+    return max(z, across), min(z, across)
+
+
+def _height(ds: xr.Dataset) -> float:
+    """The height of the panel of the curve with its labels [inches]."""
+    wide, high = _extent(ds)
+    drawn = ROOM[0] * 1.24 * high / (1.12 * wide * developed.stretch(wide, high, ROOM))
+    return float(np.clip(drawn, 0.6, TALLEST)) + LABELS
 
 
 def region(ds: xr.Dataset, ax: Axes) -> Axes:
@@ -88,12 +132,14 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
 def shares(ds: xr.Dataset, ax: Axes) -> Axes:
     """The share of each datum in what is known of each field: along the rod for points, else by observable."""
     names = [labels.symbol_of(str(name)) for name in ds["field"].values]
+    known = [name for name, row in zip(names, ds["share"].values, strict=True) if np.isfinite(row).all()]
     colours = [style.PUSHED, style.LIFTED, *style.ramp_colours(max(len(names) - 2, 0))]
     if "point_share" in ds:
         s, unit = ds["foot_s"].values, labels.unit(str(ds.attrs["length_unit"]))
         order = np.argsort(s, kind="stable")
         for name, row, colour, mark in zip(names, ds["point_share"].values, colours, MARKS * len(names), strict=False):
-            ax.plot(s[order], 100 * row[order], color=colour, marker=mark, markersize=3, linewidth=0.9, label=name)
+            ax.plot(s[order], 100 * row[order], color=colour, marker=mark, markersize=3, linewidth=0.9,
+                    label=name if name in known else None)  # fmt: skip
         ax.set_xlabel(f"s of the point [{unit}]")
         ax.set_ylabel("share [%]")
     else:
@@ -101,14 +147,17 @@ def shares(ds: xr.Dataset, ax: Axes) -> Axes:
         sums = np.array([[row[ds["group"].values == g].sum() for g in groups] for row in ds["share"].values])
         for k, (name, row, colour) in enumerate(zip(names, sums, colours, strict=False)):
             place = np.arange(len(groups)) + (k - (len(names) - 1) / 2) * 0.8 / len(names)
-            ax.barh(place, 100 * row, 0.8 / len(names), color=colour, label=name)
+            ax.barh(place, 100 * row, 0.8 / len(names), color=colour, label=name if name in known else None)
         ax.set_yticks(range(len(groups)), groups)
         ax.invert_yaxis()
         ax.set_xlabel("share [%]")
     each = "each point" if "point_share" in ds else "each target"
-    title = f"Which data decide: share of {each} in what is known of {' and '.join(names)}"
+    title = f"Which data decide: share of {each} in what is known of {' and '.join(known)}"
+    if not known:
+        ax.set_axis_off()
+        title = "Which data decide: no field has shares"
     ax.set_title(style.wrapped(title, ax), loc="left")
-    legend.add(ax, loc="best", ncols=len(names))
+    legend.add(ax, loc="best", ncols=max(len(known), 1))
     return style.with_grid(ax)
 
 
