@@ -63,6 +63,8 @@ def test_the_commands_of_the_page_run_as_they_stand(folder, capsys) -> None:
     ):
         assert part in said
     assert "the data cannot tell E and M3 and F3 apart: no datum changes when these change together" in said
+    assert "condition number 6.3\n" in said
+    assert "*Condition number 6.3*" in unwrapped(PAGE)
     assert "E, M3 and F3 by +1 % each" in said
     assert "E, M3 and F3 by +1 % each" in unwrapped(PAGE)
     assert run("fit fig7_1_modulus --at E=10905 --target height=12 --vary F1 --bounds F1=1:9") == 2
