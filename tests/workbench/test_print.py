@@ -130,8 +130,12 @@ def test_a_figure_for_print_has_its_width_and_letters_of_seven_and_eight_points(
 
 
 def test_no_word_of_a_narrow_figure_lies_outside_it(two) -> None:
-    for draw in (study_figure.figure, map_figure.figure):
-        fig = draw(two, sheet=sheet("paper", 89))
+    many = in_memory.run(load("fig7_4_end_angle"))  # whose values are upright below their curves
+    for fig in (
+        study_figure.figure(two, sheet=sheet("paper", 89)),
+        map_figure.figure(two, sheet=sheet("paper", 89)),
+        study_figure.figure(many, sheet=sheet("paper", 183, panel="betaL")),
+    ):
         fig.draw_without_rendering()
         hidden = []  # the labels of ticks beyond the axis are not drawn
         for ax in fig.axes:
