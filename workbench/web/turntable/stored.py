@@ -11,8 +11,9 @@ import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
 from solver.problem.errors import InputError
+from studies.dimensions import SAMPLE
 
-from ...data import cautions, labels, selection
+from ...data import cautions, labels, schema, selection
 from ...data.schema import axes_of
 from ...geometry import centreline
 from ...geometry.centreline import Array, Centreline
@@ -135,7 +136,8 @@ def _is_near(line: Centreline, step: int) -> bool:
 def _axis(ds: xr.Dataset, name: str, rows: Sequence[int], base: int) -> dict[str, Any]:
     texts = [labels.value(float(ds[name].values[row]), ds[name], 6) for row in rows]
     start = int(np.abs(np.array(rows) - base).argmin())
-    return {"words": labels.long_name(ds[name]), "symbol": labels.symbol(ds[name]), "texts": texts, "start": start}
+    words, symbol = labels.long_name(ds[name]), labels.symbol(ds[name])
+    return {"words": words, "symbol": "" if symbol == words else symbol, "texts": texts, "start": start}
 
 
 def _case(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None) -> dict[str, Any]:
@@ -145,7 +147,16 @@ def _case(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None) -> 
     numbers = {"R": line.R, "a": line.a, "rho": line.rho, "L": line.L, "A": line.A}
     loads = {"FZ": line.p * line.A, "MZ": line.l * line.A, "M3": line.m * line.A}
     caution = cautions.said(ds["caution"].isel(dict(where)).values) if "caution" in ds else ""
-    return {"numbers": numbers | loads, "note": labels.typeset(caution)}
+    return {"numbers": numbers | loads, "note": labels.typeset(f"{_sampled(ds, where)} {caution}".strip())}
+
+
+def _sampled(ds: xr.Dataset, where: Mapping[str, int]) -> str:
+    """The values of the sampled fields of a case, as a sentence."""
+    fields = schema.sampled_fields(ds) if SAMPLE in ds.dims else []
+    names = [name for name in map(schema.dimension, fields) if name in ds]
+    values = [(name, float(ds[name].isel({k: i for k, i in where.items() if k in ds[name].dims}))) for name in names]
+    texts = [f"{labels.symbol(ds[name])} = {labels.value(value, ds[name], 6)}" for name, value in values]
+    return f"{', '.join(texts)}." if texts else ""
 
 
 def _packed(lines: Sequence[Centreline | None], step: int, n: int) -> str:

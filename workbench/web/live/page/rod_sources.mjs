@@ -4,7 +4,8 @@ import { placeOf, spanOf, valueAt } from "./controls.mjs";
 import { DEGREE, Refused, caseOf, kindOf, quantityOf } from "./rod_case.mjs";
 import { marched } from "./rod_shape.mjs";
 import { storedShape } from "./stored_shapes.mjs";
-import { number, unitText, withUnit } from "./text.mjs";
+import { observables, warnings } from "./numbers.mjs";
+import { minus, number, unitText, withUnit } from "./text.mjs";
 
 /* The cases of a file: one slider an axis; the case at its places; the words of a place. */
 export function storedSource(data) {
@@ -58,6 +59,12 @@ export function solvedSource(data, core) {
         if (!(error instanceof Refused)) throw error;
         return { shape: null, note: error.sentence };
       }
+    },
+    /* What takes longer than a move of a slider may. */
+    facts(shape) {
+      const found = observables(shape),
+        told = [`${found.turns} bends, largest push ${number(Math.max(found.push_max, 0))} ${data.push}.`];
+      return minus([...told, ...warnings(shape, found)].join(" "));
     },
     reset: () => Object.assign(base, JSON.parse(begun)),
   };

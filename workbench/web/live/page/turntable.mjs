@@ -6,14 +6,15 @@ import { makeView } from "./rod_view.mjs";
 import { minus, tickText, ticks } from "./text.mjs";
 import { drawTriad } from "./triad.mjs";
 
-const LAP = 12; // s of one turn
+const LAP = 12, // s of one turn
+  REST = 150; // ms until what is slower is computed
 const TICKS = 4,
   CROWDED = 0.16; // ticks of the bar, about; share of it that the tick at its end keeps free
 
 /* Make a figure turn. core: the compiled core, where the figure solves. */
 export function turntable(figure, data, code, core, calm) {
   const part = (name) => figure.querySelector(`.${name}`),
-    canvas = part("scene");
+    canvas = part("rod");
   const source = data.arrays ? storedSource(data) : solvedSource(data, core);
   figure.classList.add("live"); // now the canvas has its size
   const view = makeView(canvas, part("spot"), code, calm);
@@ -24,15 +25,18 @@ export function turntable(figure, data, code, core, calm) {
   }
   const sliders = source.sliders.map((slider, k) => made(part("sliders"), slider, `${figure.id}-slider-${k}`));
   let busy = false,
-    spinning = 0;
+    spinning = 0,
+    resting = 0;
 
   function show(how = {}) {
     const { shape, note } = source.now();
     for (const row of sliders) row.show();
-    set(part("told"), note);
+    if (note || !source.facts) set(part("told"), note);
     part("told").classList.toggle("wrong", !shape);
     if (!shape) return;
     view.show(shape, { ...how, largest: source.largest });
+    clearTimeout(resting);
+    if (source.facts && !note) resting = setTimeout(() => set(part("told"), source.facts(shape)), REST);
     part("squeeze").hidden = view.drawn.squeeze >= 1;
     set(part("squeeze"), `Axis compressed 1 : ${(1 / view.drawn.squeeze).toPrecision(3)}`);
     bar(part("bar"), code, view.drawn.largest, data.push);
