@@ -14,7 +14,7 @@ from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
 from ...data import cautions, labels, law_verdicts
 
-NUMBERS = dict(enumerate("zero one two three four five six seven eight nine ten eleven twelve".split()))
+NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
 CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
 
 
@@ -55,7 +55,10 @@ def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
     for section in sections:
         for law in section["laws"]:
-            claim = found.setdefault(law["claim"], {**law, "id": section["id"], "title": section["title"], "restable": section["restable"], "laws": []})
+            claim = found.setdefault(
+                law["claim"],
+                {**law, "id": section["id"], "title": section["title"], "restable": section["restable"], "laws": []},
+            )
             claim["laws"].append(law)
             verdict = worst([law["verdict"], claim["verdict"]])
             claim |= {"verdict": verdict, "class": CLASSES[verdict]}
