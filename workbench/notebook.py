@@ -148,10 +148,9 @@ def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
     for name, owner in {**owners, "M3": sol}.items():
         if name not in axes:
             value = np.broadcast_to(np.asarray(getattr(owner, name), dtype=float), case.shape)
-            constant = float(value.flat[0]) if np.ptp(value) == 0 else None
-            data[name] = xr.Variable(
-                *((), constant) if constant is not None else (dims, value), schema.labels(name, used)
-            )
+            same = value.size > 0 and float(np.ptp(value)) == 0
+            own: tuple[Any, Any] = ((), float(value.flat[0])) if same else (dims, value)
+            data[name] = xr.Variable(own[0], own[1], schema.labels(name, used))
     data["solved"] = xr.Variable(dims, np.asarray(sol.solved, dtype=bool))
     data["outcome"] = xr.Variable(dims, np.asarray(sol.outcome).astype(str))
     data["caution"] = xr.Variable(dims, np.asarray(cautions.of_cases(sol)).astype(str))

@@ -377,9 +377,9 @@ def test_paper_gets_the_still_picture_and_whole_tables(text) -> None:
     assert re.search(r"\.still \{ display: block !important", text)
     assert "overflow: visible" in text.partition("@page")[2].partition("</style>")[0]
     # wider than a page of paper only on a screen
-    assert all(
-        rule.startswith("@media screen") for rule in re.findall(r"@media[^{]*\{[^\n]*[ {]min-width: 46rem", text)
-    )
+    wide = re.findall(r"@media[^{]*\{[^\n]*[ {]min-width: 46rem", text)
+    assert wide
+    assert all(rule.startswith("@media screen") for rule in wide)
 
 
 def test_a_run_beside_the_report_is_drawn_and_a_broken_one_gives_way(tmp_path, measured) -> None:

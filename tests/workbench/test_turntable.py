@@ -42,7 +42,6 @@ side = "inside"
 beta = 0.5
 dbeta = 0.1
 dgamma = 0.5
-F3 = -10.0
 [axes.F3]
 values = [-20.0, -10.0]
 """

@@ -42,7 +42,7 @@ LONGEST = LONG.replace("forty", "two thousand").replace("8001", "100001").replac
 def gallery(
     out: Annotated[Path, option("FOLDER", "Folder for the pictures.")] = Path("gallery"), force: ForceOutput = False
 ) -> int:
-    """Draw one picture of every kind of scene, and an animated one, sweep.webp, of a rod whose modulus rises.
+    """Draw one picture of every kind of scene.
 
     Exit status 1 if OpenGL does not work on this machine.
     """
@@ -57,7 +57,6 @@ def gallery(
     writing.check_folder(out)
     names = [*kinds.KINDS, "inside", "long", "longest"]
     paths = {name: output_file.check(out / f"{name}.png", (".png",), force) for name in names}
-    animated = output_file.check(out / "sweep.webp", (".webp",), force)
     able, advice = opengl.probe()
     if not able:
         console.warn(advice)
@@ -80,18 +79,4 @@ def gallery(
         kind = "contact" if name in own else name
         layout.render(solved.get(name, one), path, None, kind, axes, settings=settings, level=9)
         console.say(str(path))
-    _sweep(animated)
-    console.say(str(animated))
     return 0
-
-
-def _sweep(path: Path) -> None:
-    """The animated picture."""
-    from studies import load
-    from studies.axes import Axis
-
-    from ..run import in_memory
-    from ..scene import sweep
-
-    study = load(SWEEP).model_copy(update={"axes": {"E": Axis.model_validate(FRAMES)}, "laws": []})
-    sweep.write(in_memory.run(study), "E", path, SWEEP_DPI)

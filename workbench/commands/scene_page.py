@@ -64,13 +64,12 @@ def _solved(file: Path, at: list[str]) -> "tuple[xr.Dataset, dict[str, float]]":
     fixed = {selection.axis_of(first, name) for name in where}
     shown = [name for name in schema.axes_of(first) if name not in fixed]
     needed = study_scene.needed_cases(study, first, kind_of(KIND), where, shown)
-    stations = FIRST
+    ds = in_memory.run(needed.at_stations(FIRST))
     for _ in range(ROUNDS):
-        ds = in_memory.run(needed.at_stations(stations))
         more = _stations(ds)
-        if more <= stations:
+        if more <= ds.sizes["u"]:
             break
-        stations = more
+        ds = in_memory.run(needed.at_stations(more))
     return ds, where
 
 
