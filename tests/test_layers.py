@@ -18,7 +18,7 @@ STUDIES = SOLVER | {
 WORKBENCH = STUDIES | {
     "studies", "xarray", "h5netcdf", "h5py", "filelock", "pyvista", "matplotlib", "trimesh", "typer", "rich", "jinja2",
     "distributed",  # optional: the engine of a cluster, imported where it runs
-    "imageio",  # optional: films
+    "imageio", "PIL",  # optional: films; the second comes with the first
     "SALib",  # optional: Sobol' indices, imported where they are computed
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
     "aiohttp",  # optional: the live page
@@ -29,7 +29,7 @@ FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 LISTS = {
     "solver": [
         "numerics", "problem", "mechanics", "core", "orbit", "boundary", "methods", "solution", "observe",
-        "sensitivity", "solve", "equilibria", "benchmark",
+        "sensitivity", "solve", "equilibria", "inverse", "benchmark",
     ],
     "workbench": [
         "data", "geometry", "run", "branches", "influence", "fitting", "figures", "scene", "export", "compare", "web",

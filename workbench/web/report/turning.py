@@ -17,6 +17,7 @@ from ..live.presets import PRESETS, Preset
 from ..turntable.stored import stored
 
 MOST_BYTES = 400_000  # of the stations of a panel
+DROPPED = {"force-first": "dgamma", "twist-first": "F1"}  # the field that a reading does not use
 FIELDS = ("E", "R", "beta", "F1", "dgamma", "F3")  # those that the reading uses get a slider
 
 
@@ -46,7 +47,7 @@ def _solved(ds: xr.Dataset) -> dict[str, Any] | None:
     if not reading or any(abs(float(ds[name]) - TABLE_1[name]) > 1e-9 for name in ("E", "R", "a", "L")):
         return None
     read = Reading(*reading.split("/"))
-    fields = [name for name in FIELDS if "dropped" not in read.meaning(name)]
+    fields = [name for name in FIELDS if name != DROPPED.get(read.twist)]
     state = _state(preset, reading)
     return {
         "state": state,
