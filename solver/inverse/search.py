@@ -111,7 +111,8 @@ def _searched(model: Model, start: Array, known: list[Minimum]) -> Minimum | Non
 
 def _idle(model: Model, first: Minimum | None, starts: list[Array]) -> Array:
     """Which parameters change no datum, (F,): not only at the first minimum, where a symmetry may be why."""
-    idle = np.zeros(len(model.parameters), dtype=bool) if first is None else ~first.jacobian.any(axis=0)
+    F = len(model.parameters)
+    idle: Array = np.asarray(np.zeros(F, dtype=bool) if first is None else ~first.jacobian.any(axis=0))
     for start in starts:
         if not idle.any():
             break
