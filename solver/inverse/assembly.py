@@ -105,10 +105,10 @@ def _others(model: "Model", minima: Sequence["Minimum"], known: Uncertainty) -> 
 def _as_good(model: "Model", one: "Minimum", best: "Minimum", known: Uncertainty) -> bool:
     """Whether the data do not exclude a minimum: by the likelihood ratio, or where sigma is unknown by the F test."""
     F, more = best.x.size, 2 * (one.cost - best.cost)
-    if known.freedom <= 0:
-        return bool(np.abs(one.found.residuals).max() <= _EXACT)
     if model.data.known:
         return bool(more <= special.chdtri(F, 1 - LEVEL))
+    if known.freedom <= 0:
+        return bool(np.abs(one.found.residuals).max() <= _EXACT)
     variance = 2 * best.cost / known.freedom
     return bool(more <= F * variance * special.fdtri(F, known.freedom, LEVEL))
 

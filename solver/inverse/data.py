@@ -76,7 +76,7 @@ def checked_data(case: Case, targets: Any, points: Any, sigma: Any, wrapped: boo
     if not wanted and not columns:
         raise InputError("fit needs data: give targets, such as height = 10, or measured points")
     sigmas = _sigmas(dict(sigma or {}), wanted, columns, s)
-    sizes = {name: float(sigmas[name]) if sigmas else _scale(case, name, value) for name, value in wanted.items()}
+    sizes = {name: float(sigmas[name]) if sigmas else scale_of(case, name, value) for name, value in wanted.items()}
     if not columns:
         return Data(wanted, sizes, None, bool(sigmas))
     if s is not None and s.max() > float(case.rod.L):
@@ -166,7 +166,7 @@ def _sigmas(
     return found
 
 
-def _scale(case: Case, name: str, value: float) -> float:
+def scale_of(case: Case, name: str, value: float) -> float:
     """The error of a target that counts as 1 where none is known: its size, or the natural unit of the case."""
     quantity(name)
     return abs(value) or natural_unit(case, name)

@@ -103,6 +103,7 @@ class Model:
             blocks.append((rates / points.sizes[name]).T)
         return blocks
 
+    @np.errstate(over="ignore", invalid="ignore")  # such values are refused at the end
     def _evaluated(self, x: Array) -> Evaluation:
         values = {one.name: one.value(float(v)) for one, v in zip(self.parameters, x, strict=True)}
         try:
@@ -119,6 +120,8 @@ class Model:
                 raise NoValueError("the rod is shorter than the s of a point")
             sol = self._solved(case, 2 if s is None else s)
         computed, residuals = self._compared(sol, found)
+        if not np.isfinite(residuals @ residuals):
+            raise NoValueError("the squares of the residuals are beyond the range of floats")
         return Evaluation(x.copy(), sol, computed, residuals, found)
 
     def _solved(self, case: Case, stations: Any) -> Solution:

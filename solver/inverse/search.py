@@ -59,25 +59,31 @@ def fitted(
     own = np.array([one.start for one in parameters])
     first = _searched(model, own, [])
     minima = [] if first is None else [first]
-    idle = np.zeros(own.size, dtype=bool) if first is None else ~first.jacobian.any(axis=0)
-    for start in _starts(model, starts, seed):
+    others = _starts(model, starts, seed)
+    idle = _idle(model, first, others)
+    for start in others:
         one = _searched(model, np.where(idle, own, start), minima)
         if one is not None:
             minima.append(one)
-    return result(model, _distinct(minima, data.size))
+    moved = [one for one in minima if one.jacobian.any()]  # the others may be maxima
+    return result(model, _distinct(moved or minima, data.size))
 
 
+@np.errstate(all="ignore")  # steps of SciPy where derivatives vanish: a search that they mislead says so
 def _searched(model: Model, start: Array, known: list[Minimum]) -> Minimum | None:
     """The minimum to which a search from `start` leads; None where there is no value, or where it comes to a known one.
 
     A step to a place without a value is made shorter, by `least_squares`, as its residuals are NaN.
     """
     model.begin()
-    if not np.isfinite(model.residuals(start)).all():
+    residuals = model.residuals(start)
+    if not np.isfinite(residuals).all():
         return None
     seen: list[tuple[Evaluation, Array]] = []
 
     def jacobian(x: Array) -> Array:
+        if seen and np.array_equal(seen[-1][0].x, x):
+            return seen[-1][1]
         found = model.jacobian(x)
         seen.append((model.evaluation(x), found))
         return found
@@ -88,6 +94,8 @@ def _searched(model: Model, start: Array, known: list[Minimum]) -> Minimum | Non
 
     bounds = np.array([one.bounds for one in model.parameters]).T
     try:
+        if not jacobian(start).any():  # no direction is better than another
+            return Minimum(*seen[0], float(residuals @ residuals) / 2, np.ones(start.size, dtype=bool))
         found = least_squares(
             model.residuals, start, jacobian, tuple(bounds), x_scale="jac", ftol=_GAIN, xtol=_STEP, gtol=None,
             max_nfev=_EVALUATIONS, callback=near,
@@ -99,6 +107,21 @@ def _searched(model: Model, start: Array, known: list[Minimum]) -> Minimum | Non
     stop = "" if found.status > 0 else f"the search did not end in {_EVALUATIONS} evaluations"
     best = next(pair for pair in reversed(seen) if np.array_equal(pair[0].x, found.x))
     return Minimum(*best, float(found.cost), found.active_mask == 0, stop)
+
+
+def _idle(model: Model, first: Minimum | None, starts: list[Array]) -> Array:
+    """Which parameters change no datum, (F,): not only at the first minimum, where a symmetry may be why."""
+    F = len(model.parameters)
+    idle: Array = np.asarray(np.zeros(F, dtype=bool) if first is None else ~first.jacobian.any(axis=0))
+    for start in starts:
+        if not idle.any():
+            break
+        model.begin()
+        try:
+            idle &= ~model.jacobian(start).any(axis=0)
+        except NoValueError:
+            continue
+    return idle
 
 
 def _stopped(seen: list[tuple[Evaluation, Array]], why: str) -> Minimum | None:

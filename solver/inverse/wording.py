@@ -8,6 +8,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.errors import choices
 from ..problem.trajectory import SOLVED
+from .data import scale_of
 from .parameters import POSITIVE, written
 from .result import OtherMinimum
 from .uncertainty import LEVEL, Uncertainty
@@ -38,7 +39,7 @@ def missed(model: "Model", best: "Minimum") -> str:
     if data.points is not None or data.size > len(model.parameters):
         return ""
     wanted, reached = np.array(list(data.targets.values())), best.found.computed
-    sizes = np.array(list(data.sizes.values())) if not data.known else np.abs(wanted)
+    sizes = np.array([scale_of(model.case, name, value) for name, value in data.targets.items()])
     if (np.abs(reached - wanted) <= _REACHED * np.maximum(sizes, np.abs(reached))).all():
         return ""
     goals = choices(f"{name} = {value:g}" for name, value in data.targets.items())

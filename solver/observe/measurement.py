@@ -24,7 +24,7 @@ from .rod_pieces import Pieces
 from .solution_pieces import blocks, pieces_of, resolved
 
 _FINEST = 1e-14  # relative: smallest goal of a series
-_SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test
+SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test
 _SHARE = 1e-3  # of the tolerance, for the series of the densities
 _SAFETY = 2.0
 BARELY = 64 * EPS  # of the size of its terms: a push below this is rounding
@@ -205,7 +205,7 @@ class Reading:
         sol = self.sol
         sign = flat(sol.case.outward, sol.case.shape)
         error = np.where(np.isfinite(sol.trajectory.error), sol.trajectory.error, 1.0)
-        error = np.maximum(error, 4 * EPS) * (_SPREAD if isinstance(sol.trajectory.orbit, MarchedOrbit) else 1)
+        error = np.maximum(error, 4 * EPS) * (SPREAD if isinstance(sol.trajectory.orbit, MarchedOrbit) else 1)
         goal = max(_SHARE * sol.tol, _FINEST)
         names = [name for group in groups for name in group.names]
         found = {name: (np.full(sol.problem.size, np.nan), np.full(sol.problem.size, np.nan)) for name in names}

@@ -13,11 +13,12 @@ import numpy as np
 
 from ..boundary.stability import index_at_stations, jacobi_zeros
 from ..numerics.arrays import Array
+from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION, ROTATION
 from ..problem.errors import no_such
 from ..problem.quantities import quantity
 from ..solution import Solution
-from .measurement import Pair, Reading
+from .measurement import SPREAD, Pair, Reading
 from .self_contact import overlaps
 from .solution_pieces import resolved
 
@@ -96,10 +97,12 @@ def bend_number(read: Reading) -> Pair:
         unknown = np.full(read.sol.problem.size, np.nan)
         return unknown, unknown
     with np.errstate(divide="ignore", invalid="ignore"):
-        librates = (orbit.kind == LIBRATION) & _librates(read)
-        count = np.where(librates, orbit.problem.span / (orbit.ahead + orbit.back), 0.0)
+        librates, half_period = (orbit.kind == LIBRATION) & _librates(read), orbit.ahead + orbit.back
+        count = np.where(librates, orbit.problem.span / half_period, 0.0)
         # the error of the half period: that of beta over the largest |beta_t|, at least the range over half a period
         late = np.where(librates, 2 * read.error / (read.value("high") - read.value("low")), 0.0)
+        if isinstance(orbit, MarchedOrbit):
+            late = late + SPREAD * orbit.late * np.where(librates, count / half_period, 0.0)
     return count, late + 8 * 2.0**-52 * count
 
 

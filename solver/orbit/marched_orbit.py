@@ -50,6 +50,14 @@ class MarchedOrbit:
         return np.ascontiguousarray(self.found["legs"]["time"][:, 1])
 
     @cached_property
+    def late(self) -> Array:
+        """Standard deviation of ahead + back by what the steps leave out and round off, (B,).
+
+        The error of beta along the rod does not contain it where the rod ends before the next turning point.
+        """
+        return np.where(self.lost, 0.0, self.found["legs"]["late"].sum(axis=1))
+
+    @cached_property
     def period(self) -> Array:
         """Period of beta_t, (B,); inf on a helix."""
         arcs = np.where(self.kind == LIBRATION, 2.0, 1.0)

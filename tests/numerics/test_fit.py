@@ -358,3 +358,49 @@ def test_invalid_input_is_refused_with_a_sentence(name) -> None:
 def test_a_grid_is_refused() -> None:
     with pytest.raises(InputError, match=r"fit takes a single case, got a grid of shape \(2,\)"):
         fit(rod(E=[1e4, 2e4]), "M3", {"height": 8.0})
+
+
+# what was wrong once
+
+
+def test_a_target_of_zero_with_sigma_is_reached() -> None:
+    wanted = {"beta": (-pi / 3, pi / 3)}, {"wraps": 0.0}
+    found = fit(rod(M3=None, F1=5.0), *wanted, sigma={"wraps": 0.1})
+    assert found.outcome == "solved"
+    assert found.computed[0] == pytest.approx(0.0, abs=1e-9)
+    assert found.values["beta0"] == pytest.approx(fit(rod(M3=None, F1=5.0), *wanted).values["beta0"], rel=1e-6)
+
+
+def test_with_sigma_the_likelihood_tells_which_minima_the_data_exclude() -> None:
+    given = rod(M3=None, F1=5.0), {"F1": (1.0, 9.0)}, {"height": 9.0}
+    rough, sharp = (fit(*given, sigma={"height": sigma}) for sigma in (10.0, 1e-9))
+    assert len(rough.minima) == 2
+    assert all(one.as_good for one in rough.minima)
+    at_both = [one for one in sharp.minima if abs(height(one.values["F1"]) - 9.0) < 1e-9]
+    assert at_both
+    assert all(one.as_good for one in at_both)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_field_without_effect_alone_ends_where_it_begins() -> None:
+    found = fit(rod(), "gamma0", {"height": 9.0}, sigma={"height": 0.1})
+    assert found.outcome.startswith("failed: the search found no gamma0 that reaches height = 9; the nearest reached")
+    assert found.values["gamma0"] == 0.0
+    assert found.solves < 100
+
+
+@pytest.mark.filterwarnings("error")
+def test_residuals_beyond_the_range_of_floats_are_no_value() -> None:
+    found = fit(rod(), "E", points={"alpha": [1e308], "z": [1e308]}, starts=2)
+    assert found.outcome.startswith("failed: at none of the values tried the data can be computed, most often: the sq")
+    assert not fit(rod(), "E", {"height": 1e300}, starts=2).reached
+
+
+def test_a_field_without_effect_by_symmetry_alone_is_searched() -> None:
+    case = Case(Rod(1e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start(0.0, 0.0, F3=-1.0, M3=0.0))  # a straight rod
+    found = fit(case, "beta0", {"height": 15.0})
+    assert found.outcome == "solved"
+    assert found.computed[0] == pytest.approx(15.0)
+    (mirrored,) = [one for one in found.minima if one.values["beta0"] == pytest.approx(-found.values["beta0"])]
+    assert mirrored.as_good
+    assert all(one.values["beta0"] for one in found.minima)

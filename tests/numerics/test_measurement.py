@@ -186,3 +186,13 @@ def test_the_smallest_and_the_largest_angle_of_a_libration_are_those_of_beta_alo
         for found, stored in ((low, beta_of.min(axis=-1)), (-high, -beta_of.max(axis=-1))):
             assert (found <= stored + 1e-9).all()
             assert (found >= stored - step).all()
+
+
+@by_both
+def test_the_error_of_the_half_period_of_a_rod_that_ends_before_its_turning_point_is_told(method: str) -> None:
+    """The rod begins beside a helix; its turning point is 13.6 times its length away: no beta of it has the error."""
+    case = in_units_of_rho(6.66858462, -0.02516198, 23.01267836, 0.27174963, 0.28210101, 0.0)
+    got = observe(solve(case, tol=TOL, method=method, stations=2), ["bend_number"], errors=True)
+    off = abs(got["bend_number"] - 0.0735592752941880501)  # quadrature of 40 digits
+    assert off <= got["bend_number_error"]
+    assert got["bend_number_error"] < 1e-5
