@@ -1,4 +1,4 @@
-"""Draw the variables of docs/explanation/physics.md: ``python docs/figures/variables.py`` writes variables.png beside it.
+"""Draw the variables of docs/explanation/physics.md; run as a script it writes variables.png beside itself.
 
 The rod is drawn in the parallel projection of `project`; its tangent and the directions at the marked section are
 those of the equations.
@@ -46,7 +46,8 @@ def arrow(
     tail, tip = project(start), project(np.asarray(start) + np.asarray(way))
     ax.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": width, "shrinkA": 0,
                                            "shrinkB": 0, "mutation_scale": 12}, zorder=8)  # fmt: skip
-    ax.annotate(text, tip, shift, textcoords="offset points", color=colour, ha="center", va="center", zorder=9)
+    ax.annotate(text, tip, shift, textcoords="offset points", color=colour, ha="center", va="center", zorder=9,
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.9})  # fmt: skip
 
 
 def cylinder(ax: Axes) -> None:
@@ -91,7 +92,7 @@ def section(ax: Axes) -> None:
     foot = np.zeros(3)
     below = at * (1, 1, 0)
     ax.plot(*project([foot, below]).T, color=ANGLE, linewidth=1.2, zorder=5)
-    ax.annotate("ρ", project(0.6 * below), (6, -12), textcoords="offset points", color=ANGLE, ha="center")
+    ax.annotate("ρ", project(0.6 * below), (12, 5), textcoords="offset points", color=ANGLE, ha="center")
     ax.plot(*project([below, at]).T, color=ANGLE, linewidth=0.9, linestyle=(0, (1.5, 2)), zorder=5)
     ax.annotate("z", project(0.55 * below + 0.45 * at), (8, 0), textcoords="offset points", color=ANGLE, ha="center")
     zero = RHO * np.array([np.cos(AZIMUTH - 1.65), np.sin(AZIMUTH - 1.65), 0])
@@ -112,8 +113,8 @@ def section(ax: Axes) -> None:
     ax.plot(*project(at), "o", color="white", markeredgecolor=INK, markersize=6, zorder=10)
 
 
-def main(path: Path = Path(__file__).with_suffix(".png")) -> None:
-    """Write the picture."""
+def draw() -> Figure:
+    """The picture."""
     fig = Figure(figsize=(6.4, 7.4), layout="constrained")
     ax = fig.add_subplot()
     cylinder(ax)
@@ -125,8 +126,8 @@ def main(path: Path = Path(__file__).with_suffix(".png")) -> None:
     ax.set_ylim(-1.0, 5.2)
     ax.text(0.99, 0.0, "N: towards the axis\nB = T × N: in the surface, across the rod\nT: tangent, at β from the axis",
             transform=ax.transAxes, ha="right", color=SOFT, size=9)  # fmt: skip
-    fig.savefig(path, dpi=150)
+    return fig
 
 
 if __name__ == "__main__":
-    main()
+    draw().savefig(Path(__file__).with_suffix(".png"), dpi=150)

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ PULL = "#{:02x}{:02x}{:02x}".format(*push_colours.PULL)
 EDGE, LEAST = 1.35, 0.55  # the grey casing of a line: share of its width, and points that it adds at least
 
 
-def ramp() -> LinearSegmentedColormap:
+def ramp() -> Colormap:
     """The colours from no push to the largest; below them the colour of a pull."""
     stops = [(share, (r / 255, g / 255, b / 255)) for share, (r, g, b) in push_colours.STOPS]
     return LinearSegmentedColormap.from_list("push", stops).with_extremes(under=PULL)
