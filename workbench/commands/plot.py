@@ -90,7 +90,7 @@ def plot(
 
 def _figure(ds: "xr.Dataset", kind: str | None, given: dict[str, Any], page: "Sheet") -> "Figure":
     """The figure of that kind. Raises `InputError` for an option that the kind does not have."""
-    from ..figures import study_pictures, thumbnails
+    from ..figures import drawn_rods, study_pictures, thumbnails
     from . import at_option
 
     given = {name: value for name, value in given.items() if value}
@@ -98,6 +98,8 @@ def _figure(ds: "xr.Dataset", kind: str | None, given: dict[str, Any], page: "Sh
         kind = "map"
     kind = study_pictures.kind_of(ds, kind)
     study_pictures.check_options(kind, list(given))
+    if kind in ("curves", "ridge", "portrait"):
+        ds = drawn_rods.gridded(ds)
     if "at" in given:
         given["at"] = at_option.values(ds, given["at"])
     if "show" in given:

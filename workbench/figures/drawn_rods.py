@@ -106,8 +106,7 @@ def choose(
         For an unknown axis or value, an axis whose value is given, and where an array is not stored and the cases
         cannot be solved again.
     """
-    if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims:
-        ds = refined.coarse(ds)
+    ds = gridded(ds)
     at = {selection.axis_of(ds, name): value for name, value in (at or {}).items()}
     if axis is not None:
         axis = selection.axis_of(ds, axis)
@@ -126,6 +125,11 @@ def choose(
     if not any(rod.arrays is not None for rod in rods):
         raise InputError("nothing to draw: none of the chosen cases is solved")
     return DrawnRods(ds, axis, held, rods, notes)
+
+
+def gridded(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset; of a refined study its coarse grid. Raises `InputError`."""
+    return refined.coarse(ds) if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims else ds
 
 
 def _rod(one: xr.Dataset, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:
@@ -197,7 +201,10 @@ def _solved_again(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[l
     fine = intervals * -(-wanted // intervals) + 1
     finer = some.drop_dims("u") if "u" in some.dims else some.drop_vars("u", errors="ignore")
     try:
-        sol = stored_case.solve_at(finer.assign_coords(u=np.linspace(0.0, 1.0, fine)), stored_case.study_of(some), {})
+        study = stored_case.study_of(some)
+        if study.refine is not None:  # its cases stand in no grid of the study
+            return [], "they are of the coarse grid of a refined study"
+        sol = stored_case.solve_at(finer.assign_coords(u=np.linspace(0.0, 1.0, fine)), study, {})
     except InputError as error:
         return [], str(error).rstrip(".")
     solved = np.reshape(sol.solved, -1)
