@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from .problem.trajectory import Trajectory
 if TYPE_CHECKING:
     from .sensitivity import Sensitivity
 
+SHOWN = "workbench.notebook"  # loaded by name when a solution is shown: the solver works without the workbench
 _quiet = np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
 
 
@@ -321,3 +323,46 @@ class Solution:
         from .sensitivity import sensitivity  # needs `observe`, which needs this module
 
         return sensitivity(self, fields, observables)
+
+    def plot(self, **units: str) -> Any:
+        """Draw the solution; a notebook shows it inline.
+
+        Parameters
+        ----------
+        **units : str
+            ``length`` and ``force``, the units of the case, for labels; default: these words.
+
+        Returns
+        -------
+        workbench.notebook.Plot
+            One case: its angle, push and developed curve; several cases: their developed curves. ``save("rod.pdf")``
+            writes it, ``figure`` is the Matplotlib figure.
+        """
+        return import_module(SHOWN).plot_solution(self, units)
+
+    def scene(self, **units: str) -> Any:
+        """The rod on its cylinder; a notebook shows it inline, and a reader turns it.
+
+        Parameters
+        ----------
+        **units : str
+            ``length`` and ``force``, the units of the case, for labels; default: these words.
+
+        Returns
+        -------
+        workbench.notebook.Scene
+            With a slider for each axis of the case. ``save("rod.html")`` writes it as one offline file.
+
+        Raises
+        ------
+        InputError
+            Where no case has a shape.
+        """
+        return import_module(SHOWN).scene_solution(self, units)
+
+    def _repr_html_(self) -> str | None:
+        """A table for a notebook; None, which shows the `repr`, where the workbench cannot be imported."""
+        try:
+            return str(import_module(SHOWN).html_of(self))
+        except ImportError:
+            return None

@@ -212,7 +212,8 @@ class Axis(BaseModel):
             return
         if (self.count == 1) != (self.from_ == self.to):
             ends = f"from {self.from_:g} to {self.to:g}"
-            raise Misplaced(f"{self.count} distinct values do not fit {ends}", "count")
+            fits = "count must be at least 2" if self.count == 1 else "count must be 1"
+            raise Misplaced(f"{fits} for an axis {ends}, got {self.count}", "count")
         if self.spacing == "geometric" and not self.from_ * self.to > 0:
             raise Misplaced(
                 f"geometric spacing needs both ends of one sign and not 0, got {self.from_:g} to {self.to:g}",

@@ -60,7 +60,8 @@ class Refine(BaseModel):
             if not step > 0:
                 raise Misplaced(f"the step of {name} must be positive, got {step:g}", "steps", name)
         if (self.tolerance is None) == (self.points is None):
-            raise ValueError("refine needs one of the two keys tolerance and points")
+            both = "" if self.points is None else ", and gives both"
+            raise ValueError(f"refine needs one of the two keys tolerance and points{both}")
         if self.tolerance is not None and not FINEST <= self.tolerance < 1:
             why = f"tolerance is a share of the axis from {FINEST:g} to below 1, got {self.tolerance:g}"
             raise Misplaced(why, "tolerance")

@@ -21,7 +21,7 @@ WORKBENCH = STUDIES | {
     "imageio", "PIL",  # optional: films; the second comes with the first
     "SALib",  # optional: Sobol' indices, imported where they are computed
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
-    "aiohttp", "trame_client", "trame_vtk",  # optional: the live page
+    "aiohttp",  # optional: the live page
 }  # fmt: skip
 FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 
@@ -33,7 +33,7 @@ LISTS = {
     ],
     "workbench": [
         "data", "geometry", "run", "branches", "influence", "fitting", "figures", "scene", "export", "compare", "web",
-        "commands", "accessor", "cli",
+        "notebook", "commands", "accessor", "cli",
     ],
 }  # fmt: skip
 
@@ -100,6 +100,14 @@ def test_a_floor_imports_only_what_lies_below_it(floor: str) -> None:
         str(file.relative_to(ROOT)): sorted(tops(imports_of(file)) - allowed) for file in files_of(f"{floor}/**/*.py")
     }
     assert {file: names for file, names in breaches.items() if names} == {}
+
+
+def test_the_solver_names_the_workbench_only_where_a_solution_is_shown() -> None:
+    named = {module_of(file) for file in files_of("solver/**/*.py") if '"workbench' in file.read_text(encoding="utf-8")}
+    assert named == {"solver.solution"}  # plot, scene and _repr_html_ load it by name, so that it may be missing
+    code = "import sys, solver; print([name for name in sys.modules if name.partition('.')[0] == 'workbench'])"
+    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert run.stdout.split() == ["[]"]
 
 
 def test_methods_see_dimensionless_numbers_and_never_a_case() -> None:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from solver import Case, Solution
     from studies import Study
 
+    from .notebook import Plot, Scene
+
 
 @xr.register_dataset_accessor("rod")
 class RodAccessor:
@@ -132,6 +134,50 @@ class RodAccessor:
         if any(law.claim == name for law in laws(self._ds)):
             return boundary_of_law(self._ds, name)
         return boundary(self._ds, name, step)
+
+    def plot(self, **at: Any) -> "Plot":
+        """The figure of the dataset, or of its case at these values of axes; a notebook shows it inline.
+
+        Parameters
+        ----------
+        **at : float or str
+            Values of axes, as of `sel`: ``plot(E=1e4)``.
+
+        Returns
+        -------
+        workbench.notebook.Plot
+            With ``save("modulus.pdf")`` and ``figure``.
+
+        Raises
+        ------
+        InputError
+            For a value that is not stored, and where there is nothing to draw.
+        """
+        from .notebook import plot
+
+        return plot(self._ds, at)
+
+    def scene(self, **at: Any) -> "Scene":
+        """The rods on their cylinder, with a slider for each axis that is not given; a notebook shows them inline.
+
+        Parameters
+        ----------
+        **at : float or str
+            Values of axes, as of `sel`: ``scene(E=1e4)``.
+
+        Returns
+        -------
+        workbench.notebook.Scene
+            With ``save("modulus.html")``, one offline file.
+
+        Raises
+        ------
+        InputError
+            For a value that is not stored, and where no case has a shape.
+        """
+        from .notebook import scene
+
+        return scene(self._ds, at)
 
     @cached_property
     def _solved(self) -> "Solution":

@@ -113,9 +113,7 @@ def _searched(model: Model, start: Array, known: list[Minimum]) -> Minimum | Non
 def _idle(model: Model, first: Minimum | None, starts: list[Array]) -> Array:
     """Which parameters change no datum, (F,): not only at the first minimum, where a symmetry may be why."""
     F = len(model.parameters)
-    idle: Array = (
-        np.zeros(F, dtype=bool) if first is None else np.array([not column.any() for column in first.jacobian.T])
-    )
+    idle: Array = np.asarray(np.zeros(F, dtype=bool) if first is None else ~first.jacobian.any(axis=0))
     for start in starts:
         if not idle.any():
             break

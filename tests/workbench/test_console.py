@@ -95,3 +95,10 @@ def test_an_unknown_name_is_answered_with_the_nearest(args: list[str], meant: st
     assert end.value.code == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert f"did you mean {meant!r}; choose from " in line
+
+
+def test_a_cell_of_several_lines_has_them_below_one_another_and_escapes_commands(capsys, monkeypatch) -> None:
+    monkeypatch.setattr(console, "out", lambda: Console(width=60))
+    console.print_table(["study", "laws"], [["a", "one\ntwo\x1b[2J"], ["b", "three"]])
+    lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
+    assert lines[1:] == ["a      one", "       two\\x1b[2J", "b      three"]

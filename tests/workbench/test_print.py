@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
@@ -130,8 +131,12 @@ def test_a_figure_for_print_has_its_width_and_letters_of_seven_and_eight_points(
 
 
 def test_no_word_of_a_narrow_figure_lies_outside_it(two) -> None:
-    for draw in (study_figure.figure, map_figure.figure):
-        fig = draw(two, sheet=sheet("paper", 89))
+    many = in_memory.run(load("fig7_4_end_angle"))  # whose values are upright below their curves
+    for fig in (
+        study_figure.figure(two, sheet=sheet("paper", 89)),
+        map_figure.figure(two, sheet=sheet("paper", 89)),
+        study_figure.figure(many, sheet=sheet("paper", 183, panel="betaL")),
+    ):
         fig.draw_without_rendering()
         hidden = []  # the labels of ticks beyond the axis are not drawn
         for ax in fig.axes:
@@ -191,3 +196,16 @@ def test_bad_sheets_are_refused_in_one_sentence(tmp_path, two, capsys) -> None:
         assert end.value.code == 2
         assert said in capsys.readouterr().err
     assert sorted(file.name for file in tmp_path.iterdir()) == ["small.h5"]
+
+
+def test_a_full_disk_is_a_sentence_and_an_existing_picture_stays(tmp_path) -> None:
+    class OnFullDisk(Figure):
+        def savefig(self, fname, **options) -> None:
+            Path(fname).write_bytes(b"half a pic")
+            raise OSError(28, "No space left on device")
+
+    path = tmp_path / "figure.png"
+    path.write_bytes(b"earlier")
+    with pytest.raises(InputError, match=r"cannot write .*figure.png: No space left on device"):
+        canvas.save(OnFullDisk(), path)
+    assert [one.read_bytes() for one in tmp_path.iterdir()] == [b"earlier"]

@@ -1,5 +1,6 @@
 """Refined studies: cases are added where a watched number changes, stored, resumed, drawn, and compared with a grid."""
 
+import re
 import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -143,6 +144,19 @@ def test_the_map_shows_at_every_place_the_number_of_the_uniform_grid(stored: Pat
         for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):  # the quarters of each cell
             corner = turns[i : turns.shape[0] - 1 + i, j : turns.shape[1] - 1 + j]
             np.testing.assert_array_equal(shown[i::2, j::2], corner)
+
+
+def test_the_summary_lists_each_place_along_one_axis(line: xr.Dataset, tmp_path, capsys) -> None:
+    writing.write(line, tmp_path / "line.h5")
+    command(f"summary {tmp_path / 'line.h5'}")
+    said = capsys.readouterr().out
+    found = boundary(line, "turns")
+    for pair in (found.isel(pair=k) for k in range(found.sizes["pair"])):
+        (place,) = re.findall(
+            rf"turns: {int(pair['before'])} to {int(pair['after'])} at E = ([\d.]+) \+- ([\d.]+) ", said
+        )
+        assert float(place[0]) == pytest.approx(float(pair["E"]), abs=float(pair["E_half_width"]))
+        assert float(place[1]) == pytest.approx(float(pair["E_half_width"]), rel=0.05)
 
 
 def test_along_one_axis_each_jump_is_enclosed_to_the_tolerance(line: xr.Dataset) -> None:

@@ -91,7 +91,7 @@ def _is_number(text: str) -> bool:
 def _cell(value: Any) -> Any:
     from rich.text import Text
 
-    text = f"{value:.6g}" if isinstance(value, float) else escaping.line(str(value))
+    text = f"{value:.6g}" if isinstance(value, float) else "\n".join(map(escaping.line, str(value).split("\n")))
     word = next((word for word in sorted(COLOURS, key=len, reverse=True) if text.startswith(word)), None)
     return Text(text, style=COLOURS[word] if word else "")
 

@@ -128,10 +128,7 @@ def _cad() -> None:
 
 
 def _page() -> None:
-    from ..web.browser_assets import scripts
-
     import_module("aiohttp")
-    scripts()
 
 
 def _heyoka() -> None:
@@ -165,7 +162,7 @@ def _film() -> None:
 
 EXTRAS = (
     Extra("Open Cascade", "cad", ("cadquery-ocp-novtk",), _cad, "STEP files"),
-    Extra("live page", "explore", ("aiohttp", "trame-client", "trame-vtk"), _page, "workbench explore"),
+    Extra("live page", "explore", ("aiohttp",), _page, "workbench explore"),
     Extra("films", "animate", ("imageio", "imageio-ffmpeg"), _film, "workbench animate"),
     Extra("heyoka", "taylor", ("heyoka",), _heyoka, "method for comparison"),
     Extra("Parquet", "parquet", ("pyarrow",), _parquet, "workbench run --cases TABLE.parquet"),

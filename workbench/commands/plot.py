@@ -23,10 +23,15 @@ def plot(
         option(
             "KIND",
             "map: each observable over two axes; lines: developed curves, and observables along each axis with their "
-            "laws, or against the sampled fields. Default: map for a grid of two axes or more, else lines.",
+            "laws, or against the sampled fields; curves: developed curves in the colours of the push; ridge: β, κ and "
+            "the push along s; portrait: (β, β′) beside the potential G. Default: map for a grid of two axes or more, "
+            "else lines.",
         ),
     ] = None,
-    x: Annotated[str | None, option("AXIS", "Axis of a map to the right; default: the study's first.", "--x")] = None,
+    x: Annotated[
+        str | None,
+        option("AXIS", "Axis of a map to the right, or that of the rods; default: the study's first.", "--x"),
+    ] = None,
     y: Annotated[str | None, option("AXIS", "Axis of a map upward; default: the study's next.", "--y")] = None,
     show: Annotated[
         list[str] | None, option("NAMES", "Observables of a map, separated by commas; default: all that are stored.")
@@ -85,22 +90,22 @@ def plot(
 
 def _figure(ds: "xr.Dataset", kind: str | None, given: dict[str, Any], page: "Sheet") -> "Figure":
     """The figure of that kind. Raises `InputError` for an option that the kind does not have."""
-    from solver.problem.errors import InputError
-
-    from ..figures import study_pictures, thumbnails
+    from ..figures import drawn_rods, study_pictures, thumbnails
     from . import at_option
 
-    of_map = {name: value for name, value in given.items() if value}
-    if of_map and kind is None:
+    given = {name: value for name, value in given.items() if value}
+    if given and kind is None:
         kind = "map"
     kind = study_pictures.kind_of(ds, kind)
-    if kind != "map":
-        if of_map:
-            raise InputError(f"--{next(iter(of_map))} is an option of maps, got --kind {kind}; give --kind map")
-        return study_pictures.KINDS[kind](ds, sheet=page)
-    show, at, shapes = given["show"], given["at"], given["shapes"]
-    of_map |= {"at": at_option.values(ds, at)} if at else {}
-    of_map |= {"show": [name.strip() for text in show for name in text.split(",")]} if show else {}
-    of_map |= {"show": [page.panel]} if page.panel else {}
-    of_map |= {"shapes": thumbnails.read(shapes)} if shapes else {}
-    return study_pictures.KINDS[kind](ds, sheet=page, **of_map)
+    study_pictures.check_options(kind, list(given))
+    if kind in ("curves", "ridge", "portrait"):
+        ds = drawn_rods.gridded(ds)
+    if "at" in given:
+        given["at"] = at_option.values(ds, given["at"])
+    if "show" in given:
+        given["show"] = [name.strip() for text in given["show"] for name in text.split(",")]
+    if "shapes" in given:
+        given["shapes"] = thumbnails.read(given["shapes"])
+    if kind == "map" and page.panel:
+        given["show"] = [page.panel]
+    return study_pictures.KINDS[kind].figure(ds, sheet=page, **given)

@@ -50,7 +50,7 @@ def reproduce(
         readings = readings_table.run(panels, step=step)
         writing.write(readings, out / f"{readings_table.NAME}.h5")
         step("writing the report")
-        document.write(results, out, readings=readings, advice=advice, refusals=refusals)
+        document.write(results, out, readings=readings, refusals=refusals)
     _print(results, readings, out, advice)
     for refusal in refusals:
         console.say(f"Omitted: {refusal}")
@@ -86,8 +86,8 @@ def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:
     """The pictures of one dataset, name -> file; scenes only if OpenGL works."""
     from ..figures import canvas, study_figure
 
-    ds = result.ds
-    name = ds.attrs["study_name"]
+    name = result.ds.attrs["study_name"]
+    ds = result.ds.assign_attrs(title="")  # the report gives the title, once
     pictures = {"figure": out / f"{name}.png"}
     canvas.save(study_figure.figure(ds, result.verdicts), pictures["figure"])
     if able:

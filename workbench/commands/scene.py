@@ -51,7 +51,11 @@ def scene_file(
     from ..data import schema, selection
     from ..scene import kinds, opengl
     from ..scene.settings import check, check_name
-    from . import at_option, output_file, study_scene
+    from . import at_option, output_file, scene_page, study_scene
+
+    if out is not None and scene_page.is_page(out):
+        others = bool(axes or along or span != (None, None) or (look and look != Look()))
+        return scene_page.write(file, at, out, force, kind, others)
 
     asked = (look or Look()).settings(pixel_error, dpi)
     check(asked)
@@ -60,7 +64,7 @@ def scene_file(
         study, ds = study_scene.two_stations(file)
         file = Path(f"{study.name}.h5")
     else:
-        ds = _read(file)
+        ds = read_dataset(file)
     found = kinds.kind_of(kind or ("equilibria" if schema.axes_of(ds) == ["equilibrium"] else "contact"))
     where = at_option.values(ds, at)
     case = [f"{name}={selection.written(name, value)}" for name, value in where.items()]
@@ -106,7 +110,7 @@ def part_of(ds: "xr.Dataset", span: tuple[float | None, float | None]) -> tuple[
     return (low or 0.0, float(ds["s"].max()) if high is None else high)
 
 
-def _read(file: Path) -> "xr.Dataset":
+def read_dataset(file: Path) -> "xr.Dataset":
     """The dataset of a study, or of equilibria. Raises `InputError`."""
     from solver.problem.errors import InputError
 
@@ -166,7 +170,14 @@ def scene(
     bare: Annotated[bool, flag("Draw the views alone: no words, no bars.", "--bare")] = False,
     transparent: Annotated[bool, flag("Leave the background transparent (.png).", "--transparent")] = False,
     out: Annotated[
-        Path | None, option("FILE", "Picture, .png or .jpg; default: FILE_scene.png or FILE_scene_E=10905.png.")
+        Path | None,
+        option(
+            "FILE",
+            "Picture, .png or .jpg; or .html, an offline page with all cases that --at leaves, in which the rod turns; "
+            "default: FILE_scene.png or FILE_scene_E=10905.png.",
+            "--out",
+            "-o",
+        ),
     ] = None,
     force: ForceOutput = False,
 ) -> int:

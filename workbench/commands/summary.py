@@ -1,5 +1,6 @@
 """The command summary: print what a stored study holds."""
 
+from math import floor, log10
 from typing import Any
 
 from . import console
@@ -76,6 +77,11 @@ def _print_boundaries(rows: list[dict[str, Any]]) -> None:
     keys = ("name", "axis", "pairs", "from", "to", "half_width", "units")
     heads = ["boundary of", "along", "pairs", "from", "to", "half width", "units"]
     console.print_table(heads, [[_cell(row[key]) for key in keys] for row in rows])
+    for row in rows:
+        for place in row["places"]:
+            digits = max(1 - floor(log10(place["half_width"])), 0)
+            at = f"{row['axis']} = {place['at']:.{digits}f} +- {place['half_width']:.{digits}f} {row['units']}".rstrip()
+            console.say(f"  {row['name']}: {_cell(place['before'])} to {_cell(place['after'])} at {at}")
     for name, unknown in {row["name"]: row["unknown"] for row in rows if row["unknown"]}.items():
         console.say(f"{unknown} pairs of neighbours are not compared: one of the two cases has no number of {name}")
 

@@ -71,11 +71,11 @@ def _sentence(changes: str, found: Refinement) -> str:
         if found.lines:
             many += f" and {found.open_lines()} gaps between lines"
         return (
-            f"refinement ended as the budget of {found.budget} cases is spent: {many} where {changes} were not refined "
-            f"to {within} ({share})"
+            f"refinement ended as the budget of {found.budget} cases is spent: {many} where {changes} are still "
+            f"coarser than {within} ({share})"
         )
     if not found.rounds:
-        return f"refinement added no case: the coarse grid shows no place wider than {within} where {changes}"
+        return f"refinement added no case: on the coarse grid there is no step wider than {within} at which {changes}"
     return f"refinement ended as the tolerance is reached: where {changes} is known to {within} ({share})"
 
 

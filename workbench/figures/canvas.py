@@ -14,7 +14,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from solver.problem.errors import InputError
 
-from ..data import labels
+from ..data import atomic, labels
 from . import style
 from .sheet import SCREEN, Sheet
 from .style import BOLD, DPI, LETTER, RC, SOFT
@@ -58,13 +58,17 @@ def save(
 
     level: how hard a PNG is compressed, from 1 to 9; 6 takes three times as long as 3 for a tenth of the size.
 
-    Raises `InputError` unless the name ends in one of the suffixes.
+    Raises `InputError` unless the name ends in one of the suffixes, and where the file cannot be written; an existing
+    file then stays as it was.
     """
     file = path if isinstance(path, BytesIO) else check_name(path, suffixes)
     with rc_context(RC):
         png = isinstance(file, BytesIO) or file.suffix.lower() == ".png"
         more: dict[str, Any] = {"pil_kwargs": {"compress_level": level}} if png else {}
-        fig.savefig(file, dpi=dpi, **more)
+        if isinstance(file, BytesIO):
+            fig.savefig(file, dpi=dpi, **more)
+        else:
+            atomic.write(file, lambda aside: fig.savefig(aside, dpi=dpi, **more))
 
 
 def _set_title(fig: Figure, ds: xr.Dataset) -> None:

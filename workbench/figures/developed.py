@@ -84,7 +84,7 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
     room = style.inches(ax)
     factor = _factor(curves, width, room)
     coarse = False
-    values = [labels.value(float(ds[axis].values[where[axis]]), ds[axis]).partition(" ")[0] for where in cases]
+    values = _names(ds, axis, cases)
     colours = style.ramp_colours(len(cases))
     for where, line, found, colour, value in zip(cases, lines, curves, colours, values, strict=True):
         ax.axvline(line, color=style.FAINT, linewidth=0.8, zorder=0)
@@ -96,8 +96,7 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
             if too_coarse(ds, where):  # a line would show bends that are not there
                 coarse, look = True, {"linestyle": "none", "marker": ".", "markersize": 3}
             ax.plot(line + found[0], found[1], color=colour, label=f"{labels.axis_symbol(axis)} = {value}", **look)
-    middles = [line + (found[0].min() + found[0].max()) / 2 if found is not None else line
-               for line, found in zip(lines, curves, strict=True)]  # fmt: skip
+    middles = _middles(lines, curves)
     ax.set_xticks(middles, values)
     ax.tick_params(axis="x", length=0)
     ax.spines["bottom"].set_visible(False)  # the values are names of the curves and no scale
@@ -121,11 +120,14 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
 
 def strip_height(ds: xr.Dataset, axis: str, page: float) -> float:
     """The height in inches of the curves along an axis with their labels, on a page of that many inches."""
-    _, _, curves, width = _side_by_side(ds, axis)
+    cases, lines, curves, width = _side_by_side(ds, axis)
     room = page - 0.9, STRIP[1]
     tall = 1.1 * _height(curves)
     least = min(STRIP[0], 0.25 * page)
-    return float(np.clip(room[0] * tall / (width * _factor(curves, width, room)), least, STRIP[1])) + 0.9
+    high = float(np.clip(room[0] * tall / (width * _factor(curves, width, room)), least, STRIP[1]))
+    values = _names(ds, axis, cases)
+    upright = _crowded(_middles(lines, curves), values, min(room[0] / width, high / tall))
+    return high + 0.9 + (max(map(len, values)) * style.SMALL * style.LETTER - 0.1 if upright else 0.0)
 
 
 def axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = True) -> str:
@@ -145,6 +147,17 @@ def _side_by_side(ds: xr.Dataset, axis: str) -> tuple[list[dict[str, int]], list
         lines.append(edge - low)
         edge += high - low + gap
     return cases, lines, curves, edge - gap / 2
+
+
+def _names(ds: xr.Dataset, axis: str, cases: Sequence[dict[str, int]]) -> list[str]:
+    """The value of each case on the axis, without the unit."""
+    return [labels.value(float(ds[axis].values[where[axis]]), ds[axis]).partition(" ")[0] for where in cases]
+
+
+def _middles(lines: Sequence[float], curves: Sequence[Any]) -> list[float]:
+    """The middle of each curve, or its line where it has none."""
+    ends = [(found[0].min(), found[0].max()) if found is not None else (0.0, 0.0) for found in curves]
+    return [line + (low + high) / 2 for line, (low, high) in zip(lines, ends, strict=True)]
 
 
 def _height(curves: Sequence[Any]) -> float:

@@ -11,15 +11,16 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PathCollection, QuadMesh
+from matplotlib.collections import LineCollection, PathCollection, QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+CASING = "_casing"  # the label of the grey casing of a coloured line
 COLUMNS = ("panel", "x_label", "y_label", "kind", "series", "x", "y", "value")
 
 
 def table(fig: Figure) -> str:
-    """The table as CSV: a row for each point and each cell, with `COLUMNS`; `value` is that of a cell."""
+    """The table as CSV: a row for each point and each cell, with `COLUMNS`; `value` is that of its colour."""
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -32,12 +33,21 @@ def table(fig: Figure) -> str:
 
 
 def rows(ax: Axes) -> Iterator[tuple[str, str, Any, Any, Any]]:
-    """Kind, series, x, y and value of each point and each cell of one panel; a point without a number is left out."""
-    lines = [line for line in ax.lines if line.get_transform().contains_branch(ax.transData) and not _is_rule(ax, line)]
+    """Kind, series, x, y and value of each point and each cell of one panel; a point without a number is left out.
+
+    A line that is drawn at an offset has its own numbers here.
+    """
+    lines = [line for line in ax.lines if line.get_transform().contains_branch(ax.transData) and not _is_mark(ax, line)]
     for k, line in enumerate(lines, 1):
         points = np.column_stack([np.asarray(line.get_xdata(), dtype=float), np.asarray(line.get_ydata(), dtype=float)])
         for x, y in points[np.isfinite(points).all(axis=1)].tolist():
             yield "line", _label(line, k), x, y, ""
+    for k, coloured in enumerate((one for one in ax.collections if isinstance(one, LineCollection)), 1):
+        array = coloured.get_array()
+        shades = [] if array is None else np.asarray(array, dtype=float).tolist()
+        for points, shade in zip(coloured.get_segments() if shades else [], shades, strict=True):
+            x, y = np.asarray(points)[len(points) // 2].tolist()
+            yield "line", _label(coloured, k), x, y, shade
     dots = [dot for dot in ax.collections if isinstance(dot, PathCollection)]
     for k, dot in enumerate(dots, 1):
         offsets: Any = np.ma.getdata(dot.get_offsets()).astype(float)
@@ -56,9 +66,10 @@ def _panels(fig: Figure) -> list[Axes]:
     return [ax for ax in fig.axes if ax.get_label() != "<colorbar>"]
 
 
-def _is_rule(ax: Axes, line: Line2D) -> bool:
-    """Whether it is a line across the whole panel, which marks one value."""
-    return line.get_transform() != ax.transData and line.get_marker() in ("", "None", None)
+def _is_mark(ax: Axes, line: Line2D) -> bool:
+    """Whether it is a line across the whole panel, which marks one value, or the casing of a coloured line."""
+    across = line.get_transform() in (ax.get_xaxis_transform("grid"), ax.get_yaxis_transform("grid"))
+    return across or line.get_label() == CASING
 
 
 def _label(artist: Any, number: int) -> str:

@@ -11,7 +11,7 @@ from solver.mechanics.contact import push_from
 from solver.problem.errors import InputError, no_such
 
 from ..data import labels
-from . import canvas, developed, legend, style
+from . import canvas, developed, legend, push_scale, style
 from .sheet import SCREEN, Sheet
 
 SIZE = (9.6, 8.0)  # inches
@@ -74,9 +74,13 @@ def angle(ds: xr.Dataset, ax: Axes) -> Axes:
 def contact(ds: xr.Dataset, ax: Axes) -> Axes:
     """The push of the cylinder against s, positive on either side; shaded where the cylinder would have to pull."""
     push, unit = pushes(ds), str(ds["contact"].attrs.get("units", "1"))
-    ax.plot(ds["s"], push, color=style.PUSHED, **_look(ds))
+    norm = push_scale.scale([push])
+    pulled = push < (norm.vmin or 0.0)
+    if _is_coarse(ds):
+        ax.plot(ds["s"], push, color=style.PUSHED, **_look(ds))
+    else:
+        push_scale.line(ax, ds["s"], push, push, norm, 1.6, order=3)
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
-    pulled = push < 0
     if pulled.any() and not _is_coarse(ds):
         ax.fill_between(ds["s"], 0, 1, where=pulled, transform=ax.get_xaxis_transform(), color=style.LIFTED, alpha=0.28,
                         linewidth=0, label="the cylinder would have to pull: the rod would lift off")  # fmt: skip
@@ -91,8 +95,8 @@ def contact(ds: xr.Dataset, ax: Axes) -> Axes:
 def curve(ds: xr.Dataset, ax: Axes) -> Axes:
     """The developed curve as one sees it from outside: z to the right, rho alpha down.
 
-    Both directions have one scale, unless the rod would be too thin to see (`developed.stretch`); then the label of an
-    axis names the factor.
+    Each point has the colour of the push there. Both directions have one scale, unless the rod would be too thin to see
+    (`developed.stretch`); then the label of an axis names the factor.
     """
     found = developed.curve(ds, {})
     unit = labels.unit(str(ds.attrs["length_unit"]))
@@ -102,10 +106,10 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
         ax.text(0.5, 0.5, str(ds["outcome"].values), transform=ax.transAxes, ha="center", color=style.SOFT)
         return ax
     across, up = found
-    pulled = pushes(ds) < 0 if "contact" in ds.data_vars else np.zeros(across.size, dtype=bool)
-    look: dict[str, Any] = {**DOTS, "linewidth": 2.4} if _is_coarse(ds) else {"linewidth": 2.4}
-    ax.plot(up, across, color=style.LIFTED, solid_capstyle="round", **look)
-    ax.plot(np.where(pulled, np.nan, up), across, color=style.PUSHED, solid_capstyle="butt", **look)
+    if "contact" in ds.data_vars:
+        push_scale.draw(ax, up, across, pushes(ds), width=2.4, dots=_is_coarse(ds))
+    else:
+        ax.plot(up, across, color=style.PUSHED, **_look(ds))
     ax.plot(up[0], across[0], "o", color=style.INK, markersize=5)
     ax.annotate("s = 0", (up[0], across[0]), (0, 6), textcoords="offset points", ha="center", va="bottom",
                 size=style.small())  # fmt: skip

@@ -1,18 +1,41 @@
 """The pictures of a stored study by their kind, and the kind that a study has by default."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import xarray as xr
 from matplotlib.figure import Figure
 
-from solver.problem.errors import no_such
+from solver.problem.errors import InputError, choices, no_such
 from studies.dimensions import SAMPLE
 
 from ..data import observed, refined, schema
-from . import map_cells, map_figure, study_figure
+from . import curves, map_cells, map_figure, portrait, ridge, study_figure
 
-# kind -> the figure of a dataset
-KINDS: dict[str, Callable[..., Figure]] = {"map": map_figure.figure, "lines": study_figure.figure}
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of picture. figure: of a dataset. options: keywords of `figure` besides the sheet."""
+
+    figure: Callable[..., Figure]
+    options: tuple[str, ...] = ()
+
+
+KINDS = {
+    "map": Kind(map_figure.figure, ("x", "y", "show", "at", "shapes")),
+    "lines": Kind(study_figure.figure),
+    "curves": Kind(curves.figure, ("x", "at")),
+    "ridge": Kind(ridge.figure, ("x", "at")),
+    "portrait": Kind(portrait.figure, ("x", "at")),
+}
+
+
+def check_options(kind: str, given: list[str]) -> None:
+    """Raise `InputError` for an option that the kind does not have."""
+    for name in given:
+        if name not in KINDS[kind].options:
+            takers = choices(other for other, row in KINDS.items() if name in row.options)
+            raise InputError(f"--{name} is no option of --kind {kind}; choose --kind from {takers}")
 
 
 def kind_of(ds: xr.Dataset, kind: str | None = None) -> str:

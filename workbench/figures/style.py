@@ -18,6 +18,7 @@ LIFTED = "#{:02x}{:02x}{:02x}".format(*push_colours.PULL)  # it would have to pu
 INK, SOFT, FAINT = "#1c2430", "#5b6675", "#d5dae1"
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
 VERDICT_COLOURS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#bb5802", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
+CROSSED = "#b3004f"  # rings where a rod passes through itself
 STABLE = "#b3261e"  # the stable ones among all equilibria
 
 RAMP = colormaps["viridis"]

@@ -8,13 +8,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from solver.problem.errors import InputError
 
 from ..data import labels
-from . import developed, style
+from . import developed, push_scale, style
 from .map_cells import Cells, Choice
 from .scales import Scale
 from .single_rod import pushes
@@ -64,6 +65,8 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], na
         return ["None of the chosen rods is solved: no shape is drawn."]
     extent = max(float(np.ptp(curve[0])) for curve in found), max(float(np.ptp(curve[1])) for curve in found)
     factor = developed.stretch(*extent, (across * inches[0], up * inches[1]))
+    drawn = [ds.isel(places[cell]) for cell, curve in curves.items() if curve is not None]
+    norm = push_scale.scale([pushes(one) for one in drawn]) if "contact" in ds.data_vars else None
     coarse, halo = False, [withStroke(linewidth=2.2, foreground="white", alpha=0.85)]
     for (j, i), curve in curves.items():
         left, low = (scale.share(float(scale.values[k])) - room / 2
@@ -72,9 +75,14 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], na
                 color=style.INK, path_effects=halo)  # fmt: skip
         if curve is not None:
             dots = developed.too_coarse(ds, places[j, i])
-            _curve(ax.inset_axes((left, low, across, up)), ds.isel(places[j, i]), curve, extent, factor, dots)
+            _curve(ax.inset_axes((left, low, across, up)), ds.isel(places[j, i]), curve, extent, factor, dots, norm)
             coarse |= dots
-    return [_scale_of(ds, extent, factor), *([f"Dots: {ds.sizes['u']} stations miss bends."] if coarse else [])]
+    colours = [_colours_of(norm, ds)] if norm is not None else []
+    return [
+        _scale_of(ds, extent, factor),
+        *colours,
+        *([f"Dots: {ds.sizes['u']} stations miss bends."] if coarse else []),
+    ]
 
 
 def entries(cells: Cells) -> list[Artist]:
@@ -109,16 +117,31 @@ def _scale_of(ds: xr.Dataset, extent: tuple[float, float], factor: float) -> str
     return f"Shapes: developed curves, ρα to the right and z up, all at one scale{enlarged}; {size}."
 
 
+def _colours_of(norm: Normalize, ds: xr.Dataset) -> str:
+    """The scale of the colours of the shapes in words."""
+    most = f"{labels.number(float(norm.vmax or 0.0), 3)} {labels.unit(push_scale.unit(ds))}"
+    return f"Colours of the shapes: from light blue (no push) to dark blue (a push of {most})."
+
+
 def _curve(
-    inset: Axes, one: xr.Dataset, curve: tuple[Any, Any], extent: tuple[float, float], factor: float, dots: bool
+    inset: Axes,
+    one: xr.Dataset,
+    curve: tuple[Any, Any],
+    extent: tuple[float, float],
+    factor: float,
+    dots: bool,
+    norm: Normalize | None,
 ) -> None:
     """One developed curve, in the middle of its own axes; where the push is stored, in the colours of the push."""
     across, up = curve
     look: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2} if dots else {"linewidth": 1.3}
     look["clip_on"] = False
-    pulled = pushes(one) < 0 if "contact" in one.data_vars else np.zeros(across.size, dtype=bool)
-    inset.plot(across, up, color=style.LIFTED if pulled.any() else style.PUSHED, **look)
-    inset.plot(np.where(pulled, np.nan, across), up, color=style.PUSHED, **look)
+    if norm is not None:
+        push_scale.draw(inset, across, up, pushes(one), norm, 1.3, dots)
+        for drawn in (*inset.lines, *inset.collections):
+            drawn.set_clip_on(False)
+    else:
+        inset.plot(across, up, color=style.PUSHED, **look)
     inset.plot(across[0], up[0], "o", color=style.INK, markersize=2.2, clip_on=False)
     for low_high, values, size in ((inset.set_xlim, across, extent[0]), (inset.set_ylim, up, extent[1])):
         middle, half = (values.min() + values.max()) / 2, 0.5 * size or 0.5

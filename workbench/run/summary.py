@@ -17,6 +17,7 @@ from ..data.concatenation import blocks
 
 BLOCK = 100_000  # cases that are read at a time
 DISTINCT = 100  # texts that are counted apart
+MOST_PLACES = 12  # of a boundary along one axis that are listed
 OTHERS = "(others)"
 
 
@@ -63,11 +64,26 @@ def _boundaries(ds: xr.Dataset) -> list[dict[str, Any]]:
             half = found[f"{axis}_half_width"].values
             middle = found[axis].values[half > 0]
             ends = {"from": float(middle.min()), "to": float(middle.max())} if middle.size else {}
-            row = {"name": name, "axis": axis, "pairs": int(middle.size), "from": None, "to": None, **ends}
+            row: dict[str, Any] = {
+                "name": name,
+                "axis": axis,
+                "pairs": int(middle.size),
+                "from": None,
+                "to": None,
+                **ends,
+            }
             row["half_width"] = float(half.max()) if middle.size else None
+            row["places"] = _places(found, axis) if len(found.coords) == 1 and middle.size <= MOST_PLACES else []
             row |= {"units": str(ds[axis].attrs.get("units", "")), "unknown": found.attrs.get("unknown", 0)}
             rows.append(row)
     return rows
+
+
+def _places(found: xr.Dataset, axis: str) -> list[dict[str, Any]]:
+    """Each place of a boundary along a single axis, in rising order."""
+    order = np.argsort(found[axis].values)
+    keys = {"at": axis, "half_width": f"{axis}_half_width", "before": "before", "after": "after"}
+    return [{key: found[name].values[i].item() for key, name in keys.items()} for i in order]
 
 
 def unsolved(ds: xr.Dataset) -> int:

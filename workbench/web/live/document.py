@@ -40,8 +40,8 @@ def text(presets: Sequence[Preset], served: bool) -> str:
     return re.sub(r"{{ (\w+) }}", lambda found: parts[found[1]], read["index.html"])
 
 
-def bundle() -> str:
-    """The modules of the page as one script: each a function that returns what it exports, after those it imports."""
+def bundle(first: str = FIRST) -> str:
+    """The modules that `first` needs as one script: each a function that returns its exports, after its imports."""
     source = {path.stem: path.read_text(encoding="utf-8") for path in PAGE.glob("*.mjs")}
     done: list[str] = []
 
@@ -51,7 +51,7 @@ def bundle() -> str:
                 add(other)
         done.append(name)
 
-    add(FIRST)
+    add(first)
     return "\n".join(_module(name, source[name]) for name in done)
 
 

@@ -2,7 +2,7 @@
 
 import base64
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from io import BytesIO
 from pathlib import Path
@@ -19,10 +19,11 @@ from ...data import atomic, labels, law_verdicts
 from ...data.schema import axes_of
 from ...figures import style
 from ...run.in_memory import StudyResult
-from ...scene import opengl
-from . import interactive_view, measured_runs
+from ..live.document import policy
+from ..turntable import page
+from . import measured_runs, paper, turning
 from .errata import ERRATA
-from .law_cards import CLASSES, claims_of, law_of, of_readings, sentence
+from .law_cards import CLASSES, claims_of, law_of, of_readings, restable, sentence
 from .measured_runs import Measured
 
 NAME = "report.html"
@@ -31,43 +32,49 @@ SINGLE = (
     "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_size_mean", "push_min",
     "push_max", "attached", "overlaps", "energy", "index",
 )  # fmt: skip
+CAPTIONS = {
+    "solved": "Change the values: the rod is solved again here, in this file. Drag to turn it, arrow keys turn it too.",
+    "stored": "Drag to turn the rod about the axis of the cylinder; the slider goes through the cases of the figure.",
+}
 TITLES = {"trade": "Accuracy against cost", "extremes": "The extremes"}
 SCENE, DRAWING = {"quality": 90}, {"lossless": True}  # options of WebP
+WHITE, MARGIN = 0.995, 16  # from which a pixel counts as blank; pixels of margin that a picture keeps
 
 
 def write(
     results: Sequence[StudyResult],
     out: Path,
     readings: xr.Dataset | None = None,
-    advice: str = "",
     refusals: Sequence[str] = (),
 ) -> Path:
     """Write `report.html` into the folder `out` and return it.
 
-    readings: the dataset of `readings_table.run`. advice: what to install where OpenGL does not work. refusals: studies
+    readings: the dataset of `readings_table.run`. refusals: studies
     that could not be run under this reading, and why. Raises `InputError` where it cannot be written.
     """
-    text = html(results, readings, advice, refusals, measured_runs.both(Path(out)))
+    text = html(results, readings, refusals, measured_runs.both(Path(out)))
     return atomic.write(Path(out) / NAME, lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
 def html(
     results: Sequence[StudyResult],
     readings: xr.Dataset | None = None,
-    advice: str = "",
     refusals: Sequence[str] = (),
     measured: Sequence[Measured] = (),
 ) -> str:
-    """The report as text, with every picture inside it and, with the extra `explore`, an interactive view."""
+    """The report as text, with every picture, a turntable for each panel and the compiled core inside it."""
     if not results:
         raise InputError("a report needs at least one study")
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    template = environment.from_string((files(__package__) / TEMPLATE).read_text(encoding="utf-8"))
-    sections = [_section(result, advice) for result in results]
-    turning, view, unturned = _view(results)
+    template = environment.from_string(_text(TEMPLATE))
+    figures = {f"turn-{result.ds.attrs['study_name']}": turning.figure_of(result.ds) for result in results}
+    figures = {name: figure for name, figure in figures.items() if figure is not None}
+    sections = [_section(result, figures) for result in results]
+    verdicts = "".join(f" --{CLASSES[name]}: {colour};" for name, colour in style.VERDICT_COLOURS.items())
+    style_ = f":root {{{verdicts} }}\n{page.read('turntable.css')}{_text('report.css')}"
+    program = f"{turning.script()}\n{page.program()}\n{_text('enlarge.js')}"
     return template.render(
         reading=str(results[0].ds.attrs["reading"]),
-        colours={CLASSES[verdict]: colour for verdict, colour in style.VERDICT_COLOURS.items()},
         claims=claims_of(sections),
         tally=law_verdicts.tallied([row for result in results for row in result.verdicts]),
         sections=sections,
@@ -77,27 +84,18 @@ def html(
         sources=[_source(result) for result in results],
         versions=_versions(results, readings),
         created=max(str(result.ds.attrs["created"]) for result in results),
-        packages=opengl.PACKAGES,
-        advice=advice,
         refusals=[labels.typeset(refusal) for refusal in refusals],
-        turning=turning,
-        view=view,
-        unturned=unturned,
-        pushed=style.PUSHED,
-        lifted=style.LIFTED,
+        paper=paper.citation(),
+        table_1=paper.table_1(str(results[0].ds.attrs["reading"])),
+        version=json.loads(results[0].ds.attrs["versions"]).get("rod-workbench", ""),
+        turntable=page.figure,
+        captions=CAPTIONS,
+        style=style_,
+        program=program,
+        policy=policy(style_, program, "", served=False),
+        data=page.data(figures, core=turning.core()),
         measured=[_measured(one) for one in measured],
     )
-
-
-def _view(results: Sequence[StudyResult]) -> tuple[str, interactive_view.View | None, str]:
-    """The first study of one case, its interactive view, and why there is none."""
-    for ds in (result.ds for result in results):
-        if not axes_of(ds):
-            try:
-                return str(ds.attrs["study_name"]), interactive_view.view(ds), ""
-            except (InputError, ImportError) as error:
-                return str(ds.attrs["study_name"]), None, str(error)
-    return "", None, ""
 
 
 def _measured(one: Measured) -> dict[str, Any]:
@@ -105,15 +103,18 @@ def _measured(one: Measured) -> dict[str, Any]:
     return {"name": one.name, "title": TITLES[one.name], "shows": one.shows, "source": one.source, "picture": picture}
 
 
-def _section(result: StudyResult, advice: str) -> dict[str, Any]:
+def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
     """The section of one study."""
     ds = result.ds
     scenes = [(name, path) for name, path in result.pictures.items() if name.startswith("scene")]
     others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
     laws = [law_of(ds, row) for row in result.verdicts]
+    name, title = str(ds.attrs["study_name"]), str(ds.attrs["title"])
     return {
-        "id": str(ds.attrs["study_name"]),
-        "title": str(ds.attrs["title"]),
+        "id": name,
+        "title": title,
+        "turning": figures.get(f"turn-{name}"),
+        "restable": restable(ds),
         "sentences": list(dict.fromkeys(row["source"] for row in result.verdicts)),
         "laws": laws,
         "single": _single(ds) if not axes_of(ds) else [],
@@ -121,9 +122,8 @@ def _section(result: StudyResult, advice: str) -> dict[str, Any]:
         "caution": labels.typeset(str(ds.attrs.get("caution", ""))),
         "unsolved": law_verdicts.unsolved(ds),
         "cases": int(ds["outcome"].size),
-        "scenes": [_picture(path, f"{ds.attrs['title']}: {_of(ds, name)}", SCENE) for name, path in scenes],
-        "others": [_picture(path, f"{ds.attrs['title']}: curves and laws", DRAWING) for _, path in others],
-        "no_scene": bool(advice) and not scenes,
+        "scenes": [_picture(path, f"{title}: {_of(ds, part)}", SCENE) for part, path in scenes],
+        "others": [_picture(path, f"{title}: curves and laws", DRAWING) for _, path in others],
     }
 
 
@@ -175,5 +175,20 @@ def _versions(results: Sequence[StudyResult], readings: xr.Dataset | None) -> li
 def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, str]:
     """A PNG as a data URL of WebP, a fifth of the size."""
     packed = BytesIO()
-    image.imsave(packed, image.imread(file), format="webp", pil_kwargs=how)
+    image.imsave(packed, _trimmed(image.imread(file)), format="webp", pil_kwargs=how)
     return {"src": f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}", "alt": alt}
+
+
+def _trimmed(pixels: Any) -> Any:
+    """A picture without its white margins but a narrow one."""
+    inked = (pixels[..., :3] < WHITE).any(axis=-1)
+    if not inked.any():
+        return pixels
+    rows, columns = (np.flatnonzero(inked.any(axis=axis)) for axis in (1, 0))
+    top, left = (max(int(found[0]) - MARGIN, 0) for found in (rows, columns))
+    return pixels[top : int(rows[-1]) + MARGIN + 1, left : int(columns[-1]) + MARGIN + 1]
+
+
+def _text(name: str) -> str:
+    """The text of a file of this folder."""
+    return (files(__package__) / name).read_text(encoding="utf-8")

@@ -5,14 +5,16 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from studies import reasons
 from studies.law_kinds import MONOTONE
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
-from ...data import labels, law_verdicts
+from ...data import cautions, labels, law_verdicts
 
+NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
 CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
 
 
@@ -53,11 +55,28 @@ def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
     for section in sections:
         for law in section["laws"]:
-            claim = found.setdefault(law["claim"], {**law, "id": section["id"], "title": section["title"], "laws": []})
+            claim = found.setdefault(
+                law["claim"],
+                {**law, "id": section["id"], "title": section["title"], "restable": section["restable"], "laws": []},
+            )
             claim["laws"].append(law)
             verdict = worst([law["verdict"], claim["verdict"]])
             claim |= {"verdict": verdict, "class": CLASSES[verdict]}
     return list(found.values())
+
+
+def restable(ds: xr.Dataset) -> str:
+    """How many rods of a dataset could rest as they are drawn: the caution that a verdict on their shapes carries."""
+    texts = np.asarray(ds["caution"].values).astype(str).ravel() if "caution" in ds else np.array([], dtype=str)
+    barred = sum(any(key in cautions.TOLD for key in cautions.keys(text)) for text in texts)
+    if not barred:
+        return ""
+    count = NUMBERS.get(texts.size, str(texts.size))
+    if texts.size == 1:
+        return "this rod could not rest there"
+    if barred == texts.size:
+        return f"none of the {count} rods could rest there"
+    return f"{NUMBERS.get(texts.size - barred, texts.size - barred)} of the {count} rods could rest there"
 
 
 def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:

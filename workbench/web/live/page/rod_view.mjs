@@ -17,17 +17,17 @@ const AROUND = Array.from({ length: 24 }, (_, i) => [Math.cos((i * Math.PI) / 12
 /* The view in a canvas. code: the colours of the push. calm: whether the camera must not move by itself. */
 export function makeView(canvas, mark, code, calm) {
   const scene = makeScene(canvas, code),
-    me = { shape: null, drawn: null, camera: null, target: null, ratio: 1, touched: false, at: null, picked: () => {} };
+    me = { shape: null, drawn: null, camera: null, target: null, ratio: 1, touched: false, at: null, picked: () => {}, moved: () => {} };
   let resting = 0,
     easing = 0;
   const aspect = () => Math.max(canvas.clientWidth, 1) / Math.max(canvas.clientHeight, 1);
   const pixelRatio = () => window.devicePixelRatio || 1;
 
-  /* Draw a shape. fresh: seen from its front; refit: at least with all of it in the view. */
-  function show(shape, { fresh = false, refit = false } = {}) {
+  /* Draw a shape. fresh: seen from its front; refit: at least with all of it in the view; largest: the push in dark blue. */
+  function show(shape, { fresh = false, refit = false, largest: given = null } = {}) {
     const squeeze = squeezeOf(shape),
       wall = cylinder(shape, squeeze),
-      largest = Math.max(range(shape.push)[1], 0);
+      largest = given ?? Math.max(range(shape.push)[1], 0);
     const drawn = { squeeze, wall, largest, points: pointsOf(shape, squeeze, wall) };
     Object.assign(me, { shape, drawn });
     if (fresh || !me.camera) {
@@ -151,6 +151,7 @@ export function makeView(canvas, mark, code, calm) {
   }
 
   function place() {
+    me.moved(me.camera);
     mark.hidden = !me.at || !me.shape || !scene;
     if (mark.hidden) return;
     const { x, y, behind } = onScreen(placeOf(me.shape.one, me.at, me.drawn.squeeze));

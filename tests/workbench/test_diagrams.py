@@ -1,0 +1,219 @@
+"""The kinds curves, ridge and portrait: the numbers of the dataset, the colours of the push, the level sets of G."""
+
+import csv
+from io import StringIO
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from solver.mechanics.potential import Loads, potential
+from solver.problem.errors import InputError
+from studies import load
+from tests.workbench.small import study
+from workbench import cli
+from workbench.data import push_colours, selection, writing
+from workbench.figures import curves, drawn_data, drawn_rods, portrait, push_scale, ridge
+from workbench.figures.sheet import sheet
+from workbench.geometry.self_intersections import places
+from workbench.run import in_memory
+
+KINDS = {"curves": curves.figure, "ridge": ridge.figure, "portrait": portrait.figure}
+OUTPUTS = 'outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n'
+AXIS = "[axes.E]\nvalues = [5e3, 1e4, 2e4, 4e4]\n"
+
+
+@pytest.fixture(scope="module")
+def ds() -> xr.Dataset:
+    return in_memory.run(study(AXIS, OUTPUTS).at_stations(201))
+
+
+def rows(fig: Figure) -> list[dict[str, str]]:
+    return list(csv.DictReader(StringIO(drawn_data.table(fig))))
+
+
+def numbers(some: list[dict[str, str]], column: str) -> np.ndarray:
+    return np.array([float(row[column]) for row in some])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("page", [sheet(), sheet("paper", 89), sheet("paper", 183, titled=False)])
+def test_no_word_is_cut_off_and_no_two_ticks_meet(ds, kind: str, page) -> None:
+    fig = KINDS[kind](ds, sheet=page)
+    fig.draw_without_rendering()
+    assert fig.get_figwidth() == pytest.approx(page.width)
+    hidden = []
+    for ax in fig.axes:
+        for ticks, k, limits in ((ax.get_xticklabels(), 0, ax.get_xlim()), (ax.get_yticklabels(), 1, ax.get_ylim())):
+            low, high = sorted(limits)
+            hidden += [tick for tick in ticks if not low <= tick.get_position()[k] <= high]
+            boxes = [tick.get_window_extent() for tick in ticks if tick.get_text() and tick.get_visible()]
+            boxes = [box for box, tick in zip(boxes, ticks, strict=False) if tick not in hidden]
+            edges = sorted((box.x0, box.x1) if k == 0 else (box.y0, box.y1) for box in boxes)
+            assert all(left[1] < right[0] + 0.5 for left, right in pairwise(edges))
+    for text in fig.findobj(Text):
+        if text.get_text().strip() and text.get_visible() and text not in hidden:
+            box = text.get_window_extent()
+            assert box.x0 > -1, text.get_text()
+            assert box.x1 < fig.bbox.x1 + 1, text.get_text()
+            assert box.y0 > -1, text.get_text()
+            assert box.y1 < fig.bbox.y1 + 1, text.get_text()
+
+
+def test_the_points_of_a_curve_and_their_push_are_those_of_the_dataset(ds) -> None:
+    for i, one in enumerate(ds["E"].values):
+        drawn = [row for row in rows(curves.figure(ds)) if row["series"].startswith(f"E = {one:.0f} ")]
+        step = (len(drawn) - 1) // 200
+        across = ds["rho"].values * (ds["alpha"][i] - ds["alpha"][i, 0])
+        places = "yx" if drawn[0]["x_label"].startswith("z") else "xy"
+        np.testing.assert_allclose(numbers(drawn, places[0])[::step], across, atol=1e-8)
+        np.testing.assert_allclose(numbers(drawn, places[1])[::step], ds["z"][i], atol=1e-8)
+        np.testing.assert_allclose(numbers(drawn, "value")[::step], ds["contact"][i], atol=1e-6 * 400)
+
+
+def test_each_curve_of_a_ridge_has_the_numbers_of_the_dataset_whatever_its_offset(ds) -> None:
+    table = rows(ridge.figure(ds))
+    for panel, name in (("1", "beta"), ("2", "kappa"), ("3", "contact")):
+        for i, one in enumerate(ds["E"].values):
+            drawn = [row for row in table if row["panel"].startswith(panel) and f" {one:.0f} " in row["series"]]
+            step = (len(drawn) - 1) // 200
+            stored = np.degrees(ds[name][i]) if name == "beta" else ds[name][i]
+            np.testing.assert_allclose(numbers(drawn, "y")[::step], stored, atol=1e-6 * float(np.abs(stored).max()))
+
+
+def test_the_values_of_the_axis_stand_at_the_same_height_in_every_panel_of_a_ridge(ds) -> None:
+    fig = ridge.figure(ds)
+    fig.draw_without_rendering()
+    heights = [[ax.transAxes.inverted().transform(ax.transData.transform((0, y)))[1] for y in ax.get_yticks()]
+               for ax in fig.axes]  # fmt: skip
+    np.testing.assert_allclose(heights[1], heights[0])
+    np.testing.assert_allclose(heights[2], heights[0])
+    assert [text.get_text() for text in fig.axes[0].get_yticklabels()] == ["5000", "10000", "20000", "40000"]
+
+
+def test_a_ridge_of_sixty_values_names_as_many_as_have_room() -> None:
+    many = in_memory.run(study("[axes.E]\nfrom = 5e3\nto = 4e4\ncount = 61\n"))
+    fig = ridge.figure(many)
+    fig.draw_without_rendering()
+    texts = [text for text in fig.axes[0].get_yticklabels() if text.get_text()]
+    boxes = sorted((text.get_window_extent().y0, text.get_window_extent().y1) for text in texts)
+    assert 15 < len(texts) <= 60
+    assert all(low[1] <= high[0] for low, high in pairwise(boxes))
+    assert "60 of the 61 values of E are shown" in fig.legends[0].get_title().get_text()
+
+
+def test_the_colours_of_a_line_are_those_of_the_one_definition() -> None:
+    pushes = np.array([-3.0, -1e-3, 0.0, 10.0, 40.0, 77.0, 100.0])
+    norm = push_scale.scale([pushes])
+    drawn = np.round(255 * push_scale.ramp()(norm(pushes))[:, :3])
+    assert np.abs(drawn - push_colours.colours(pushes, 100.0).astype(float)).max() <= 2
+    rounding = push_scale.ramp()(push_scale.scale([np.array([-1e-9, 100.0])])(-1e-9))
+    np.testing.assert_allclose(rounding[:3], push_scale.ramp()(0.0)[:3], atol=0.01)
+
+
+def test_inside_a_pipe_a_push_is_positive_as_outside() -> None:
+    inside = in_memory.run(load("regimes").coarse().at_stations(801))
+    fig = curves.figure(inside, "E")
+    shades = np.concatenate([line.get_array() for ax in fig.axes for line in ax.collections
+                             if isinstance(line, LineCollection) and line.get_array() is not None])  # fmt: skip
+    row = inside.isel(R=selection.case(inside)["R"])
+    assert shades.max() == pytest.approx(-float(row["contact"].min()), rel=0.01)
+
+
+def test_a_crossing_is_found_where_it_is_and_neighbours_are_none() -> None:
+    t = np.linspace(0.2, 2 * np.pi - 0.2, 2001)
+    eight = np.stack([4 * np.sin(t), 4 * np.sin(2 * t), 0 * t], axis=1)  # passes through the origin at t = pi alone
+    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(eight, axis=0), axis=1))])
+    assert places(s, eight, 0.05) == []
+    t = np.linspace(-np.pi / 2, 3 * np.pi / 2, 4001)
+    eight = np.stack([4 * np.sin(t), 4 * np.sin(2 * t), 0 * t], axis=1)  # at t = 0 and t = pi
+    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(eight, axis=0), axis=1))])
+    found = places(s, eight, 0.1)
+    crossing = [one for one in found if one[0] > 1 and one[1] < s[-1] - 1]  # its two ends also meet
+    (pair,) = crossing
+    np.testing.assert_allclose(np.interp(pair, s, t), [0, np.pi], atol=0.01)
+    assert len(found) == 2
+
+
+def test_rings_stand_on_the_rods_whose_caution_says_that_they_pass_through_themselves(ds) -> None:
+    fig = curves.figure(ds)
+    ringed = {ax.get_label().partition(" N")[0] for ax in fig.axes for dots in ax.collections
+              if dots.get_label() == curves.THROUGH}  # fmt: skip
+    told = {
+        f"E = {one:.0f}" for one, text in zip(ds["E"].values, ds["caution"].values, strict=True) if "overlaps" in text
+    }
+    assert ringed == told
+    assert 0 < len(told) < 4
+
+
+def test_a_rod_lies_on_its_level_and_a_separatrix_passes_through_the_saddles(ds) -> None:
+    fig = portrait.figure(ds, at={"E": 1e4})
+    phase, well = fig.axes
+    one = ds.sel(E=1e4)
+    A = np.pi / 16 * 1e4 * 0.25**4  # the paper's stiffness
+    rho = float(one["rho"])
+    loads = Loads(float(one["MZ"]) * rho / A, float(one["M3"]) * rho / A, float(one["FZ"]) * rho**2 / A)
+    h = float(one["dbeta"][0] ** 2 + potential(loads, float(one["beta"][0])) / rho**2)
+    (level,) = [line for line in well.lines if line.get_label() == "h"]
+    np.testing.assert_allclose(level.get_ydata(), h)
+    saddles = np.concatenate([line.get_xdata() for line in phase.lines if line.get_label() == "saddle"])
+    assert saddles.size
+    for line in (line for line in phase.lines if line.get_label() in ("separatrix", "rod", "_level")):
+        beta, rate = np.radians(line.get_xdata()), np.asarray(line.get_ydata())
+        drawn = np.isfinite(rate)
+        E = rate[drawn] ** 2 + potential(loads, beta[drawn]) / rho**2
+        np.testing.assert_allclose(E, E[0], atol=1e-6 * np.abs(E).max())
+        if line.get_label() == "separatrix":
+            np.testing.assert_allclose(E[0], potential(loads, np.radians(saddles[0])) / rho**2, rtol=1e-6)
+            assert np.interp(saddles[0], np.degrees(beta[drawn]), rate[drawn]) == pytest.approx(0, abs=1e-6)
+    e = 1e-4
+    for saddle in np.radians(saddles):
+        G = potential(loads, saddle + np.array([-e, 0, e]))
+        assert G[1] > max(G[0], G[2])
+
+
+def test_a_file_that_no_longer_fits_its_study_is_drawn_as_stored_and_says_so(ds) -> None:
+    changed = ds.copy(deep=True)
+    changed["z"] = changed["z"] * 1.5
+    found = drawn_rods.choose(changed, ("alpha", "z", "push"))
+    np.testing.assert_array_equal(found.rods[0]["z"], changed["z"][0])
+    assert found.notes == ["Drawn at the 201 stored stations: what is stored differs from what the study gives."]
+    unknown = ds.drop_vars("contact").drop_vars("beta")
+    unknown.attrs.pop("study")
+    with pytest.raises(
+        InputError, match="does not store push, and its cases cannot be solved again: the dataset has no"
+    ):
+        drawn_rods.choose(unknown, ("alpha", "z", "push"))
+
+
+def test_what_is_not_stored_is_solved_again(ds) -> None:
+    bare = in_memory.run(study(AXIS, "outputs = []\n").at_stations(201))
+    for name in ("beta", "kappa"):
+        for one, other in zip(drawn_rods.choose(bare, (name,)).rods, drawn_rods.choose(ds, (name,)).rods, strict=True):
+            np.testing.assert_allclose(one[name][::5], np.interp(one["s"][::5], other["s"], other[name]), atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (["--kind", "curves", "--show", "turns"], "--show is no option of --kind curves; choose --kind from map"),
+        (["--kind", "ridge", "--panel", "betta"], "no panel 'betta', did you mean 'beta'"),
+        (
+            ["--kind", "ridge", "--x", "E", "--at", "E=10000"],
+            "the rods stand along E, so it takes no value, got E = 10000",
+        ),
+        (["--kind", "portrait", "--x", "R"], "no axis 'R'; choose from E"),
+        (["--kind", "rigde"], "no kind of picture 'rigde', did you mean 'ridge'"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused_in_one_sentence(ds, args, said, tmp_path, capsys) -> None:
+    writing.write(ds, tmp_path / "one.h5")
+    with pytest.raises(SystemExit) as end:
+        cli.main(["plot", str(tmp_path / "one.h5"), *args])
+    assert end.value.code == 2
+    assert said in " ".join(capsys.readouterr().err.split())
+    assert [file.name for file in tmp_path.iterdir()] == ["one.h5"]

@@ -1,0 +1,23 @@
+"""The code of docs/how-to/work-in-a-notebook.md."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from studies import load
+from workbench.data import writing
+from workbench.run import in_memory
+
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "work-in-a-notebook.md"
+
+
+@pytest.mark.slow
+def test_the_code_of_the_page_runs(tmp_path: Path, monkeypatch) -> None:
+    writing.write(in_memory.run(load("fig7_1_modulus")), tmp_path / "modulus.h5")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL):
+        exec(block, names)
+    assert Path("rod.pdf").stat().st_size > 5000
+    assert "default-src" in Path("rod.html").read_text(encoding="utf-8")

@@ -1,0 +1,195 @@
+"""Scenes as offline HTML files, and what a notebook shows."""
+
+import base64
+import json
+import re
+from html import unescape
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib import image
+
+import workbench.accessor  # noqa: F401  # registers ds.rod
+from solver import Case, Cylinder, Ends, Rod, Solution, Start, solve
+from solver.problem.errors import InputError
+from studies import load
+from studies.loader import loads
+from tests.workbench import node, small
+from workbench import notebook
+from workbench.cli import main
+from workbench.geometry import centreline
+from workbench.run import in_memory
+from workbench.web.turntable import page
+from workbench.web.turntable.stored import stored
+
+INSIDE = """
+title = "A rod inside"
+outputs = ["beta", "dbeta", "alpha", "z"]
+[units]
+length = "cm"
+force = "N"
+[base]
+E = 1.07e4
+nu = 0.25
+a = 0.25
+L = 20.0
+R = 0.75
+side = "inside"
+beta = 0.5
+dbeta = 0.1
+dgamma = 0.5
+[axes.F3]
+values = [-20.0, -10.0]
+"""
+
+
+@pytest.fixture(scope="module")
+def ds() -> xr.Dataset:
+    return in_memory.run(load("fig7_1_modulus"))
+
+
+def run(*words: str) -> int:
+    """The exit status of a command."""
+    with pytest.raises(SystemExit) as ended:
+        main([*words])
+    return int(ended.value.code or 0)
+
+
+def data_of(text: str) -> dict[str, Any]:
+    """The data of the one turntable of a file."""
+    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)
+    assert found
+    return json.loads(found[1])["figures"]["rod"]
+
+
+def test_the_file_asks_for_nothing_and_is_small(ds: xr.Dataset) -> None:
+    text = page.html(ds)
+    assert not re.search(r'https?://(?!www\.w3\.org/2000/svg)|@import|url\(|src="', text)
+    assert "default-src 'none'" in unescape(text)
+    assert len(text) < 0.3e6
+
+
+@node.needs_node
+def test_the_page_draws_the_stored_rods(ds: xr.Dataset) -> None:
+    data = data_of(page.html(ds)) | {"k": 7}
+    script = """given.arrays = stored_shapes.numbersOf(given.arrays);
+const { s, alpha, z, push } = stored_shapes.storedShape(given, given.k); answer({ s, alpha, z, push });"""
+    found = node.run(script, data, ("stored_shapes",))
+    line = centreline.read(ds, {"E": 7})
+    s = np.array(found["s"])
+    alpha, _, z = line.at(s)
+    np.testing.assert_allclose(found["alpha"], alpha, atol=2e-3)  # half a hundredth of the rod's radius
+    np.testing.assert_allclose(found["z"], z, atol=2e-3)
+    np.testing.assert_allclose(found["push"], line.push(s), atol=2e-3 * data["largest"])
+    assert data["largest"] >= np.max(found["push"]) * 0.99
+
+
+def test_a_slider_has_the_values_of_the_axis_as_the_command_line_takes_them(ds: xr.Dataset) -> None:
+    (axis,) = data_of(page.html(ds))["axes"]
+    assert axis["symbol"] == "E"
+    assert axis["texts"][axis["start"]] == "10905.1 N/cm²"
+    for text, value in zip(axis["texts"], ds["E"].values, strict=True):
+        found = ds.rod.sel(E=text.removesuffix(" N/cm²"))
+        assert float(found["E"]) == value
+    assert data_of(page.html(ds, {"E": "10905"}))["axes"] == []
+
+
+def test_each_case_carries_its_caution_or_why_it_has_no_shape(ds: xr.Dataset) -> None:
+    broken = small.with_outcomes(ds, ["solved", "failed: for the test", *["solved"] * 7])
+    cases = stored(broken).data["cases"]
+    assert cases[1] == {"numbers": None, "note": "Not solved: failed: for the test."}
+    assert "passes through itself" in " ".join(case["note"] for case in cases)
+    with pytest.raises(InputError, match=r"no case has a shape: failed: for the test"):
+        stored(small.with_outcomes(ds, ["failed: for the test"] * 9))
+
+
+def test_too_many_cases_for_a_file_are_thinned_and_the_file_says_so(ds: xr.Dataset) -> None:
+    found = stored(ds, most_bytes=5 * 4 * 4 * ds.sizes["u"])
+    assert [len(axis["texts"]) for axis in found.data["axes"]] == [5]
+    assert found.data["axes"][0]["texts"][0] == "5000 N/cm²"
+    assert found.data["axes"][0]["texts"][-1] == "40000 N/cm²"
+    assert found.left_out == ["5 of the 9 values of E, evenly chosen, are in this file."]
+    with pytest.raises(InputError, match="one rod alone has too many stations"):
+        stored(ds, most_bytes=100)
+
+
+def test_a_rod_inside_is_told_so() -> None:
+    found = stored(in_memory.run(loads(INSIDE, default_name="inside"))).data
+    assert found["shared"] == {"sign": -1}
+    raw = np.frombuffer(base64.b64decode(found["arrays"]), dtype="<f4").reshape(2, 4, -1)
+    assert np.isfinite(raw).all()
+
+
+def test_the_command_writes_one_file_without_opengl(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run("scene", "fig7_1_modulus", "-o", "x.html") == 0
+    assert "opens in a browser without a network" in capsys.readouterr().out
+    before = Path("x.html").read_text(encoding="utf-8")
+    assert len(data_of(before)["cases"]) == 9
+    assert run("scene", "fig6", "-o", "x.html") == 2
+    assert Path("x.html").read_text(encoding="utf-8") == before
+    assert run("scene", "fig6", "-o", "y.html", "--kind", "twist") == 2
+    assert "an .html file shows the kind contact" in capsys.readouterr().err
+    assert not Path("y.html").exists()
+
+
+ROD = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0, stiffness="paper")
+START = Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)
+
+
+@pytest.fixture(scope="module")
+def one() -> Solution:
+    return solve(Case(ROD, Cylinder(R=0.75), START))
+
+
+@pytest.mark.slow
+def test_a_dataset_is_shown_inline(ds: xr.Dataset, tmp_path: Path) -> None:
+    assert image.imread(BytesIO(ds.rod.plot(E="10905")._repr_png_()))[..., :3].std() > 0.05
+    assert ds.rod.plot().save(tmp_path / "modulus.pdf").stat().st_size > 5000
+    with pytest.raises(InputError, match="is not on the axis"):
+        ds.rod.plot(E=3.0)
+
+
+def test_a_solution_is_shown_inline_as_a_picture_and_as_a_rod_that_turns(one: Solution, tmp_path: Path) -> None:
+    picture = image.imread(BytesIO(one.plot(length="cm", force="N")._repr_png_()))
+    assert picture[..., :3].std() > 0.05  # something is drawn
+    shown = one.scene(length="cm", force="N")
+    assert shown._repr_html_().startswith('<iframe sandbox="allow-scripts"')
+    assert data_of(shown.html)["push"] == "N/cm"
+    assert shown.save(tmp_path / "rod.html").read_text(encoding="utf-8") == shown.html
+    with pytest.raises(InputError, match=r"saved as \.html, got 'rod\.png'"):
+        shown.save(tmp_path / "rod.png")
+    with pytest.raises(InputError, match="no unit 'mass'"):
+        one.scene(mass="kg")
+
+
+def test_the_table_of_a_solution_has_its_outcome_numbers_and_caution(one: Solution) -> None:
+    text = one._repr_html_()
+    assert text is not None
+    for part in ("<td>solved</td>", "<td>6</td>", "7.075 [length]", "passes through itself"):
+        assert part in text
+    two = solve(Case(ROD, Cylinder(R=np.array([0.75, 1.0])), START))
+    assert "Solution of 2 cases" in str(two._repr_html_())
+    assert "2 of 2" in str(two._repr_html_())
+
+
+def test_the_axes_of_a_solution_are_those_of_its_fields(one: Solution) -> None:
+    E, F3 = np.array([5e3, 1e4, 2e4])[:, None], np.array([5.0, 10.0])
+    rod = Rod(E=E, nu=0.25, a=0.25, L=20.0, stiffness="paper")
+    ds = notebook.dataset_of(solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=F3))))
+    assert dict(ds.sizes) == {"E": 3, "F3": 2, "u": 201}
+    np.testing.assert_array_equal(ds["E"], E[:, 0])
+    both = Case(Rod(E=E[:, 0], nu=0.25, a=0.25, L=20.0), Cylinder(R=np.array([0.7, 0.8, 0.9])), START)
+    assert dict(notebook.dataset_of(solve(both)).sizes) == {"case1": 3, "u": 201}
+    ends = solve(Case(ROD, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1)))
+    np.testing.assert_allclose(notebook.dataset_of(ends)["z"], ends.z)
+    np.testing.assert_array_equal(centreline.read(notebook.dataset_of(one), {}).push(one.s).argmax(), one.push.argmax())
+
+
+def test_a_dataset_turns_inline(ds: xr.Dataset) -> None:
+    assert len(data_of(ds.rod.scene().html)["axes"]) == 1
+    assert data_of(ds.rod.scene(E="10905").html)["axes"] == []

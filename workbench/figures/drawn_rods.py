@@ -1,0 +1,232 @@
+"""The rods of a figure: one, or those along an axis, at as many stations as a picture has pixels."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from solver.mechanics.contact import push_from
+from solver.problem.errors import InputError
+from studies.dimensions import SAMPLE
+
+from ..data import labels, reading, refined, schema, selection
+from ..data.derived_arrays import Stored
+
+STATIONS = 1000  # along each rod at least, two for each pixel of a panel
+POINTS = 60_000  # of all rods together at most
+AGREES = 1e-6  # share of the largest value by which a rod that is solved again may differ from what is stored
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnRod:
+    """One rod.
+
+    name, value: ``E = 5000 N/cm²`` and ``5000``. arrays: s and what was asked for, (n,) each; None where the case is
+    not solved. rho, a [length]; lam, mu, phi: as of `solver.mechanics.potential`. caution: as stored.
+    """
+
+    name: str
+    value: str
+    arrays: Mapping[str, Any] | None
+    rho: float
+    a: float
+    lam: float
+    mu: float
+    phi: float
+    caution: str
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        assert self.arrays is not None
+        return np.asarray(self.arrays[name], dtype=float)
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnRods:
+    """The rods of a figure.
+
+    axis: along which they stand; None for one rod. held: the index of every other axis. notes: what the figure says.
+    """
+
+    source: xr.Dataset
+    axis: str | None
+    held: dict[str, int]
+    rods: list[DrawnRod]
+    notes: list[str]
+
+    @property
+    def solved(self) -> list[DrawnRod]:
+        """The rods that are solved."""
+        return [rod for rod in self.rods if rod.arrays is not None]
+
+    def at(self) -> str:
+        """The values at which the other axes are held: ``R = 0.75 cm, F₃ = 10 N``; else nothing."""
+        ds = self.source
+        values = {name: labels.value(float(ds[name][i]), ds[name]) for name, i in self.held.items()}
+        return ", ".join(f"{labels.axis_symbol(name)} = {value}" for name, value in values.items())
+
+    def said(self) -> list[str]:
+        """A sentence on the values at which the other axes are held, where there are any."""
+        return [f"{'All rods' if len(self.rods) > 1 else 'The rod'}: {self.at()}."] if self.at() else []
+
+    def axis_label(self) -> str:
+        """The axis with its unit, and the values at which the others are held."""
+        if self.axis is None:
+            return self.at()
+        return ", at ".join(text for text in (labels.axis_label(self.axis, self.source[self.axis]), self.at()) if text)
+
+
+def choose(
+    ds: xr.Dataset,
+    names: Sequence[str],
+    axis: str | None = None,
+    at: Mapping[str, float] | None = None,
+    most: int = 60,
+) -> DrawnRods:
+    """The rods along an axis, at most so many, evenly chosen.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        A stored study; of a refined one its coarse grid.
+    names : sequence of str
+        Arrays along the rod.
+    axis : str, optional
+        Default: the first axis of several values that `at` leaves; one rod where it leaves none.
+    at : mapping, optional
+        The values of other axes; an axis that is not named stays where the laws or Table 1 put it.
+    most : int
+        Number of rods.
+
+    Raises
+    ------
+    InputError
+        For an unknown axis or value, an axis whose value is given, and where an array is not stored and the cases
+        cannot be solved again.
+    """
+    ds = gridded(ds)
+    at = {selection.axis_of(ds, name): value for name, value in (at or {}).items()}
+    if axis is not None:
+        axis = selection.axis_of(ds, axis)
+        if axis in at:
+            raise InputError(f"the rods stand along {axis}, so it takes no value, got {axis} = {at[axis]:.10g}")
+    else:
+        axis = next((name for name in schema.axes_of(ds) if ds.sizes[name] > 1 and name not in at), None)
+    cases = selection.spread(selection.line(ds, axis, at), most) if axis else [selection.case(ds, at)]
+    held = {name: i for name, i in cases[0].items() if name != axis}
+    some = ds.isel(held | ({axis: [case[axis] for case in cases]} if axis else {}))
+    found, notes = _arrays(some, names, len(cases))
+    if axis and len(cases) < ds.sizes[axis]:
+        values = "samples" if axis == SAMPLE else f"values of {labels.axis_symbol(axis)}"
+        notes = [f"{len(cases)} of the {ds.sizes[axis]} {values} are shown, evenly chosen.", *notes]
+    rods = [_rod(some.isel({axis: i}) if axis else some, axis, arrays) for i, arrays in enumerate(found)]
+    if not any(rod.arrays is not None for rod in rods):
+        raise InputError("nothing to draw: none of the chosen cases is solved")
+    return DrawnRods(ds, axis, held, rods, notes)
+
+
+def gridded(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset; of a refined study its coarse grid. Raises `InputError`."""
+    return refined.coarse(ds) if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims else ds
+
+
+def _rod(one: xr.Dataset, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:
+    stored = _stored(one)
+    names = {name: float(getattr(stored, name)) for name in ("rho", "lam", "mu", "phi")}
+    told = str(one["caution"].values) if "caution" in one else ""
+    text = labels.value(float(one[axis]), one[axis]) if axis else ""
+    name = f"{labels.axis_symbol(axis)} = {text}" if axis else "rod"
+    short = text if text.endswith("°") else text.partition(" ")[0]
+    return DrawnRod(name, short, arrays, a=float(stored.constant("a")), caution=told, **names)
+
+
+def _stored(some: xr.Dataset) -> Stored:
+    """What is stored of some cases; whatever would need the solver is refused."""
+
+    def refuse() -> Any:
+        raise InputError("the dataset does not store the loads of its cases")
+
+    return Stored(some, None, refuse, refuse)  # type: ignore[arg-type]  # the study is read where a case is solved
+
+
+def _arrays(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None], list[str]]:
+    """For each case s and the arrays of these names, None where it is not solved; and what is to be said."""
+    stored: list[dict[str, Any] | None] = [None] * count
+    kept, missing = _as_stored(some, names, count)
+    stored = kept or stored
+    solved = np.atleast_1d(np.asarray(some["solved"].values, dtype=bool))
+    again, reason = _solved_again(some, names, count)
+    found: list[dict[str, Any] | None] = []
+    coarse = 0
+    for i in range(count):
+        one = again[i] if again else None
+        if one is not None and not _agree(one, stored[i], some):
+            one, reason = None, "what is stored differs from what the study gives"
+        if one is None and solved[i]:
+            one, coarse = stored[i], coarse + 1
+        found.append(one if solved[i] else None)
+    if coarse and missing:
+        raise InputError(f"the dataset does not store {missing}, and its cases cannot be solved again: {reason}")
+    note = f"Drawn at the {some.sizes.get('u', 1)} stored stations: {reason}." if coarse else ""
+    return found, [note] if note else []
+
+
+def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None] | None, str]:
+    """The arrays as stored or computed from stored ones; or None, and the name of the first that is not."""
+    if "u" not in some.dims:
+        return None, "arrays along the rod"
+    found: dict[str, Any] = {"s": some["s"]}
+    for name in names:
+        array = _stored(some).implied(name, ())
+        if array is None:
+            return None, name
+        found[name] = array
+    shape = (count, some.sizes["u"])
+    tables = {}
+    for name, array in found.items():
+        order = [dim for dim in array.dims if dim != "u"]
+        tables[name] = np.broadcast_to(array.transpose(*order, "u").values, shape)
+    rows = [{name: table[i] for name, table in tables.items()} for i in range(count)]
+    return [row if all(np.isfinite(array).all() for array in row.values()) else None for row in rows], ""
+
+
+def _solved_again(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None], str]:
+    """The arrays of the cases solved again at many stations, those stored among them; or none, and why."""
+    from ..run import stored_case  # it loads the solver
+
+    intervals = max(some.sizes.get("u", 2) - 1, 1)
+    wanted = int(np.clip(POINTS // count, 200, STATIONS if count > 1 else 4 * STATIONS))
+    fine = intervals * -(-wanted // intervals) + 1
+    finer = some.drop_dims("u") if "u" in some.dims else some.drop_vars("u", errors="ignore")
+    try:
+        study = stored_case.study_of(some)
+        if study.refine is not None:  # its cases stand in no grid of the study
+            return [], "they are of the coarse grid of a refined study"
+        sol = stored_case.solve_at(finer.assign_coords(u=np.linspace(0.0, 1.0, fine)), study, {})
+    except InputError as error:
+        return [], str(error).rstrip(".")
+    solved = np.reshape(sol.solved, -1)
+    side = reading.text(some, "side")
+    tables: dict[str, Any] = {"s": sol.s}
+    for name in names:
+        tables[name] = push_from(np.asarray(sol.contact), side) if name == "push" else np.asarray(getattr(sol, name))
+    rows = {
+        name: np.broadcast_to(table, (*sol.case.shape, fine)).reshape(count, fine) for name, table in tables.items()
+    }
+    return [{name: row[i] for name, row in rows.items()} if solved[i] else None for i in range(count)], "not solved"
+
+
+def _agree(again: Mapping[str, Any], stored: Mapping[str, Any] | None, some: xr.Dataset) -> bool:
+    """Whether a rod that is solved again is the one that is stored, at the stored stations."""
+    if stored is None:
+        return True
+    size = next(iter(stored.values())).size
+    step = (again["s"].size - 1) // max(size - 1, 1)
+    for name, array in stored.items():
+        near = np.interp(stored["s"], again["s"], again[name]) if step * (size - 1) + 1 != again["s"].size else None
+        new = again[name][::step] if near is None else near
+        if np.abs(new - array).max() > AGREES * max(float(np.abs(array).max()), 1.0):
+            return False
+    return True

@@ -1,0 +1,277 @@
+"""Phase portraits: the orbit of a rod among the level sets of beta'^2 + G(beta), beside the potential G."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import ceil
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator, MultipleLocator
+from numpy.typing import NDArray
+
+from solver.mechanics.potential import TAU, Loads, potential, slope, slope_rate
+from solver.numerics.roots import bracketed
+from solver.problem.errors import no_such
+
+from ..data import labels
+from . import canvas, drawn_rods, legend, style
+from .drawn_rods import DrawnRod
+from .sheet import SCREEN, Sheet
+
+PANELS = {"portrait": "phase portrait", "potential": "potential"}
+COLUMN = 1.4  # inches that a rod needs among others
+BANDS = 2  # rows of rods at most
+ANGLES = 1441  # of a level set
+LEVELS = 7  # level sets
+ROUNDING = 1e-12
+SPARE = 0.06  # of the window, to the left and right of what must be seen
+LEAST = np.radians(0.5)  # of a window
+TICKS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720, 1800, 3600)  # degrees between two
+SADDLE = "the separatrix, through a saddle (×)"
+
+
+def figure(
+    ds: xr.Dataset, x: str | None = None, at: Mapping[str, float] | None = None, sheet: Sheet = SCREEN
+) -> Figure:
+    """Draw (beta, beta') of one rod beside its potential G(beta); of the rods along an axis one above the other.
+
+    The rod stays on the level set beta'^2 + G(beta) = h. The separatrices are the level sets through the saddles, the
+    maxima of G.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+    x, at
+        As `axis` and `at` of `drawn_rods.choose`.
+    sheet : Sheet
+        What the figure is drawn for. Its panel is ``portrait`` or ``potential``.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        As of `drawn_rods.choose`, and for an unknown panel.
+    """
+    if sheet.panel is not None and sheet.panel not in PANELS:
+        raise no_such("panel", sheet.panel, PANELS)
+    names = [name for name in PANELS if sheet.panel in (None, name)]
+    most = max(int((sheet.width - 0.6) / COLUMN), 1)
+    found = drawn_rods.choose(ds, ("beta", "dbeta"), x, at, BANDS * most)
+    windows = np.array([window_of(rod) for rod in found.solved])
+    window = float(windows[:, 0].min()), float(windows[:, 1].max())
+    orbits = [orbit(rod, window) for rod in found.solved]
+    alone = len(orbits) == 1
+    bands = ceil(len(orbits) / most)
+    across = len(names) if alone and not sheet.narrow else ceil(len(orbits) / bands)
+    rows = 1 if alone and not sheet.narrow else len(names) * bands
+    tall = min(0.75 * sheet.width / across, 3.6) if alone else 1.9
+    unit = labels.unit(str(found.source.attrs["length_unit"]))
+
+    def draw(fig: Figure) -> None:
+        grid = fig.add_gridspec(rows, across)
+        for i, one in enumerate(orbits):
+            for j, name in enumerate(names):
+                cell = divmod(j, across) if alone else ((i // across) * len(names) + j, i % across)
+                ax = fig.add_subplot(grid[cell])
+                (_portrait if name == "portrait" else _potential)(ax, one, unit)
+                _frame(ax, name, one, alone, j, leftmost=alone or cell[1] == 0, wide=sheet.width / across)
+        _share(fig.axes, len(names), across, alone)
+        said = found.said()
+        legend.below(fig, _entries(orbits, names), [*said, *found.notes])
+
+    height = rows * (tall + 0.65) + 0.9 + 0.7 * sheet.titled
+    return canvas.figure((sheet.width, height), draw, found.source, sheet=sheet)
+
+
+@dataclass(frozen=True, eq=False)
+class Orbit:
+    """A rod in its phase plane.
+
+    beta, dbeta: along the rod, (n,) [rad], [1/length]. h: its level [1/length^2]. saddles, centres: the critical points
+    of G in the window [rad]. window: the angles that are shown [rad].
+    """
+
+    rod: DrawnRod
+    beta: NDArray[np.float64]
+    dbeta: NDArray[np.float64]
+    h: float
+    saddles: NDArray[np.float64]
+    centres: NDArray[np.float64]
+    window: tuple[float, float]
+
+    def G(self, beta: Any) -> Any:
+        """The potential [1/length^2]."""
+        return potential(_loads(self.rod), beta) / self.rod.rho**2
+
+    def angles(self) -> NDArray[np.float64]:
+        """Angles over the window."""
+        return np.linspace(*self.window, ANGLES)
+
+
+def window_of(rod: DrawnRod) -> tuple[float, float]:
+    """The angles of a rod and the next saddle on either side, with some room [rad]."""
+    low, high = float(rod["beta"].min()), float(rod["beta"].max())
+    every = critical_angles(rod, low - TAU, high + TAU)
+    maxima = every[slope_rate(_loads(rod), every) < 0]
+    left, right = maxima[maxima < low], maxima[maxima > high]
+    low = max(left[-1] if left.size else low, low - np.pi)
+    high = min(right[0] if right.size else high, high + np.pi)
+    spare = max(SPARE * (high - low), LEAST)
+    return float(low - spare), float(high + spare)
+
+
+def orbit(rod: DrawnRod, window: tuple[float, float]) -> Orbit:
+    """The orbit of a rod, with the critical points of G that lie in a window."""
+    every = critical_angles(rod, *window)
+    is_saddle = slope_rate(_loads(rod), every) < 0
+    level = rod["dbeta"][0] ** 2 + potential(_loads(rod), rod["beta"][0]) / rod.rho**2
+    return Orbit(rod, rod["beta"], rod["dbeta"], float(level), every[is_saddle], every[~is_saddle], window)
+
+
+def critical_angles(rod: DrawnRod, low: float, high: float) -> NDArray[np.float64]:
+    """The angles between two where H = G'/2 is 0, where the rod could be a helix, rising [rad]."""
+    loads = _loads(rod)
+    angles = np.arange(np.floor(low / TAU) * TAU, high + TAU, TAU / 1440) + 1e-4
+    value = slope(loads, angles)
+    k = np.flatnonzero(value[1:] * value[:-1] < 0)
+    sign = np.sign(value[k + 1])
+    roots = bracketed(lambda b: (sign * slope(loads, b), sign * slope_rate(loads, b)), angles[k], angles[k + 1])
+    return np.asarray(roots[(roots > low) & (roots < high)], dtype=float)
+
+
+def _loads(rod: DrawnRod) -> Loads:
+    return Loads(rod.lam, rod.mu, rod.phi)
+
+
+def _portrait(ax: Axes, one: Orbit, unit: str) -> None:
+    """The orbit, the separatrices and some level sets."""
+    angles = one.angles()
+    G = one.G(angles)
+    fastest = max(float(np.abs(one.dbeta).max()), *(_height(one.G(b), G) for b in one.saddles), 1e-12)
+    levels = np.linspace(float(G.min()), float(G.min()) + 1.4 * (fastest**2 + 1e-12), LEVELS + 2)[1:]
+    for level in levels:
+        _level_set(ax, one, float(level), color=style.FAINT, linewidth=0.8, label="_level", zorder=1)
+    for level in _levels(one):
+        _level_set(ax, one, float(level), color=style.INK, linewidth=0.9, linestyle=(0, (4, 2)), zorder=3,
+                   label="separatrix")  # fmt: skip
+    ax.plot(np.degrees(one.saddles), 0 * one.saddles, "x", color=style.INK, markersize=5, label="saddle", zorder=4)
+    ax.plot(np.degrees(one.centres), 0 * one.centres, "+", color=style.SOFT, markersize=6, label="centre", zorder=4)
+    ax.plot(np.degrees(one.beta), one.dbeta, color=style.PUSHED, linewidth=1.8, label="rod", zorder=5)
+    ax.plot(np.degrees(one.beta[:1]), one.dbeta[:1], "o", color=style.INK, label="s = 0", zorder=6, markersize=4)
+    ax.plot(np.degrees(one.beta[-1:]), one.dbeta[-1:], "s", color=style.INK, label="s = L", zorder=6, markersize=4)
+    ax.set_ylim(-1.15 * fastest, 1.15 * fastest)
+    ax.set_ylabel(f"β′ [1/{unit}]")
+
+
+def _levels(one: Orbit) -> list[float]:
+    """The levels of the saddles, rising, each once."""
+    found: list[float] = []
+    for level in sorted(one.G(one.saddles).tolist()):
+        if not found or level - found[-1] > ROUNDING * (1 + abs(level)) * 100:
+            found.append(level)
+    return found
+
+
+def _height(level: Any, G: Any) -> float:
+    """The largest beta' of a level set."""
+    return float(np.sqrt(max(float(level) - float(G.min()), 0.0)))
+
+
+def _level_set(ax: Axes, one: Orbit, level: float, **look: Any) -> None:
+    """Both halves of beta' = +-sqrt(level - G), with the angles where they meet."""
+    angles = np.sort(np.concatenate([one.angles(), one.saddles]))
+    above = level - one.G(angles)
+    size = ROUNDING * (abs(level) + float(np.ptp(above)))
+    above = np.where(np.abs(above) < size, 0.0, above)
+    k = np.flatnonzero(above[1:] * above[:-1] < 0)
+    low, high = np.where(above[k] < 0, angles[k], angles[k + 1]), np.where(above[k] < 0, angles[k + 1], angles[k])
+    for _ in range(50):
+        middle = (low + high) / 2
+        inside = one.G(middle) < level
+        low, high = np.where(inside, low, middle), np.where(inside, middle, high)
+    order = np.argsort(np.concatenate([angles, high]), kind="stable")
+    angles, above = (np.concatenate(pair)[order] for pair in ((angles, high), (above, np.zeros(high.size))))
+    rate = np.sqrt(np.where(above < 0, np.nan, above))
+    for half in (rate, -rate):
+        ax.plot(np.degrees(angles), half, **look)
+
+
+def _potential(ax: Axes, one: Orbit, unit: str) -> None:
+    """G over the angle, and the level h of the rod, where it lies above G."""
+    angles = one.angles()
+    G = one.G(angles)
+    ax.plot(np.degrees(angles), G, color=style.INK, linewidth=1.3, label="G", zorder=3)
+    reached = (float(one.beta.min()), float(one.beta.max()))
+    ax.plot(np.degrees(reached), [one.h, one.h], color=style.PUSHED, linewidth=1.8, label="h", zorder=4)
+    for level in _levels(one):
+        ax.plot(np.degrees(one.window), [level, level], color=style.INK, linewidth=0.9, linestyle=(0, (4, 2)),
+                label="separatrix", zorder=2)  # fmt: skip
+    ax.plot(np.degrees(one.saddles), one.G(one.saddles), "x", color=style.INK, markersize=5, label="saddle", zorder=4)
+    ax.plot(np.degrees(one.centres), one.G(one.centres), "+", color=style.SOFT, markersize=6, label="centre", zorder=4)
+    ax.plot(np.degrees(one.beta[:1]), [one.h], "o", color=style.INK, markersize=4, label="s = 0", zorder=6)
+    ax.plot(np.degrees(one.beta[-1:]), [one.h], "s", color=style.INK, markersize=4, label="s = L", zorder=6)
+    low, high = min(float(G.min()), one.h), max(one.h, *one.G(one.saddles), float(G.min()))
+    ax.set_ylim(low - 0.08 * (high - low or 1.0), high + 0.14 * (high - low or 1.0))
+    ax.set_ylabel(f"G, h [1/{unit}²]")
+
+
+def _frame(ax: Axes, name: str, one: Orbit, alone: bool, j: int, leftmost: bool, wide: float) -> None:
+    """The title and the scales of a panel."""
+    ax.set_xlim(*np.degrees(one.window))
+    ax.set_label(f"{one.rod.name}, {PANELS[name]}")
+    if alone:
+        ax.set_title(PANELS[name] if name == "portrait" else "potential G and level h", loc="left")
+    elif j == 0:
+        fits = style.small() * style.LETTER * len(one.rod.name) < wide - 0.3
+        ax.set_title(one.rod.name if fits else one.rod.value, loc="left", size=style.small())
+    ax.set_xlabel("β [°]")
+    span = float(np.degrees(np.ptp(one.window)))
+    ax.xaxis.set_major_locator(MultipleLocator(next((step for step in TICKS if span < step * wide / 0.6), TICKS[-1])))
+    ax.yaxis.set_major_locator(MaxNLocator(nbins=5))
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_formatter(labels.tick)
+    ax.yaxis.label.set_visible(leftmost)
+    style.with_grid(ax)
+
+
+def _share(axes: Sequence[Axes], panels: int, across: int, alone: bool) -> None:
+    """For each quantity one range of numbers over all rods, with numbers at the left and below only."""
+    if alone:
+        return
+    for j in range(panels):
+        some = axes[j::panels]
+        low, high = min(ax.get_ylim()[0] for ax in some), max(ax.get_ylim()[1] for ax in some)
+        for i, ax in enumerate(some):
+            ax.set_ylim(low, high)
+            ax.tick_params(labelleft=i % across == 0)
+    for k, ax in enumerate(axes):
+        lowest = k % panels == panels - 1
+        ax.tick_params(labelbottom=lowest)
+        ax.xaxis.label.set_visible(lowest)
+
+
+def _entries(orbits: Sequence[Orbit], names: Sequence[str]) -> list[Artist]:
+    """The legend."""
+    rod = "the rod, at its level h" if "potential" in names else "the rod"
+    found = [Line2D([], [], color=style.PUSHED, linewidth=1.8, label=rod)]
+    found += [
+        Line2D([], [], color=style.INK, marker=mark, markersize=4, linestyle="none", label=label)
+        for mark, label in (("o", "s = 0"), ("s", "s = L"))
+    ]
+    if any(one.saddles.size for one in orbits):
+        found.append(Line2D([], [], color=style.INK, linewidth=0.9, linestyle=(0, (4, 2)), label=SADDLE))
+    if any(one.centres.size for one in orbits):
+        found.append(
+            Line2D([], [], color=style.SOFT, marker="+", markersize=6, linestyle="none", label="centre: a helix")
+        )
+    if "portrait" in names:
+        found.append(Line2D([], [], color=style.FAINT, linewidth=1.2, label="other level sets of β′² + G"))
+    return list(found)

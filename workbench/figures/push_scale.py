@@ -1,0 +1,94 @@
+"""Lines in the colours of the push along a rod, and the bar of these colours; see `data.push_colours`."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.transforms import Affine2D
+from numpy.typing import NDArray
+
+from ..data import labels, push_colours
+from ..data.cautions import SLIGHT
+from . import style
+from .drawn_data import CASING
+
+PULL = "#{:02x}{:02x}{:02x}".format(*push_colours.PULL)
+EDGE, LEAST = 1.35, 0.55  # the grey casing of a line: share of its width, and points that it adds at least
+
+
+def ramp() -> Colormap:
+    """The colours from no push to the largest; below them the colour of a pull."""
+    stops = [(share, (r / 255, g / 255, b / 255)) for share, (r, g, b) in push_colours.STOPS]
+    return LinearSegmentedColormap.from_list("push", stops).with_extremes(under=PULL)
+
+
+def scale(pushes: Sequence[Any]) -> Normalize:
+    """The scale of colours that the pushes of several rods share; a pull of rounding alone counts as no push."""
+    largest = max((float(np.max(push)) for push in pushes), default=0.0)
+    size = max((float(np.max(np.abs(push))) for push in pushes), default=0.0)
+    return Normalize(-SLIGHT * size, largest if largest > 0 else 1.0)
+
+
+def line(
+    ax: Axes, x: Any, y: Any, push: Any, norm: Normalize, width: float = 2.0, label: str = "", shift: float = 0.0,
+    order: float = 2.0,
+) -> LineCollection:  # fmt: skip
+    """Draw a line whose colour at each point is that of the push there, so much higher, with its order of drawing."""
+    where = Affine2D().translate(0, shift) + ax.transData
+    casing = max(width * EDGE, width + LEAST)
+    ax.plot(
+        x, y, color=style.SOFT, linewidth=casing, solid_capstyle="round", label=CASING, zorder=order, transform=where
+    )
+    points: NDArray[np.float64] = np.column_stack([x, y])
+    middles = (points[1:] + points[:-1]) / 2
+    before, after = np.vstack([points[:1], middles]), np.vstack([middles, points[-1:]])
+    drawn = LineCollection(list(np.stack([before, points, after], axis=1)), cmap=ramp(), norm=norm, linewidths=width,
+                           capstyle="round", joinstyle="round", label=label, zorder=order,
+                           transform=where)  # fmt: skip
+    drawn.set_array(np.asarray(push, dtype=float))
+    ax.add_collection(drawn)
+    return drawn
+
+
+def draw(
+    ax: Axes, x: Any, y: Any, push: Any, norm: Normalize | None = None, width: float = 2.0, dots: bool = False
+) -> None:
+    """The same without a label, on the scale of its own pushes by default; dots where the stations miss bends."""
+    norm = norm or scale([push])
+    if dots:
+        ax.plot(x, y, color=style.PUSHED, linestyle="none", marker=".", markersize=width + 0.6, zorder=2)
+        pulled = np.asarray(push) < (norm.vmin or 0.0)
+        ax.plot(
+            np.where(pulled, x, np.nan), y, color=PULL, linestyle="none", marker=".", markersize=width + 0.6, zorder=2
+        )
+    else:
+        line(ax, x, y, push, norm, width)
+
+
+def bar(
+    fig: Figure, drawn: LineCollection, axes: Sequence[Axes], unit: str, inches: float, below: bool = False
+) -> None:
+    """The bar of the colours to the right of axes, or below them, that are so many inches long there."""
+    length = min(inches, 2.2)
+    where: dict[str, Any] = {"location": "bottom", "anchor": (0.0, 1.0)} if below else {"anchor": (0.0, 1.0)}
+    found = fig.colorbar(drawn, ax=list(axes), fraction=0.05, pad=0.02, shrink=length / inches, aspect=16, **where)
+    found.set_label(f"push [{labels.unit(unit)}]", size=style.small())
+    (found.ax.set_xlim if below else found.ax.set_ylim)(0.0, float(np.max(drawn.norm.vmax or 1.0)))
+    (found.ax.xaxis if below else found.ax.yaxis).set_major_formatter(labels.tick)
+    found.outline.set_visible(False)
+
+
+def pulls(push: Any) -> bool:
+    """Whether the cylinder would have to pull somewhere, by more than rounding."""
+    push = np.asarray(push, dtype=float)
+    return bool((push < -SLIGHT * np.abs(push).max()).any())
+
+
+def unit(ds: xr.Dataset) -> str:
+    """The unit of the push."""
+    return f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}"

@@ -1,0 +1,242 @@
+"""Pictures and turning scenes of a solution or a dataset, shown inline in a notebook.
+
+`solution.plot()`, `solution.scene()`, `ds.rod.plot()` and `ds.rod.scene()` end here. What they return has the methods
+by which Jupyter, VS Code and Colab show a value, and `save`. No package of a notebook is needed.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import fields
+from html import escape
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from solver import Solution, solve
+from solver.observe.observables import observe
+from solver.problem.errors import InputError, no_such
+from solver.problem.quantities import quantity, unit_of
+
+from .data import atomic, cautions, dataset, labels, schema, selection
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+HEIGHT = 640  # pixels of a scene in a notebook
+FINE = 4001  # stations of a diagram, two for each pixel
+DPI = 110  # of a picture in a notebook
+ALONG = ("beta", "dbeta", "alpha", "z", "contact")
+NUMBERS = ("turns", "wraps", "height", "kappa_max", "push_min", "push_max")  # of a solution's table
+WORDS = {"length": "length", "force": "force"}  # units of a solution, which knows none
+
+
+class Plot:
+    """A diagram that a notebook shows inline.
+
+    Attributes
+    ----------
+    figure
+        The Matplotlib figure.
+    """
+
+    def __init__(self, figure: "Figure") -> None:
+        self.figure = figure
+
+    def save(self, path: str | Path) -> Path:
+        """Write the diagram as .png, .pdf or .svg. Raises `InputError` for another name."""
+        from .figures import canvas
+
+        canvas.save(self.figure, path)
+        return Path(path)
+
+    def _repr_png_(self) -> bytes:
+        from .figures import canvas
+
+        picture = BytesIO()
+        canvas.save(self.figure, picture, dpi=DPI)
+        return picture.getvalue()
+
+
+class Scene:
+    """A rod on its cylinder that a notebook shows inline and a reader turns.
+
+    Attributes
+    ----------
+    html
+        The scene as the text of one offline HTML file.
+    """
+
+    def __init__(self, html: str) -> None:
+        self.html = html
+
+    def save(self, path: str | Path) -> Path:
+        """Write the scene as one offline .html file. Raises `InputError` for another name."""
+        path = Path(path)
+        if path.suffix.lower() != ".html":
+            raise InputError(f"a scene is saved as .html, got {path.name!r}")
+        return atomic.write(path, lambda aside: aside.write_text(self.html, encoding="utf-8"))
+
+    def _repr_html_(self) -> str:
+        style = f"width: 100%; height: {HEIGHT}px; border: 0"
+        return f'<iframe sandbox="allow-scripts" style="{style}" srcdoc="{escape(self.html)}"></iframe>'
+
+
+def plot(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Plot:
+    """The figure of a dataset, or of its case at some values of its axes. Raises `InputError`."""
+    from .figures import study_figure
+
+    if not at:
+        return Plot(study_figure.figure(ds))
+    where, given = selection.case(ds, at), [selection.axis_of(ds, name) for name in at]
+    part = ds.isel({name: where[name] for name in given})
+    values = [f"{labels.symbol(part[name])} = {labels.value(float(part[name]), part[name], 6)}" for name in given]
+    titled = part.assign_attrs(title=f"{ds.attrs['title']}, {', '.join(values)}")
+    return Plot(study_figure.figure(titled, []))  # the laws are of all cases
+
+
+def scene(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Scene:
+    """The rods of a dataset, with a slider for each axis that `at` does not fix. Raises `InputError`."""
+    from .web.turntable import page
+
+    return Scene(page.html(ds, at))
+
+
+def plot_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Plot:
+    """The figure of a solution: of one case with peaks to the pixel, of several their developed curves."""
+    return plot(dataset_of(_fine(sol) if not sol.case.shape else sol, units))
+
+
+def scene_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Scene:
+    """The rods of a solution on their cylinder."""
+    return scene(dataset_of(sol, units))
+
+
+def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Dataset:
+    """A solution as a dataset that figures, scenes and exports read.
+
+    Parameters
+    ----------
+    sol
+        The solution. An axis of its grid along which one field of the case varies has that field's name and values, and
+        any other axis is numbered: case1, case2, ...
+    units
+        "length" and "force" of the case, for labels; default: these words.
+
+    Returns
+    -------
+    xr.Dataset
+        The arrays of `ALONG` over (*axes, u), u = s/L, the numbers of the case, outcome and caution.
+
+    Raises
+    ------
+    InputError
+        For another unit than these two.
+    """
+    used = WORDS | dict(units or {})
+    if unknown := [name for name in used if name not in WORDS]:
+        raise no_such("unit", unknown[0], WORDS)
+    case, axes = sol.case, _axes(sol)
+    dims = tuple(axes)
+    n = sol.t.shape[-1]
+    data: dict[str, Any] = {
+        name: xr.Variable((*dims, "u"), getattr(sol, name), schema.labels(name, used)) for name in ALONG
+    }
+    owners = {**dict.fromkeys(("E", "nu", "a", "L"), case.rod), "R": case.cylinder, "rho": case, "FZ": sol, "MZ": sol}
+    for name, owner in {**owners, "M3": sol}.items():
+        if name not in axes:
+            value = np.broadcast_to(np.asarray(getattr(owner, name), dtype=float), case.shape)
+            same = value.size > 0 and float(np.ptp(value)) == 0
+            own: tuple[Any, Any] = ((), float(value.flat[0])) if same else (dims, value)
+            data[name] = xr.Variable(own[0], own[1], schema.labels(name, used))
+    data["solved"] = xr.Variable(dims, np.asarray(sol.solved, dtype=bool))
+    data["outcome"] = xr.Variable(dims, np.asarray(sol.outcome).astype(str))
+    data["caution"] = xr.Variable(dims, np.asarray(cautions.of_cases(sol)).astype(str))
+    u = np.asarray(sol.s, dtype=float).reshape(-1, n)[0]
+    u = (u - u[0]) / (u[-1] - u[0])
+    coords: dict[str, Any] = {name: xr.Variable((name,), values, _labels(name, used)) for name, values in axes.items()}
+    coords["u"] = xr.Variable(("u",), u, schema.labels("u", used))
+    coords["s"] = xr.Variable((*dims, "u"), sol.s, schema.labels("s", used))
+    ds = xr.Dataset(data, coords, _attributes(sol, used))
+    return ds.assign_attrs(caution=cautions.sentence(ds))
+
+
+def html_of(sol: Solution) -> str:
+    """A short table of a solution for a notebook: outcome, accuracy and a few observables."""
+    each = np.asarray(sol.solved)
+    rows = [("solved", f"{int(each.sum())} of {each.size}")] if each.size > 1 else [("outcome", str(sol.outcome))]
+    rows += [("method", sol.method), ("estimated error", f"{np.max(sol.error):.1e}")]
+    rows += [("condition number", f"{np.max(sol.condition):.3g}")]
+    if each.any():
+        found = observe(sol, list(NUMBERS))
+        rows += [(_words(name), _span(name, np.asarray(found[name], dtype=float)[each])) for name in NUMBERS]
+        rows += [("caution", caution)] if (caution := cautions.said(cautions.of_cases(sol))) else []
+    lines = "".join(f"<tr><th>{escape(words)}</th><td>{escape(value)}</td></tr>" for words, value in rows)
+    shape = f" of {each.size} cases" if each.size > 1 else ""
+    return f"<table><caption>Solution{shape}, {sol.t.shape[-1]} stations</caption>{labels.typeset(lines)}</table>"
+
+
+def _words(name: str) -> str:
+    return quantity(name).long_name.partition(" (")[0].partition(",")[0]
+
+
+def _span(name: str, values: Any) -> str:
+    """A value, or the smallest and the largest, with the unit in words."""
+    low, high = (labels.number(float(value)) for value in (values.min(), values.max()))
+    unit = labels.unit(unit_of(name, WORDS))
+    return f"{low if low == high else f'{low} to {high}'}{f' [{unit}]' if unit else ''}"
+
+
+def _axes(sol: Solution) -> dict[str, Any]:
+    """Each axis of the grid: name and values."""
+    case, found = sol.case, dict[str, Any]()
+    for k, size in enumerate(case.shape):
+        along = [name for name, value in _fields(sol).items() if _varies_along(value, case.shape) == [k]]
+        if len(along) == 1:
+            value = np.broadcast_to(np.asarray(_fields(sol)[along[0]], dtype=float), case.shape)
+            found[schema.dimension(along[0])] = np.moveaxis(value, k, 0).reshape(size, -1)[:, 0]
+        else:
+            found[f"case{k + 1}"] = np.arange(1, size + 1)
+    return found
+
+
+def _fields(sol: Solution) -> dict[str, Any]:
+    parts = (sol.case.rod, sol.case.cylinder, sol.case.given)
+    values = {one.name: getattr(part, one.name) for part in parts for one in fields(part)}
+    return {name: value for name, value in values.items() if value is not None and not isinstance(value, str)}
+
+
+def _varies_along(value: Any, shape: tuple[int, ...]) -> list[int]:
+    """The axes of the grid along which a field has more than one value."""
+    whole = np.broadcast_to(np.asarray(value, dtype=float), shape)
+    return [k for k in range(len(shape)) if whole.size and (np.ptp(whole, axis=k) > 0).any()]
+
+
+def _labels(name: str, units: Mapping[str, str]) -> dict[str, str]:
+    if name.startswith("case"):
+        return {"long_name": "number of the case", "symbol": "case", "units": "1"}
+    return schema.labels(name, dict(units))
+
+
+def _attributes(sol: Solution, units: Mapping[str, str]) -> dict[str, Any]:
+    case = sol.case
+    return {
+        "title": "An elastic rod on a cylinder" if not case.shape else f"{case.size} elastic rods on cylinders",
+        "study_name": "solution", "study": "", "reading": "", "side": case.cylinder.side,
+        "stiffness": case.rod.stiffness, "length_unit": units["length"], "force_unit": units["force"],
+        "laws": json.dumps([]), "versions": json.dumps(dataset.versions()), "method": sol.method, "tolerance": sol.tol,
+    }  # fmt: skip
+
+
+def _fine(sol: Solution) -> Solution:
+    """The same solution at as many stations as a diagram has pixels; as it is where it cannot be solved again."""
+    if sol.t.shape[-1] >= FINE or not sol.solved:
+        return sol
+    try:
+        ends = sol.problem.kind == "ends"
+        found = solve(sol.case, tol=sol.tol, method=sol.method, stations=FINE, seed=sol if ends else None)
+    except InputError:
+        return sol
+    return found if found.solved else sol

@@ -1,0 +1,71 @@
+// Where the rods of a turntable come from: the cases of a file, or a start problem that is solved in this page.
+
+import { placeOf, spanOf, valueAt } from "./controls.mjs";
+import { DEGREE, Refused, caseOf, kindOf, quantityOf } from "./rod_case.mjs";
+import { marched } from "./rod_shape.mjs";
+import { storedShape } from "./stored_shapes.mjs";
+import { observables, warnings } from "./numbers.mjs";
+import { minus, number, unitText, withUnit } from "./text.mjs";
+
+/* The cases of a file: one slider an axis; the case at its places; the words of a place. */
+export function storedSource(data) {
+  const { axes } = data,
+    places = axes.map((axis) => axis.start);
+  const index = () => axes.reduce((at, axis, k) => at * axis.texts.length + places[k], 0);
+  return {
+    sliders: axes.map((axis, k) => ({
+      words: axis.words,
+      symbol: axis.symbol,
+      most: axis.texts.length - 1,
+      place: () => places[k],
+      text: () => axis.texts[places[k]],
+      move: (place) => (places[k] = Math.round(place)),
+    })),
+    largest: data.largest,
+    now() {
+      const one = data.cases[index()];
+      return { shape: one.numbers ? storedShape(data, index()) : null, note: one.note };
+    },
+    reset: () => axes.forEach((axis, k) => (places[k] = axis.start)),
+  };
+}
+
+/* A start problem that is solved in this page. data: its state, and the names of the fields that have a slider. */
+export function solvedSource(data, core) {
+  const begun = JSON.stringify(data.state.base),
+    base = JSON.parse(begun),
+    letters = data.letters;
+  return {
+    sliders: data.fields.map((name) => {
+      const [symbol, words, dimension] = data.quantities[quantityOf(name)],
+        span = spanOf(name, JSON.parse(begun)[name], data.spans[name]),
+        unit = unitText(dimension, data.state.units);
+      return {
+        words,
+        symbol,
+        most: 1000,
+        step: "any",
+        place: () => placeOf(name, base[name], span),
+        text: () => withUnit(number(kindOf(name) === "angle" ? base[name] / DEGREE : base[name]), unit),
+        move: (place) => (base[name] = valueAt(name, place, span)),
+      };
+    }),
+    largest: null,
+    now() {
+      try {
+        const shape = marched(core, caseOf({ ...data.state, base }, letters));
+        return { shape, note: shape.shown < 1 ? "Only a part of this rod is shown: it bends too often for more." : "" };
+      } catch (error) {
+        if (!(error instanceof Refused)) throw error;
+        return { shape: null, note: error.sentence };
+      }
+    },
+    /* What takes longer than a move of a slider may. */
+    facts(shape) {
+      const found = observables(shape),
+        told = [`${found.turns} bends, largest push ${number(Math.max(found.push_max, 0))} ${data.push}.`];
+      return minus([...told, ...warnings(shape, found)].join(" "));
+    },
+    reset: () => Object.assign(base, JSON.parse(begun)),
+  };
+}

@@ -1,0 +1,157 @@
+// A turntable: a rod in a figure, with sliders, a colour bar and a triad.
+
+import { css, ramp } from "./colours.mjs";
+import { solvedSource, storedSource } from "./rod_sources.mjs";
+import { makeView } from "./rod_view.mjs";
+import { minus, tickText, ticks } from "./text.mjs";
+import { drawTriad } from "./triad.mjs";
+
+const LAP = 12, // s of one turn
+  REST = 150; // ms until what is slower is computed
+const TICKS = 4,
+  CROWDED = 0.16; // ticks of the bar, about; share of it that the tick at its end keeps free
+
+/* Make a figure turn. core: the compiled core, where the figure solves. */
+export function turntable(figure, data, code, core, calm) {
+  const part = (name) => figure.querySelector(`.${name}`),
+    canvas = part("rod");
+  const source = data.arrays ? storedSource(data) : solvedSource(data, core);
+  figure.classList.add("live"); // now the canvas has its size
+  const view = makeView(canvas, part("spot"), code, calm);
+  if (!view.scene) {
+    figure.classList.remove("live");
+    part("told").textContent = "This browser offers no WebGL 2, so the rod cannot be turned here.";
+    return null;
+  }
+  const sliders = source.sliders.map((slider, k) => made(part("sliders"), slider, `${figure.id}-slider-${k}`));
+  let busy = false,
+    spinning = 0,
+    resting = 0;
+
+  function show(how = {}) {
+    const { shape, note } = source.now();
+    for (const row of sliders) row.show();
+    if (note || !source.facts) set(part("told"), note);
+    part("told").classList.toggle("wrong", !shape);
+    if (!shape) return;
+    view.show(shape, { ...how, largest: source.largest });
+    clearTimeout(resting);
+    if (source.facts && !note) resting = setTimeout(() => set(part("told"), source.facts(shape)), REST);
+    part("squeeze").hidden = view.drawn.squeeze >= 1;
+    set(part("squeeze"), `Axis compressed 1 : ${(1 / view.drawn.squeeze).toPrecision(3)}`);
+    bar(part("bar"), code, view.drawn.largest, data.push);
+  }
+
+  /* One drawing a frame, of the newest place. */
+  function changed() {
+    if (busy) return;
+    busy = true;
+    requestAnimationFrame(() => {
+      busy = false;
+      show();
+    });
+  }
+
+  function spin(on) {
+    part("spin").setAttribute("aria-pressed", String(on));
+    cancelAnimationFrame(spinning);
+    let before = performance.now();
+    const step = (now) => {
+      view.turn((2 * Math.PI * (now - before)) / 1000 / LAP, 0);
+      before = now;
+      spinning = requestAnimationFrame(step);
+    };
+    if (on) spinning = requestAnimationFrame(step);
+  }
+
+  sliders.forEach((row, k) =>
+    row.input.addEventListener("input", () => {
+      source.sliders[k].move(Number(row.input.value));
+      row.show();
+      changed();
+    }),
+  );
+  const acts = {
+    spin: () => spin(part("spin").getAttribute("aria-pressed") !== "true"),
+    front: () => {
+      spin(false);
+      view.front();
+    },
+    fit: () => view.fit(),
+    again: () => {
+      source.reset();
+      show({ refit: true });
+    },
+  };
+  for (const [name, act] of Object.entries(acts)) part(name)?.addEventListener("click", act);
+  canvas.addEventListener("pointerdown", () => spin(false));
+  view.moved = (camera) => drawTriad(part("triad"), camera);
+  scrollsPast(canvas);
+  show({ fresh: true });
+  return Object.assign(figure, { view, show, spin });
+}
+
+/* The wheel scrolls the page until the view is touched, and again once the pointer has left it. */
+function scrollsPast(canvas) {
+  let held = false;
+  canvas.addEventListener("pointerdown", () => (held = true));
+  canvas.addEventListener("pointerleave", () => (held = false));
+  const passes = (event) => {
+    if (!held && !event.ctrlKey) event.stopPropagation();
+  };
+  canvas.parentElement.addEventListener("wheel", passes, { capture: true, passive: true });
+}
+
+function made(box, slider, id) {
+  const row = document.createElement("div"),
+    label = document.createElement("label"),
+    letter = document.createElement("b"),
+    value = document.createElement("output");
+  const input = Object.assign(document.createElement("input"), {
+    type: "range",
+    min: 0,
+    max: slider.most,
+    step: slider.step || 1,
+    id,
+  });
+  label.htmlFor = value.htmlFor = id;
+  letter.textContent = slider.symbol;
+  label.append(`${slider.words} `, letter);
+  row.append(label, input, value);
+  box.append(row);
+  const show = () => {
+    if (Number(input.value) !== slider.place()) input.value = slider.place();
+    set(value, slider.text());
+    input.setAttribute("aria-valuetext", slider.text());
+  };
+  return { input, show };
+}
+
+/* The colour bar: no push to the largest, with ticks. */
+function bar(box, code, largest, unit) {
+  const canvas = box.querySelector("canvas");
+  if (!canvas.dataset.drawn) {
+    canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(ramp(code, 256)), 256, 1), 0, 0);
+    box.querySelector("i").style.background = css(code.pull);
+    canvas.dataset.drawn = "yes";
+  }
+  const key = `${largest} ${unit}`;
+  if (box.dataset.shown === key) return;
+  box.dataset.shown = key;
+  box.querySelector(".pushes").hidden = !(largest > 0);
+  box.querySelector(".unit").textContent = minus(unit);
+  const inner = largest > 0 ? ticks(0, largest, TICKS).filter((v) => v < (1 - CROWDED) * largest) : [],
+    marks = largest > 0 ? [...inner, Number(largest.toPrecision(3))] : [];
+  box.querySelector(".ticks").replaceChildren(
+    ...marks.map((value) => {
+      const mark = document.createElement("span");
+      mark.textContent = tickText(value, largest);
+      mark.style.left = `${Math.min((100 * value) / largest, 100)}%`;
+      return mark;
+    }),
+  );
+}
+
+function set(box, text) {
+  if (box.textContent !== text) box.textContent = text;
+}

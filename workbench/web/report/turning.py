@@ -1,0 +1,67 @@
+"""The turntables of the report: one a panel, and for a rod of Table 1 one that is solved again in the browser."""
+
+import base64
+from dataclasses import asdict
+from typing import Any
+
+import xarray as xr
+
+from solver.core import build
+from solver.problem.errors import InputError
+from solver.problem.quantities import QUANTITIES
+from studies.readings import TABLE_1, Reading
+
+from ...data import labels
+from ...data.schema import axes_of
+from ..live.presets import PRESETS, Preset
+from ..turntable.stored import stored
+
+MOST_BYTES = 400_000  # of the stations of a panel
+DROPPED = {"force-first": "dgamma", "twist-first": "F1"}  # the field that a reading does not use
+FIELDS = ("E", "R", "beta", "F1", "dgamma", "F3")  # those that the reading uses get a slider
+
+
+def figure_of(ds: xr.Dataset) -> dict[str, Any] | None:
+    """The plain data of a panel's turntable; None where no case has a shape."""
+    if not axes_of(ds) and (solving := _solved(ds)):
+        return solving
+    try:
+        return stored(ds, most_bytes=MOST_BYTES).data
+    except InputError:
+        return None
+
+
+def core() -> str:
+    """The compiled core for browsers, in base64."""
+    return base64.b64encode((build.HERE / build.WASM).read_bytes()).decode("ascii")
+
+
+def script() -> str:
+    """The script that calls it."""
+    return (build.HERE / "rod.js").read_text(encoding="utf-8")
+
+
+def _solved(ds: xr.Dataset) -> dict[str, Any] | None:
+    """The data of the rod of Table 1, which the page solves itself; None for any other rod."""
+    reading, preset = str(ds.attrs.get("reading", "")), PRESETS[0]
+    if not reading or any(abs(float(ds[name]) - TABLE_1[name]) > 1e-9 for name in ("E", "R", "a", "L")):
+        return None
+    read = Reading(*reading.split("/"))
+    fields = [name for name in FIELDS if name != DROPPED.get(read.twist)]
+    state = _state(preset, reading)
+    return {
+        "state": state,
+        "fields": fields,
+        "spans": asdict(preset)["spans"],
+        "quantities": {name: [row.symbol, _short(row.long_name), row.dimension] for name, row in QUANTITIES.items()},
+        "letters": {name: row.symbol for name, row in QUANTITIES.items()} | {"beta": "β₀", "dbeta": "β₀′"},
+        "push": labels.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}"),
+    }
+
+
+def _state(preset: Preset, reading: str) -> dict[str, Any]:
+    return {**preset.state, "base": dict(preset.state["base"]), "reading": reading}
+
+
+def _short(words: str) -> str:
+    return words.partition(" (")[0]

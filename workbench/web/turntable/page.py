@@ -1,0 +1,90 @@
+"""A scene as one offline HTML file: the rods of a dataset, turned by hand, with a slider for each axis."""
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+import xarray as xr
+from jinja2 import Environment, StrictUndefined
+
+from ...data import labels, push_colours, selection
+from ...data.escaping import finite
+from ..live import document
+from .stored import stored
+
+FIRST = "turntables"  # the module of the page with which the program begins
+
+
+def html(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> str:
+    """The file as text. It loads nothing from any address.
+
+    Parameters
+    ----------
+    ds
+        A stored study, or stored equilibria.
+    at
+        Values of axes, by name: these axes have no slider.
+
+    Raises
+    ------
+    InputError
+        As of `stored`.
+    """
+    found = stored(ds, at)
+    style, script = read("turntable.css") + read("page.css"), program()
+    sliders = len(found.data["axes"])
+    return rendered(
+        "page.html.j2",
+        title=str(ds.attrs["title"]),
+        lead=". ".join(part for part in (labels.reading(ds), _held(ds, at or {})) if part),
+        figure=figure("rod", "The rod on its cylinder", reset=bool(sliders)),
+        sliders=sliders,
+        left_out=found.left_out,
+        style=style,
+        program=script,
+        data=data({"rod": found.data}),
+        policy=document.policy(style, script, "", served=False),
+    )
+
+
+def figure(name: str, label: str, still: str = "", caption: str = "", reset: bool = True) -> str:
+    """The markup of a turntable; still: what is shown where it cannot turn, and on paper."""
+    return rendered("figure.html.j2", id=name, label=label, still=still, caption=caption, reset=reset)
+
+
+def data(figures: Mapping[str, Any], **more: Any) -> str:
+    """The data of all turntables of a page as JSON that may stand inside a script element."""
+    plain = {"colours": {"stops": push_colours.STOPS, "pull": push_colours.PULL}, "figures": dict(figures), **more}
+    text = json.dumps(finite(plain), ensure_ascii=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c")
+
+
+@cache
+def program() -> str:
+    """The script of a page with turntables."""
+    return document.bundle(FIRST)
+
+
+@cache
+def read(name: str) -> str:
+    """The text of a file of this folder."""
+    return (files(__package__) / name).read_text(encoding="utf-8")
+
+
+def rendered(name: str, **values: Any) -> str:
+    """A template of this folder, filled in."""
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    return environment.from_string(read(name)).render(**values)
+
+
+def _held(ds: xr.Dataset, at: Mapping[str, Any]) -> str:
+    """The values at which axes are fixed, as text."""
+    where = selection.case(ds, at)
+    names = [selection.axis_of(ds, name) for name in at]
+    texts = [
+        f"{labels.symbol(ds[name])} = {labels.value(float(ds[name].values[where[name]]), ds[name], 6)}"
+        for name in names
+    ]
+    return ", ".join(texts)
