@@ -42,7 +42,8 @@ class Fit:
     Attributes
     ----------
     outcome : str
-        "solved"; "undetermined: " and what the data cannot tell apart; or "failed: " and the reason.
+        "solved"; "undetermined: " and what the data cannot tell apart; "misfit: " where sigma is given and the
+        residuals are larger by a chance below 1e-6; or "failed: " and the reason.
     reached : bool
         Whether the targets are met, where there are no more of them than fields; elsewhere True.
     values : dict

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from .search import Minimum
 
 _REACHED = 1e-6  # relative: a target that is missed by more is not reached
-UNLIKELY = 0.01  # probability of a larger sum of squares
+UNLIKELY = 0.01  # probability of a larger sum of squares that is told
+IMPOSSIBLE = 1e-6  # below it, the minimum is no answer: it may be another one than that of the rod
 _ALIKE = 0.99  # correlation of two parameters that is told
 # Distance of the points in rho that is told: 0.5 rad or 29 degrees of azimuth. Errors of measurement are smaller, and
 # the intervals are those of errors so small that the shape changes in proportion to them.
@@ -27,14 +28,16 @@ FAR = 0.5
 _ROUNDING = 1e-9  # of the scale of a parameter: a smaller value is 0
 
 
-def outcome(model: "Model", best: "Minimum", directions: Sequence[dict[str, float]]) -> str:
-    """Solved, undetermined, or failed, with the reason."""
+def outcome(model: "Model", best: "Minimum", directions: Sequence[dict[str, float]], probability: float) -> str:
+    """Solved, undetermined, a misfit, or failed, with the reason."""
     if best.stop:
         return f"failed: {best.stop}"
     if why := missed(model, best):
         return f"failed: {why}"
     if directions:
         return f"undetermined: {'; '.join(_told(model, best, way) for way in directions)}"
+    if probability < IMPOSSIBLE:
+        return f"misfit: {_too_large(probability)}"
     return SOLVED
 
 
@@ -165,11 +168,8 @@ def remarks(
                 f"{one.name} ends at its bound, {one.value(float(x)):.6g}: it has no interval, and the intervals of "
                 "other fields hold while it stays there"
             )
-    if probability < UNLIKELY:
-        yield (
-            f"the residuals are larger than sigma allows (chance {probability:.1e}): sigma or the rod that is assumed "
-            "is wrong, and the intervals are too narrow"
-        )
+    if IMPOSSIBLE <= probability < UNLIKELY:
+        yield _too_large(probability)
     if far := _far(model, best, probability):
         yield far
     for i, j in np.argwhere(np.triu(np.abs(correlation) > _ALIKE, 1)):
@@ -180,3 +180,10 @@ def remarks(
     if count := model.refused.total():
         reason, _ = model.refused.most_common(1)[0]
         yield f"at {count} of the values tried the data cannot be computed, most often: {reason}"
+
+
+def _too_large(probability: float) -> str:
+    return (
+        f"the residuals are larger than sigma allows (chance {probability:.1e}): another minimum is the right one (try "
+        "more starts), or sigma or the rod that is assumed is wrong; the intervals are too narrow"
+    )

@@ -224,7 +224,12 @@ def test_sigma_gives_intervals_without_residuals_and_judges_them() -> None:
     one, two = (np.diff(np.log(found.intervals["E"]))[0] for found in (known, halved))
     assert one / two == pytest.approx(2, rel=1e-6)
     assert known.probability > 0.01 > halved.probability
-    assert any("larger than sigma allows" in remark for remark in halved.remarks)
+    assert known.solved
+    assert halved.outcome.startswith("misfit: the residuals are larger than sigma allows (chance ")
+    mild = fit(rod(), ["E", "M3"], points=points, sigma={"alpha": 0.024, "z": 0.024}, starts=0)
+    assert 1e-6 < mild.probability < 0.01
+    assert mild.solved
+    assert any("larger than sigma allows" in remark for remark in mild.remarks)
     target = fit(rod(), "M3", {"height": 7.8}, sigma={"height": 0.1}, starts=0)
     low, high = target.intervals["M3"]
     rate = 0.1 / abs(solve(rod(M3=target.values["M3"])).sensitivity(["M3"], ["height"]).observables["height"][0])
