@@ -16,6 +16,7 @@ DOCS = (ROOT / "docs" / "how-to" / "draw-diagrams.md").read_text(encoding="utf-8
 SHOWN = {"curves": "curves_modulus", "ridge": "ridge_modulus", "portrait": "portrait_modulus"}
 
 
+@pytest.mark.slow
 def test_the_page_runs_as_it_stands(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     lines = [line for block in re.findall(r"```sh\n(.*?)```", DOCS, re.DOTALL) for line in block.splitlines()]

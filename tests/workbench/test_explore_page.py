@@ -337,6 +337,7 @@ def test_two_tabs_do_not_disturb_each_other(page, driver, port) -> None:
     assert other("return page.state.base.E") == 262.0
 
 
+@pytest.mark.slow
 def test_every_preset_is_drawn_and_its_equilibria_can_be_stepped_through_with_the_keys(page) -> None:
     for name in page("return [...document.querySelectorAll('#preset option')].map((one) => one.value)"):
         before = page.drawn()

@@ -181,6 +181,7 @@ def test_downloads_are_files_that_are_read(port) -> None:
         assert asked(port, "POST", "/download", {"state": CABLE, "kind": kind}).status == 422
 
 
+@pytest.mark.slow
 def test_a_step_file_is_downloaded(port) -> None:
     pytest.importorskip("OCP", reason="Open Cascade is not installed: pip install '.[cad]'", exc_type=ImportError)
     assert asked(port, "POST", "/download", {"state": CABLE, "kind": "step"}).data.startswith(b"ISO-10303-21")

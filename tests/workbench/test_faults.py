@@ -82,6 +82,7 @@ def killed_and_finished(folder: Path, whole: dict[str, bytes], times: int, seed:
     return met
 
 
+@pytest.mark.slow
 def test_a_run_killed_at_random_moments_ends_with_every_bit_of_one_that_was_not(whole, tmp_path) -> None:
     assert killed_and_finished(tmp_path, whole, 2, seed=1) > 0
 
@@ -157,6 +158,7 @@ def test_a_worker_that_is_killed_costs_a_chunk_which_is_solved_again(whole, tmp_
     assert runs.contents(tmp_path / "many.h5") == whole
 
 
+@pytest.mark.slow
 def test_a_worker_ends_with_the_run_that_was_killed(tmp_path) -> None:
     runs.study(tmp_path, GRID)
     before = TELLING.replace("time.sleep(60)", "time.sleep(1)")
@@ -195,6 +197,7 @@ block.block_of = deadly
 )
 
 
+@pytest.mark.slow
 def test_a_chunk_that_kills_workers_twice_is_recorded_as_failed_case_by_case(tmp_path) -> None:
     runs.study(tmp_path, GRID)
     done = runs.run(tmp_path, "many.toml", "--workers", 2, "--chunk", 48, before=DEADLY)

@@ -283,6 +283,7 @@ def test_a_finer_tolerance_solves_only_the_new_cases(stored: Path, tmp_path) -> 
     assert runs.contents(path) == runs.contents(tmp_path / "whole.h5")
 
 
+@pytest.mark.slow
 def test_a_larger_budget_continues_where_the_smaller_one_ended(stored: Path, tmp_path) -> None:
     path = tmp_path / "small.h5"
     work = study(PLANE + LAW, f"{REFINE}budget = 90\n")
@@ -377,6 +378,7 @@ def test_a_law_is_judged_on_the_coarse_grid(stored: Path) -> None:
     assert rows[0]["lines"] == 4
 
 
+@pytest.mark.slow
 def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_path, capsys) -> None:
     plane = PLANE.replace("count = 4", "count = 13")
     work = study(plane + LAW, '[refine]\nlaws = ["(1)"]\ntolerance = 0.01\n')
