@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 _REACHED = 1e-6  # relative: a target that is missed by more is not reached
 UNLIKELY = 0.01  # probability of a larger sum of squares that is told
+MISFIT = "misfit: "  # how such an outcome begins
 IMPOSSIBLE = 1e-6  # below it, the minimum is no answer: it may be another one than that of the rod
 _ALIKE = 0.99  # correlation of two parameters that is told
 # Distance of the points in rho that is told: 0.5 rad or 29 degrees of azimuth. Errors of measurement are smaller, and
@@ -37,7 +38,7 @@ def outcome(model: "Model", best: "Minimum", directions: Sequence[dict[str, floa
     if directions:
         return f"undetermined: {'; '.join(_told(model, best, way) for way in directions)}"
     if probability < IMPOSSIBLE:
-        return f"misfit: {_too_large(probability)}"
+        return f"{MISFIT}{_too_large(probability)}"
     return SOLVED
 
 
@@ -168,7 +169,7 @@ def remarks(
                 f"{one.name} ends at its bound, {one.value(float(x)):.6g}: it has no interval, and the intervals of "
                 "other fields hold while it stays there"
             )
-    if IMPOSSIBLE <= probability < UNLIKELY:
+    if probability < UNLIKELY and not outcome(model, best, directions, probability).startswith(MISFIT):
         yield _too_large(probability)
     if far := _far(model, best, probability):
         yield far
@@ -184,6 +185,6 @@ def remarks(
 
 def _too_large(probability: float) -> str:
     return (
-        f"the residuals are larger than sigma allows (chance {probability:.1e}): another minimum is the right one (try "
-        "more starts), or sigma or the rod that is assumed is wrong; the intervals are too narrow"
+        f"the residuals are larger than sigma allows (chance {probability:.1e}): sigma is too small, the assumed rod "
+        "is wrong, or the search missed the right minimum (try more starts); the intervals are too narrow"
     )

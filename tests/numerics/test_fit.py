@@ -226,6 +226,9 @@ def test_sigma_gives_intervals_without_residuals_and_judges_them() -> None:
     assert known.probability > 0.01 > halved.probability
     assert known.solved
     assert halved.outcome.startswith("misfit: the residuals are larger than sigma allows (chance ")
+    both = fit(rod(), ["E", "M3", "F3"], points=points, sigma={"alpha": 0.015, "z": 0.015}, starts=0)
+    assert both.outcome.startswith("undetermined: ")
+    assert any("larger than sigma allows" in remark for remark in both.remarks)
     mild = fit(rod(), ["E", "M3"], points=points, sigma={"alpha": 0.024, "z": 0.024}, starts=0)
     assert 1e-6 < mild.probability < 0.01
     assert mild.solved
