@@ -95,7 +95,7 @@ def _searched(model: Model, start: Array, known: list[Minimum]) -> Minimum | Non
 
     bounds = np.array([one.bounds for one in model.parameters]).T
     try:
-        if not jacobian(start).any():  # no direction is better than another
+        if not jacobian(start).any() or not residuals.any():  # no direction is better, or nothing is left to gain
             return Minimum(*seen[0], float(residuals @ residuals) / 2, np.ones(start.size, dtype=bool))
         found = least_squares(
             model.residuals, start, jacobian, tuple(bounds), x_scale="jac", ftol=_GAIN, xtol=_STEP, gtol=None,
