@@ -123,6 +123,11 @@ class Body:
         place, _, out, _ = self.line.frame(s)
         return place + self.lift * out - [0, 0, self.line.at(np.array(self.span[:1]))[2][0]]
 
+    @cached_property
+    def dense(self) -> Array:
+        """The centreline where it is drawn, four places for each station, (n, 3) [length]."""
+        return self.places(np.linspace(*self.span, 4 * self.alpha.size))
+
     def rings(self, tolerance: float, colour_length: float) -> Rings:
         """Rings and sides for a tolerance [length]; colours are true on intervals longer than `colour_length`."""
         scale = (self.paint.high - self.paint.low) or 1.0

@@ -62,8 +62,8 @@ def blocks(
     """
     found = [_triad(axes), _scale_bar(*scale)]
     if bar:
-        found.append(_colour_bar(bar))
-    found += [_entry(colour, text) for colour, text in legend]
+        found.append(colour_bar(bar))
+    found += [entry(colour, text) for colour, text in legend]
     if notes:
         found.append(_words("\n".join(measure.wrapped(note, 0.45 * room, style.SMALL) for note in notes)))
     return found
@@ -141,7 +141,7 @@ def round_length(target: float) -> float:
     return float(max(step for step in (1, 2, 5) if step * power <= target * (1 + 1e-9)) * power)
 
 
-def _colour_bar(bar: Bar) -> Block:
+def colour_bar(bar: Bar) -> Block:
     """The colour bar with a few round values below and its quantity above."""
     label = measure.wrapped(bar.label, BAR[0] + 60, style.SMALL)
     words = measure.height(label, style.SMALL)
@@ -161,7 +161,7 @@ def _colour_bar(bar: Bar) -> Block:
     return Block(max(BAR[0], measure.width(label, style.SMALL)) + 12, 34 + BAR[1] + words, draw)
 
 
-def _entry(colour: str, words: str) -> Block:
+def entry(colour: str, words: str) -> Block:
     """A colour of the legend and its meaning."""
     words = measure.wrapped(words, 420.0, style.SMALL)
     high = max(measure.height(words, style.SMALL), PATCH)
@@ -191,6 +191,11 @@ def ring(fig: Figure, x: float, y: float, radius: float) -> None:
     """Draw an open circle in ink with a white edge, seen on every colour."""
     for colour, wide in (("white", 2.6), (style.INK, 1.2)):
         fig.add_artist(_circle(fig, x, y, radius, fill=False, edgecolor=colour, linewidth=wide))
+
+
+def spot(fig: Figure, x: float, y: float, radius: float, colour: str) -> None:
+    """Draw a filled circle over lines."""
+    fig.add_artist(_circle(fig, x, y, radius, facecolor=colour, linewidth=0, zorder=3))
 
 
 def _circle(fig: Figure, x: float, y: float, radius: float, **how: Any) -> Circle:

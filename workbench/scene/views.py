@@ -47,7 +47,7 @@ class View:
 
     def places(self, body: Body) -> Array:
         """The centreline of a rod as it is turned, (n, 3) [length]."""
-        return body.places(np.linspace(*body.span, 4 * body.alpha.size)) @ self.turn.T
+        return body.dense @ self.turn.T
 
     @property
     def cylinder(self) -> tuple[float, float]:
