@@ -69,7 +69,7 @@ def figure(
     maps.more = [] if whole is None else law_lines.of_coarse_grid(whole, verdicts)
     mixed = [law for law in elsewhere if law.is_mixed()]
     pairs = _in_rows(mixed, maps.across)
-    heights = maps.heights() + [maps.small[1] + 1.2] * len(pairs) + ([maps.of_shapes[1] + 0.7] if shapes else [])
+    heights = maps.heights() + [maps.small[1] + 1.2] * len(pairs) + ([maps.of_shapes[1] + 1.3] if shapes else [])
 
     def draw(fig: Figure) -> None:
         grid = fig.add_gridspec(len(heights), 1, height_ratios=heights)

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
-from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
+from matplotlib.colors import Colormap, LinearSegmentedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from . import style
 from .drawn_data import CASING
 
 PULL = "#{:02x}{:02x}{:02x}".format(*push_colours.PULL)
+WIDE = 30.0  # ratio of the largest pushes of several rods from which one linear scale would show the weakest no more
 EDGE, LEAST = 1.35, 0.55  # the grey casing of a line: share of its width, and points that it adds at least
 
 
@@ -32,6 +34,41 @@ def scale(pushes: Sequence[Any]) -> Normalize:
     largest = max((float(np.max(push)) for push in pushes), default=0.0)
     size = max((float(np.max(np.abs(push))) for push in pushes), default=0.0)
     return Normalize(-SLIGHT * size, largest if largest > 0 else 1.0)
+
+
+class Logarithmic(Normalize):
+    """A logarithmic scale of pushes: what is at most `vmin` has the lightest blue, what pulls lies below the scale."""
+
+    def __init__(self, low: float, high: float, slight: float) -> None:
+        super().__init__(low, high)
+        self.slight = slight  # a smaller pull counts as no push
+
+    def __call__(self, value: Any, clip: bool | None = None) -> Any:
+        """The share of the scale at each push, negative for a pull."""
+        push, (low, high) = np.ma.asarray(value, dtype=float), self._ends()
+        share = np.log(np.clip(push.filled(np.nan), low, high) / low) / np.log(high / low)
+        return np.ma.array(np.where(push < -self.slight, -1.0, share), mask=np.ma.getmaskarray(push))
+
+    def inverse(self, value: Any) -> Any:
+        """The push at a share of the scale."""
+        low, high = self._ends()
+        return low * (high / low) ** np.asarray(value, dtype=float)
+
+    def _ends(self) -> tuple[float, float]:
+        assert self.vmin is not None and self.vmax is not None
+        return float(self.vmin), float(self.vmax)
+
+
+def wide_scale(pushes: Sequence[Any]) -> Normalize:
+    """The scale of rods that may be pushed very differently: logarithmic where their largest pushes differ so much.
+
+    It then begins at the smallest of these largest pushes, so that each rod has more than one colour.
+    """
+    most = [float(np.max(push)) for push in pushes if np.max(push) > 0]
+    if not most or max(most) < WIDE * min(most):
+        return scale(pushes)
+    size = max(float(np.max(np.abs(push))) for push in pushes)
+    return Logarithmic(min(most), max(most), min(SLIGHT * size, 1e-3 * min(most)))
 
 
 def line(
@@ -62,7 +99,7 @@ def draw(
     norm = norm or scale([push])
     if dots:
         ax.plot(x, y, color=style.PUSHED, linestyle="none", marker=".", markersize=width + 0.6, zorder=2)
-        pulled = np.asarray(push) < (norm.vmin or 0.0)
+        pulled = np.asarray(norm(push)) < 0
         ax.plot(
             np.where(pulled, x, np.nan), y, color=PULL, linestyle="none", marker=".", markersize=width + 0.6, zorder=2
         )
@@ -71,14 +108,18 @@ def draw(
 
 
 def bar(
-    fig: Figure, drawn: LineCollection, axes: Sequence[Axes], unit: str, inches: float, below: bool = False
+    fig: Figure, drawn: ScalarMappable, axes: Sequence[Axes], unit: str, inches: float, below: bool = False
 ) -> None:
     """The bar of the colours to the right of axes, or below them, that are so many inches long there."""
     length = min(inches, 2.2)
     where: dict[str, Any] = {"location": "bottom", "anchor": (0.0, 1.0)} if below else {"anchor": (0.0, 1.0)}
+    norm, said = drawn.norm, f"push [{labels.unit(unit)}]"
+    if isinstance(norm, Logarithmic):
+        drawn, said = ScalarMappable(LogNorm(norm.vmin, norm.vmax), ramp()), f"{said}, logarithmic"
     found = fig.colorbar(drawn, ax=list(axes), fraction=0.05, pad=0.02, shrink=length / inches, aspect=16, **where)
-    found.set_label(f"push [{labels.unit(unit)}]", size=style.small())
-    (found.ax.set_xlim if below else found.ax.set_ylim)(0.0, float(np.max(drawn.norm.vmax or 1.0)))
+    found.set_label(said, size=style.small())
+    if not isinstance(norm, Logarithmic):
+        (found.ax.set_xlim if below else found.ax.set_ylim)(0.0, float(np.max(norm.vmax or 1.0)))
     (found.ax.xaxis if below else found.ax.yaxis).set_major_formatter(labels.tick)
     found.outline.set_visible(False)
 

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
@@ -66,7 +67,7 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], na
     extent = max(float(np.ptp(curve[0])) for curve in found), max(float(np.ptp(curve[1])) for curve in found)
     factor = developed.stretch(*extent, (across * inches[0], up * inches[1]))
     drawn = [ds.isel(places[cell]) for cell, curve in curves.items() if curve is not None]
-    norm = push_scale.scale([pushes(one) for one in drawn]) if "contact" in ds.data_vars else None
+    norm = push_scale.wide_scale([pushes(one) for one in drawn]) if "contact" in ds.data_vars else None
     coarse, halo = False, [withStroke(linewidth=2.2, foreground="white", alpha=0.85)]
     for (j, i), curve in curves.items():
         left, low = (scale.share(float(scale.values[k])) - room / 2
@@ -77,10 +78,11 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], na
             dots = developed.too_coarse(ds, places[j, i])
             _curve(ax.inset_axes((left, low, across, up)), ds.isel(places[j, i]), curve, extent, factor, dots, norm)
             coarse |= dots
-    colours = [_colours_of(norm, ds)] if norm is not None else []
+    if norm is not None:
+        coloured = ScalarMappable(norm, push_scale.ramp())
+        push_scale.bar(ax.get_figure(root=True), coloured, [ax], push_scale.unit(ds), inches[0], below=True)  # type: ignore[arg-type]
     return [
         _scale_of(ds, extent, factor),
-        *colours,
         *([f"Dots: {ds.sizes['u']} stations miss bends."] if coarse else []),
     ]
 
@@ -115,12 +117,6 @@ def _scale_of(ds: xr.Dataset, extent: tuple[float, float], factor: float) -> str
     size = f"the tallest is {labels.number(extent[1])} {unit} high"
     enlarged = f"{developed.larger(factor, 'ρα')}{developed.larger(1 / factor, 'z')}"
     return f"Shapes: developed curves, ρα to the right and z up, all at one scale{enlarged}; {size}."
-
-
-def _colours_of(norm: Normalize, ds: xr.Dataset) -> str:
-    """The scale of the colours of the shapes in words."""
-    most = f"{labels.number(float(norm.vmax or 0.0), 3)} {labels.unit(push_scale.unit(ds))}"
-    return f"Colours of the shapes: from light blue (no push) to dark blue (a push of {most})."
 
 
 def _curve(

@@ -77,7 +77,7 @@ class Scene:
     ringed
         Whether self-intersections are ringed.
     labels
-        Of the rods of the first view, at their ends.
+        Of the rods of the first view, beside them.
     """
 
     ds: xr.Dataset

@@ -26,13 +26,15 @@ def rings(view: View, box: Box, camera: Camera, per_unit: float) -> list[tuple[f
 def names(
     view: View, box: Box, camera: Camera, per_unit: float, texts: Sequence[str], size: tuple[float, float]
 ) -> list[tuple[float, float, str, str]]:
-    """The names of the rods of a view at their ends: left edge, middle line, text and colour of each."""
-    curves = []
+    """The names of the rods of a view beside them: left edge, middle line, text and colour of each."""
+    curves, places = [], []
     for body in view.bodies:
-        places = view.places(body) @ camera.page.T
-        curves.append(np.array([_on_page(view, box, camera, per_unit, place) for place in places]))
-    ends = [(float(x), float(y)) for x, y in (curve[-1] for curve in curves)]
-    found = marks.beside(ends, texts, curves, size)
+        at = view.places(body)
+        curve = np.array([_on_page(view, box, camera, per_unit, place) for place in at @ camera.page.T])
+        seen = at[:, :2] @ camera.toward[:2] > 0
+        curves.append(curve)
+        places.append(curve[seen] if seen.any() else curve)
+    found = marks.beside(places, texts, curves, size, view.bodies[0].a * per_unit)
     colour = [body.paint.colour for body in view.bodies]
     return [(x, y, text, c) for (x, y), text, c in zip(found, texts, colour, strict=True)]
 
