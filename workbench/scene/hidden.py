@@ -43,7 +43,21 @@ def lines(
     rods, everything: depths of a picture of the rods alone and of the whole picture, (height, width), 1 where nothing
     is.
     """
-    behind = (rods < 1) & (everything < rods - 1e-4)
+    hidden = (rods < 1) & (everything < rods - 1e-4)
+    line, behind = np.zeros_like(hidden), np.zeros_like(hidden)
+    rows, columns = hidden.any(axis=1).nonzero()[0], hidden.any(axis=0).nonzero()[0]
+    if rows.size:  # only there is anything to be drawn
+        margin = 2 * int(drawn.sliver / 2) + 2
+        some = tuple(slice(max(found[0] - margin, 0), found[-1] + margin + 1) for found in (rows, columns))
+        line[some], behind[some] = _lines(rods[some], hidden[some], drawn)
+    return line, behind
+
+
+def _lines(
+    rods: NDArray[np.float32], hidden: NDArray[np.bool_], drawn: Drawn
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """The same of the part of a picture where rods are hidden."""
+    behind = hidden
     for least in (minimum_filter1d, maximum_filter1d):
         for axis in (0, 1):
             behind = least(behind, 2 * int(drawn.sliver / 2) + 1, axis=axis)
