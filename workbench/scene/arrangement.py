@@ -19,6 +19,7 @@ BELOW = 10.0  # from a view to its caption
 BETWEEN = 24.0  # from a caption to the next row
 EDGE = 3.0  # around what is drawn, for its lines; above and below not where rows have a pitch
 EMPTY = 150.0  # least width of a column with a cell without a rod, for its reason
+SCALE = 40.0  # the height of the scale bar of a cell with the gap above it
 DOT = 42.0  # the width of the dot of an equilibrium and the gap after it
 
 
@@ -62,7 +63,7 @@ def arrange(
     wide, high = size[..., 0].max(axis=0), size[..., 1].max(axis=1)
     edge = 0.0 if pitch else EDGE
     least = np.array([max(map(_least_width, column)) for column in zip(*rows, strict=True)])
-    words = np.array([max(measure.height(view.cell.caption) for view in row) for row in rows])
+    words = np.array([max(_words(view.cell) for view in row) for row in rows])
     below = np.where(words > 0, words + BELOW, 0.0) + BETWEEN
     below[-1] -= BETWEEN
     below = np.zeros(len(high)) if pitch else below
@@ -112,10 +113,15 @@ def _sizes(rows: Sequence[Sequence[View]], camera: Camera) -> np.ndarray:
         for j, view in enumerate(row):
             if view.bodies:
                 low, high = view.box(camera)
-                found[i, j] = high - low
+                found[i, j] = (high - low) * view.larger
     if not found.any():
         found[:] = 1.0
     return found
+
+
+def _words(cell: Cell) -> float:
+    """The height of the words and the scale bar below a view."""
+    return measure.height(cell.caption) + (SCALE if cell.larger else 0.0)
 
 
 def _least_width(view: View) -> float:

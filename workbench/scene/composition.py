@@ -110,7 +110,8 @@ def composed(scene: Scene) -> Picture:
     arranged = arrange(scene.rows, scene.camera, room(scene, words), scene.gutter, scene.pitch)
     camera = replace(scene.camera, per_unit=arranged.per_unit * finer)
     _check_width(scene, camera)
-    n, stations = _stations(scene.bodies, settings.pixel_error / camera.per_unit)
+    largest = max((view.larger for row in scene.rows for view in row), default=1.0)
+    n, stations = _stations(scene.bodies, settings.pixel_error / camera.per_unit / largest)
     if settings.strict and stations > n:
         raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
     size = int(np.ceil(arranged.size[0] * finer)), int(np.ceil(arranged.size[1] * finer))
@@ -191,7 +192,7 @@ def _words(scene: Scene) -> Words:
     if scene.kind.cells != "together":
         notes += captions.impossible(scene.bodies)
     return Words(str(ds.attrs["title"]), subtitle, str(ds.attrs["length_unit"]), scene.kind.legend(scene.context),
-                 notes, scene.bar, scene.columns, scene.heads)  # fmt: skip
+                 notes, scene.bar, scene.columns, scene.heads, scene.kind.own_scales)  # fmt: skip
 
 
 def _check_width(scene: Scene, camera: Camera) -> None:
@@ -213,7 +214,7 @@ def _placed(scene: Scene, arranged: Arrangement, camera: Camera, size: tuple[int
                 low, high = view.box(camera)
                 x = (box.x + box.width / 2) * finer
                 bottom = box.y + box.height - (0.0 if scene.pitch else EDGE)
-                y = size[1] - bottom * finer + (high - low)[1] / 2 * camera.per_unit
+                y = size[1] - bottom * finer + (high - low)[1] / 2 * camera.per_unit * view.larger
                 found.append(Placed(view, (float(x), float(y))))
     return found
 

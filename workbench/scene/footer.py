@@ -24,7 +24,7 @@ from .colours import Bar
 
 TRIAD = 46.0  # an arrow of the axes
 BAR = (330.0, 20.0)  # the colour bar
-SCALE = 200.0  # the longest scale bar
+SCALE, SMALL_SCALE = 200.0, 110.0  # the longest scale bar, and that of a cell
 APART, LINE = 50.0, 20.0  # between blocks of a line, and between lines
 PATCH = 26.0  # a colour of the legend
 RING = "ring"  # in place of a colour: an open circle
@@ -45,7 +45,7 @@ class Block:
 
 def blocks(
     axes: NDArray[np.float64],
-    scale: tuple[float, str, float],
+    scale: tuple[float, str, float] | None,
     bar: Bar | None,
     legend: Sequence[tuple[str, str]],
     notes: Sequence[str],
@@ -58,9 +58,10 @@ def blocks(
     axes
         Where x, y, z point on the page, (3, 2).
     scale
-        Pixels per length, the unit of length, and the share of a length along the axis that is seen.
+        Pixels per length, the unit of length, and the share of a length along the axis that is seen; default:
+        no scale bar.
     """
-    found = [_triad(axes), _scale_bar(*scale)]
+    found = [_triad(axes), *([_scale_bar(*scale)] if scale else [])]
     if bar:
         found.append(colour_bar(bar))
     found += [entry(colour, text) for colour, text in legend]
@@ -133,6 +134,16 @@ def _scale_bar(per_unit: float, unit: str, along_axis: float) -> Block:
         text(fig, x + wide / 2, y + 30, words, ha="center", va="bottom")
 
     return Block(wide, 64.0, draw)
+
+
+def small_scale(fig: Figure, middle: float, top: float, per_unit: float, unit: str) -> None:
+    """Draw a scale bar and its length in one line, the middle of which is below a place of the page."""
+    length = round_length(SMALL_SCALE / per_unit)
+    pixels, words = length * per_unit, f"{labels.number(length)} {unit}"
+    left, y = middle - (pixels + 10 + measure.width(words, style.SMALL)) / 2, top - 24
+    for a, b in (((0, 0), (pixels, 0)), ((0, -6), (0, 6)), ((pixels, -6), (pixels, 6))):
+        line(fig, np.add((left, y), a), np.add((left, y), b), color=style.INK, linewidth=1.2)
+    text(fig, left + pixels + 10, y, words, va="center", **SMALL)
 
 
 def round_length(target: float) -> float:

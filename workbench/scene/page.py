@@ -30,6 +30,8 @@ class Words:
         Colours and their meaning; `footer.RING` for a ring.
     columns, rows
         Headings of a table: its quantity, then the values. Default: none.
+    own_scales
+        Each cell has a scale bar, so there is no other.
     """
 
     title: str
@@ -40,6 +42,7 @@ class Words:
     bar: Bar | None = None
     columns: Sequence[str] = ()
     rows: Sequence[str] = ()
+    own_scales: bool = False
 
     @property
     def heads(self) -> tuple[float, float]:
@@ -116,7 +119,7 @@ def feet(
 ) -> list[list[footer.Block]]:
     """The lines below the views on a page of that width."""
     room = width - 2 * MARGIN
-    scale = per_unit, words.length_unit, along_axis
+    scale = None if words.own_scales else (per_unit, words.length_unit, along_axis)
     return footer.lines_of(footer.blocks(axes, scale, words.bar, words.legend, words.notes, room), room)
 
 
@@ -187,6 +190,9 @@ def _cells(fig: Figure, page: Page, left: float, top: float) -> None:
             if cell.before:
                 footer.text(fig, left + box.x - 8, top - box.y - box.height / 2, cell.before, ha="right", va="center",
                             **footer.SMALL)  # fmt: skip
+            if cell.larger:
+                per_unit, below = page.arrangement.per_unit * cell.larger, y - measure.height(cell.caption)
+                footer.small_scale(fig, middle, below, per_unit, page.words.length_unit)
             if cell.why_empty:
                 reason = measure.wrapped(cell.why_empty, box.width, style.SMALL)
                 footer.text(fig, middle, top - box.y - box.height / 2, reason, color=style.SOFT, ha="center",

@@ -1,7 +1,7 @@
 """Rods on their cylinders before a camera: geometry to pixels, with VTK. Needs OpenGL, see `opengl`."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -83,10 +83,10 @@ def render(
 def _drawn(placed: Sequence[Placed], camera: Camera, depth: float, block: int, line: float) -> hidden.Drawn | None:
     """How the hidden stretches are drawn; None where nothing is hidden, or too thin for an outline."""
     bodies = [(one.view, body) for one in placed for body in one.view.bodies]
-    thick = max(2 * body.a for _, body in bodies) * camera.per_unit
+    thick = max(2 * body.a * view.larger for view, body in bodies) * camera.per_unit
     if thick < THIN or not any(_hides(view, body, camera) for view, body in bodies):
         return None
-    edge = 0.6 * min(body.a for _, body in bodies)
+    edge = 0.6 * min(body.a * view.larger for view, body in bodies)
     return hidden.Drawn(edge / depth, 0.7 * edge * camera.per_unit * block, max(line * block, 1.0))
 
 
@@ -104,7 +104,8 @@ def _set_camera(plotter: Any, placed: Sequence[Placed], camera: Camera, size: tu
     """Set up the camera before the placed views; returns the depth that it sees [length]."""
     deep = 0.0
     for one in placed:
-        deep = max(deep, one.view.reach + np.ptp(one.view.cylinder) / 2 * abs(camera.toward[2]))
+        half = one.view.reach + np.ptp(one.view.cylinder) / 2 * abs(camera.toward[2])
+        deep = max(deep, half * one.view.larger)
     deep *= 1.1
     plotter.camera_position = [2 * deep * camera.toward, (0, 0, 0), camera.up]
     plotter.enable_parallel_projection()
@@ -121,6 +122,7 @@ def _place(
     Returns what hides stretches of the rods, and the rods' error in pixels.
     """
     view = placed.view
+    camera = replace(camera, per_unit=camera.per_unit * view.larger)
     ends, first = view.cylinder, view.bodies[0]
     low, high = view.box(camera)
     where = ((np.array(placed.middle) - np.array(size) / 2) / camera.per_unit - (low + high) / 2) @ camera.page
@@ -128,14 +130,16 @@ def _place(
     turn = view.turn
 
     def add(part: surfaces.Part, **options: Any) -> Any:
-        mesh = pv.PolyData(part.points @ turn.T + where, faces=np.insert(part.triangles, 0, 3, axis=1).ravel())
+        mesh = pv.PolyData(
+            (part.points @ turn.T + where) * view.larger, faces=np.insert(part.triangles, 0, 3, axis=1).ravel()
+        )
         mesh.point_data.active_normals = part.normals @ turn.T
         mesh.active_texture_coordinates = part.at
         return plotter.add_mesh(mesh, texture=_texture(part.texture), interpolation="Phong", **LOOK, **options)
 
     def rim(z: float) -> Any:
         beyond = 0.5 / camera.per_unit * (1 if z == ends[1] else -1)  # before the edge of the wall
-        circle = surfaces.rim(first.R, z + beyond) @ turn.T + where
+        circle = (surfaces.rim(first.R, z + beyond) @ turn.T + where) * view.larger
         return plotter.add_mesh(pv.lines_from_points(circle), color=style.SOFT, line_width=line, lighting=False,
                                 render=False)  # fmt: skip
 
