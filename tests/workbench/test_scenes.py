@@ -27,8 +27,9 @@ from workbench.geometry.centreline import Centreline
 from workbench.run import in_memory
 from workbench.scene import body as rods
 from workbench.scene import camera as cameras
-from workbench.scene import captions, colours, footer, hidden, kinds, long_rod, opengl, shading
+from workbench.scene import captions, colours, footer, hidden, kinds, long_rod, marks, opengl, shading
 from workbench.scene import measure as measured
+from workbench.scene.arrangement import EDGE, arrange
 from workbench.scene.cells import Cell
 from workbench.scene.kinds import KINDS, kind_of
 from workbench.scene.views import View
@@ -628,3 +629,72 @@ def test_self_intersections_are_ringed_in_the_first_view_and_said_once(fig6) -> 
     assert all(box.x < x < box.x + box.width and box.y < y < box.y + box.height for x, y, _ in taken.rings)
     assert [text for _, text in taken.words.legend] == ["the rod passes through itself"]
     assert "the rod passes through itself" not in taken.notes
+
+
+def test_labels_of_rods_that_end_in_one_place_stand_apart_on_the_page_and_off_the_rods() -> None:
+    t = np.linspace(0, 4, 300)
+    curves = [np.column_stack([100 + 180 * t, 250 + size * np.sin(2 * t)]) for size in (40.0, 120.0, -100.0)]
+    ends = [curve + np.array([0, 250.0]) - curve[-1] * [0, 1] for curve in curves]  # one end for all
+    size, texts, half = (1000.0, 500.0), ["E = 5000 N/cm²", "E = 14140 N/cm²", "E = 40000 N/cm²"], 5.0
+    found = np.array(marks.beside(ends, texts, ends, size, half))
+    wide = [measured.width(text, style.SMALL, bold=True) for text in texts]
+    high = measured.height("1", style.SMALL)
+    boxes = [(x, y - high / 2, x + w, y + high / 2) for (x, y), w in zip(found, wide, strict=True)]
+    for k, (left, top, right, bottom) in enumerate(boxes):
+        assert left >= 0
+        assert top >= 0
+        assert right <= size[0]
+        assert bottom <= size[1]
+        points = np.concatenate(ends)
+        on = ((points > [left - half, top - half]) & (points < [right + half, bottom + half])).all(axis=1)
+        assert not on.any()
+        own, others = (np.hypot(*(np.clip(one, [left, top], [right, bottom]) - one).T).min()
+                       for one in (ends[k], np.concatenate([c for j, c in enumerate(ends) if j != k])))  # fmt: skip
+        assert own < others  # its own rod is the nearest
+        for other in boxes[:k]:
+            gap = max(left - other[2], other[0] - right, top - other[3], other[1] - bottom)
+            assert gap > high
+
+
+def test_a_view_drawn_twice_as_large_takes_twice_the_room() -> None:
+    rod = body(dataset())
+    camera = before_it([rod], 300, 600)
+    views = [View([rod], Cell("one")), View([rod], Cell("two", larger=2.0), larger=2.0)]
+    ((one, two),) = arrange([views], camera, (900.0, 600.0)).rows
+    assert two.width - 2 * EDGE == pytest.approx(2 * (one.width - 2 * EDGE))
+    below = [arrange([[view], [view]], camera, (900.0, 600.0)).rows for view in views]
+    gaps = [under[0].y - (over[0].y + over[0].height) for over, under in below]
+    assert gaps[1] - gaps[0] == pytest.approx(40.0)  # for its scale bar
+
+
+@draws
+@pytest.mark.slow
+def test_each_equilibrium_fills_its_frame_and_its_own_bar_measures_its_cylinder() -> None:
+    from solver import equilibria
+    from workbench.branches.equilibria import ends_problem
+    from workbench.branches.equilibria_dataset import dataset_of
+    from workbench.scene import composition, layout
+    from workbench.scene.page import figure
+
+    study = load("fig7_4_end_angle")
+    case = ends_problem(study)
+    few = dataset_of(study, case, equilibria(case)).isel(equilibrium=[1, 8, 12])
+    taken = layout.compose(few, kind="equilibria", settings=composition.Settings(dpi=100)).page
+    assert "each rod at its own scale, so that it fills its place" in taken.notes
+    drawn = figure(taken)
+    drawn.canvas.draw()
+    page = np.asarray(drawn.canvas.buffer_rgba())[..., :3]
+    said = sorted((t.get_position(), t.get_text()) for t in drawn.texts if re.fullmatch(r"[\d.]+ cm", t.get_text()))
+    (row,) = taken.cells
+    assert len(said) == len(row) == 3
+    found = []
+    for box, ((x, y), words) in zip(row, said, strict=True):
+        line, end = round((1 - y) * len(page)), round(x * page.shape[1]) - 2  # the words begin behind the bar
+        ticks = _runs(page[line - 2, end - 70 : end].max(axis=-1) < 90) @ [1.0, 0.5]  # the lines at its two ends
+        assert len(ticks) == 2
+        foot = taken.pixels[int((box.y + box.height) / 2) - 6, int(box.x / 2) : int((box.x + box.width) / 2)]
+        wide = int((foot.min(axis=-1) < 250).sum())  # only the cylinder reaches down there
+        found.append(wide / np.diff(ticks)[0] * float(words.split()[0]))
+    np.testing.assert_allclose(found, 1.5, rtol=0.05)  # 2 R; two pixels of a cylinder and a bar of 40
+    larger = [box.cell.larger for box in row]
+    assert max(larger) > 1.3 * min(larger)

@@ -55,8 +55,7 @@ class Logarithmic(Normalize):
         return low * (high / low) ** np.asarray(value, dtype=float)
 
     def _ends(self) -> tuple[float, float]:
-        assert self.vmin is not None and self.vmax is not None
-        return float(self.vmin), float(self.vmax)
+        return float(self.vmin or 0.0), float(self.vmax or 0.0)
 
 
 def wide_scale(pushes: Sequence[Any]) -> Normalize:

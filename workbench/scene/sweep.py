@@ -64,18 +64,15 @@ def frames(ds: xr.Dataset, axis: str, dpi: int = style.DPI) -> list[NDArray[np.u
     """The frames along the axis, (height, width, 3) each; a case that is not solved has none. Raises `InputError`."""
     kind = kinds.kind_of("contact")
     found = [(where, rods.of_case(ds, where, kind)[0]) for where in selection.line(ds, axis)]
-    solved = [(float(ds[axis].values[where[axis]]), body) for where, body in found if body is not None]
+    solved = [(where[axis], body) for where, body in found if body is not None]
     if len(solved) < 2:
         raise InputError(f"a sweep needs two solved cases along {axis}, got {len(solved)}")
     context = [body for _, body in solved]
-    values = [value for value, _ in solved]
-    return [_frame(ds, axis, value, values, body, context, dpi) for value, body in solved]
+    return [_frame(ds, axis, i, body, context, dpi) for i, body in solved]
 
 
-def _frame(
-    ds: xr.Dataset, axis: str, value: float, values: Sequence[float], body: Body, context: Sequence[Body], dpi: int
-) -> NDArray[np.uint8]:
-    """The pixels of one case: its value on the axis, the rod from two sides, the scale of colours."""
+def _frame(ds: xr.Dataset, axis: str, i: int, body: Body, context: Sequence[Body], dpi: int) -> NDArray[np.uint8]:
+    """The pixels of the i-th case: its value on the axis, the rod from two sides, the scale of colours."""
     from . import composition  # VTK, which ends the process where OpenGL does not work
 
     finer = dpi / style.DPI
@@ -87,7 +84,7 @@ def _frame(
     bar = kind.paint(ds, context)[1]
 
     def draw(fig: Figure) -> None:
-        _axis(fig, ds[axis], axis, value, values)
+        _axis(fig, ds[axis], axis, i)
         high, wide = (n / finer for n in page.pixels.shape[:2])
         left, low = (SIZE[0] - wide) / 2, FOOT + (room[1] - high) / 2
         fig.figimage(page.pixels, round(left * finer), round(low * finer), origin="upper")
@@ -106,14 +103,14 @@ def _frame(
     return np.array(fig.canvas.buffer_rgba())[..., :3]
 
 
-def _axis(fig: Figure, array: xr.DataArray, axis: str, value: float, values: Sequence[float]) -> None:
-    """The value in words, and where it lies between the least and the largest."""
+def _axis(fig: Figure, array: xr.DataArray, axis: str, i: int) -> None:
+    """The i-th value in words, and where it stands among the values of the axis."""
     y = SIZE[1] - 0.7 * MARGIN
-    said = f"{labels.axis_symbol(axis)} = {labels.value(value, array, DIGITS)}"
+    said = f"{labels.axis_symbol(axis)} = {labels.value(float(array[i]), array, DIGITS)}"
     name = labels.long_name(array)
     footer.text(fig, MARGIN, y, said, size=style.LARGE, va="top", weight="bold")
     footer.text(fig, SIZE[0] - MARGIN, y - 4, name[:1].upper() + name[1:], color=style.SOFT, va="top", ha="right")
-    share = np.log(value / values[0]) / np.log(values[-1] / values[0])
+    share = i / max(array.size - 1, 1)
     y, left, right = y - 62, float(MARGIN), float(SIZE[0] - MARGIN)
     footer.line(fig, (left, y), (right, y), color=style.FAINT, linewidth=2.5)
     footer.line(fig, (left, y), (left + share * (right - left), y), color=style.PUSHED, linewidth=2.5)

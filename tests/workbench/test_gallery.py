@@ -1,0 +1,128 @@
+"""The command gallery, and the two pictures at the top of the README."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from solver.problem.errors import InputError
+from studies import load
+from tests.workbench.pictures import pixels, share_of_hue
+from workbench import cli
+from workbench.data import push_colours
+from workbench.figures import style
+from workbench.run import in_memory
+from workbench.scene import opengl, sweep
+from workbench.web.live import still
+
+ROOT = Path(__file__).resolve().parents[2]
+LARGEST = 2_000_000  # bytes of an animated picture in a README
+draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
+
+
+def run(*words: str) -> int:
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["gallery", *words])
+    return int(ended.value.code or 0)
+
+
+def moduli(count: int):
+    """The dataset of so many values of E."""
+    from workbench.commands import gallery
+
+    study = load(gallery.STUDY)
+    axis = type(study.axes["E"]).model_validate(gallery.MODULI | {"count": count})
+    return in_memory.run(study.model_copy(update={"axes": {"E": axis}, "laws": []}))
+
+
+def is_animated_as_promised(path: Path) -> None:
+    assert path.stat().st_size < LARGEST
+    with Image.open(path) as picture:
+        assert picture.n_frames == 60
+        assert picture.size == sweep.SIZE
+        assert picture.info["loop"] == 0  # without end
+
+
+def test_the_readme_opens_with_both_pictures_which_exist_and_are_told_in_words() -> None:
+    opening = (ROOT / "README.md").read_text(encoding="utf-8").partition("\n## ")[0]
+    shown = re.findall(r'<img src="([^"]+)" width="49%" alt="([^"]{40,})">', opening)
+    assert [Path(file).stem for file, _ in shown] == ["hero_sweep", "hero_page"]
+    animated, page = (ROOT / file for file, _ in shown)
+    is_animated_as_promised(animated)
+    with Image.open(page) as picture:
+        assert picture.size == still.SIZE
+        assert picture.width / picture.height == pytest.approx(sweep.SIZE[0] / sweep.SIZE[1], rel=0.002)  # side by side
+
+
+def test_without_a_browser_the_page_is_left_out_in_one_sentence(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert run("--only", "hero_page", "--out", str(tmp_path / "shown")) == 0
+    told = capsys.readouterr().err
+    assert " ".join(told.split()).count("hero_page.png is left out: no browser was found on PATH") == 1
+    assert list((tmp_path / "shown").iterdir()) == []
+
+
+def test_a_browser_that_fails_leaves_no_file_and_is_named(tmp_path, monkeypatch) -> None:
+    false = tmp_path / "chromium"
+    false.write_text("#!/bin/sh\nexit 1\n", encoding="utf-8")
+    false.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:/bin:/usr/bin")
+    out = tmp_path / "shown"
+    out.mkdir()
+    assert still.take(out / "page.png") == f"{false} took no picture"
+    assert list(out.iterdir()) == []
+
+
+def test_an_unknown_picture_is_answered_with_those_that_there_are(tmp_path, capsys) -> None:
+    assert run("--only", "hero", "--out", str(tmp_path / "shown")) == 2
+    told = " ".join(capsys.readouterr().err.split())
+    assert "no picture 'hero'" in told
+    assert "choose from plain, contact" in told
+    assert "hero_sweep, hero_page" in told
+    assert not list(tmp_path.rglob("*.*"))
+
+
+def test_a_sweep_of_one_case_is_refused() -> None:
+    with pytest.raises(InputError, match="two solved cases along E, got 1"):
+        sweep.frames(moduli(2).isel(E=[0]), "E")
+
+
+@draws
+def test_the_frames_of_a_sweep_have_one_camera_one_scale_and_a_value_that_changes() -> None:
+    first, last = (frame.astype(float) / 255 for frame in sweep.frames(moduli(2), "E", dpi=100))
+    assert first.shape == last.shape == (sweep.SIZE[1] // 2, sweep.SIZE[0] // 2, 3)
+    top, foot = sweep.TOP // 2, sweep.FOOT // 2
+    np.testing.assert_array_equal(first[-foot:], last[-foot:])  # the scale of colours
+    assert np.abs(first[: top // 2] - last[: top // 2]).max() > 0.5  # the value
+    views = [frame[top:-foot] for frame in (first, last)]
+    walls = [(view.min(axis=-1) < 0.9).any(axis=0).nonzero()[0][[0, -1]] for view in views]
+    np.testing.assert_array_equal(*walls)  # the ends of the cylinder stay
+    for view in views:
+        assert (view[[0, -1]] > 0.98).all()  # no rod is cut off
+        assert share_of_hue(view, style.LIFTED) > 0.05
+        assert (view[..., 2] - view[..., 0] > 0.15).mean() > 0.005  # blue, where the cylinder pushes
+    assert np.abs(views[0] - views[1]).max() > 0.5
+
+
+@draws
+@pytest.mark.slow
+def test_the_gallery_makes_both_pictures_of_the_readme(tmp_path) -> None:
+    out = tmp_path / "shown"
+    assert run("--only", "hero_sweep", "--only", "hero_page", "--out", str(out)) == 0
+    is_animated_as_promised(out / f"hero_sweep{sweep.suffix()}")
+    if still.browser() is None:
+        pytest.skip("there is no Chromium here: apt-get install chromium")
+    shown = pixels(out / "hero_page.png")
+    assert shown.shape[1::-1] == still.SIZE
+    rod = shown[:, int(0.27 * still.SIZE[0]) : int(0.63 * still.SIZE[0])]
+    assert share_of_hue(rod, style.LIFTED, 0.1) > 0.02
+    blue = "#{:02x}{:02x}{:02x}".format(*push_colours.STOPS[-1][1])
+    assert share_of_hue(rod, blue, 0.2) > 0.003
+    # drawn at rest: next to no pixels of the rod come in blocks of the same colour
+    orange = rod[..., 0] - rod[..., 2] > 0.4
+    pairs = orange[:, :-1] & orange[:, 1:]
+    same = (rod[:, :-1] == rod[:, 1:]).all(axis=-1) & pairs
+    assert same.sum() / pairs.sum() < 0.5
+    assert {path.name for path in out.iterdir()} == {f"hero_sweep{sweep.suffix()}", "hero_page.png"}
