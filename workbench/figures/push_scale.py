@@ -45,7 +45,8 @@ class Logarithmic(Normalize):
 
     def __call__(self, value: Any, clip: bool | None = None) -> Any:
         """The share of the scale at each push, negative for a pull."""
-        push, (low, high) = np.ma.asarray(value, dtype=float), self._ends()
+        push: Any = np.ma.asarray(value, dtype=float)
+        low, high = self._ends()
         share = np.log(np.clip(push.filled(np.nan), low, high) / low) / np.log(high / low)
         return np.ma.array(np.where(push < -self.slight, -1.0, share), mask=np.ma.getmaskarray(push))
 

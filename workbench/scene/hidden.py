@@ -45,7 +45,7 @@ def lines(
     """
     hidden = (rods < 1) & (everything < rods - 1e-4)
     line, behind = np.zeros_like(hidden), np.zeros_like(hidden)
-    rows, columns = hidden.any(axis=1).nonzero()[0], hidden.any(axis=0).nonzero()[0]
+    rows, columns = (np.flatnonzero(hidden.any(axis=axis)) for axis in (1, 0))
     if rows.size:  # only there is anything to be drawn
         margin = 2 * int(drawn.sliver / 2) + 2
         some = tuple(slice(max(found[0] - margin, 0), found[-1] + margin + 1) for found in (rows, columns))
