@@ -18,7 +18,8 @@ STUDIES = SOLVER | {
 WORKBENCH = STUDIES | {
     "studies", "xarray", "h5netcdf", "h5py", "filelock", "pyvista", "matplotlib", "trimesh", "typer", "rich", "jinja2",
     "distributed",  # optional: the engine of a cluster, imported where it runs
-    "imageio", "PIL",  # optional: films; the second comes with the first
+    "imageio",  # optional: films
+    "PIL",  # Matplotlib needs it
     "SALib",  # optional: Sobol' indices, imported where they are computed
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
     "aiohttp",  # optional: the live page

@@ -164,7 +164,7 @@ def _adding(path: Path, writer: Any) -> Callable[[Pixels], None]:
         return lambda frame: writer.append_data(frame)
 
     def add(frame: Pixels) -> None:
-        from PIL import Image  # imageio needs it
+        from PIL import Image
 
         picture = Image.fromarray(frame)
         palette = picture.quantize(256, method=Image.Quantize.FASTOCTREE)
