@@ -47,7 +47,7 @@ def figure(ds: xr.Dataset, cost: str) -> Figure:
         fig.supxlabel(COSTS[cost], size=style.normal(), color=style.INK)
         error = "error achieved: of angle [rad], or of position over max(ρ, L)"
         fig.supylabel(error if lines > 2 else fill(error, 34), size=style.normal())
-        title = f"{ds.attrs['title']}: {COSTS[cost]}"
+        title = f"{ds.attrs['title']}: {COSTS[cost]}" if ds.attrs["title"] else ""
         fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=style.large())
         for i, (title, handles) in enumerate(_legends(ds)):
             top = 1 - (0.33 + 0.19 * i) * inch

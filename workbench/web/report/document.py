@@ -21,17 +21,13 @@ from ...figures import style
 from ...run.in_memory import StudyResult
 from ..live.document import policy
 from ..turntable import page
-from . import measured_runs, paper, turning
+from . import case_facts, measured_runs, paper, turning
 from .errata import ERRATA
 from .law_cards import CLASSES, claims_of, law_of, of_readings, restable, sentence
 from .measured_runs import Measured
 
 NAME = "report.html"
 TEMPLATE = "report.html.j2"
-SINGLE = (
-    "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_size_mean", "push_min",
-    "push_max", "attached", "overlaps", "energy", "index",
-)  # fmt: skip
 CAPTIONS = {
     "solved": "Change the values: the rod is solved again here, in this file. Drag to turn it, arrow keys turn it too.",
     "stored": "Drag to turn the rod about the axis of the cylinder; the slider goes through the cases of the figure.",
@@ -70,15 +66,17 @@ def html(
     figures = {f"turn-{result.ds.attrs['study_name']}": turning.figure_of(result.ds) for result in results}
     figures = {name: figure for name, figure in figures.items() if figure is not None}
     sections = [_section(result, figures) for result in results]
+    laws = [row for section in sections for row in section["laws"]]
     verdicts = "".join(f" --{CLASSES[name]}: {colour};" for name, colour in style.VERDICT_COLOURS.items())
-    style_ = f":root {{{verdicts} }}\n{page.read('turntable.css')}{_text('report.css')}"
+    style_ = f":root {{{verdicts} }}\n{page.look()}{_text('report.css')}"
     program = f"{turning.script()}\n{page.program()}\n{_text('enlarge.js')}"
     return template.render(
         reading=str(results[0].ds.attrs["reading"]),
         claims=claims_of(sections),
         tally=law_verdicts.tallied([row for result in results for row in result.verdicts]),
         sections=sections,
-        laws=[row for section in sections for row in section["laws"]],
+        laws=laws,
+        notes=list(dict.fromkeys(law["fixed_note"] for law in laws if law["fixed_note"])),
         readings=of_readings(readings),
         errata=ERRATA,
         sources=[_source(result) for result in results],
@@ -117,7 +115,7 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
         "restable": restable(ds),
         "sentences": list(dict.fromkeys(row["source"] for row in result.verdicts)),
         "laws": laws,
-        "single": _single(ds) if not axes_of(ds) else [],
+        "single": case_facts.rows(ds) if not axes_of(ds) else [],
         "note": sentence(str(ds.attrs.get("fold_note", ""))),
         "caution": labels.typeset(str(ds.attrs.get("caution", ""))),
         "unsolved": law_verdicts.unsolved(ds),
@@ -130,22 +128,6 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
 def _of(ds: xr.Dataset, name: str) -> str:
     axis = name.removeprefix("scene").strip()
     return f"the rod along {labels.axis_label(axis, ds[axis])}" if axis in ds.dims else "the rod on its cylinder"
-
-
-def _single(ds: xr.Dataset) -> list[tuple[str, str]]:
-    """Long name and value of each observable of a study of one case."""
-    rows = []
-    for name in SINGLE:
-        if name in ds and np.isfinite(ds[name]):
-            units = labels.unit(str(ds[name].attrs["units"]))
-            value = f"{labels.minus_signs(labels.number(float(ds[name])))} {units}".strip()
-            if name == "overlaps":
-                rows.append(("passes through itself", "yes" if float(ds[name]) else "no"))
-            elif name == "index":
-                rows.append(("Morse index, 0 where stable", value))
-            else:
-                rows.append((labels.long_name(ds[name]), value))
-    return rows
 
 
 def _source(result: StudyResult) -> dict[str, Any]:

@@ -61,7 +61,7 @@ def _made(
     source: str,
 ) -> Measured:
     picture = BytesIO()
-    canvas.save(draw(ds), picture)
+    canvas.save(draw(ds.assign_attrs(title="")), picture)  # the report gives the title, once
     return Measured(name, picture.getvalue(), shows(ds), f"{_run(ds)}; {source}")
 
 

@@ -15,6 +15,7 @@ from ...data import labels
 from ...data.schema import axes_of
 from ..live.presets import PRESETS, Preset
 from ..turntable.stored import stored
+from . import case_facts
 
 MOST_BYTES = 400_000  # of the stations of a panel
 DROPPED = {"force-first": "dgamma", "twist-first": "F1"}  # the field that a reading does not use
@@ -26,7 +27,7 @@ def figure_of(ds: xr.Dataset) -> dict[str, Any] | None:
     if not axes_of(ds) and (solving := _solved(ds)):
         return solving
     try:
-        return stored(ds, most_bytes=MOST_BYTES).data
+        return stored(ds, most_bytes=MOST_BYTES, facts=case_facts.rows).data
     except InputError:
         return None
 

@@ -33,7 +33,7 @@ def html(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> str:
         As of `stored`.
     """
     found = stored(ds, at)
-    style, script = read("turntable.css") + read("page.css"), program()
+    style, script = look() + read("page.css"), program()
     sliders = len(found.data["axes"])
     return rendered(
         "page.html.j2",
@@ -65,6 +65,11 @@ def data(figures: Mapping[str, Any], **more: Any) -> str:
 def program() -> str:
     """The script of a page with turntables."""
     return document.bundle(FIRST)
+
+
+def look() -> str:
+    """The style of turntables: the colours of both schemes, light and dark, and their layout."""
+    return read("scheme.css") + read("turntable.css")
 
 
 @cache

@@ -1,7 +1,7 @@
 """The cases of a dataset as the plain data of a turntable: their stations, numbers, sliders and words."""
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -24,6 +24,8 @@ STRIDES = (16, 8, 4, 2)  # stations that one of them may stand for
 NEAR, ANGLE = 0.005, 1e-3  # radii of the rod, and rad, by which stations may be off where others stand for them
 LEAST = 51  # stations
 
+Facts = Callable[[xr.Dataset], Sequence[tuple[str, str]]]
+
 
 @dataclass(frozen=True, eq=False)
 class Stored:
@@ -41,7 +43,12 @@ class Stored:
     left_out: list[str]
 
 
-def stored(ds: xr.Dataset, at: Mapping[str, Any] | None = None, most_bytes: int = MOST_BYTES) -> Stored:
+def stored(
+    ds: xr.Dataset,
+    at: Mapping[str, Any] | None = None,
+    most_bytes: int = MOST_BYTES,
+    facts: Facts | None = None,
+) -> Stored:
     """The cases of a dataset, with a slider for each axis that `at` does not fix.
 
     Parameters
@@ -52,6 +59,8 @@ def stored(ds: xr.Dataset, at: Mapping[str, Any] | None = None, most_bytes: int 
         Values of axes, by name.
     most_bytes
         The size of the stored arrays. Where all cases take more, each axis has fewer values, evenly chosen.
+    facts
+        Rows of words and value of the dataset of one case, which are shown beside its rod; default: none.
 
     Raises
     ------
@@ -74,7 +83,7 @@ def stored(ds: xr.Dataset, at: Mapping[str, Any] | None = None, most_bytes: int 
         "axes": [_axis(ds, name, rows, base[name]) for name, rows in chosen.items()],
         "stations": ds["u"].values[::step].tolist(),
         "shared": {"sign": -1 if str(ds.attrs["side"]) == "inside" else 1},
-        "cases": [_case(ds, where, line) for where, line in zip(wheres, lines, strict=True)],
+        "cases": [_case(ds, where, line) | _facts(ds, where, line, facts) for where, line in zip(wheres, lines, strict=True)],
         "arrays": _packed(lines, step, n),
         "largest": max(0.0, max(float(line.push(line.s).max()) for line in solved)),
         "push": labels.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}"),
@@ -148,6 +157,10 @@ def _case(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None) -> 
     loads = {"FZ": line.p * line.A, "MZ": line.l * line.A, "M3": line.m * line.A}
     caution = cautions.said(ds["caution"].isel(dict(where)).values) if "caution" in ds else ""
     return {"numbers": numbers | loads, "note": labels.typeset(f"{_sampled(ds, where)} {caution}".strip())}
+
+
+def _facts(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None, facts: Facts | None) -> dict[str, Any]:
+    return {} if facts is None or line is None else {"facts": facts(ds.isel(dict(where)))}
 
 
 def _sampled(ds: xr.Dataset, where: Mapping[str, int]) -> str:

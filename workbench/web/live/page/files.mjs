@@ -17,6 +17,7 @@ function save(content, name) {
 
 /* me: the page's state and shape; data: what the page began with. */
 export async function savePicture(me, view, data) {
+  if (view.scene && view.scene.isLost()) return say("There is no picture to save: the browser has stopped drawing the rod.");
   const named = fieldNames(me.state).filter((name) => !isUnused(me.state, name));
   const rows = named.map((name) => [name, element(`n-${name}`).value]),
     { colours: code, quantities } = data;

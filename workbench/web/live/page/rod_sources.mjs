@@ -24,7 +24,7 @@ export function storedSource(data) {
     largest: data.largest,
     now() {
       const one = data.cases[index()];
-      return { shape: one.numbers ? storedShape(data, index()) : null, note: one.note };
+      return { shape: one.numbers ? storedShape(data, index()) : null, note: one.note, rows: one.facts || [] };
     },
     reset: () => axes.forEach((axis, k) => (places[k] = axis.start)),
   };

@@ -12,14 +12,22 @@ const REST = 160,
   EASE = 240; // ms until all is drawn finely, and of a change of the camera
 const BUDGET = 2.5,
   COARSEST = 3; // ms that drawing may take while a slider moves; largest factor by which pixels grow
+const LOST = "The browser has stopped drawing in three dimensions here. The rod comes back as soon as the browser allows it.";
 const AROUND = Array.from({ length: 24 }, (_, i) => [Math.cos((i * Math.PI) / 12), Math.sin((i * Math.PI) / 12)]);
 
 /* The view in a canvas. code: the colours of the push. calm: whether the camera must not move by itself. */
 export function makeView(canvas, mark, code, calm) {
-  const scene = makeScene(canvas, code),
-    me = { shape: null, drawn: null, camera: null, target: null, ratio: 1, touched: false, at: null, picked: () => {}, moved: () => {} };
+  const me = { shape: null, drawn: null, camera: null, target: null, ratio: 1, touched: false, at: null };
+  Object.assign(me, { picked: () => {}, moved: () => {} });
   let resting = 0,
     easing = 0;
+  const told = noteBeside(canvas);
+  const scene = makeScene(canvas, code, (lost) => {
+    told(lost ? LOST : "");
+    if (lost || !me.shape) return;
+    filled();
+    weigh();
+  });
   const aspect = () => Math.max(canvas.clientWidth, 1) / Math.max(canvas.clientHeight, 1);
   const pixelRatio = () => window.devicePixelRatio || 1;
 
@@ -41,12 +49,18 @@ export function makeView(canvas, mark, code, calm) {
     else if (mustFit || (!me.touched && needsFit(me.target, bounds, aspect())))
       ease(fitted(me.camera, bounds, aspect()));
     if (!scene) return;
-    const { one } = shape,
+    filled();
+    if (fresh) weigh();
+  }
+
+  /* Give the scene the wall and the rod, and draw them. */
+  function filled() {
+    const { wall } = me.drawn,
+      { one } = me.shape,
       reach = Math.max(one.R, one.rho + one.a);
     scene.setWall(wall, one.sign < 0, 2 * (reach + Math.max(Math.abs(wall.low), Math.abs(wall.high))));
     mesh(COARSE * me.ratio, true);
     paint(false);
-    if (fresh) weigh();
     later();
   }
 
@@ -217,6 +231,17 @@ export function makeView(canvas, mark, code, calm) {
       paint(true);
     },
   });
+}
+
+/* A sentence in place of the picture, "" for none. */
+function noteBeside(canvas) {
+  const note = Object.assign(document.createElement("p"), { className: "lost" });
+  note.setAttribute("role", "status");
+  canvas.after(note);
+  return (text) => {
+    note.textContent = text;
+    canvas.style.opacity = text ? 0 : 1; // browsers draw a sign of their own
+  };
 }
 
 /* The scene as pixels of a picture, as fine as it is large. */

@@ -28,7 +28,9 @@ void main() {
   colour = vec4(base * light * edge + (isRod ? 0.18 * shine : 0.0), 1.0);
 }`;
 
-export function makeScene(canvas, code) {
+/* Draws in a canvas; null without WebGL 2. onContext(lost): called when the browser takes the drawing context away (true)
+   and when it has given it back (false): then all buffers are new and empty. */
+export function makeScene(canvas, code, onContext) {
   const gl = canvas.getContext("webgl2", {
     antialias: false,
     alpha: true,
@@ -36,20 +38,15 @@ export function makeScene(canvas, code) {
     preserveDrawingBuffer: false,
   });
   if (!gl) return null;
-  const program = linked(gl),
-    at = (name) => gl.getUniformLocation(program, name),
-    where = {};
-  for (const name of ["view", "turn", "pull", "wall", "isRod", "ramp"]) where[name] = at(name);
-  const surfaces = { rod: surface(gl, program), ends: surface(gl, program), wall: surface(gl, program) };
-  const state = { open: false, depth: 1, smooth: null, walls: {} };
-  gl.useProgram(program);
-  gl.uniform3fv(
-    where.pull,
-    code.pull.map((v) => v / 255),
-  );
-  gl.uniform3fv(where.wall, WALL);
-  painted(gl, ramp(code, TONES));
-  gl.enable(gl.DEPTH_TEST);
+  let { where, surfaces, state } = resources(gl, code);
+  canvas.addEventListener("webglcontextlost", (event) => {
+    event.preventDefault(); // only then does the browser give it back
+    onContext(true);
+  });
+  canvas.addEventListener("webglcontextrestored", () => {
+    ({ where, surfaces, state } = resources(gl, code));
+    onContext(false);
+  });
 
   /* The tube: its corners, number of rings and sides. The ends share its corners. */
   function setRod(corners, count, sides) {
@@ -131,7 +128,28 @@ export function makeScene(canvas, code) {
   }
 
   const wait = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // until all is drawn
-  return { setRod, setWall, draw, pixels, wait, largest: gl.getParameter(gl.MAX_RENDERBUFFER_SIZE) };
+  const isLost = () => gl.isContextLost();
+  return { setRod, setWall, draw, pixels, wait, isLost, largest: gl.getParameter(gl.MAX_RENDERBUFFER_SIZE) };
+}
+
+/* The program, its buffers and colours; after a loss of the context they are made again. */
+function resources(gl, code) {
+  const program = linked(gl),
+    where = {};
+  for (const name of ["view", "turn", "pull", "wall", "isRod", "ramp"]) where[name] = gl.getUniformLocation(program, name);
+  gl.useProgram(program);
+  gl.uniform3fv(
+    where.pull,
+    code.pull.map((v) => v / 255),
+  );
+  gl.uniform3fv(where.wall, WALL);
+  painted(gl, ramp(code, TONES));
+  gl.enable(gl.DEPTH_TEST);
+  return {
+    where,
+    surfaces: { rod: surface(gl), ends: surface(gl), wall: surface(gl) },
+    state: { open: false, depth: 1, smooth: null, walls: {} },
+  };
 }
 
 function linked(gl) {
@@ -147,7 +165,7 @@ function linked(gl) {
   }
   ["place", "normal", "push"].forEach((name, i) => gl.bindAttribLocation(program, i, name));
   gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
   return program;
 }
 

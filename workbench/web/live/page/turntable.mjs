@@ -29,10 +29,11 @@ export function turntable(figure, data, code, core, calm) {
     resting = 0;
 
   function show(how = {}) {
-    const { shape, note } = source.now();
+    const { shape, note, rows = [] } = source.now();
     for (const row of sliders) row.show();
     if (note || !source.facts) set(part("told"), note);
     part("told").classList.toggle("wrong", !shape);
+    listed(part("case"), rows);
     if (!shape) return;
     view.show(shape, { ...how, largest: source.largest });
     clearTimeout(resting);
@@ -125,6 +126,17 @@ function made(box, slider, id) {
     input.setAttribute("aria-valuetext", slider.text());
   };
   return { input, show };
+}
+
+/* The observables of the rod: words and value in each row. */
+function listed(box, rows) {
+  const made = rows.map((texts) => {
+    const row = document.createElement("div");
+    row.append(...["dt", "dd"].map((tag, k) => Object.assign(document.createElement(tag), { textContent: texts[k] })));
+    return row;
+  });
+  box.replaceChildren(...made);
+  box.hidden = !rows.length;
 }
 
 /* The colour bar: no push to the largest, with ticks. */
