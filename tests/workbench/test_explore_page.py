@@ -1,10 +1,6 @@
 """The live page in a real browser."""
 
-import hashlib
 import json
-import shutil
-import subprocess
-import tarfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -17,26 +13,19 @@ pytest.importorskip("workbench.web.live.server", reason="the extra explore is no
 pytest.importorskip("selenium", reason="selenium is not installed: pip install '.[test]'")
 
 from matplotlib.image import imread
-from selenium import webdriver
 from selenium.webdriver import ActionChains
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 from studies.loader import loads
+from tests.workbench import browser
 from tests.workbench.live import served
 from tests.workbench.pictures import share_of_hue
 from workbench.data import push_colours
 from workbench.web.live import document
 from workbench.web.live.presets import PRESETS
 
-BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-pytestmark = pytest.mark.skipif(
-    not (BROWSER and DRIVER), reason="there is no Chromium here: apt-get install chromium chromium-driver"
-)
-FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-quic",
-         "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-         "--window-size=1500,1100")  # fmt: skip
+pytestmark = pytest.mark.skipif(not (browser.BROWSER and browser.DRIVER), reason=browser.MISSING)
 FRAME = """
 const { camera, drawn, shape } = page.view, canvas = document.getElementById("scene");
 const [ca, sa] = [Math.cos(camera.azimuth), Math.sin(camera.azimuth)];
@@ -111,19 +100,10 @@ def port() -> Iterator[int]:
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory) -> Iterator[Any]:
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('chromium')}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    folder = str(tmp_path_factory.mktemp("downloads"))
-    options.add_experimental_option("prefs", {"download.default_directory": folder})
-    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
-    driver.folder = Path(folder)
-    try:
+    folder = tmp_path_factory.mktemp("downloads")
+    with browser.chromium(tmp_path_factory.mktemp("chromium"), "1500,1100", folder) as driver:
+        driver.folder = folder
         yield driver
-    finally:
-        driver.quit()
 
 
 @pytest.fixture
@@ -216,9 +196,7 @@ def test_who_has_zoomed_is_left_alone_until_the_view_is_fitted(page) -> None:
 
 
 def test_with_reduced_motion_the_camera_jumps(page) -> None:
-    page.driver.execute_cdp_cmd(
-        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-reduced-motion", "value": "reduce"}]}
-    )
+    browser.emulate(page.driver, prefers_reduced_motion="reduce")
     page(
         "const s = document.getElementById('s-L'); s.value = 1000;"
         "s.dispatchEvent(new Event('input', { bubbles: true }))"
@@ -321,6 +299,27 @@ def test_the_rod_under_the_pointer_or_a_finger_is_marked_and_a_drag_turns_it(pag
     assert np.hypot(left - x, top - y) < 30  # pixels: the rod is 40 thick
     ActionChains(page.driver).click_and_hold(canvas).move_by_offset(100, 20).release().perform()
     assert page("return page.view.camera.azimuth") < azimuth - 0.5
+
+
+def test_a_lost_drawing_context_is_explained_and_the_rod_comes_back(page, tmp_path) -> None:
+    def seen() -> np.ndarray:
+        page("page.view.rest()")
+        page.driver.find_element(By.ID, "view").screenshot(str(tmp_path / "view.png"))
+        return imread(tmp_path / "view.png")[:, :, :3]
+
+    before = seen()
+    page("window.lose = document.getElementById('scene').getContext('webgl2').getExtension('WEBGL_lose_context');")
+    page("lose.loseContext()")
+    told = "return document.querySelector('#view .lost').innerText"
+    page.until(lambda: "stopped drawing" in page(told), "a sentence")
+    page.slide("E", 700)  # the diagrams and numbers go on
+    assert page("return page.wrong.sentence") == ""
+    page.click("picture")
+    assert "no picture to save" in page("return document.getElementById('message').innerText")
+    page("lose.restoreContext()")
+    page.until(lambda: page(told) == "", "the rod again")
+    page.click("reset")
+    page.until(lambda: np.abs(seen() - before).mean() < 1e-3, "the same picture")
 
 
 def test_two_tabs_do_not_disturb_each_other(page, driver, port) -> None:
@@ -432,43 +431,21 @@ def test_the_saved_page_solves_every_rod_without_a_server(page, driver, saved) -
     page.until(lambda: any(one.stat().st_size for one in driver.folder.glob("table1*.csv")), str(path))
 
 
-AXE = ("axe-core@4.14.1", "29348999450cdf2849a8e70b7912fc2da85a849da39c0d0d5394f51d4a9ed95c")
-
-
 @pytest.fixture(scope="module")
 def axe(tmp_path_factory) -> str:
-    """The script of axe-core, which judges the accessibility of a page; the test is skipped where npm has none."""
-    npm, folder = shutil.which("npm"), tmp_path_factory.mktemp("axe")
-    done = (
-        subprocess.run([npm or "npm", "pack", AXE[0]], cwd=folder, capture_output=True, timeout=120, check=False)
-        if npm
-        else None
-    )
-    if done is None or done.returncode != 0:
-        pytest.skip("npm does not offer axe-core here")
-    with tarfile.open(next(folder.glob("*.tgz"))) as archive:
-        text = archive.extractfile("package/axe.min.js").read()
-    assert hashlib.sha256(text).hexdigest() == AXE[1]
-    return text.decode()
+    return browser.axe(tmp_path_factory.mktemp("axe"))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_nothing_that_bars_people(page, axe, scheme) -> None:
-    page.driver.execute_cdp_cmd(
-        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
-    )
+    browser.emulate(page.driver, prefers_color_scheme=scheme)
     page("page.begin('cable')")
     page.until(lambda: page("return page.list.length"), "the equilibria")
     page("const c = document.getElementById('cursor'); c.value = 300; c.dispatchEvent(new Event('input'))")
     for name, value in (("E", -1), ("E", 5000)):
         page("page.state.base[arguments[0]] = arguments[1]; page.update()", name, value)
-        page(axe)
-        found = page.driver.execute_async_script("const done = arguments[0]; axe.run().then(done)")
-        assert [
-            (one["id"], [node["html"] for node in one["nodes"]]) for one in found["violations"] + found["incomplete"]
-        ] == []
-        assert "color-contrast" in [one["id"] for one in found["passes"]]
+        assert browser.barriers(page.driver, axe) == []
 
 
 def test_on_a_phone_the_rod_comes_first_and_stays_and_the_controls_are_large(page) -> None:

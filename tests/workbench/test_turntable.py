@@ -18,7 +18,7 @@ from solver import Case, Cylinder, Ends, Rod, Solution, Start, solve
 from solver.problem.errors import InputError
 from studies import load
 from studies.loader import loads
-from tests.workbench import node, small
+from tests.workbench import browser, node, small
 from workbench import notebook
 from workbench.cli import main
 from workbench.geometry import centreline
@@ -71,6 +71,17 @@ def test_the_file_asks_for_nothing_and_is_small(ds: xr.Dataset) -> None:
     assert not re.search(r'https?://(?!www\.w3\.org/2000/svg)|@import|url\(|src="', text)
     assert "default-src 'none'" in unescape(text)
     assert len(text) < 0.3e6
+
+
+@pytest.mark.slow
+def test_axe_finds_nothing_that_bars_people_from_a_scene(ds: xr.Dataset, tmp_path: Path) -> None:
+    file, script = tmp_path / "x.html", browser.axe(tmp_path)
+    file.write_text(page.html(ds), encoding="utf-8")
+    with browser.chromium(tmp_path / "chromium", "1366,1000") as driver:
+        driver.get(file.as_uri())
+        for scheme in ("light", "dark"):
+            browser.emulate(driver, prefers_color_scheme=scheme)
+            assert browser.barriers(driver, script) == []
 
 
 @node.needs_node

@@ -83,7 +83,9 @@ def stored(
         "axes": [_axis(ds, name, rows, base[name]) for name, rows in chosen.items()],
         "stations": ds["u"].values[::step].tolist(),
         "shared": {"sign": -1 if str(ds.attrs["side"]) == "inside" else 1},
-        "cases": [_case(ds, where, line) | _facts(ds, where, line, facts) for where, line in zip(wheres, lines, strict=True)],
+        "cases": [
+            _case(ds, where, line) | _facts(ds, where, line, facts) for where, line in zip(wheres, lines, strict=True)
+        ],
         "arrays": _packed(lines, step, n),
         "largest": max(0.0, max(float(line.push(line.s).max()) for line in solved)),
         "push": labels.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}"),
