@@ -11,6 +11,7 @@ from ..numerics.arrays import Array
 from .reduced import EndsProblem, Reduced
 
 SOLVED = "solved"
+FEWER = "fewer digits"  # the remark on a case whose error is above the tolerance as its condition number is large
 NOT_FINITE = "failed: the computation left the finite numbers"
 # a rod that every method solves
 PLAIN = {"lam": 0.0, "mu": 0.0, "phi": 0.0, "span": 1.0, "beta0": 0.5, "dbeta0": 0.0, "betaL": 0.5}
@@ -104,7 +105,10 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> Verdict
         if error[i] > _SHAPELESS:
             outcome[i] = f"failed: condition {condition[i]:.1e} leaves no digit: error {error[i]:.1e}"
         else:
-            outcome[i] = f"{SOLVED}; condition {condition[i]:.1e} costs digits: error {error[i]:.1e}"
+            outcome[i] = (
+                f"{SOLVED}; {FEWER} than the tolerance {tol:.1e} asks for: error {error[i]:.1e}, "
+                f"as a small change of the case grows {condition[i]:.1e} times along the rod"
+            )
     return Verdicts(finite & kept & (error <= max(tol, _SHAPELESS)), outcome)
 
 

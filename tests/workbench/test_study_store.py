@@ -288,8 +288,8 @@ def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path)
 
 
 def test_outcomes_are_counted_without_their_numbers() -> None:
-    assert block.kind_of("solved; condition 1.0e+02 costs digits: error 1.7e-08") == (
-        "solved; condition ... costs digits: error ..."
+    assert block.kind_of("solved; fewer digits than the tolerance 1.0e-08 asks for: error 1.7e-08") == (
+        "solved; fewer digits than the tolerance ... asks for: error ..."
     )
     assert block.kind_of("solved") == "solved"
 

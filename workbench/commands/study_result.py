@@ -1,6 +1,8 @@
 """Print the outcomes and verdicts of a stored study, for run, check, merge and reproduce."""
 
 from collections.abc import Mapping, Sequence
+from math import floor, log10
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import console
@@ -39,6 +41,36 @@ def print_sampling(found: Mapping[str, Any]) -> None:
         console.say(f"caution: {found['sampling_caution']}")
 
 
+def print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
+    """Print how often each outcome occurs but the plain one; of cases with fewer digits the one of the largest error."""
+    from solver.problem.trajectory import FEWER
+
+    fewer = 0
+    for text, count in sorted(outcomes.items()):
+        if FEWER in text:
+            fewer += count
+        elif text != "solved":
+            console.say(f"  {count} x {text}")
+    if fewer:
+        console.say(f"  {_fewer_digits(fewer, file)}")
+
+
+def _fewer_digits(count: int, file: Path) -> str:
+    """What cases have lost whose error is above the tolerance, how many digits remain, and which case is the worst."""
+    from ..data import law_verdicts
+    from ..run.summary import least_accurate
+
+    worst = least_accurate(file)
+    digits = max(floor(-log10(worst["error"])), 0)
+    which = f"the least accurate, at {worst['at']}," if worst["at"] and count > 1 else worst["at"] and f"that at {worst['at']}"
+    which = which or "it"
+    return (
+        f"{law_verdicts.counted(count, 'case')} {'are' if count > 1 else 'is'} solved to fewer digits than the tolerance "
+        f"asks for: {which} has about {law_verdicts.counted(digits, 'digit')} (estimated error {worst['error']:.1e}), "
+        f"because a small change of its data grows {worst['condition']:.2g} times along the rod"
+    )
+
+
 def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None) -> int:
     """Print what a stored study holds, and after a run what the run did.
 
@@ -61,9 +93,7 @@ def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None)
     if found["laws"]:
         print_verdicts(found["laws"], alternatives=True)
     console.say(f"{found['file']}: {law_verdicts.counted(cases, 'case')}, {unsolved} unsolved")
-    for text, count in sorted(outcomes.items()):
-        if text != "solved":
-            console.say(f"  {count} x {text}")
+    print_outcomes(outcomes, Path(found["file"]))
     print_sampling(found)
     for name in ("equilibria", "branches"):
         if found.get(name):

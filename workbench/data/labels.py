@@ -13,6 +13,7 @@ from studies.axes import quantity_of
 from studies.dimensions import SAMPLE
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+COUNTS = {"turns": "the number of bends", "loops": "the number of loops"}  # in a sentence; their symbols are plural
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -76,6 +77,11 @@ def symbol_of(name: str) -> str:
     return QUANTITIES[name].symbol if name in QUANTITIES else name
 
 
+def noun_of(name: str) -> str:
+    """A quantity as the subject of a sentence: ``the number of bends``, else its symbol."""
+    return COUNTS.get(name) or symbol_of(name)
+
+
 def long_name(array: xr.DataArray) -> str:
     """The long name of a stored variable, without what stands in brackets."""
     return typeset(str(array.attrs.get("long_name", array.name)).partition(" (")[0])
@@ -90,7 +96,7 @@ def typeset(text: str) -> str:
 
 def law_text(row: Mapping[str, Any], text: str) -> str:
     """A text about a law (a row of `law_verdicts.verdicts`), with symbols for the names of its observables and axes."""
-    letters = {one["observable"]: symbol_of(one["observable"]) for one in (row, *row.get("also", ()))}
+    letters = {one["observable"]: noun_of(one["observable"]) for one in (row, *row.get("also", ()))}
     letters |= {axis: axis_symbol(axis) for axis in (row.get("axis"), *row["at"]) if axis}
     return typeset(re.sub(r"\w+", lambda word: letters.get(word[0], word[0]), text))
 

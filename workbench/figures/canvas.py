@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
-from textwrap import fill
 from typing import Any
 
 import xarray as xr
@@ -17,7 +16,7 @@ from solver.problem.errors import InputError
 from ..data import atomic, labels
 from . import style
 from .sheet import SCREEN, Sheet
-from .style import BOLD, DPI, LETTER, RC, SOFT
+from .style import DPI, RC, SOFT
 
 DIAGRAMS = (".png", ".pdf", ".svg")
 
@@ -74,7 +73,7 @@ def save(
 def _set_title(fig: Figure, ds: xr.Dataset) -> None:
     """The study's title and its reading above a constrained layout; the figure grows by the lines of a long title."""
     size = style.large()
-    title = fill(str(ds.attrs["title"]), int((fig.get_figwidth() - 0.3) / (size * LETTER * BOLD)))
+    title = style.fitted(str(ds.attrs["title"]), fig.get_figwidth() - 0.3, size, bold=True)
     more = 0.2 * title.count("\n")  # inches
     fig.set_figheight(fig.get_figheight() + more)
     inch = 1 / fig.get_figheight()

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -17,7 +18,7 @@ from solver.problem.errors import no_such
 
 from ..data import cautions, labels
 from ..geometry.self_intersections import places
-from . import canvas, developed, drawn_rods, legend, push_scale, style
+from . import canvas, developed, drawn_rods, legend, long_curve, push_scale, style
 from .drawn_rods import DrawnRod, DrawnRods
 from .sheet import SCREEN, Sheet
 
@@ -81,6 +82,8 @@ def figure(
     found = drawn_rods.choose(ds, NAMES, x, at, MOST)
     lines = {id(rod): developed_curve(rod) for rod in found.solved}
     limits = _limits(list(lines.values()))
+    if len(found.rods) == 1 and (long_rod := _lines(found.rods[0], sheet)):
+        return _long_rod(found, *long_rod, sheet)
     page = _page(len(found.rods), limits, sheet)
     norm = push_scale.scale([rod["push"] for rod in found.solved])
     notes: list[str] = []
@@ -90,7 +93,7 @@ def figure(
         axes = [fig.add_subplot(grid[i // page.across, i % page.across]) for i in range(len(found.rods))]
         last = None
         column = (sheet.width - LEFT - BAR * (not sheet.narrow)) / page.across
-        named = all(style.small() * style.LETTER * len(rod.name) < column for rod in found.rods)
+        named = all(style.width_of(rod.name, style.small()) < column for rod in found.rods)
         for i, (ax, rod) in enumerate(zip(axes, found.rods, strict=True)):
             ax.set_title(
                 (rod.name if named else rod.value) if found.axis else "", loc="left", size=style.small(), pad=3
@@ -113,6 +116,34 @@ def figure(
 
     tall = max(page.rows * (page.cell[1] + HEAD), 1.2)
     height = tall + 1.1 + 0.7 * sheet.titled + (0.9 if sheet.narrow else 0.0)
+    return canvas.figure((sheet.width, height), draw, found.source, sheet=sheet)
+
+
+def _lines(rod: DrawnRod, sheet: Sheet) -> tuple[long_curve.Curve, long_curve.Lines] | None:
+    """The curve of a long rod and its lines; None for a rod that needs none."""
+    across, z = developed_curve(rod)
+    curve = long_curve.Curve(rod["s"], z, across, rod["push"], rod.rho, rod.rho + rod.a)
+    lines = long_curve.lines_for(curve, long_curve.room(sheet.width - (0.0 if sheet.narrow else BAR)))
+    return (curve, lines) if lines else None
+
+
+def _long_rod(found: DrawnRods, curve: long_curve.Curve, lines: long_curve.Lines, sheet: Sheet) -> Figure:
+    """The figure of one long rod, set in lines."""
+    unit = labels.unit(str(found.source.attrs["length_unit"]))
+
+    def draw(fig: Figure) -> None:
+        ax = fig.add_subplot()
+        ax.set_label(found.rods[0].name)
+        notes = long_curve.draw(ax, curve, lines, unit, name=found.rods[0].name)
+        drawn = next(one for one in ax.collections if isinstance(one, LineCollection))
+        inches = sheet.width - 0.3 if sheet.narrow else lines.height + HEAD
+        push_scale.bar(fig, drawn, [ax], push_scale.unit(found.source), inches, below=sheet.narrow)
+        if "overlaps" in cautions.keys(found.rods[0].caution):
+            notes.append("The rod passes through itself; lines have no rings.")
+        said = ["Developed curve, seen from outside.", *notes, *found.said(), *found.notes]
+        legend.below(fig, _entries(found.solved, [ax]), said)
+
+    height = lines.height + 1.5 + 0.7 * sheet.titled + (0.9 if sheet.narrow else 0.0)
     return canvas.figure((sheet.width, height), draw, found.source, sheet=sheet)
 
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from . import style
-from .style import LETTER, SOFT
+from .style import SOFT
 
 HANDLE = 0.45  # inches of an entry beside its label
 
@@ -28,7 +28,7 @@ def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = ()) -> 
     notes = [style.fitted(note, fig.get_figwidth() - 0.3, style.small()) for note in dict.fromkeys(notes)]
     if not once and not notes:
         return
-    widest = max((HANDLE + style.small() * LETTER * len(label) for label in once), default=1.0)
+    widest = max((HANDLE + style.width_of(label, style.small()) for label in once), default=1.0)
     columns = max(1, min(len(once), int((fig.get_figwidth() - 0.2) / widest)))
     found = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], loc="outside lower left",
                        ncols=columns, title="\n".join(notes), alignment="left", handlelength=1.8, handleheight=1.2,

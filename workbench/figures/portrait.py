@@ -230,7 +230,7 @@ def _frame(ax: Axes, name: str, one: Orbit, alone: bool, j: int, leftmost: bool,
     if alone:
         ax.set_title(PANELS[name] if name == "portrait" else "potential G and level h", loc="left")
     elif j == 0:
-        fits = style.small() * style.LETTER * len(one.rod.name) < wide - 0.3
+        fits = style.width_of(one.rod.name, style.small()) < wide - 0.3
         ax.set_title(one.rod.name if fits else one.rod.value, loc="left", size=style.small())
     ax.set_xlabel("β [°]")
     span = float(np.degrees(np.ptp(one.window)))

@@ -73,10 +73,11 @@ def wide_scale(pushes: Sequence[Any]) -> Normalize:
 
 def line(
     ax: Axes, x: Any, y: Any, push: Any, norm: Normalize, width: float = 2.0, label: str = "", shift: float = 0.0,
-    order: float = 2.0,
+    order: float = 2.0, left: float = 0.0,
 ) -> LineCollection:  # fmt: skip
-    """Draw a line whose colour at each point is that of the push there, so much higher, with its order of drawing."""
-    where = Affine2D().translate(0, shift) + ax.transData
+    """Draw a line whose colour at each point is that of the push there, so much higher and further to the left, with
+    its order of drawing."""
+    where = Affine2D().translate(-left, shift) + ax.transData
     casing = max(width * EDGE, width + LEAST)
     ax.plot(
         x, y, color=style.SOFT, linewidth=casing, solid_capstyle="round", label=CASING, zorder=order, transform=where

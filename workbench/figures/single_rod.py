@@ -5,17 +5,21 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from solver.mechanics.contact import push_from
 from solver.problem.errors import InputError, no_such
 
 from ..data import labels
-from . import canvas, developed, legend, push_scale, style
+from . import canvas, developed, legend, long_curve, push_scale, style
 from .sheet import SCREEN, Sheet
 
 SIZE = (9.6, 8.0)  # inches
 FINE = 4001  # stations of a diagram, two for each pixel: fewer cut off the peaks of push
+FINE_IN_LINES = 20_001
+CURVE = "developed curve (unrolled cylinder), seen from outside"
 DOTS = {"linestyle": "none", "marker": ".", "markersize": 3}
 
 
@@ -36,14 +40,48 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     panels = [panel for panel in panels if sheet.panel in (None, NAMES[panel])]
     if not panels:
         raise no_such("panel", sheet.panel, NAMES.values())
-    count = len(panels)
+    each = SIZE[1] / 3 * max(sheet.width / SIZE[0], 0.7)
+    lines = _lines(ds, sheet.width) if curve in panels else None
+    heights = [lines.height + 1.0 if panel is curve and lines else each for panel in panels]
 
     def draw(fig: Figure) -> None:
+        grid = fig.add_gridspec(len(panels), 1, height_ratios=heights)
+        notes: list[str] = []
         for i, panel in enumerate(panels):
-            panel(ds, fig.add_subplot(count, 1, i + 1))
+            ax = fig.add_subplot(grid[i, 0])
+            if panel is curve and lines:
+                notes = _in_lines(ds, ax, lines)
+            else:
+                panel(ds, ax)
+        entries = [handle for ax in fig.axes for handle in ax.get_legend_handles_labels()[0]]
+        legend.below(fig, [one for one in entries if isinstance(one, PolyCollection)], notes)
 
-    height = SIZE[1] * max(sheet.width / SIZE[0], 0.7)
-    return canvas.figure((sheet.width, height * count / 3), draw, ds, sheet=sheet)
+    return canvas.figure((sheet.width, sum(heights) + 0.3), draw, ds, sheet=sheet)
+
+
+def _curve(ds: xr.Dataset) -> long_curve.Curve | None:
+    """The developed curve; None where the rod is not solved."""
+    found = developed.curve(ds, {})
+    if found is None:
+        return None
+    push = pushes(ds) if "contact" in ds.data_vars else None
+    rho, a = (float(ds[name]) if name in ds.variables else 0.0 for name in ("rho", "a"))
+    return long_curve.Curve(ds["s"].values, found[1], found[0], push, rho, rho + a)
+
+
+def _lines(ds: xr.Dataset, width: float) -> long_curve.Lines | None:
+    """The lines in which a long rod is set on a figure of that width in inches."""
+    found = _curve(ds)
+    return long_curve.lines_for(found, long_curve.room(width)) if found else None
+
+
+def _in_lines(ds: xr.Dataset, ax: Axes, lines: long_curve.Lines) -> list[str]:
+    """The developed curve of a long rod; what is to be said of its lines."""
+    found = _curve(ds)
+    assert found is not None
+    unit = labels.unit(str(ds.attrs["length_unit"]))
+    ax.set_title(style.wrapped(_title(ds, CURVE), ax), loc="left")
+    return long_curve.draw(ax, found, lines, unit, _is_coarse(ds))
 
 
 def _at_pixels(ds: xr.Dataset) -> xr.Dataset:
@@ -51,7 +89,8 @@ def _at_pixels(ds: xr.Dataset) -> xr.Dataset:
     from ..run import stored_case  # it loads the solver
 
     names = [name for name in ("beta", "alpha", "z", "contact") if name in ds.data_vars]
-    finer = ds.drop_dims("u").assign_coords(u=np.linspace(0.0, 1.0, FINE))
+    is_long = developed.has_curve(ds) and _lines(ds, SIZE[0]) is not None
+    finer = ds.drop_dims("u").assign_coords(u=np.linspace(0.0, 1.0, FINE_IN_LINES if is_long else FINE))
     try:
         sol = stored_case.solve_at(finer, stored_case.study_of(ds), {})
     except InputError:
@@ -67,7 +106,7 @@ def angle(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.plot(ds["s"], np.degrees(ds["beta"]), color=style.PUSHED, **_look(ds))
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
     ax.set_ylabel("β [°]")
-    ax.set_title(_title(ds, "angle from the axis to the tangent"), loc="left")
+    ax.set_title(style.wrapped(_title(ds, "angle from the axis to the tangent"), ax), loc="left")
     return _along(ds, ax)
 
 
@@ -86,7 +125,6 @@ def contact(ds: xr.Dataset, ax: Axes) -> Axes:
                         linewidth=0, label="the cylinder would have to pull: the rod would lift off")  # fmt: skip
         ax.fill_between(ds["s"], 0, push, where=~pulled, color=style.PUSHED, alpha=0.25, linewidth=0,
                         label="the cylinder pushes")  # fmt: skip
-        legend.add(ax, loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.2)
     ax.set_ylabel(f"push [{labels.unit(unit)}]")
     ax.set_title("push of the cylinder per length", loc="left")
     return _along(ds, ax)
@@ -100,8 +138,7 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
     """
     found = developed.curve(ds, {})
     unit = labels.unit(str(ds.attrs["length_unit"]))
-    title = "developed curve (unrolled cylinder), seen from outside"
-    ax.set_title(title, loc="left")
+    ax.set_title(CURVE, loc="left")
     if found is None:
         ax.text(0.5, 0.5, str(ds["outcome"].values), transform=ax.transAxes, ha="center", color=style.SOFT)
         return ax
@@ -111,7 +148,7 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
     else:
         ax.plot(up, across, color=style.PUSHED, **_look(ds))
     ax.plot(up[0], across[0], "o", color=style.INK, markersize=5)
-    ax.annotate("s = 0", (up[0], across[0]), (0, 6), textcoords="offset points", ha="center", va="bottom",
+    ax.annotate("s = 0", (up[0], across[0]), (-6, 0), textcoords="offset points", ha="right", va="center",
                 size=style.small())  # fmt: skip
     figure_ = ax.get_figure(root=True)
     assert figure_ is not None
@@ -120,8 +157,9 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_aspect(1 / factor)
     ax.set_xlabel(f"z [{unit}]{developed.larger(factor)}")
     ax.set_ylabel(style.wrapped(f"ρα [{unit}]{developed.larger(1 / factor)}", ax, upward=True))
-    ax.set_title(f"{title}, at one scale" if factor == 1 and not _is_coarse(ds) else _title(ds, title), loc="left")
-    ax.margins(x=0.08, y=0.15)
+    title = f"{CURVE}, at one scale" if factor == 1 and not _is_coarse(ds) else _title(ds, CURVE)
+    ax.set_title(style.wrapped(title, ax), loc="left")
+    ax.margins(x=max(0.08, 0.55 / style.inches(ax)[0]), y=0.15)  # room for s = 0
     ax.invert_yaxis()
     return style.with_grid(ax)
 
@@ -145,5 +183,6 @@ def _title(ds: xr.Dataset, title: str) -> str:
 def _along(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_xlabel(f"s [{labels.unit(str(ds.attrs['length_unit']))}]")
     ax.margins(x=0)
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]))
     ax.xaxis.set_major_formatter(labels.tick)
     return style.with_grid(ax)

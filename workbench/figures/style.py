@@ -1,6 +1,6 @@
 """The look of figures: colours, sizes of letters, Matplotlib's settings."""
 
-from textwrap import fill
+import re
 from typing import Any
 
 import numpy as np
@@ -8,6 +8,8 @@ from matplotlib import colormaps, rcParams
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.font_manager import FontProperties
+from matplotlib.gridspec import SubplotSpec
+from matplotlib.textpath import TextToPath
 
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
@@ -16,6 +18,7 @@ from ..data import push_colours
 PUSHED = "#{:02x}{:02x}{:02x}".format(*push_colours.STOPS[3][1])  # the cylinder pushes
 LIFTED = "#{:02x}{:02x}{:02x}".format(*push_colours.PULL)  # it would have to pull
 INK, SOFT, FAINT = "#1c2430", "#5b6675", "#d5dae1"
+BAND = "#f1f3f6"  # behind a line of a long rod
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
 VERDICT_COLOURS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#bb5802", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
 CROSSED = "#b3004f"  # rings where a rod passes through itself
@@ -31,7 +34,9 @@ HATCHES = {"pulled": "////", "overlaps": "\\\\\\\\"}  # key of `cautions.TOLD` -
 
 DPI = 200
 SMALL, NORMAL, LARGE = 8.0, 9.5, 12.0  # points
-LETTER, BOLD = 0.6 / 72, 1.12  # inches that a letter is wide per point of its size; how much wider a bold one is
+LETTER = 0.6 / 72  # inches that a letter is wide per point of its size, where its text is not known yet
+BESIDE = 0.85  # inches of the ticks and the label beside axes
+_TEXT = TextToPath()
 
 RC: Any = {
     "font.family": "DejaVu Sans",  # comes with Matplotlib
@@ -99,16 +104,49 @@ def wrapped(text: str, ax: Axes, size: float | None = None, bold: bool = False, 
 
 
 def fitted(text: str, room: float, size: float | None = None, bold: bool = False) -> str:
-    """The text in lines that are no longer than so many inches, for a font of that size in points."""
+    """The text in lines that are no longer than so many inches, for a font of that size in points.
+
+    A word that is longer than a line is cut.
+    """
     size = size or normal()
-    return fill(text, max(int(room / (size * LETTER * (BOLD if bold else 1))), 12))
+    room = max(room, 12 * size * LETTER)
+    lines: list[str] = []
+    line = ""
+    for word in re.findall(r"[^ \t\n]+", text):
+        longer = f"{line} {word}" if line else word
+        if line and width_of(longer, size, bold) > room:
+            lines, line = [*lines, line], word
+        else:
+            line = longer
+        while width_of(line, size, bold) > room:
+            most = next(n for n in range(len(line) - 1, 0, -1) if n == 1 or width_of(line[:n], size, bold) <= room)
+            lines, line = [*lines, line[:most]], line[most:]
+    return "\n".join([*lines, line] if line else lines)
+
+
+def width_of(text: str, size: float, bold: bool = False) -> float:
+    """The width of a line of text in inches, for a font of that size in points."""
+    font = FontProperties(family=RC["font.family"], size=size, weight="bold" if bold else "normal")
+    return float(_TEXT.get_text_width_height_descent(text, font, ismath=False)[0]) / 72
 
 
 def inches(ax: Axes) -> tuple[float, float]:
     """Width and height of the room of axes before they are laid out: a little less than what it gets."""
-    box, figure = ax.get_position(original=True), ax.get_figure(root=True)
+    box, figure, place = ax.get_position(original=True), ax.get_figure(root=True), ax.get_subplotspec()
     assert figure is not None
-    return box.width * figure.get_figwidth(), box.height * figure.get_figheight()
+    wide = box.width * figure.get_figwidth()
+    if place is not None:
+        share = _share(place)
+        top = place.get_topmost_subplotspec()
+        wide = max((share if top is place else share * _share(top)) * figure.get_figwidth() - BESIDE, 0.5)
+    return wide, box.height * figure.get_figheight()
+
+
+def _share(place: SubplotSpec) -> float:
+    """The share of the width of its grid that a cell has."""
+    grid = place.get_gridspec()
+    ratios = grid.get_width_ratios() or [1.0] * grid.ncols
+    return float(sum(ratios[place.colspan.start : place.colspan.stop]) / sum(ratios))
 
 
 def with_grid(ax: Axes) -> Axes:

@@ -148,7 +148,9 @@ def analysed(
     if seed < 1:
         raise InputError(f"the seed of the bootstrap must be a positive whole number, got {seed}")
     if design.blocks < FEWEST:
-        raise InputError(f"{design.blocks} blocks are too few for Sobol' indices: take at least {FEWEST}, better 256")
+        raise InputError(
+            f"Sobol' indices need at least {FEWEST} blocks, better 256, got {design.blocks} (a block is {design.block} samples)"
+        )
     m, d = values.shape[1], design.fields
     columns: dict[str, Any] = {name: np.full((m, d), np.nan) for name in ("first", "first_conf", "total", "total_conf")}
     pairs = {name: np.full((m, d, d), np.nan) for name in (("second", "second_conf") if design.second else ())}
@@ -192,7 +194,7 @@ def _remark(design: Design, kept: int) -> str:
             "samples has no value: the indices are those of the other blocks, and not of the whole ranges"
         )
     if kept < FEW:
-        said.append(f"{kept} blocks are few: the intervals are rough")
+        said.append(f"the intervals are rough: {kept} blocks are used, {FEW} or more are better")
     return "; ".join(said)
 
 

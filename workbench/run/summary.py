@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from studies.dimensions import SAMPLE
 
-from ..data import branch_numbers, file_checks, law_verdicts, reading, refined, schema
+from ..data import branch_numbers, file_checks, labels, law_verdicts, reading, refined, schema
 from ..data.boundary import boundary, boundary_of_law
 from ..data.concatenation import blocks
 
@@ -145,6 +145,19 @@ def _worst(ds: xr.Dataset, name: str) -> dict[str, Any]:
     sampled = map(schema.dimension, schema.sampled_fields(ds))
     at |= {field: ds[field].sel({SAMPLE: at[SAMPLE]}).item() for field in sampled}
     return {"name": name, "value": float(values[i]), "at": at}
+
+
+def least_accurate(path: Path) -> dict[str, Any]:
+    """The solved case of the largest error: `error`, `condition`, and `at`, its place on the axes in words.
+
+    Raises `InputError`.
+    """
+    with reading.opened(path) as ds, file_checks.reading(path):
+        worst = _worst(ds, "error")
+        dims = [str(dim) for dim in ds["error"].dims]
+        at = [f"{name} = {labels.value(value, ds[name], 6)}" for name, value in worst["at"].items()]
+        place = ds["condition"].transpose(*dims).sel({name: worst["at"][name] for name in dims})
+        return {"error": worst["value"], "condition": float(place), "at": ", ".join(at)}
 
 
 def _law(row: dict[str, Any]) -> dict[str, Any]:

@@ -14,12 +14,12 @@ from solver.problem.errors import InputError
 
 from ..geometry import centreline, tube
 from ..geometry.centreline import Array, Centreline
+from ..geometry.lines import TALLEST
 from ..geometry.refinement import Rings, rings
 from . import shading
 from .colours import Paint
 from .kinds import Kind
 
-TALLEST = 30.0  # diameters of the cylinder; beyond, the rod would be a hair
 STRIPE = 3  # one side in so many is painted
 
 

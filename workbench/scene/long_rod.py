@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import labels
-from .body import TALLEST, Body
+from ..geometry import lines
+from ..geometry.lines import LABELLED
+from .body import Body
 from .cells import Cell
 
-PITCH = 1.5  # from line to line, in widths of the rod on its cylinder
+PITCH = lines.PITCH
 THINNEST = 4.0  # width of a cylinder in pixels; below, nothing of its rod is seen
-MOST = 500  # lines that are tried
-LABELLED = 12  # lines at most that carry the arc length at which they begin
 ROOM = 0.98  # of a line is for the rod that is cut to fit, as its bends at the cuts are not known before
 
 
@@ -59,7 +59,7 @@ class Lines:
 
 def is_long(bodies: Sequence[Body]) -> bool:
     """Whether one of the rods would be too thin to see in one view."""
-    return any(np.ptp(body.z) > TALLEST * 2 * body.reach for body in bodies)
+    return any(lines.is_long(float(np.ptp(body.z)), body.reach) for body in bodies)
 
 
 def lines_for(bodies: Sequence[Body], room: tuple[int, int]) -> Lines:
@@ -71,11 +71,9 @@ def lines_for(bodies: Sequence[Body], room: tuple[int, int]) -> Lines:
     wide = 2 * bodies[0].reach
     beyond = bodies[0].a + 0.3 * bodies[0].R
     tall = max(float(np.ptp(body.z)) for body in bodies)
-    count = np.arange(1, MOST + 1)
-    per_unit = np.minimum(room[0] / (tall / count + 2 * beyond), room[1] / (count * PITCH * wide))
-    best = int(per_unit.argmax())
-    if per_unit[best] * wide >= THINNEST:
-        found = Lines(int(count[best]), 0.0, 0.0, (0.0, 0.0))
+    count, per_unit = lines.largest(tall, wide, beyond, room)
+    if per_unit * wide >= THINNEST:
+        found = Lines(count, 0.0, 0.0, (0.0, 0.0))
     else:
         many = max(int(room[1] / (PITCH * THINNEST)), 1)
         fits = ROOM * (room[0] * wide / THINNEST - 2 * beyond)
