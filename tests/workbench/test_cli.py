@@ -89,7 +89,7 @@ def test_list_names_every_study_also_for_programs(here) -> None:
     assert {"observable": "turns", "direction": "falls"}.items() <= modulus["laws"][0].items()
     told = here("list")
     assert "E 5000..40000 (9)" in told
-    assert "(4) turns does not fall along betaL" in told
+    assert "(4): turns does not fall along betaL" in told
 
 
 def test_run_stores_a_dataset_and_prints_its_laws(stored) -> None:

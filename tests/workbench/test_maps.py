@@ -276,7 +276,7 @@ def test_on_small_multiples_each_map_has_the_verdicts_of_its_own_lines_and_one_h
         assert [VERDICTS[int(number)] for number in shown.get_array().ravel()] == expected
         lines += len(ax.lines)
     assert lines == 1
-    assert "Law (1) falls with E" in notes(fig)
+    assert "Law (1): the number of bends falls with E; " in notes(fig)
 
 
 def test_a_law_along_a_further_axis_has_a_map_of_verdicts_where_its_lines_differ_and_a_note_where_they_agree() -> None:
@@ -292,7 +292,7 @@ def test_a_law_along_a_further_axis_has_a_map_of_verdicts_where_its_lines_differ
     assert found == expected
     assert len(np.unique(expected)) > 1
     assert "F₁ =" not in ax.get_xlabel()
-    assert "Law (2) falls with F₁: fails." in notes(fig)
+    assert "Law (2): the number of bends falls with F₁; fails." in notes(fig)
 
 
 def test_shapes_are_developed_curves_at_one_scale_each_in_its_cell(regimes, tmp_path) -> None:

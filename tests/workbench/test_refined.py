@@ -425,7 +425,7 @@ def test_the_default_picture_is_a_map_in_the_plane_and_lines_along_an_axis(store
     np.testing.assert_allclose(edges[[0, -1], 0, 1], [0.5, 1.5])
     notes = fig.legends[0].get_title().get_text().replace("\n", " ")
     assert "Refinement ended as the tolerance is reached" in notes
-    assert "Law (1), bends falls along E: " in notes
+    assert "Law (1): the number of bends falls along E; " in notes
     canvas.save(fig, tmp_path / "map.png", dpi=60)
     assert share_of_ink(pixels(tmp_path / "map.png")) > 0.1
     assert "log" in [ax.get_xscale() for ax in study_figure.figure(line).axes]

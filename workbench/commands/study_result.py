@@ -23,7 +23,7 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
 
     rows = []
     for row in verdicts:
-        rows.append([row["claim"], law_verdicts.stated(row), law_verdicts.measured(row), law_verdicts.said(row)])
+        rows.append([f"{row['claim']}:", law_verdicts.stated(row), law_verdicts.measured(row), law_verdicts.said(row)])
         for also in row["also"] if alternatives else ():
             role = "alternative" if also["alternative"] else "for information"
             name = f"  {role}: {also['observable']}"

@@ -65,7 +65,7 @@ def _print(found: dict[str, Any]) -> None:
         console.say(f"caution: {found['caution']}")
     if found["laws"]:
         console.say("")
-        console.print_table(["law", "", "verdict"], [[v["claim"], v["stated"], v["said"]] for v in found["laws"]])
+        console.print_table(["law", "", "verdict"], [[f"{v['claim']}:", v["stated"], v["said"]] for v in found["laws"]])
         console.say(law_verdicts.tallied(found["laws"]))
 
 

@@ -17,7 +17,7 @@ STOPS: tuple[tuple[float, tuple[int, int, int]], ...] = (
     (0.8, (15, 84, 152)),
     (1.0, (7, 44, 105)),
 )
-PULL = (230, 126, 0)  # wherever the cylinder would have to pull
+PULL = (222, 120, 0)  # wherever the cylinder would have to pull
 
 
 def colours(push: Any, largest: float) -> NDArray[np.uint8]:

@@ -127,20 +127,21 @@ def _numbers(verdicts: NDArray[np.str_]) -> NDArray[np.float64]:
 
 
 def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
-    """``(1) falls with E: qualified; deciding line: R = 0.75 cm``."""
+    """``(1): the number of bends falls with E; qualified; deciding line: R = 0.75 cm``."""
     row = law.row
     at = ", ".join(f"{labels.axis_symbol(name)} = {labels.value(v, ds[name])}" for name, v in row["at"].items())
     at = at.replace(" ", "\N{NO-BREAK SPACE}")
     does = f"{row['does']} {'with' if row['direction'] else 'along'} {labels.axis_symbol(row['axis'])}"
-    return f"{row['claim']} {does}: {row['verdict']}{f'; deciding line: {at}' if at else ''}"
+    noun = labels.noun_of(row["observable"])
+    return f"{row['claim']}: {noun} {does}; {row['verdict']}{f'; deciding line: {at}' if at else ''}"
 
 
 def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The refinement of a study in words, and the verdict of each of its laws."""
-    told = [f"law {row['claim']}, {labels.law_text(row, law_verdicts.stated(row))}: {row['verdict']}" for row in rows]
+    told = [f"law {row['claim']}: {labels.law_text(row, law_verdicts.stated(row))}; {row['verdict']}" for row in rows]
     watched = refined.described(ds).watch
     ended = str(ds.attrs.get(SAMPLING[-1], ""))
-    ended = re.sub(r"\w+", lambda one: labels.symbol_of(one[0]) if one[0] in watched else one[0], ended)
+    ended = re.sub(r"\w+", lambda one: labels.noun_of(one[0]) if one[0] in watched else one[0], ended)
     return [f"{text[0].upper()}{text[1:]}." for text in (ended, *told) if text]
 
 

@@ -29,7 +29,7 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> Axes:
     curve(ds, ax, row)
     name = labels.long_name if row["kind"] == MONOTONE else labels.symbol
     law = f"{name(ds[row['observable']])} {row['does']} {'with' if row['kind'] == MONOTONE else 'along'}"
-    title = labels.minus_signs(f"{row['claim']}  {law} {labels.axis_symbol(row['axis'])}:")
+    title = labels.minus_signs(f"{row['claim']}: {law} {labels.axis_symbol(row['axis'])}")
     pad = 6 + _write_verdict(ax, row)
     ax.set_title(style.wrapped(title, ax), loc="left", pad=pad)
     if row["also"]:

@@ -72,13 +72,15 @@ def figure(
     heights = maps.heights() + [maps.small[1] + 1.2] * len(pairs) + ([maps.of_shapes[1] + 1.3] if shapes else [])
 
     def draw(fig: Figure) -> None:
-        grid = fig.add_gridspec(len(heights), 1, height_ratios=heights)
+        across = max([maps.columns_of_rows(), *map(len, pairs)])
+        grid = fig.add_gridspec(len(heights), across, height_ratios=heights)  # one grid: maps have equal widths
         for row in range(len(maps.heights())):
-            maps.draw_row(fig, grid[row, 0], row)
+            row_cells = [grid[row, :]] if maps.columns_of_rows() == 1 else [grid[row, k] for k in range(across)]
+            maps.draw_row(fig, row_cells, row)
         for row, pair in enumerate(pairs, len(maps.heights())):
-            maps.draw_laws(fig, grid[row, 0].subgridspec(1, maps.across), pair)
+            maps.draw_laws(fig, [grid[row, k] for k in range(len(pair))], pair)
         if shapes is not None:
-            maps.draw_shapes(fig.add_subplot(grid[len(heights) - 1, 0]), shapes)
+            maps.draw_shapes(fig.add_subplot(grid[len(heights) - 1, :]), shapes)
         entries, notes = map_panel.entries(columns, choice.shown)
         alike = [f"Law {law_lines.sentence(law, ds, choice)}." for law in elsewhere if law not in mixed]
         legend.below(fig, [*entries, *maps.entries], [*notes, *maps.notes(), *alike])
@@ -120,28 +122,31 @@ class _Maps:
         lines = [max(len(self._laws_of(name)) for name in row) for row in self.rows]
         return [self.inches[1] + (0.6 if self.choice.along else 0.95) + LINE * count * 2 for count in lines]
 
-    def draw_row(self, fig: Figure, cell: Any, row: int) -> None:
-        """Draw the maps of one row of the figure."""
+    def columns_of_rows(self) -> int:
+        """How many maps stand side by side."""
+        return len(self.columns) if self.choice.along else max(map(len, self.rows))
+
+    def draw_row(self, fig: Figure, cells: Sequence[Any], row: int) -> None:
+        """Draw the maps of one row of the figure in its cells."""
         names = self.rows[row]
         if self.choice.along:
-            grid = cell.subgridspec(1, len(self.columns))
-            self._draw(fig, [grid[0, k] for k in range(len(self.columns))], names[0], row == len(self.rows) - 1)
+            self._draw(fig, list(cells[: len(self.columns)]), names[0], row == len(self.rows) - 1)
             return
-        grid = cell.subgridspec(1, max(map(len, self.rows)))
-        for k, name in enumerate(names):
-            self._draw(fig, [grid[0, k]], name)
+        for cell, name in zip(cells, names, strict=False):
+            self._draw(fig, [cell], name)
 
-    def draw_laws(self, fig: Figure, grid: Any, laws: Sequence[law_lines.JudgedLaw]) -> None:
+    def draw_laws(self, fig: Figure, cells: Sequence[Any], laws: Sequence[law_lines.JudgedLaw]) -> None:
         """Draw a map of its own for each of at most two laws along a further axis."""
-        for k, law in enumerate(laws):
-            ax = fig.add_subplot(grid[0, k])
+        for cell, law in zip(cells, laws, strict=True):
+            ax = fig.add_subplot(cell)
             where = self.places[0]
             self.entries += law_lines.draw_map(ax, law, self.columns[0], where, self.small)
             self._label(ax, leaving=law.row["axis"])
             said = f"{law_lines.sentence(law, self.ds, self.choice)}; lines: {law_lines.counts(law, where)}"
             lines = style.fitted(said, self.small[0] + 0.2, style.small())
-            ax.annotate(lines, (0, 1), (0, 4), xycoords="axes fraction", textcoords="offset points",
-                        size=style.small(), color=style.VERDICT_COLOURS[law.row["verdict"]], va="bottom")  # fmt: skip
+            note = ax.annotate(lines, (0, 1), (0, 4), xycoords="axes fraction", textcoords="offset points",
+                               size=style.small(), color=style.VERDICT_COLOURS[law.row["verdict"]], va="bottom")  # fmt: skip
+            note.set_in_layout(False)  # the pad of the title makes its room
             along = f"verdicts on {law.row['observable']} along {labels.axis_symbol(law.row['axis'])}"
             ax.set_title(along, loc="left", pad=11 * (lines.count("\n") + 1) + 6)
 
@@ -197,8 +202,9 @@ class _Maps:
             text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
             lines = style.fitted(text, self.inches[0] + 0.2, style.small())
             colour = style.VERDICT_COLOURS[law.row["verdict"]]
-            ax.annotate(lines, (0, 1), (0, above + 4), xycoords="axes fraction", textcoords="offset points",
-                        size=style.small(), color=colour, va="bottom")  # fmt: skip
+            note = ax.annotate(lines, (0, 1), (0, above + 4), xycoords="axes fraction", textcoords="offset points",
+                               size=style.small(), color=colour, va="bottom")  # fmt: skip
+            note.set_in_layout(False)  # the pad of the title makes its room
             above += 11 * (lines.count("\n") + 1)
         title = labels.long_name(self.ds[name])
         if self.choice.along:

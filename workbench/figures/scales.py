@@ -1,6 +1,7 @@
 """The scale of an axis of stored values: logarithmic or linear, the edges of their cells, ticks at 1, 2 and 5."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from math import ceil, floor, log10
 
 import numpy as np
@@ -10,11 +11,13 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 from numpy.typing import NDArray
 
 from ..data import labels
+from . import style
 
 Values = NDArray[np.float64]
 
 WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
 EVEN = 1e-6  # share by which the steps of a geometric axis may differ
+MOST, APART = 8, 0.16  # ticks of an axis; inches between two numbers, one above the other
 FEW, SUBS = 3, ((1, 2, 5), (1,))  # ticks that a logarithmic axis has at least; their digits
 
 
@@ -50,13 +53,10 @@ class Scale:
         if self.logarithmic:
             (ax.set_xscale if which == "x" else ax.set_yscale)("log")
         (ax.set_xlim if which == "x" else ax.set_ylim)(self.edges[0], self.edges[-1])
-        found = ticks(float(self.edges[0]), float(self.edges[-1]), self.logarithmic, self._room(which, inches))
+        low, high = float(self.edges[0]), float(self.edges[-1])
+        found = fitting(low, high, self.logarithmic, inches, upward=which == "y")
         axis.set_minor_locator(NullLocator())
-        axis.set_ticks(found, [labels.number(value).replace("-", "−") for value in found])
-
-    def _room(self, which: str, inches: float) -> int:
-        each = 0.3 if which == "y" else 0.16 + 0.065 * max(len(labels.number(float(v))) for v in self.values[[0, -1]])
-        return max(int(inches / each), 2)
+        axis.set_ticks(found, [_written(value) for value in found])
 
 
 def scale_of(axis: xr.DataArray) -> Scale:
@@ -70,6 +70,24 @@ def scale_of(axis: xr.DataArray) -> Scale:
         between = (points[1:] + points[:-1]) / 2
         edges = np.concatenate([[2 * points[0] - between[0]], between, [2 * points[-1] - between[-1]]])
     return Scale(values, np.exp(edges) if logarithmic else edges, logarithmic)
+
+
+def fitting(low: float, high: float, logarithmic: bool, inches: float, upward: bool = False) -> list[float]:
+    """As many `ticks` as have room on an axis of so many inches, so that no two of their numbers meet."""
+    change = log10 if logarithmic else float
+    for most in range(MOST, 1, -1):
+        found = ticks(low, high, logarithmic, most)
+        places = [inches * (change(value) - change(low)) / (change(high) - change(low)) for value in found]
+        sizes = [style.small() / 72 if upward else style.width_of(_written(value), style.small()) for value in found]
+        gaps = [b - a - (left + right) / 2
+                for (a, b), (left, right) in zip(pairwise(places), pairwise(sizes), strict=True)]  # fmt: skip
+        if min(gaps, default=0.0) >= (APART if upward else style.width_of("0", style.small())):
+            return found
+    return found[:1] + found[-1:] if len(found) > 2 else found
+
+
+def _written(value: float) -> str:
+    return labels.number(value).replace("-", "−")
 
 
 def ticks(low: float, high: float, logarithmic: bool, most: int) -> list[float]:

@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
+from matplotlib.ticker import MaxNLocator, NullLocator
 from numpy.typing import NDArray
 
 from studies.dimensions import SAMPLE
@@ -15,8 +15,10 @@ from studies.laws import FAILS
 
 from ..data import labels, observed, schema, selection
 from . import style
+from .scales import fitting
 
 ROW_HEIGHT, LEAST_WIDTH = 2.1, 1.7  # inches of a panel
+NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches of a panel at least; of ticks and label
 FEW, MANY = 300, 4000  # samples up to which a dot is large, and beyond which the density is drawn
 LEAST = 8  # samples of which a rank correlation says something
 BINS = (90, 60)  # of the density
@@ -30,49 +32,73 @@ def fields_of(ds: xr.Dataset) -> list[str]:
     return [schema.dimension(name) for name in schema.sampled_fields(ds)]
 
 
-def scatter(ds: xr.Dataset, fig: Figure, cell: Any) -> None:
-    """Draw each observable against each sampled field in a cell of a grid of the figure.
+def blocks_of(ds: xr.Dataset, width: float) -> list[list[str]]:
+    """The fields in blocks, one below the other, whose panels have room side by side in so many inches."""
+    fields, across = fields_of(ds), max(int((width - BESIDE) / LEAST_PANEL), 1)
+    return [fields[i : i + across] for i in range(0, len(fields), across)]
+
+
+def height(ds: xr.Dataset, width: float, narrow: bool) -> float:
+    """The inches of all blocks on a figure of so many inches."""
+    row = NARROW_ROW if narrow else ROW_HEIGHT
+    return len(blocks_of(ds, width)) * (row * len(observed.observables(ds)) + 0.5)
+
+
+def said(ds: xr.Dataset) -> str:
+    """How many samples there are, where the axes are held, and what r is."""
+    held = {axis: i for axis, i in selection.case(ds).items() if axis != SAMPLE}
+    at = ", ".join(f"{labels.axis_symbol(k)} = {labels.value(float(ds[k][i]), ds[k])}" for k, i in held.items())
+    count = f"{ds.sizes[SAMPLE]} sample{'s' * (ds.sizes[SAMPLE] != 1)}"
+    dense = "; the darker, the more samples" if ds.sizes[SAMPLE] > MANY else ""
+    return f"{count}{f', at {at}' if at else ''}; r: rank correlation{dense}."
+
+
+def scatter(ds: xr.Dataset, fig: Figure, cell: Any, width: float) -> None:
+    """Draw each observable against each sampled field in a cell of a grid of a figure of so many inches.
 
     Beside samples the dataset may have axes: they are held where the laws or Table 1 put them. Each panel says the rank
     correlation (Spearman) of its two quantities, over the solved samples.
     """
     held = {axis: i for axis, i in selection.case(ds).items() if axis != SAMPLE}
     here = ds.isel(held)
-    names, fields = observed.observables(ds), fields_of(ds)
-    grid = cell.subgridspec(len(names), len(fields), hspace=0.06, wspace=0.04)
-    at = ", ".join(f"{labels.axis_symbol(k)} = {labels.value(float(ds[k][i]), ds[k])}" for k, i in held.items())
-    top: Axes | None = None
+    names, blocks = observed.observables(ds), blocks_of(ds, width)
+    across = max(map(len, blocks))
+    grid = cell.subgridspec(len(names) * len(blocks), across, hspace=0.06, wspace=0.04)
+    room = (width - BESIDE) / across - 0.1
     lefts: list[Axes] = []
+    for k, fields in enumerate(blocks):
+        lefts += _block(here, fig, grid, k * len(names), fields, room)
+    fig.align_ylabels(lefts)
+
+
+def _block(ds: xr.Dataset, fig: Figure, grid: Any, first: int, fields: list[str], room: float) -> list[Axes]:
+    """Draw a block of fields from a row of the grid on; its leftmost panels. room: inches of a panel."""
+    names, lefts = observed.observables(ds), []
     for i, name in enumerate(names):
         left: Axes | None = None
         for j, field in enumerate(fields):
-            ax = fig.add_subplot(grid[i, j], sharey=left, label=f"{name} against {field}")
-            _panel(here, ax, name, field)
+            ax = fig.add_subplot(grid[first + i, j], sharey=left, label=f"{name} against {field}")
+            _panel(ds, ax, name, field, room)
             left = left or ax
-            top = top or ax
             ax.tick_params(labelleft=j == 0, labelbottom=i == len(names) - 1)
             if i == len(names) - 1:
                 ax.set_xlabel(labels.axis_label(field, ds[field], long=False))
         assert left is not None
-        left.set_ylabel(labels.label(ds[name]))
+        left.set_ylabel(style.fitted(labels.label(ds[name]), 1.2))
         lefts.append(left)
-    fig.align_ylabels(lefts)
-    assert top is not None
-    count = f"{ds.sizes[SAMPLE]} sample{'s' * (ds.sizes[SAMPLE] != 1)}"
-    dense = "; the darker, the more samples" if ds.sizes[SAMPLE] > MANY else ""
-    text = f"{count}{f', at {at}' if at else ''}; r: rank correlation{dense}"
-    top.annotate(text, (0, 1), (0, 16), xycoords="axes fraction", textcoords="offset points")
+    return lefts
 
 
-def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str) -> None:
-    """One observable against one field."""
+def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None:
+    """One observable against one field, on a panel of so many inches."""
     x, y = labels.in_label_unit(ds[field], ds[field].values), ds[name].values.astype(float)
     solved = np.isfinite(y)
-    logarithmic = _scale(ax, x)
+    logarithmic = _scale(ax, x, room)
     if solved.sum() > MANY:
         _density(ax, x[solved], y[solved], logarithmic)
     else:
         size, alpha = (16, 0.75) if x.size <= FEW else (5, 0.45)
+        size = size * min(room / ROW_HEIGHT, 1.0) ** 2
         ax.scatter(x[solved], y[solved], s=size, color=style.PUSHED, alpha=alpha, linewidths=0, zorder=3)
     if not solved.all():
         ax.plot(x[~solved], np.zeros(int((~solved).sum())), "x", color=style.VERDICT_COLOURS[FAILS], markersize=4,
@@ -94,20 +120,16 @@ def rank_correlation(x: Values, y: Values) -> float | None:
     return float(np.corrcoef(rankdata(x), rankdata(y))[0, 1])
 
 
-def _scale(ax: Axes, x: Values) -> bool:
-    """A logarithmic axis where the samples are spread more evenly so; whether it is one."""
+def _scale(ax: Axes, x: Values, inches: float) -> bool:
+    """A logarithmic axis where the samples are spread more evenly so; whether it is one. inches: its length."""
     low, middle, high = float(x.min()), float(np.median(x)), float(x.max())
     if low > 0 and high > WIDE * low and abs(middle - np.sqrt(low * high)) < abs(middle - (low + high) / 2):
         ax.set_xscale("log")
-        subs = (1.0,) if high > 100 * low else (1.0, 2.0, 5.0)
-        ax.xaxis.set_major_locator(LogLocator(subs=subs))
-        ax.xaxis.set_major_formatter(lambda value, _: labels.number(value))
-        ax.xaxis.set_minor_locator(NullLocator())
-        ax.xaxis.set_minor_formatter(NullFormatter())
-        return True
-    ax.xaxis.set_major_locator(MaxNLocator(nbins=4, prune="both"))
-    ax.xaxis.set_major_formatter(labels.tick)
-    return False
+    logarithmic = ax.get_xscale() == "log"
+    some = fitting(low, high, logarithmic, inches)
+    ax.xaxis.set_minor_locator(NullLocator())
+    ax.set_xticks(some, [labels.number(value).replace("-", "−") for value in some])
+    return logarithmic
 
 
 def _density(ax: Axes, x: Values, y: Values, logarithmic: bool) -> None:

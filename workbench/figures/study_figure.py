@@ -68,9 +68,9 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
     heights = [law_height if beside else strip_height(curves, axis, width) for axis in strips]
     below = 0 if beside else law_height * -(-count // across)
     heights += [below] if below else []
-    heights += [scatter.ROW_HEIGHT * len(observed.observables(ds)) + 0.7] if sampled else []
-    if sampled and sheet.style == SCREEN.style:
+    if sampled and sheet.style == SCREEN.style and not sheet.narrow:
         width = max(width, scatter.LEAST_WIDTH * len(scatter.fields_of(ds)) + 0.8)
+    heights += [scatter.height(ds, width, sheet.narrow)] if sampled else []
 
     def draw(fig: Figure) -> None:
         ratios = (1.3, 1) if beside else (1,)
@@ -81,7 +81,8 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
         for i, axis in enumerate(strips):
             developed(curves, fig.add_subplot(grid[i, 0]), axis)
         if sampled:
-            scatter.scatter(ds, fig, grid[len(heights) - 1, 0])
+            scatter.scatter(ds, fig, grid[len(heights) - 1, 0], width)
+            legend.below(fig, [], [scatter.said(ds)])
         for row, cell in zip(rows, cells, strict=False):
             panel(ds, fig.add_subplot(cell), row)
         for name, cell in zip(plain, cells, strict=False):
@@ -89,7 +90,7 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
             ax.set_title(labels.long_name(ds[name]), loc="left")
             legend.add(ax)
 
-    return canvas.figure((width, 0.7 * sheet.titled + sum(heights)), draw, ds, sheet=sheet)
+    return canvas.figure((width, 0.7 * sheet.titled + 0.3 * sampled + sum(heights)), draw, ds, sheet=sheet)
 
 
 def _only(

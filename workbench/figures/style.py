@@ -25,7 +25,8 @@ CROSSED = "#b3004f"  # rings where a rod passes through itself
 STABLE = "#b3261e"  # the stable ones among all equilibria
 
 RAMP = colormaps["viridis"]
-RAMP_ENDS = (0.0, 0.88)  # the last yellow is too light on white
+RAMP_ENDS = (0.0, 0.59)  # of lines and dots: beyond, their contrast to white is below 3
+MAP_ENDS = (0.0, 0.88)
 
 # Maps: the same ramp mixed with white, so that ink (numbers, hatching, lines) stands out from every colour of it
 WHITE_OF_MAP = 0.42
@@ -86,15 +87,15 @@ def _points(size: Any) -> float:
     return FontProperties(size=size).get_size_in_points()
 
 
-def ramp_colours(count: int) -> list[Any]:
-    """That many colours along the ramp."""
-    low, high = RAMP_ENDS
+def ramp_colours(count: int, ends: tuple[float, float] = RAMP_ENDS) -> list[Any]:
+    """That many colours along the ramp, between two places on it."""
+    low, high = ends
     return [RAMP(low + (high - low) * i / max(count - 1, 1)) for i in range(count)]
 
 
 def map_colours(count: int = 256) -> ListedColormap:
     """The colours of a map, from its lowest value to its highest."""
-    ramp = np.array(ramp_colours(count))
+    ramp = np.array(ramp_colours(count, MAP_ENDS))
     return ListedColormap(ramp * (1 - WHITE_OF_MAP) + WHITE_OF_MAP, name="map")
 
 

@@ -13,9 +13,7 @@ from studies.laws import FAILS, NOISE
 from ..data import labels, schema, selection
 from . import style
 from .developed import axis_label
-from .scales import WIDE, is_geometric, ticks
-
-MOST_TICKS = 7  # of a logarithmic axis
+from .scales import WIDE, fitting, is_geometric
 
 
 def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:
@@ -63,7 +61,7 @@ def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
     refined_so = ds[axis].attrs.get("spacing") == "geometric" and low > 0 and high > WIDE * low
     if refined_so or is_geometric(along):
         ax.set_xscale("log")
-        some = ticks(low, high, True, MOST_TICKS)
+        some = fitting(low, high, True, style.inches(ax)[0])
         ax.xaxis.set_minor_locator(NullLocator())
         ax.set_xticks(some, [labels.number(value) for value in some])
     else:
