@@ -17,7 +17,7 @@ from workbench.data import writing
 from workbench.web.report.measured_runs import SHIPPED
 
 KEPT = {
-    "trade": ("seconds", "error", "outcome", "kind"),
+    "trade": ("seconds", "error", "outcome", "answered", "kind"),
     "extremes": ("verdict", "error", "condition", "span", "group"),
 }
 

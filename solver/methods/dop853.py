@@ -14,4 +14,4 @@ class DOP853(Adaptive):
     summary = "adaptive Runge-Kutta of order 8 (scipy), the reference"
     order = 8
     integrator = "DOP853"
-    ladders = (Ladder("dop853", "rtol", (*tens(2, 12, 2), 1e-13), "#e69f00", "D", most=3 * MOST_CALLED),)
+    ladders = (Ladder("dop853", "rtol", (*tens(2, 12, 2), 1e-13), "#d96a00", "D", most=3 * MOST_CALLED),)

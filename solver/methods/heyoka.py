@@ -31,7 +31,7 @@ class Heyoka(StartMethod):
     order = float("inf")
     requires = "heyoka"
     extra = "taylor"
-    ladders = (Ladder("heyoka", "rtol", tens(1, 15, 2), "#6a3d9a", "P", cold=True, most=MOST_COMPILED),)
+    ladders = (Ladder("heyoka", "rtol", tens(1, 15, 2), "#6424d0", "P", cold=True, most=MOST_COMPILED),)
 
     rtol: float | None = knob(float)
 

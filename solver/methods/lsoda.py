@@ -17,4 +17,4 @@ class LSODA(Adaptive):
     summary = "multistep formulas of variable order, to 12 (scipy's LSODA)"
     order = 12
     integrator = "LSODA"
-    ladders = (Ladder("lsoda", "rtol", (*tens(2, 12, 2), 1e-13), "#cc79a7", "^", most=2 * MOST_CALLED),)
+    ladders = (Ladder("lsoda", "rtol", (*tens(2, 12, 2), 1e-13), "#a04890", "^", most=2 * MOST_CALLED),)

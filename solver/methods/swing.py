@@ -32,7 +32,7 @@ class SwingTaylor(StartMethod):
     knows_orbit = True
     batched = True
     blockwise = False
-    ladders = (Ladder("swing", "tol", TOLERANCES, "#000000", "X"),)
+    ladders = (Ladder("swing", "tol", TOLERANCES, "#000000", "h"),)
 
     @classmethod
     def lacks(cls) -> str:

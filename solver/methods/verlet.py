@@ -30,7 +30,7 @@ class Verlet(StartMethod):
     summary = "the paper's difference equation marched; order 2, extrapolated 4"
     order = 4
     ladders = (
-        Ladder("verlet", "steps", twos(8), "#56b4e9", "o", fixed={"extrapolate": False}),
+        Ladder("verlet", "steps", twos(8), "#2997f2", "o", fixed={"extrapolate": False}),
         Ladder("verlet", "steps", twos(7), "#0072b2", "o", label="verlet extrapolated"),
     )
 

@@ -300,7 +300,8 @@ def test_a_constant_observable_has_no_index_and_a_remark() -> None:
 
 def test_invalid_numbers_are_refused() -> None:
     y = np.zeros((32, 1))
-    for options, part in (({"confidence": 1.5}, "got 1.5"), ({"seed": 0}, "positive"), ({}, "8 blocks are too few")):
+    few = "at least 16 blocks of 4 samples, better 256, got 8"
+    for options, part in (({"confidence": 1.5}, "got 1.5"), ({"seed": 0}, "positive"), ({}, few)):
         with pytest.raises(InputError, match=part):
             analysed(Design(2, 8, False), y, ["a", "b"], ["y"], **options)  # type: ignore[arg-type]
 
@@ -326,7 +327,7 @@ def test_a_stored_study_of_the_design_has_indices(stored: Path, tmp_path, monkey
     assert float(total.sum()) == pytest.approx(1, abs=0.3)  # 32 blocks
     run(f"sensitivity {stored} --global --out g.csv --plot g.png --dpi 100")
     shown = capsys.readouterr().out
-    for part in ("kappa_max", "95 % confidence", "32 blocks are few"):
+    for part in ("kappa_max", "95 % confidence", "the intervals are rough: 32 blocks"):
         assert part in shown
     assert len(list(csv.DictReader(Path("g.csv").read_text(encoding="utf-8").splitlines()))) == 6
     assert 0.02 < share_of_ink(pixels(Path("g.png"))) < 0.6

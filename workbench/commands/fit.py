@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .case_options import Given, takes_case
-from .options import At, Choose, ForceOutput, Json, Reading, argument, flag, option
+from .options import At, Choose, ForceOutput, Json, NoTitle, Reading, Style, Width, argument, flag, option
 
 if TYPE_CHECKING:
-    from solver.inverse.result import Fit
+    import xarray as xr
 
+    from ..figures.sheet import Sheet
     from ..run.case_input import CaseInput
 
 OUT = (".toml", ".csv")
@@ -64,6 +65,10 @@ def fit(
     choose: Choose = None,
     out: Out = None,
     plot: Picture = None,
+    style: Style = "screen",
+    width: Width = None,
+    no_title: NoTitle = False,
+    dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
     force: ForceOutput = False,
     json: Json = False,
 ) -> int:
@@ -78,9 +83,10 @@ def fit(
     from solver import fit as fitted
 
     from ..figures import canvas
-    from ..fitting import fit_input
-    from . import output_file
+    from ..fitting import fit_dataset, fit_input, fit_output
+    from . import output_file, picture_page
 
+    sheet = picture_page.page(plot, style, width, no_title)
     for path, suffixes in ((out, OUT), (plot, canvas.DIAGRAMS)):
         if path is not None:
             output_file.check(path, suffixes, force)
@@ -109,7 +115,10 @@ def fit(
 
         say(found, asked, taken)
     if found.solution is not None:
-        _write(found, asked, out, plot, read, wrapped)
+        if out is not None:
+            fit_output.write(found, asked, out)
+        if plot is not None:
+            _draw(fit_dataset.dataset_of(found, asked.units, read, wrapped), plot, sheet, dpi)
     return 0 if found.solved else 1
 
 
@@ -169,15 +178,10 @@ def _rule(asked: "CaseInput", choose: str | None) -> Any:
     return which.rule
 
 
-def _write(
-    found: "Fit", asked: "CaseInput", out: Path | None, plot: Path | None, points: dict[str, Any] | None, wrapped: bool
-) -> None:
-    """Write the files of --out and --plot."""
+def _draw(table: "xr.Dataset", path: Path, sheet: "Sheet | None", dpi: int) -> None:
+    """Draw the figure of a fit."""
     from ..figures import canvas
     from ..figures import fit as fit_figure
-    from ..fitting import fit_dataset, fit_output
+    from ..figures.sheet import SCREEN
 
-    if out is not None:
-        fit_output.write(found, asked, out)
-    if plot is not None:
-        canvas.save(fit_figure.figure(fit_dataset.dataset_of(found, asked.units, points, wrapped)), plot)
+    canvas.save(fit_figure.figure(table, sheet or SCREEN), path, dpi)

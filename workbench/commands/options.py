@@ -86,6 +86,15 @@ At = Annotated[
         "it. Give --at once for each axis.",
     ),
 ]
+Style = Annotated[str, option("STYLE", "screen, or paper: letters of 8 points, 183 mm wide.", rich_help_panel="Print")]
+Width = Annotated[
+    float | None,
+    numbered("Width of the picture [mm], such as 89 or 183; letters keep their size.", rich_help_panel="Print"),
+]
+NoTitle = Annotated[
+    bool,
+    flag("Leave out the title and what a caption tells; the command prints it.", "--no-title", rich_help_panel="Print"),
+]
 PixelError = Annotated[float, numbered("Largest error of the drawn surface [pixels].")]
 ForceOutput = Annotated[bool, flag("Replace output files that exist.", "--force")]
 ForceStudy = Annotated[bool, flag("Replace the file of --out even if it is not this study.", "--force")]

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
-from .options import At, File, ForceOutput, flag, numbered, option
+from .options import At, File, ForceOutput, NoTitle, Style, Width, option
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,23 +40,18 @@ def plot(
     shapes: Annotated[
         str | None, option("NxM", "Draw N x M developed shapes over the first map, such as 5x5 (at most 12x12).")
     ] = None,
-    style: Annotated[
-        str, option("STYLE", "screen, or paper: letters of 8 points, 183 mm wide.", rich_help_panel="Print")
-    ] = "screen",
-    width: Annotated[
-        float | None,
-        numbered("Width of the picture [mm], such as 89 or 183; letters keep their size.", rich_help_panel="Print"),
-    ] = None,
+    style: Style = "screen",
+    width: Width = None,
     panel: Annotated[
         str | None,
         option(
             "NAME",
-            "One panel alone: an observable of a map; else an axis (its developed curves), the claim of a law, an "
-            "observable, or samples.",
+            "One panel alone: an observable of a map; else an axis (its developed curves), the claim of a law (with "
+            "its observable where several laws share it), an observable, or samples.",
             rich_help_panel="Print",
         ),
     ] = None,
-    no_title: Annotated[bool, flag("Leave out the title of the study.", "--no-title", rich_help_panel="Print")] = False,
+    no_title: NoTitle = False,
     data: Annotated[
         Path | None, option("FILE", "CSV file of the numbers that are drawn.", rich_help_panel="Print")
     ] = None,
@@ -70,7 +65,7 @@ def plot(
     unrolled cylinder.
     """
     from ..data import atomic, writing
-    from ..figures import canvas, drawn_data
+    from ..figures import canvas, drawn_data, notes
     from ..figures.sheet import sheet
     from . import output_file
 
@@ -80,6 +75,8 @@ def plot(
     table = output_file.check(data, (".csv",), force) if data else None
     drawn = _figure(ds, kind, {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}, page)
     canvas.save(drawn, path, dpi)
+    for note in notes.kept(drawn):
+        console.say(note)
     console.say(str(path))
     if table:
         with atomic.replacing(table) as part:

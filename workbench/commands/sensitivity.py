@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
-from .options import At, ForceOutput, Json, argument, flag, number, option
+from .options import At, ForceOutput, Json, NoTitle, Style, Width, argument, flag, number, option
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,6 +36,9 @@ def sensitivity(
         Path | None, option("FILE", "Diagram: tornado diagrams, with --global the indices; .png, .pdf or .svg.")
     ] = None,
     out: Annotated[Path | None, option("FILE", "Table, .csv, in full precision.", "--out", "-o")] = None,
+    style: Style = "screen",
+    width: Width = None,
+    no_title: NoTitle = False,
     dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
     force: ForceOutput = False,
     json: Json = False,
@@ -47,10 +50,11 @@ def sensitivity(
     """
     from solver.problem.errors import InputError
 
-    from ..figures import canvas, index_bars, tornado
+    from ..figures import canvas, index_bars, notes, tornado
     from ..influence import tables
-    from . import output_file
+    from . import output_file, picture_page
 
+    sheet = picture_page.page(plot, style, width, no_title)
     for path, suffixes in ((plot, canvas.DIAGRAMS), (out, CSV)):
         if path is not None:
             output_file.check(path, suffixes, force)
@@ -66,7 +70,10 @@ def sensitivity(
     if out is not None:
         tables.write(table, out)
     if plot is not None:
-        canvas.save((index_bars if whole else tornado).figure(table), plot, dpi)
+        drawn = (index_bars if whole else tornado).figure(table, sheet)
+        canvas.save(drawn, plot, dpi)
+        for note in notes.kept(drawn) if not json else ():
+            console.say(note)
     for path in (out, plot):
         if path is not None and not json:
             console.say(str(path))

@@ -42,7 +42,7 @@ def print_sampling(found: Mapping[str, Any]) -> None:
 
 
 def print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
-    """Print how often each outcome occurs but the plain one; of cases with fewer digits the one of the largest error."""
+    """Print how often each outcome occurs but the plain one; of cases with fewer digits also which is the worst."""
     from solver.problem.trajectory import FEWER
 
     fewer = 0
@@ -57,17 +57,17 @@ def print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
 
 def _fewer_digits(count: int, file: Path) -> str:
     """What cases have lost whose error is above the tolerance, how many digits remain, and which case is the worst."""
-    from ..data import law_verdicts
+    from ..data import labels, law_verdicts
     from ..run.summary import least_accurate
 
     worst = least_accurate(file)
     digits = max(floor(-log10(worst["error"])), 0)
-    which = f"the least accurate, at {worst['at']}," if worst["at"] and count > 1 else worst["at"] and f"that at {worst['at']}"
-    which = which or "it"
+    at = f"at {worst['at']}" if worst["at"] else ""
+    which = f"the least accurate, {at}, has" if count > 1 else f"{at} it has".strip()
     return (
-        f"{law_verdicts.counted(count, 'case')} {'are' if count > 1 else 'is'} solved to fewer digits than the tolerance "
-        f"asks for: {which} has about {law_verdicts.counted(digits, 'digit')} (estimated error {worst['error']:.1e}), "
-        f"because a small change of its data grows {worst['condition']:.2g} times along the rod"
+        f"{law_verdicts.counted(count, 'case')} {'are' if count > 1 else 'is'} solved to fewer digits than the "
+        f"tolerance asks for: {which} about {law_verdicts.counted(digits, 'digit')} (estimated error "
+        f"{worst['error']:.1e}), because a small change of its data grows {labels.number(worst['condition'], 2)} times along the rod"
     )
 
 

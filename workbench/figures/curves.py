@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -18,7 +17,7 @@ from solver.problem.errors import no_such
 
 from ..data import cautions, labels
 from ..geometry.self_intersections import places
-from . import canvas, developed, drawn_rods, legend, long_curve, push_scale, style
+from . import canvas, developed, drawn_rods, legend, long_figure, push_scale, style
 from .drawn_rods import DrawnRod, DrawnRods
 from .sheet import SCREEN, Sheet
 
@@ -80,10 +79,13 @@ def figure(
     if sheet.panel not in (None, "curves"):
         raise no_such("panel", str(sheet.panel), ["curves"])
     found = drawn_rods.choose(ds, NAMES, x, at, MOST)
-    lines = {id(rod): developed_curve(rod) for rod in found.solved}
+    return long_figure.figure(found, sheet) or _small_multiples(found, sheet)
+
+
+def _small_multiples(found: DrawnRods, sheet: Sheet) -> Figure:
+    """The curves of all rods at one scale."""
+    lines = {id(rod): rod.developed() for rod in found.solved}
     limits = _limits(list(lines.values()))
-    if len(found.rods) == 1 and (long_rod := _lines(found.rods[0], sheet)):
-        return _long_rod(found, *long_rod, sheet)
     page = _page(len(found.rods), limits, sheet)
     norm = push_scale.scale([rod["push"] for rod in found.solved])
     notes: list[str] = []
@@ -111,46 +113,12 @@ def figure(
         inches = (sheet.width if sheet.narrow else page.rows * (page.cell[1] + HEAD)) - 0.3
         push_scale.bar(fig, last, axes, push_scale.unit(found.source), inches, below=sheet.narrow)
         legend.below(
-            fig, _entries(found.solved, axes), [*_said(found, named, page), *found.notes, *dict.fromkeys(notes)]
+            fig, _entries(found.solved, axes), [*_said(found, named, page), *found.notes, *dict.fromkeys(notes)], sheet
         )
 
     tall = max(page.rows * (page.cell[1] + HEAD), 1.2)
     height = tall + 1.1 + 0.7 * sheet.titled + (0.9 if sheet.narrow else 0.0)
     return canvas.figure((sheet.width, height), draw, found.source, sheet=sheet)
-
-
-def _lines(rod: DrawnRod, sheet: Sheet) -> tuple[long_curve.Curve, long_curve.Lines] | None:
-    """The curve of a long rod and its lines; None for a rod that needs none."""
-    across, z = developed_curve(rod)
-    curve = long_curve.Curve(rod["s"], z, across, rod["push"], rod.rho, rod.rho + rod.a)
-    lines = long_curve.lines_for(curve, long_curve.room(sheet.width - (0.0 if sheet.narrow else BAR)))
-    return (curve, lines) if lines else None
-
-
-def _long_rod(found: DrawnRods, curve: long_curve.Curve, lines: long_curve.Lines, sheet: Sheet) -> Figure:
-    """The figure of one long rod, set in lines."""
-    unit = labels.unit(str(found.source.attrs["length_unit"]))
-
-    def draw(fig: Figure) -> None:
-        ax = fig.add_subplot()
-        ax.set_label(found.rods[0].name)
-        notes = long_curve.draw(ax, curve, lines, unit, name=found.rods[0].name)
-        drawn = next(one for one in ax.collections if isinstance(one, LineCollection))
-        inches = sheet.width - 0.3 if sheet.narrow else lines.height + HEAD
-        push_scale.bar(fig, drawn, [ax], push_scale.unit(found.source), inches, below=sheet.narrow)
-        if "overlaps" in cautions.keys(found.rods[0].caution):
-            notes.append("The rod passes through itself; lines have no rings.")
-        said = ["Developed curve, seen from outside.", *notes, *found.said(), *found.notes]
-        legend.below(fig, _entries(found.solved, [ax]), said)
-
-    height = lines.height + 1.5 + 0.7 * sheet.titled + (0.9 if sheet.narrow else 0.0)
-    return canvas.figure((sheet.width, height), draw, found.source, sheet=sheet)
-
-
-def developed_curve(rod: DrawnRod) -> tuple[Any, Any]:
-    """rho (alpha - alpha(0)) and z, (n,) each."""
-    alpha = rod["alpha"]
-    return rod.rho * (alpha - alpha[0]), rod["z"]
 
 
 def _limits(curves: list[tuple[Any, Any]]) -> tuple[Any, Any]:

@@ -14,7 +14,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from ..data import labels, selection
-from . import style
+from . import notes, style
+from .sheet import SCREEN, Sheet
 
 MOST_CURVES = 9
 STRIP = (1.5, 4.5)  # inches, the least and the greatest height of a row of curves
@@ -73,7 +74,7 @@ def larger(factor: float, name: str = "") -> str:
     return f", {name} drawn {factor:g} times larger".replace("  ", " ") if factor > 1 else ""
 
 
-def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
+def developed(ds: xr.Dataset, ax: Axes, axis: str, sheet: Sheet = SCREEN) -> Axes:
     """The developed curves of the rods along an axis, side by side.
 
     Each begins on its own line alpha = 0, and the rod's value on the axis stands below it. Both directions have one
@@ -112,7 +113,13 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str) -> Axes:
     scale = "at one scale" if factor == 1 else "at two scales"
     dots = f"; dots: {ds.sizes['u']} stations miss bends" if coarse else ""
     title = f"Developed curves: ρα to the right, z up, {scale}{dots}"
-    ax.set_title(style.wrapped(title, ax), loc="left")
+    if sheet.titled:
+        ax.set_title(style.wrapped(title, ax), loc="left")
+    else:
+        ax.set_label(f"developed curves along {axis}")
+        fig = ax.get_figure(root=True)
+        assert fig is not None
+        notes.keep(fig, [f"{title}."])
     ax.grid(axis="y", color=style.FAINT, linewidth=0.6)
     ax.set_axisbelow(True)
     return ax

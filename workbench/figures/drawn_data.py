@@ -15,12 +15,17 @@ from matplotlib.collections import LineCollection, PathCollection, QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from . import notes
+
 CASING = "_casing"  # the label of the grey casing of a coloured line
 COLUMNS = ("panel", "x_label", "y_label", "kind", "series", "x", "y", "value")
 
 
 def table(fig: Figure) -> str:
-    """The table as CSV: a row for each point and each cell, with `COLUMNS`; `value` is that of its colour."""
+    """The table as CSV: a row for each point and each cell, with `COLUMNS`; `value` is that of its colour.
+
+    Sentences that the figure keeps for its caption are rows of the kind `note`, as their series.
+    """
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -29,6 +34,7 @@ def table(fig: Figure) -> str:
         head = f"{number} {_one_line(str(title))}".strip()
         named = head, _one_line(ax.get_xlabel()), _one_line(ax.get_ylabel())
         writer.writerows((*named, *row) for row in rows(ax))
+    writer.writerows(("", "", "", "note", note, "", "", "") for note in notes.kept(fig))
     return text.getvalue()
 
 

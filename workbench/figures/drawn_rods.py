@@ -42,6 +42,11 @@ class DrawnRod:
         assert self.arrays is not None
         return np.asarray(self.arrays[name], dtype=float)
 
+    def developed(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """rho (alpha - alpha(0)) and z, (n,) each."""
+        alpha = self["alpha"]
+        return self.rho * (alpha - alpha[0]), self["z"]
+
 
 @dataclass(frozen=True, eq=False)
 class DrawnRods:

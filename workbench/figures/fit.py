@@ -12,8 +12,9 @@ from studies.axes import quantity_of
 
 from ..data import labels
 from . import canvas, developed, legend, style
+from .sheet import SCREEN, Sheet
 
-WIDTH, LOWER = 9.6, 3.4  # inches: of the figure, and the height of the lower panels
+LOWER = 3.4  # inches: the height of the lower panels
 ROOM = (8.8, 2.2)  # inches of the developed curve
 TALLEST, LABELS = 4.4, 1.1  # inches: the highest curve, and the title, legend and labels beside it
 TITLE = 0.5  # inches above all panels
@@ -22,24 +23,26 @@ CROSSES = {False: "; crosses: other minima that the data do not exclude", True: 
 MARKS = ("o", "s", "^", "D", "v", "P")
 
 
-def figure(ds: xr.Dataset) -> Figure:
-    """The figure of a dataset of `fitting.fit_dataset`."""
+def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+    """The figure of a dataset of `fitting.fit_dataset`, on a sheet."""
+    room = sheet.width - 0.8, ROOM[1]
+    upper = _height(ds, room)
+    lower = LOWER if not sheet.narrow else min(LOWER, 0.8 * sheet.width)
+    parts = [region, shares] if ds.sizes["field"] > 1 else [shares]
 
-    upper = _height(ds)
+    across = 1 if sheet.narrow else len(parts)
+    below = -(-len(parts) // across)
 
     def draw(fig: Figure) -> None:
-        rows = fig.add_gridspec(2, 2, height_ratios=(upper, LOWER))
-        curve(ds, fig.add_subplot(rows[0, :]))
-        if ds.sizes["field"] > 1:
-            region(ds, fig.add_subplot(rows[1, 0]))
-            shares(ds, fig.add_subplot(rows[1, 1]))
-        else:
-            shares(ds, fig.add_subplot(rows[1, :]))
+        rows = fig.add_gridspec(1 + below, across, height_ratios=(upper, *[lower] * below))
+        curve(ds, fig.add_subplot(rows[0, :]), room)
+        for k, part in enumerate(parts):
+            part(ds, fig.add_subplot(rows[1 + k // across, k % across]))
 
-    return canvas.figure((WIDTH, TITLE + upper + LOWER), draw, ds)
+    return canvas.figure((sheet.width, TITLE * sheet.titled + upper + lower * below), draw, ds, sheet=sheet)
 
 
-def curve(ds: xr.Dataset, ax: Axes) -> Axes:
+def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     """The fitted developed curve, seen from outside, with the measured points.
 
     z to the right and rho alpha down; where rho alpha spans more than z, rho alpha to the right and z up.
@@ -56,15 +59,16 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
         legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, borderaxespad=0, borderpad=0.3)
     ax.plot(line[0][0], line[1][0], "o", color=style.INK, markersize=5)
     ax.annotate("s = 0", (line[0][0], line[1][0]), (0, -6 if up else 6), textcoords="offset points", ha="center",
-                va="top" if up else "bottom", size=style.SMALL)  # fmt: skip
+                va="top" if up else "bottom", size=style.small())  # fmt: skip
     wide, high = _extent(ds)
-    factor = developed.stretch(wide, high, ROOM)
+    factor = developed.stretch(wide, high, room)
     ax.set_aspect(1 / factor, anchor="NW")
     across, along = (f"ρα [{unit}]", f"z [{unit}]") if up else (f"z [{unit}]", f"ρα [{unit}]")
     ax.set_xlabel(f"{across}{developed.larger(factor)}")
     ax.set_ylabel(style.wrapped(f"{along}{developed.larger(1 / factor)}", ax, upward=True))
     ways = "ρα to the right, z up" if up else "z to the right, ρα down"
-    ax.set_title(f"Developed curve, seen from outside: {ways}", loc="left", pad=22 if "measured_z" in ds else 6)
+    title = style.wrapped(f"Developed curve, seen from outside: {ways}", ax)
+    ax.set_title(title, loc="left", pad=22 if "measured_z" in ds else 6)
     ax.margins(x=0.06, y=0.12)
     if not up:
         ax.invert_yaxis()
@@ -96,10 +100,10 @@ def _extent(ds: xr.Dataset) -> tuple[float, float]:
     return max(z, across), min(z, across)
 
 
-def _height(ds: xr.Dataset) -> float:
+def _height(ds: xr.Dataset, room: tuple[float, float]) -> float:
     """The height of the panel of the curve with its labels [inches]."""
     wide, high = _extent(ds)
-    drawn = ROOM[0] * 1.24 * high / (1.12 * wide * developed.stretch(wide, high, ROOM))
+    drawn = room[0] * 1.24 * high / (1.12 * wide * developed.stretch(wide, high, room))
     return float(np.clip(drawn, 0.6, TALLEST)) + LABELS
 
 

@@ -8,12 +8,13 @@ from matplotlib.patches import Patch
 
 from ..data import labels
 from . import bars, legend, style
+from .sheet import SCREEN, Sheet
 
 FIRST, TOTAL = style.PUSHED, style.LIFTED
 
 
-def figure(ds: xr.Dataset) -> Figure:
-    """Draw a dataset of `influence.sobol`."""
+def figure(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
+    """Draw a dataset of `influence.sobol`; sheet: as of `bars.figure`."""
     names = [str(name) for name in ds["observable"].values]
     share = f"{100 * ds.attrs['confidence']:g} %"
     limits = _limits(ds)
@@ -23,9 +24,9 @@ def figure(ds: xr.Dataset) -> Figure:
             Patch(color=FIRST, label="first order: the field alone"),
             Patch(color=TOTAL, label="total: with interactions"),
         ]
-        legend.below(fig, entries, [f"Shares of the variance; lines: {share} intervals."])
+        legend.below(fig, entries, [f"Shares of the variance; lines: {share} intervals."], sheet or SCREEN)
 
-    return bars.figure(ds, names, 2 * ds.sizes["field"], lambda ax, name: panel(ds, ax, name, limits), below)
+    return bars.figure(ds, names, 2 * ds.sizes["field"], lambda ax, name: panel(ds, ax, name, limits), below, sheet)
 
 
 def panel(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -> Axes:
@@ -47,7 +48,7 @@ def panel(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -> A
     ax.xaxis.set_major_formatter(labels.tick)
     if row["lost"] > 0:
         lost = f"{100 * float(row['lost']):.2g} % of the blocks left out"
-        ax.set_title(lost, loc="right", pad=4, size=style.SMALL, color=style.SOFT)
+        ax.set_title(lost, loc="right", pad=4, size=style.small(), color=style.SOFT)
     return ax
 
 

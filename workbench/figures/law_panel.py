@@ -11,13 +11,17 @@ from studies.laws import FAILS
 from studies.reasons import DOES
 
 from ..data import labels, law_verdicts
-from . import legend, style
+from . import legend, notes, style
 from .law_curve import curve
+from .sheet import SCREEN, Sheet
 from .trends import trend
 
 
-def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> Axes:
-    """Draw a law, given as a row of `law_verdicts.verdicts`: its trend, the verdict above it, its reason below that."""
+def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], sheet: Sheet = SCREEN) -> Axes:
+    """Draw a law, given as a row of `law_verdicts.verdicts`: its trend, the verdict above it, its reason below that.
+
+    On a sheet without a title only the law stands above it; the verdict and the other observables are kept.
+    """
     trend(ds, ax, row["observable"], row["axis"], row["at"])
     for step in row["exceptions"]:
         if all(step["at"][name] == value for name, value in row["at"].items()):
@@ -30,9 +34,11 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> Axes:
     name = labels.long_name if row["kind"] == MONOTONE else labels.symbol
     law = f"{name(ds[row['observable']])} {row['does']} {'with' if row['kind'] == MONOTONE else 'along'}"
     title = labels.minus_signs(f"{row['claim']}: {law} {labels.axis_symbol(row['axis'])}")
-    pad = 6 + _write_verdict(ax, row)
+    pad = 6 + (_write_verdict(ax, row) if sheet.titled else 0.0)
     ax.set_title(style.wrapped(title, ax), loc="left", pad=pad)
-    if row["also"]:
+    if not sheet.titled:
+        _keep(ds, ax, row, title)
+    elif row["also"]:
         text = style.wrapped(_other_observables(ds, row), ax, style.small())
         lines = "\n" * (text.count("\n") + 2)
         ax.set_xlabel(ax.get_xlabel() + lines, linespacing=0.95)  # room that the layout sees
@@ -43,11 +49,22 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> Axes:
     return ax
 
 
+def _keep(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], title: str) -> None:
+    """Keep the verdict and the other observables for the caption."""
+    fig = ax.get_figure(root=True)
+    assert fig is not None
+    told = "; ".join(text for text in (row["verdict"], _measured(row), _other_observables(ds, row)) if text)
+    notes.keep(fig, [f"{title}; {told.rstrip('.')}."])
+
+
+def _measured(row: Mapping[str, Any]) -> str:
+    return labels.law_text(row, "; ".join(text for text in (row["found"], law_verdicts.detail(row)) if text))
+
+
 def _write_verdict(ax: Axes, row: Mapping[str, Any]) -> float:
     """Write the verdict above the axes and its reason below it, in the verdict's colour; their height in points."""
     colour = style.VERDICT_COLOURS[row["verdict"]]
-    measured = "; ".join(text for text in (row["found"], law_verdicts.detail(row)) if text)
-    reason = style.wrapped(labels.law_text(row, measured), ax, style.small())
+    reason = style.wrapped(_measured(row), ax, style.small())
     below = 11 * (reason.count("\n") + 1) if reason else 0
     above: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom",
                              "color": colour}  # fmt: skip

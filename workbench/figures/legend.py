@@ -8,7 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from . import notes as notes_of_figures
 from . import style
+from .sheet import SCREEN, Sheet
 from .style import SOFT
 
 HANDLE = 0.45  # inches of an entry beside its label
@@ -22,8 +24,14 @@ def add(ax: Axes, **where: Any) -> None:
         ax.legend(list(once.values()), list(once), **{"loc": "best", **where})
 
 
-def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = ()) -> None:
-    """One legend below all axes of a figure with a constrained layout: its entries in columns, then notes as text."""
+def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), sheet: Sheet = SCREEN) -> None:
+    """One legend below all axes of a figure with a constrained layout: notes as text, then its entries in columns.
+
+    On a sheet without a title the notes are kept for the caption.
+    """
+    if not sheet.titled:
+        notes_of_figures.keep(fig, notes)
+        notes = ()
     once = {str(entry.get_label()): entry for entry in entries}
     notes = [style.fitted(note, fig.get_figwidth() - 0.3, style.small()) for note in dict.fromkeys(notes)]
     if not once and not notes:

@@ -66,7 +66,7 @@ def figure(
     columns = [cells(ds, choice, where, whole) for where in choice.places()]
     laws, elsewhere = law_lines.judged(ds, choice, verdicts) if whole is None else ([], [])
     maps = _Maps(ds, choice, columns, laws, sheet)
-    maps.more = [] if whole is None else law_lines.of_coarse_grid(whole, verdicts)
+    maps.more = law_lines.of_coarse_grid(whole, verdicts) if whole is not None else []
     mixed = [law for law in elsewhere if law.is_mixed()]
     pairs = _in_rows(mixed, maps.across)
     heights = maps.heights() + [maps.small[1] + 1.2] * len(pairs) + ([maps.of_shapes[1] + 1.3] if shapes else [])
@@ -83,7 +83,7 @@ def figure(
             maps.draw_shapes(fig.add_subplot(grid[len(heights) - 1, :]), shapes)
         entries, notes = map_panel.entries(columns, choice.shown)
         alike = [f"Law {law_lines.sentence(law, ds, choice)}." for law in elsewhere if law not in mixed]
-        legend.below(fig, [*entries, *maps.entries], [*notes, *maps.notes(), *alike])
+        legend.below(fig, [*entries, *maps.entries], [*notes, *maps.notes(), *alike], sheet)
 
     return canvas.figure((sheet.width, 0.4 + 0.7 * sheet.titled + sum(heights)), draw, ds, sheet=sheet)
 
@@ -94,6 +94,7 @@ class _Maps:
     def __init__(
         self, ds: xr.Dataset, choice: Choice, columns: list[Cells], laws: list[law_lines.JudgedLaw], sheet: Sheet
     ) -> None:
+        self.titled = sheet.titled
         self.width, self.across = sheet.width, 1 if sheet.narrow else 2
         alone = self.width - (1.25 if sheet.narrow else 2.0)
         self.large = alone, alone * 0.605  # inches of a map alone in its row
@@ -143,12 +144,9 @@ class _Maps:
             self.entries += law_lines.draw_map(ax, law, self.columns[0], where, self.small)
             self._label(ax, leaving=law.row["axis"])
             said = f"{law_lines.sentence(law, self.ds, self.choice)}; lines: {law_lines.counts(law, where)}"
-            lines = style.fitted(said, self.small[0] + 0.2, style.small())
-            note = ax.annotate(lines, (0, 1), (0, 4), xycoords="axes fraction", textcoords="offset points",
-                               size=style.small(), color=style.VERDICT_COLOURS[law.row["verdict"]], va="bottom")  # fmt: skip
-            note.set_in_layout(False)  # the pad of the title makes its room
+            above = self._write(ax, said, 4, law)
             along = f"verdicts on {law.row['observable']} along {labels.axis_symbol(law.row['axis'])}"
-            ax.set_title(along, loc="left", pad=11 * (lines.count("\n") + 1) + 6)
+            ax.set_title(along, loc="left", pad=above + 6)
 
     def draw_shapes(self, ax: Axes, shapes: thumbnails.Shapes) -> None:
         """Draw the panel of shapes: those of the first column, on a pale map of the first observable."""
@@ -193,22 +191,32 @@ class _Maps:
     def _laws_of(self, name: str) -> list[law_lines.JudgedLaw]:
         return [law for law in self.laws if law.row["observable"] == name]
 
+    def _write(self, ax: Axes, text: str, above: float, law: law_lines.JudgedLaw, at: str = "") -> float:
+        """Write of a law above a map, so many points above it, or keep it for the caption; the points that it needs.
+
+        at: the value of the third axis, for the caption. The pad of the title makes the room.
+        """
+        if not self.titled:
+            self.more.append(f"Law {text}{f' at {at}' if at else ''}.")
+            return 0.0
+        lines = style.fitted(text, self.inches[0] + 0.2, style.small())
+        note = ax.annotate(lines, (0, 1), (0, above), xycoords="axes fraction", textcoords="offset points",
+                           size=style.small(), color=style.VERDICT_COLOURS[law.row["verdict"]],
+                           va="bottom")  # fmt: skip
+        note.set_in_layout(False)
+        return 11.0 * (lines.count("\n") + 1)
+
     def _title(self, ax: Axes, name: str, column: Cells, where: Mapping[str, int], leftmost: bool) -> None:
         """The observable, the value of the third axis, and each law in the colour of its verdict."""
         laws = self._laws_of(name)
         above = sum(law.row["axis"] == self.choice.y for law in laws) * (law_lines.THICK + law_lines.GAP) * 72
+        value = self._value(self.choice.along, where[self.choice.along]) if self.choice.along else ""
         for law in reversed(laws):
             said, lines = law_lines.sentence(law, self.ds, self.choice), law_lines.counts(law, where)
             text = f"{law.row['claim']}: {lines}" if self.choice.along else f"{said}; lines: {lines}"
-            lines = style.fitted(text, self.inches[0] + 0.2, style.small())
-            colour = style.VERDICT_COLOURS[law.row["verdict"]]
-            note = ax.annotate(lines, (0, 1), (0, above + 4), xycoords="axes fraction", textcoords="offset points",
-                               size=style.small(), color=colour, va="bottom")  # fmt: skip
-            note.set_in_layout(False)  # the pad of the title makes its room
-            above += 11 * (lines.count("\n") + 1)
+            above += self._write(ax, text, above + 4, law, value)
         title = labels.long_name(self.ds[name])
         if self.choice.along:
-            value = self._value(self.choice.along, where[self.choice.along])
             title = f"{title}\n{value}" if leftmost else value
         ax.set_title(title, loc="left", pad=above + 6)
 

@@ -85,7 +85,7 @@ def figure(
                 _frame(ax, name, one, alone, j, leftmost=alone or cell[1] == 0, wide=sheet.width / across)
         _share(fig.axes, len(names), across, alone)
         said = found.said()
-        legend.below(fig, _entries(orbits, names), [*said, *found.notes])
+        legend.below(fig, _entries(orbits, names), [*said, *found.notes], sheet)
 
     height = rows * (tall + 0.65) + 0.9 + 0.7 * sheet.titled
     return canvas.figure((sheet.width, height), draw, found.source, sheet=sheet)

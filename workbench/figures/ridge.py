@@ -69,7 +69,7 @@ def figure(
         pulled = "push" in names and any(push_scale.pulls(rod["push"]) for rod in found.solved)
         entries = [Patch(color=push_scale.PULL, label="the cylinder would have to pull: the rod would lift off")]
         said = found.said()
-        legend.below(fig, entries if pulled else [], [*said, *found.notes])
+        legend.below(fig, entries if pulled else [], [*said, *found.notes], sheet)
 
     height = rows * (tall + 0.75) + 0.5 + 0.7 * sheet.titled
     return canvas.figure((sheet.width, height), draw, found.source, sheet=sheet)

@@ -75,6 +75,7 @@ def scale_of(axis: xr.DataArray) -> Scale:
 def fitting(low: float, high: float, logarithmic: bool, inches: float, upward: bool = False) -> list[float]:
     """As many `ticks` as have room on an axis of so many inches, so that no two of their numbers meet."""
     change = log10 if logarithmic else float
+    found: list[float] = []
     for most in range(MOST, 1, -1):
         found = ticks(low, high, logarithmic, most)
         places = [inches * (change(value) - change(low)) / (change(high) - change(low)) for value in found]

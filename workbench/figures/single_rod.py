@@ -54,7 +54,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
             else:
                 panel(ds, ax)
         entries = [handle for ax in fig.axes for handle in ax.get_legend_handles_labels()[0]]
-        legend.below(fig, [one for one in entries if isinstance(one, PolyCollection)], notes)
+        legend.below(fig, [one for one in entries if isinstance(one, PolyCollection)], notes, sheet)
 
     return canvas.figure((sheet.width, sum(heights) + 0.3), draw, ds, sheet=sheet)
 

@@ -1,5 +1,6 @@
 """The figure of a stored study: its developed curves along each axis, its samples, and a panel for each law."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -35,8 +36,8 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
     verdicts
         The rows of `law_verdicts.verdicts` where they are known already; default: they are computed.
     sheet
-        What the figure is drawn for. Its `panel` is an axis (the developed curves along it), the claim of a law, an
-        observable, or ``samples``.
+        What the figure is drawn for. Its `panel` is an axis (the developed curves along it), the claim of a law (of
+        several laws of one claim also the claim with the observable), an observable, or ``samples``.
 
     Raises
     ------
@@ -79,12 +80,12 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
         if below:
             cells = _in_rows(grid[len(strips), 0], count, across)
         for i, axis in enumerate(strips):
-            developed(curves, fig.add_subplot(grid[i, 0]), axis)
+            developed(curves, fig.add_subplot(grid[i, 0]), axis, sheet)
         if sampled:
             scatter.scatter(ds, fig, grid[len(heights) - 1, 0], width)
-            legend.below(fig, [], [scatter.said(ds)])
+            legend.below(fig, [], [scatter.said(ds)], sheet)
         for row, cell in zip(rows, cells, strict=False):
-            panel(ds, fig.add_subplot(cell), row)
+            panel(ds, fig.add_subplot(cell), row, sheet)
         for name, cell in zip(plain, cells, strict=False):
             ax = trend(ds, fig.add_subplot(cell), name, axes[0])
             ax.set_title(labels.long_name(ds[name]), loc="left")
@@ -99,11 +100,25 @@ def _only(
     """The panels of that name; all where it is None. Raises `InputError` where there is none."""
     if name is None:
         return strips, rows, plain, sampled
-    known = [*strips, *(str(row["claim"]) for row in rows), *plain, *([SAMPLES] if sampled else [])]
+    laws = _named(rows)
+    known = [*strips, *(str(row["claim"]) for row in rows), *laws, *plain, *([SAMPLES] if sampled else [])]
     if name not in known:
         raise no_such("panel", name, dict.fromkeys(known))
     some = [axis for axis in strips if axis == name]
-    return some, [row for row in rows if row["claim"] == name], [one for one in plain if one == name], name == SAMPLES
+    chosen = [laws[name]] if name in laws else [row for row in rows if row["claim"] == name]
+    return some, chosen, [one for one in plain if one == name], name == SAMPLES
+
+
+def _named(rows: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
+    """The laws that share their claim by names of their own: ``(4) turns``, with the axis where that is not enough."""
+    claims = Counter(row["claim"] for row in rows)
+    short = Counter((row["claim"], row["observable"]) for row in rows)
+    found: dict[str, Mapping[str, Any]] = {}
+    for row in rows:
+        if claims[row["claim"]] > 1:
+            words = [row["claim"], row["observable"]]
+            found[" ".join([*words, row["axis"]] if short[tuple(words)] > 1 else words)] = row
+    return found
 
 
 def _in_rows(cell: Any, count: int, across: int) -> list[Any]:

@@ -36,7 +36,7 @@ HATCHES = {"pulled": "////", "overlaps": "\\\\\\\\"}  # key of `cautions.TOLD` -
 DPI = 200
 SMALL, NORMAL, LARGE = 8.0, 9.5, 12.0  # points
 LETTER = 0.6 / 72  # inches that a letter is wide per point of its size, where its text is not known yet
-BESIDE = 0.85  # inches of the ticks and the label beside axes
+BESIDE = 0.65  # inches of the ticks and the label beside axes
 _TEXT = TextToPath()
 
 RC: Any = {
@@ -146,8 +146,8 @@ def inches(ax: Axes) -> tuple[float, float]:
 def _share(place: SubplotSpec) -> float:
     """The share of the width of its grid that a cell has."""
     grid = place.get_gridspec()
-    ratios = grid.get_width_ratios() or [1.0] * grid.ncols
-    return float(sum(ratios[place.colspan.start : place.colspan.stop]) / sum(ratios))
+    ratios = np.asarray(grid.get_width_ratios() or [1.0] * grid.ncols, dtype=float)
+    return float(ratios[place.colspan.start : place.colspan.stop].sum() / ratios.sum())
 
 
 def with_grid(ax: Axes) -> Axes:

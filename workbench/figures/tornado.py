@@ -12,18 +12,24 @@ from solver.problem.quantities import quantity
 
 from ..data import labels
 from . import bars, legend, style
+from .sheet import SCREEN, Sheet
 
 MOST = 12  # bars of a panel
 ROOM = 0.34  # share of the width that is kept for the numbers on either side
 
 
-def figure(ds: xr.Dataset) -> Figure:
-    """Draw a dataset of `influence.local` with its title. Raises `InputError` where no field has an effect."""
+def figure(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
+    """Draw a dataset of `influence.local` with its title; sheet: as of `bars.figure`.
+
+    Raises `InputError` where no field has an effect.
+    """
     names = [str(name) for name in ds["observable"].values if _effects(ds, str(name))]
     if not names:
         raise InputError("no diagram: no observable depends on these fields, or none has a derivative")
     most = max(len(_effects(ds, name)[:MOST]) for name in names)
-    return bars.figure(ds, names, most, lambda ax, name: panel(ds, ax, name), lambda fig: _caption(fig, ds))
+    return bars.figure(
+        ds, names, most, lambda ax, name: panel(ds, ax, name), lambda fig: _caption(fig, ds, sheet or SCREEN), sheet
+    )
 
 
 def panel(ds: xr.Dataset, ax: Axes, name: str) -> Axes:
@@ -38,7 +44,8 @@ def panel(ds: xr.Dataset, ax: Axes, name: str) -> Axes:
     ax.axvline(0, color=style.SOFT, linewidth=0.8, zorder=4)
     for i, size in enumerate(sizes):
         ax.annotate(_signed(size), (size, i), (3 if size > 0 else -3, 0), textcoords="offset points",
-                    ha="left" if size > 0 else "right", va="center", size=style.SMALL - 1, color=style.INK)  # fmt: skip
+                    ha="left" if size > 0 else "right", va="center", color=style.INK,
+                    size=style.small() - 1)  # fmt: skip
     bars.look(ax, [_tick(ds, field) for field, _ in shown])
     low, high = min(sizes.min(), 0.0), max(sizes.max(), 0.0)
     room = ROOM * (high - low)
@@ -49,10 +56,10 @@ def panel(ds: xr.Dataset, ax: Axes, name: str) -> Axes:
     value = labels.number(float(row["value"])).replace("-", "−")
     own = str(row["effect_unit"].values)
     ax.set_title(f"{quantity(name).symbol} = {value} {unit}".rstrip(), loc="left", pad=4)
-    ax.set_title(f"[{labels.unit(own) or '1'}]", loc="right", pad=4, size=style.SMALL, color=style.SOFT)
+    ax.set_title(f"[{labels.unit(own) or '1'}]", loc="right", pad=4, size=style.small(), color=style.SOFT)
     if rest:
         more = f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}"
-        ax.set_xlabel(more, size=style.SMALL, color=style.SOFT)
+        ax.set_xlabel(more, size=style.small(), color=style.SOFT)
     return ax
 
 
@@ -74,13 +81,15 @@ def _tick(ds: xr.Dataset, field: str) -> str:
     return quantity(field).symbol if amount == "1 %" else f"{quantity(field).symbol}, {labels.unit(told)}"
 
 
-def _caption(fig: Figure, ds: xr.Dataset) -> None:
+def _caption(fig: Figure, ds: xr.Dataset, sheet: Sheet) -> None:
     """What the bars are, and which case of a study it is; ds may have the attribute varied, the fields of its axes."""
-    notes = ["Change of the observable in the unit above it,", "for 1 % of a field or the amount beside it."]
+    notes = ["Change of the observable in the unit above it, for 1 % of a field or the amount beside it."]
     varied = [name for name in str(ds.attrs.get("varied", "")).split() if name in ds["field"].values]
     told = [f"{quantity(name).symbol} = {_value(ds.sel(field=name))}" for name in varied]
     notes += [f"At {', '.join(told)}."] if told else []
-    legend.below(fig, [Patch(color=style.PUSHED, label="rises"), Patch(color=style.LIFTED, label="falls")], notes)
+    legend.below(
+        fig, [Patch(color=style.PUSHED, label="rises"), Patch(color=style.LIFTED, label="falls")], notes, sheet
+    )
 
 
 def _value(field: xr.Dataset) -> str:

@@ -75,9 +75,11 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
         good = tried & np.char.startswith(outcome, "solved") & (error < LOST)
         look = look_of(str(method))
         colour = look.colour
-        for stretch in _stretches(one, good):
-            ax.plot(spent[stretch], np.maximum(error[stretch], FLOOR), color=colour, marker=look.marker, markersize=3.4,
-                    linewidth=1.8 if look.bold else 1.1, markeredgewidth=0, zorder=4 if look.bold else 3)  # fmt: skip
+        for stretch, handed in _stretches(one, good, look.method):
+            fill: dict[str, Any] = {"markerfacecolor": "white", "markeredgewidth": 0.8} if handed else {}
+            ax.plot(spent[stretch], np.maximum(error[stretch], FLOOR), color=colour, marker=look.marker, markersize=3.6,
+                    linewidth=1.8 if look.bold else 1.1, zorder=4 if look.bold else 3,
+                    **{"markeredgewidth": 0, **fill})  # fmt: skip
         bad = tried & ~good
         ax.plot(spent[bad], np.full(bad.sum(), TOP / 2), "x", color=colour, markersize=4, markeredgewidth=1.1, zorder=3)
         if np.char.startswith(outcome, "not run").any() and good.any():
@@ -94,13 +96,16 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
     return style.with_grid(ax)
 
 
-def _stretches(one: xr.Dataset, good: "NDArray[np.bool_]") -> "list[NDArray[np.intp]]":
-    """The good rungs of one ladder, those of each method that answered by themselves: no line joins two methods."""
+def _stretches(one: xr.Dataset, good: "NDArray[np.bool_]", name: str) -> "list[tuple[NDArray[np.intp], bool]]":
+    """The good rungs of one ladder, those of each method that answered by themselves: no line joins two methods.
+
+    name: of the method; beside each stretch whether the method handed it over to another.
+    """
     rungs = np.flatnonzero(good)
     if "answered" not in one:
-        return [rungs]
+        return [(rungs, False)]
     answered = one["answered"].values.astype(str)[rungs]
-    return [rungs[answered == method] for method in dict.fromkeys(answered.tolist())]
+    return [(rungs[answered == method], method != name) for method in dict.fromkeys(answered.tolist())]
 
 
 def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
@@ -120,7 +125,16 @@ def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
     more = Line2D(
         [], [], marker=">", markersize=7, markerfacecolor="none", label="its next rung takes too long", **plain
     )
-    return [*rows, ("marks", [lost, more])]
+    handed = Line2D([], [], marker="h", markersize=4, markerfacecolor="white", label="handed over to another method",
+                    color=style.SOFT)  # fmt: skip
+    was = "answered" in ds and any(_handed_over(ds, str(name)) for name in ds["ladder"].values)
+    return [*rows, ("marks", [lost, more, *([handed] if was else [])])]
+
+
+def _handed_over(ds: xr.Dataset, ladder: str) -> bool:
+    """Whether another method answered on some rung of a ladder."""
+    answered = np.unique(ds["answered"].sel(ladder=ladder).values.astype(str))
+    return bool(set(answered.tolist()) - {"", look_of(ladder).method})
 
 
 def look_of(ladder: str) -> "Ladder":

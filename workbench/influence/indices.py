@@ -149,7 +149,7 @@ def analysed(
         raise InputError(f"the seed of the bootstrap must be a positive whole number, got {seed}")
     if design.blocks < FEWEST:
         raise InputError(
-            f"Sobol' indices need at least {FEWEST} blocks, better 256, got {design.blocks} (a block is {design.block} samples)"
+            f"Sobol' indices need at least {FEWEST} blocks of {design.block} samples, better 256, got {design.blocks}"
         )
     m, d = values.shape[1], design.fields
     columns: dict[str, Any] = {name: np.full((m, d), np.nan) for name in ("first", "first_conf", "total", "total_conf")}

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NEUTRAL = "#8d96a1"  # a rod in one colour
 UNPAINTED, STRIPE = "#d9c9a3", "#5d4a72"  # the rod beside its stripe, and the stripe; no colours of the push
-SEVERAL = ("#5b2a86", "#c2457f", "#2b9a72")  # several rods on one cylinder
+SEVERAL = ("#5b2a86", "#c2457f", "#259e73")  # several rods on one cylinder
 SURFACE = "#e6e1d8"  # the cylinder: warm, so a pale blue rod stands out from it
 PUSH_RAMP = LinearSegmentedColormap.from_list("push", [(at, to_hex(np.array(rgb) / 255)) for at, rgb in STOPS], 256)  # type: ignore[arg-type]
 

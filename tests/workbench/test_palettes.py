@@ -1,0 +1,175 @@
+"""The colours of figures, scenes, page and report: contrast to their background, and apart to every kind of eye.
+
+Contrast is that of the Web Content Accessibility Guidelines: 4.5 for text, 3 for lines and marks. Colour blindness is
+simulated by the matrices of Machado, Oliveira and Fernandes (2009) at full severity, in linear light; colours are
+compared in CIELAB, where a distance of 2 is just seen side by side.
+"""
+
+import re
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+import workbench
+from solver.benchmark import ladders
+from workbench.data import push_colours
+from workbench.figures import index_bars, push_scale, robustness, style
+from workbench.scene import colours as scene_colours
+
+WHITE = "#ffffff"
+TEXT, LINE = 4.5, 3.0
+APART = 10.0  # in CIELAB: told apart at a glance, also where the two do not touch
+KINDS = {
+    "usual": np.eye(3),
+    "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    "tritanopia": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+}
+LIST = list(ladders().values())
+
+
+def linear(colour) -> np.ndarray:
+    c = np.asarray(to_rgb(colour))
+    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+
+
+def contrast(colour, background=WHITE) -> float:
+    bright, dark = sorted((linear(one) @ [0.2126, 0.7152, 0.0722] for one in (colour, background)), reverse=True)
+    return float((bright + 0.05) / (dark + 0.05))
+
+
+def lab(colour, kind: str = "usual") -> np.ndarray:
+    """CIELAB of a colour as an eye of that kind sees it, under D65."""
+    seen = np.clip(np.asarray(KINDS[kind]) @ linear(colour), 0, 1)
+    to_xyz = [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
+    t = np.asarray(to_xyz) @ seen / [0.95047, 1.0, 1.08883]
+    f = np.where(t > (6 / 29) ** 3, np.cbrt(t), t / (3 * (6 / 29) ** 2) + 4 / 29)
+    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
+
+
+def nearest(colours, kind: str) -> tuple[float, tuple]:
+    """The smallest distance of two of the colours, and the two."""
+    return min((float(np.linalg.norm(lab(a, kind) - lab(b, kind))), (a, b)) for a, b in combinations(colours, 2))
+
+
+def of_css(path: str) -> tuple[dict[str, str], dict[str, str]]:
+    """The variables of a style sheet, as they are in the light and in the dark scheme."""
+    text = (Path(workbench.__file__).parent / path).read_text(encoding="utf-8")
+    light, _, dark = text.partition("prefers-color-scheme: dark")
+    found = [dict(re.findall(r"--([a-z-]+):\s*(#[0-9a-fA-F]{3,6})", part)) for part in (light, dark)]
+    return found[0], {**found[0], **found[1]}
+
+
+def test_the_measures_agree_with_published_values() -> None:
+    assert contrast("#000000") == pytest.approx(21)
+    assert contrast("#767676") == pytest.approx(4.54, abs=0.01)  # the lightest grey that WCAG allows for text
+    np.testing.assert_allclose(lab("#ff0000"), [53.24, 80.09, 67.20], atol=0.05)  # D65, as published by Lindbloom
+    for kind, matrix in KINDS.items():
+        np.testing.assert_allclose(np.sum(matrix, axis=1), 1, atol=2e-6, err_msg=kind)  # greys stay grey
+
+
+TEXTS = [style.INK, style.SOFT, *style.VERDICT_COLOURS.values()]
+LINES = {
+    "push and pull": [style.PUSHED, style.LIFTED, push_scale.PULL],
+    "marks": [style.CROSSED, style.STABLE, style.SOFT, style.INK],
+    "curves along an axis": style.ramp_colours(9),
+    "indices": [index_bars.FIRST, index_bars.TOTAL],
+}
+
+
+@pytest.mark.parametrize("colour", TEXTS)
+def test_the_letters_of_figures_stand_out_from_white(colour) -> None:
+    assert contrast(colour) >= TEXT
+
+
+@pytest.mark.parametrize("name", LINES)
+def test_the_lines_of_figures_stand_out_from_white(name: str) -> None:
+    for colour in LINES[name]:
+        assert contrast(colour) >= LINE, (name, colour)
+
+
+def test_a_line_in_the_colours_of_the_push_has_a_casing_that_stands_out() -> None:
+    assert contrast(style.SOFT) >= LINE  # around the pale blue of no push
+
+
+def test_numbers_and_lines_stand_out_from_every_colour_of_a_map() -> None:
+    for colour in style.map_colours()(np.linspace(0, 1, 64)):
+        halo = 0.75 * np.ones(3) + 0.25 * colour[:3]  # the white halo of a number lets a quarter of the map through
+        assert contrast(style.INK, halo) >= TEXT
+        assert contrast(style.INK, colour[:3]) >= LINE  # borders and hatching
+    shades = [*robustness.COLOURS.values(), *(robustness.SOLVED(k / 8)[:3] for k in range(9))]
+    assert min(contrast(style.INK, colour) for colour in shades) >= TEXT
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "palette",
+    [
+        (style.PUSHED, style.LIFTED),
+        tuple(style.VERDICT_COLOURS.values()),
+        scene_colours.SEVERAL,
+        (scene_colours.UNPAINTED, scene_colours.STRIPE),
+        (style.PUSHED, style.STABLE, style.INK, style.SOFT),
+    ],
+)
+def test_colours_that_mean_different_things_are_apart_to_every_eye(palette, kind: str) -> None:
+    distance, pair = nearest(palette, kind)
+    assert distance >= APART, (kind, pair)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_pull_is_apart_from_every_push(kind: str) -> None:
+    blues = [np.array(rgb) / 255 for _, rgb in push_colours.STOPS]
+    for blue in blues:
+        assert np.linalg.norm(lab(push_scale.PULL, kind) - lab(blue, kind)) >= 2 * APART
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", ["push", "curves", "map"])
+def test_a_ramp_only_darkens_or_only_lightens_to_every_eye(name: str, kind: str) -> None:
+    ramps = {
+        "push": [np.array(rgb) / 255 for _, rgb in push_colours.STOPS],
+        "curves": style.ramp_colours(9),
+        "map": list(style.map_colours(12)(np.linspace(0, 1, 12))),
+    }
+    steps = np.diff([lab(colour[:3], kind)[0] for colour in ramps[name]])
+    assert (steps > 1).all() or (steps < -1).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("problem", ["start", "ends"])
+def test_two_methods_of_one_diagram_are_apart_to_every_eye(problem: str, kind: str) -> None:
+    from solver.methods import METHODS
+
+    here = [one for one in LIST if problem in METHODS[one.method].problems]
+    distance, pair = nearest([one.colour for one in here], kind)
+    assert distance >= APART, pair
+    for one in here:
+        assert contrast(one.colour) >= LINE, one.name
+
+
+PAPERS = {
+    "web/report/report.css": {"ink": TEXT, "soft": TEXT, "line": TEXT, "edge": LINE},
+    "web/turntable/page.css": {"ink": TEXT, "soft": TEXT, "line": TEXT, "edge": LINE},
+    "web/live/page/page.css": {
+        "ink": TEXT, "soft": TEXT, "line": TEXT, "border": LINE, "level": LINE, "bad": TEXT, "mark": LINE,
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("scheme", [0, 1])
+@pytest.mark.parametrize("path", PAPERS)
+def test_text_and_lines_of_page_and_report_stand_out_in_both_schemes(path: str, scheme: int) -> None:
+    found = of_css(path)[scheme]
+    for name, least in PAPERS[path].items():
+        for paper in ("paper", "raised", "paper-soft"):
+            if paper in found:
+                assert contrast(found[name], found[paper]) >= least, (name, paper)
+
+
+def test_a_rod_stands_out_from_the_cylinder_of_a_scene() -> None:
+    for colour in (*scene_colours.SEVERAL, scene_colours.STRIPE, style.PUSHED):
+        assert contrast(colour, scene_colours.SURFACE) >= 2.5  # beside the shadow that the rod throws
