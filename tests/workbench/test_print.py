@@ -3,6 +3,7 @@
 import csv
 import re
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +21,8 @@ from workbench import cli
 from workbench.branches.equilibria import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands import plot
-from workbench.data import law_verdicts, writing
-from workbench.figures import canvas, map_figure, single_rod, study_figure
+from workbench.data import labels, law_verdicts, writing
+from workbench.figures import canvas, map_figure, scales, single_rod, study_figure, style
 from workbench.figures import equilibria as equilibria_figure
 from workbench.figures.sheet import SCREEN, sheet
 from workbench.run import in_memory
@@ -209,3 +210,90 @@ def test_a_full_disk_is_a_sentence_and_an_existing_picture_stays(tmp_path) -> No
     with pytest.raises(InputError, match=r"cannot write .*figure.png: No space left on device"):
         canvas.save(OnFullDisk(), path)
     assert [one.read_bytes() for one in tmp_path.iterdir()] == [b"earlier"]
+
+
+def shown(fig: Figure) -> list[str]:
+    return [" ".join(text.get_text().split()) for text in fig.findobj(Text) if text.get_visible() and text.get_text()]
+
+
+def test_without_a_title_the_notes_go_to_the_terminal_and_the_table(two, tmp_path, capsys) -> None:
+    writing.write(two, tmp_path / "small.h5")
+    for kind in ("lines", "map"):
+        with pytest.raises(SystemExit) as end:
+            cli.main(["plot", str(tmp_path / "small.h5"), "--kind", kind, "--out", str(tmp_path / f"{kind}.pdf"),
+                      "--data", str(tmp_path / f"{kind}.csv"), "--no-title"])  # fmt: skip
+        assert end.value.code == 0
+        told = capsys.readouterr().out
+        assert "; holds" in told
+        notes = [row["series"] for row in csv.DictReader((tmp_path / f"{kind}.csv").open(encoding="utf-8"))
+                 if row["kind"] == "note"]  # fmt: skip
+        assert notes
+        assert all(" ".join(note.split()) in " ".join(told.split()) for note in notes)
+    for fig, titled in ((study_figure.figure(two, sheet=sheet(titled=False)), False), (study_figure.figure(two), True)):
+        words = shown(fig)
+        assert any(text.startswith("Developed curves") for text in words) == titled
+        assert ("holds" in words) == titled
+        assert any(text.startswith("(2): ") for text in words)  # the panels are still told apart
+
+
+def test_laws_of_one_claim_are_panels_of_their_own(two) -> None:
+    rows = law_verdicts.verdicts(two)
+    both = [rows[0], {**rows[0], "observable": "turns"}]
+    assert len(study_figure.figure(two, both, sheet(panel="(2)")).axes) == 2
+    (ax,) = study_figure.figure(two, both, sheet(panel="(2) turns")).axes
+    assert ax.get_ylabel() == "bends"
+    assert ax.get_title(loc="left").startswith("(2): number of bends ")
+
+
+def test_maps_that_stand_one_below_the_other_have_equal_widths() -> None:
+    ds = in_memory.run(small.grid())
+    fig = map_figure.figure(ds, sheet=sheet("paper", 89))
+    fig.draw_without_rendering()
+    boxes = [ax.get_position() for ax in fig.axes if ax.get_label() != "<colorbar>"]
+    assert len(boxes) > 1
+    np.testing.assert_allclose([box.x0 for box in boxes], boxes[0].x0, atol=1e-6)
+    np.testing.assert_allclose([box.x1 for box in boxes], boxes[0].x1, atol=1e-6)
+
+
+@pytest.mark.parametrize("inches", (0.7, 1.2, 2.0, 6.0))
+@pytest.mark.parametrize("low, high", [(5e3, 4e4), (1e-3, 8e5), (0.5, 2.0), (12000.0, 98000.0)])
+def test_no_two_numbers_of_an_axis_meet(low: float, high: float, inches: float) -> None:
+    for logarithmic in (True, False):
+        found = scales.fitting(low, high, logarithmic, inches)
+        share = [np.log(v / low) / np.log(high / low) if logarithmic else (v - low) / (high - low) for v in found]
+        widths = [style.width_of(labels.number(v), style.small()) for v in found]
+        ends = [(x * inches - w / 2, x * inches + w / 2) for x, w in zip(share, widths, strict=True)]
+        if len(found) > 2 or inches > 1:
+            assert all(a[1] < b[0] for a, b in pairwise(ends))
+        assert found
+
+
+def test_a_text_is_broken_where_it_leaves_its_room_and_not_before() -> None:
+    text = "Developed curves: ρα to the right, z up, at one scale"
+    whole = style.width_of(text, 9.5)
+    assert style.fitted(text, whole + 0.01, 9.5) == text
+    lines = style.fitted(text, 0.6 * whole, 9.5).split("\n")
+    assert " ".join(lines) == text
+    assert len(lines) == 2
+    assert max(style.width_of(line, 9.5) for line in lines) <= 0.6 * whole
+    cut = style.fitted("a" * 200, 2.0, 9.5).split("\n")
+    assert "".join(cut) == "a" * 200
+    assert max(style.width_of(line, 9.5) for line in cut) <= 2.0
+
+
+def test_the_panels_of_samples_are_wide_enough_to_read_on_a_column() -> None:
+    text = small.HEAD.replace("[units]", 'observables = ["wraps", "kappa_max"]\n[units]')
+    text += '[sample]\nsize = 32\nE = { from = 5e3, to = 4e4, distribution = "log-uniform" }\n'
+    text += "".join(
+        f"{name} = {{ from = {low}, to = {2 * low} }}\n" for name, low in (("R", 0.5), ("L", 10.0), ("F1", 3.0))
+    )
+    fig = study_figure.figure(in_memory.run(loads(text)), sheet=sheet("paper", 89))
+    fig.draw_without_rendering()
+    panels = [ax for ax in fig.axes if " against " in ax.get_label()]
+    assert len(panels) == 8
+    assert min(ax.get_window_extent().width for ax in panels) / fig.dpi > 0.55
+    for ax in panels:
+        boxes = [
+            label.get_window_extent() for label in ax.get_xticklabels() if label.get_text() and label.get_visible()
+        ]
+        assert all(a.x1 < b.x0 for a, b in pairwise(boxes))

@@ -64,10 +64,12 @@ def _fewer_digits(count: int, file: Path) -> str:
     digits = max(floor(-log10(worst["error"])), 0)
     at = f"at {worst['at']}" if worst["at"] else ""
     which = f"the least accurate, {at}, has" if count > 1 else f"{at} it has".strip()
+    are, told = "are" if count > 1 else "is", law_verdicts.counted(digits, "digit")
+    grows = labels.number(worst["condition"], 2)
     return (
-        f"{law_verdicts.counted(count, 'case')} {'are' if count > 1 else 'is'} solved to fewer digits than the "
-        f"tolerance asks for: {which} about {law_verdicts.counted(digits, 'digit')} (estimated error "
-        f"{worst['error']:.1e}), because a small change of its data grows {labels.number(worst['condition'], 2)} times along the rod"
+        f"{law_verdicts.counted(count, 'case')} {are} solved to fewer digits than the tolerance asks for: {which} "
+        f"about {told} (estimated error {worst['error']:.1e}), because a small change of its data grows {grows} times "
+        "along the rod"
     )
 
 

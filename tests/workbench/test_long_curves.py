@@ -1,0 +1,119 @@
+"""Long rods in lines: the developed curve of a pipe of 300 m in a hole of 0.2 m, all of it, at one scale."""
+
+import csv
+from io import StringIO
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from studies.loader import loads
+from workbench.data import push_colours
+from workbench.figures import curves, drawn_data, long_curve, single_rod
+from workbench.figures.sheet import sheet
+from workbench.run import in_memory
+
+PIPE = """
+title = "A pipe of 300 m in a hole"
+observables = ["wraps"]
+outputs = ["beta", "alpha", "z", "contact"]
+stations = 4001
+[units]
+length = "m"
+force = "kN"
+[base]
+E = 2.06e8
+nu = 0.3
+a = 0.06
+L = {L}
+R = 0.11
+side = "inside"
+beta0 = 0.0
+betaL = 0.0
+FZ = -2000
+"""
+ROOM = (8.0, 4.0)
+
+
+@pytest.fixture(scope="module")
+def pipe() -> xr.Dataset:
+    return in_memory.run(loads(PIPE.format(L=300)))
+
+
+def helix(length: float, pitch: float, rho: float = 0.05) -> long_curve.Curve:
+    s = np.linspace(0, length, 2001)
+    beta = np.arctan2(2 * np.pi * rho, pitch)
+    return long_curve.Curve(s, s * np.cos(beta), s * np.sin(beta), None, rho, 2 * rho)
+
+
+def test_only_a_rod_that_would_be_a_hair_is_set_in_lines() -> None:
+    assert long_curve.lines_for(helix(300, 9.0), ROOM) is not None
+    assert long_curve.lines_for(helix(5, 9.0), ROOM) is None  # 25 diameters high
+    assert long_curve.lines_for(helix(300, 0.3), ROOM) is None  # as wide as it is high: it is seen in one piece
+
+
+def test_the_lines_show_all_of_a_rod_each_from_where_the_one_above_ends() -> None:
+    curve = helix(300, 9.0)
+    found = long_curve.lines_for(curve, ROOM)
+    assert found is not None
+    assert found.count * found.each == pytest.approx(300)
+    assert found.every == found.each
+    assert found.scale * found.wide >= long_curve.THINNEST
+    assert found.height <= ROOM[1] * (1 + 1e-9)
+    assert found.scale * np.ptp(curve.z) / found.count <= ROOM[0]
+    fewer = long_curve.lines_for(curve, (1.0, 0.3))  # no room for all
+    assert fewer is not None
+    assert fewer.count * fewer.each < 300
+    assert fewer.every * (fewer.count - 1) + fewer.each == pytest.approx(300)  # the last line has the end
+    assert long_curve.said(fewer, curve, "m")[0].startswith(f"Only {fewer.count} pieces of ")
+
+
+def test_each_point_of_a_line_is_on_the_rod_and_inside_the_line(pipe) -> None:
+    fig = single_rod.figure(pipe, sheet(panel="curve"))
+    (ax,) = fig.axes
+    assert ax.get_aspect() == 1.0
+    fig.draw_without_rendering()
+    z, across = pipe["z"].values, float(pipe["rho"]) * pipe["alpha"].values
+    low, high = sorted(ax.get_ylim())
+    turn = 2 * np.pi * float(pipe["rho"])
+    rows = list(drawn_data.rows(ax))
+    points = np.array([row[2:4] for row in rows if row[0] == "line" and row[4] != ""], dtype=float)
+    assert np.ptp(points[:, 0]) == pytest.approx(np.ptp(z))  # from end to end
+    off = points[:, 1] - np.interp(points[:, 0], z, across)
+    assert (
+        np.abs(off / turn - np.round(off / turn)).max() < 1e-3
+    )  # on some turn; between stations the reference is straight
+    for drawn in ax.collections:
+        for path in drawn.get_paths() if drawn.get_array() is not None else []:
+            y = ax.transData.inverted().transform(drawn.get_transform().transform(path.vertices))[:, 1]
+            assert low <= y.min()
+            assert y.max() <= high
+
+
+def test_a_long_rod_is_set_in_lines_among_the_curves_also_and_says_how_they_are_read(pipe) -> None:
+    for width in (89, 183):
+        fig = curves.figure(pipe, sheet=sheet("paper", width))
+        notes = " ".join(fig.legends[0].get_title().get_text().split())
+        assert "lines, one after the other, at one scale" in notes or "pieces of" in notes
+        assert "the rod leaves it below and comes back above" in notes
+    assert push_colours.PULL[2] == 0
+
+
+def test_without_a_title_the_notes_are_kept_and_stand_in_the_table(pipe) -> None:
+    fig = curves.figure(pipe, sheet=sheet("paper", 183, titled=False))
+    assert fig.legends[0].get_title().get_text() == ""
+    told = [row["series"] for row in csv.DictReader(StringIO(drawn_data.table(fig))) if row["kind"] == "note"]
+    assert "Developed curve, seen from outside." in told
+
+
+def test_the_start_of_a_rod_is_named_beside_its_dot_and_not_in_the_title() -> None:
+    ds = in_memory.run(loads(PIPE.format(L=6)))
+    for width in (89, 183):
+        fig = single_rod.figure(ds, sheet("paper", width, panel="curve"))
+        fig.draw_without_rendering()
+        (ax,) = fig.axes
+        (text,) = [one for one in ax.texts if one.get_text() == "s = 0"]
+        box = text.get_window_extent()
+        assert not box.overlaps(ax.title.get_window_extent())
+        assert not any(box.overlaps(one.get_window_extent()) for one in ax.get_yticklabels() if one.get_text())
+        assert box.y1 < ax.get_tightbbox().y1
