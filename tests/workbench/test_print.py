@@ -297,3 +297,22 @@ def test_the_panels_of_samples_are_wide_enough_to_read_on_a_column() -> None:
             label.get_window_extent() for label in ax.get_xticklabels() if label.get_text() and label.get_visible()
         ]
         assert all(a.x1 < b.x0 for a, b in pairwise(boxes))
+
+
+def test_the_tornado_and_its_options_are_for_print_too(tmp_path, capsys) -> None:
+    picture = tmp_path / "tornado.pdf"
+    line = ["sensitivity", "fig6", "--show", "height", "--fields", "E,R"]
+    for more, said in ((["--width", "89"], "--width is an option of the picture: give also --plot FILE"),
+                       (["--plot", str(picture), "--width", "9"], "the width must be from 60 to 500 mm, got 9")):  # fmt: skip
+        with pytest.raises(SystemExit) as end:
+            cli.main([*line, *more])
+        assert end.value.code == 2
+        assert said in capsys.readouterr().err
+    assert not picture.exists()
+    with pytest.raises(SystemExit) as end:
+        cli.main([*line, "--plot", str(picture), "--style", "paper", "--width", "89", "--no-title"])
+    assert end.value.code == 0
+    assert "Change of the observable in the unit above it" in capsys.readouterr().out
+    box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ", picture.read_bytes())
+    assert box is not None
+    assert float(box[1]) == pytest.approx(72 * 89 / 25.4, abs=0.5)

@@ -58,8 +58,8 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
                 label="measured points")  # fmt: skip
         legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, borderaxespad=0, borderpad=0.3)
     ax.plot(line[0][0], line[1][0], "o", color=style.INK, markersize=5)
-    ax.annotate("s = 0", (line[0][0], line[1][0]), (0, -6 if up else 6), textcoords="offset points", ha="center",
-                va="top" if up else "bottom", size=style.small())  # fmt: skip
+    ax.annotate("s = 0", (line[0][0], line[1][0]), (-6, 0), textcoords="offset points", ha="right", va="center",
+                size=style.small())  # fmt: skip
     wide, high = _extent(ds)
     factor = developed.stretch(wide, high, room)
     ax.set_aspect(1 / factor, anchor="NW")
@@ -69,7 +69,7 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     ways = "ρα to the right, z up" if up else "z to the right, ρα down"
     title = style.wrapped(f"Developed curve, seen from outside: {ways}", ax)
     ax.set_title(title, loc="left", pad=22 if "measured_z" in ds else 6)
-    ax.margins(x=0.06, y=0.12)
+    ax.margins(x=max(0.06, 0.55 / room[0]), y=0.12)  # room for s = 0
     if not up:
         ax.invert_yaxis()
     return style.with_grid(ax)

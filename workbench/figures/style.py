@@ -36,7 +36,7 @@ HATCHES = {"pulled": "////", "overlaps": "\\\\\\\\"}  # key of `cautions.TOLD` -
 DPI = 200
 SMALL, NORMAL, LARGE = 8.0, 9.5, 12.0  # points
 LETTER = 0.6 / 72  # inches that a letter is wide per point of its size, where its text is not known yet
-BESIDE = 0.65  # inches of the ticks and the label beside axes
+BESIDE = 0.8  # inches of the ticks and the label beside axes
 _TEXT = TextToPath()
 
 RC: Any = {
