@@ -302,8 +302,11 @@ def test_the_panels_of_samples_are_wide_enough_to_read_on_a_column() -> None:
 def test_the_tornado_and_its_options_are_for_print_too(tmp_path, capsys) -> None:
     picture = tmp_path / "tornado.pdf"
     line = ["sensitivity", "fig6", "--show", "height", "--fields", "E,R"]
-    for more, said in ((["--width", "89"], "--width is an option of the picture: give also --plot FILE"),
-                       (["--plot", str(picture), "--width", "9"], "the width must be from 60 to 500 mm, got 9")):  # fmt: skip
+    refused = {
+        "--width is an option of the picture: give also --plot FILE": ["--width", "89"],
+        "the width must be from 60 to 500 mm, got 9": ["--plot", str(picture), "--width", "9"],
+    }
+    for said, more in refused.items():
         with pytest.raises(SystemExit) as end:
             cli.main([*line, *more])
         assert end.value.code == 2
