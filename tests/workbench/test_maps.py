@@ -255,7 +255,9 @@ def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_whe
     (line,) = [line for line in ax.lines if len(line.get_xdata()) == 2]
     assert set(line.get_ydata()) == {row["at"]["R"]}
     said = " ".join(text.get_text() for text in ax.texts).replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
-    assert "(a) does not rise with E: qualified; deciding line: R = 0.7349 cm; lines: 12 hold, 7 fail" in said
+    assert (
+        "(a): the number of bends does not rise with E; qualified; deciding line: R = 0.7349 cm; lines: 12 hold" in said
+    )
     assert {"line on which a law holds", "line on which a law fails", "deciding line of a law"} <= set(legend(fig))
 
 

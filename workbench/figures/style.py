@@ -113,8 +113,8 @@ def fitted(text: str, room: float, size: float | None = None, bold: bool = False
     room = max(room, 12 * size * LETTER)
     lines: list[str] = []
     line = ""
-    for word in re.findall(r"[^ \t\n]+", text):
-        longer = f"{line} {word}" if line else word
+    for gap, word in re.findall(r"([ \t\n]*)([^ \t\n]+)", text):
+        longer = f"{line}{gap.replace(chr(10), ' ')}{word}" if line else word
         if line and width_of(longer, size, bold) > room:
             lines, line = [*lines, line], word
         else:
