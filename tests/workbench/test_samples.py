@@ -425,7 +425,7 @@ def test_a_file_whose_samples_are_damaged_is_refused(stored: Path, tmp_path) -> 
 
 
 def drawn(ds: xr.Dataset) -> list:
-    return canvas.figure((9, 6), lambda fig: scatter.scatter(ds, fig, fig.add_gridspec(1, 1)[0, 0])).axes
+    return canvas.figure((9, 6), lambda fig: scatter.scatter(ds, fig, fig.add_gridspec(1, 1)[0, 0], 9.0)).axes
 
 
 def test_the_figure_has_a_panel_for_each_observable_and_sampled_field(stored: Path, tmp_path) -> None:
@@ -466,8 +466,9 @@ def test_samples_at_axes_are_drawn_where_the_axes_are_held(crossed: xr.Dataset, 
     panels = drawn(crossed)
     points = panels[0].collections[0].get_offsets()
     np.testing.assert_array_equal(points[:, 1], crossed["turns"].sel(F1=5.0))  # that of Table 1
-    assert any("5 samples, at F₁ = 5 N" in text.get_text() for text in panels[0].texts)
-    canvas.save(study_figure.figure(crossed), tmp_path / "s.png", dpi=80)  # with the law, and curves along F1
+    fig = study_figure.figure(crossed)
+    assert "5 samples, at F₁ = 5 N; r: rank correlation." in fig.legends[0].get_title().get_text()
+    canvas.save(fig, tmp_path / "s.png", dpi=80)  # with the law, and curves along F1
 
 
 def test_few_samples_or_one_value_have_no_rank_correlation() -> None:
