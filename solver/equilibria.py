@@ -1,6 +1,6 @@
 """Every equilibrium of one ends problem, with its stability."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +11,7 @@ from .numerics.arrays import Array
 from .problem.case import Case, Ends
 from .problem.errors import InputError
 from .problem.reduced import EndsProblem, reduce
+from .problem.shown import table_of
 from .problem.tolerance import DEFAULT_TOLERANCE
 from .problem.trajectory import Trajectory
 from .solution import Solution
@@ -54,14 +55,14 @@ class Equilibrium:
     index 0, 1 bends, energy 44.1262
     """
 
-    solution: Solution
+    solution: Solution = field(repr=False)
     index: int
     energy: float
     dbeta0: float
     turns: int
     attached: float
     stray: float
-    path: LevelPaths
+    path: LevelPaths = field(repr=False)
 
 
 class Equilibria(list[Equilibrium]):
@@ -79,6 +80,19 @@ class Equilibria(list[Equilibrium]):
     @property
     def complete(self) -> bool:
         return not self.remark
+
+    def __repr__(self) -> str:
+        count = f"{len(self)} {'equilibrium' if len(self) == 1 else 'equilibria'}"
+        lines = [f"{count}, {'complete' if self.complete else self.remark}"]
+        for i, one in enumerate(self, 1):
+            bends = f"{one.turns} {'bend' if one.turns == 1 else 'bends'}"
+            numbers = f"energy {one.energy:.6g}, {bends}, beta'(0) = {one.dbeta0:.6g}"
+            lines.append(f"{i}: {f'index {one.index}' if one.index else 'stable'}, {numbers}")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str | None:
+        """A table for a notebook; None, which shows the `repr`, where the workbench cannot be imported."""
+        return table_of("equilibria", self)
 
 
 def equilibria(case: Case, tol: float = DEFAULT_TOLERANCE, stations: int = 201, most_swings: int = 200) -> Equilibria:

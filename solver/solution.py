@@ -14,6 +14,7 @@ from .mechanics.potential import Loads, dimensional_slope, potential
 from .numerics.arrays import Array
 from .problem.case import Case
 from .problem.reduced import EndsProblem, StartProblem, flat
+from .problem.shown import table_of
 from .problem.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -362,7 +363,4 @@ class Solution:
 
     def _repr_html_(self) -> str | None:
         """A table for a notebook; None, which shows the `repr`, where the workbench cannot be imported."""
-        try:
-            return str(import_module(SHOWN).html_of(self))
-        except ImportError:
-            return None
+        return table_of("solution", self)

@@ -34,7 +34,7 @@ LISTS = {
     ],
     "workbench": [
         "data", "geometry", "run", "branches", "influence", "fitting", "figures", "scene", "export", "compare", "web",
-        "notebook", "commands", "accessor", "cli",
+        "notebook_tables", "notebook", "commands", "accessor", "cli",
     ],
 }  # fmt: skip
 

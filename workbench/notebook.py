@@ -16,11 +16,10 @@ import numpy as np
 import xarray as xr
 
 from solver import Solution, solve
-from solver.observe.observables import observe
 from solver.problem.errors import InputError, no_such
-from solver.problem.quantities import quantity, unit_of
 
 from .data import atomic, cautions, dataset, labels, schema, selection
+from .notebook_tables import WORDS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,8 +28,6 @@ HEIGHT = 640  # pixels of a scene in a notebook
 FINE = 4001  # stations of a diagram, two for each pixel
 DPI = 110  # of a picture in a notebook
 ALONG = ("beta", "dbeta", "alpha", "z", "contact")
-NUMBERS = ("turns", "wraps", "height", "kappa_max", "push_min", "push_max")  # of a solution's table
-WORDS = {"length": "length", "force": "force"}  # units of a solution, which knows none
 
 
 class Plot:
@@ -161,32 +158,6 @@ def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
     coords["s"] = xr.Variable((*dims, "u"), sol.s, schema.labels("s", used))
     ds = xr.Dataset(data, coords, _attributes(sol, used))
     return ds.assign_attrs(caution=cautions.sentence(ds))
-
-
-def html_of(sol: Solution) -> str:
-    """A short table of a solution for a notebook: outcome, accuracy and a few observables."""
-    each = np.asarray(sol.solved)
-    rows = [("solved", f"{int(each.sum())} of {each.size}")] if each.size > 1 else [("outcome", str(sol.outcome))]
-    rows += [("method", sol.method), ("estimated error", f"{np.max(sol.error):.1e}")]
-    rows += [("condition number", f"{np.max(sol.condition):.3g}")]
-    if each.any():
-        found = observe(sol, list(NUMBERS))
-        rows += [(_words(name), _span(name, np.asarray(found[name], dtype=float)[each])) for name in NUMBERS]
-        rows += [("caution", caution)] if (caution := cautions.said(cautions.of_cases(sol))) else []
-    lines = "".join(f"<tr><th>{escape(words)}</th><td>{escape(value)}</td></tr>" for words, value in rows)
-    shape = f" of {each.size} cases" if each.size > 1 else ""
-    return f"<table><caption>Solution{shape}, {sol.t.shape[-1]} stations</caption>{labels.typeset(lines)}</table>"
-
-
-def _words(name: str) -> str:
-    return quantity(name).long_name.partition(" (")[0].partition(",")[0]
-
-
-def _span(name: str, values: Any) -> str:
-    """A value, or the smallest and the largest, with the unit in words."""
-    low, high = (labels.number(float(value)) for value in (values.min(), values.max()))
-    unit = labels.unit(unit_of(name, WORDS))
-    return f"{low if low == high else f'{low} to {high}'}{f' [{unit}]' if unit else ''}"
 
 
 def _axes(sol: Solution) -> dict[str, Any]:
