@@ -10,126 +10,15 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-from .angles import FORMS, angle
 from .errors import InputError, no_such
+from .field_values import ANGLES as ANGLES
+from .field_values import check_numbers, refuse
+from .rod import STIFFNESS as STIFFNESS
+from .rod import Rod as Rod
 
-STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}  # A / (E a^4)
 SIDES = {"outside": 1.0, "inside": -1.0}  # the sign of rho - R, and of the contact force where the cylinder pushes
-ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma")  # the fields that may be text, read by `angles.angle`
 TWISTS = ("F1", "dgamma", "M3")  # fields of Start: each alone determines the twisting moment
-
-
-def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
-    """The value as a float or a read-only float array, angles in rad; `InputError` for other and non-finite values."""
-    try:
-        array = np.asarray(value)
-        if field in ANGLES and array.dtype.kind in "UO":
-            array = _in_rad(np.array(value, dtype=object))
-        if not _only_numbers(array):
-            raise TypeError
-        array = np.array(array, dtype=float)
-    except (TypeError, ValueError):
-        wanted = f"{FORMS}; or an array of these" if field in ANGLES else "a number or an array of numbers"
-        raise InputError(f"{owner}.{field} must be {wanted}, got {value!r}") from None
-    if array.size == 0:
-        raise InputError(f"{owner}.{field} is empty; give at least one value")
-    _refuse(owner, field, array, ~np.isfinite(array), "finite")
-    if array.ndim == 0:
-        return float(array)
-    array.setflags(write=False)
-    return array
-
-
-def _in_rad(values: NDArray[Any]) -> NDArray[Any]:
-    """An array of objects with each text replaced by its angle. Raises `ValueError`."""
-    read = [angle(one) if isinstance(one, str) else one for one in values.flat]
-    return np.array(read, dtype=object).reshape(values.shape)
-
-
-def _only_numbers(array: NDArray[Any]) -> bool:
-    """Whether each element is a real number; text is not a number, even "5"."""
-    if array.dtype.kind == "O":
-        return not any(one is None or isinstance(one, (str, bytes)) for one in array.flat)
-    return array.dtype.kind in "biuf"
-
-
-def _refuse(owner: str, field: str, value: ArrayLike, bad: ArrayLike, rule: str) -> None:
-    """Raise `InputError` with the first bad value, if there is any."""
-    bad = np.atleast_1d(bad)
-    if bad.any():
-        worst = np.atleast_1d(np.asarray(value))[bad].flat[0]
-        where = f" (the first of {int(bad.sum())} invalid values among {bad.size})" if bad.size > 1 else ""
-        raise InputError(f"{owner}.{field} must be {rule}, got {worst!s}{where}")
-
-
-def _check_numbers(self: Any, skip: tuple[str, ...] = ()) -> None:
-    """Turn each numeric field of a frozen dataclass into floats or read-only arrays."""
-    for field in fields(self):
-        value = getattr(self, field.name)
-        optional = field.default is None
-        if field.name not in skip and not (optional and value is None):
-            object.__setattr__(self, field.name, _numbers(type(self).__name__, field.name, value))
-
-
-@dataclass(frozen=True, eq=False)
-class Rod:
-    """A naturally straight, inextensible rod of circular section.
-
-    Parameters
-    ----------
-    E : float or array
-        Young's modulus [force/length^2].
-    nu : float or array
-        Poisson ratio.
-    a : float or array
-        Radius of the section [length].
-    L : float or array
-        Length [length].
-    stiffness : {"solid", "paper"}
-        Bending stiffness A: "solid" is pi/4 E a^4, the stiffness of a solid section; "paper" is pi/16 E a^4, eq. (20)
-        as printed.
-
-    Raises
-    ------
-    InputError
-        If E, a or L is not positive, nu is outside (-1, 0.5], or the stiffness is unknown.
-
-    Examples
-    --------
-    >>> from solver import Rod
-    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
-    >>> print(f"A = {rod.bending_stiffness:.4f}, C = {rod.torsional_stiffness:.4f}")
-    A = 32.8272, C = 26.2618
-    """
-
-    E: Any
-    nu: Any
-    a: Any
-    L: Any
-    stiffness: str = "solid"
-
-    def __post_init__(self) -> None:
-        _check_numbers(self, skip=("stiffness",))
-        for name in ("E", "a", "L"):
-            value = getattr(self, name)
-            _refuse("Rod", name, value, np.less_equal(value, 0), "positive and finite")
-        _refuse("Rod", "nu", self.nu, np.less_equal(self.nu, -1) | np.greater(self.nu, 0.5), "in (-1, 0.5]")
-        if self.stiffness not in STIFFNESS:
-            raise no_such("stiffness", self.stiffness, STIFFNESS)
-
-    @cached_property
-    def bending_stiffness(self) -> Any:
-        """A [force length^2], eq. (20) with the factor of `stiffness`; 0 or inf if it underflows or overflows."""
-        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-            return STIFFNESS[self.stiffness] * self.E * np.power(self.a, 4.0)
-
-    @property
-    def torsional_stiffness(self) -> Any:
-        """C = A / (1 + nu) [force length^2]; eq. (20)."""
-        with np.errstate(over="ignore", invalid="ignore"):
-            return self.bending_stiffness / (1 + self.nu)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,8 +48,8 @@ class Cylinder:
     side: str = "outside"
 
     def __post_init__(self) -> None:
-        _check_numbers(self, skip=("side",))
-        _refuse("Cylinder", "R", self.R, np.less_equal(self.R, 0), "positive and finite")
+        check_numbers(self, skip=("side",))
+        refuse("Cylinder", "R", self.R, np.less_equal(self.R, 0), "positive and finite")
         if self.side not in SIDES:
             raise no_such("side", self.side, SIDES)
 
@@ -215,7 +104,7 @@ class Start:
     M3: Any = None
 
     def __post_init__(self) -> None:
-        _check_numbers(self)
+        check_numbers(self)
         if sum(getattr(self, name) is not None for name in TWISTS) != 1:
             got = ", ".join(f"{name}={getattr(self, name)}" for name in TWISTS)
             raise InputError(f"Start needs exactly one of F1, dgamma and M3, got {got}")
@@ -264,7 +153,7 @@ class Ends:
     gamma: Any = 0.0
 
     def __post_init__(self) -> None:
-        _check_numbers(self)
+        check_numbers(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,7 +192,7 @@ class Case:
         if self.cylinder.side == "inside":
             tight = np.less_equal(self.cylinder.R, self.rod.a)
             rule = f"larger than Rod.a = {self.rod.a!s} for a rod inside"
-            _refuse("Cylinder", "R", np.broadcast_to(self.cylinder.R, np.shape(tight)), tight, rule)
+            refuse("Cylinder", "R", np.broadcast_to(self.cylinder.R, np.shape(tight)), tight, rule)
         try:
             self.shape  # noqa: B018  (computed here so that a mismatch is refused when the case is made)
         except ValueError:

@@ -1,0 +1,64 @@
+"""The values of the fields of a case: numbers and arrays, validated when a part of the case is made."""
+
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .angles import FORMS, angle
+from .errors import InputError
+
+ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma")  # the fields that may be text, read by `angles.angle`
+
+
+def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
+    """The value as a float or a read-only float array, angles in rad; `InputError` for other and non-finite values."""
+    try:
+        array = np.asarray(value)
+        if field in ANGLES and array.dtype.kind in "UO":
+            array = _in_rad(np.array(value, dtype=object))
+        if not _only_numbers(array):
+            raise TypeError
+        array = np.array(array, dtype=float)
+    except (TypeError, ValueError):
+        wanted = f"{FORMS}; or an array of these" if field in ANGLES else "a number or an array of numbers"
+        raise InputError(f"{owner}.{field} must be {wanted}, got {value!r}") from None
+    if array.size == 0:
+        raise InputError(f"{owner}.{field} is empty; give at least one value")
+    refuse(owner, field, array, ~np.isfinite(array), "finite")
+    if array.ndim == 0:
+        return float(array)
+    array.setflags(write=False)
+    return array
+
+
+def _in_rad(values: NDArray[Any]) -> NDArray[Any]:
+    """An array of objects with each text replaced by its angle. Raises `ValueError`."""
+    read = [angle(one) if isinstance(one, str) else one for one in values.flat]
+    return np.array(read, dtype=object).reshape(values.shape)
+
+
+def _only_numbers(array: NDArray[Any]) -> bool:
+    """Whether each element is a real number; text is not a number, even "5"."""
+    if array.dtype.kind == "O":
+        return not any(one is None or isinstance(one, (str, bytes)) for one in array.flat)
+    return array.dtype.kind in "biuf"
+
+
+def refuse(owner: str, field: str, value: ArrayLike, bad: ArrayLike, rule: str) -> None:
+    """Raise `InputError` with the first bad value, if there is any."""
+    bad = np.atleast_1d(bad)
+    if bad.any():
+        worst = np.atleast_1d(np.asarray(value))[bad].flat[0]
+        where = f" (the first of {int(bad.sum())} invalid values among {bad.size})" if bad.size > 1 else ""
+        raise InputError(f"{owner}.{field} must be {rule}, got {worst!s}{where}")
+
+
+def check_numbers(self: Any, skip: tuple[str, ...] = ()) -> None:
+    """Turn each numeric field of a frozen dataclass into floats or read-only arrays."""
+    for field in fields(self):
+        value = getattr(self, field.name)
+        optional = field.default is None
+        if field.name not in skip and not (optional and value is None):
+            object.__setattr__(self, field.name, _numbers(type(self).__name__, field.name, value))
