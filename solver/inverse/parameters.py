@@ -13,7 +13,7 @@ from ..problem.errors import InputError, choices
 from ..problem.field_rates import checked_fields
 from ..problem.quantities import quantity
 
-POSITIVE = ("E", "a", "L", "R")  # searched by their logarithm
+POSITIVE = ("E", "EI", "GJ", "a", "L", "R")  # searched by their logarithm
 _LIMITS = {"nu": (-1.0, 0.5)}
 _SPREAD = 4.0  # starts of a positive field without bounds: from its value over this to its value times this
 # The fields of Start and Ends that are the value of a quantity at s = 0.
@@ -106,12 +106,12 @@ def _listed(vary: Any) -> list[Any]:
 
 def _parameter(case: Case, name: str, bounds: Any) -> Parameter:
     first = value_of(case, name)
-    low, high = (0.0, np.inf) if name in POSITIVE else _LIMITS.get(name, (-np.inf, np.inf))
+    low, high = limits = _limits(case, name)
     if bounds is not None:
         given = _numbers(name, bounds)
         if name in POSITIVE and given[0] <= 0:
             raise InputError(f"the bounds of {name} must be positive, got {given[0]:g} to {given[1]:g}")
-        if name in _LIMITS and not (low <= given[0] and given[1] <= high):
+        if np.isfinite(limits).all() and not (low <= given[0] and given[1] <= high):
             raise InputError(f"the bounds of {name} must lie in {low:g} to {high:g}, got {given[0]:g} to {given[1]:g}")
         low, high = given
     natural = natural_unit(case, name)
@@ -119,6 +119,16 @@ def _parameter(case: Case, name: str, bounds: Any) -> Parameter:
         return Parameter(name, low, high, first, 0.0, float(np.log(_SPREAD)))
     scale = max(abs(first), 1e-3 * natural) if first else natural
     return Parameter(name, low, high, first, scale, max(abs(first), natural) / scale)
+
+
+def _limits(case: Case, name: str) -> tuple[float, float]:
+    """The least and the greatest value of a field; infinite where there is none."""
+    if name != "inner_radius":
+        return (0.0, np.inf) if name in POSITIVE else _LIMITS.get(name, (-np.inf, np.inf))
+    if float(case.rod.inner_radius) == 0:
+        why = "where every derivative by it is 0; give the case another value"
+        raise InputError(f"a fit cannot begin at inner_radius = 0, {why}")
+    return 0.0, float(case.rod.a)
 
 
 def _numbers(name: str, bounds: Any) -> tuple[float, float]:

@@ -16,6 +16,7 @@ from ..core.measures import can_measure, measure
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import means, primitive, series_at
 from ..orbit.marched_orbit import MarchedOrbit
+from ..problem.errors import InputError
 from ..problem.reduced import flat
 from ..solution import Solution
 from . import densities
@@ -266,6 +267,9 @@ class Reading:
 
     @cached_property
     def E(self) -> Array:
+        """Young's modulus, (B,). Raises `InputError` for a rod that has none."""
+        if self.sol.case.rod.E is None:
+            raise InputError("bending_stress_max is E a kappa_max, and a rod with EI and GJ has no E; omit it")
         return flat(self.sol.case.rod.E, self.sol.case.shape)
 
     @cached_property
@@ -273,8 +277,9 @@ class Reading:
         return flat(self.sol.case.rod.a, self.sol.case.shape)
 
     @cached_property
-    def nu(self) -> Array:
-        return flat(self.sol.case.rod.nu, self.sol.case.shape)
+    def ratio(self) -> Array:
+        """A/C, (B,)."""
+        return flat(self.sol.case.rod.stiffness_ratio, self.sol.case.shape)
 
     @property
     def mu(self) -> Array:

@@ -17,6 +17,7 @@ from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION, ROTATION
 from ..problem.errors import no_such
 from ..problem.quantities import quantity
+from ..problem.rod import Rod
 from ..solution import Solution
 from .measurement import SPREAD, Pair, Reading
 from .self_contact import overlaps
@@ -249,7 +250,7 @@ def energy(read: Reading) -> Pair:
 
 def _twist(read: Reading) -> Array:
     """M3^2/(2 C) in units of A/rho^2, (B,)."""
-    return read.mu**2 * (1 + read.nu) / 2
+    return read.mu**2 * read.ratio / 2
 
 
 @dataclass(frozen=True)
@@ -258,12 +259,13 @@ class Observable:
 
     compute: the values (B,), with their errors if `Quantity.estimated`. measured: what `Reading` measures for it; what
     is measured over the middle third alone has "middle" before it. undefined: where it has no value although the case
-    is solved, in words; "" if nowhere.
+    is solved, in words; "" if nowhere. needs: the field of the rod without which it does not exist.
     """
 
     compute: Callable[[Reading], Any]
     measured: tuple[str, ...] = ()
     undefined: str = ""
+    needs: str = ""
 
 
 # The row in `problem.quantities` says whether the error is estimated; if not, the values are whole numbers, or NaN.
@@ -289,13 +291,18 @@ OBSERVABLES: dict[str, Observable] = {
     "lift_off_at": Observable(lift_off_at, ("lifts",)),
     "F3_size_max": Observable(F3_size_max, ("tension",)),
     "bending_moment_max": Observable(bending_moment_max, ("tightest",)),
-    "bending_stress_max": Observable(bending_stress_max, ("tightest",)),
+    "bending_stress_max": Observable(bending_stress_max, ("tightest",), needs="E"),
     "overlaps": Observable(overlapping, ("tightest", "low", "high")),
     "energy": Observable(energy, ("potential",)),
     "bending_energy": Observable(bending_energy, ("bending",)),
     "twist_energy": Observable(twist_energy),
     "index": Observable(index),
 }
+
+
+def observables_of(rod: Rod) -> tuple[str, ...]:
+    """The names of the observables that a rod has: without Young's modulus there is no stress."""
+    return tuple(name for name, row in OBSERVABLES.items() if not row.needs or getattr(rod, row.needs) is not None)
 
 
 def is_count(name: str) -> bool:

@@ -247,7 +247,7 @@ class Case:
             if given.M3 is not None:
                 m = given.M3 / A
             elif given.dgamma is not None:
-                m = (given.dgamma + s * c / rho) / (1 + rod.nu)
+                m = (given.dgamma + s * c / rho) / rod.stiffness_ratio
             else:
                 m = given.F1 / (A * given.dbeta) + 3 * s * c / rho
             FY = -given.F2 * c + given.F3 * s

@@ -1,6 +1,6 @@
 """The chain rule: how the dimensionless numbers of a case answer a change of each of its fields.
 
-Each field acts through A, rho, nu, L and the values given at the ends. The partial derivatives of `Case.loads` and
+Each field acts through A, A/C, rho, L and the values given at the ends. The partial derivatives of `Case.loads` and
 `reduced.reduce` stand here and nowhere else.
 """
 
@@ -15,8 +15,9 @@ from ..numerics.arrays import Array
 from .case import Case, Ends
 from .errors import InputError, choices
 from .reduced import flat
+from .rod import fourth_powers
 
-NUMBERS = ("lam", "mu", "phi", "span", "beta0", "end", "A", "rho", "nu", "alpha", "gamma")
+NUMBERS = ("lam", "mu", "phi", "span", "beta0", "end", "A", "rho", "ratio", "alpha", "gamma")
 # Fields of Start and Ends whose quantity has another name.
 _QUANTITY = {"beta": "beta0", "dbeta": "dbeta0", "alpha": "alpha0", "gamma": "gamma0"}
 
@@ -28,7 +29,7 @@ class FieldRates:
     """The derivatives of the numbers of B cases with respect to F fields, (B, F) each.
 
     lam, mu, phi, span, beta0: as in `Reduced`. end: of beta_t(0) of a start problem, of beta(L) of an ends problem. A,
-    rho, nu: as in `Case`. alpha, gamma: at the start.
+    rho: as in `Case`. ratio: A/C. alpha, gamma: at the start.
     """
 
     fields: tuple[str, ...]
@@ -40,7 +41,7 @@ class FieldRates:
     end: Array
     A: Array
     rho: Array
-    nu: Array
+    ratio: Array
     alpha: Array
     gamma: Array
 
@@ -83,10 +84,28 @@ def _itself(case: Case, field: str) -> list[tuple[str, Any]]:
     return [(field, 1.0)]
 
 
-# How fields act on A and rho; every other field is a source of its own.
+def _of_radius(case: Case, _: str) -> list[tuple[str, Any]]:
+    rod = case.rod
+    by_a = 4 * rod.bending_stiffness / rod.a if rod.E is not None else 0.0
+    if rod.inner_radius is not None:
+        by_a = 4 * rod.bending_stiffness * (np.power(rod.a, 3.0) / fourth_powers(rod.a, rod.inner_radius))
+    return [("A", by_a), ("rho", case.outward)]
+
+
+def _of_bore(case: Case, _: str) -> list[tuple[str, Any]]:
+    rod = case.rod
+    by_bore = np.power(rod.inner_radius, 3.0) / fourth_powers(rod.a, rod.inner_radius)
+    return [("A", -4 * rod.bending_stiffness * by_bore)]
+
+
+# How fields act on A, A/C and rho; every other field is a source of its own.
 _SOURCES: dict[str, Callable[[Case, str], list[tuple[str, Any]]]] = {
     "E": lambda case, _: [("A", case.rod.bending_stiffness / case.rod.E)],
-    "a": lambda case, _: [("A", 4 * case.rod.bending_stiffness / case.rod.a), ("rho", case.outward)],
+    "nu": lambda case, _: [("ratio", 1.0)],
+    "EI": lambda case, _: [("A", 1.0), ("ratio", 1 / case.rod.GJ)],
+    "GJ": lambda case, _: [("ratio", -case.rod.stiffness_ratio / case.rod.GJ)],
+    "a": _of_radius,
+    "inner_radius": _of_bore,
     "R": lambda case, _: [("rho", 1.0)],
 }
 
@@ -99,7 +118,7 @@ def _common(case: Case) -> dict[str, Callable[[], Partials]]:
         "gamma0": lambda: {"gamma": 1.0},
         "rho": lambda: {"rho": 1.0, "span": -L / rho**2},
         "A": lambda: {"A": 1.0},
-        "nu": lambda: {"nu": 1.0},
+        "ratio": lambda: {"ratio": 1.0},
     }
 
 
@@ -141,7 +160,7 @@ def _start_partials(case: Case) -> dict[str, Callable[[], Partials]]:
     return common | {
         "A": lambda: plus("A", -square * FY / A, phi=-square * FZ / A, **common["A"]()),
         "rho": lambda: plus("rho", 2 * rho * FY / A + m * c, m, 2 * rho * FZ / A, end=given.dbeta, **common["rho"]()),
-        "nu": lambda: plus("nu", **common["nu"]()),
+        "ratio": lambda: plus("ratio", **common["ratio"]()),
         "beta0": turned,
         "dbeta0": lambda: plus("dbeta", end=rho),
         "F2": lambda: {"lam": -square * c, "phi": square * s},
@@ -158,8 +177,8 @@ def _twist_partials(case: Case, m: Any, s: Any, c: Any) -> Partials:
     if given.M3 is not None:
         return {"M3": 1 / A, "A": -m / A}
     if given.dgamma is not None:
-        one = 1 / (1 + case.rod.nu)
-        return {"dgamma": one, "nu": -m * one, "beta": cos2 / rho * one, "rho": -sc / rho**2 * one}
+        one = 1 / case.rod.stiffness_ratio
+        return {"dgamma": one, "ratio": -m * one, "beta": cos2 / rho * one, "rho": -sc / rho**2 * one}
     part = given.F1 / (A * given.dbeta)
     by_shape = {"beta": 3 * cos2 / rho, "rho": -3 * sc / rho**2}
     return {"F1": 1 / (A * given.dbeta), "A": -part / A, "dbeta": -part / given.dbeta} | by_shape

@@ -31,7 +31,10 @@ _ROWS = (
     # the rod, the cylinder, the start and the ends
     Quantity("E", "E", (-2, 1), "Young's modulus"),
     Quantity("nu", "ν", _NUMBER, "Poisson ratio"),
+    Quantity("EI", "EI", (2, 1), "bending stiffness, given"),
+    Quantity("GJ", "GJ", (2, 1), "torsional stiffness, given"),
     Quantity("a", "a", _LENGTH, "radius of the rod"),
+    Quantity("inner_radius", "aᵢ", _LENGTH, "inner radius of the rod"),
     Quantity("L", "L", _LENGTH, "length of the rod"),
     Quantity("R", "R", _LENGTH, "radius of the cylinder"),
     Quantity("rho", "ρ", _LENGTH, "distance of the centreline from the axis"),

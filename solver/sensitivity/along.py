@@ -33,9 +33,9 @@ def along(sol: Solution, motion: Motion, rates: FieldRates) -> dict[str, Array]:
     beta, v, z = (getattr(sol.trajectory, name)[rows][:, None, :] for name in ("beta", "dbeta", "z"))
     later = rates.span[:, :, None] * (t / problem.span[:, None])[:, None, :]  # the change of t at a constant s/L
     case = sol.case
-    nu, rho = (flat(value, case.shape)[rows, None, None] for value in (case.rod.nu, case.rho))
-    d_mu, d_nu, d_rho, alpha0, gamma0 = (
-        getattr(rates, name)[:, :, None] for name in ("mu", "nu", "rho", "alpha", "gamma")
+    ratio, rho = (flat(value, case.shape)[rows, None, None] for value in (case.rod.stiffness_ratio, case.rho))
+    d_mu, d_ratio, d_rho, alpha0, gamma0 = (
+        getattr(rates, name)[:, :, None] for name in ("mu", "ratio", "rho", "alpha", "gamma")
     )
 
     def by(values: Array) -> Array:
@@ -45,7 +45,7 @@ def along(sol: Solution, motion: Motion, rates: FieldRates) -> dict[str, Array]:
     force = slope(Loads.columns(problem), beta[:, 0])[:, None, :]
     alpha, minus_swirl, height = (by(change.integrals[..., k]) for k in range(3))
     mu = problem.mu[:, None, None]
-    twist = (d_mu * (1 + nu) + mu * d_nu) * t[:, None, :] + mu * (1 + nu) * later
+    twist = (d_mu * ratio + mu * d_ratio) * t[:, None, :] + mu * ratio * later
     return {
         "beta": by(change.beta) + v * later,
         "dbeta": (by(change.rate) - force * later - v / rho * d_rho) / rho,

@@ -99,8 +99,8 @@ class Moving(Reading):
         return Dual(self.plain.a, self._rates.by("a"))
 
     @cached_property
-    def nu(self) -> Any:
-        return Dual(self.plain.nu, self._rates.nu)
+    def ratio(self) -> Any:
+        return Dual(self.plain.ratio, self._rates.ratio)
 
     @property
     def mu(self) -> Any:
