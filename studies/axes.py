@@ -103,6 +103,9 @@ class Base(BaseModel):
     a: float | None = None
     L: float | None = None
     stiffness: Literal["solid", "paper"] | None = None
+    inner_radius: float | None = None
+    EI: float | None = None
+    GJ: float | None = None
     R: float | None = None
     side: Literal["outside", "inside"] | None = None
     beta: Angle | None = None

@@ -14,6 +14,7 @@ from solver.observe.observables import OBSERVABLES
 from solver.problem.case import from_fields
 from solver.problem.errors import choices
 from solver.problem.quantities import unit_of
+from solver.problem.rod import DIRECT
 from solver.problem.tolerance import DEFAULT_TOLERANCE
 
 from . import axes as parts
@@ -172,6 +173,13 @@ class Study(BaseModel):
         return self
 
     @model_validator(mode="after")
+    def _observables_fit(self) -> "Study":
+        for name in self.wanted:
+            if name in OBSERVABLES and name not in self.known_observables:
+                raise Misplaced(f"{name} needs E, which a rod with EI and GJ does not have: remove it", "observables")
+        return self
+
+    @model_validator(mode="after")
     def _laws_fit(self) -> "Study":
         sampled = self.sampled if self.refine is None else ()  # laws are judged on the coarse grid
         lines = [*self.axes, *([SAMPLE] if sampled else [])]
@@ -302,6 +310,12 @@ class Study(BaseModel):
         """The columns of the observables: each name, followed by the name of its error if it has one."""
         names = ((name, expressions.error_of(self, name)) for name in self.wanted)
         return [column for pair in names for column in pair if column]
+
+    @property
+    def known_observables(self) -> tuple[str, ...]:
+        """The observables that the rods of the study have: with EI and GJ in place of E there is no stress."""
+        given = {*self.base.given, *self.varied}
+        return tuple(name for name, row in OBSERVABLES.items() if row.needs != "E" or not given & {*DIRECT})
 
     @property
     def variation(self) -> str:

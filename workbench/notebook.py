@@ -141,7 +141,13 @@ def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
     data: dict[str, Any] = {
         name: xr.Variable((*dims, "u"), getattr(sol, name), schema.labels(name, used)) for name in ALONG
     }
-    owners = {**dict.fromkeys(("E", "nu", "a", "L"), case.rod), "R": case.cylinder, "rho": case, "FZ": sol, "MZ": sol}
+    owners = {
+        **dict.fromkeys((name for name, _ in case.rod.given()), case.rod),
+        "R": case.cylinder,
+        "rho": case,
+        "FZ": sol,
+        "MZ": sol,
+    }
     for name, owner in {**owners, "M3": sol}.items():
         if name not in axes:
             value = np.broadcast_to(np.asarray(getattr(owner, name), dtype=float), case.shape)
@@ -196,7 +202,7 @@ def _attributes(sol: Solution, units: Mapping[str, str]) -> dict[str, Any]:
     return {
         "title": "An elastic rod on a cylinder" if not case.shape else f"{case.size} elastic rods on cylinders",
         "study_name": "solution", "study": "", "reading": "", "side": case.cylinder.side,
-        "stiffness": case.rod.stiffness, "length_unit": units["length"], "force_unit": units["force"],
+        "stiffness": case.rod.section, "length_unit": units["length"], "force_unit": units["force"],
         "laws": json.dumps([]), "versions": json.dumps(dataset.versions()), "method": sol.method, "tolerance": sol.tol,
     }  # fmt: skip
 

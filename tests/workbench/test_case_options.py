@@ -8,10 +8,12 @@ from typer.main import get_command
 from solver import Cylinder, Ends, Rod, Start
 from solver.problem.case import SIDES, STIFFNESS, TWISTS
 from solver.problem.quantities import unit_of
+from solver.problem.rod import lacking
 from studies.axes import quantity_of
 from workbench import cli
 from workbench.commands.case_options import ENDS_FIELDS, FIELDS, help_of
 
+SECTION = ("E", "nu", "a", "L", "inner_radius", "EI", "GJ")  # of which a rod needs either pair, a and L
 PARTS = {"": (Rod, Cylinder), "start": (Start,), "ends": (Ends,)}
 
 
@@ -52,10 +54,17 @@ def test_unit_and_words_are_those_of_the_quantity(name: str) -> None:
 @pytest.mark.parametrize("name", FIELDS)
 def test_the_default_is_that_of_the_solver(name: str) -> None:
     defaults = {field.default for part in declared()[name] for field in fields(part) if field.name == name}
-    if name in TWISTS:  # required in one way or another at a start
+    if name in TWISTS or name in SECTION:  # required in one way or another
         assert FIELDS[name].default is None
     else:
         assert defaults == {MISSING if FIELDS[name].default is None else FIELDS[name].default}
+
+
+def test_a_rod_needs_one_of_two_pairs() -> None:
+    assert lacking([]) == lacking(["inner_radius"]) == ["E", "nu", "a", "L"]
+    assert lacking(["GJ", "a"]) == ["EI", "L"]
+    for name in ("E", "nu", "EI", "GJ"):
+        assert FIELDS[name].note == "give E and nu, or EI and GJ"
 
 
 def test_words_have_the_choices_of_the_solver() -> None:

@@ -61,7 +61,7 @@ def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:
     """The attributes that every dataset of equilibria has."""
     return {
         "title": title, "study_name": "equilibria", "study": study.text, "reading": study.reading or "",
-        "side": case.cylinder.side, "stiffness": case.rod.stiffness, "length_unit": study.units.length,
+        "side": case.cylinder.side, "stiffness": case.rod.section, "length_unit": study.units.length,
         "force_unit": study.units.force, "laws": json.dumps([]), "versions": json.dumps(dataset.versions()),
         "stability": "both end angles held, FZ, MZ and M3 dead loads, the ends free to move",
     }  # fmt: skip
@@ -70,8 +70,7 @@ def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:
 def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: str = "") -> xr.Dataset:
     """The dataset with the numbers of the case as scalars; skip: the field that is an axis."""
     ends = {name: getattr(case.given, name) for name in ("beta0", "betaL", "FZ", "MZ", "M3")}
-    rod = {name: getattr(case.rod, name) for name in ("E", "nu", "a", "L")}
-    numbers = {**rod, "R": case.cylinder.R, "rho": case.rho, **ends}
+    numbers = {**dict(case.rod.given()), "R": case.cylinder.R, "rho": case.rho, **ends}
     for name, value in numbers.items():
         if name != skip and not (name == "rho" and skip in ("R", "a")):
             ds[name] = xr.Variable((), float(value), schema.labels(name, units))

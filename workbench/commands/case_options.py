@@ -51,16 +51,20 @@ class Given:
 
 
 _TWIST = "give one of F1, dgamma, M3"
+_SECTION = "give E and nu, or EI and GJ"
 _STIFFNESS = "bending stiffness of a solid section (solid), or a quarter of it as printed in the paper (paper)"
 
 FIELDS: dict[str, CaseField] = {
     field.name: field
     for field in (
-        CaseField("E", "Young's modulus", "force/length^2"),
-        CaseField("nu", "Poisson ratio", "1"),
+        CaseField("E", "Young's modulus", "force/length^2", note=_SECTION),
+        CaseField("nu", "Poisson ratio", "1", note=_SECTION),
         CaseField("a", "radius of the rod", "length"),
         CaseField("L", "length of the rod", "length"),
         CaseField("stiffness", _STIFFNESS, "", default="solid", choices=("solid", "paper")),
+        CaseField("inner_radius", "inner radius of the rod, for a tube", "length"),
+        CaseField("EI", "bending stiffness, given", "force length^2", note=_SECTION),
+        CaseField("GJ", "torsional stiffness, given", "force length^2", note=_SECTION),
         CaseField("R", "radius of the cylinder", "length"),
         CaseField("side", "side of the cylinder on which the rod lies", "", default="outside",
                   choices=("outside", "inside")),
@@ -126,11 +130,12 @@ def _options(names: Sequence[str], whole: bool) -> list[inspect.Parameter]:
 def _type(field: CaseField, whole: bool) -> Any:
     help = help_of(field, whole)
     flag, group = f"--{field.name}", {"rich_help_panel": _heading(field, whole)}
+    also = [f"--{field.name.replace('_', '-')}"] if "_" in field.name else []
     if field.choices:
         return Annotated[str | None, option("|".join(field.choices), help, flag, **group)]
     if field.unit == "rad":
         return Annotated[float | None, option("ANGLE", help, flag, parser=angle, **group)]
-    return Annotated[float | None, numbered(help, flag, **group)]
+    return Annotated[float | None, numbered(help, flag, *also, **group)]
 
 
 def _heading(field: CaseField, whole: bool) -> str:

@@ -97,6 +97,7 @@ def _found(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, 
 
     from ..run.case_input import field_values
 
+    seen = observe(sol, level.observables(sol.case.rod))
     return {
         "case": field_values(sol.case),
         "given": type(sol.case.given).__name__,
@@ -107,7 +108,7 @@ def _found(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, 
         "error": float(sol.error),
         "condition": float(sol.condition),
         "loads": {name: float(getattr(sol, name)) for name in LOADS},
-        "observables": {name: np.asarray(value).item() for name, value in observe(sol, level.observables).items()},
+        "observables": {name: np.asarray(value).item() for name, value in seen.items()},
         "along": {name: getattr(sol, name).tolist() for name in level.along},
     }
 

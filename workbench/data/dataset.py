@@ -92,9 +92,9 @@ def frame(study: Study, over: Dimensions, first: str = "") -> xr.Dataset:
     coords = _coordinates(study, over)
     data = {}
     for name in OF_THE_CASE:
-        if name not in coords:
-            owner = {"R": case.cylinder, "rho": case}.get(name, case.rod)
-            data[name] = xr.Variable(*_own_dims(getattr(owner, name), axes), labels(name, units))
+        value = getattr({"R": case.cylinder, "rho": case}.get(name, case.rod), name)
+        if name not in coords and value is not None:
+            data[name] = xr.Variable(*_own_dims(value, axes), labels(name, units))
     for field, value in expressions.used_by_laws(study).items():
         if dimension(field) not in (*coords, *data, *LOADS):
             data[dimension(field)] = xr.Variable((), float(value), _axis_labels(study, field))
@@ -166,7 +166,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "study": study.text,
         "reading": study.reading or "",
         "side": case.cylinder.side,
-        "stiffness": case.rod.stiffness,
+        "stiffness": case.rod.section,
         "length_unit": study.units.length,
         "force_unit": study.units.force,
         "tolerance": study.tol,

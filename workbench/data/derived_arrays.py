@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver import Case, Rod, Solution
+from solver import Case, Solution
 from solver.mechanics import frames, statics
 from solver.mechanics.contact import contact_force, push_from
 from solver.mechanics.potential import dimensional_slope, potential
 from studies import Study
 from studies.model import OUTPUTS
 
-from . import reading, schema
+from . import reading, rod_fields, schema
 from .schema import COMPONENTS, remaining_axes
 
 _VECTOR, _FRAME = ("xyz",), ("director", "xyz")
@@ -104,8 +104,8 @@ class Stored:
     @cached_property
     def A(self) -> xr.DataArray:
         """Bending stiffness [force length^2]."""
-        unit = Rod(1.0, 0.0, 1.0, 1.0, reading.text(self.ds, "stiffness"))
-        return unit.bending_stiffness * self.constant("E") * self.constant("a") ** 4
+        numbers = {name: self.constant(name) for name in rod_fields.of_stiffness(self.ds)}
+        return rod_fields.bending_stiffness(reading.text(self.ds, "stiffness"), numbers)
 
     @property
     def lmp(self) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:

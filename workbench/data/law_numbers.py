@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.problem.case import STIFFNESS
 from solver.problem.errors import InputError, choices
 from studies.expressions import unit_names
 from studies.law import Law
 from studies.laws import targets
 
+from . import rod_fields
 from .schema import dimension
 
 if TYPE_CHECKING:
@@ -41,9 +41,9 @@ def _found(ds: "xr.Dataset", name: str) -> Any:
     if name in unit_names({key: str(ds.attrs[f"{key}_unit"]) for key in ("length", "force")}):
         return 1.0
     if name == "torsional_stiffness":
-        return _found(ds, "bending_stiffness") / (1 + ds["nu"])
+        return rod_fields.torsional_stiffness(str(ds.attrs["stiffness"]), ds)
     if name == "bending_stiffness":
-        return STIFFNESS[str(ds.attrs["stiffness"])] * ds["E"] * ds["a"] ** 4
+        return rod_fields.bending_stiffness(str(ds.attrs["stiffness"]), ds)
     try:
         key = dimension(name)
     except InputError:

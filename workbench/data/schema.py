@@ -28,7 +28,8 @@ Columns = dict[str, NDArray[Any]]  # name -> (cases, ...), as named in `Solution
 LOADS = ("FZ", "MZ", "M3")
 TEXTS = ("outcome", "caution")  # of each case
 SAMPLING = ("sampling", "sampling_caution", "refinement")  # sentences on the samples of a file
-OF_THE_CASE = ("R", "a", "L", "rho", "E", "nu")  # the fields that every file stores
+SECTION = ("E", "nu", "inner_radius", "EI", "GJ")  # the fields of a rod's section: a file stores those that it has
+OF_THE_CASE = ("R", "a", "L", "rho", *SECTION)
 COMPONENTS = {"xyz": ("x", "y", "z"), "director": ("d1", "d2", "d3")}
 INNER = {"position": ("xyz",)}  # dimensions after u, of an output that is not one number at each station
 # The name in the file -> the output. Forces along the rod never take the name of an axis: F1 is the force at the start.

@@ -12,22 +12,29 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.problem.case import SIDES, STIFFNESS
+from solver.problem.case import SIDES
 from solver.problem.errors import InputError, choices
+from solver.problem.rod import DIRECT, ELASTIC, GIVEN
 from studies.axes import FORCES, LENGTHS
 
-from . import escaping
+from . import escaping, rod_fields
 from .concatenation import blocks
 from .file_checks import shown
-from .schema import CURVES, LOADS, TEXTS
+from .schema import CURVES, LOADS, SECTION, TEXTS
 
 LINE, LABEL = 10_000, 1000  # characters of an attribute of the file, and of a variable
 LONG = ("study", "laws", "versions", "recipe", "statistics", "branches", "rows")  # of many lines, or JSON; not printed
 JUDGED = ("error", "condition")  # of each case
 BLOCK = 100_000  # cases that are read at a time
 LABELS = ("units", "long_name", "symbol", "reading")
-WORDS: Mapping[str, Any] = {"side": SIDES, "stiffness": STIFFNESS, "length_unit": LENGTHS, "force_unit": FORCES}
-POSITIVE = ("E", "a", "R", "L", "rho")
+WORDS: Mapping[str, Any] = {
+    "side": SIDES,
+    "stiffness": rod_fields.SECTIONS,
+    "length_unit": LENGTHS,
+    "force_unit": FORCES,
+}
+POSITIVE = ("E", "EI", "GJ", "a", "R", "L", "rho")
+LIMITS = {"nu": (np.nextafter(-1.0, 0.0), 0.5), "inner_radius": (0.0, 1e50)}
 # Of fields in their own units, and of dimensionless loads and lengths: beyond, squares and fourth powers overflow.
 SMALLEST, LARGEST, MOST = 1e-50, 1e50, 1e30
 MOST_ANGLE = 1e12  # rad: beyond, a float cannot hold the direction to 1e-4
@@ -70,17 +77,18 @@ def _text(text: str, longest: int | None, what: str) -> None:
 
 def fields(ds: xr.Dataset, path: str | Path) -> None:
     """Raise `InputError` unless rod, cylinder and stations are finite, positive, in order and consistent."""
-    number = {name: ds[name] for name in (*POSITIVE, "nu") if name in ds.variables}
+    number = {name: ds[name] for name in (*POSITIVE, *LIMITS) if name in ds.variables}
     for name, variable in number.items():
         if variable.dtype.kind != "f":
             raise InputError(f"{path}: {name} must be a floating-point number, got {variable.dtype}")
         values = variable.values.astype(float)
         if not np.isfinite(values).all():
             raise InputError(f"{path}: {name} must be finite, got {_worst(values, np.isfinite(values))}")
-        low, high = (SMALLEST, LARGEST) if name in POSITIVE else (np.nextafter(-1.0, 0.0), 0.5)
+        low, high = LIMITS.get(name, (SMALLEST, LARGEST))
         good = (values >= low) & (values <= high)
         if not good.all():
             raise InputError(f"{path}: {name} must be from {low:g} to {high:g}, got {_worst(values, good)}")
+    _section(ds, number, path)
     if {"R", "a", "rho"} <= set(number) and ds.attrs.get("side") in SIDES:
         expected = number["R"] + SIDES[ds.attrs["side"]] * number["a"]
         if bool((np.abs(number["rho"] - expected) > SAME * (number["R"] + number["a"])).any()):
@@ -88,6 +96,17 @@ def fields(ds: xr.Dataset, path: str | Path) -> None:
     if {"L", "rho"} <= set(number) and not bool((number["L"] / number["rho"] < MOST).all()):
         raise InputError(f"{path}: L is more than {MOST:g} times rho")
     _places(ds, number.get("L"), path)
+
+
+def _section(ds: xr.Dataset, number: Mapping[str, xr.DataArray], path: str | Path) -> None:
+    """Raise `InputError` unless the fields of the section fit the attribute stiffness, and a tube has a wall."""
+    word = ds.attrs.get("stiffness")
+    allowed = DIRECT if word == GIVEN else (*ELASTIC, *(["inner_radius"] if word == "solid" else []))
+    for name in SECTION:
+        if name in number and name not in allowed:
+            raise InputError(f"{path}: the attribute stiffness is {shown(word)}, which excludes {name}")
+    if {"inner_radius", "a"} <= set(number) and not bool((number["inner_radius"] < number["a"]).all()):
+        raise InputError(f"{path}: inner_radius is not less than a")
 
 
 def _places(ds: xr.Dataset, L: xr.DataArray | None, path: str | Path) -> None:
@@ -114,7 +133,8 @@ def each(ds: xr.Dataset, path: str | Path) -> None:
     for name in (*JUDGED, *LOADS):
         if name in ds.variables and ds[name].dtype.kind not in "iuf":
             raise InputError(f"{path}: {name} must hold numbers, got {ds[name].dtype}")
-    names = [name for name in ("solved", *TEXTS, *JUDGED, *LOADS, "E", "a", "rho") if name in ds.variables]
+    sizes = (*rod_fields.of_stiffness(ds), "rho")
+    names = [name for name in ("solved", *TEXTS, *JUDGED, *LOADS, *sizes) if name in ds.variables]
     for where in blocks(ds["outcome"].shape, BLOCK):
         _block(ds[names].isel(dict(zip(ds["outcome"].dims, where, strict=True))).load(), path)
 
@@ -128,14 +148,13 @@ def _block(ds: xr.Dataset, path: str | Path) -> None:
     for name in JUDGED:
         if name in ds.data_vars and not (ds[name].values[solved] >= 0).all():
             raise InputError(f"{path}: {name} of a solved case must be a number and not negative")
-    sizes = {name: ds[name] for name in ("E", "a", "rho") if name in ds.variables}
-    if len(sizes) < 3:
+    if not {*rod_fields.of_stiffness(ds), "rho"} <= {*ds.variables}:
         return
-    unit = sizes["E"] * sizes["a"] ** 4 / sizes["rho"]  # of moment, but for a number
+    unit = rod_fields.bending_stiffness(str(ds.attrs["stiffness"]), ds) / ds["rho"]  # of moment
     with np.errstate(all="ignore"):
         for name in LOADS:
             if name in ds.variables:
-                size = abs(ds[name]) / (unit / sizes["rho"] if name == "FZ" else unit)
+                size = abs(ds[name]) / (unit / ds["rho"] if name == "FZ" else unit)
                 if not (_over(size, ds).values[solved] < MOST).all():
                     raise InputError(f"{path}: {name} of a solved case is not finite, or far too large for its rod")
 

@@ -14,15 +14,16 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
-from solver import Rod
 from solver.mechanics import frames, statics
 from solver.mechanics.contact import contact_force, push_from
 from solver.mechanics.potential import dimensional_slope
 from solver.problem.errors import InputError
 
+from ..data import rod_fields
+
 Array = NDArray[np.float64]
 
-NEEDED = ("beta", "alpha", "z", "R", "a", "rho", "L", "E", "nu", "FZ", "MZ", "M3")
+NEEDED = ("beta", "alpha", "z", "R", "a", "rho", "L", "FZ", "MZ", "M3")
 GAUSS, WEIGHT = (0.5 * (v + k) for v, k in zip(np.polynomial.legendre.leggauss(5), (1.0, 0.0), strict=True))
 ROUNDS = 6  # each reduces the error of beta' by a factor of some (step x largest frequency)^2 / 10
 ORDER = 6  # of the error of the curve between stations, in their distance
@@ -129,7 +130,8 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
 
     Raises `InputError` where the dataset lacks one of `NEEDED`, or the case is not solved.
     """
-    missing = [name for name in NEEDED if name not in ds]
+    needed = (*NEEDED, *rod_fields.of_stiffness(ds))
+    missing = [name for name in needed if name not in ds]
     if missing:
         raise InputError(f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs")
     one = ds.isel(dict(where))
@@ -137,9 +139,8 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     along = {name: np.asarray(one[name], dtype=float) for name in ("alpha", "beta", "z")}
     if not one["solved"] or not np.isfinite(list(along.values())).all():
         raise InputError(f"this case has no shape: {outcome}")
-    number = {name: float(one[name]) for name in NEEDED[3:]}
-    rod = Rod(number["E"], number["nu"], number["a"], number["L"], str(ds.attrs["stiffness"]))
-    A = float(rod.bending_stiffness)
+    number = {name: float(one[name]) for name in needed[3:]}
+    A = float(rod_fields.bending_stiffness(str(ds.attrs["stiffness"]), number))
     loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
     s = np.asarray(one["s"].values, dtype=float)
     if "dbeta" in ds:

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 import xarray as xr
 
-from solver import InputError, Solution, observe
-from solver.observe.observables import OBSERVABLES, is_count
+from solver import InputError, Rod, Solution, observe
+from solver.observe.observables import OBSERVABLES, is_count, observables_of
 from solver.problem.errors import no_such
 from solver.problem.field_rates import fields_of
 from solver.problem.quantities import quantity, unit_of
@@ -63,7 +63,7 @@ def local(
         raise InputError(f"the influence is that of one case, got {solution.case.size} cases; select one")
     if not solution.solved:
         raise InputError(f"the case has no derivatives, as it is not solved: {solution.outcome}")
-    names, wanted = _fields(solution, fields), _observables(observables)
+    names, wanted = _fields(solution, fields), _observables(solution.case.rod, observables)
     found = solution.sensitivity(names, wanted)
     if not found.solved:
         raise InputError(f"the case has no derivatives: {found.outcome}")
@@ -159,8 +159,8 @@ def _fields(solution: Solution, names: Iterable[str] | None) -> list[str]:
     return wanted
 
 
-def _observables(names: Iterable[str] | None) -> list[str]:
-    wanted = list(REAL) if names is None else list(dict.fromkeys(names))
+def _observables(rod: Rod, names: Iterable[str] | None) -> list[str]:
+    wanted = [name for name in observables_of(rod) if name in REAL] if names is None else list(dict.fromkeys(names))
     for name in wanted:
         if name not in OBSERVABLES:
             raise no_such("observable", name, REAL)

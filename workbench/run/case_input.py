@@ -8,12 +8,14 @@ from typing import Any
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.problem.case import TWISTS, from_fields
 from solver.problem.errors import choices, no_such
+from solver.problem.rod import DIRECT, ELASTIC, lacking
 from studies import Study, load
 from studies.axes import FORCES, LENGTHS
 from studies.readings import DEFAULT, parse
 
 START_ONLY = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
 ENDS_ONLY = {f.name for f in fields(Ends)} - {f.name for f in fields(Start)}
+OF_MODULUS = (*ELASTIC, "inner_radius")  # the fields of a section of one material
 TABLE_UNITS = {"length": "cm", "force": "N"}
 
 
@@ -122,11 +124,15 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
     chosen = [{f.name: values[f.name] for f in fields(part) if f.name in values} for part in parts]
     rod, cylinder, given = (from_fields(part, found) for part, found in zip(parts, chosen, strict=True))
     assumed = {f.name: f.default for f in known if f.name not in values and f.default is not None}
+    if rod.EI is not None:
+        del assumed["stiffness"]  # a factor of E, which this rod does not have
     return Case(rod, cylinder, given), assumed
 
 
 def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
     """The case with some fields replaced; a new F1, dgamma or M3 of a start replaces the other two.
+
+    New EI and GJ replace E, nu and inner_radius, and the other way round.
 
     Raises `InputError` for a field that the case does not have.
     """
@@ -135,6 +141,8 @@ def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
     for part in (case.rod, case.cylinder, case.given):
         kind = type(part)
         own = {f.name: getattr(part, f.name) for f in fields(kind)}
+        if kind is Rod:
+            own |= _of_other_section(changes)
         if kind not in (Rod, Cylinder):  # whatever is left must be one of its fields
             _check_known(kind, left)
             if kind is Start and any(name in changes for name in TWISTS):
@@ -148,7 +156,17 @@ def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
 def field_values(case: Case) -> dict[str, Any]:
     """The fields of a case by name, as plain numbers and words; without those that are None."""
     values = {f.name: getattr(part, f.name) for part in (case.rod, case.cylinder, case.given) for f in fields(part)}
+    if case.rod.EI is not None:
+        del values["stiffness"]
     return {name: v if isinstance(v, str) else float(v) for name, v in values.items() if v is not None}
+
+
+def _of_other_section(changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a rod's section that the changes replace, each with its default."""
+    elastic, direct = ([name for name in names if name in changes] for names in (OF_MODULUS, DIRECT))
+    if bool(elastic) == bool(direct):  # neither, or a mixture, which `Rod` refuses
+        return {}
+    return dict.fromkeys(DIRECT) if elastic else {**dict.fromkeys(OF_MODULUS), "stiffness": "solid"}
 
 
 def _problem(values: Mapping[str, Any]) -> type:
@@ -163,7 +181,8 @@ def _problem(values: Mapping[str, Any]) -> type:
 
 
 def _check_complete(problem: type, known: list[Field[Any]], values: Mapping[str, Any], advice: str) -> None:
-    missing = [f.name for f in known if f.default is MISSING and f.name not in values]
+    missing = lacking([f.name for f in fields(Rod) if f.name in values])
+    missing += [f.name for f in known if f.default is MISSING and f.name not in values]
     if problem is Start and not any(name in values for name in TWISTS):
         missing.append(f"one of {choices(TWISTS)}")
     if missing:

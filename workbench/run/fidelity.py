@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from solver.observe.observables import OBSERVABLES
+from solver import Rod
+from solver.observe.observables import observables_of
 from solver.problem.errors import no_such
 from solver.problem.tolerance import DEFAULT_TOLERANCE
 from studies import Study
@@ -34,7 +35,7 @@ class Fidelity:
         if self.computes == "shape":
             changes |= {"outputs": [name for name in study.outputs if name in SHAPE], "observables": []}
         if self.computes == "all":
-            changes |= {"outputs": list(OUTPUTS), "observables": list(OBSERVABLES)}
+            changes |= {"outputs": list(OUTPUTS), "observables": list(study.known_observables)}
         return study.model_copy(update=changes)
 
     @property
@@ -42,10 +43,9 @@ class Fidelity:
         """What `solve` prints along the rod."""
         return ("s", "beta", "dbeta", "alpha", "z", "contact", *(FORCES if self.computes == "all" else ()))
 
-    @property
-    def observables(self) -> tuple[str, ...]:
+    def observables(self, rod: Rod) -> tuple[str, ...]:
         """What `solve` prints of the rod as a whole."""
-        return () if self.computes == "shape" else tuple(OBSERVABLES)
+        return () if self.computes == "shape" else observables_of(rod)
 
 
 FIDELITIES: dict[str, Fidelity] = {

@@ -12,6 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from solver.problem.errors import InputError
 
+from ..data.schema import SECTION
 from ..geometry import centreline, tube
 from ..geometry.centreline import Array, Centreline
 from ..geometry.lines import TALLEST
@@ -165,7 +166,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
     for name in sorted(kind.reads - set(centreline.NEEDED)):
         if name not in ds:
             raise InputError(f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs")
-    also = {name for name in ("solved", "outcome", "caution", "dbeta") if name in ds}
+    also = {name for name in ("solved", "outcome", "caution", "dbeta", *SECTION) if name in ds}
     one = ds[sorted(stored | also)]
     line = centreline.read(one, where)
     this = one.isel(dict(where))

@@ -13,7 +13,7 @@ import tomli_w
 
 from solver import Ends, Solution, equilibria
 from solver.equilibria import Equilibrium
-from solver.observe.observables import OBSERVABLES, observe
+from solver.observe.observables import observables_of, observe
 from solver.problem.errors import InputError, choices
 from studies import Study
 from studies.axes import WORDS
@@ -99,7 +99,8 @@ def _which(sol: Solution) -> dict[str, float]:
 def numbers(one: Shape) -> dict[str, Any]:
     """Loads and every observable as a row, in the units of the study and rad, and what a real rod could not do."""
     sol = one.sol
-    found = {name: float(getattr(sol, name)) for name in ("FZ", "MZ", "M3")} | observe(sol, list(OBSERVABLES))
+    found = {name: float(getattr(sol, name)) for name in ("FZ", "MZ", "M3")}
+    found |= observe(sol, observables_of(sol.case.rod))
     keys = str(cautions.of_cases(sol))
     if sol.method == "difference":  # followed to 1e-6 only: where beta is level, bends may be errors
         found |= dict.fromkeys(COUNTS, np.nan)
