@@ -125,7 +125,7 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
     rod, cylinder, given = (from_fields(part, found) for part, found in zip(parts, chosen, strict=True))
     assumed = {f.name: f.default for f in known if f.name not in values and f.default is not None}
     if rod.EI is not None:
-        del assumed["stiffness"]  # a factor of E, which this rod does not have
+        assumed.pop("stiffness", None)  # a factor of E, which this rod does not have
     return Case(rod, cylinder, given), assumed
 
 
