@@ -211,7 +211,7 @@ import json, sys
 from solver import equilibria, Case, Cylinder, Ends, Rod
 from tests.cases import ends_in_units_of_rho
 from tests.numerics.test_core_orbits import REFERENCE
-pipe = Case(Rod(9.585e7, 0.3, 0.0635, 300.0), Cylinder(0.108, "inside"), Ends(0.0, 0.0, FZ=-300.0))
+pipe = Case(Rod(2.06e8, 0.3, 0.0635, 300.0, inner_radius=0.0543), Cylinder(0.108, "inside"), Ends(0.0, 0.0, FZ=-300.0))
 found = equilibria(pipe if sys.argv[1] == "pipe" else ends_in_units_of_rho(*REFERENCE))
 columns = [[float(getattr(one, name)) for one in found] for name in ("dbeta0", "energy", "index", "turns", "attached")]
 json.dump({"complete": found.complete, "columns": columns}, sys.stdout)

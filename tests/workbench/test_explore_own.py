@@ -26,7 +26,8 @@ title = "A pipe in its hole"
 length = "m"
 force = "kN"
 [base]
-E = 9.585e7
+E = 2.06e8
+inner_radius = 0.0543
 nu = 0.3
 a = 0.0635
 L = 30.0

@@ -28,7 +28,8 @@ stations = 51
 length = "m"
 force = "kN"
 [base]
-E = 9.585e7
+E = 2.06e8
+inner_radius = 0.0543
 nu = 0.3
 a = 0.0635
 R = 0.108
