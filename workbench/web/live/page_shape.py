@@ -27,7 +27,7 @@ MOST_SELECTED = 1000  # half periods of a rod whose equilibrium is selected by t
 SAME = 1e-3  # relative difference that beta'(0) may have from the one that is named
 CHORD = 0.4  # rad by which the rod may turn between two stations before more stations are solved
 STEPS = (1, 4)  # numbers of steps in which a rod follows another, tried in this order
-FOLLOWED = ("E", "nu", "a", "L", "R", "beta0", "betaL", "FZ", "MZ", "M3")
+FOLLOWED = ("E", "nu", "inner_radius", "EI", "GJ", "a", "L", "R", "beta0", "betaL", "FZ", "MZ", "M3")
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,10 +127,11 @@ def _between(study: Study, case: Case, lost: bool) -> Solution:
 def _followed(study: Study, case: Case, near: Solution) -> Solution | None:
     """The solution next to another by Newton's method, in one step or in more; None where a step fails."""
     before, after = field_values(near.case), field_values(case)
+    both = [name for name in FOLLOWED if name in before and name in after]
     for steps in STEPS:
         sol: Solution = near
         for k in range(1, steps):
-            part = {name: before[name] + (after[name] - before[name]) * k / steps for name in FOLLOWED}
+            part = {name: before[name] + (after[name] - before[name]) * k / steps for name in both}
             sol = solve(study.case_of(part), NEAR, "difference", BETWEEN, seed=sol)
             if not sol.solved:
                 break

@@ -40,14 +40,14 @@ PRESETS = (
         "dna",
         "DNA on a histone",
         "The left-handed superhelix of the nucleosome: 1.65 turns, radius 4.18 nm, pitch 2.39 nm (Luger et al., "
-        "Nature 389, 1997). DNA of persistence length 50 nm at 298 K, which makes E, and twist stiffness 411 pN "
-        "nm², which makes nu; measured are 386 to 448 (table 1 of PNAS 114, 7049, 2017). Assumed: the rod's radius, "
+        "Nature 389, 1997). EI is that of DNA of persistence length 50 nm at 298 K, and GJ the twist stiffness, "
+        "411 pN nm²; measured are 386 to 448 (table 1 of PNAS 114, 7049, 2017). Assumed: the rod's radius, "
         "1 nm; a tension of 5 pN; the torque that keeps this pitch; no charges: the equations do not contain what "
         "holds real DNA on the histone. nm and pN.",
         {
             "units": {"length": "nm", "force": "pN"},
             "base": {
-                "E": 262.0, "nu": -0.5, "a": 1.0, "L": 43.5, "stiffness": "solid", "R": 3.18, "side": "outside",
+                "EI": 205.7, "GJ": 411.4, "a": 1.0, "L": 43.5, "R": 3.18, "side": "outside",
                 "beta": radians(-84.8), "dbeta": 0.0, "dgamma": 0.0108, "F2": 0.0, "F3": 5.0,
             },
         },
@@ -57,14 +57,13 @@ PRESETS = (
         "pipe",
         "Drill pipe in a borehole",
         "A 5 in pipe of 19.50 lb/ft: 127.0 mm outside, wall 9.19 mm (API Spec 5D, 5DP), so 108.6 mm inside, in a "
-        "hole of 8 1/2 in (215.9 mm). Steel of 206 GPa less what is hollow, so that the bending stiffness is the "
-        "pipe's. Assumed: 200 kN of compression all along, no weight, no friction, no tool joints, no torque, and "
-        "both ends held parallel to the hole. m and kN.",
+        "hole of 8 1/2 in (215.9 mm). Steel of 206 GPa. Assumed: 200 kN of compression all along, no "
+        "weight, no friction, no tool joints, no torque, and both ends held parallel to the hole. m and kN.",
         {
             "units": {"length": "m", "force": "kN"},
             "base": {
-                "E": 9.585e7, "nu": 0.3, "a": 0.0635, "L": 100.0, "stiffness": "solid", "R": 0.10795, "side": "inside",
-                "beta0": 0.0, "betaL": 0.0, "FZ": -200.0, "MZ": 0.0, "M3": 0.0,
+                "E": 2.06e8, "nu": 0.3, "a": 0.0635, "inner_radius": 0.0543, "L": 100.0, "R": 0.10795,
+                "side": "inside", "beta0": 0.0, "betaL": 0.0, "FZ": -200.0, "MZ": 0.0, "M3": 0.0,
             },
         },
         {"beta0": radians(2.0), "betaL": radians(2.0), "FZ": (-400.0, -10.0), "MZ": 5.0, "M3": 5.0},
@@ -74,12 +73,12 @@ PRESETS = (
         "Cable on a drum",
         "Five turns of a 20 mm wire rope under 10 kN, held at both ends in the direction of the lay. The drum is 18 "
         "times as thick as the rope, which is what crane rules (ASME) ask of sheaves at least where a rope hoists "
-        "loads. Assumed is all else: E = 5 GPa, far below steel's, as the wires slide on each other; the loads are "
-        "those of its helix. mm and N.",
+        "loads. Assumed is all else: EI is a fortieth of that of a solid bar of steel, as the wires slide on "
+        "each other, and GJ = EI/1.3; the loads are those of its helix. mm and N.",
         {
             "units": {"length": "mm", "force": "N"},
             "base": {
-                "E": 5e3, "nu": 0.3, "a": 10.0, "L": 5970.0, "stiffness": "solid", "R": 180.0, "side": "outside",
+                "EI": 3.927e7, "GJ": 3.021e7, "a": 10.0, "L": 5970.0, "R": 180.0, "side": "outside",
                 "beta0": radians(89.0), "betaL": radians(89.0), "FZ": 174.52, "MZ": 2106363.0, "M3": 3607.0,
             },
         },

@@ -4,6 +4,7 @@ import { DEGREE, fieldNames, isUnused, kindOf, meaning, quantityOf } from "./rod
 import { minus, number, unitText, withUnit } from "./text.mjs";
 
 const RATIO = [-0.95, 0.5]; // of nu
+const BORE = 1.5; // the end of the slider of an inner radius, as a factor of the value of the preset
 const WIDER = 5; // the ends of a slider, as a factor of the value of the preset
 const STEPS = 1000,
   KEY = 10,
@@ -13,6 +14,7 @@ const STEPS = 1000,
 export function spanOf(name, centre, span) {
   const kind = kindOf(name);
   if (kind === "ratio") return RATIO;
+  if (kind === "bore") return [0, BORE * centre || 1];
   if (kind === "positive") return [centre / WIDER, centre * WIDER];
   if (Array.isArray(span)) return span;
   const far = span || (kind === "angle" ? (name === "betaL" ? 2 : 1) * Math.PI : 4 * Math.abs(centre || 0) || 1);

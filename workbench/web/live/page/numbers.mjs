@@ -50,7 +50,7 @@ export function observables(shape) {
     lift_off_at: liftOff(s, push, Math.max(most, -least), L),
     F3_size_max: Math.max(...range(tension).map(Math.abs)),
     bending_moment_max: A * kappaMost,
-    bending_stress_max: one.E * one.a * kappaMost,
+    ...(one.E === undefined ? {} : { bending_stress_max: one.E * one.a * kappaMost }),
     energy: bending - work - twist,
     bending_energy: bending,
     twist_energy: twist,

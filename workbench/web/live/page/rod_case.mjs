@@ -1,14 +1,15 @@
 // A case from the state of the page: validation, loads, the dimensionless problem. As solver/problem does it.
 
 export const DEGREE = Math.PI / 180;
-const STIFFNESS = { solid: Math.PI / 4, paper: Math.PI / 16 }; // A/(E a^4)
+const STIFFNESS = { solid: Math.PI / 4, paper: Math.PI / 16 }; // A/(E (a^4 - inner_radius^4))
 const SIDE = { outside: 1, inside: -1 };
 const TWISTS = ["F1", "dgamma", "M3"];
-const ROD = ["E", "nu", "a", "L", "R"];
+const DIRECT = ["EI", "GJ"];
+const ELASTIC = ["E", "nu", "inner_radius"];
 const PRINTED = ["E", "nu", "R", "a", "L", "beta", "dbeta", "dgamma", "F1", "F3"]; // by Table 1
 const START = ["beta", "dbeta", "F1", "F2", "F3", "dgamma", "M3"],
   ENDS = ["beta0", "betaL", "FZ", "MZ", "M3"];
-const POSITIVE = ["E", "a", "L", "R"],
+const POSITIVE = ["E", "EI", "GJ", "a", "L", "R"],
   ANGLES = ["beta", "beta0", "betaL"],
   OPTIONAL = ["F2", "F3", "FZ", "MZ", "M3"];
 const AT_START = { beta: "beta0", dbeta: "dbeta0" }; // fields that are the value of another quantity at s = 0
@@ -23,8 +24,9 @@ export class Refused extends Error {
 }
 
 export const quantityOf = (name) => AT_START[name] || name;
+const KINDS = { nu: "ratio", inner_radius: "bore" };
 export const kindOf = (name) =>
-  POSITIVE.includes(name) ? "positive" : name === "nu" ? "ratio" : ANGLES.includes(name) ? "angle" : "signed";
+  POSITIVE.includes(name) ? "positive" : KINDS[name] || (ANGLES.includes(name) ? "angle" : "signed");
 export const isEnds = (state) => state.reading === undefined && "betaL" in state.base;
 
 /* Whether data of a link is a state at all; its numbers are checked by `caseOf`. */
@@ -40,7 +42,13 @@ export function isState({ base, units, reading, equilibrium, title = "" }, readi
 export function fieldNames(state) {
   if (state.reading !== undefined) return PRINTED;
   const given = isEnds(state) ? ENDS : START.filter((name) => !TWISTS.includes(name) || name in state.base);
-  return [...ROD, ...given];
+  return [...rodNames(state.base), "R", ...given];
+}
+
+/* The numbers of the rod of a state: EI and GJ, or E and nu, and the inner radius of a tube. */
+function rodNames(base) {
+  if (DIRECT.some((name) => name in base)) return [...DIRECT, "a", "L"];
+  return ["E", "nu", "a", ...("inner_radius" in base ? ["inner_radius"] : []), "L"];
 }
 
 /* What a reading of Table 1 makes of a printed value, in words; "" where the value is used as it is. */
@@ -60,6 +68,8 @@ export const isUnused = (state, name) => meaning(state, name).startsWith("Not us
 export function caseOf(state, symbols) {
   const values = {},
     { base } = state;
+  if (DIRECT.some((name) => name in base) && ELASTIC.some((name) => name in base))
+    throw new Refused("Give E and ν, or EI and GJ: a rod has one section.");
   for (const name of fieldNames(state))
     values[name] = checked(name, base[name] ?? (OPTIONAL.includes(name) ? 0 : null), symbols);
   const reading = state.reading === undefined ? null : state.reading.split("/");
@@ -73,8 +83,10 @@ export function caseOf(state, symbols) {
   if (one.sign < 0 && one.R <= one.a)
     throw new Refused("The cylinder is too narrow: R must be greater than a where the rod lies inside.", "R");
   one.rho = one.R + one.sign * one.a;
-  one.A = STIFFNESS[one.stiffness] * one.E * one.a ** 4;
-  one.C = one.A / (1 + one.nu);
+  const { inner_radius: bore = 0 } = one;
+  if (bore >= one.a) throw new Refused("The tube has no wall: its inner radius must be less than a.", "inner_radius");
+  one.A = one.EI ?? STIFFNESS[one.stiffness] * one.E * (bore ? one.a ** 4 - bore ** 4 : one.a ** 4);
+  one.C = one.GJ ?? one.A / (1 + one.nu);
   one.kind = isEnds(state) ? "ends" : "start";
   return {
     ...one,
@@ -86,6 +98,7 @@ function checked(name, value, symbols) {
   const letter = symbols[name] || name;
   if (typeof value !== "number" || !Number.isFinite(value)) throw new Refused(`${letter} needs a number.`, name);
   if (POSITIVE.includes(name) && !(value > 0)) throw new Refused(`${letter} must be greater than 0.`, name);
+  if (name === "inner_radius" && !(value >= 0)) throw new Refused(`${letter} must be at least 0.`, name);
   if (name === "nu" && !(value > -1 && value <= 0.5))
     throw new Refused(`${letter} must be greater than −1 and at most 0.5.`, name);
   return value;
@@ -104,14 +117,14 @@ function given(one, reading) {
 
 /* FZ, MZ and M3 of a start problem; eqs. (24), (25), (30), (33). */
 function startLoads(one, { F2, F3, twist }) {
-  const { A, rho, nu, beta, dbeta } = one,
+  const { A, C, rho, beta, dbeta } = one,
     s = Math.sin(beta),
     c = Math.cos(beta);
   if (twist === "F1" && dbeta === 0)
     throw new Refused("F₁ does not fix the twist where β₀′ is 0: give β₀′ another value.", "dbeta");
   const m = {
     M3: () => one.M3 / A,
-    dgamma: () => (one.dgamma + (s * c) / rho) / (1 + nu),
+    dgamma: () => (one.dgamma + (s * c) / rho) * (C / A),
     F1: () => one.F1 / (A * dbeta) + (3 * s * c) / rho,
   }[twist]();
   const FY = -F2 * c + F3 * s,
@@ -134,11 +147,12 @@ export function reduced(one, dbeta0 = one.dbeta) {
 
 /* The state of the ends problem with the loads and the end angles of a solved start problem. */
 export function heldState(state, one, betaL, equilibrium) {
-  const { E, nu, a, L, stiffness, R, side, FZ, MZ, M3 } = one;
+  const { R, side, stiffness, FZ, MZ, M3 } = one;
+  const rod = Object.fromEntries(rodNames(state.base).map((name) => [name, one[name]]));
   return {
     title: state.title,
     units: state.units,
-    base: { E, nu, a, L, stiffness, R, side, beta0: one.beta, betaL, FZ, MZ, M3 },
+    base: { ...rod, ...("EI" in rod ? {} : { stiffness }), R, side, beta0: one.beta, betaL, FZ, MZ, M3 },
     equilibrium,
   };
 }

@@ -83,10 +83,14 @@ export function moved(one, near) {
   return null;
 }
 
+const BETWEEN = ["L", "R", "rho", "A", "C", "E", "a", "nu", "inner_radius", "EI", "GJ"].concat(
+  ["beta0", "betaL", "FZ", "MZ", "M3"],
+);
+
 /* The case a share of the way from one to another. */
 function partWay(from, to, share) {
   const found = { ...to };
-  for (const name of ["L", "R", "rho", "A", "C", "E", "a", "nu", "beta0", "betaL", "FZ", "MZ", "M3"])
+  for (const name of BETWEEN.filter((one) => one in to))
     found[name] = (from[name] ?? to[name]) + share * (to[name] - (from[name] ?? to[name]));
   return found;
 }
