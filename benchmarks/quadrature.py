@@ -47,7 +47,8 @@ def works() -> Work:
     """What is measured, by name."""
     case = ends_in_units_of_rho(*REFERENCE)
     near = ends_in_units_of_rho(REFERENCE[0], REFERENCE[1], REFERENCE[2] - 1e-3, *REFERENCE[3:])
-    pipe = Case(Rod(2.06e8, 0.3, 0.0635, 300.0, inner_radius=0.0543), Cylinder(0.108, "inside"), Ends(0.0, 0.0, FZ=-300.0))
+    steel = Rod(2.06e8, 0.3, 0.0635, 300.0, inner_radius=0.0543)
+    pipe = Case(steel, Cylinder(0.108, "inside"), Ends(0.0, 0.0, FZ=-300.0))
     seed = solve(case)
     assert seed.trajectory.orbit is not None
     first, last, path = reduce(case), reduce(near), path_of(seed.trajectory.orbit.path, 0)

@@ -41,7 +41,8 @@ TUBE = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "inner_radius": 0.2, "L": 8.0, "R": 
         "dgamma": 0.3, "F3": 3.0}  # fmt: skip
 STARTS = [
     *(state(reading=name) for name in READINGS),
-    state("dna"), state("dna", side="inside", R=9.0), {"units": {"length": "cm", "force": "N"}, "base": TUBE}, state(side="inside"), state(E=3e5), state(E=900.0, L=60.0),
+    state("dna"), state("dna", side="inside", R=9.0), state(side="inside"), state(E=3e5), state(E=900.0, L=60.0),
+    {"units": {"length": "cm", "force": "N"}, "base": TUBE},
     {"units": {"length": "m", "force": "N"}, "base": {
         "E": 2e9, "nu": 0.3, "a": 0.01, "L": 3.0, "R": 0.1, "stiffness": "paper", "beta": -2.0, "dbeta": 4.0,
         "M3": -3.0,         "F2": 2.0, "F3": -40.0, "alpha": 0.7}},

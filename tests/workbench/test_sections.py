@@ -1,0 +1,180 @@
+"""Sections of rods in studies, files, commands and on the page of named sections."""
+
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import solver
+import workbench.accessor  # noqa: F401  (registers ds.rod)
+from solver import Case, InputError, Rod, Start, solve
+from studies.loader import loads
+from studies.writer import dumps
+from workbench.data import law_verdicts, reading, value_checks, writing
+from workbench.geometry import centreline
+from workbench.run import in_memory
+from workbench.run.case_input import field_values, from_values, with_fields
+
+HEAD = """
+title = "A section"
+observables = ["height", "twist_energy"]
+outputs = ["beta", "alpha", "z"]
+stations = 41
+[units]
+length = "m"
+force = "kN"
+"""
+START = """
+L = 8.0
+R = 0.108
+beta = 0.3
+dbeta = 0.1
+dgamma = 0.2
+F3 = 20.0
+"""
+TUBE = f"{HEAD}[base]\nE = 2.06e8\nnu = 0.3\na = 0.0635\n{START}[axes.inner_radius]\nvalues = [0.0, 0.04, 0.0543]\n"
+DIRECT = f"""{HEAD}
+[base]
+a = 0.0635
+GJ = 900.0
+{START}
+[axes.EI]
+from = 1000.0
+to = 1500.0
+count = 3
+[expressions]
+ratio = "EI/GJ"
+[[laws]]
+claim = "A/C"
+kind = "equals"
+observable = "ratio"
+axis = "EI"
+formula = "bending_stiffness/torsional_stiffness"
+relative = 1e-12
+source = "EI and GJ are A and C."
+"""
+
+
+@pytest.mark.parametrize("text", (TUBE, DIRECT), ids=("tube", "given"))
+def test_a_study_of_a_section_goes_through_toml_and_back(text: str) -> None:
+    study = loads(text)
+    again = loads(dumps(study))
+    assert again.model_dump(exclude={"name"}) == study.model_dump(exclude={"name"})
+    np.testing.assert_array_equal(again.case().rod.bending_stiffness, study.case().rod.bending_stiffness)
+
+
+@cache
+def solved(text: str) -> xr.Dataset:
+    return in_memory.run(loads(text))
+
+
+@pytest.fixture(name="stored", params=(TUBE, DIRECT), ids=("tube", "given"))
+def _stored(request: Any, tmp_path: Path) -> Iterator[xr.Dataset]:
+    writing.write(solved(request.param), tmp_path / "s.h5")
+    with reading.opened(tmp_path / "s.h5") as ds:
+        yield ds
+
+
+def test_a_file_stores_the_section_as_it_was_given(stored: xr.Dataset, tmp_path: Path) -> None:
+    """As any reader of xarray sees it: no modulus that nobody gave, and the unit of a stiffness."""
+    with xr.open_dataset(tmp_path / "s.h5", engine="h5netcdf") as ds:
+        axis = str(ds["outcome"].dims[0])
+        if axis == "EI":
+            assert {"EI", "GJ"} <= set(ds.variables)
+            assert not {"E", "nu", "inner_radius"} & set(ds.variables)
+            assert ds.attrs["stiffness"] == "given"
+            assert ds["GJ"].attrs == {"units": "kN m^2", "long_name": "torsional stiffness, given", "symbol": "GJ"}
+        else:
+            assert {"E", "nu", "inner_radius"} <= set(ds.variables)
+            assert not {"EI", "GJ"} & set(ds.variables)
+            assert ds.attrs["stiffness"] == "solid"
+            assert ds["inner_radius"].attrs["units"] == "m"
+        assert ds[axis].dims == (axis,)
+
+
+def test_what_reads_a_file_uses_the_stiffness_of_its_section(stored: xr.Dataset) -> None:
+    axis = str(stored["outcome"].dims[0])
+    case = loads(TUBE if axis == "inner_radius" else DIRECT).case()
+    A = case.rod.bending_stiffness
+    for k in range(3):
+        assert np.broadcast_to(A, case.shape)[k] == centreline.read(stored, {axis: k}).A
+    np.testing.assert_array_equal(stored.rod.M2, A[:, None] * np.sin(stored["beta"]) ** 2 / stored["rho"])
+    if axis == "EI":
+        (verdict,) = law_verdicts.verdicts(stored)
+        assert verdict["verdict"] == "holds"
+
+
+def test_a_file_whose_section_contradicts_itself_is_refused(tmp_path: Path) -> None:
+    whole, tube = solved(DIRECT), solved(TUBE)
+    cases = {
+        "stiffness is 'given', which excludes E": whole.assign(E=1.0),
+        "stiffness is 'solid', which excludes EI": whole.assign_attrs(stiffness="solid"),
+        "stiffness is 'paper', which excludes inner_radius": tube.assign_attrs(stiffness="paper"),
+        "inner_radius is not less than a": tube.assign(a=0.05, rho=0.158),
+        "GJ must be from 1e-50 to 1e+50, got -1": whole.assign(GJ=-1.0),
+    }
+    for message, ds in cases.items():
+        with pytest.raises(InputError, match=re.escape(message)):
+            value_checks.fields(ds, "s.h5")
+    writing.write(whole.assign(E=1.0), tmp_path / "s.h5")
+    with pytest.raises(InputError, match="excludes E"):
+        reading.opened(tmp_path / "s.h5")
+
+
+REFUSED = {
+    "stress": (DIRECT.replace('"height"', '"bending_stress_max"'), "bending_stress_max needs E, which a rod with EI"),
+    "mixture": (DIRECT.replace("a = 0.0635", "a = 0.0635\nE = 2e8"), "Rod has one section: give E and nu"),
+    "no wall": (TUBE.replace("0.0543]", "0.0635]"), "Rod.inner_radius must be less than Rod.a = 0.0635, got 0.0635"),
+    "no GJ": (DIRECT.partition("[expressions]")[0].replace("GJ = 900.0", ""), "Rod needs GJ"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text, message", REFUSED.values(), ids=REFUSED)
+def test_a_study_of_no_section_is_refused(text: str, message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        loads(text).case()
+
+
+def test_new_stiffnesses_replace_the_modulus_and_the_other_way_round() -> None:
+    solid = Case(Rod(1e4, 0.25, 0.25, 5.0, "paper"), solver.Cylinder(0.75), Start(0.5, 0.1, M3=1.0))
+    direct = with_fields(solid, {"EI": 3.0, "GJ": 2.0})
+    assert (direct.rod.E, direct.rod.bending_stiffness, direct.rod.torsional_stiffness) == (None, 3.0, 2.0)
+    assert "stiffness" not in field_values(direct)
+    tube = with_fields(direct, {"E": 1e4, "nu": 0.3, "inner_radius": 0.2})
+    assert (tube.rod.EI, tube.rod.GJ, tube.rod.inner_radius) == (None, None, 0.2)
+    with pytest.raises(InputError, match="Rod needs GJ; got a, L, EI"):
+        with_fields(solid, {"EI": 3.0})
+    with pytest.raises(InputError, match="Rod has one section"):
+        with_fields(solid, {"EI": 3.0, "GJ": 2.0, "nu": 0.3})
+
+
+def test_a_rod_of_given_stiffnesses_assumes_no_word_of_the_modulus() -> None:
+    values = {"EI": 3.0, "GJ": 2.0, "a": 0.1, "L": 5.0, "R": 1.0, "beta": 0.5, "dbeta": 0.0, "M3": 0.0}
+    assert "stiffness" not in from_values(values)[1]
+    with pytest.raises(InputError, match="a start problem also needs GJ"):
+        from_values({name: value for name, value in values.items() if name != "GJ"})
+
+
+def test_the_page_of_sections_runs_and_prints_what_it_says(capsys: pytest.CaptureFixture[str]) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "reference" / "sections.md").read_text(encoding="utf-8")
+    code = "\n".join(re.findall(r"```python\n(.*?)```", page, re.DOTALL))
+    names: dict[str, Any] = {}
+    exec(compile(code, "sections.md", "exec"), names)
+    assert capsys.readouterr().out.splitlines() == re.findall(r"print\(.*\)  # (.*)", code)
+    rods = {name: value for name, value in names.items() if isinstance(value, Rod)}
+    assert set(rods) == {"drill_pipe", "casing", "free", "stuck", "dna", "microtubule"}
+    # the second moment of seven wires by Steiner's theorem, and of the solid bar about them
+    d = 5.0
+    places = [0.0, *(d * np.sin(np.arange(6) * np.pi / 3))]
+    stuck = sum(np.pi * d**4 / 64 + np.pi * d**2 / 4 * y**2 for y in places) * 2e5
+    assert pytest.approx(stuck, rel=1e-12) == rods["stuck"].EI
+    solid = Rod(2.06e8, 0.3, 0.0635, 1.0).bending_stiffness
+    bore = 100 * (1 - rods["drill_pipe"].bending_stiffness / solid)
+    assert f"A = {solid:.1f}: the bore takes {bore:.0f} %" in " ".join(page.split())
+    for rod in rods.values():
+        assert solve(Case(rod, solver.Cylinder(2 * rod.a), Start(0.1, 0.0, M3=0.0)), stations=3).solved
