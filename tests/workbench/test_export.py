@@ -483,3 +483,48 @@ def test_a_writer_that_fails_leaves_what_was_there(tmp_path, monkeypatch, at) ->
     monkeypatch.undo()
     assert [p.name for p in tmp_path.iterdir()] == ["rod.csv"]
     assert path.read_text() == "before"
+
+
+TUBE = """
+title = "a tube"
+outputs = ["beta", "alpha", "z"]
+[units]
+length = "mm"
+force = "N"
+[base]
+E = 1e5
+nu = 0.3
+a = 0.25
+inner_radius = 0.15
+L = 5.0
+R = 0.75
+beta = 0.5
+dbeta = 0.1
+M3 = 0.0
+F3 = 1.0
+"""
+WALL = np.pi * (0.25**2 - 0.15**2) * 5.0
+
+
+@pytest.fixture(name="tube", scope="module")
+def _tube() -> xr.Dataset:
+    return in_memory.run(loads(TUBE, default_name="tube"))
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".obj", ".glb"])
+def test_the_mesh_of_a_tube_is_closed_and_has_its_bore(tube: xr.Dataset, tmp_path: Path, suffix: str) -> None:
+    written = export(tube, tmp_path / f"tube{suffix}", Options(tolerance=2.5e-3))
+    mesh = read_mesh(written.path)
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.euler_number == 0  # one hole through it
+    scale = 1e9 if suffix == ".glb" else 1.0  # glTF is in metres
+    assert mesh.volume * scale == pytest.approx(WALL, rel=2e-3)  # chords of rings 2.5e-3 from the wall
+
+
+def test_the_step_file_of_a_tube_is_a_solid_with_its_bore(kernel, tube: xr.Dataset, tmp_path: Path) -> None:
+    written = export(tube, tmp_path / "tube.step")
+    (solid,) = parts(kernel, shapes(kernel, written.path), "SOLID")
+    assert kernel.BRepCheck_Analyzer(solid).IsValid()
+    assert written.facts["volume"] == pytest.approx(WALL, rel=1e-8)
+    assert step.volume(kernel, solid) == pytest.approx(WALL, rel=1e-8)

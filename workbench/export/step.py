@@ -56,7 +56,7 @@ def write_line(path: Path, line: Centreline, unit: str, name: str, tolerance: fl
     shapes = [occ.BRepBuilderAPI_MakeEdge(_curve(occ, splines)).Edge()]
     facts: dict[str, Any] = {"spans": splines.c.shape[0] - DEGREE, "within": missed}
     if solid:
-        body, facts["volume"] = _measurable(occ, splines, line.a)
+        body, facts["volume"] = _measurable(occ, splines, (line.a, line.bore) if line.bore else (line.a,))
         shapes.insert(0, body)
     _write(occ, path, shapes, unit, name)
     return facts
@@ -168,7 +168,7 @@ def _quarter(occ: Any, splines: BSpline, a: float, k: int) -> Any:
     return occ.Geom_BSplineSurface(poles, weights, knots, arc, often, twice, DEGREE, 2)
 
 
-def _measurable(occ: Any, splines: BSpline, a: float) -> tuple[Any, float]:
+def _measurable(occ: Any, splines: BSpline, radii: tuple[float, ...]) -> tuple[Any, float]:
     """The tube as a valid solid that the kernel's default measures to `MEASURED`, and its volume.
 
     The default measures with a fixed number of points a face, too few for a face along a whole rod: 23 % too little for
@@ -176,7 +176,7 @@ def _measurable(occ: Any, splines: BSpline, a: float) -> tuple[Any, float]:
     """
     true, off = None, np.inf
     for spans in FACES:
-        body = _solid(occ, splines, a, spans)
+        body = _solid(occ, splines, radii, spans)
         if not occ.BRepCheck_Analyzer(body).IsValid():
             raise InputError("Open Cascade does not accept the solid; --centreline writes the curve alone")
         true = volume(occ, body) if true is None else true
@@ -189,23 +189,25 @@ def _measurable(occ: Any, splines: BSpline, a: float) -> tuple[Any, float]:
     )
 
 
-def _solid(occ: Any, splines: BSpline, a: float, spans: int) -> Any:
-    """The tube's four quarters in faces of at most so many spans, and its two flat ends, sewn to one closed body."""
+def _solid(occ: Any, splines: BSpline, radii: tuple[float, ...], spans: int) -> Any:
+    """The quarters of the walls (of rod and bore) in faces of at most so many spans, and two flat ends, sewn together."""
+    a = radii[0]
     sewing = occ.BRepBuilderAPI_Sewing(1e-6 * a)
-    quarters = [_quarter(occ, splines, a, k) for k in range(4)]
+    walls = [[_quarter(occ, splines, radius, k) for k in range(4)] for radius in radii]
     knots = np.unique(splines.t)
     faces = -(-(knots.size - 1) // spans)
     cuts = knots[np.round(np.linspace(0, knots.size - 1, faces + 1)).astype(int)]
-    for quarter in quarters:
+    for quarter in (quarter for wall in walls for quarter in wall):
         for near, far in pairwise(map(float, cuts)):
             piece = quarter.Copy()
             piece.Segment(near, far, 0.0, 1.0)
             sewing.Add(occ.BRepBuilderAPI_MakeFace(piece, 1e-7 * a).Face())
     for u in (splines.t[0], splines.t[-1]):
-        wire = occ.BRepBuilderAPI_MakeWire()
-        for quarter in quarters:
-            wire.Add(occ.BRepBuilderAPI_MakeEdge(quarter.UIso(float(u))).Edge())
-        sewing.Add(occ.BRepBuilderAPI_MakeFace(wire.Wire(), True).Face())
+        outer, *inner = (_circle(occ, wall, float(u)) for wall in walls)
+        end = occ.BRepBuilderAPI_MakeFace(outer, True)
+        for wire in inner:
+            end.Add(occ.TopoDS.Wire(wire.Reversed()))
+        sewing.Add(end.Face())
     sewing.Perform()
     if sewing.NbFreeEdges():
         raise InputError(f"Open Cascade left {sewing.NbFreeEdges()} open edges; --centreline writes the curve alone")
@@ -213,6 +215,14 @@ def _solid(occ: Any, splines: BSpline, a: float, spans: int) -> Any:
     body = occ.BRepBuilderAPI_MakeSolid(occ.TopoDS.Shell(shells.Current())).Solid()
     occ.BRepLib.OrientClosedSolid_s(body)
     return body
+
+
+def _circle(occ: Any, wall: list[Any], u: float) -> Any:
+    """The wire of a wall's four quarters at u."""
+    wire = occ.BRepBuilderAPI_MakeWire()
+    for quarter in wall:
+        wire.Add(occ.BRepBuilderAPI_MakeEdge(quarter.UIso(u)).Edge())
+    return wire.Wire()
 
 
 def _quiet(occ: Any) -> None:

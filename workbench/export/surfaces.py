@@ -26,13 +26,18 @@ def near(line: Centreline) -> float:
 def tube(line: Centreline, tolerance: float) -> tuple[Mesh, Array]:
     """The tube about the whole rod, nowhere farther than the tolerance [length] from the true surface.
 
-    Its sections are polygons with the area of the circle, so that the volume is the rod's. Returns with it the arc
+    A rod with an inner radius has its bore. Its sections are polygons with the area of the circle, so that the volume
+    is the rod's. Returns with it the arc
     length of each point, (m,). Raises `InputError` for a rod that would need more than `MOST_TRIANGLES`.
     """
     # a polygon of the circle's area leaves it by a x^2/12 at its corners, x the angle of a side
     sides = max(int(np.ceil(2 * np.pi / np.sqrt(6 * tolerance / line.a))), LEAST_SIDES)
     s, x = _rings(line, tolerance / 2, sides), 2 * np.pi / sides
-    mesh = tubes.mesh(line.frame(s), line.a * np.sqrt(x / np.sin(x)), sides, sharp=False)
+    larger = np.sqrt(x / np.sin(x))
+    if line.bore:
+        mesh = tubes.hollow(line.frame(s), line.a * larger, line.bore * larger, sides)
+        return mesh, np.tile(np.repeat(s, sides), 2)
+    mesh = tubes.mesh(line.frame(s), line.a * larger, sides, sharp=False)
     return mesh, tubes.at_points(s, sides, sharp=False)
 
 

@@ -33,7 +33,8 @@ ORDER = 6  # of the error of the curve between stations, in their distance
 class Centreline:
     """A rod's centreline r(s), 0 <= s <= L, in the dataset's own units.
 
-    s, alpha, beta, dbeta, z: at the stations, (n,). A: bending stiffness; l, m, p: MZ/A, M3/A, FZ/A.
+    s, alpha, beta, dbeta, z: at the stations, (n,). A: bending stiffness; l, m, p: MZ/A, M3/A, FZ/A. bore: inner radius
+    of a tube, 0 of a solid section.
     """
 
     s: Array
@@ -49,6 +50,7 @@ class Centreline:
     m: float
     p: float
     side: str
+    bore: float = 0.0
 
     @property
     def L(self) -> float:
@@ -150,7 +152,8 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     R, a, rho = (number[name] for name in ("R", "a", "rho"))
     l, m, p = loads
     side = str(ds.attrs["side"])
-    return Centreline(s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side)
+    bore = number.get("inner_radius", 0.0)
+    return Centreline(s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side, bore)
 
 
 def through(s: Array, known: Array) -> Any:

@@ -57,6 +57,27 @@ def mesh(frame: Frame, radius: float, sides: int, turned: Array | None = None, s
     return Mesh(points, normals, np.concatenate([_walls(index, ahead), _ends(n, sides, sharp)]))
 
 
+def hollow(frame: Frame, radius: float, bore: float, sides: int) -> Mesh:
+    """The tube with a bore: its two flat ends are rings, and share the points of the walls. Parameters as of `mesh`."""
+    n = len(frame[0])
+    m = n * sides
+    (points, normals), (inner, inward) = (surface(frame, r, sides, sharp=False) for r in (radius, bore))
+    walls = _walls(np.arange(m).reshape(n, sides), np.zeros(n - 1, dtype=bool))
+    rim = np.arange(sides)
+    beside, far = np.roll(rim, -1), m - sides
+    ends = [
+        _strip(rim, beside, m + rim, m + beside),
+        _strip(far + beside, far + rim, m + far + beside, m + far + rim),
+    ]
+    together = np.concatenate([walls, m + walls[:, ::-1], *ends])
+    return Mesh(np.concatenate([points[:m], inner[:m]]), np.concatenate([normals[:m], -inward[:m]]), together)
+
+
+def _strip(one: NDArray[Any], two: NDArray[Any], inner_one: NDArray[Any], inner_two: NDArray[Any]) -> NDArray[np.int64]:
+    """Two triangles for each square from an outer to an inner circle."""
+    return np.concatenate([np.stack([one, two, inner_two], axis=-1), np.stack([one, inner_two, inner_one], axis=-1)])
+
+
 def surface(
     frame: Frame, radius: float, sides: int, turned: Array | None = None, sharp: bool = True
 ) -> tuple[Array, Array]:
