@@ -190,7 +190,7 @@ def _measurable(occ: Any, splines: BSpline, radii: tuple[float, ...]) -> tuple[A
 
 
 def _solid(occ: Any, splines: BSpline, radii: tuple[float, ...], spans: int) -> Any:
-    """The quarters of the walls (of rod and bore) in faces of at most so many spans, and two flat ends, sewn together."""
+    """The quarters of the walls of rod and bore in faces of at most so many spans, and two flat ends, sewn together."""
     a = radii[0]
     sewing = occ.BRepBuilderAPI_Sewing(1e-6 * a)
     walls = [[_quarter(occ, splines, radius, k) for k in range(4)] for radius in radii]
