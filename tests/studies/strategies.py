@@ -14,7 +14,7 @@ from studies.model import OUTPUTS
 
 # For each field a range in which the solver takes every value, whatever the others are.
 RANGES = {
-    "E": (1.0, 1e9), "nu": (-0.9, 0.5), "a": (0.01, 0.4), "L": (0.1, 1e3), "R": (0.5, 10.0),
+    "E": (1.0, 1e9), "nu": (-0.9, 0.5), "a": (0.01, 0.4), "inner_radius": (0.0, 0.009), "L": (0.1, 1e3), "R": (0.5, 10.0),
     "beta": (-3.0, 3.0), "dbeta": (0.1, 2.0), "alpha": (-3.0, 3.0), "gamma": (-3.0, 3.0), "dgamma": (-2.0, 2.0),
     "F1": (-50.0, 50.0), "F2": (-50.0, 50.0), "F3": (-50.0, 50.0), "M3": (-9.0, 9.0),
     "beta0": (-3.0, 3.0), "betaL": (-9.0, 9.0), "FZ": (-50.0, 50.0), "MZ": (-50.0, 50.0),
@@ -93,16 +93,17 @@ def studies(draw: Any) -> dict[str, Any]:
     said: dict[str, Any] = {"title": draw(WORDS.filter(str.strip))}
     if draw(st.booleans()):
         said["name"] = draw(NAMES)
+    rod = draw(st.sampled_from([ROD, (*ROD, "inner_radius")]))
     if kind in ("reading", "followed"):
         said["reading"] = draw(st.sampled_from([*READINGS, "compression", "shear/solid"]))
         fields = list(TABLE_1)
         needed: list[str] = []
     elif kind == "start":
         twist = draw(st.sampled_from(["F1", "dgamma", "M3"]))
-        needed = [*ROD, "beta", "dbeta", twist]
+        needed = [*rod, "beta", "dbeta", twist]
         fields = [*needed, "F2", "F3", "alpha", "gamma"]
     else:
-        needed = [*ROD, "beta0", "betaL"]
+        needed = [*rod, "beta0", "betaL"]
         fields = [*needed, "FZ", "MZ", "M3", "alpha", "gamma"]
     varied = [] if kind == "followed" else draw(st.lists(st.sampled_from(fields), max_size=3, unique=True))
     base = [*needed, *draw(st.lists(st.sampled_from(fields), max_size=4, unique=True))]
@@ -110,7 +111,7 @@ def studies(draw: Any) -> dict[str, Any]:
     if draw(st.booleans()):
         said["base"]["side"] = draw(st.sampled_from(["outside", "inside"]))
     if kind not in ("reading", "followed") and draw(st.booleans()):
-        said["base"]["stiffness"] = draw(st.sampled_from(["solid", "paper"]))
+        said["base"]["stiffness"] = draw(st.sampled_from(["solid", "paper"] if rod == ROD else ["solid"]))
     said["axes"] = {name: draw(axes(name)) for name in varied}
     if kind == "followed":
         said["axes"] = {

@@ -265,7 +265,10 @@ def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
 @pytest.mark.parametrize(
     "words, said",
     (
-        (("--axis", "mass=1:2:3"), "no axis 'mass'; choose from E, nu, a, L, R, beta0, betaL, FZ, MZ, M3"),
+        (
+            ("--axis", "mass=1:2:3"),
+            "no axis 'mass'; choose from E, nu, a, L, inner_radius, EI, GJ, R, beta0, betaL, FZ, MZ, M3",
+        ),
         (("--axis", "betaL=1:2"), "NAME=FROM:TO:COUNT"),
         (("--axis", "betaL=1:x:3"), "with numbers"),
         (("--axis", "betaL=1:1:3"), "two different ends"),

@@ -21,6 +21,7 @@ from tests.workbench import small
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench.commands import at_option, scene
 from workbench.data import selection, writing
+from workbench.data.schema import SECTION
 from workbench.figures import style
 from workbench.geometry import refinement, self_contact, tube
 from workbench.geometry.centreline import Centreline
@@ -207,7 +208,7 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
     ramp = style.RAMP if shown else None
     rod = replace(rod, paint=colours.Paint(ramp=ramp, low=low_high[0], high=low_high[1]))
     rod.surface(rod.rings(0.01, 0.0))
-    assert opened <= KINDS[kind].reads | {"solved", "outcome", "caution", "dbeta"}
+    assert opened <= KINDS[kind].reads | {"solved", "outcome", "caution", "dbeta", *SECTION}
     assert set(counted) == shown
 
 
