@@ -14,7 +14,8 @@ from studies.model import OUTPUTS
 
 # For each field a range in which the solver takes every value, whatever the others are.
 RANGES = {
-    "E": (1.0, 1e9), "nu": (-0.9, 0.5), "a": (0.01, 0.4), "inner_radius": (0.0, 0.009), "L": (0.1, 1e3), "R": (0.5, 10.0),
+    "E": (1.0, 1e9), "nu": (-0.9, 0.5), "a": (0.01, 0.4), "L": (0.1, 1e3), "R": (0.5, 10.0),
+    "inner_radius": (0.0, 0.009),
     "beta": (-3.0, 3.0), "dbeta": (0.1, 2.0), "alpha": (-3.0, 3.0), "gamma": (-3.0, 3.0), "dgamma": (-2.0, 2.0),
     "F1": (-50.0, 50.0), "F2": (-50.0, 50.0), "F3": (-50.0, 50.0), "M3": (-9.0, 9.0),
     "beta0": (-3.0, 3.0), "betaL": (-9.0, 9.0), "FZ": (-50.0, 50.0), "MZ": (-50.0, 50.0),
