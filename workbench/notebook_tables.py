@@ -39,7 +39,7 @@ def of_case(case: Case) -> str:
         name = type(part).__name__
         for field in fields(part):
             value = getattr(part, field.name)
-            if value is not None:
+            if value is not None and not (field.name == "stiffness" and case.rod.EI is not None):
                 rows.append((f"{name}.{field.name}", _field(value)))
     grid = f" of shape {case.shape}" if case.shape else ""
     return _table(f"{'Ends' if case.kind == 'ends' else 'Start'} problem{grid}", rows)

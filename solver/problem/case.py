@@ -16,6 +16,7 @@ from .field_values import ANGLES as ANGLES
 from .field_values import check_numbers, refuse
 from .rod import STIFFNESS as STIFFNESS
 from .rod import Rod as Rod
+from .shown import table_of
 
 SIDES = {"outside": 1.0, "inside": -1.0}  # the sign of rho - R, and of the contact force where the cylinder pushes
 TWISTS = ("F1", "dgamma", "M3")  # fields of Start: each alone determines the twisting moment
@@ -232,6 +233,10 @@ class Case:
         """Distance of the centreline from the axis [length]: R + a outside, R - a inside; eq. (21)."""
         with np.errstate(over="ignore"):  # reported in the outcome
             return self.cylinder.R + self.outward * self.rod.a
+
+    def _repr_html_(self) -> str | None:
+        """A table for a notebook; None, which shows the `repr`, where the workbench cannot be imported."""
+        return table_of("case", self)
 
     @cached_property
     def loads(self) -> tuple[Any, Any, Any]:

@@ -3,6 +3,7 @@
 import base64
 import json
 import re
+from dataclasses import replace
 from html import unescape
 from io import BytesIO
 from pathlib import Path
@@ -14,7 +15,7 @@ import xarray as xr
 from matplotlib import image
 
 import workbench.accessor  # noqa: F401  # registers ds.rod
-from solver import Case, Cylinder, Ends, Rod, Solution, Start, solve
+from solver import Case, Cylinder, Ends, Rod, Solution, Start, equilibria, solve
 from solver.problem.errors import InputError
 from studies import load
 from studies.loader import loads
@@ -186,6 +187,22 @@ def test_the_table_of_a_solution_has_its_outcome_numbers_and_caution(one: Soluti
     two = solve(Case(ROD, Cylinder(R=np.array([0.75, 1.0])), START))
     assert "Solution of 2 cases" in str(two._repr_html_())
     assert "2 of 2" in str(two._repr_html_())
+
+
+def test_a_case_and_its_equilibria_are_tables_in_a_notebook() -> None:
+    case = Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=[0.5, 0.75]), Ends(beta0=0.5, betaL=0.8, FZ=-8.66))
+    text = str(case._repr_html_())
+    for part in ("Ends problem of shape (2,)", "<th>Cylinder.R</th><td>2 values from 0.5 to 0.75</td>", "−8.66"):
+        assert part in text
+    assert "inner_radius" not in text  # it was not given
+    found = equilibria(replace(case, cylinder=Cylinder(R=0.75)))
+    lines = repr(found).splitlines()
+    assert lines[0] == "3 equilibria, complete"
+    assert lines[1] == "1: stable, energy 44.1262, 1 bend, beta'(0) = " + f"{found[0].dbeta0:.6g}"
+    rows = str(found._repr_html_()).split("<tr>")[2:]
+    assert [("<td>stable</td>" in row, "<td>index 1</td>" in row) for row in rows] == 2 * [(True, False)] + [
+        (False, True)
+    ]
 
 
 def test_the_axes_of_a_solution_are_those_of_its_fields(one: Solution) -> None:
