@@ -70,8 +70,9 @@ class Rod:
     >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
     >>> print(f"A = {rod.bending_stiffness:.4f}, C = {rod.torsional_stiffness:.4f}")
     A = 32.8272, C = 26.2618
-    >>> Rod(E=2.06e8, nu=0.3, a=0.0635, inner_radius=0.0543, L=300.0).bending_stiffness  # m, kN
-    1224.0...
+    >>> pipe = Rod(E=2.06e8, nu=0.3, a=0.0635, inner_radius=0.0543, L=300.0)  # steel; m, kN
+    >>> print(f"A = {pipe.bending_stiffness:.2f}")
+    A = 1224.03
     >>> Rod(EI=205.7, GJ=411.4, a=1.0, L=43.5)  # DNA; nm, pN
     Rod(a=1.0, L=43.5, EI=205.7, GJ=411.4)
     """
