@@ -2,6 +2,7 @@
 
 from .equilibria import Equilibrium, equilibria
 from .inverse import fit
+from .loops import Loop, loops
 from .observe import observe
 from .problem.case import Case, Cylinder, Ends, Rod, Start
 from .problem.errors import InputError
@@ -14,11 +15,13 @@ __all__ = [
     "Ends",
     "Equilibrium",
     "InputError",
+    "Loop",
     "Rod",
     "Solution",
     "Start",
     "equilibria",
     "fit",
+    "loops",
     "observe",
     "solve",
 ]

@@ -29,8 +29,8 @@ FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 # The parts of a package in order: each imports only from those before it, and from itself.
 LISTS = {
     "solver": [
-        "numerics", "problem", "mechanics", "core", "orbit", "boundary", "methods", "solution", "observe",
-        "sensitivity", "solve", "equilibria", "inverse", "benchmark",
+        "numerics", "problem", "mechanics", "core", "orbit", "closed", "boundary", "methods", "solution",
+        "observe", "sensitivity", "solve", "equilibria", "loops", "inverse", "benchmark",
     ],
     "workbench": [
         "data", "geometry", "run", "branches", "influence", "fitting", "figures", "scene", "export", "compare", "web",

@@ -1,0 +1,1 @@
+"""Closed rods: their orbits, their stability, and where they intersect themselves."""

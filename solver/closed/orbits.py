@@ -1,0 +1,156 @@
+"""The orbits of closed rods: librations about pi/2 without axial force and twist. Lengths in units of rho.
+
+With mu = phi = 0 the potential has the symmetry beta -> pi - beta, so over a period of a libration about pi/2 the
+integrals of cos(beta) and of sin(beta) cos(beta) vanish: the rod closes along the axis, and its section comes back
+without a turn. What is left to close is the azimuth. With s = sin(beta), and s1 that of the lowest angle b1,
+
+    beta_t^2 = (s - s1) [(s + s1)(s^2 + s1^2) - 2 lam],    lam = 2 s1^3 - gap,    gap > 0.
+
+At a fixed b1 the bracket falls as lam rises, so the period rises from 0 (gap infinite) to infinity (gap = 0): for each
+b1 in (-pi/2, pi/2) one lam gives the wanted period. Along this curve the azimuth of a period falls from the period (b1
+= pi/2, the ring) to minus the period (b1 = -pi/2). A loop is a point where it is the wanted azimuth; a point where it
+is minus that is the mirror image (beta, lam -> -beta, -lam) of a loop about -pi/2.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import solve_orbit
+from ..orbit.variations import Variations, changed, directions, orbits_to_vary, variations_on
+from ..problem.reduced import StartProblem
+
+AMPLITUDES = 48  # of the curve of one period, at which the azimuth is compared with the wanted one
+_TOL = 1e-12  # of the orbits that are searched
+_FINEST = -30.0  # of log(gap): lam holds no smaller gap
+_SHORT = 100.0  # at gap = (_SHORT/T)^2 the period is shorter than T: it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap)
+_FAR = 60.0  # bound of the log of a period
+_ROUNDS, _ROUGH, _NARROW = 60, 1e-3, 1e-6  # of the search of lam, by the log of the period; Newton's method follows
+_STEPS = 12  # of Newton's method
+
+
+@dataclass(frozen=True)
+class ClosedOrbit:
+    """An orbit about pi/2: its lowest angle [rad], lam, and the error of its period and azimuth over the period."""
+
+    lowest: float
+    lam: float
+    error: float
+
+
+def closed_orbits(period: float, azimuth: float) -> list[ClosedOrbit]:
+    """The orbits about pi/2 of a period in which alpha gains `azimuth`, |azimuth| < period; the largest b1 first."""
+    lowest = _angles(period, abs(azimuth))
+    y = _gaps(lowest, period, _ROUGH)
+    known = np.isfinite(y)
+    lowest, y = lowest[known], y[known]
+    excess = _mean(lowest, y) - azimuth / period
+    cells = np.flatnonzero(np.sign(excess[:-1]) != np.sign(excess[1:]))
+    return [_refined(lowest[k : k + 2], excess[k : k + 2], period, azimuth) for k in cells]
+
+
+def _angles(period: float, azimuth: float) -> Array:
+    """Lowest angles from pi/2 to -pi/2, dense about 0 on the scale of the angle of a long loop's legs."""
+    scale = max(min(1.0, azimuth / period), 1e-3)
+    far = np.arcsinh(np.pi / 2 / scale)
+    inner = scale * np.sinh(np.linspace(far, -far, AMPLITUDES + 1))[1:-1]
+    near = np.geomspace(1e-7, 0.05, 12)  # of the ring, and of its mirror image
+    return np.sort(np.concatenate([inner, np.pi / 2 - near, near - np.pi / 2]))[::-1]
+
+
+def _gaps(lowest: Array, period: float, narrow: float) -> Array:
+    """log(gap) at which the orbits from the lowest angles (n,) have the period; NaN where lam cannot hold it."""
+    low, high = np.full(lowest.size, _FINEST), np.full(lowest.size, 2 * np.log(_SHORT / period))
+    f_low, f_high = (_excess(lowest, y, period) for y in (low, high))
+    y, reached = low.copy(), np.full(lowest.size, _FAR)
+    open_ = np.flatnonzero((f_low > 0) & (f_high < 0))
+    for k in range(_ROUNDS):
+        if not open_.size:
+            break
+        a, b, fa, fb = low[open_], high[open_], f_low[open_], f_high[open_]
+        at = (a + b) / 2 if k % 3 == 2 else (a * fb - b * fa) / (fb - fa)
+        f = _excess(lowest[open_], at, period)
+        above = f > 0
+        low[open_], f_low[open_] = np.where(above, at, a), np.where(above, f, fa)
+        high[open_], f_high[open_] = np.where(above, b, at), np.where(above, fb, f)
+        y[open_], reached[open_] = at, np.abs(f)
+        open_ = open_[(np.abs(f) > narrow) & (high[open_] - low[open_] > _NARROW)]
+    return np.where(reached < 2 * _ROUGH, y, np.nan)
+
+
+def _excess(lowest: Array, y: Array, period: float) -> Array:
+    """log of the period over the wanted one, (n,), bounded; the bound too where lam cannot hold so small a gap."""
+    return np.nan_to_num(np.clip(np.log(_measured(lowest, y)[0] / period), -_FAR, _FAR), nan=_FAR)
+
+
+def _refined(lowest: Array, excess: Array, period: float, azimuth: float) -> ClosedOrbit:
+    """The orbit between two lowest angles (2,), at which the mean of sin(beta) exceeds the wanted one by `excess`."""
+    (a, b), (fa, fb) = lowest, excess
+    for k in range(6):
+        at = (a + b) / 2 if k % 2 else (a * fb - b * fa) / (fb - fa)
+        y = _gaps(np.array([at]), period, _NARROW)
+        if np.isnan(y[0]):
+            return ClosedOrbit(float(at), np.nan, np.inf)
+        f = _mean(np.array([at]), y)[0] - azimuth / period
+        a, b, fa, fb = (at, b, f, fb) if np.sign(f) == np.sign(fa) else (a, at, fa, f)
+    return _polished(float(at), float(y[0]), period, azimuth)
+
+
+def _polished(b1: float, y: float, period: float, azimuth: float) -> ClosedOrbit:
+    """Newton's method in b1 and log(gap), with the exact derivatives of the period and the azimuth."""
+    wanted, best = np.array([period, azimuth]), ClosedOrbit(b1, _load(b1, y), np.inf)
+    for _ in range(_STEPS):
+        miss, J = residual(b1, y, wanted)
+        error = float(np.abs(miss).max() / period)
+        if not error < best.error:
+            break
+        best = ClosedOrbit(b1, _load(b1, y), error)
+        step = np.linalg.solve(J, miss)
+        b1, y = b1 - float(step[0]), y - float(np.clip(step[1], -1, 1))
+    return best
+
+
+def residual(b1: float, y: float, wanted: Array) -> tuple[Array, Array]:
+    """Period and azimuth of a period less the wanted ones, (2,), and their derivatives by b1 and y = log(gap), (2, 2)."""
+    problem = started(np.array([b1]), np.array([_load(b1, y)]))
+    varied = varied_from(problem)
+    T = varied.orbit.period
+    a0, e = directions(varied.start)
+    there = varied.at(T[:, None])
+    gained = changed(varied.start, there, a0, e).integrals[0, 0, :, 0]
+    later = -2 * np.einsum("bk,bfk->bf", varied.gain[:, :, :4].sum(axis=1), e)[0]
+    plain = np.stack([later, gained + np.sin(b1) * later])[:, [0, 2]]  # by b1 and by lam
+    by_lam = np.exp(y) * plain[:, 1]
+    J = np.stack([plain[:, 0] + 6 * np.sin(b1) ** 2 * np.cos(b1) * plain[:, 1], -by_lam], axis=1)
+    T_now, turn = _measured(np.array([b1]), np.array([y]))
+    return np.array([T_now[0], turn[0]]) - wanted, J
+
+
+def varied_from(problem: StartProblem) -> Variations:
+    """The variations of the orbits of start problems."""
+    orbit = orbits_to_vary(problem)
+    return variations_on(orbit, orbit.arcs)
+
+
+def started(lowest: Array, lam: Array) -> StartProblem:
+    """The start problems at a turning point, (n,)."""
+    none = np.zeros(lowest.size)
+    return StartProblem(lam, none, none, none + 1.0, lowest, none)
+
+
+def _load(lowest: Any, y: Any) -> Any:
+    return 2 * np.sin(lowest) ** 3 - np.exp(y)
+
+
+def _mean(lowest: Array, y: Array) -> Array:
+    """The mean of sin(beta), (n,): next to the ring it hardly depends on lam."""
+    period, turn = _measured(lowest, y)
+    return turn / period
+
+
+def _measured(lowest: Array, y: Array) -> tuple[Array, Array]:
+    """The periods of the orbits, and what alpha gains in one, (n,) each."""
+    orbit = solve_orbit(started(lowest, _load(lowest, y)), _TOL)
+    return orbit.period, 2 * orbit.gain[:, 0].reshape(-1, 2).sum(axis=1)

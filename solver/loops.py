@@ -1,0 +1,203 @@
+"""Closed rods on the cylinder: loops that close in position and direction without axial force and twist."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .problem.case import Case, Cylinder, Rod, Start
+from .problem.errors import InputError
+from .problem.tolerance import checked_tolerance
+from .solution import SHOWN, Solution
+from .solve import solve
+
+if TYPE_CHECKING:
+    from .closed.orbits import ClosedOrbit
+
+TOL = 1e-11
+NOT_FOUND = "incomplete: {} loop about {} was not found: it lies nearer to a separatrix than numbers of 64 bits resolve"
+MEASURED = ("bending_energy", "push_min", "push_max", "attached", "kappa_max")
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """One closed rod; `loops` makes it.
+
+    Attributes
+    ----------
+    solution : Solution
+        Its shape, as the solution of a start problem with the loads found. It starts where beta is farthest from
+        `about`.
+    wraps, folds : int
+        Turns about the axis, and periods of beta.
+    about : float
+        The angle about which beta oscillates [rad]: pi/2, or -pi/2 for a loop that turns back at each hairpin.
+    lam : float
+        MZ rho/A, the axial moment that the closed rod carries, dimensionless.
+    energy : float
+        Bending energy [force length]; there is no twist.
+    index : int
+        Morse index of the closed rod on the surface, its length held and its section free to turn; 0: stable.
+    push_min, push_max : float
+        The smallest and the largest push of the cylinder [force/length]. Where push_min is negative, the cylinder
+        would have to pull: free to unbind, the rod would lift off there.
+    attached : float
+        Share of the length where the cylinder pushes.
+    overlaps : bool or None
+        Whether the rod intersects itself; None if the rod is too long to decide.
+    closure : float
+        The largest of the errors with which beta, alpha [rad] and z/rho close.
+
+    Examples
+    --------
+    >>> from solver import Cylinder, Rod, loops
+    >>> (first, _) = loops(Rod(E=1.07e4, nu=0.25, a=0.1, L=10.0), Cylinder(R=0.9), wraps=1, folds=1)
+    >>> print(f"lam = {first.lam:.6f}, index {first.index}, self-intersection: {first.overlaps}")
+    lam = -0.151966, index 0, self-intersection: False
+    """
+
+    solution: Solution
+    wraps: int
+    folds: int
+    about: float
+    lam: float
+    energy: float
+    index: int
+    push_min: float
+    push_max: float
+    attached: float
+    overlaps: bool | None
+    closure: float
+
+
+class Loops(list[Loop]):
+    """The loops of one rod, lowest energy first.
+
+    remark: why a loop that exists is missing; empty if none is.
+    """
+
+    def __init__(self, found: list[Loop], remark: str = "") -> None:
+        super().__init__(found)
+        self.remark = remark
+
+    @property
+    def complete(self) -> bool:
+        """Whether no loop is known to be missing."""
+        return not self.remark
+
+    def to_dataset(self, **units: str) -> Any:
+        """The loops as an `xarray.Dataset` over `equilibrium`, which figures, scenes and exports read.
+
+        Parameters
+        ----------
+        **units : str
+            ``length`` and ``force``, the units of the rod; default: cm and N.
+        """
+        return import_module(SHOWN).dataset_of_loops(self, units)
+
+
+def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations: int = 401) -> Loops:
+    """Every closed shape of a rod with FZ = M3 = 0, a number of wraps and a number of folds.
+
+    The rod closes in position and direction: beta(L) = beta(0), beta'(L) = beta'(0), z(L) = z(0), and alpha(L) =
+    alpha(0) + 2 pi wraps. Its angle oscillates `folds` times about pi/2 or -pi/2. By symmetry the section returns
+    without a turn, gamma(L) = gamma(0), so the twist closes with M3 = 0: the ends may be glued, or joined by a swivel.
+
+    Parameters
+    ----------
+    rod, cylinder
+        One rod and one cylinder. L must exceed 2 pi rho wraps, the length of the ring.
+    wraps : int
+        Turns about the axis, at least 1.
+    folds : int
+        Periods of beta along the rod, at least 1. With a divisor d in common with `wraps` the rod covers a shorter
+        loop d times.
+    stations : int
+        Number of stations of each solution.
+
+    Returns
+    -------
+    Loops
+        A list of `Loop`, lowest energy first. One loop oscillates about pi/2; near the ring it is a wave with lam
+        = 2 - (folds/wraps)^2. Another one oscillates about -pi/2; it intersects itself. More are found where the azimuth
+        of a period is not monotonic in the amplitude, which was not seen.
+
+    Raises
+    ------
+    InputError
+        For arrays, a number of wraps or folds below 1, and a rod that is not longer than the ring.
+
+    Examples
+    --------
+    >>> from solver import Cylinder, Rod, loops
+    >>> found = loops(Rod(E=1.07e4, nu=0.25, a=0.1, L=10.0), Cylinder(R=0.9), wraps=1, folds=2)
+    >>> [one.index for one in found], found[0].push_min < 0
+    ([2, 3], True)
+    """
+    from .closed.orbits import closed_orbits  # only a call needs the modules behind these
+
+    span = _checked(rod, cylinder, wraps, folds)
+    period, azimuth = span / folds, 2 * np.pi * wraps / folds
+    found, missing = [], []
+    for about, word in ((1, "pi/2"), (-1, "-pi/2")):
+        orbits = [one for one in closed_orbits(period, about * azimuth) if one.error < 1e-9]
+        found += [_loop(rod, cylinder, wraps, folds, one, about, stations) for one in orbits]
+        missing += [] if orbits else [NOT_FOUND.format("the", word)]
+    return Loops(sorted(found, key=lambda one: one.energy), "; ".join(missing))
+
+
+def _checked(rod: Rod, cylinder: Cylinder, wraps: int, folds: int) -> float:
+    """L/rho of a rod that can form the loop."""
+    for name, value in (("wraps", wraps), ("folds", folds)):
+        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
+            raise InputError(f"{name} must be a whole number of at least 1, got {value!r}")
+    case = Case(rod, cylinder, Start(0.0, 0.0, M3=0.0))
+    if case.shape:
+        raise InputError(f"loops takes one rod and one cylinder, got fields of shape {case.shape}")
+    span, ring = float(rod.L / case.rho), 2 * np.pi * wraps
+    if not span > ring * (1 + 1e-12):
+        raise InputError(
+            f"a loop of {wraps} wrap{'s' * (wraps > 1)} needs a rod longer than the ring, L > 2 pi rho wraps = "
+            f"{ring * case.rho:.12g}, got L = {rod.L:.12g}"
+        )
+    return span
+
+
+def _loop(
+    rod: Rod, cylinder: Cylinder, wraps: int, folds: int, orbit: "ClosedOrbit", about: int, stations: int
+) -> Loop:
+    """The loop of an orbit; about: 1, or -1 for the mirror image of the orbit."""
+    from .closed.overlap import meets_itself
+    from .closed.stability import index_of
+    from .observe import observe
+
+    case = Case(rod, cylinder, _start(rod, cylinder, about * orbit.lowest, about * orbit.lam))
+    sol = solve(case, tol=TOL, stations=stations)
+    seen = {name: float(value) for name, value in observe(sol, MEASURED).items()}
+    kept = sol.trajectory
+    ends = kept.beta[0, -1] - kept.beta[0, 0], kept.alpha[0, -1] - 2 * np.pi * wraps, kept.z[0, -1]
+    closure = float(np.abs([*ends, kept.dbeta[0, -1]]).max())
+    met = None if kept.orbit is None else meets_itself(
+        kept.orbit, float(rod.a / case.rho), seen["kappa_max"] * float(case.rho)
+    )  # fmt: skip
+    numbers = seen["bending_energy"], index_of(orbit.lowest, orbit.lam, folds), seen["push_min"], seen["push_max"]
+    lam = about * float(orbit.lam)
+    return Loop(sol, int(wraps), int(folds), about * np.pi / 2, lam, *numbers, seen["attached"], met, closure)
+
+
+def _start(rod: Rod, cylinder: Cylinder, beta: float, lam: float) -> Start:
+    """The start at a turning point with MZ = lam A/rho, and FZ = 0 to the last bit where that can be had."""
+    rho = float(Case(rod, cylinder, Start(0.0, 0.0, M3=0.0)).rho)
+    s, c = np.sin(beta), np.cos(beta)
+    FY = float(rod.bending_stiffness) / rho**2 * (lam - s**3)
+    F2 = -FY * c
+    F3 = FY * s
+    tried = [F3]
+    for side in (np.inf, -np.inf):
+        other = F3
+        for _ in range(4):
+            other = float(np.nextafter(other, side))
+            tried.append(other)
+    best = min(tried, key=lambda force: abs(F2 * s + force * c))
+    return Start(float(beta), 0.0, F2=float(F2), F3=float(best), M3=0.0)
