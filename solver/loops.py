@@ -8,7 +8,6 @@ import numpy as np
 
 from .problem.case import Case, Cylinder, Rod, Start
 from .problem.errors import InputError
-from .problem.tolerance import checked_tolerance
 from .solution import SHOWN, Solution
 from .solve import solve
 
@@ -54,7 +53,7 @@ class Loop:
     >>> from solver import Cylinder, Rod, loops
     >>> (first, _) = loops(Rod(E=1.07e4, nu=0.25, a=0.1, L=10.0), Cylinder(R=0.9), wraps=1, folds=1)
     >>> print(f"lam = {first.lam:.6f}, index {first.index}, self-intersection: {first.overlaps}")
-    lam = -0.151966, index 0, self-intersection: False
+    lam = -0.171987, index 0, self-intersection: False
     """
 
     solution: Solution
@@ -119,9 +118,9 @@ def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations
     Returns
     -------
     Loops
-        A list of `Loop`, lowest energy first. One loop oscillates about pi/2; near the ring it is a wave with lam
-        = 2 - (folds/wraps)^2. Another one oscillates about -pi/2; it intersects itself. More are found where the azimuth
-        of a period is not monotonic in the amplitude, which was not seen.
+        A list of `Loop`, lowest energy first. One loop oscillates about pi/2; near the ring it is a wave with
+        lam = 2 - (folds/wraps)^2. Another one oscillates about -pi/2; it intersects itself. More would be found where
+        the azimuth of a period is not monotonic in the amplitude, which was not seen.
 
     Raises
     ------
@@ -149,7 +148,8 @@ def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations
 
 def _checked(rod: Rod, cylinder: Cylinder, wraps: int, folds: int) -> float:
     """L/rho of a rod that can form the loop."""
-    for name, value in (("wraps", wraps), ("folds", folds)):
+    counts: dict[str, Any] = {"wraps": wraps, "folds": folds}
+    for name, value in counts.items():
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
             raise InputError(f"{name} must be a whole number of at least 1, got {value!r}")
     case = Case(rod, cylinder, Start(0.0, 0.0, M3=0.0))

@@ -166,6 +166,13 @@ def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
     return ds.assign_attrs(caution=cautions.sentence(ds))
 
 
+def dataset_of_loops(found: Any, units: Mapping[str, str] | None = None) -> xr.Dataset:
+    """The closed rods of `solver.loops` as a dataset. Raises `InputError` for none, and for an unknown unit."""
+    from .branches import loops_dataset
+
+    return loops_dataset.dataset_of(found, units)
+
+
 def _axes(sol: Solution) -> dict[str, Any]:
     """Each axis of the grid: name and values."""
     case, found = sol.case, dict[str, Any]()

@@ -25,7 +25,9 @@ from ..problem.reduced import StartProblem
 AMPLITUDES = 48  # of the curve of one period, at which the azimuth is compared with the wanted one
 _TOL = 1e-12  # of the orbits that are searched
 _FINEST = -30.0  # of log(gap): lam holds no smaller gap
-_SHORT = 100.0  # at gap = (_SHORT/T)^2 the period is shorter than T: it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap)
+_SHORT = (
+    100.0  # at gap = (_SHORT/T)^2 the period is shorter than T: it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap)
+)
 _FAR = 60.0  # bound of the log of a period
 _ROUNDS, _ROUGH, _NARROW = 60, 1e-3, 1e-6  # of the search of lam, by the log of the period; Newton's method follows
 _STEPS = 12  # of Newton's method
@@ -47,7 +49,7 @@ def closed_orbits(period: float, azimuth: float) -> list[ClosedOrbit]:
     known = np.isfinite(y)
     lowest, y = lowest[known], y[known]
     excess = _mean(lowest, y) - azimuth / period
-    cells = np.flatnonzero(np.sign(excess[:-1]) != np.sign(excess[1:]))
+    cells = np.flatnonzero((excess[:-1] > 0) != (excess[1:] > 0))
     return [_refined(lowest[k : k + 2], excess[k : k + 2], period, azimuth) for k in cells]
 
 
@@ -88,6 +90,7 @@ def _excess(lowest: Array, y: Array, period: float) -> Array:
 def _refined(lowest: Array, excess: Array, period: float, azimuth: float) -> ClosedOrbit:
     """The orbit between two lowest angles (2,), at which the mean of sin(beta) exceeds the wanted one by `excess`."""
     (a, b), (fa, fb) = lowest, excess
+    at, y = a, np.zeros(1)
     for k in range(6):
         at = (a + b) / 2 if k % 2 else (a * fb - b * fa) / (fb - fa)
         y = _gaps(np.array([at]), period, _NARROW)
@@ -113,7 +116,7 @@ def _polished(b1: float, y: float, period: float, azimuth: float) -> ClosedOrbit
 
 
 def residual(b1: float, y: float, wanted: Array) -> tuple[Array, Array]:
-    """Period and azimuth of a period less the wanted ones, (2,), and their derivatives by b1 and y = log(gap), (2, 2)."""
+    """Period and azimuth of a period less the wanted ones, (2,); their derivatives by b1 and y = log(gap), (2, 2)."""
     problem = started(np.array([b1]), np.array([_load(b1, y)]))
     varied = varied_from(problem)
     T = varied.orbit.period

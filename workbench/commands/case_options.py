@@ -87,6 +87,7 @@ FIELDS: dict[str, CaseField] = {
 ENDS_FIELDS = tuple(
     name for name, field in FIELDS.items() if field.problem != "start" and name not in ("alpha", "gamma")
 )
+ROD_FIELDS = tuple(name for name, field in FIELDS.items() if not field.problem and name not in ("alpha", "gamma"))
 
 
 def takes_case(names: Sequence[str] = tuple(FIELDS)) -> Callable[[Callable[..., int]], Callable[..., int]]:

@@ -1,0 +1,85 @@
+"""The dataset of closed rods, which the figures, scenes and exports of equilibria read."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver.loops import Loop
+from studies import Study
+from studies.loader import loads
+
+from ..data import cautions, schema
+from ..run.case_input import TABLE_UNITS, field_values
+from .equilibria import study_text
+from .equilibria_dataset import ALONG, attributes
+
+NUMBERS = {  # of each loop: units and long names of those that are no quantity of a case
+    "wraps": "wraps",
+    "folds": ("1", "folds", "periods of beta along the closed rod"),
+    "about": ("rad", "about", "angle about which beta oscillates"),
+    "lam": ("1", "λ", "axial moment, MZ rho/A"),
+    "energy": "bending_energy",
+    "index": "index",
+    "push_min": "push_min",
+    "push_max": "push_max",
+    "attached": "attached",
+}
+STABILITY = "closed rods, the section free to turn, all on the surface"
+
+
+def study_of(one: Loop, units: Mapping[str, str] | None = None) -> Study:
+    """A study whose one case is the start problem of a loop; units: default: cm and N."""
+    title = f"A closed rod of {one.wraps} wrap{'s' * (one.wraps > 1)} and {one.folds} fold{'s' * (one.folds > 1)}"
+    text = study_text(title, {**TABLE_UNITS, **dict(units or {})}, field_values(one.solution.case))
+    return loads(text, "loops")
+
+
+def dataset_of(found: Sequence[Loop], units: Mapping[str, str] | None = None) -> xr.Dataset:
+    """Closed rods of one rod and cylinder as a dataset over `equilibrium`, in the order given.
+
+    Returns
+    -------
+    The arrays of `ALONG` over (equilibrium, u), u = s/L, `NUMBERS`, MZ, outcome and caution over (equilibrium), and
+    the numbers of the rod and the cylinder.
+    """
+    study, case = study_of(found[0], units), found[0].solution.case
+    words = study.unit_system
+    data: dict[str, Any] = {}
+    for name in ALONG:
+        values = np.array([getattr(one.solution, name) for one in found])
+        data[name] = xr.Variable(("equilibrium", "u"), values, schema.labels(name, words))
+    for name, row in NUMBERS.items():
+        labels = schema.labels(row, words) if isinstance(row, str) else _labels(*row)
+        data[name] = xr.Variable(("equilibrium",), np.array([getattr(one, name) for one in found]), labels)
+    data |= {name: xr.Variable((), 0.0, schema.labels(name, words)) for name in ("FZ", "M3")}
+    data["MZ"] = _each([float(one.solution.MZ) for one in found], schema.labels("MZ", words))
+    data["solved"] = _each([bool(one.solution.solved) for one in found])
+    data["outcome"] = _each([str(one.solution.outcome) for one in found])
+    data["caution"] = _each([caution(one) for one in found])
+    for name, owner in {**dict.fromkeys(("E", "nu", "a", "L"), case.rod), "R": case.cylinder, "rho": case}.items():
+        data[name] = xr.Variable((), float(getattr(owner, name)), schema.labels(name, words))
+    u = found[0].solution.s / float(case.rod.L)
+    coords = {
+        "equilibrium": _each(list(range(1, len(found) + 1)), {"long_name": "number of the loop"}),
+        "u": xr.Variable(("u",), u, schema.labels("u", words)),
+        "s": xr.Variable(("u",), found[0].solution.s, schema.labels("s", words)),
+    }
+    more = {"title": "Closed rods on a cylinder", "stability": STABILITY}
+    ds = xr.Dataset(data, coords, attributes(study, case, "") | more)
+    return ds.assign_attrs(caution=cautions.sentence(ds))
+
+
+def caution(one: Loop) -> str:
+    """The keys of `cautions` of a closed rod, whose ends are neighbours and not in self-contact."""
+    met = np.nan if one.overlaps is None else float(one.overlaps)
+    return str(cautions.of_cases(one.solution, {"overlaps": np.array(met)}))
+
+
+def _each(values: list[Any], attrs: dict[str, str] | None = None) -> xr.Variable:
+    return xr.Variable(("equilibrium",), np.array(values), attrs)
+
+
+def _labels(units: str, symbol: str, long_name: str) -> dict[str, str]:
+    return {"units": units, "symbol": symbol, "long_name": long_name}

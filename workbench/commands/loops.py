@@ -1,0 +1,144 @@
+"""The command loops: closed rods on the cylinder, listed, drawn and stored."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from . import console
+from .case_options import ROD_FIELDS, Given, takes_case
+from .options import Json, argument, flag, option
+
+if TYPE_CHECKING:
+    from solver import Cylinder, Loop, Rod
+
+MOST_FOLDS = 50
+COLUMNS = ("wraps", "folds", "about", "lam", "energy", "index", "push_min", "push_max", "attached")
+
+
+@takes_case(ROD_FIELDS)
+def loops(
+    file: Annotated[
+        Path | None, argument("FILE|STUDY", "TOML file or name of a study of one rod; default: the rod of Table 1.")
+    ] = None,
+    *,
+    given: Given,
+    wraps: Annotated[int, option("COUNT", "Turns of the closed rod about the axis.")] = 1,
+    folds: Annotated[
+        str, option("COUNT[,COUNT...]", "Periods of the angle along the closed rod, one or several numbers.")
+    ] = "1,2,3",
+    all_of_them: Annotated[
+        bool, flag("List also the loops that oscillate about -pi/2; they intersect themselves.", "--all")
+    ] = False,
+    picture: Annotated[
+        Path | None, option("FILE", "Picture of the developed curves, .png, .pdf or .svg.", "--plot", "-o")
+    ] = None,
+    out: Annotated[Path | None, option("FILE", "HDF5 file of the loops, which scene and export read.", "--out")] = None,
+    force: Annotated[
+        bool, flag("Replace an existing picture, and the file of --out even if it holds no loops.", "--force")
+    ] = False,
+    json: Json = False,
+) -> int:
+    """List the shapes of a closed rod on the cylinder.
+
+    The rod closes in position and direction, without axial force and twist: it makes some turns about the axis, and its
+    angle oscillates so often (folds) about pi/2 while it does. It must be longer than the ring, L > 2 pi rho wraps.
+    The list gives the axial moment that it carries (lam = MZ rho/A), its bending energy, the Morse index of the
+    closed rod on the surface (0: stable), and the push: where it is negative, a rod that is free to unbind lifts off.
+
+    Without --length-unit and --force-unit, omitted fields come from Table 1 (cm, N). Exit status 1 if a loop of the
+    numbers given was not found.
+    """
+    from solver import loops as closed_rods
+
+    from ..branches import loops_dataset
+    from ..data import writing
+    from . import output_file
+
+    rod, cylinder, units = _rod(file, given)
+    counts = parse_folds(folds)
+    drawn = output_file.check(picture, (".png", ".pdf", ".svg"), force) if picture else None
+    if out is not None and not force:
+        writing.check_free(out, "equilibria")
+    found, remarks = [], []
+    for count in counts:
+        some = closed_rods(rod, cylinder, wraps, count)
+        found += [one for one in some if all_of_them or one.about > 0]
+        remarks += [f"{count} folds: {some.remark}"] if some.remark and all_of_them else []
+    complete = {one.folds for one in found if one.about > 0} == set(counts)
+    if found and (out or drawn):
+        ds = loops_dataset.dataset_of(found, units)
+        if out:
+            writing.write(ds, out, force)
+        if drawn:
+            from ..figures import canvas
+            from ..figures import loops as loops_figure
+
+            canvas.save(loops_figure.figure(ds), drawn)
+    _print(found, remarks, units, complete, json)
+    return 0 if complete else 1
+
+
+def parse_folds(text: str) -> list[int]:
+    """``1,2,3`` as numbers. Raises `InputError`."""
+    from solver import InputError
+
+    parts = text.split(",")
+    if not all(part.strip().isdecimal() and 1 <= int(part) <= MOST_FOLDS for part in parts):
+        raise InputError(f"--folds takes whole numbers from 1 to {MOST_FOLDS} with commas between, got {text!r}")
+    return list(dict.fromkeys(int(part) for part in parts))
+
+
+def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str]]":
+    """The rod and the cylinder of a file, of Table 1 or of the options alone, and their units."""
+    from dataclasses import fields
+
+    from solver import Cylinder, InputError, Rod
+    from solver.problem.case import from_fields
+
+    from ..run.case_input import TABLE_UNITS, read_case
+
+    if file is None and given.units:
+        parts = []
+        for kind in (Rod, Cylinder):
+            own = {field.name for field in fields(kind)}
+            parts.append(from_fields(kind, {name: value for name, value in given.values.items() if name in own}))
+        return parts[0], parts[1], {**TABLE_UNITS, **given.units}
+    if file is not None and file.suffix != ".toml":
+        raise InputError(f"a rod is read from a .toml file, got {str(file)!r}")
+    asked = read_case(file, given.values, given.units, table1=file is None)
+    return asked.case.rod, asked.case.cylinder, asked.units
+
+
+def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str], complete: bool, as_json: bool) -> None:
+    rows = [row(one) for one in found]
+    if as_json:
+        console.print_json({"units": units, "loops": rows, "complete": complete, "remarks": remarks})
+        return
+    force, length = units["force"], units["length"]
+    words = {"about": "rad", "energy": f"{force} {length}", "push_min": f"{force}/{length}"}
+    words["push_max"] = words["push_min"]
+    heads = [f"{name} ({words[name]})" if name in words else name for name in COLUMNS]
+    table = [[i, *(r[name] for name in COLUMNS), r["self_intersection"]] for i, r in enumerate(rows, 1)]
+    console.print_table(["", *heads, "self-intersection"], table)
+    stable = sum(r["index"] == 0 for r in rows)
+    console.say(f"{len(rows)} loops, {stable} stable as closed rods on the surface, the section free to turn")
+    pulled = [str(i) for i, r in enumerate(rows, 1) if r["lifts_off"]]
+    if pulled:
+        numbers = ", ".join(pulled)
+        console.say(f"number {numbers}: the push is negative somewhere; a rod that is free to unbind lifts off there")
+    for remark in remarks:
+        console.say(remark)
+
+
+def row(one: "Loop") -> dict[str, Any]:
+    """The numbers of a loop as plain data."""
+    from ..branches import loops_dataset
+    from ..data import cautions
+
+    keys = cautions.keys(loops_dataset.caution(one))
+    decided = one.overlaps is not None
+    return {name: getattr(one, name) for name in COLUMNS} | {
+        "MZ": float(one.solution.MZ), "dbeta0": float(one.solution.dbeta[0]), "beta0": float(one.solution.beta[0]),
+        "lifts_off": "pulled" in keys,
+        "self_intersection": ("yes" if one.overlaps else "no") if decided else "not decided",
+        "closure": one.closure, "outcome": str(one.solution.outcome), "error": float(one.solution.error),
+    }  # fmt: skip
