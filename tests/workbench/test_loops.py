@@ -1,0 +1,103 @@
+"""The command loops: its table, its files and its refusals; the page docs/how-to/close-a-rod.md runs."""
+
+import json
+import re
+import shlex
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import Cylinder, InputError, Rod, loops
+from tests.workbench.pictures import pixels
+from workbench import cli
+from workbench.data import writing
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "how-to" / "close-a-rod.md").read_text(encoding="utf-8")
+
+
+def run(line: str, status: int = 0) -> None:
+    with pytest.raises(SystemExit) as end:
+        cli.main(shlex.split(line))
+    assert end.value.code == status, line
+
+
+def test_the_command_prints_lists_and_stores_the_loops(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    line = "loops --a 0.05 --R 0.95 --L 9 --folds 1,2 --out loops.h5"
+    run(line)
+    told = capsys.readouterr().out
+    assert "2 loops, 1 stable as closed rods on the surface, the section free to turn" in told
+    assert "number 1, 2: the push is negative somewhere" in told
+    ds = writing.read(Path("loops.h5"), study=False)
+    assert ds["folds"].values.tolist() == [1, 2]
+    assert ds["index"].values.tolist() == [0, 2]
+    np.testing.assert_allclose(ds["z"][:, -1], 0, atol=1e-10)
+    np.testing.assert_allclose(ds["alpha"][:, -1], 2 * pi, atol=1e-10)
+    assert "overlaps" not in str(ds["caution"].values)  # the ends of a closed rod are neighbours
+    run(f"{line} --json")
+    found = json.loads(capsys.readouterr().out)
+    assert [one["self_intersection"] for one in found["loops"]] == ["no", "no"]
+    assert found["loops"][0]["lam"] == pytest.approx(float(ds["lam"][0]))
+    assert found["complete"]
+
+
+def test_loops_that_turn_back_are_listed_if_asked(capsys) -> None:
+    run("loops --a 0.05 --R 0.95 --L 12 --folds 1 --all --json")
+    found = json.loads(capsys.readouterr().out)["loops"]
+    assert [one["about"] > 0 for one in found] == [True, False]
+    assert [one["self_intersection"] for one in found] == ["no", "yes"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--L 6", "needs a rod longer than the ring, L > 2 pi rho wraps = 6.28318530718, got L = 6"),
+        ("--folds 0", "--folds takes whole numbers from 1 to 50 with commas between, got '0'"),
+        ("--wraps 0", "wraps must be a whole number of at least 1, got 0"),
+        ("rod.h5", "a rod is read from a .toml file, got 'rod.h5'"),
+        ("--length-unit mm --E 1", "Rod needs nu, a, L"),
+        ("--plot loops.txt", "loops.txt"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_a_sentence(words: str, said: str, capsys, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    run(f"loops {words}", 2)
+    assert said in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_dataset_of_loops_has_the_units_given_and_of_none_there_is_none() -> None:
+    found = loops(Rod(E=1e4, nu=0.3, a=0.05, L=9.0), Cylinder(R=0.95), folds=1)
+    ds = found.to_dataset(length="nm", force="pN")
+    assert ds["energy"].attrs["units"] == "pN nm"
+    del found[:]
+    with pytest.raises(InputError, match="no loop was found"):
+        found.to_dataset()
+
+
+def commands() -> list[str]:
+    blocks = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
+    return [line.removeprefix("workbench ") for block in blocks for line in block.splitlines()]
+
+
+def test_the_picture_of_the_page_is_the_one_of_its_command(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    run(commands()[0])
+    shown, made = pixels(ROOT / "docs" / "figures" / "loops.png"), pixels(Path("loops.png"))
+    assert shown.shape == made.shape
+
+
+@pytest.mark.slow
+def test_the_page_runs_as_it_stands(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for line in commands():
+        run(line)
+    assert Path("loops_scene.png").stat().st_size > 10_000
+    for block in re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL):
+        names: dict = {}
+        exec(block, names)
+        assert names["found"][0].index == 2
+        assert names["found"][0].push_min == pytest.approx(-4 * 0.0947948, abs=1e-4)  # solid, not paper
