@@ -16,7 +16,7 @@ from tests.laws.test_loops import about, closed
 KT, NM_OF_BASE_PAIR = 0.6, 0.34  # kT in kcal/mol; rise per base pair of DNA [nm], both as read below
 
 
-# Vazquez-Montejo, McDargh, Deserno and Guven, Cylindrical confinement of semiflexible polymers (2015), arXiv:1503.01023:
+# Vazquez-Montejo, McDargh, Deserno, Guven, Cylindrical confinement of semiflexible polymers (2015), arXiv:1503.01023:
 # the abstract was read. Their n is our number of folds, their p our number of wraps; E0 = pi A/rho. The text that was
 # read lost p = 1 and p = 2, n = 1 in the sentences on exterior states; they are filled in here.
 
