@@ -8,6 +8,7 @@ import numpy as np
 
 from .problem.case import Case, Cylinder, Rod, Start
 from .problem.errors import InputError
+from .problem.reduced import reduce
 from .solution import SHOWN, Solution
 from .solve import solve
 
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
     from .closed.orbits import ClosedOrbit
 
 TOL = 1e-11
-NOT_FOUND = "incomplete: {} loop about {} was not found: it lies nearer to a separatrix than numbers of 64 bits resolve"
+NOT_FOUND = "the loop about {} was not found: it lies nearer to a separatrix than numbers of 64 bits resolve"
+NOT_CLOSED = "the loop about {} closes only to {:.1e}: it lies so near to a separatrix that rounding shows"
+_ULPS = 8  # units in the last place by which the forces at the start are moved
 MEASURED = ("bending_energy", "push_min", "push_max", "attached", "kappa_max")
 
 
@@ -73,17 +76,17 @@ class Loop:
 class Loops(list[Loop]):
     """The loops of one rod, lowest energy first.
 
-    remark: why a loop that exists is missing; empty if none is.
+    remarks: sentences on loops that exist but were not found, or that do not close to 1e-9 of L/rho; empty if none.
     """
 
-    def __init__(self, found: list[Loop], remark: str = "") -> None:
+    def __init__(self, found: list[Loop], remarks: tuple[str, ...] = ()) -> None:
         super().__init__(found)
-        self.remark = remark
+        self.remarks = remarks
 
     @property
     def complete(self) -> bool:
-        """Whether no loop is known to be missing."""
-        return not self.remark
+        """Whether no loop is known to be missing or inaccurate."""
+        return not self.remarks
 
     def to_dataset(self, **units: str) -> Any:
         """The loops as an `xarray.Dataset` over `equilibrium`, which figures, scenes and exports read.
@@ -134,16 +137,18 @@ def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations
     >>> [one.index for one in found], found[0].push_min < 0
     ([2, 3], True)
     """
-    from .closed.orbits import closed_orbits  # only a call needs the modules behind these
+    from .closed.orbits import CLOSE, closed_orbits  # only a call needs the modules behind these
 
     span = _checked(rod, cylinder, wraps, folds)
-    period, azimuth = span / folds, 2 * np.pi * wraps / folds
-    found, missing = [], []
-    for about, word in ((1, "pi/2"), (-1, "-pi/2")):
-        orbits = [one for one in closed_orbits(period, about * azimuth) if one.error < 1e-9]
-        found += [_loop(rod, cylinder, wraps, folds, one, about, stations) for one in orbits]
-        missing += [] if orbits else [NOT_FOUND.format("the", word)]
-    return Loops(sorted(found, key=lambda one: one.energy), "; ".join(missing))
+    found, remarks = [], []
+    pairs = zip((1, -1), ("pi/2", "-pi/2"), closed_orbits(span / folds, 2 * np.pi * wraps / folds), strict=True)
+    for about, word, orbits in pairs:
+        some = [_loop(rod, cylinder, wraps, folds, one, about, stations) for one in orbits if one.error < CLOSE]
+        worst = max((one.closure for one in some), default=0.0)
+        remarks += [] if some else [NOT_FOUND.format(word)]
+        remarks += [NOT_CLOSED.format(word, worst)] if worst > CLOSE * span else []
+        found += some
+    return Loops(sorted(found, key=lambda one: one.energy), tuple(remarks))
 
 
 def _checked(rod: Rod, cylinder: Cylinder, wraps: int, folds: int) -> float:
@@ -187,17 +192,13 @@ def _loop(
 
 
 def _start(rod: Rod, cylinder: Cylinder, beta: float, lam: float) -> Start:
-    """The start at a turning point with MZ = lam A/rho, and FZ = 0 to the last bit where that can be had."""
+    """The start at a turning point whose reduced problem has this lam and phi = 0, to the last bit where it can be."""
     rho = float(Case(rod, cylinder, Start(0.0, 0.0, M3=0.0)).rho)
     s, c = np.sin(beta), np.cos(beta)
     FY = float(rod.bending_stiffness) / rho**2 * (lam - s**3)
-    F2 = -FY * c
-    F3 = FY * s
-    tried = [F3]
-    for side in (np.inf, -np.inf):
-        other = F3
-        for _ in range(4):
-            other = float(np.nextafter(other, side))
-            tried.append(other)
-    best = min(tried, key=lambda force: abs(F2 * s + force * c))
-    return Start(float(beta), 0.0, F2=float(F2), F3=float(best), M3=0.0)
+    near = np.arange(-_ULPS, _ULPS + 1)
+    F2, F3 = (force + near * np.spacing(force) for force in (-FY * c, FY * s))
+    tried = Start(float(beta), 0.0, F2=F2[:, None], F3=F3, M3=0.0)
+    found = reduce(Case(rod, cylinder, tried))
+    best = int(np.argmin(np.abs(found.lam - lam) + np.abs(found.phi)))
+    return Start(float(beta), 0.0, F2=float(F2[best // near.size]), F3=float(F3[best % near.size]), M3=0.0)

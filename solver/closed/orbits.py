@@ -22,15 +22,14 @@ from ..orbit.periodic_orbit import solve_orbit
 from ..orbit.variations import Variations, changed, directions, orbits_to_vary, variations_on
 from ..problem.reduced import StartProblem
 
-AMPLITUDES = 48  # of the curve of one period, at which the azimuth is compared with the wanted one
+AMPLITUDES = 32  # of the curve of one period, at which the azimuth is compared with the wanted one
 _TOL = 1e-12  # of the orbits that are searched
 _FINEST = -30.0  # of log(gap): lam holds no smaller gap
-_SHORT = (
-    100.0  # at gap = (_SHORT/T)^2 the period is shorter than T: it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap)
-)
+_SHORT = 100.0  # at gap = (_SHORT/T)^2 the period is below T; it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap)
 _FAR = 60.0  # bound of the log of a period
 _ROUNDS, _ROUGH, _NARROW = 60, 1e-3, 1e-6  # of the search of lam, by the log of the period; Newton's method follows
 _STEPS = 12  # of Newton's method
+CLOSE = 1e-9  # the largest error of an orbit that was found
 
 
 @dataclass(frozen=True)
@@ -42,15 +41,31 @@ class ClosedOrbit:
     error: float
 
 
-def closed_orbits(period: float, azimuth: float) -> list[ClosedOrbit]:
-    """The orbits about pi/2 of a period in which alpha gains `azimuth`, |azimuth| < period; the largest b1 first."""
-    lowest = _angles(period, abs(azimuth))
+def closed_orbits(period: float, azimuth: float) -> tuple[list[ClosedOrbit], list[ClosedOrbit]]:
+    """The orbits about pi/2 of a period in which alpha gains `azimuth`, and those in which it gains its negative.
+
+    0 < azimuth < period. The largest b1 first.
+    """
+    lowest = _angles(period, azimuth)
     y = _gaps(lowest, period, _ROUGH)
     known = np.isfinite(y)
     lowest, y = lowest[known], y[known]
-    excess = _mean(lowest, y) - azimuth / period
-    cells = np.flatnonzero((excess[:-1] > 0) != (excess[1:] > 0))
-    return [_refined(lowest[k : k + 2], excess[k : k + 2], period, azimuth) for k in cells]
+    mean = _mean(lowest, y)
+    ahead, behind = (_crossings(lowest, y, mean, period, wanted) for wanted in (azimuth, -azimuth))
+    return ahead, behind
+
+
+def _crossings(lowest: Array, y: Array, mean: Array, period: float, azimuth: float) -> list[ClosedOrbit]:
+    """The orbits in which alpha gains `azimuth`, from points of the curve of one period and their mean sin(beta)."""
+    excess = mean - azimuth / period
+    found = []
+    for k in np.flatnonzero((excess[:-1] > 0) != (excess[1:] > 0)):
+        cell = slice(k, k + 2)
+        at, guess = (float(v[k] + (v[k + 1] - v[k]) * excess[k] / (excess[k] - excess[k + 1])) for v in (lowest, y))
+        one = _polished(at, guess, period, azimuth)
+        inside = lowest[k + 1] <= one.lowest <= lowest[k]
+        found.append(one if one.error < CLOSE and inside else _refined(lowest[cell], excess[cell], period, azimuth))
+    return found
 
 
 def _angles(period: float, azimuth: float) -> Array:
@@ -58,7 +73,7 @@ def _angles(period: float, azimuth: float) -> Array:
     scale = max(min(1.0, azimuth / period), 1e-3)
     far = np.arcsinh(np.pi / 2 / scale)
     inner = scale * np.sinh(np.linspace(far, -far, AMPLITUDES + 1))[1:-1]
-    near = np.geomspace(1e-7, 0.05, 12)  # of the ring, and of its mirror image
+    near = np.geomspace(1e-7, 0.05, 8)  # of the ring, and of its mirror image
     return np.sort(np.concatenate([inner, np.pi / 2 - near, near - np.pi / 2]))[::-1]
 
 

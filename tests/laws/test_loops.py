@@ -32,7 +32,7 @@ def test_the_wave_on_the_ring_begins_at_the_load_of_its_folds(wraps: int, folds:
     assert amplitude**2 / 4 == pytest.approx(excess, rel=1e-3)  # the mean of sin(beta) is 2 pi wraps/L
 
 
-@pytest.mark.parametrize(("L", "wraps", "folds"), [(8.0, 1, 1), (15.0, 1, 2), (20.0, 1, 3), (20.0, 2, 1), (30.0, 3, 2)])
+@pytest.mark.parametrize(("L", "wraps", "folds"), [(8.0, 1, 1), (15.0, 1, 2), (30.0, 3, 2)])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_loop_closes_in_position_direction_and_rotation(L: float, wraps: int, folds: int, sign: int) -> None:
     one = about(closed(L, wraps, folds), sign)
@@ -170,6 +170,18 @@ def test_loops_of_many_lengths_have_one_wave_and_the_wave_exists_above_the_ring(
         assert sum(one.about > 0 for one in found) == 1
         assert found == sorted(found, key=lambda one: one.energy)
         assert found.complete == (len(found) == 2)  # near the ring the other one is sharper than numbers hold
+
+
+@pytest.mark.parametrize("factor", [1.262704072694293, 1.26, 1.5])
+def test_a_loop_that_rounding_spoils_is_told(factor: float) -> None:
+    """Of five wraps or more each leg is so near to a helix that the last bit of the loads shows."""
+    for wraps in (5, 8):
+        L = 2 * pi * wraps * factor
+        found = loops(Rod(E=1e4, nu=0.25, a=0.02, L=L), Cylinder(R=0.98), wraps, 1)
+        spoiled = [one for one in found if one.closure > 1e-9 * L]
+        assert len(found) - len(spoiled) + len(found.remarks) == 2
+        assert found.complete == (len(found) == 2 and not spoiled)
+        assert all("closes only to" in one or "was not found" in one for one in found.remarks)
 
 
 @pytest.mark.parametrize(

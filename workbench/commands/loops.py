@@ -62,7 +62,8 @@ def loops(
     for count in counts:
         some = closed_rods(rod, cylinder, wraps, count)
         found += [one for one in some if all_of_them or one.about > 0]
-        remarks += [f"{count} folds: {some.remark}"] if some.remark and all_of_them else []
+        told = [one for one in some.remarks if all_of_them or "-pi/2" not in one]
+        remarks += [f"{count} folds: {one}" for one in told]
     complete = {one.folds for one in found if one.about > 0} == set(counts)
     if found and (out or drawn):
         ds = loops_dataset.dataset_of(found, units)
