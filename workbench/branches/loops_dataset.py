@@ -1,16 +1,18 @@
 """The dataset of closed rods, which the figures, scenes and exports of equilibria read."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from solver.loops import Loop
+from solver.problem.errors import InputError
 from studies import Study
 from studies.loader import loads
 
-from ..data import cautions, schema
+from ..data import cautions, schema, writing
 from ..run.case_input import TABLE_UNITS, field_values
 from .equilibria import study_text
 from .equilibria_dataset import ALONG, attributes
@@ -43,7 +45,14 @@ def dataset_of(found: Sequence[Loop], units: Mapping[str, str] | None = None) ->
     -------
     The arrays of `ALONG` over (equilibrium, u), u = s/L, `NUMBERS`, MZ, outcome and caution over (equilibrium), and
     the numbers of the rod and the cylinder.
+
+    Raises
+    ------
+    InputError
+        For no loop, and for an unknown unit.
     """
+    if not found:
+        raise InputError("no loop was found: a dataset holds at least one")
     study, case = study_of(found[0], units), found[0].solution.case
     words = study.unit_system
     data: dict[str, Any] = {}
@@ -69,6 +78,13 @@ def dataset_of(found: Sequence[Loop], units: Mapping[str, str] | None = None) ->
     more = {"title": "Closed rods on a cylinder", "stability": STABILITY}
     ds = xr.Dataset(data, coords, attributes(study, case, "") | more)
     return ds.assign_attrs(caution=cautions.sentence(ds))
+
+
+def write_cases(found: Sequence[Loop], units: Mapping[str, str], folder: Path) -> None:
+    """Write each loop as a TOML study of one case. Raises `InputError` if the folder cannot be written."""
+    writing.check_folder(folder)
+    for k, one in enumerate(found, 1):
+        (folder / f"loop_{k:0{len(str(len(found)))}d}.toml").write_text(study_of(one, units).text, encoding="utf-8")
 
 
 def caution(one: Loop) -> str:

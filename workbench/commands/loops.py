@@ -16,9 +16,7 @@ COLUMNS = ("wraps", "folds", "about", "lam", "energy", "index", "push_min", "pus
 
 @takes_case(ROD_FIELDS)
 def loops(
-    file: Annotated[
-        Path | None, argument("FILE|STUDY", "TOML file or name of a study of one rod; default: the rod of Table 1.")
-    ] = None,
+    file: Annotated[Path | None, argument("FILE", "TOML study of one rod; default: the rod of Table 1.")] = None,
     *,
     given: Given,
     wraps: Annotated[int, option("COUNT", "Turns of the closed rod about the axis.")] = 1,
@@ -32,6 +30,9 @@ def loops(
         Path | None, option("FILE", "Picture of the developed curves, .png, .pdf or .svg.", "--plot", "-o")
     ] = None,
     out: Annotated[Path | None, option("FILE", "HDF5 file of the loops, which scene and export read.", "--out")] = None,
+    export: Annotated[
+        Path | None, option("FOLDER", "Folder for one TOML file per loop, a start problem that run and solve read.")
+    ] = None,
     force: Annotated[
         bool, flag("Replace an existing picture, and the file of --out even if it holds no loops.", "--force")
     ] = False,
@@ -66,16 +67,26 @@ def loops(
         remarks += [f"{count} folds: {one}" for one in told]
     complete = {one.folds for one in found if one.about > 0} == set(counts)
     if found and (out or drawn):
-        ds = loops_dataset.dataset_of(found, units)
-        if out:
-            writing.write(ds, out, force)
-        if drawn:
-            from ..figures import canvas
-            from ..figures import loops as loops_figure
-
-            canvas.save(loops_figure.figure(ds), drawn)
+        _write(found, units, out, drawn, force)
+    if export:
+        loops_dataset.write_cases(found, units, export)
     _print(found, remarks, units, complete, json)
     return 0 if complete else 1
+
+
+def _write(found: "list[Loop]", units: dict[str, str], out: Path | None, picture: Path | None, force: bool) -> None:
+    """Store the loops, and draw them."""
+    from ..branches import loops_dataset
+    from ..data import writing
+
+    ds = loops_dataset.dataset_of(found, units)
+    if out:
+        writing.write(ds, out, force)
+    if picture:
+        from ..figures import canvas
+        from ..figures import loops as loops_figure
+
+        canvas.save(loops_figure.figure(ds), picture)
 
 
 def parse_folds(text: str) -> list[int]:
@@ -92,19 +103,18 @@ def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str
     """The rod and the cylinder of a file, of Table 1 or of the options alone, and their units."""
     from dataclasses import fields
 
-    from solver import Cylinder, InputError, Rod
+    from solver import Cylinder, Rod
     from solver.problem.case import from_fields
 
-    from ..run.case_input import TABLE_UNITS, read_case
+    from ..run.case_input import TABLE_UNITS, check_units, read_case
 
     if file is None and given.units:
+        check_units(given.units)
         parts = []
         for kind in (Rod, Cylinder):
             own = {field.name for field in fields(kind)}
             parts.append(from_fields(kind, {name: value for name, value in given.values.items() if name in own}))
         return parts[0], parts[1], {**TABLE_UNITS, **given.units}
-    if file is not None and file.suffix != ".toml":
-        raise InputError(f"a rod is read from a .toml file, got {str(file)!r}")
     asked = read_case(file, given.values, given.units, table1=file is None)
     return asked.case.rod, asked.case.cylinder, asked.units
 

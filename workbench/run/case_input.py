@@ -81,11 +81,16 @@ def read_case(
         read = DEFAULT if reading is None else parse(reading)
         return CaseInput(with_fields(read.case(), values), dict(TABLE_UNITS), f"Table 1, read {read.name}{changed}")
     case, assumed = from_values(values)
+    check_units(units)
+    assumed |= {f"unit of {kind}": unit for kind, unit in TABLE_UNITS.items() if kind not in units}
+    return CaseInput(case, {**TABLE_UNITS, **units}, "the options", assumed)
+
+
+def check_units(units: Mapping[str, str]) -> None:
+    """Raise `InputError` for an unknown unit of length or force."""
     for kind, known in (("length", LENGTHS), ("force", FORCES)):
         if units.get(kind, known[0]) not in known:
             raise no_such(f"unit of {kind}", units[kind], known)
-    assumed |= {f"unit of {kind}": unit for kind, unit in TABLE_UNITS.items() if kind not in units}
-    return CaseInput(case, {**TABLE_UNITS, **units}, "the options", assumed)
 
 
 def _study(file: Path) -> Study:
