@@ -8,13 +8,11 @@ import scipy
 
 from solver import Case, Cylinder, InputError, Loop, Rod, loops, solve
 
-A_UNIT = 4 / pi * 1e8  # Young's modulus with which a solid rod of radius 0.01 has A = 1
-
 
 def closed(L: float, wraps: int, folds: int, side: str = "outside", a: float = 0.01) -> list[Loop]:
     """The loops of a rod with A = 1 and rho = 1."""
     R = 1 - a if side == "outside" else 1 + a
-    return loops(Rod(E=A_UNIT * (0.01 / a) ** 4, nu=0.3, a=a, L=L), Cylinder(R=R, side=side), wraps, folds)
+    return loops(Rod(EI=1.0, GJ=0.8, a=a, L=L), Cylinder(R=R, side=side), wraps, folds)
 
 
 def about(found: list[Loop], sign: float) -> Loop:

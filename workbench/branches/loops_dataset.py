@@ -67,8 +67,8 @@ def dataset_of(found: Sequence[Loop], units: Mapping[str, str] | None = None) ->
     data["solved"] = _each([bool(one.solution.solved) for one in found])
     data["outcome"] = _each([str(one.solution.outcome) for one in found])
     data["caution"] = _each([caution(one) for one in found])
-    for name, owner in {**dict.fromkeys(("E", "nu", "a", "L"), case.rod), "R": case.cylinder, "rho": case}.items():
-        data[name] = xr.Variable((), float(getattr(owner, name)), schema.labels(name, words))
+    for name, value in {**dict(case.rod.given()), "R": case.cylinder.R, "rho": case.rho}.items():
+        data[name] = xr.Variable((), float(value), schema.labels(name, words))
     u = found[0].solution.s / float(case.rod.L)
     coords = {
         "equilibrium": _each(list(range(1, len(found) + 1)), {"long_name": "number of the loop"}),

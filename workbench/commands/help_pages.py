@@ -35,7 +35,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "equilibria": ("equilibria --plot all.png", "equilibria --axis betaL=-90deg:60deg:41"),
     "loops": (
         "loops --a 0.05 --R 0.95 --L 12 --folds 1,2,3 -o loops.png",
-        "loops --length-unit nm --force-unit pN --E 300 --nu 0.3 --a 1 --L 40 --R 3 --out loops.h5",
+        "loops --length-unit nm --force-unit pN --EI 207 --GJ 310 --a 1 --L 40 --R 3 --out loops.h5",
     ),
     "sensitivity": (
         "sensitivity fig7_1_modulus --at E=5000 --show height,wraps --plot tornado.pdf",
