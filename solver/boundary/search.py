@@ -113,7 +113,7 @@ def _fits(problem: EndsProblem) -> bool:
 def _searched(problem: EndsProblem, most_periods: int, most_turns: int | None, step: float) -> Found | None:
     """One search, on a level grid of steps of `step` in log gap."""
     boundary, grid = level_grid_of(boundary_of(problem), step)
-    roots, reason = _roots(boundary, grid, most_periods, most_turns)
+    roots, reason = level_roots(boundary, grid, most_periods, most_turns)
     helix = helix_of(problem, boundary.found)
     path, lengthens = level_paths_of(boundary, roots, helix)
     if not lengthens.size:
@@ -151,7 +151,7 @@ def _remark(index: Array, energy: Array, signed: int, lost: int) -> str:
     return ""
 
 
-def _roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_turns: int | None) -> tuple[Roots, str]:
+def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_turns: int | None) -> tuple[Roots, str]:
     """Every level at which a path has the length of the rod, and what `most_periods` or `BUDGET` leaves out."""
     span, size = float(boundary.problem.span[0]), grid.levels.y.size
     seen = transit_times(boundary, grid.levels)

@@ -1,0 +1,118 @@
+"""Newton's rule for points of fold and pitchfork curves and for cusps, and the tangents of the curves."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from .fold_system import expansion, reach_of
+from .parameter_plane import ParameterPlane
+
+FOLD, PITCHFORK = "fold", "pitchfork"
+_ROUNDS = 8
+CLOSE = 1e-7  # a step of Newton's rule this short is the last: the next would be of the size of its square
+_UNFOLDED = 1e-8  # rad: the largest change of beta(L) at which a point counts as a pitchfork
+
+
+@dataclass(frozen=True, eq=False)
+class CurvePoint:
+    """A point of a curve.
+
+    x: (v / scale, u, w), u and w the shares of the two fields; of a pitchfork curve with the change e of beta(L) as a
+    fourth. tangent: of the same size, of length 1. bend: d^2B/dv^2 at a fold, d^3B/dv^3 at a pitchfork. more: (2,),
+    towards the side, in the plane of shares, where two more equilibria exist.
+    """
+
+    x: Array
+    tangent: Array
+    bend: float
+    more: Array
+
+    @property
+    def shares(self) -> Array:
+        return self.x[1:3]
+
+
+@dataclass(frozen=True)
+class FoldSystem:
+    """The equations of one kind of curve, with v in units of `scale`."""
+
+    plane: ParameterPlane
+    kind: str
+    scale: float
+
+    def equations(self, x: Array) -> tuple[Array, Array, float, Array]:
+        """Values, derivatives, `bend` and `more` (as of `CurvePoint`) at x."""
+        v, shares = float(x[0]) * self.scale, x[1:3]
+        reach = reach_of(self.plane, v, shares)
+        found = expansion(self.plane, v, shares, reach)
+        a = found.along * self.scale ** np.arange(4)
+        p = found.across * self.scale ** np.arange(4)
+        if self.kind == FOLD:
+            values = a[:2].copy()
+            rates = np.array([[a[1], *p[:, 0]], [a[2], *p[:, 1]]])
+            return values, rates, float(a[2]), -p[:, 0] * np.sign(a[2])
+        values = a[:3] - np.array([x[3], 0, 0])
+        rates = np.array([[a[1], *p[:, 0], -1], [a[2], *p[:, 1], 0], [a[3], *p[:, 2], 0]])
+        return values, rates, float(a[3]), -p[:, 1] * np.sign(a[3])
+
+    def corrected(self, x: Array, row: Array, value: float) -> CurvePoint | None:
+        """The point of the curve near x at which row . x = value; None where Newton's rule does not converge."""
+        x, first = x.copy(), np.inf
+        for _ in range(_ROUNDS):
+            values, rates, bend, more = self.equations(x)
+            matrix, off = np.vstack([rates, row]), np.append(values, row @ x - value)
+            if not np.isfinite(matrix).all() or not np.isfinite(off).all():
+                return None
+            try:
+                step = np.linalg.solve(_even(matrix), -off / _sizes(matrix))
+            except np.linalg.LinAlgError:
+                return None
+            length = float(np.abs(step).max())
+            if length > 2 * first or length > 0.5:
+                return None
+            first, x = min(first, length), x + step
+            if length < CLOSE:
+                return CurvePoint(x, tangent_of(rates, row), bend, more)
+        return None
+
+    def cusp(self, x: Array) -> Array | None:
+        """The cusp of a fold curve near x."""
+        x = x.copy()
+        for _ in range(_ROUNDS):
+            v, shares = float(x[0]) * self.scale, x[1:3]
+            found = expansion(self.plane, v, shares, reach_of(self.plane, v, shares))
+            a, p = found.along * self.scale ** np.arange(4), found.across * self.scale ** np.arange(4)
+            rates = np.column_stack([a[1:4], p[:, :3].T])
+            try:
+                step = np.linalg.solve(_even(rates), -a[:3] / _sizes(rates))
+            except np.linalg.LinAlgError:
+                return None
+            if not np.isfinite(step).all() or np.abs(step).max() > 0.3:
+                return None
+            x += step
+            if np.abs(step).max() < CLOSE:
+                return x
+        return None
+
+    def is_true(self, point: CurvePoint) -> bool:
+        """Whether the point belongs to the problem itself: a pitchfork with e = 0, a fold that moves with the fields."""
+        if self.kind == PITCHFORK:
+            return bool(abs(point.x[3]) < _UNFOLDED)
+        return bool(np.abs(point.more).max() > 1e-6)
+
+
+def _sizes(matrix: Array) -> Array:
+    """The largest element of each row."""
+    size = np.abs(matrix).max(axis=1)
+    return np.asarray(np.where(size > 0, size, 1.0))
+
+
+def _even(matrix: Array) -> Array:
+    return np.asarray(matrix / _sizes(matrix)[:, None])
+
+
+def tangent_of(rates: Array, along: Array) -> Array:
+    """The direction in which the equations hold, of length 1, on the side of `along`."""
+    direction = np.linalg.svd(_even(rates))[2][-1]
+    return np.asarray(direction if direction @ along >= 0 else -direction)

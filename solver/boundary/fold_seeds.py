@@ -1,0 +1,94 @@
+"""Points of fold and pitchfork curves between two points of the plane whose equilibria differ in number.
+
+The equilibria at both ends of a line are counted by their Morse index, which nothing but a fold or a pitchfork changes.
+The line is halved until Newton's rule, started between two equilibria that are about to meet, finds where they do.
+"""
+
+from collections import Counter
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from .census import Census, census
+from .curve_crossings import Pieces, change_along
+from .fold_newton import FOLD, PITCHFORK, CurvePoint, FoldSystem
+from .parameter_plane import ParameterPlane
+
+_FIRST, _LAST = 0.02, 1e-7  # lengths of a line, in shares: from where Newton's rule is tried, and where it ends
+_PAIRS = 4  # of equilibria that are tried as those that meet
+
+
+@dataclass(eq=False)
+class Counted:
+    """The censuses of points of a plane, each made once."""
+
+    plane: ParameterPlane
+    known: dict[tuple[float, float], Census] = field(default_factory=dict)
+
+    def at(self, shares: Array) -> Census:
+        key = float(shares[0]), float(shares[1])
+        if key not in self.known:
+            self.known[key] = census(self.plane.problems(shares))
+        return self.known[key]
+
+
+def unexplained(counted: Counted, pieces: Pieces, start: Array, end: Array) -> Counter[int]:
+    """The change of the numbers of equilibria of each index from start to end that no known curve explains."""
+    change = Counter(counted.at(end).indices)
+    change.subtract(counted.at(start).indices)
+    change.subtract(change_along(pieces, start, end))
+    return Counter({index: n for index, n in change.items() if n})
+
+
+def seed_between(
+    counted: Counted, pieces: Pieces, start: Array, end: Array, scale: float
+) -> tuple[FoldSystem, CurvePoint] | tuple[Array, Array] | None:
+    """A point of a curve on the line from start to end that is not among the known ones.
+
+    Where Newton's rule finds none, the two ends of the short line between which the numbers change; None where they do
+    not change.
+    """
+    while True:
+        change = unexplained(counted, pieces, start, end)
+        if not change:
+            return None
+        if np.abs(end - start).max() <= _FIRST:
+            found = _met(counted, change, start, end, scale)
+            if found is not None:
+                return found
+        if np.abs(end - start).max() <= _LAST:
+            return start, end
+        middle = (start + end) / 2
+        if unexplained(counted, pieces, start, middle):
+            end = middle
+        else:
+            start = middle
+
+
+def _met(
+    counted: Counted, change: Counter[int], start: Array, end: Array, scale: float
+) -> tuple[FoldSystem, CurvePoint] | None:
+    """The point of the line at which two equilibria meet."""
+    rich, poor = (end, start) if sum(change.values()) > 0 else (start, end)
+    here = counted.at(rich)
+    lost = {index for index, n in change.items() if n}
+    some = [i for i in range(here.count) if int(here.index[i]) in lost]
+    pairs = [(i, j) for i, j in combinations(some, 2) if abs(int(here.index[i]) - int(here.index[j])) == 1]
+    pairs.sort(key=lambda pair: abs(here.slope[pair[0]] - here.slope[pair[1]]))
+    along = int(np.argmax(np.abs(end - start)))
+    for i, j in pairs[:_PAIRS]:
+        v = (here.slope[i] + here.slope[j]) / 2
+        for kind in (FOLD, PITCHFORK):
+            system = FoldSystem(counted.plane, kind, scale)
+            row = np.zeros(3 if kind == FOLD else 4)
+            row[2 - along] = 1.0  # the other share is held
+            x = np.concatenate([[v / scale], (start + end) / 2, np.zeros(row.size - 3)])
+            point = system.corrected(x, row, float(x[2 - along]))
+            if point is None or not system.is_true(point):
+                continue
+            share = (point.shares[along] - poor[along]) / (rich[along] - poor[along])
+            if -1e-9 <= share <= 1 + 1e-9:
+                return system, point
+    return None

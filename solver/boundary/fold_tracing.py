@@ -1,0 +1,143 @@
+"""Fold and pitchfork curves by pseudo-arclength continuation, from one point both ways."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from .fold_newton import FOLD, CurvePoint, FoldSystem
+
+_FIRST, LONGEST, _SHORTEST = 0.01, 0.04, 2e-6  # steps, in shares of the ranges
+_TURN, _EASY = 0.9, 0.985  # cosines of the angle between two tangents: a step too long, and one that may grow
+_MOST = 4000  # steps of a curve
+BORDER, CLOSED, STOPPED = "border", "closed", "stopped"
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """A curve: its points in order, and how it ends, BORDER, CLOSED or STOPPED at either side.
+
+    cusps: numbers of the points that are cusps.
+    """
+
+    system: FoldSystem
+    points: list[CurvePoint]
+    ends: tuple[str, str]
+    cusps: list[int]
+
+
+def traced(system: FoldSystem, seed: CurvePoint) -> Trace:
+    """The curve through a point, both ways to the border of the rectangle, or closed."""
+    ahead, end = _one_way(system, seed)
+    if end == CLOSED:
+        return _with_cusps(system, [seed, *ahead, seed], (CLOSED, CLOSED))
+    back, start = _one_way(system, replace(seed, tangent=-seed.tangent))
+    turned = [replace(point, tangent=-point.tangent) for point in back[::-1]]
+    return _with_cusps(system, [*turned, seed, *ahead], (start, end))
+
+
+def _one_way(system: FoldSystem, seed: CurvePoint) -> tuple[list[CurvePoint], str]:
+    """The points after the seed, and how the curve ends."""
+    found: list[CurvePoint] = []
+    here, step = seed, _FIRST
+    for _ in range(_MOST):
+        guess = here.x + step * here.tangent
+        side = _passed(guess)
+        there = system.corrected(guess, here.tangent, float(here.tangent @ guess))
+        cosine = -1.0 if there is None else float(there.tangent @ here.tangent)
+        if there is None or cosine < _TURN or np.abs(there.x - guess).max() > 0.5 * step:
+            border = _border(system, here, step) if there is None and side is not None else None
+            if border is not None:
+                return [*found, border], BORDER
+            step /= 2
+            if step < _SHORTEST:
+                return found, STOPPED
+            continue
+        if _passed(there.x) is not None:
+            border = _border(system, here, step)
+            if border is not None:
+                return [*found, border], BORDER
+            step /= 2
+            if step < _SHORTEST:
+                return found, BORDER
+            continue
+        if len(found) > 3 and _returns(seed, here, there):
+            return found, CLOSED
+        found.append(there)
+        here = there
+        step = min(step * (1.6 if cosine > _EASY else 1.0), LONGEST)
+    return found, STOPPED
+
+
+def _passed(x: Array) -> tuple[int, float] | None:
+    """The border beyond which x lies: the number of the share, and its value; None inside."""
+    over = np.maximum(x[1:3] - 1, -x[1:3])
+    k = int(np.argmax(over))
+    return (k, 1.0 if x[1 + k] > 0.5 else 0.0) if over[k] > 0 else None
+
+
+def _border(system: FoldSystem, here: CurvePoint, step: float) -> CurvePoint | None:
+    """The first point of the border that the curve meets within about a step after a point."""
+    rate = here.tangent[1:3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far = np.where(rate > 0, (1 - here.shares) / rate, np.where(rate < 0, -here.shares / rate, np.inf))
+    for k in np.argsort(far):
+        if far[k] > 2 * step:
+            return None
+        row = np.zeros(here.x.size)
+        row[1 + k] = 1.0
+        value = 1.0 if rate[k] > 0 else 0.0
+        guess = here.x + float(far[k]) * here.tangent
+        found = system.corrected(guess, row, value)
+        if found is None or np.abs(found.shares - 0.5).max() > 0.5 + 1e-9:
+            continue
+        if np.linalg.norm(found.x - here.x) <= 2.5 * step:
+            tangent = found.tangent if found.tangent @ here.tangent > 0 else -found.tangent
+            return replace(found, tangent=tangent)
+    return None
+
+
+def _returns(seed: CurvePoint, here: CurvePoint, there: CurvePoint) -> bool:
+    """Whether the step from here to there passes the seed."""
+    chord = there.x - here.x
+    share = float((seed.x - here.x) @ chord / (chord @ chord))
+    if not 0 <= share <= 1 or seed.tangent @ there.tangent < 0.8:
+        return False
+    return bool(np.linalg.norm(here.x + share * chord - seed.x) < 0.2 * np.linalg.norm(chord))
+
+
+def _with_cusps(system: FoldSystem, points: list[CurvePoint], ends: tuple[str, str]) -> Trace:
+    """The trace with its cusps among the points."""
+    if system.kind != FOLD:
+        return Trace(system, points, ends, [])
+    out, cusps = points[:1], []
+    for one, other in zip(points, points[1:], strict=False):
+        if one.bend * other.bend < 0:
+            share = one.bend / (one.bend - other.bend)
+            x = system.cusp((1 - share) * one.x + share * other.x)
+            far = np.linalg.norm(other.x - one.x)
+            if x is not None and np.linalg.norm(x - one.x) + np.linalg.norm(x - other.x) < 1.5 * far:
+                tangent = np.zeros(x.size)
+                tangent[0] = np.sign(other.x[0] - one.x[0])
+                cusps.append(len(out))
+                out.append(CurvePoint(x, tangent, 0.0, np.zeros(2)))
+        out.append(other)
+    return Trace(system, out, ends, cusps)
+
+
+def dense(trace: Trace, pieces: int = 8) -> tuple[Array, Array]:
+    """The curve as a fine polyline (N, 2) of shares, and towards which side two more equilibria exist, (N - 1, 2).
+
+    Between two points it is the cubic with the tangents of both.
+    """
+    xs = np.array([point.x for point in trace.points])
+    tangents = np.array([point.tangent for point in trace.points])
+    chord = np.linalg.norm(np.diff(xs, axis=0), axis=1)[:, None, None]
+    t = (np.arange(pieces) / pieces)[None, :, None]
+    a, b, m, n = xs[:-1, None], xs[1:, None], tangents[:-1, None] * chord, tangents[1:, None] * chord
+    curve = (2 * t**3 - 3 * t**2 + 1) * a + (t**3 - 2 * t**2 + t) * m + (3 * t**2 - 2 * t**3) * b + (t**3 - t**2) * n
+    line = np.vstack([curve.reshape(-1, xs.shape[1]), xs[-1:]])[:, 1:3]
+    more = np.array([point.more for point in trace.points])
+    size = np.linalg.norm(more, axis=1)
+    whole = np.where((size[:-1] > 0)[:, None], more[:-1], more[1:])  # a cusp has no side of its own
+    return line, np.repeat(whole, pieces, axis=0)

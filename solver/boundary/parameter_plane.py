@@ -1,0 +1,105 @@
+"""The plane of two fields of an ends problem: its points, and the dimensionless problems there."""
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from ..problem.angles import angle
+from ..problem.case import ANGLES, Case, Ends
+from ..problem.errors import InputError, choices
+from ..problem.field_rates import NUMBERS, checked_fields, field_rates
+from ..problem.reduced import EndsProblem, reduce
+
+_ACTING = ("lam", "mu", "phi", "span", "beta0", "end")  # the numbers on which equilibria depend
+MARGIN = 1e-3  # of a range: how far beyond it equilibria may be computed
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterPlane:
+    """A rectangle of two fields of one ends problem.
+
+    case: the other fields. names: the two fields. low, high: (2,), their ranges. Points are given by shares (..., 2) of
+    the two ranges, 0 to 1.
+    """
+
+    case: Case
+    names: tuple[str, str]
+    low: Array
+    high: Array
+
+    def values(self, shares: Array) -> Array:
+        """The values of the fields at shares (..., 2), (..., 2)."""
+        return np.asarray(self.low + (self.high - self.low) * np.asarray(shares, dtype=float))
+
+    def shares(self, values: Array) -> Array:
+        """The shares of values (..., 2), (..., 2)."""
+        return np.asarray((np.asarray(values, dtype=float) - self.low) / (self.high - self.low))
+
+    def case_at(self, shares: Array) -> Case:
+        """The case at one point (2,), or the cases at several (N, 2)."""
+        first, second = np.moveaxis(self.values(shares), -1, 0)
+        return with_two(self.case, dict(zip(self.names, (first, second), strict=True)))
+
+    def problems(self, shares: Array) -> EndsProblem:
+        """The problems at shares (N, 2), as one of size N."""
+        problem = reduce(self.case_at(np.atleast_2d(shares)))
+        assert isinstance(problem, EndsProblem)
+        return problem
+
+
+def with_two(case: Case, values: dict[str, Any]) -> Case:
+    """The case with some numeric fields replaced."""
+    parts = []
+    for part in (case.rod, case.cylinder, case.given):
+        known = {field.name for field in fields(part)}
+        # the place of the start is called alpha0, gamma0 among the quantities
+        mine = {_FIELD.get(name, name): value for name, value in values.items()}
+        parts.append(replace(part, **{name: value for name, value in mine.items() if name in known}))
+    return Case(*parts)
+
+
+_FIELD = {"alpha0": "alpha", "gamma0": "gamma"}
+
+
+def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
+    """The plane of two fields. ranges: field -> (from, to); an angle may be text.
+
+    Raises
+    ------
+    InputError
+        For a start problem, a grid of cases, not two fields, an unknown field, one on which no equilibrium depends, and
+        a range that is not two finite numbers, the first lower, or that holds invalid values.
+    """
+    if not isinstance(case, Case) or not isinstance(case.given, Ends):
+        kind = type(case.given).__name__ if isinstance(case, Case) else repr(case)
+        raise InputError(f"fold curves need a Case with Ends, got {kind}")
+    if case.shape:
+        raise InputError(f"fold curves need one case, got a grid of shape {case.shape}")
+    if len(ranges) != 2:
+        raise InputError(f"fold curves need two fields with their ranges, got {choices(ranges) or 'none'}")
+    first, second = checked_fields(case, ranges)
+    ends = np.array([_range(name, ranges[name]) for name in (first, second)])
+    plane = ParameterPlane(case, (first, second), ends[:, 0], ends[:, 1])
+    corners = np.array([[u, w] for u in (-MARGIN, 0.5, 1 + MARGIN) for w in (-MARGIN, 0.5, 1 + MARGIN)])
+    try:
+        rates = field_rates(plane.case_at(corners), plane.names)
+    except InputError as refusal:
+        raise InputError(f"no fold curves over {first} and {second}: {refusal}") from None
+    moved = np.stack([np.asarray(getattr(rates, name)) for name in NUMBERS if name in _ACTING])
+    for k, name in enumerate((first, second)):
+        if not moved[:, :, k].any():
+            raise InputError(f"no equilibrium depends on {name}; choose another field")
+    return plane
+
+
+def _range(name: str, given: Any) -> tuple[float, float]:
+    """The two ends of a range. Raises `InputError`."""
+    try:
+        low, high = (angle(v) if isinstance(v, str) and name in ANGLES else float(v) for v in given)
+    except (TypeError, ValueError):
+        raise InputError(f"the range of {name} must be two numbers (from, to), got {given!r}") from None
+    if not np.isfinite([low, high]).all() or not low < high:
+        raise InputError(f"the range of {name} must be two finite numbers, the first lower, got {given!r}")
+    return low, high
