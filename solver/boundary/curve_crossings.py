@@ -21,12 +21,12 @@ class Pieces:
 
 
 def joined_pieces(lines: list[tuple[Array, Array]], lower: list[int]) -> Pieces:
-    """The pieces of curves given as polylines (points, side of each piece)."""
+    """The pieces of curves given as polylines (points, side of each)."""
     empty = np.zeros((0, 2))
     first = np.concatenate([empty, *(line[:-1] for line, _ in lines)])
     last = np.concatenate([empty, *(line[1:] for line, _ in lines)])
-    more = np.concatenate([empty, *(side for _, side in lines)])
-    count = [side.shape[0] for _, side in lines]
+    more = np.concatenate([empty, *(side[:-1] for _, side in lines)])
+    count = [line.shape[0] - 1 for line, _ in lines]
     whole = np.repeat(np.array(lower, dtype=np.int64), count)
     return Pieces(first, last, more, whole, np.repeat(np.arange(len(lines)), count))
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..numerics.arrays import Array
-from .fold_system import expansion, reach_of
+from .fold_system import expansion, is_deep, reach_of
 from .parameter_plane import ParameterPlane
 
 FOLD, PITCHFORK = "fold", "pitchfork"
@@ -34,27 +34,29 @@ class CurvePoint:
 
 
 @dataclass(frozen=True)
-class FoldSystem:
-    """The equations of one kind of curve, with v in units of `scale`."""
+class CurveSystem:
+    """The equations of one curve in a plane of fields, FOLD or PITCHFORK; scale: unit of beta_t(0)."""
 
     plane: ParameterPlane
     kind: str
     scale: float
 
+    @property
+    def size(self) -> int:
+        """The number of unknowns."""
+        return 3
+
     def equations(self, x: Array) -> tuple[Array, Array, float, Array]:
         """Values, derivatives, `bend` and `more` (as of `CurvePoint`) at x."""
-        v, shares = float(x[0]) * self.scale, x[1:3]
-        reach = reach_of(self.plane, v, shares)
-        found = expansion(self.plane, v, shares, reach)
-        a = found.along * self.scale ** np.arange(4)
-        p = found.across * self.scale ** np.arange(4)
-        if self.kind == FOLD:
-            values = a[:2].copy()
-            rates = np.array([[a[1], *p[:, 0]], [a[2], *p[:, 1]]])
-            return values, rates, float(a[2]), -p[:, 0] * np.sign(a[2])
-        values = a[:3] - np.array([x[3], 0, 0])
-        rates = np.array([[a[1], *p[:, 0], -1], [a[2], *p[:, 1], 0], [a[3], *p[:, 2], 0]])
-        return values, rates, float(a[3]), -p[:, 1] * np.sign(a[3])
+        raise NotImplementedError
+
+    def leaves(self, x: Array) -> bool:
+        """Whether other equations suit the curve better from x on."""
+        raise NotImplementedError
+
+    def slopes(self, x: Array) -> list[float]:
+        """beta_t(0) at x, the likeliest first."""
+        raise NotImplementedError
 
     def corrected(self, x: Array, row: Array, value: float) -> CurvePoint | None:
         """The point of the curve near x at which row . x = value; None where Newton's rule does not converge."""
@@ -76,6 +78,30 @@ class FoldSystem:
                 return CurvePoint(x, tangent_of(rates, row), bend, more)
         return None
 
+
+@dataclass(frozen=True)
+class FoldSystem(CurveSystem):
+    """The equations in v = beta_t(0), in units of `scale`, and the two shares."""
+
+    @property
+    def size(self) -> int:
+        return 3 if self.kind == FOLD else 4
+
+    def equations(self, x: Array) -> tuple[Array, Array, float, Array]:
+        """Values, derivatives, `bend` and `more` (as of `CurvePoint`) at x."""
+        v, shares = float(x[0]) * self.scale, x[1:3]
+        reach = reach_of(self.plane, v, shares)
+        found = expansion(self.plane, v, shares, reach)
+        a = found.along * self.scale ** np.arange(4)
+        p = found.across * self.scale ** np.arange(4)
+        if self.kind == FOLD:
+            values = a[:2].copy()
+            rates = np.array([[a[1], *p[:, 0]], [a[2], *p[:, 1]]])
+            return values, rates, float(a[2]), -p[:, 0] * np.sign(a[2])
+        values = a[:3] - np.array([x[3], 0, 0])
+        rates = np.array([[a[1], *p[:, 0], -1], [a[2], *p[:, 1], 0], [a[3], *p[:, 2], 0]])
+        return values, rates, float(a[3]), -p[:, 1] * np.sign(a[3])
+
     def cusp(self, x: Array) -> Array | None:
         """The cusp of a fold curve near x."""
         x = x.copy()
@@ -94,6 +120,12 @@ class FoldSystem:
             if np.abs(step).max() < CLOSE:
                 return x
         return None
+
+    def leaves(self, x: Array) -> bool:
+        return is_deep(self.plane, float(x[0]) * self.scale, x[1:3])
+
+    def slopes(self, x: Array) -> list[float]:
+        return [float(x[0]) * self.scale]
 
     def is_true(self, point: CurvePoint) -> bool:
         """Whether the point belongs to the problem itself: a pitchfork with e = 0, a fold that moves with the fields."""

@@ -8,10 +8,9 @@ from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from .census import Census
 from .curve_crossings import Pieces, joined_pieces
-from .fold_newton import CurvePoint
-from .fold_seeds import Counted, seed_between, unexplained
-from .fold_system import turns_at
-from .fold_tracing import Trace, dense, traced
+from .fold_paths import whole_curve
+from .fold_seeds import Counted, Seed, seed_between, unexplained
+from .fold_tracing import Trace, dense
 from .parameter_plane import ParameterPlane
 
 _INSIDE = 1e-4  # shares of the ranges: how far the lattice stays away from the border, where the curves end
@@ -20,17 +19,33 @@ _EACH = 6  # curves at most that are searched for on one line
 
 
 @dataclass(frozen=True, eq=False)
+class Curve:
+    """A curve in stretches, how it ends at either side, and the lower Morse index of the two equilibria that meet."""
+
+    stretches: list[Trace]
+    ends: tuple[str, str]
+    lower: int
+
+    @property
+    def kind(self) -> str:
+        return self.stretches[0].system.kind
+
+    def dense(self) -> tuple[Array, Array]:
+        """As `fold_tracing.dense`."""
+        lines = [dense(trace) for trace in self.stretches]
+        return np.concatenate([line for line, _ in lines]), np.concatenate([side for _, side in lines])
+
+
+@dataclass(frozen=True, eq=False)
 class Searched:
     """The curves of a plane.
 
-    traces, lower: the curves, and the lower Morse index of the two equilibria that meet on each. counted: the censuses
-    of all points that were looked at. open_lines: ends (2, 2) of short lines across which the numbers change and where
-    no curve was found.
+    counted: the censuses of all points that were looked at. open_lines: ends (2, 2) of short lines across which the
+    numbers change and where no curve was found.
     """
 
     plane: ParameterPlane
-    traces: list[Trace]
-    lower: list[int]
+    curves: list[Curve]
     pieces: Pieces
     counted: Counted
     open_lines: list[Array]
@@ -41,8 +56,7 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     counted = Counted(plane)
     ticks = np.linspace(_INSIDE, 1 - _INSIDE, lattice)
     scale = float(np.sqrt(load_size(plane.problems(np.array([0.5, 0.5])))[0] + 1))
-    traces: list[Trace] = []
-    lower: list[int] = []
+    curves: list[Curve] = []
     pieces = joined_pieces([], [])
     failed: list[Array] = []
     for start, end in _edges(ticks):
@@ -52,26 +66,25 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
             found = seed_between(counted, pieces, start, end, scale)
             if found is None:
                 break
-            if isinstance(found[0], np.ndarray):
+            if not isinstance(found, Seed):
                 failed.append(np.array(found))
                 break
-            system, seed = found
-            if any(_lies_on(trace, seed) for trace in traces):
+            if any(_lies_on(trace, found) for curve in curves for trace in curve.stretches):
                 break  # the line ends so near to a known curve that its polyline is on the wrong side
-            trace = traced(system, seed)
-            traces.append(trace)
-            lower.append(turns_at(plane, float(seed.x[0]) * scale, seed.shares) - 1)
-            pieces = joined_pieces([dense(one) for one in traces], lower)
-    return Searched(plane, traces, lower, pieces, counted, failed)
+            curves.append(Curve(*whole_curve(found.system, found.point, found.lower), found.lower))
+            pieces = joined_pieces([one.dense() for one in curves], [one.lower for one in curves])
+    return Searched(plane, curves, pieces, counted, failed)
 
 
-def _lies_on(trace: Trace, seed: CurvePoint) -> bool:
+def _lies_on(trace: Trace, found: Seed) -> bool:
     """Whether a point lies on a curve that is known already."""
-    if seed.x.size != trace.points[0].x.size:
+    seed = found.point
+    if type(trace.system) is not type(found.system) or trace.system.kind != found.system.kind:
         return False
-    first, last = (np.array([point.x for point in some]) for some in (trace.points[:-1], trace.points[1:]))
+    points = trace.points if len(trace.points) > 1 else 2 * trace.points
+    first, last = (np.array([point.x for point in some]) for some in (points[:-1], points[1:]))
     chord = last - first
-    share = np.clip(((seed.x - first) * chord).sum(axis=1) / (chord * chord).sum(axis=1), 0, 1)
+    share = np.clip(((seed.x - first) * chord).sum(axis=1) / np.maximum((chord * chord).sum(axis=1), 1e-300), 0, 1)
     far = np.linalg.norm(first + share[:, None] * chord - seed.x, axis=1)
     return bool((far < _SAME + 0.1 * np.linalg.norm(chord, axis=1)).any())
 

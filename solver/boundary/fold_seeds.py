@@ -13,11 +13,22 @@ import numpy as np
 from ..numerics.arrays import Array
 from .census import Census, census
 from .curve_crossings import Pieces, change_along
-from .fold_newton import FOLD, PITCHFORK, CurvePoint, FoldSystem
+from .fold_newton import FOLD, PITCHFORK, CurvePoint, CurveSystem, FoldSystem
 from .parameter_plane import ParameterPlane
+from .separatrix_folds import deep_system
 
 _FIRST, _LAST = 0.02, 1e-7  # lengths of a line, in shares: from where Newton's rule is tried, and where it ends
+_DEEP = 1e-3  # length from which on the pair may be next to a separatrix
 _PAIRS = 4  # of equilibria that are tried as those that meet
+
+
+@dataclass(frozen=True, eq=False)
+class Seed:
+    """A point of a curve, its equations, and the lower Morse index of the two equilibria that meet."""
+
+    system: CurveSystem
+    point: CurvePoint
+    lower: int
 
 
 @dataclass(eq=False)
@@ -44,7 +55,7 @@ def unexplained(counted: Counted, pieces: Pieces, start: Array, end: Array) -> C
 
 def seed_between(
     counted: Counted, pieces: Pieces, start: Array, end: Array, scale: float
-) -> tuple[FoldSystem, CurvePoint] | tuple[Array, Array] | None:
+) -> Seed | tuple[Array, Array] | None:
     """A point of a curve on the line from start to end that is not among the known ones.
 
     Where Newton's rule finds none, the two ends of the short line between which the numbers change; None where they do
@@ -69,7 +80,7 @@ def seed_between(
 
 def _met(
     counted: Counted, change: Counter[int], start: Array, end: Array, scale: float
-) -> tuple[FoldSystem, CurvePoint] | None:
+) -> Seed | None:
     """The point of the line at which two equilibria meet."""
     rich, poor = (end, start) if sum(change.values()) > 0 else (start, end)
     here = counted.at(rich)
@@ -79,16 +90,47 @@ def _met(
     pairs.sort(key=lambda pair: abs(here.slope[pair[0]] - here.slope[pair[1]]))
     along = int(np.argmax(np.abs(end - start)))
     for i, j in pairs[:_PAIRS]:
-        v = (here.slope[i] + here.slope[j]) / 2
+        lower = int(min(here.index[i], here.index[j]))
+        v = float(here.slope[i] + here.slope[j]) / 2
         for kind in (FOLD, PITCHFORK):
-            system = FoldSystem(counted.plane, kind, scale)
-            row = np.zeros(3 if kind == FOLD else 4)
-            row[2 - along] = 1.0  # the other share is held
-            x = np.concatenate([[v / scale], (start + end) / 2, np.zeros(row.size - 3)])
-            point = system.corrected(x, row, float(x[2 - along]))
-            if point is None or not system.is_true(point):
+            found = _on_line(counted.plane, kind, scale, v, lower, (start, end, along))
+            if found is None and np.abs(end - start).max() < _DEEP:
+                found = _deep_on_line(counted.plane, kind, scale, here, (i, j), (start, end, along))
+            if found is None:
                 continue
-            share = (point.shares[along] - poor[along]) / (rich[along] - poor[along])
-            if -1e-9 <= share <= 1 + 1e-9:
-                return system, point
+            share = (found.point.shares[along] - poor[along]) / (rich[along] - poor[along])
+            if -0.01 <= share <= 1.01:
+                return found
+    return None
+
+
+def _on_line(
+    plane: ParameterPlane, kind: str, scale: float, v: float, lower: int, line: tuple[Array, Array, int]
+) -> Seed | None:
+    """A point of a curve on a line, from a guess of beta_t(0)."""
+    start, end, along = line
+    system = FoldSystem(plane, kind, scale)
+    row = np.zeros(system.size)
+    row[2 - along] = 1.0  # the other share is held
+    x = np.concatenate([[v / scale], (start + end) / 2, np.zeros(system.size - 3)])
+    point = system.corrected(x, row, float(x[2 - along]))
+    return None if point is None or not system.is_true(point) else Seed(system, point, lower)
+
+
+def _deep_on_line(
+    plane: ParameterPlane, kind: str, scale: float, here: Census, pair: tuple[int, int], line: tuple[Array, Array, int]
+) -> Seed | None:
+    """A point of a curve next to a separatrix on a line."""
+    start, end, along = line
+    middle = (start + end) / 2
+    lower = int(min(here.index[i] for i in pair))
+    for i in pair:
+        made = deep_system(plane, scale, middle, float(here.slope[i]), int(here.turns[i]), kind)
+        if made is not None:
+            system, x = made
+            row = np.zeros(3)
+            row[2 - along] = 1.0
+            point = system.corrected(x, row, float(x[2 - along]))
+            if point is not None:
+                return Seed(system, point, lower)
     return None

@@ -25,6 +25,7 @@ from .transit_times import fall
 _TIGHT = 1e-13
 _SHARE = 0.015  # of the distance over which B changes its form: the step of the values of v
 _NUDGE = 1e-5  # of the ranges: the step of the derivatives by the fields
+DEEP = 3e-5  # of the gap between the level and a saddle
 _OFFSETS = np.arange(-3, 4)
 # d/dv, d^2/dv^2, d^3/dv^3 from seven values, of order 6, 6 and 4
 _WEIGHTS = np.array(
@@ -73,6 +74,13 @@ def reach_of(plane: ParameterPlane, v: float, shares: Array) -> float:
         gap = abs(speed2 - fall(problem, float(saddle), place.start, True))
         reach = min(reach, float(np.sqrt(speed2 + gap)) - abs(v))
     return max(reach, 1e-12)
+
+
+def is_deep(plane: ParameterPlane, v: float, shares: Array) -> bool:
+    """Whether an end lies at a turning point next to a separatrix, so that v tells little."""
+    place = LinePoint(plane.problems(shares))
+    near = min(v * v, abs(v * v + place.fall(place.start, place.end))) < 1e-4
+    return near and any(abs(v * v - place.fall(float(s), place.start)) < DEEP for s in place.saddles)
 
 
 def turns_at(plane: ParameterPlane, v: float, shares: Array) -> int:

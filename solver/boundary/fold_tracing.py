@@ -1,43 +1,29 @@
-"""Fold and pitchfork curves by pseudo-arclength continuation, from one point both ways."""
+"""Stretches of fold and pitchfork curves by pseudo-arclength continuation."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..numerics.arrays import Array
-from .fold_newton import FOLD, CurvePoint, FoldSystem
+from .fold_newton import FOLD, CurvePoint, CurveSystem, FoldSystem
 
 _FIRST, LONGEST, _SHORTEST = 0.01, 0.04, 2e-6  # steps, in shares of the ranges
 _TURN, _EASY = 0.9, 0.985  # cosines of the angle between two tangents: a step too long, and one that may grow
 _MOST = 4000  # steps of a curve
-BORDER, CLOSED, STOPPED = "border", "closed", "stopped"
+BORDER, CLOSED, STOPPED, LEFT = "border", "closed", "stopped", "left"
 
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """A curve: its points in order, and how it ends, BORDER, CLOSED or STOPPED at either side.
+    """A stretch of a curve: its points in order, and the numbers of those that are cusps."""
 
-    cusps: numbers of the points that are cusps.
-    """
-
-    system: FoldSystem
+    system: CurveSystem
     points: list[CurvePoint]
-    ends: tuple[str, str]
     cusps: list[int]
 
 
-def traced(system: FoldSystem, seed: CurvePoint) -> Trace:
-    """The curve through a point, both ways to the border of the rectangle, or closed."""
-    ahead, end = _one_way(system, seed)
-    if end == CLOSED:
-        return _with_cusps(system, [seed, *ahead, seed], (CLOSED, CLOSED))
-    back, start = _one_way(system, replace(seed, tangent=-seed.tangent))
-    turned = [replace(point, tangent=-point.tangent) for point in back[::-1]]
-    return _with_cusps(system, [*turned, seed, *ahead], (start, end))
-
-
-def _one_way(system: FoldSystem, seed: CurvePoint) -> tuple[list[CurvePoint], str]:
-    """The points after the seed, and how the curve ends."""
+def one_way(system: CurveSystem, seed: CurvePoint) -> tuple[list[CurvePoint], str]:
+    """The points after the seed, to the border of the rectangle or closed, and how the stretch ends."""
     found: list[CurvePoint] = []
     here, step = seed, _FIRST
     for _ in range(_MOST):
@@ -65,6 +51,8 @@ def _one_way(system: FoldSystem, seed: CurvePoint) -> tuple[list[CurvePoint], st
             return found, CLOSED
         found.append(there)
         here = there
+        if system.leaves(there.x):
+            return found, LEFT
         step = min(step * (1.6 if cosine > _EASY else 1.0), LONGEST)
     return found, STOPPED
 
@@ -76,7 +64,7 @@ def _passed(x: Array) -> tuple[int, float] | None:
     return (k, 1.0 if x[1 + k] > 0.5 else 0.0) if over[k] > 0 else None
 
 
-def _border(system: FoldSystem, here: CurvePoint, step: float) -> CurvePoint | None:
+def _border(system: CurveSystem, here: CurvePoint, step: float) -> CurvePoint | None:
     """The first point of the border that the curve meets within about a step after a point."""
     rate = here.tangent[1:3]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -106,10 +94,10 @@ def _returns(seed: CurvePoint, here: CurvePoint, there: CurvePoint) -> bool:
     return bool(np.linalg.norm(here.x + share * chord - seed.x) < 0.2 * np.linalg.norm(chord))
 
 
-def _with_cusps(system: FoldSystem, points: list[CurvePoint], ends: tuple[str, str]) -> Trace:
-    """The trace with its cusps among the points."""
-    if system.kind != FOLD:
-        return Trace(system, points, ends, [])
+def stretch(system: CurveSystem, points: list[CurvePoint]) -> Trace:
+    """The points as a stretch, with its cusps among them."""
+    if not isinstance(system, FoldSystem) or system.kind != FOLD:
+        return Trace(system, points, [])
     out, cusps = points[:1], []
     for one, other in zip(points, points[1:], strict=False):
         if one.bend * other.bend < 0:
@@ -122,14 +110,16 @@ def _with_cusps(system: FoldSystem, points: list[CurvePoint], ends: tuple[str, s
                 cusps.append(len(out))
                 out.append(CurvePoint(x, tangent, 0.0, np.zeros(2)))
         out.append(other)
-    return Trace(system, out, ends, cusps)
+    return Trace(system, out, cusps)
 
 
 def dense(trace: Trace, pieces: int = 8) -> tuple[Array, Array]:
-    """The curve as a fine polyline (N, 2) of shares, and towards which side two more equilibria exist, (N - 1, 2).
+    """The curve as a fine polyline (N, 2) of shares, and towards which side two more equilibria exist, (N, 2).
 
     Between two points it is the cubic with the tangents of both.
     """
+    if len(trace.points) < 2:
+        return np.array([point.shares for point in trace.points]), np.array([point.more for point in trace.points])
     xs = np.array([point.x for point in trace.points])
     tangents = np.array([point.tangent for point in trace.points])
     chord = np.linalg.norm(np.diff(xs, axis=0), axis=1)[:, None, None]
@@ -140,4 +130,4 @@ def dense(trace: Trace, pieces: int = 8) -> tuple[Array, Array]:
     more = np.array([point.more for point in trace.points])
     size = np.linalg.norm(more, axis=1)
     whole = np.where((size[:-1] > 0)[:, None], more[:-1], more[1:])  # a cusp has no side of its own
-    return line, np.repeat(whole, pieces, axis=0)
+    return line, np.vstack([np.repeat(whole, pieces, axis=0), whole[-1:]])
