@@ -1,11 +1,13 @@
 """The mechanics and the numerics of an elastic rod on a cylinder. Needs numpy and scipy, nothing else."""
 
+from .boundary.fold_curves import fold_curves
 from .equilibria import Equilibrium, equilibria
 from .inverse import fit
 from .loops import Loop, loops
 from .observe import observe
 from .problem.case import Case, Cylinder, Ends, Rod, Start
 from .problem.errors import InputError
+from .region_map import region_map
 from .solution import Solution
 from .solve import solve
 
@@ -21,7 +23,9 @@ __all__ = [
     "Start",
     "equilibria",
     "fit",
+    "fold_curves",
     "loops",
     "observe",
+    "region_map",
     "solve",
 ]

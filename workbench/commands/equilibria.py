@@ -69,7 +69,7 @@ def equilibria(
     from ..data import writing
     from . import output_file
 
-    study, case = _study_and_case(file, given)
+    study, case = study_and_case(file, given)
     if axis is not None and export is not None:
         raise InputError("--export writes the equilibria of one case, so it excludes --axis")
     picture = output_file.check(plot, (".png", ".pdf", ".svg"), force) if plot else None
@@ -95,7 +95,7 @@ def equilibria(
     return 0 if found and found.complete else 1
 
 
-def _study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
+def study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
     """The case of a file or of Table 1 with some fields replaced, or with units that of the options alone."""
     from solver import Ends, InputError
     from studies import load

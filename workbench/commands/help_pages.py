@@ -7,7 +7,7 @@ from typer.core import TyperCommand, TyperGroup
 # heading -> its commands, in the order of --help
 GROUPS: dict[str, tuple[str, ...]] = {
     "The paper": ("reproduce",),
-    "One rod": ("solve", "equilibria", "loops", "fit", "explore"),
+    "One rod": ("solve", "equilibria", "folds", "loops", "fit", "explore"),
     "Studies": ("list", "run", "check", "summary", "merge", "sensitivity"),
     "Pictures and files": ("plot", "scene", "animate", "gallery", "export"),
     "Methods and machine": ("trade", "extremes", "doctor"),
@@ -33,6 +33,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "--betaL 0 --FZ -200",
     ),
     "equilibria": ("equilibria --plot all.png", "equilibria --axis betaL=-90deg:60deg:41"),
+    "folds": ("folds --axis betaL=-60deg:90deg --axis FZ=4:12 --plot map.png",),
     "loops": (
         "loops --a 0.05 --R 0.95 --L 12 --folds 1,2,3 -o loops.png",
         "loops --length-unit nm --force-unit pN --EI 207 --GJ 310 --a 1 --L 40 --R 3 --out loops.h5",

@@ -1,0 +1,134 @@
+"""The command folds: fold curves over two fields of an ends problem, and the equilibria in the regions between them."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from . import console
+from .case_options import ENDS_FIELDS, FIELDS, Given, takes_case
+from .equilibria import study_and_case
+from .options import ForceOutput, Json, argument, flag, numbered, option
+
+if TYPE_CHECKING:
+    from solver.region_map import RegionMap
+
+PRINT = {"rich_help_panel": "Print"}
+MOST_POINTS = 100_000  # as of `RegionMap.checked`
+
+
+@takes_case(ENDS_FIELDS)
+def folds(
+    file: Annotated[
+        Path | None, argument("FILE|STUDY", "TOML file or name of a study of one case; default: Table 1.")
+    ] = None,
+    *,
+    given: Given,
+    axis: Annotated[
+        list[str] | None, option("NAME=FROM:TO", "A field that varies, such as betaL=-90deg:90deg; give two of them.")
+    ] = None,
+    lattice: Annotated[
+        int, option("COUNT", "Points along each field between which curves are searched for, 2 to 101.")
+    ] = 9,
+    points: Annotated[
+        int, option("COUNT", "Random points at which the map is checked by all equilibria there.", "--check", min=0)
+    ] = 0,
+    plot: Annotated[Path | None, option("FILE", "Picture, .png, .pdf or .svg: the map.")] = None,
+    out: Annotated[Path | None, option("FILE", "HDF5 file of the curves and regions.")] = None,
+    style: Annotated[str, option("STYLE", "screen, or paper: letters of 8 points, 183 mm wide.", **PRINT)] = "screen",
+    width: Annotated[float | None, numbered("Width of the picture [mm], such as 89 or 183.", **PRINT)] = None,
+    no_title: Annotated[bool, flag("Leave out the title of the study.", "--no-title", **PRINT)] = False,
+    dpi: Annotated[int, option("DPI", "Resolution of a .png [pixels/inch].", min=50, max=1200)] = 200,
+    force: ForceOutput = False,
+    json: Json = False,
+) -> int:
+    """Map where equilibria appear and disappear over two fields.
+
+    Fold curves divide the rectangle of the two fields into regions; in each the number of equilibria and of stable ones
+    is constant. Exit status 1 if curves may be missing, or a check fails.
+
+    The options of a case are those of the command equilibria.
+    """
+    from solver import InputError
+    from solver.region_map import region_map
+
+    from ..branches.region_dataset import dataset_of
+    from ..data import writing
+    from ..figures.sheet import sheet
+    from . import output_file
+
+    study, case = study_and_case(file, given)
+    ranges = dict(parse_range(text) for text in axis or [])
+    if len(axis or []) != 2 or len(ranges) != 2:
+        said = ", ".join(axis or []) or "none"
+        raise InputError(f"folds takes --axis NAME=FROM:TO twice, with two different fields, got {said}")
+    if points > MOST_POINTS:
+        raise InputError(f"--check takes at most {MOST_POINTS} points, got {points}")
+    page = sheet(style, width, not no_title)
+    picture = output_file.check(plot, (".png", ".pdf", ".svg"), force) if plot else None
+    if out is not None and not force:
+        writing.check_free(out, "folds")
+    found = region_map(case, lattice=lattice, **ranges)
+    wrong = found.checked(points) if points else []
+    if picture or out:
+        ds = dataset_of(study, found, (points, len(wrong)) if points else None)
+        if out:
+            writing.write(ds, out, force)
+        if picture:
+            from ..figures import canvas, region_map as region_figure
+
+            canvas.save(region_figure.figure(ds, page), picture, dpi)
+    _print(found, points, wrong, json)
+    return 1 if found.remark or wrong else 0
+
+
+def parse_range(text: str) -> tuple[str, tuple[float, float]]:
+    """``betaL=-90deg:60deg`` as a field and its range, angles in rad. Raises `InputError`."""
+    from solver import InputError
+    from solver.problem.angles import angle
+    from solver.problem.errors import no_such
+
+    name, equals, said = text.partition("=")
+    names = [field for field in ENDS_FIELDS if not FIELDS[field].choices]
+    if name not in names:
+        raise no_such("axis", name, names)
+    parts = said.split(":")
+    if not equals or len(parts) != 2:
+        raise InputError(f"--axis takes NAME=FROM:TO, got {text!r}")
+    try:
+        low, high = ((angle if FIELDS[name].unit == "rad" else float)(part) for part in parts)
+    except ValueError:
+        raise InputError(f"--axis takes NAME=FROM:TO with numbers, got {text!r}") from None
+    return name, (low, high)
+
+
+def _print(found: "RegionMap", points: int, wrong: list[str], as_json: bool) -> None:
+    """Print the curves, the regions, and what the check says."""
+    folds = found.folds
+    curves: list[dict[str, Any]] = [
+        {"curve": i, "kind": one.kind, "index": f"{one.lower}, {one.lower + 1}", "cusps": one.cusps.shape[0],
+         "ends": ", ".join(dict.fromkeys(one.ends))}
+        for i, one in enumerate(folds.curves)
+    ]  # fmt: skip
+    regions: list[dict[str, Any]] = [
+        {**dict(zip(folds.names, map(float, one.values), strict=True)), "area": one.area, "equilibria": one.count,
+         "stable": one.stable}
+        for one in found.regions
+    ]  # fmt: skip
+    if as_json:
+        cusps = [dict(zip(folds.names, map(float, cusp), strict=True)) for one in folds.curves for cusp in one.cusps]
+        checked = {"points": points, "failed": wrong}
+        console.print_json(
+            {"fields": list(folds.names), "curves": curves, "cusps": cusps, "regions": regions, "check": checked,
+             "remark": found.remark}
+        )  # fmt: skip
+        return
+    for rows in (curves, regions):
+        if rows:
+            console.print_table(list(rows[0]), [list(row.values()) for row in rows])
+    cusps_found = sum(one.cusps.shape[0] for one in folds.curves)
+    console.say(f"{len(curves)} curves, {cusps_found} cusps, {len(regions)} regions; angles in rad")
+    if points:
+        console.say(f"checked at {points} random points: {len(wrong)} differ from the map")
+        for sentence in wrong[:10]:
+            console.say(sentence)
+    if found.remark:
+        console.say(f"the map may be incomplete: {found.remark}")
