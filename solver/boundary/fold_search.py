@@ -59,18 +59,20 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     curves: list[Curve] = []
     pieces = joined_pieces([], [])
     failed: list[Array] = []
+
+    def known(found: Seed) -> bool:
+        return any(_lies_on(trace, found) for curve in curves for trace in curve.stretches)
+
     for start, end in _edges(ticks):
         for _ in range(_EACH):
             if not unexplained(counted, pieces, start, end):
                 break
-            found = seed_between(counted, pieces, start, end, scale)
+            found = seed_between(counted, pieces, start, end, scale, known)
             if found is None:
                 break
             if not isinstance(found, Seed):
                 failed.append(np.array(found))
                 break
-            if any(_lies_on(trace, found) for curve in curves for trace in curve.stretches):
-                break  # the line ends so near to a known curve that its polyline is on the wrong side
             curves.append(Curve(*whole_curve(found.system, found.point, found.lower), found.lower))
             pieces = joined_pieces([one.dense() for one in curves], [one.lower for one in curves])
     return Searched(plane, curves, pieces, counted, failed)

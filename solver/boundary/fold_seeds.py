@@ -5,6 +5,7 @@ The line is halved until Newton's rule, started between two equilibria that are 
 """
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import combinations
 
@@ -19,7 +20,7 @@ from .separatrix_folds import deep_system
 
 _FIRST, _LAST = 0.02, 1e-7  # lengths of a line, in shares: from where Newton's rule is tried, and where it ends
 _DEEP = 1e-3  # length from which on the pair may be next to a separatrix
-_PAIRS = 4  # of equilibria that are tried as those that meet
+_PAIRS = 6  # of equilibria that are tried as those that meet
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +55,9 @@ def unexplained(counted: Counted, pieces: Pieces, start: Array, end: Array) -> C
 
 
 def seed_between(
-    counted: Counted, pieces: Pieces, start: Array, end: Array, scale: float
+    counted: Counted, pieces: Pieces, start: Array, end: Array, scale: float, known: Callable[[Seed], bool]
 ) -> Seed | tuple[Array, Array] | None:
-    """A point of a curve on the line from start to end that is not among the known ones.
+    """A point of a curve on the line from start to end that is not among the known ones; known: whether it is.
 
     Where Newton's rule finds none, the two ends of the short line between which the numbers change; None where they do
     not change.
@@ -66,7 +67,7 @@ def seed_between(
         if not change:
             return None
         if np.abs(end - start).max() <= _FIRST:
-            found = _met(counted, change, start, end, scale)
+            found = _met(counted, change, start, end, scale, known)
             if found is not None:
                 return found
         if np.abs(end - start).max() <= _LAST:
@@ -79,7 +80,7 @@ def seed_between(
 
 
 def _met(
-    counted: Counted, change: Counter[int], start: Array, end: Array, scale: float
+    counted: Counted, change: Counter[int], start: Array, end: Array, scale: float, known: Callable[[Seed], bool]
 ) -> Seed | None:
     """The point of the line at which two equilibria meet."""
     rich, poor = (end, start) if sum(change.values()) > 0 else (start, end)
@@ -99,7 +100,7 @@ def _met(
             if found is None:
                 continue
             share = (found.point.shares[along] - poor[along]) / (rich[along] - poor[along])
-            if -0.01 <= share <= 1.01:
+            if -0.01 <= share <= 1.01 and not known(found):
                 return found
     return None
 

@@ -25,7 +25,7 @@ from .transit_times import fall
 _TIGHT = 1e-13
 _SHARE = 0.015  # of the distance over which B changes its form: the step of the values of v
 _NUDGE = 1e-5  # of the ranges: the step of the derivatives by the fields
-DEEP = 3e-5  # of the gap between the level and a saddle
+DEEP = 3e-4  # of the gap between the level and a saddle
 _OFFSETS = np.arange(-3, 4)
 # d/dv, d^2/dv^2, d^3/dv^3 from seven values, of order 6, 6 and 4
 _WEIGHTS = np.array(

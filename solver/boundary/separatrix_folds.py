@@ -25,7 +25,7 @@ from .paths import Levels, Paths
 from .transit_times import transit_times
 
 UNIT = 20.0  # of log gap in the metric of the curve
-SHALLOW = np.log(10 * DEEP)  # of the gap: where a curve leaves this form
+SHALLOW = np.log(4 * DEEP)  # of the gap: where a curve leaves this form
 _NEAR = 0.03  # largest |beta_t| at an end that counts as at its turning point
 _NUDGE, _STEP = 1e-6, 1e-3  # of the derivatives by the shares, and by log gap
 
