@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Booleans
 from ..problem.case import Case
 from ..problem.errors import InputError
 from .curve_crossings import change_along
 from .fold_search import Curve, Searched, search_curves
+from .fold_tracing import PIECES
 from .parameter_plane import parameter_plane
 
 MOST = 101  # points of the lattice along a field
@@ -27,6 +28,8 @@ class FoldCurve:
         "fold", or "pitchfork": where the problem has a symmetry, two equilibria split off a third.
     values : array (N, 2)
         The two fields along the curve, in their units (angles in rad).
+    exact : array (N,)
+        Whether the point was solved for; between two such points lies a cubic with their tangents.
     dbeta0 : array (N,)
         beta'(0) of the equilibrium there [rad/length].
     cusps : array (C, 2)
@@ -43,6 +46,7 @@ class FoldCurve:
 
     kind: str
     values: Array
+    exact: Booleans
     dbeta0: Array
     cusps: Array
     cusp_dbeta0: Array
@@ -156,20 +160,19 @@ def _told(searched: Searched, curve: Curve) -> FoldCurve:
     """A traced curve in the units of its case."""
     plane = searched.plane
     line, more = curve.dense()
-    slopes, place, cusps, turned = [], [], [], []
+    slopes, cusps, turned = [], [], []
     for trace in curve.stretches:
         slope = [trace.system.slopes(point.x)[0] for point in trace.points]
-        slopes += slope
-        place += [point.shares for point in trace.points]
+        fine = np.arange(PIECES * (len(slope) - 1) + 1) / PIECES
+        slopes.append(np.interp(fine, np.arange(len(slope)), slope))
         cusps += [trace.points[i].shares for i in trace.cusps]
         turned += [slope[i] for i in trace.cusps]
-    along = np.linspace(0, 1, len(slopes))
     rho = np.broadcast_to(plane.case_at(line).rho, line.shape[:1])
-    dense = np.interp(np.linspace(0, 1, line.shape[0]), along, slopes) / rho
+    dense = np.concatenate(slopes) / rho
     cusps_at = np.array(cusps).reshape(-1, 2)
     at_cusps = np.array(turned) / np.broadcast_to(plane.case_at(cusps_at).rho, len(cusps)) if cusps else np.zeros(0)
     return FoldCurve(
-        curve.kind, plane.values(line), dense, plane.values(cusps_at), at_cusps, curve.lower, more, curve.ends
+        curve.kind, plane.values(line), curve.exact, dense, plane.values(cusps_at), at_cusps, curve.lower, more, curve.ends
     )
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..numerics.arrays import Array
-from .fold_system import expansion, is_deep, reach_of
+from .fold_system import expansion, is_deep, reach_of, turns_at
 from .parameter_plane import ParameterPlane
 
 FOLD, PITCHFORK = "fold", "pitchfork"
@@ -126,6 +126,12 @@ class FoldSystem(CurveSystem):
 
     def slopes(self, x: Array) -> list[float]:
         return [float(x[0]) * self.scale]
+
+    def has_index(self, point: CurvePoint, lower: int) -> bool:
+        """Whether two equilibria of index lower and lower + 1 meet in the point of a fold: at turning points of beta
+        the Jacobi field has a zero between each two, and it begins and ends with one."""
+        v = float(point.x[0]) * self.scale
+        return self.kind == PITCHFORK or turns_at(self.plane, v, point.shares) == lower + 1
 
     def is_true(self, point: CurvePoint) -> bool:
         """Whether the point belongs to the problem itself: a pitchfork with e = 0, a fold that moves with the fields."""

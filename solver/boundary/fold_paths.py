@@ -6,10 +6,9 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from .fold_newton import CurvePoint, CurveSystem, FoldSystem
-from .fold_system import turns_at
-from .fold_tracing import CLOSED, LEFT, Trace, one_way, stretch
+from .fold_tracing import CLOSED, LEFT, STOPPED, Trace, one_way, stretch
 from .parameter_plane import ParameterPlane
-from .separatrix_folds import deep_system
+from .separatrix_folds import SeparatrixSystem, deep_system
 
 _MOST = 12  # stretches of a curve
 
@@ -34,7 +33,7 @@ def _ahead(system: CurveSystem, seed: CurvePoint, lower: int) -> tuple[list[Trac
         points, end = one_way(system, seed)
         closing = [seed] if end == CLOSED else []
         found.append(stretch(system, [seed, *points, *closing]))
-        if end != LEFT:
+        if end != LEFT and not (end == STOPPED and isinstance(system, SeparatrixSystem)):
             break
         last = found[-1].points[-1]
         taken = _handed_over(system, last, lower)
@@ -54,14 +53,16 @@ def _handed_over(system: CurveSystem, last: CurvePoint, lower: int) -> tuple[Cur
     if isinstance(system, FoldSystem):
         slope = float(last.x[0]) * system.scale
         return deep_point(system.plane, system.scale, last.shares, slope, lower + 1, system.kind, last)
+    assert isinstance(system, SeparatrixSystem)
+    same = system.moved(last.x) if system.leaves(last.x) else None
+    if same is not None:
+        return same, last
     following = FoldSystem(system.plane, system.kind, system.scale)
     for slope in system.slopes(last.x):
         x = np.concatenate([[slope / system.scale], last.shares, np.zeros(following.size - 3)])
         point = _on(following, x, last)
-        if point is not None and following.is_true(point):
-            v = float(point.x[0]) * system.scale
-            if turns_at(system.plane, v, point.shares) == lower + 1:
-                return following, point
+        if point is not None and following.is_true(point) and following.has_index(point, lower):
+            return following, point
     return None
 
 

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..mechanics.potential import load_size
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Booleans
 from .census import Census
 from .curve_crossings import Pieces, joined_pieces
 from .fold_paths import whole_curve
 from .fold_seeds import Counted, Seed, seed_between, unexplained
-from .fold_tracing import Trace, dense
+from .fold_tracing import PIECES, Trace, dense
 from .parameter_plane import ParameterPlane
 
 _INSIDE = 1e-4  # shares of the ranges: how far the lattice stays away from the border, where the curves end
@@ -34,6 +34,11 @@ class Curve:
         """As `fold_tracing.dense`."""
         lines = [dense(trace) for trace in self.stretches]
         return np.concatenate([line for line, _ in lines]), np.concatenate([side for _, side in lines])
+
+    @property
+    def exact(self) -> Booleans:
+        """Which of the points of `dense` are points of the curve itself, (N,)."""
+        return np.concatenate([np.arange(PIECES * (len(one.points) - 1) + 1) % PIECES == 0 for one in self.stretches])
 
 
 @dataclass(frozen=True, eq=False)

@@ -115,7 +115,9 @@ def _on_line(
     row[2 - along] = 1.0  # the other share is held
     x = np.concatenate([[v / scale], (start + end) / 2, np.zeros(system.size - 3)])
     point = system.corrected(x, row, float(x[2 - along]))
-    return None if point is None or not system.is_true(point) else Seed(system, point, lower)
+    if point is None or not system.is_true(point) or not system.has_index(point, lower):
+        return None
+    return Seed(system, point, lower)
 
 
 def _deep_on_line(

@@ -9,6 +9,7 @@ from .fold_newton import FOLD, CurvePoint, CurveSystem, FoldSystem
 
 _FIRST, LONGEST, _SHORTEST = 0.01, 0.04, 2e-6  # steps, in shares of the ranges
 _TURN, _EASY = 0.9, 0.985  # cosines of the angle between two tangents: a step too long, and one that may grow
+PIECES = 8  # of the polyline between two points
 _MOST = 4000  # steps of a curve
 BORDER, CLOSED, STOPPED, LEFT = "border", "closed", "stopped", "left"
 
@@ -113,7 +114,7 @@ def stretch(system: CurveSystem, points: list[CurvePoint]) -> Trace:
     return Trace(system, out, cusps)
 
 
-def dense(trace: Trace, pieces: int = 8) -> tuple[Array, Array]:
+def dense(trace: Trace, pieces: int = PIECES) -> tuple[Array, Array]:
     """The curve as a fine polyline (N, 2) of shares, and towards which side two more equilibria exist, (N, 2).
 
     Between two points it is the cubic with the tangents of both.

@@ -12,6 +12,7 @@ turning point together and whose length does not depend on x.
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,7 @@ from .transit_times import transit_times
 UNIT = 20.0  # of log gap in the metric of the curve
 SHALLOW = np.log(4 * DEEP)  # of the gap: where a curve leaves this form
 _NEAR = 0.03  # largest |beta_t| at an end that counts as at its turning point
+_FOLLOWED = 0.3  # rad: how far the saddle may move before it is looked up anew
 _NUDGE, _STEP = 1e-6, 1e-3  # of the derivatives by the shares, and by log gap
 
 
@@ -56,11 +58,9 @@ class SeparatrixSystem(CurveSystem):
 
     def _two(self, y: float, shares: Array) -> Array:
         """D - g + x^2 and T - L/rho."""
-        place = LinePoint(self.plane.problems(shares))
-        far = np.abs((place.saddles - self.saddle + np.pi) % (2 * np.pi) - np.pi)
-        if not far.size or far.min() > 0.5:
+        place, saddle = self.saddle_at(shares)
+        if np.isnan(saddle):
             return np.full(2, np.nan)
-        saddle = float(place.saddles[int(np.argmin(far))])
         angle = place.start if self.end == "start" else place.end
         gap = self.sign * np.exp(max(y, -600.0))
         time = self._time(place, saddle, angle, gap, y + _STEP * np.array([-1.0, 0.0, 1.0]))
@@ -96,14 +96,23 @@ class SeparatrixSystem(CurveSystem):
         return out
 
     def leaves(self, x: Array) -> bool:
-        return bool(x[0] * UNIT > SHALLOW)
+        return bool(x[0] * UNIT > SHALLOW) or abs(_apart(self.saddle_at(x[1:3])[1], self.saddle)) > _FOLLOWED
+
+    def saddle_at(self, shares: Array) -> tuple[LinePoint, float]:
+        """The problem at some shares, and its saddle next to this one."""
+        place = LinePoint(self.plane.problems(shares))
+        far = np.abs(_apart(place.saddles, self.saddle))
+        return place, float(place.saddles[int(np.argmin(far))]) if far.size and far.min() < 0.5 else np.nan
+
+    def moved(self, x: Array) -> "SeparatrixSystem | None":
+        """The same beside the saddle where it is now; None where log gap is not the better unknown."""
+        saddle = self.saddle_at(x[1:3])[1]
+        return None if x[0] * UNIT > SHALLOW or np.isnan(saddle) else replace(self, saddle=saddle)
 
     def slopes(self, x: Array) -> list[float]:
         """beta_t(0) of the equilibrium, with both signs where they are not known."""
         y, shares = float(x[0]) * UNIT, x[1:3]
-        place = LinePoint(self.plane.problems(shares))
-        far = np.abs((place.saddles - self.saddle + np.pi) % (2 * np.pi) - np.pi)
-        saddle = float(place.saddles[int(np.argmin(far))])
+        place, saddle = self.saddle_at(shares)
         gap = self.sign * np.exp(max(y, -600.0))
         if self.end == "start" or self.weight != 1:
             h = abs(float(slope(place.problem, np.array([place.start]))[0]))
@@ -111,6 +120,11 @@ class SeparatrixSystem(CurveSystem):
             return [rate, -rate, 0.0]
         speed = float(np.sqrt(max(gap + place.fall(saddle, place.start), 0.0)))
         return [self.leaving * speed, -self.leaving * speed]
+
+
+def _apart(angle: Any, other: float) -> Any:
+    """An angle less another, in [-pi, pi)."""
+    return (angle - other + np.pi) % (2 * np.pi) - np.pi
 
 
 def deep_system(

@@ -1,0 +1,177 @@
+"""Fold curves and region maps, against an integration of the variational equations and against all equilibria."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import fsolve
+
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fold_curves, region_map
+from solver.boundary.fold_curves import FoldCurve, FoldCurves
+from solver.region_map import RegionMap
+from studies import load
+from workbench.branches.equilibria import ends_problem
+
+ROD = Rod(E=1.07e4, nu=0.25, a=0.25, L=3.0)
+CASE = Case(ROD, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, M3=5.0))
+A, RHO = ROD.bending_stiffness, CASE.rho
+
+
+@cache
+def small() -> RegionMap:
+    """A short rod over its axial force and its length: two curves, one with a cusp."""
+    return region_map(CASE, FZ=(-80, -10), L=(1, 4), lattice=4)
+
+
+@cache
+def straight() -> RegionMap:
+    """A straight rod along the cylinder, which buckles."""
+    case = Case(ROD, Cylinder(R=0.75), Ends(beta0=0.0, betaL=0.0))
+    return region_map(case, FZ=(-110, -10), L=(2.0, 5.0), lattice=4)
+
+
+def marched(v: float, FZ: float, L: float) -> tuple[float, float, float]:
+    """beta(L) less the given one, and its first and second derivative by beta_t(0), by DOP853 of the equations written
+    anew (rho = 1)."""
+    lam, mu, phi = 0.0, 5.0 * RHO / A, FZ * RHO**2 / A
+
+    def flow(t: float, y: np.ndarray) -> list[float]:
+        b, rate, eta, eta_t, zeta, zeta_t = y
+        s, c = np.sin(b), np.cos(b)
+        H = lam * c - mu * np.cos(2 * b) - (phi + 2 * c * s * s) * s
+        H1 = -lam * s + 2 * mu * np.sin(2 * b) - phi * c - 6 * s * s * c * c + 2 * s**4
+        H2 = -lam * c + 4 * mu * np.cos(2 * b) + phi * s - 12 * s * c**3 + 20 * s**3 * c
+        return [rate, -H, eta_t, -H1 * eta, zeta_t, -H1 * zeta - H2 * eta * eta]
+
+    start = [0.5, v, 0.0, 1.0, 0.0, 0.0]
+    end = solve_ivp(flow, (0, L / RHO), start, "DOP853", rtol=1e-13, atol=1e-13).y[:, -1]
+    return end[0] - 0.8, end[2], end[4]
+
+
+def test_on_a_curve_beta_and_the_jacobi_field_reach_the_far_end_as_they_must() -> None:
+    for curve in small().folds.curves:
+        for i in np.flatnonzero(curve.exact)[::5]:
+            off, eta, _ = marched(curve.dbeta0[i] * RHO, *curve.values[i])
+            assert abs(off) < 1e-9
+            assert abs(eta) < 1e-6  # of the size of the next derivative times the error of beta_t(0)
+
+
+def test_a_cusp_is_that_of_the_marched_equations_to_eight_digits() -> None:
+    (curve,) = (one for one in small().folds.curves if one.cusps.size)
+    ((FZ, L),) = curve.cusps
+    x = fsolve(lambda x: marched(*x), (curve.cusp_dbeta0[0] * RHO, FZ, L), xtol=1e-13)
+    np.testing.assert_allclose([FZ, L], x[1:], rtol=1e-8)
+    assert curve.cusp_dbeta0[0] * RHO == pytest.approx(x[0], rel=1e-6)
+
+
+def across(folds: FoldCurves, curve: FoldCurve, i: int, far: float) -> list[list[int]]:
+    """The indices on the side of fewer and on the side of more equilibria of a traced point."""
+    toward = curve.more[i] / np.linalg.norm(curve.more[i])
+    steps = [curve.values[i] + sign * far * toward * (folds.high - folds.low) for sign in (-1, 1)]
+    return [sorted(one.index for one in equilibria(folds.case_at(values), stations=2)) for values in steps]
+
+
+@pytest.mark.parametrize("made", [small, straight])
+def test_two_equilibria_of_neighbouring_index_appear_across_a_curve(made) -> None:
+    folds = made().folds
+    for curve in folds.curves:
+        i = int(np.flatnonzero(curve.exact)[3])
+        fewer, more = across(folds, curve, i, 1e-5)
+        for index in (curve.lower, curve.lower + 1):
+            assert more.count(index) - fewer.count(index) == (len(more) - len(fewer)) // 2
+        assert len(more) - len(fewer) in (2, 4)  # 4 where the mirror image folds at the same point
+
+
+def test_the_straight_rod_buckles_where_euler_says() -> None:
+    """sqrt(-FZ/A) L = n pi, with both end angles held; each mode n is a pitchfork."""
+    pitchforks = [one for one in straight().folds.curves if one.kind == "pitchfork"]
+    modes = []
+    for curve in pitchforks:
+        FZ, L = curve.values[curve.exact].T
+        modes += [int(np.rint(np.median(np.sqrt(-FZ / A) * L / np.pi)))]
+        np.testing.assert_allclose(np.sqrt(-FZ / A) * L, modes[-1] * np.pi, rtol=1e-8)
+        assert np.abs(curve.dbeta0).max() < 1e-7
+    assert sorted(modes) == [1, 2]
+    assert [curve.lower for curve in pitchforks] == [mode - 1 for mode in modes]
+
+
+@pytest.mark.parametrize("made", [small, straight])
+def test_the_numbers_of_the_map_are_those_of_all_equilibria_at_ten_random_points(made) -> None:
+    assert made().remark == ""
+    assert made().checked(10) == []
+    assert sum(one.area for one in made().regions) == pytest.approx(1, abs=1e-3)
+
+
+def cusps(found: FoldCurves) -> np.ndarray:
+    return np.concatenate([np.column_stack([one.cusps, one.cusp_dbeta0]) for one in found.curves])
+
+
+def test_the_mirror_image_has_the_same_curves() -> None:
+    """beta -> -beta with lam and mu of the other sign."""
+    mirror = Case(ROD, CASE.cylinder, Ends(beta0=-0.5, betaL=-0.8, M3=-5.0))
+    found = fold_curves(mirror, FZ=(-80, -10), L=(1, 4), lattice=4)
+    np.testing.assert_allclose(cusps(found) * [1, 1, -1], cusps(small().folds), rtol=1e-7)
+    for mine, theirs in zip(small().folds.curves, found.curves, strict=True):
+        assert (mine.lower, mine.kind, mine.ends) == (theirs.lower, theirs.kind, theirs.ends)
+
+
+def test_scaling_the_stiffness_and_the_loads_leaves_the_curves() -> None:
+    stiff = Case(Rod(2 * ROD.E, 0.25, 0.25, 3.0), CASE.cylinder, Ends(0.5, 0.8, M3=10.0))
+    found = fold_curves(stiff, FZ=(-160, -20), L=(1, 4), lattice=4)
+    np.testing.assert_allclose(cusps(found), cusps(small().folds) * [2, 1, 1], rtol=1e-9)
+
+
+@cache
+def atlas() -> RegionMap:
+    """Fig. 7 (4): the equilibria of Table 1 over the far angle and the axial force."""
+    return region_map(ends_problem(load("fig7_4_end_angle")), betaL=("-60deg", "90deg"), FZ=(4, 12), lattice=6)
+
+
+@pytest.mark.slow
+def test_the_atlas_has_the_folds_that_its_branches_end_in() -> None:
+    """24.49, 35.34 and 49.90 degrees at Table 1's own force, found by joining equilibria to branches."""
+    folds = atlas().folds
+    FZ, found = 10 * np.cos(np.pi / 6), []
+    for curve in folds.curves:
+        betaL, force = curve.values.T
+        for i in np.flatnonzero((force[:-1] - FZ) * (force[1:] - FZ) < 0):
+            share = (FZ - force[i]) / (force[i + 1] - force[i])
+            found.append(np.rad2deg(betaL[i] + share * (betaL[i + 1] - betaL[i])))
+    inside = sorted(one for one in found if -20 < one < 60)
+    np.testing.assert_allclose(inside, [24.49, 35.34, 49.90], atol=0.01)
+    assert {one.count for one in atlas().regions} == {9, 11, 13, 15}
+
+
+@pytest.mark.slow
+def test_the_numbers_of_the_atlas_are_those_of_all_equilibria_at_200_random_points() -> None:
+    assert atlas().remark == ""
+    assert atlas().checked(200) == []
+
+
+REFUSED = {
+    "a start problem": (Case(ROD, CASE.cylinder, Start(beta=0.5, dbeta=0.1, M3=0.0)), {}, "need a Case with Ends"),
+    "one field": (CASE, {"FZ": (0, 1)}, "need two fields with their ranges, got FZ"),
+    "an unknown field": (CASE, {"FZ": (0, 1), "height": (0, 1)}, "no field 'height' in this case; choose from"),
+    "a field of no effect": (CASE, {"FZ": (0, 1), "nu": (0, 0.4)}, "no equilibrium depends on nu"),
+    "a range upside down": (CASE, {"FZ": (1, 0), "MZ": (0, 1)}, "two finite numbers, the first lower, got (1, 0)"),
+    "a range that is none": (CASE, {"FZ": 3.0, "MZ": (0, 1)}, "must be two numbers (from, to), got 3.0"),
+    "an endless range": (CASE, {"FZ": (0, np.inf), "MZ": (0, 1)}, "two finite numbers"),
+    "lengths below zero": (CASE, {"FZ": (0, 1), "L": (-1, 5)}, "Rod.L must be positive"),
+    "a lattice of one": (CASE, {"FZ": (0, 1), "MZ": (0, 1), "lattice": 1}, "from 2 to 101, got 1"),
+}
+
+
+@pytest.mark.parametrize("why", REFUSED)
+def test_what_has_no_map_is_refused_with_one_sentence(why: str) -> None:
+    case, ranges, sentence = REFUSED[why]
+    with pytest.raises(InputError) as refused:
+        fold_curves(case, **ranges)
+    assert sentence in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_grid_of_cases_is_refused() -> None:
+    grid = Case(ROD, CASE.cylinder, Ends(0.5, 0.8, FZ=[1.0, 2.0]))
+    with pytest.raises(InputError, match="one case, got a grid of shape"):
+        fold_curves(grid, FZ=(0, 1), MZ=(0, 1))
