@@ -110,7 +110,7 @@ def region_map(case: Case, *, lattice: int = 9, stations: int = 101, **ranges: A
     >>> from solver import Case, Cylinder, Ends, Rod, region_map
     >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=3.0)
     >>> case = Case(rod, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8))
-    >>> found = region_map(case, FZ=(-90, 0), betaL=("-90deg", "90deg"), lattice=4)
+    >>> found = region_map(case, FZ=(-60, -20), L=(1.5, 3), lattice=3)
     >>> [(one.count, one.stable) for one in found.regions]
     [(1, 1), (3, 2)]
     """

@@ -144,9 +144,9 @@ def fold_curves(case: Case, *, lattice: int = 9, **ranges: Any) -> FoldCurves:
     >>> from solver import Case, Cylinder, Ends, Rod, fold_curves
     >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=3.0)
     >>> case = Case(rod, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8))
-    >>> found = fold_curves(case, FZ=(-90, 0), betaL=("-90deg", "90deg"), lattice=4)
-    >>> [(curve.kind, curve.lower, len(curve.cusps)) for curve in found.curves]
-    [('fold', 0, 1)]
+    >>> (curve,) = fold_curves(case, FZ=(-60, -20), L=(1.5, 3), lattice=3).curves
+    >>> curve.kind, curve.lower, curve.cusps.round(6).tolist()
+    ('fold', 0, [[-55.891532, 2.293935]])
     """
     plane = parameter_plane(case, ranges)
     if isinstance(lattice, bool) or not isinstance(lattice, int) or not 2 <= lattice <= MOST:
@@ -172,7 +172,15 @@ def _told(searched: Searched, curve: Curve) -> FoldCurve:
     cusps_at = np.array(cusps).reshape(-1, 2)
     at_cusps = np.array(turned) / np.broadcast_to(plane.case_at(cusps_at).rho, len(cusps)) if cusps else np.zeros(0)
     return FoldCurve(
-        curve.kind, plane.values(line), curve.exact, dense, plane.values(cusps_at), at_cusps, curve.lower, more, curve.ends
+        curve.kind,
+        plane.values(line),
+        curve.exact,
+        dense,
+        plane.values(cusps_at),
+        at_cusps,
+        curve.lower,
+        more,
+        curve.ends,
     )
 
 

@@ -134,7 +134,7 @@ class FoldSystem(CurveSystem):
         return self.kind == PITCHFORK or turns_at(self.plane, v, point.shares) == lower + 1
 
     def is_true(self, point: CurvePoint) -> bool:
-        """Whether the point belongs to the problem itself: a pitchfork with e = 0, a fold that moves with the fields."""
+        """Whether the point belongs to the problem itself: a pitchfork of e = 0, a fold that moves with the fields."""
         if self.kind == PITCHFORK:
             return bool(abs(point.x[3]) < _UNFOLDED)
         return bool(np.abs(point.more).max() > 1e-6)

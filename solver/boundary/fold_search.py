@@ -1,6 +1,7 @@
 """All fold and pitchfork curves that cross a rectangle of two fields, searched for on a lattice of points."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -98,7 +99,7 @@ def _lies_on(trace: Trace, found: Seed) -> bool:
 
 def _edges(ticks: Array) -> list[tuple[Array, Array]]:
     """The edges of the lattice, those of its border first."""
-    lines = [(np.array([a, w]), np.array([b, w])) for w in ticks for a, b in zip(ticks, ticks[1:], strict=False)]
+    lines = [(np.array([a, w]), np.array([b, w])) for w in ticks for a, b in pairwise(ticks)]
     lines += [(start[::-1].copy(), end[::-1].copy()) for start, end in lines]
 
     def inner(line: tuple[Array, Array]) -> float:

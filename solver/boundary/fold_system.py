@@ -1,9 +1,9 @@
 """The equations of fold and pitchfork curves in the plane of two fields.
 
 B(v; p) = beta(L) - beta(L) given, of the rod that starts with v = beta_t(0): its zeros are the equilibria. At a fold
-its derivative E = dB/dv, the Jacobi field at the far end, vanishes too, and at a cusp d^2B/dv^2. B is smooth wherever an
-end of the rod passes a turning point, where the length T(h) of a path is not: there one path changes into another of
-one turn more or less. So a curve is traced in one set of unknowns (v, p1, p2), without charts. B is known to rounding,
+its derivative E = dB/dv, the Jacobi field at the far end, vanishes too, and at a cusp d^2B/dv^2. B is smooth wherever
+an end of the rod passes a turning point, where the length T(h) of a path is not: there one path changes into another
+of one turn more or less. So a curve is traced in one set of unknowns (v, p1, p2), without charts. B is known to rounding,
 so its derivatives are taken from a polynomial through seven values of v.
 
 Where the problem has a symmetry, two equilibria split off a third in a pitchfork: B, E and d^2B/dv^2 vanish together on
@@ -64,7 +64,7 @@ def misses(problem: EndsProblem, slopes: Array) -> Array:
 
 
 def reach_of(plane: ParameterPlane, v: float, shares: Array) -> float:
-    """The distance in v over which B changes its form: to the nearest separatrix, or a radian of the far end's phase."""
+    """The distance in v over which B changes its form: to a separatrix, or a radian of the far end's phase."""
     problem = plane.problems(shares)
     place = LinePoint(problem)
     speed2 = v * v

@@ -1,6 +1,7 @@
 """Stretches of fold and pitchfork curves by pseudo-arclength continuation."""
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -100,7 +101,7 @@ def stretch(system: CurveSystem, points: list[CurvePoint]) -> Trace:
     if not isinstance(system, FoldSystem) or system.kind != FOLD:
         return Trace(system, points, [])
     out, cusps = points[:1], []
-    for one, other in zip(points, points[1:], strict=False):
+    for one, other in pairwise(points):
         if one.bend * other.bend < 0:
             share = one.bend / (one.bend - other.bend)
             x = system.cusp((1 - share) * one.x + share * other.x)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..numerics.arrays import Array, Booleans, Integers
+from ..numerics.arrays import Booleans, Integers
 from .curve_crossings import Pieces
 
 _LEAST = 6  # points of the raster of a region

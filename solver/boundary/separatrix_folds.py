@@ -58,19 +58,23 @@ class SeparatrixSystem(CurveSystem):
 
     def _two(self, y: float, shares: Array) -> Array:
         """D - g + x^2 and T - L/rho."""
+        return self._three(y, shares)[:2]
+
+    def _three(self, y: float, shares: Array) -> Array:
+        """The same and x."""
         place, saddle = self.saddle_at(shares)
         if np.isnan(saddle):
-            return np.full(2, np.nan)
+            return np.full(3, np.nan)
         angle = place.start if self.end == "start" else place.end
         gap = self.sign * np.exp(max(y, -600.0))
         time = self._time(place, saddle, angle, gap, y + _STEP * np.array([-1.0, 0.0, 1.0]))
         rate = (time[2] - time[0]) / (2 * _STEP)
         if not rate < 0:
-            return np.full(2, np.nan)
+            return np.full(3, np.nan)
         kappa = self.weight * 2 / abs(float(slope(place.problem, np.array([angle]))[0]))
         rest = -kappa * gap / (2 * rate)
         height = -place.fall(saddle, angle)
-        return np.array([height - gap + rest**2, time[1] + kappa * rest - place.problem.span[0]])
+        return np.array([height - gap + rest**2, time[1] + kappa * rest - place.problem.span[0], rest])
 
     def _time(self, place: LinePoint, saddle: float, angle: float, gap: float, y: Array) -> Array:
         """T0 at several values of log gap, with the end exactly at its turning point."""
@@ -115,9 +119,8 @@ class SeparatrixSystem(CurveSystem):
         place, saddle = self.saddle_at(shares)
         gap = self.sign * np.exp(max(y, -600.0))
         if self.end == "start" or self.weight != 1:
-            h = abs(float(slope(place.problem, np.array([place.start]))[0]))
-            rate = -1.0 / h * gap  # a scale for the guess, of the right order
-            return [rate, -rate, 0.0]
+            rest = float(self._three(y, shares)[2])
+            return [rest, -rest]
         speed = float(np.sqrt(max(gap + place.fall(saddle, place.start), 0.0)))
         return [self.leaving * speed, -self.leaving * speed]
 

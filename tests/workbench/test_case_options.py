@@ -72,7 +72,9 @@ def test_words_have_the_choices_of_the_solver() -> None:
     assert FIELDS["side"].choices == tuple(SIDES)
 
 
-@pytest.mark.parametrize("command, names", [("solve", FIELDS), ("explore", FIELDS), ("equilibria", ENDS_FIELDS)])
+@pytest.mark.parametrize(
+    "command, names", [("solve", FIELDS), ("explore", FIELDS), ("equilibria", ENDS_FIELDS), ("folds", ENDS_FIELDS)]
+)
 def test_a_command_offers_each_field_with_its_help(command: str, names) -> None:
     options = {param.opts[0]: param for param in get_command(cli.app).commands[command].params}  # type: ignore[attr-defined]
     for name in names:

@@ -42,12 +42,12 @@ def dataset_of(study: Study, found: RegionMap, checked: Checked | None = None) -
     data |= _of_regions(found.regions, (x, y), labels, units)
     data |= _of_curves(found, (x, y), labels, units)
     coords: dict[str, Any] = {
-        name: xr.Variable((name,), ticks, label)
-        for name, ticks, label in zip((x, y), found.ticks, labels, strict=True)
+        name: xr.Variable((name,), ticks, label) for name, ticks, label in zip((x, y), found.ticks, labels, strict=True)
     }
-    stations = data["alpha"].sizes["u"]
+    stations = data["stable_alpha"].sizes["u"]
     coords["u"] = xr.Variable(("u",), np.linspace(0, 1, stations), schema.labels("u", units))
-    ds = xr.Dataset(data, coords, attributes(study, folds.case, f"Regions of equal numbers of equilibria: {study.title}"))
+    symbols = " and ".join(label["symbol"] for label in labels)
+    ds = xr.Dataset(data, coords, attributes(study, folds.case, f"The number of equilibria over {symbols}"))
     ds.attrs |= {"study_name": "folds", "fields": json.dumps([x, y]), "remark": found.remark}
     ds.attrs["low"], ds.attrs["high"] = folds.low.tolist(), folds.high.tolist()
     if checked is not None:
@@ -72,12 +72,14 @@ def _of_regions(regions: list[Region], names: tuple[str, str], labels: list[Any]
             for name in ALONG:
                 shapes[name][k, i] = getattr(one.solution, name)
     data: dict[str, Any] = {
-        name: xr.Variable(("region", "stable", "u"), values, schema.labels(name, units))
+        f"stable_{name}": xr.Variable(("region", "stable", "u"), values, schema.labels(name, units))
         for name, values in shapes.items()
     }
     words = {"count": "number of equilibria", "count_stable": "number of stable equilibria"}
     for name, values in (("count", [one.count for one in regions]), ("count_stable", [one.stable for one in regions])):
-        data[name] = xr.Variable(("region",), np.array(values, dtype=np.int64), {"long_name": words[name], "units": "1"})
+        data[name] = xr.Variable(
+            ("region",), np.array(values, dtype=np.int64), {"long_name": words[name], "units": "1"}
+        )
     area = {"long_name": "share of the rectangle", "units": "1"}
     data["area"] = xr.Variable(("region",), np.array([one.area for one in regions]), area)
     complete = np.array([one.equilibria.complete for one in regions], dtype=bool)

@@ -70,10 +70,13 @@ def folds(
     wrong = found.checked(points) if points else []
     if picture or out:
         ds = dataset_of(study, found, (points, len(wrong)) if points else None)
+        if given.values:
+            ds.attrs["reading"] = ""  # it would not be that of Table 1
         if out:
             writing.write(ds, out, force)
         if picture:
-            from ..figures import canvas, region_map as region_figure
+            from ..figures import canvas
+            from ..figures import region_map as region_figure
 
             canvas.save(region_figure.figure(ds, page), picture, dpi)
     _print(found, points, wrong, json)

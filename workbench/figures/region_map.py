@@ -90,4 +90,3 @@ def _texts(ds: xr.Dataset) -> list[str]:
     """``13, 2 stable`` for each region."""
     pairs = zip(ds["count"].values, ds["count_stable"].values, strict=True)
     return [f"{count}, {stable} stable" for count, stable in pairs]
-

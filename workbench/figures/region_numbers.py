@@ -1,18 +1,18 @@
 """The number of each region of a map, and beside it the stable shapes, where there is room."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..data import labels
 from . import style
-from .developed import stretch
 
 SHAPE = 0.62  # inches, the height of a shape; its room is as wide
 MOST = 4  # shapes in a region
-SHORT = 4  # letters of a number alone, without the words
 PAD = 0.05  # inches around a text
 
 
@@ -24,31 +24,33 @@ def placed(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], texts: list[st
     """
     numbers = ds["region_at"].values
     cell = inches[1] / numbers.shape[0], inches[0] / numbers.shape[1]
-    scale = _scale(ds)
-    short = left_out = False
+    largest = _largest(ds)
+    short, left_out, fewer = "", False, False
     for k, text in enumerate(texts):
         stable = int(ds["count_stable"].values[k])
         brief = f"{int(ds['count'].values[k])}/{stable}"
         line = style.small() * 1.25 / 72
-        for said, shapes in ((text, min(stable, MOST)), (text, min(stable, 1)), (text, 0), (brief, 0)):
+        for said, shapes in (*((text, count) for count in range(min(stable, MOST), -1, -1)), (brief, 0)):
             width = max(len(said) * style.small() * style.LETTER, shapes * SHAPE) + PAD
             height = line + (SHAPE if shapes else 0) + PAD
             place = _room(numbers == k, cell, (height, width))
             if place is not None:
-                short |= said is brief
-                _write(ds, ax, (place[0] * cell[0], place[1] * cell[1]), inches, said, (k, shapes), scale)
+                short = f"{brief}: {text}." if said is brief else short
+                fewer |= 0 < shapes < stable
+                _write(ds, ax, (place[0] * cell[0], place[1] * cell[1]), inches, said, (k, shapes), largest)
                 break
         else:
             left_out = True
-    notes = [f"Shapes: developed curves of the stable equilibria, ρα to the right and z up, all at one scale{scale[2]}."]
+    some = "; where there is not room for all, those of lowest energy" if fewer else ""
+    notes = [f"Shapes: developed curves of the stable equilibria, ρα to the right and z up, all at one scale{some}."]
     if short:
-        notes.append("13/2: 13 equilibria, 2 of them stable.")
+        notes.append(short)
     if left_out:
-        notes.append("Regions without a number are too narrow for one; the colour is that of their number.")
-    return notes if scale[0] > 0 else notes[1:]
+        notes.append("Regions without a number are too narrow for one; their colour says which it is.")
+    return notes if largest > 0 else notes[1:]
 
 
-def _room(mask: np.ndarray, cell: tuple[float, float], size: tuple[float, float]) -> tuple[float, float] | None:
+def _room(mask: NDArray[Any], cell: tuple[float, float], size: tuple[float, float]) -> tuple[float, float] | None:
     """The place, row and column, in the middle of a box of so many inches inside the mask; None where none fits."""
     rows, columns = (max(int(np.ceil(length / step)), 1) for length, step in zip(size, cell, strict=True))
     if rows > mask.shape[0] or columns > mask.shape[1]:
@@ -63,18 +65,17 @@ def _room(mask: np.ndarray, cell: tuple[float, float], size: tuple[float, float]
     return float(row + rows / 2), float(column + columns / 2)
 
 
-def _scale(ds: xr.Dataset) -> tuple[float, float, str]:
-    """The largest width and height of a shape [length], and words on a scale that differs between the two."""
-    rho, alpha, z = _rho(ds), ds["alpha"].values, ds["z"].values
-    if not np.isfinite(alpha).any():
-        return 0.0, 0.0, ""
+def _largest(ds: xr.Dataset) -> float:
+    """The largest width or height of a shape [length]; 0 where there is none."""
+    alpha, z = ds["stable_alpha"].values, ds["stable_z"].values
     known = np.isfinite(alpha).all(axis=2)
-    wide = (rho[:, None] * np.ptp(alpha, axis=2))[known].max()
-    high = np.ptp(z, axis=2)[known].max()
-    return float(wide), float(high), ""
+    if not known.any():
+        return 0.0
+    wide = (_rho(ds)[:, None] * np.ptp(alpha, axis=2))[known].max()
+    return float(max(wide, np.ptp(z, axis=2)[known].max()))
 
 
-def _rho(ds: xr.Dataset) -> np.ndarray:
+def _rho(ds: xr.Dataset) -> NDArray[Any]:
     """rho of each region, (regions,)."""
     if "rho" in ds:
         return np.full(ds.sizes["region"], float(ds["rho"]))
@@ -84,7 +85,7 @@ def _rho(ds: xr.Dataset) -> np.ndarray:
 
 def _write(
     ds: xr.Dataset, ax: Axes, place: tuple[float, float], inches: tuple[float, float], said: str,
-    shapes: tuple[int, int], scale: tuple[float, float, str],
+    shapes: tuple[int, int], largest: float,
 ) -> None:  # fmt: skip
     """The text, and so many stable shapes of a region, about a place given in inches (up, across)."""
     k, count = shapes
@@ -94,11 +95,11 @@ def _write(
     ax.text(across, up + (room[0] / 2 if count else 0), said, transform=ax.transAxes, ha="center", va="center",
             size=style.small(), color=style.INK, path_effects=halo, zorder=6)  # fmt: skip
     rho = _rho(ds)[k]
-    half = max(scale[0], scale[1], 1e-12) / 2 * 1.08
+    half = max(largest, 1e-12) / 2 * 1.08
     for i in range(count):
         left = across + (i - count / 2) * room[1]
         inset = ax.inset_axes((left, up - 0.62 * room[0], room[1], 0.9 * room[0]), zorder=6)
-        x, z = rho * (ds["alpha"].values[k, i] - ds["alpha"].values[k, i, 0]), ds["z"].values[k, i]
+        x, z = rho * (ds["stable_alpha"].values[k, i] - ds["stable_alpha"].values[k, i, 0]), ds["stable_z"].values[k, i]
         inset.plot(x, z, color="white", linewidth=2.6, alpha=0.8, clip_on=False)
         inset.plot(x, z, color=style.STABLE, linewidth=1.1, clip_on=False)
         inset.plot(x[0], z[0], "o", color=style.INK, markersize=2.2, clip_on=False)

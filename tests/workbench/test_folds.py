@@ -1,0 +1,125 @@
+"""The command folds: what it prints, stores and draws; the page that shows it."""
+
+import json
+import re
+import shlex
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import Case, Cylinder, Ends, Rod, region_map
+from studies import load
+from tests.workbench.pictures import pixels
+from workbench import cli
+from workbench.branches.region_dataset import dataset_of
+from workbench.data import writing
+from workbench.figures import canvas
+from workbench.figures import region_map as region_figure
+from workbench.figures.sheet import sheet
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "how-to" / "map-the-folds.md").read_text(encoding="utf-8")
+SHORT = ["--L", "3", "--axis", "FZ=-80:-10", "--axis", "M3=-30:30", "--lattice", "3"]
+
+
+def run(capsys, *words: object) -> tuple[int, str]:
+    with pytest.raises(SystemExit) as left:
+        cli.main(["folds", *map(str, words)])
+    said = capsys.readouterr()
+    return int(left.value.code or 0), said.out + said.err
+
+
+@cache
+def made() -> xr.Dataset:
+    case = Case(Rod(1.07e4, 0.25, 0.25, 3.0), Cylinder(0.75), Ends(0.5, 0.8, M3=5.0))
+    return dataset_of(load("fig7_4_end_angle"), region_map(case, FZ=(-80, -10), L=(1, 4), lattice=4), (5, 0))
+
+
+def test_it_prints_curves_and_regions_as_data_and_stores_them(capsys, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, text = run(capsys, *SHORT, "--json", "--check", 3, "--out", "map.h5", "--plot", "map.png", "--dpi", 60)
+    told = json.loads(text)
+    assert status == 0
+    assert told["fields"] == ["FZ", "M3"]
+    assert told["check"] == {"points": 3, "failed": []}
+    stored = writing.read("map.h5", study=False)
+    assert stored.sizes["region"] == len(told["regions"])
+    assert stored.sizes["curve"] == len(told["curves"])
+    assert stored["count"].values.tolist() == [one["equilibria"] for one in told["regions"]]
+    assert stored.attrs["checked_points"] == 3
+    assert Path("map.png").stat().st_size > 10_000
+
+
+def test_the_dataset_holds_what_the_map_found() -> None:
+    ds = made()
+    assert ds["region_at"].dims == ("L", "FZ")
+    assert set(np.unique(ds["region_at"])) <= {-1, *range(ds.sizes["region"])}
+    known = np.isfinite(ds["stable_alpha"]).all("u").sum("stable")
+    np.testing.assert_array_equal(known, ds["count_stable"])
+    cusps = ds["cusp_curve"].values
+    for name in ("FZ", "L"):
+        low, high = ds[name].values.min(), ds[name].values.max()
+        near = np.isfinite(ds[f"curve_{name}"].values[cusps[0]])
+        assert low <= ds[f"cusp_{name}"].values[0] <= high
+        assert np.nanmin(np.abs(ds[f"curve_{name}"].values[cusps[0]][near] - ds[f"cusp_{name}"].values[0])) < 1e-9
+    assert "FZ" not in ds.data_vars
+    assert float(ds["M3"]) == 5.0
+
+
+def test_the_picture_shows_curves_of_stable_folds_cusps_and_numbers() -> None:
+    fig = region_figure.figure(made(), sheet("paper", 89, titled=False))
+    (ax, *_) = fig.axes
+    said = [text.get_text() for text in ax.texts]
+    assert "1, 1 stable" in said or "1/1" in said
+    assert len(ax.lines) == made().sizes["curve"] + 1
+    assert fig.get_figwidth() == pytest.approx(89 / 25.4)
+    words = [text.get_text() for text in fig.legends[0].get_texts()]
+    assert words == ["fold of a stable and an unstable equilibrium", "cusp"]
+
+
+REFUSED = {
+    "no axis": ((), "folds takes --axis NAME=FROM:TO twice, with two different fields, got none"),
+    "one axis": (("--axis", "FZ=0:1"), "got FZ=0:1"),
+    "one axis twice": (("--axis", "FZ=0:1", "--axis", "FZ=2:3"), "with two different fields, got FZ=0:1, FZ=2:3"),
+    "a word": (("--axis", "side=0:1", "--axis", "FZ=2:3"), "axis"),
+    "three numbers": (("--axis", "FZ=0:1:2", "--axis", "MZ=2:3"), "--axis takes NAME=FROM:TO, got 'FZ=0:1:2'"),
+    "no numbers": (("--axis", "FZ=a:b", "--axis", "MZ=2:3"), "with numbers, got 'FZ=a:b'"),
+    "a range upside down": (("--axis", "FZ=1:0", "--axis", "MZ=2:3"), "the first lower, got (1.0, 0.0)"),
+    "too many points": (("--axis", "FZ=0:1", "--axis", "MZ=2:3", "--check", "1000000"), "at most 100000 points"),
+    "a film": (("--axis", "FZ=0:1", "--axis", "MZ=2:3", "--plot", "a.gif"), "choose a name that ends in .png"),
+}
+
+
+@pytest.mark.parametrize("why", REFUSED)
+def test_what_cannot_be_mapped_is_refused_with_one_sentence(why: str, capsys, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    words, sentence = REFUSED[why]
+    status, text = run(capsys, *words)
+    assert status == 2
+    assert sentence in text
+    assert text.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_the_commands_of_the_page_run_as_they_stand(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    lines = [line for block in re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL) for line in block.splitlines()]
+    assert len(lines) == 3
+    for line in lines:
+        words = shlex.split(line, comments=True)
+        assert words[:2] == ["workbench", "folds"]
+        assert run(capsys, *words[2:])[0] == 0, line
+    shown, drawn = pixels(ROOT / "docs" / "figures" / "folds_atlas.png"), pixels(Path("folds_atlas.png"))
+    assert shown.shape == drawn.shape
+
+
+def test_the_python_of_the_page_runs() -> None:
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    namespace: dict[str, object] = {}
+    exec(code, namespace)
+    assert namespace["found"].remark == ""  # type: ignore[attr-defined]
+    canvas.check_name("map.png")
