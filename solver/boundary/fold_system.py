@@ -3,8 +3,8 @@
 B(v; p) = beta(L) - beta(L) given, of the rod that starts with v = beta_t(0): its zeros are the equilibria. At a fold
 its derivative E = dB/dv, the Jacobi field at the far end, vanishes too, and at a cusp d^2B/dv^2. B is smooth wherever
 an end of the rod passes a turning point, where the length T(h) of a path is not: there one path changes into another
-of one turn more or less. So a curve is traced in one set of unknowns (v, p1, p2), without charts. B is known to rounding,
-so its derivatives are taken from a polynomial through seven values of v.
+of one turn more or less. So a curve is traced in one set of unknowns (v, p1, p2), without charts. B is known to
+rounding, so its derivatives are taken from a polynomial through seven values of v.
 
 Where the problem has a symmetry, two equilibria split off a third in a pitchfork: B, E and d^2B/dv^2 vanish together on
 a curve. A fourth unknown e, a change of the given beta(L), makes this system regular (B = e); on the curve e = 0.

@@ -11,7 +11,8 @@ from scipy import ndimage
 
 from . import style
 
-SHAPE = 0.62  # inches, the height of a shape; its room is as wide
+SHAPE, SMALL_SHAPE = 0.62, 0.4  # inches, the height of a shape, and that on a narrow map; its room is as wide
+NARROW = 4.0  # inches of a map
 MOST = 4  # shapes in a region
 PAD = 0.05  # inches around a text
 
@@ -24,20 +25,23 @@ def placed(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], texts: list[st
     """
     numbers = ds["region_at"].values
     cell = inches[1] / numbers.shape[0], inches[0] / numbers.shape[1]
-    largest = _largest(ds)
-    short, left_out, fewer = "", False, False
+    largest, side = _largest(ds), SHAPE if inches[0] > NARROW else SMALL_SHAPE
+    short, left_out, fewer, drawn = "", False, False, False
     for k, text in enumerate(texts):
         stable = int(ds["count_stable"].values[k])
         brief = f"{int(ds['count'].values[k])}/{stable}"
         line = style.small() * 1.25 / 72
         for said, shapes in (*((text, count) for count in range(min(stable, MOST), -1, -1)), (brief, 0)):
-            width = max(len(said) * style.small() * style.LETTER, shapes * SHAPE) + PAD
-            height = line + (SHAPE if shapes else 0) + PAD
+            width = max(len(said) * style.small() * style.LETTER, shapes * side) + PAD
+            height = line + (side if shapes else 0) + PAD
             place = _room(numbers == k, cell, (height, width))
             if place is not None:
-                short = f"{brief}: {text}." if said is brief else short
+                short = (
+                    f"{brief}: {brief.split('/')[0]} equilibria, {stable} of them stable." if said is brief else short
+                )
                 fewer |= 0 < shapes < stable
-                _write(ds, ax, (place[0] * cell[0], place[1] * cell[1]), inches, said, (k, shapes), largest)
+                drawn |= shapes > 0
+                _write(ds, ax, (place[0] * cell[0], place[1] * cell[1]), inches, said, (k, shapes), (largest, side))
                 break
         else:
             left_out = True
@@ -47,7 +51,7 @@ def placed(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], texts: list[st
         notes.append(short)
     if left_out:
         notes.append("Regions without a number are too narrow for one; their colour says which it is.")
-    return notes if largest > 0 else notes[1:]
+    return notes if drawn else notes[1:]
 
 
 def _room(mask: NDArray[Any], cell: tuple[float, float], size: tuple[float, float]) -> tuple[float, float] | None:
@@ -85,12 +89,13 @@ def _rho(ds: xr.Dataset) -> NDArray[Any]:
 
 def _write(
     ds: xr.Dataset, ax: Axes, place: tuple[float, float], inches: tuple[float, float], said: str,
-    shapes: tuple[int, int], largest: float,
+    shapes: tuple[int, int], sizes: tuple[float, float],
 ) -> None:  # fmt: skip
     """The text, and so many stable shapes of a region, about a place given in inches (up, across)."""
     k, count = shapes
     up, across = place[0] / inches[1], place[1] / inches[0]
-    room = SHAPE / inches[1], SHAPE / inches[0]
+    largest, side = sizes
+    room = side / inches[1], side / inches[0]
     halo = [withStroke(linewidth=2.2, foreground="white", alpha=0.85)]
     ax.text(across, up + (room[0] / 2 if count else 0), said, transform=ax.transAxes, ha="center", va="center",
             size=style.small(), color=style.INK, path_effects=halo, zorder=6)  # fmt: skip
