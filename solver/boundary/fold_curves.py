@@ -149,9 +149,9 @@ def fold_curves(case: Case, *, lattice: int = 9, **ranges: Any) -> FoldCurves:
     ('fold', 0, [[-55.891532, 2.293935]])
     """
     plane = parameter_plane(case, ranges)
-    if isinstance(lattice, bool) or not isinstance(lattice, int) or not 2 <= lattice <= MOST:
+    if not 2 <= lattice <= MOST or lattice != int(lattice):
         raise InputError(f"lattice must be a whole number from 2 to {MOST}, got {lattice!r}")
-    searched = search_curves(plane, lattice)
+    searched = search_curves(plane, int(lattice))
     curves = [_told(searched, curve) for curve in searched.curves]
     return FoldCurves(case, plane.names, plane.low, plane.high, curves, _remark(searched), searched)
 

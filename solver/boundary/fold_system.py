@@ -37,6 +37,11 @@ _WEIGHTS = np.array(
 )
 
 
+# step dB/dv of order 6 less that of order 4
+_ROUGH = _WEIGHTS[0] - np.array([0, 1 / 12, -2 / 3, 0, 2 / 3, -1 / 12, 0])
+_SMOOTH, _REDUCTIONS = 1e-6, 8  # of the change of B: how large that may be; how often the reach is reduced
+
+
 @dataclass(frozen=True, eq=False)
 class Expansion:
     """B at one point (v, p): its derivatives by v of order 0 to 3, (4,), and of these by the two shares, (2, 4)."""
@@ -45,16 +50,19 @@ class Expansion:
     across: Array
 
 
-def expansion(plane: ParameterPlane, v: float, shares: Array, reach: float, fields: bool = True) -> Expansion:
-    """B about one point. reach: the distance in v over which B changes its form. fields: also derivatives by them."""
-    step = _SHARE * reach
-    nudges = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])[: 5 if fields else 1] * _NUDGE
-    at = np.repeat(shares + nudges, _OFFSETS.size, axis=0)
-    slopes = np.tile(v + step * _OFFSETS, nudges.shape[0])
-    off = misses(plane.problems(at), slopes).reshape(nudges.shape[0], -1)
+def expansion(plane: ParameterPlane, v: float, shares: Array, reach: float) -> Expansion:
+    """B about one point. reach: a distance in v over which B changes its form; it is reduced where B shows a smaller
+    one, as where the rod nears a place at which beta almost rests."""
+    nudges = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]]) * _NUDGE
+    problems = plane.problems(np.repeat(shares + nudges, _OFFSETS.size, axis=0))
+    for _ in range(_REDUCTIONS):
+        step = _SHARE * reach
+        off = misses(problems, np.tile(v + step * _OFFSETS, nudges.shape[0])).reshape(nudges.shape[0], -1)
+        if abs(_ROUGH @ off[0]) <= _SMOOTH * np.abs(off[0] - off[0, 3]).max():
+            break
+        reach /= 4
     rates = np.concatenate([off[:, 3:4], off @ (_WEIGHTS / step ** np.arange(1, 4)[:, None]).T], axis=1)
-    across = (rates[1::2] - rates[2::2]) / (2 * _NUDGE) if fields else np.zeros((2, 4))
-    return Expansion(rates[0], across)
+    return Expansion(rates[0], (rates[1::2] - rates[2::2]) / (2 * _NUDGE))
 
 
 def misses(problem: EndsProblem, slopes: Array) -> Array:

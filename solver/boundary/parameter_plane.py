@@ -51,7 +51,7 @@ class ParameterPlane:
 
 def with_two(case: Case, values: dict[str, Any]) -> Case:
     """The case with some numeric fields replaced."""
-    parts = []
+    parts: list[Any] = []
     for part in (case.rod, case.cylinder, case.given):
         known = {field.name for field in fields(part)}
         # the place of the start is called alpha0, gamma0 among the quantities
@@ -72,9 +72,8 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
         For a start problem, a grid of cases, not two fields, an unknown field, one on which no equilibrium depends, and
         a range that is not two finite numbers, the first lower, or that holds invalid values.
     """
-    if not isinstance(case, Case) or not isinstance(case.given, Ends):
-        kind = type(case.given).__name__ if isinstance(case, Case) else repr(case)
-        raise InputError(f"fold curves need a Case with Ends, got {kind}")
+    if not isinstance(case.given, Ends):
+        raise InputError(f"fold curves need a Case with Ends, got {type(case.given).__name__}")
     if case.shape:
         raise InputError(f"fold curves need one case, got a grid of shape {case.shape}")
     if len(ranges) != 2:

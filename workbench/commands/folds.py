@@ -56,7 +56,7 @@ def folds(
     from . import output_file
 
     study, case = study_and_case(file, given)
-    ranges = dict(parse_range(text) for text in axis or [])
+    ranges: dict[str, Any] = dict(parse_range(text) for text in axis or [])
     if len(axis or []) != 2 or len(ranges) != 2:
         said = ", ".join(axis or []) or "none"
         raise InputError(f"folds takes --axis NAME=FROM:TO twice, with two different fields, got {said}")

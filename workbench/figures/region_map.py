@@ -43,7 +43,7 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> list[str]:
     counts = np.append(ds["count"].values, 0)[ds["region_at"].values].astype(float)
     counts[ds["region_at"].values < 0] = np.nan
     known = np.unique(counts[np.isfinite(counts)])
-    ramp = ListedColormap(style.map_colours(max(known.size, 2)).colors[: max(known.size, 1)])
+    ramp = ListedColormap(style.map_colours(max(known.size, 2))(np.arange(max(known.size, 1))))
     ax.imshow(np.searchsorted(known, np.where(np.isnan(counts), known[:1], counts)), cmap=ramp, origin="lower",
               extent=(*edges[0], *edges[1]), aspect="auto", interpolation="nearest", alpha=0.8,
               vmin=-0.5, vmax=max(known.size, 2) - 0.5, zorder=0)  # fmt: skip
