@@ -117,7 +117,8 @@ def fold_curves(case: Case, *, lattice: int = 9, **ranges: Any) -> FoldCurves:
     On a lattice of points all equilibria are counted by their Morse index. Between two neighbours whose numbers differ
     a point of a curve is found, and the curve is traced from it both ways, until the curves explain every difference. A
     closed curve that lies between the lines of the lattice is not found, nor are two curves that cross the same lines
-    next to each other and undo each other's change; a finer lattice finds them.
+    next to each other and undo each other's change, unless one of thirty further points lies between; a finer lattice
+    finds them.
 
     Parameters
     ----------

@@ -45,6 +45,13 @@ class Counted:
             self.known[key] = census(self.plane.problems(shares))
         return self.known[key]
 
+    def recount(self, start: Array, end: Array) -> None:
+        """Count anew, on a finer grid of levels, at all known points of a line along one field."""
+        low, high = np.minimum(start, end), np.maximum(start, end)
+        for point in [np.array(key) for key in self.known]:
+            if (point >= low).all() and (point <= high).all():
+                self.known[float(point[0]), float(point[1])] = census(self.plane.problems(point), dense=True)
+
 
 def unexplained(counted: Counted, pieces: Pieces, start: Array, end: Array) -> Counter[int]:
     """The change of the numbers of equilibria of each index from start to end that no known curve explains."""

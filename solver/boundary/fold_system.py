@@ -55,14 +55,21 @@ def expansion(plane: ParameterPlane, v: float, shares: Array, reach: float) -> E
     one, as where the rod nears a place at which beta almost rests."""
     nudges = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]]) * _NUDGE
     problems = plane.problems(np.repeat(shares + nudges, _OFFSETS.size, axis=0))
+    step, off = _values(problems, v, reach)
     for _ in range(_REDUCTIONS):
-        step = _SHARE * reach
-        off = misses(problems, np.tile(v + step * _OFFSETS, nudges.shape[0])).reshape(nudges.shape[0], -1)
         if abs(_ROUGH @ off[0]) <= _SMOOTH * np.abs(off[0] - off[0, 3]).max():
             break
         reach /= 4
+        step, off = _values(problems, v, reach)
     rates = np.concatenate([off[:, 3:4], off @ (_WEIGHTS / step ** np.arange(1, 4)[:, None]).T], axis=1)
     return Expansion(rates[0], (rates[1::2] - rates[2::2]) / (2 * _NUDGE))
+
+
+def _values(problems: EndsProblem, v: float, reach: float) -> tuple[float, Array]:
+    """The step of v, and B at its values in rows of problems, (rows, 7)."""
+    step = _SHARE * reach
+    slopes = np.tile(v + step * _OFFSETS, problems.size // _OFFSETS.size)
+    return step, misses(problems, slopes).reshape(-1, _OFFSETS.size)
 
 
 def misses(problem: EndsProblem, slopes: Array) -> Array:

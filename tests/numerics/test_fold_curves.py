@@ -21,14 +21,14 @@ A, RHO = ROD.bending_stiffness, CASE.rho
 @cache
 def small() -> RegionMap:
     """A short rod over its axial force and its length: two curves, one with a cusp."""
-    return region_map(CASE, FZ=(-80, -10), L=(1, 4), lattice=4)
+    return region_map(CASE, FZ=(-70, -20), L=(1.5, 3.5), lattice=3)
 
 
 @cache
 def straight() -> RegionMap:
     """A straight rod along the cylinder, which buckles."""
     case = Case(ROD, Cylinder(R=0.75), Ends(beta0=0.0, betaL=0.0))
-    return region_map(case, FZ=(-110, -10), L=(2.0, 5.0), lattice=4)
+    return region_map(case, FZ=(-80, -10), L=(2.0, 4.5), lattice=3)
 
 
 def marched(v: float, FZ: float, L: float) -> tuple[float, float, float]:
@@ -110,7 +110,7 @@ def cusps(found: FoldCurves) -> np.ndarray:
 def test_the_mirror_image_has_the_same_curves() -> None:
     """beta -> -beta with lam and mu of the other sign."""
     mirror = Case(ROD, CASE.cylinder, Ends(beta0=-0.5, betaL=-0.8, M3=-5.0))
-    found = fold_curves(mirror, FZ=(-80, -10), L=(1, 4), lattice=4)
+    found = fold_curves(mirror, FZ=(-70, -20), L=(1.5, 3.5), lattice=3)
     np.testing.assert_allclose(cusps(found) * [1, 1, -1], cusps(small().folds), rtol=1e-7)
     for mine, theirs in zip(small().folds.curves, found.curves, strict=True):
         assert (mine.lower, mine.kind, mine.ends) == (theirs.lower, theirs.kind, theirs.ends)
@@ -118,7 +118,7 @@ def test_the_mirror_image_has_the_same_curves() -> None:
 
 def test_scaling_the_stiffness_and_the_loads_leaves_the_curves() -> None:
     stiff = Case(Rod(2 * ROD.E, 0.25, 0.25, 3.0), CASE.cylinder, Ends(0.5, 0.8, M3=10.0))
-    found = fold_curves(stiff, FZ=(-160, -20), L=(1, 4), lattice=4)
+    found = fold_curves(stiff, FZ=(-140, -40), L=(1.5, 3.5), lattice=3)
     np.testing.assert_allclose(cusps(found), cusps(small().folds) * [2, 1, 1], rtol=1e-9)
 
 

@@ -22,7 +22,7 @@ from workbench.figures.sheet import sheet
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "how-to" / "map-the-folds.md").read_text(encoding="utf-8")
-SHORT = ["--L", "3", "--axis", "FZ=-80:-10", "--axis", "M3=-30:30", "--lattice", "3"]
+SHORT = ["--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", "--axis", "FZ=-15:-5", "--axis", "L=1.5:3"]
 
 
 def run(capsys, *words: object) -> tuple[int, str]:
@@ -35,15 +35,17 @@ def run(capsys, *words: object) -> tuple[int, str]:
 @cache
 def made() -> xr.Dataset:
     case = Case(Rod(1.07e4, 0.25, 0.25, 3.0), Cylinder(0.75), Ends(0.5, 0.8, M3=5.0))
-    return dataset_of(load("fig7_4_end_angle"), region_map(case, FZ=(-80, -10), L=(1, 4), lattice=4), (5, 0))
+    return dataset_of(load("fig7_4_end_angle"), region_map(case, FZ=(-60, -20), L=(1.5, 3), lattice=3), (5, 0))
 
 
 def test_it_prints_curves_and_regions_as_data_and_stores_them(capsys, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    status, text = run(capsys, *SHORT, "--json", "--check", 3, "--out", "map.h5", "--plot", "map.png", "--dpi", 60)
+    status, text = run(
+        capsys, *SHORT, "--lattice", 3, "--json", "--check", 3, "--out", "map.h5", "--plot", "map.png", "--dpi", 60
+    )
     told = json.loads(text)
     assert status == 0
-    assert told["fields"] == ["FZ", "M3"]
+    assert told["fields"] == ["FZ", "L"]
     assert told["check"] == {"points": 3, "failed": []}
     stored = writing.read("map.h5", study=False)
     assert stored.sizes["region"] == len(told["regions"])
