@@ -42,10 +42,10 @@ class Census:
         return Counter(int(i) for i in self.index)
 
 
-def census(problem: EndsProblem, dense: bool = False) -> Census:
-    """The equilibria of one ends problem (of size 1). dense: on the finer of the two grids of levels of `search`."""
-    found = _counted(problem, 0.0625 if dense else 0.25)
-    return found if found.complete or dense else _counted(problem, 0.0625)
+def census(problem: EndsProblem) -> Census:
+    """The equilibria of one ends problem (of size 1)."""
+    found = _counted(problem, 0.25)
+    return found if found.complete else _counted(problem, 0.0625)
 
 
 def _counted(problem: EndsProblem, step: float) -> Census:

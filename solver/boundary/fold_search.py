@@ -10,13 +10,12 @@ from ..numerics.arrays import Array, Booleans
 from .census import Census
 from .curve_crossings import Pieces, joined_pieces
 from .fold_paths import whole_curve
-from .fold_seeds import Counted, Seed, seed_between
+from .fold_seeds import Counted, Seed, seed_between, unexplained
 from .fold_tracing import PIECES, Trace, dense
 from .parameter_plane import ParameterPlane
 
 _INSIDE = 1e-4  # shares of the ranges: how far the lattice stays away from the border, where the curves end
 _SAME = 1e-3  # distance at which a point lies on a known curve
-_PROBES = 30  # random points that are looked at beside the lattice
 _EACH = 6  # curves at most that are searched for on one line
 
 
@@ -70,19 +69,16 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     def known(found: Seed) -> bool:
         return any(_lies_on(trace, found) for curve in curves for trace in curve.stretches)
 
-    for start, end in [*_edges(ticks), *_probes(ticks)]:
-        recounted = False
+    for start, end in _edges(ticks):
         for _ in range(_EACH):
+            if not unexplained(counted, pieces, start, end):
+                break
             found = seed_between(counted, pieces, start, end, scale, known)
             if found is None:
                 break
             if not isinstance(found, Seed):
-                if recounted:
-                    failed.append(np.array(found))
-                    break
-                counted.recount(start, end)  # the search may have missed a pair on the coarser grid of levels
-                recounted = True
-                continue
+                failed.append(np.array(found))
+                break
             curves.append(Curve(*whole_curve(found.system, found.point, found.lower), found.lower))
             pieces = joined_pieces([one.dense() for one in curves], [one.lower for one in curves])
     return Searched(plane, curves, pieces, counted, failed)
@@ -99,16 +95,6 @@ def _lies_on(trace: Trace, found: Seed) -> bool:
     share = np.clip(((seed.x - first) * chord).sum(axis=1) / np.maximum((chord * chord).sum(axis=1), 1e-300), 0, 1)
     far = np.linalg.norm(first + share[:, None] * chord - seed.x, axis=1)
     return bool((far < _SAME + 0.1 * np.linalg.norm(chord, axis=1)).any())
-
-
-def _probes(ticks: Array) -> list[tuple[Array, Array]]:
-    """Lines from points of the lattice to random points, along one field and then along the other."""
-    lines = []
-    for point in np.random.default_rng(0).uniform(ticks[0], ticks[-1], (_PROBES, 2)):
-        near = ticks[np.abs(ticks[:, None] - point).argmin(axis=0)]
-        corner = np.array([point[0], near[1]])
-        lines += [(near, corner), (corner, point)]
-    return lines
 
 
 def _edges(ticks: Array) -> list[tuple[Array, Array]]:

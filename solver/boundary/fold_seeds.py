@@ -45,13 +45,6 @@ class Counted:
             self.known[key] = census(self.plane.problems(shares))
         return self.known[key]
 
-    def recount(self, start: Array, end: Array) -> None:
-        """Count anew, on a finer grid of levels, at all known points of a line along one field."""
-        low, high = np.minimum(start, end), np.maximum(start, end)
-        for point in [np.array(key) for key in self.known]:
-            if (point >= low).all() and (point <= high).all():
-                self.known[float(point[0]), float(point[1])] = census(self.plane.problems(point), dense=True)
-
 
 def unexplained(counted: Counted, pieces: Pieces, start: Array, end: Array) -> Counter[int]:
     """The change of the numbers of equilibria of each index from start to end that no known curve explains."""
@@ -141,6 +134,6 @@ def _deep_on_line(
             row = np.zeros(3)
             row[2 - along] = 1.0
             point = system.corrected(x, row, float(x[2 - along]))
-            if point is not None:
+            if point is not None and system.has_index(point.x, lower):
                 return Seed(system, point, lower)
     return None

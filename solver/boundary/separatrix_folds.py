@@ -99,6 +99,22 @@ class SeparatrixSystem(CurveSystem):
             out[k] = float(path.counts(boundary.rising)[0] @ time[:, 0])
         return out
 
+    def has_index(self, x: Array, lower: int) -> bool:
+        """Whether the path is that of a fold at which equilibria of index lower and lower + 1 meet.
+
+        Such a path has lower + 1 turning points. It passes the one at its end where the gap is positive, as the length
+        then falls with x^2 and must rise with x.
+        """
+        if self.weight != 1:
+            return True
+        place, _ = self.saddle_at(x[1:3])
+        arriving = self.leaving if self.turns % 2 == 0 else -self.leaving
+        starts = self.end == "start"
+        rises = float(slope(place.problem, np.array([place.start if starts else place.end]))[0]) < 0
+        # the turning point lies below an end at which beta is accelerated upward
+        passes = (self.leaving < 0) == rises if starts else (arriving > 0) == rises
+        return self.turns - passes == (lower if self.sign > 0 else lower + 1)
+
     def leaves(self, x: Array) -> bool:
         return bool(x[0] * UNIT > SHALLOW) or abs(_apart(self.saddle_at(x[1:3])[1], self.saddle)) > _FOLLOWED
 
@@ -145,6 +161,8 @@ def deep_system(
     if abs(gaps[k]) > np.exp(SHALLOW):
         return None
     equal = place.blank.low == place.blank.high and not place.blank.whole_turns
+    if kind == PITCHFORK and not equal:
+        return None
     weight = (0 if kind == PITCHFORK else 2) if equal else 1
     leaving = 1 if slope_ > 0 else -1
     sign = 1.0 if gaps[k] > 0 else -1.0

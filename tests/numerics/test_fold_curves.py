@@ -122,6 +122,34 @@ def test_scaling_the_stiffness_and_the_loads_leaves_the_curves() -> None:
     np.testing.assert_allclose(cusps(found), cusps(small().folds) * [2, 1, 1], rtol=1e-9)
 
 
+def beside_a_separatrix(**ranges: tuple[float, float]) -> FoldCurves:
+    """A rod of twenty radii whose stable equilibria vanish where its start has the height of a saddle: the level is
+    1e-6 above it, and less."""
+    case = Case(Rod(1.07e4, 0.25, 0.25, 20.0), CASE.cylinder, Ends("30deg", "50deg", M3=8.0))
+    return fold_curves(case, lattice=2, **ranges)
+
+
+def assert_exact(folds: FoldCurves) -> None:
+    """Two equilibria more on one side of each curve than on the other, 1e-8 of the ranges away."""
+    for curve in folds.curves:
+        fewer, more = across(folds, curve, int(np.flatnonzero(curve.exact)[curve.exact.sum() // 2]), 1e-8)
+        assert sorted([*fewer, curve.lower, curve.lower + 1]) == more
+
+
+def test_folds_next_to_a_separatrix_are_exact() -> None:
+    folds = beside_a_separatrix(FZ=(4.0, 4.06), MZ=(-0.2, 0.2))
+    assert sorted((curve.kind, curve.lower) for curve in folds.curves) == [("fold", 0), ("fold", 1), ("fold", 2)]
+    assert_exact(folds)
+
+
+@pytest.mark.slow
+def test_folds_next_to_a_separatrix_and_far_from_it_are_exact() -> None:
+    folds = beside_a_separatrix(FZ=(3.9, 4.2), MZ=(-2, 2))
+    assert folds.remark == ""
+    assert len(folds.curves) == 6
+    assert_exact(folds)
+
+
 @cache
 def atlas() -> RegionMap:
     """Fig. 7 (4): the equilibria of Table 1 over the far angle and the axial force."""
