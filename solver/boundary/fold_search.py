@@ -16,6 +16,7 @@ from .parameter_plane import ParameterPlane
 
 _INSIDE = 1e-4  # shares of the ranges: how far the lattice stays away from the border, where the curves end
 _SAME = 1e-3  # distance at which a point lies on a known curve
+_PROBES = 30  # random points that are looked at beside the lattice
 _EACH = 6  # curves at most that are searched for on one line
 
 
@@ -69,7 +70,7 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     def known(found: Seed) -> bool:
         return any(_lies_on(trace, found) for curve in curves for trace in curve.stretches)
 
-    for start, end in _edges(ticks):
+    for start, end in [*_edges(ticks), *_probes(ticks)]:
         for _ in range(_EACH):
             if not unexplained(counted, pieces, start, end):
                 break
@@ -95,6 +96,16 @@ def _lies_on(trace: Trace, found: Seed) -> bool:
     share = np.clip(((seed.x - first) * chord).sum(axis=1) / np.maximum((chord * chord).sum(axis=1), 1e-300), 0, 1)
     far = np.linalg.norm(first + share[:, None] * chord - seed.x, axis=1)
     return bool((far < _SAME + 0.1 * np.linalg.norm(chord, axis=1)).any())
+
+
+def _probes(ticks: Array) -> list[tuple[Array, Array]]:
+    """Lines from points of the lattice to random points, along one field and then along the other."""
+    lines = []
+    for point in np.random.default_rng(0).uniform(ticks[0], ticks[-1], (_PROBES, 2)):
+        near = ticks[np.abs(ticks[:, None] - point).argmin(axis=0)]
+        corner = np.array([point[0], near[1]])
+        lines += [(near, corner), (corner, point)]
+    return lines
 
 
 def _edges(ticks: Array) -> list[tuple[Array, Array]]:

@@ -8,7 +8,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fold_curves, region_map
+from solver.boundary.census import census
 from solver.boundary.fold_curves import FoldCurve, FoldCurves
+from solver.boundary.parameter_plane import parameter_plane
+from solver.boundary.separatrix_folds import deep_system
 from solver.region_map import RegionMap
 from studies import load
 from workbench.branches.equilibria import ends_problem
@@ -122,11 +125,26 @@ def test_scaling_the_stiffness_and_the_loads_leaves_the_curves() -> None:
     np.testing.assert_allclose(cusps(found), cusps(small().folds) * [2, 1, 1], rtol=1e-9)
 
 
+# a rod of twenty radii whose stable equilibria vanish where its start has the height of a saddle: the level is 1e-6
+# above it, and less
+LONG = Case(Rod(1.07e4, 0.25, 0.25, 20.0), CASE.cylinder, Ends("30deg", "50deg", M3=8.0))
+
+
+def test_a_fold_of_a_stable_equilibrium_next_to_a_separatrix_is_exact() -> None:
+    plane = parameter_plane(LONG, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
+    begun = deep_system(plane, 1.2, np.array([0.1848, 0.0]), 9e-4, 1)
+    assert begun is not None
+    system, x = begun
+    point = system.corrected(x, np.array([0.0, 0.0, 1.0]), 0.0)
+    assert point is not None
+    assert plane.values(point.shares)[0] == pytest.approx(4.01108567, abs=1e-8)
+    toward = 1e-8 * point.more / np.linalg.norm(point.more)
+    fewer, more = (census(plane.problems(point.shares + sign * toward)).indices for sign in (-1, 1))
+    assert more - fewer == {0: 1, 1: 1}
+
+
 def beside_a_separatrix(**ranges: tuple[float, float]) -> FoldCurves:
-    """A rod of twenty radii whose stable equilibria vanish where its start has the height of a saddle: the level is
-    1e-6 above it, and less."""
-    case = Case(Rod(1.07e4, 0.25, 0.25, 20.0), CASE.cylinder, Ends("30deg", "50deg", M3=8.0))
-    return fold_curves(case, lattice=2, **ranges)
+    return fold_curves(LONG, lattice=2, **ranges)
 
 
 def assert_exact(folds: FoldCurves) -> None:
@@ -136,6 +154,7 @@ def assert_exact(folds: FoldCurves) -> None:
         assert sorted([*fewer, curve.lower, curve.lower + 1]) == more
 
 
+@pytest.mark.slow
 def test_folds_next_to_a_separatrix_are_exact() -> None:
     folds = beside_a_separatrix(FZ=(4.0, 4.06), MZ=(-0.2, 0.2))
     assert sorted((curve.kind, curve.lower) for curve in folds.curves) == [("fold", 0), ("fold", 1), ("fold", 2)]
