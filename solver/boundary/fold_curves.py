@@ -188,7 +188,7 @@ def _told(searched: Searched, curve: Curve) -> FoldCurve:
 def _remark(searched: Searched) -> str:
     """Where the curves may be incomplete, or nothing."""
     said = []
-    stopped = sum("stopped" in curve.ends or "left" in curve.ends for curve in searched.curves)
+    stopped = sum("stopped" in curve.ends for curve in searched.curves)
     if stopped:
         said.append(f"{stopped} of {len(searched.curves)} curves could not be followed to the border")
     if searched.open_lines:

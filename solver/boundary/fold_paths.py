@@ -40,7 +40,7 @@ def _ahead(system: CurveSystem, seed: CurvePoint, lower: int) -> tuple[list[Trac
         if taken is None:
             break
         system, seed = taken
-    return found, end
+    return found, STOPPED if end == LEFT else end
 
 
 def _turned(trace: Trace) -> Trace:

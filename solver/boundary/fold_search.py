@@ -7,7 +7,6 @@ import numpy as np
 
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array, Booleans
-from .census import Census
 from .curve_crossings import Pieces, joined_pieces
 from .fold_paths import whole_curve
 from .fold_seeds import Counted, Seed, seed_between, unexplained
@@ -117,8 +116,3 @@ def _edges(ticks: Array) -> list[tuple[Array, Array]]:
         return float(np.abs(line[0] + line[1] - 1).max() < 1 - 1e-9)
 
     return sorted(lines, key=inner)
-
-
-def census_at(searched: Searched, shares: Array) -> Census:
-    """The census of one point."""
-    return searched.counted.at(shares)

@@ -11,7 +11,7 @@ from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fol
 from solver.boundary.census import census
 from solver.boundary.fold_curves import FoldCurve, FoldCurves
 from solver.boundary.parameter_plane import parameter_plane
-from solver.boundary.separatrix_folds import deep_system
+from solver.boundary.separatrix_folds import UNIT, SeparatrixSystem
 from solver.region_map import RegionMap
 from studies import load
 from workbench.branches.equilibria import ends_problem
@@ -132,12 +132,10 @@ LONG = Case(Rod(1.07e4, 0.25, 0.25, 20.0), CASE.cylinder, Ends("30deg", "50deg",
 
 def test_a_fold_of_a_stable_equilibrium_next_to_a_separatrix_is_exact() -> None:
     plane = parameter_plane(LONG, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
-    begun = deep_system(plane, 1.2, np.array([0.1848, 0.0]), 9e-4, 1)
-    assert begun is not None
-    system, x = begun
-    point = system.corrected(x, np.array([0.0, 0.0, 1.0]), 0.0)
+    system = SeparatrixSystem(plane, "fold", 1.0, saddle=2.65, end="start", sign=-1.0, leaving=1, turns=1, weight=1)
+    point = system.corrected(np.array([-17 / UNIT, 0.18, 0.0]), np.array([0.0, 0.0, 1.0]), 0.0)
     assert point is not None
-    assert plane.values(point.shares)[0] == pytest.approx(4.01108567, abs=1e-8)
+    assert point.x[0] * UNIT == pytest.approx(-17.44, abs=0.01)  # log of the gap
     toward = 1e-8 * point.more / np.linalg.norm(point.more)
     fewer, more = (census(plane.problems(point.shares + sign * toward)).indices for sign in (-1, 1))
     assert more - fewer == {0: 1, 1: 1}
