@@ -6,7 +6,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from .fold_system import expansion, is_deep, reach_of, turns_at
-from .parameter_plane import ParameterPlane
+from .parameter_plane import MARGIN, ParameterPlane
 
 FOLD, PITCHFORK = "fold", "pitchfork"
 _ROUNDS = 8
@@ -62,6 +62,8 @@ class CurveSystem:
         """The point of the curve near x at which row . x = value; None where Newton's rule does not converge."""
         x, first = x.copy(), np.inf
         for _ in range(_ROUNDS):
+            if np.abs(x[1:3] - 0.5).max() > 0.5 + MARGIN:
+                return None
             values, rates, bend, more = self.equations(x)
             matrix, off = np.vstack([rates, row]), np.append(values, row @ x - value)
             if not np.isfinite(matrix).all() or not np.isfinite(off).all():
@@ -106,6 +108,8 @@ class FoldSystem(CurveSystem):
         """The cusp of a fold curve near x."""
         x = x.copy()
         for _ in range(_ROUNDS):
+            if np.abs(x[1:3] - 0.5).max() > 0.5 + MARGIN:
+                return None
             v, shares = float(x[0]) * self.scale, x[1:3]
             found = expansion(self.plane, v, shares, reach_of(self.plane, v, shares))
             a, p = found.along * self.scale ** np.arange(4), found.across * self.scale ** np.arange(4)

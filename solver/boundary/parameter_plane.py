@@ -28,10 +28,13 @@ class ParameterPlane:
     names: tuple[str, str]
     low: Array
     high: Array
+    closed: bool = False  # whether values beyond the ranges are invalid, so that their ends stand for them
 
     def values(self, shares: Array) -> Array:
         """The values of the fields at shares (..., 2), (..., 2)."""
-        return np.asarray(self.low + (self.high - self.low) * np.asarray(shares, dtype=float))
+        shares = np.asarray(shares, dtype=float)
+        shares = np.clip(shares, 0, 1) if self.closed else shares
+        return np.asarray(self.low + (self.high - self.low) * shares)
 
     def shares(self, values: Array) -> Array:
         """The shares of values (..., 2), (..., 2)."""
@@ -82,6 +85,10 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
     ends = np.array([_range(name, ranges[name]) for name in (first, second)])
     plane = ParameterPlane(case, (first, second), ends[:, 0], ends[:, 1])
     corners = np.array([[u, w] for u in (-MARGIN, 0.5, 1 + MARGIN) for w in (-MARGIN, 0.5, 1 + MARGIN)])
+    try:
+        plane.case_at(corners)
+    except InputError:
+        plane = replace(plane, closed=True)
     try:
         rates = field_rates(plane.case_at(corners), plane.names)
     except InputError as refusal:

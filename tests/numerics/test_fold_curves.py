@@ -216,6 +216,12 @@ def test_what_has_no_map_is_refused_with_one_sentence(why: str) -> None:
     assert "\n" not in str(refused.value)
 
 
+def test_a_range_may_end_where_the_values_become_invalid() -> None:
+    tube = Case(Rod(1.07e4, 0.25, 0.25, 3.0, inner_radius=0.1), CASE.cylinder, Ends(0.5, 0.8, FZ=-50))
+    plane = parameter_plane(tube, {"inner_radius": (0.0, 0.2), "L": (1.5, 3.5)})
+    assert plane.values(np.array([-1e-5, 0.5])).tolist() == [0.0, 2.5]
+
+
 def test_a_grid_of_cases_is_refused() -> None:
     grid = Case(ROD, CASE.cylinder, Ends(0.5, 0.8, FZ=[1.0, 2.0]))
     with pytest.raises(InputError, match="one case, got a grid of shape"):
