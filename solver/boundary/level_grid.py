@@ -4,6 +4,9 @@ The lowest level is the height of G at an end, or at a saddle between the ends; 
 the rest. Next to each of these heights the grid is even in log gap, as the transit times are smooth in it; between two
 heights the grids from either side meet in the middle. So the sign of an orbit's length less the rod's, compared from
 point to point, shows every level where the two are equal.
+
+Where G is almost level without a critical point (a shelf: H' = 0 and H small), an orbit that turns there stays long. So
+the length has a narrow peak about the height of the shelf. The grid there is even in the log of the distance from it.
 """
 
 from dataclasses import dataclass, replace
@@ -22,6 +25,7 @@ from .transit_times import repeated as repeated
 
 _ON = 1e-110  # an end this near to a saddle lies on it
 _ROUNDING = 4e-16  # of H, in units of the size of G
+_SCAN = np.linspace(-np.pi, np.pi, 181)  # H' is a sum of harmonics up to the fourth
 _LOWEST = -575.0  # log of the smallest gap that a float can hold with what is made of it
 
 
@@ -101,6 +105,8 @@ def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelG
     falls = np.maximum(falls, height[:, None])
     features = [_features(problem, p, angles, (blank.low, blank.high), k > 0 or not at_end)
                 for k, p in enumerate(pins)]  # fmt: skip
+    angle, size = _shelves(problem)
+    gaps = [np.array([-fall(problem, p, b, k > 0 or not at_end) for b in angle]) for k, p in enumerate(pins)]
     width = np.diff(height)
     tops = [np.log(w / 2) for w in width]
     if blank.whole_turns > 0 or blank.high != blank.low:
@@ -109,11 +115,12 @@ def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelG
     lowest = min([*tops, *(f for some in features for f in some)])
     deepest = max(_LOWEST, lowest - (80 if at_end else 40))
     boundary = replace(blank, pins=pins, falls=falls, deepest=deepest)
-    return boundary, _levels_between(tops, features, deepest, step, len(groups), at_end)
+    shelves = [[_beside(sign * gap, size, step) for sign in (1, -1)] for gap in gaps]
+    return boundary, _levels_between(tops, features, shelves, deepest, step, len(groups), at_end)
 
 
 def _levels_between(
-    tops: list[float], features: list[Any], deepest: float, step: float, groups: int, at_end: bool
+    tops: list[float], features: list[Any], shelves: list[Any], deepest: float, step: float, groups: int, at_end: bool
 ) -> LevelGrid:
     """The levels from the lowest, past the heights of the saddles, to the highest."""
     rows: list[tuple[Any, ...]] = []
@@ -124,13 +131,13 @@ def _levels_between(
     here = np.array([deepest])
     for k, top in enumerate(tops):
         add(k, 1.0, here, True)
-        up = grid_levels(top, features[k], deepest, step)[::-1]
+        up = grid_levels(top, features[k], shelves[k][0], deepest, step)[::-1]
         if at_end and k == 0:  # next to rest the times are linear in beta_t at that end
             law = min([top, *features[0]]) - 36
             up = up[(up == deepest) | (up >= law)]
         add(k, 1.0, up)
         if k < groups:
-            add(k + 1, -1.0, grid_levels(top, features[k + 1], deepest, step)[1:])
+            add(k + 1, -1.0, grid_levels(top, features[k + 1], shelves[k + 1][1], deepest, step)[1:])
     if len(tops) == groups and groups:
         add(groups, -1.0, here, True)
     if not rows:  # no level joins the ends but a helix's own
@@ -140,11 +147,11 @@ def _levels_between(
     return LevelGrid(Levels(pin, sign, y), place, at_end)
 
 
-def grid_levels(top: float, features: Array, deepest: float, step: float) -> Array:
+def grid_levels(top: float, features: Array, shelves: Array, deepest: float, step: float) -> Array:
     """Values of log gap from `top` down to `deepest`.
 
     They are dense below the top and about the `features`, where the transit times change their law, and sparse between,
-    where the times are linear in log gap.
+    where the times are linear in log gap. shelves: values beside shelves (`_beside`).
     """
     parts = [top - np.arange(0, 8, step), np.arange(top - 8, deepest, -8 * step), np.array([deepest])]
     parts += [f + np.arange(-8, 5, 2 * step) for f in np.unique(np.round(features))]
@@ -156,7 +163,36 @@ def grid_levels(top: float, features: Array, deepest: float, step: float) -> Arr
             kept.append(k)
     y = y[kept]
     y[-1] = deepest
+    if shelves.size:
+        y = np.unique(np.concatenate([y, shelves[(shelves < top) & (shelves > deepest)]]))[::-1]
     return y
+
+
+def _shelves(problem: EndsProblem) -> tuple[Array, Array]:
+    """Angles at which G falls or rises least between two of its bends (H' = 0, H H'' > 0), and the half heights of the
+    stretches about them in which G is almost level."""
+    rate = slope_rate(problem, _SCAN)
+    k = np.flatnonzero(rate[:-1] * rate[1:] <= 0)
+    at = (_SCAN[k] + _SCAN[k + 1]) / 2
+    for _ in range(4):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = slope_rate(problem, at) / slope_higher_rates(problem, at)[0]
+        at = np.clip(np.where(np.isfinite(step), at - step, at), _SCAN[k], _SCAN[k + 1])
+    second, _ = slope_higher_rates(problem, at)
+    H = slope(problem, at)
+    shelf = H * second > 0
+    H, second = H[shelf], second[shelf]
+    return at[shelf], 2 * np.abs(H) * np.sqrt(6 * np.abs(H / second))
+
+
+def _beside(gap: Array, size: Array, step: float) -> Array:
+    """Values of log gap on both sides of the shelves whose peak is narrower than the grid; gap: above the pin."""
+    out = [np.empty(0)]
+    for one, w in zip(gap, size, strict=True):
+        if 0 < w < step * one:
+            off = w / 8 * np.exp(np.arange(0.0, np.log(8 * step * one / w), 2 * step))
+            out.append(np.log(np.concatenate([[one], one - off, one + off])))
+    return np.concatenate(out)
 
 
 def floor_of(blank: Boundary, angles: Array, saddles: Array) -> tuple[float, bool]:
