@@ -215,22 +215,24 @@ def reference_orbit(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[
     return assembled(problem, arcs, panels)
 
 
-def relative_orbit(problem: StartProblem, n: int, cutting: Cutting) -> Orbit:
+def relative_orbit(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, Array] | None = None) -> Orbit:
     """The orbits of B start problems whose series of beta count from the angles of their pieces.
 
     Next to such an angle beta then has relative accuracy. The series of alpha, z and the swirl have no meaning.
-    n: nodes of a panel.
+    n: nodes of a panel. pin: as in `arcs.arcs_of`.
     """
     if available():
-        found = core.orbits(core.numbers_of(problem), None, grid(), n, cutting._replace(relative=True))
+        found = core.orbits(core.numbers_of(problem), pin, grid(), n, cutting._replace(relative=True))
         if found is not None:
             return orbit_of(problem, found)
-    return reference_relative_orbit(problem, n, cutting)
+    return reference_relative_orbit(problem, n, cutting, pin)
 
 
-def reference_relative_orbit(problem: StartProblem, n: int, cutting: Cutting) -> Orbit:
+def reference_relative_orbit(
+    problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, Array] | None = None
+) -> Orbit:
     """The same without the core."""
-    arcs = arcs_of(problem)
+    arcs = arcs_of(problem, pin)
     plain = replace(arcs, pieces=replace(arcs.pieces, base=np.zeros_like(arcs.pieces.base)))
     panels = panelled(problem, plain, basis(n), cutting.length, cutting.goal, stretch=cutting.stretch)
     return replace(assembled(problem, plain, panels), arcs=arcs)

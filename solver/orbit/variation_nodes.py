@@ -80,23 +80,32 @@ def _about(
 
 
 def _heights(orbit: Orbit, origin: Array, D: Array) -> Array:
-    """-(G_q(o) - G_q(o*))/2 of each panel, (P, 3), o* the critical point to which the orbit comes closest.
+    """`height_rates` of each panel from the point of its orbit's `nearest`, (P, 3); D as there."""
+    return height_rates(origin, origin[nearest(orbit, D)[orbit.panels.arc // 2]])
+
+
+def nearest(orbit: Orbit, D: Array) -> Integers:
+    """The panel of each orbit whose critical point the orbit comes closest to, (B,).
 
     D: (P,), the least beta_t^2 + c H^2 of each panel.
     """
-    B, b = orbit.problem.size, orbit.panels.arc // 2
+    b = orbit.panels.arc // 2
     order = np.lexsort((D, b))
-    first = np.searchsorted(b[order], np.arange(B))
-    nearest = origin[order[np.minimum(first, order.size - 1)]][b]
+    first = np.searchsorted(b[order], np.arange(orbit.problem.size))
+    return np.asarray(order[np.minimum(first, order.size - 1)])
+
+
+def height_rates(angle: Array, other: Array) -> Array:
+    """-(G_q(angle) - G_q(other))/2 for q = lam, mu, phi, (P, 3)."""
     # products, so that points that are mirror images have exactly the same height where the load cannot tell them apart
-    half, mean = (origin - nearest) / 2, (origin + nearest) / 2
+    half, mean = (angle - other) / 2, (angle + other) / 2
     sin_half = np.sin(half)
     by_lam, by_mu, by_phi = (
         2 * np.cos(mean) * sin_half,
         np.cos(2 * mean) * np.sin(2 * half),
         -2 * np.sin(mean) * sin_half,
     )
-    return np.where((origin == nearest)[:, None], 0.0, np.stack([-by_lam, by_mu, -by_phi], axis=1))
+    return np.where((angle == other)[:, None], 0.0, np.stack([-by_lam, by_mu, -by_phi], axis=1))
 
 
 def _rates(v: Array, H: Array, c: Array, rate: Array, shift: Array, gamma: Array, H_q: Array, plain: Array) -> Array:

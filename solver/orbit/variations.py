@@ -33,7 +33,7 @@ from .panels import running
 from .periodic_orbit import Orbit, assembled, relative_orbit
 from .phase import unfolded
 from .pieces import LIBRATION
-from .variation_nodes import PAIRS, Nodes, jumps, state_at_nodes
+from .variation_nodes import PAIRS, Nodes, jumps, nearest, state_at_nodes
 
 POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
 
@@ -107,6 +107,12 @@ class Variations:
     def start(self) -> Place:
         """The places at the starts of the rods, (B,) each."""
         return self.at(np.zeros((self.orbit.problem.size, 1))).take((slice(None), 0))
+
+    @property
+    def nearest(self) -> Array:
+        """The angles, with whole turns, of the critical points from whose heights the level counts, (B,)."""
+        D = (self.nodes.v**2 + self.nodes.c[:, None] * self.nodes.H**2).min(axis=1)
+        return np.asarray(self.base[nearest(self.orbit, D)])
 
     def beta(self, t: Array) -> Array:
         """beta at t (B, n)."""
