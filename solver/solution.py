@@ -12,7 +12,8 @@ from .mechanics import frames, statics
 from .mechanics.contact import contact_force, push_from
 from .mechanics.potential import Loads, dimensional_slope, potential
 from .numerics.arrays import Array
-from .problem.case import Case
+from .problem.case import PAIRS, Case
+from .problem.held_ends import held_of, loads_of
 from .problem.reduced import EndsProblem, StartProblem, flat
 from .problem.shown import table_of
 from .problem.trajectory import Trajectory
@@ -81,8 +82,40 @@ class Solution:
     def _loads(self) -> tuple[Array, Array, Array, Array]:
         """A, l = MZ/A, m = M3/A and p = FZ/A, (*cases, 1) each."""
         A = self._column(self.case.rod.bending_stiffness)
-        FZ, MZ, M3 = (self._column(load) for load in self.case.loads)
+        FZ, MZ, M3 = (self._column(load) for load in self.loads)
         return A, MZ / A, M3 / A, FZ / A
+
+    @cached_property
+    @_quiet
+    def loads(self) -> tuple[Any, Any, Any]:
+        """FZ [force], MZ and M3 [force length]: those of the case, or found where displacements are held."""
+        held = held_of(self.case)
+        if not held:
+            return self.case.loads
+        assert isinstance(self.problem, EndsProblem)
+        A, rho, given = self.case.rod.bending_stiffness, self.case.rho, self.case.given
+        found = loads_of(self.problem, A, rho, self.case.shape)
+        shown = (np.where(self.trajectory.solved, value, np.nan).reshape(self.case.shape)[()] for value in found)
+        own = (getattr(given, name) for name in ("FZ", "MZ", "M3"))
+        one, two, three = (value if known is None else known for known, value in zip(own, shown, strict=True))
+        return one, two, three
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """The names of what the ends of the case hold in place of loads and angles; empty under dead loads."""
+        return held_of(self.case)
+
+    @cached_property
+    def reactions(self) -> dict[str, Any]:
+        """What holds the ends: the found partner of each held value, by name, (*cases) each; empty under dead loads."""
+        partner = {other: own for own, other in PAIRS}
+        return {partner[name]: self._end_value(partner[name]) for name in self.held}
+
+    def _end_value(self, name: str) -> Any:
+        """A load, or the angle at an end, (*cases)."""
+        if name in ("beta0", "betaL"):
+            return self._each(np.where(self.trajectory.solved, getattr(self.problem, name), np.nan))
+        return getattr(self, name)
 
     @cached_property
     @_quiet
@@ -125,7 +158,7 @@ class Solution:
     @_quiet
     def gamma(self) -> Array:
         """Rotation of the section against the frame N, B, T, (*cases, n) [rad]; eq. (24), row 6."""
-        twist = self._column(self.case.loads[2] / self.case.rod.torsional_stiffness)
+        twist = self._column(self.loads[2] / self.case.rod.torsional_stiffness)
         return self._column(self.case.given.gamma) + twist * self.s - self._along(self.trajectory.swirl())
 
     @cached_property
@@ -231,19 +264,19 @@ class Solution:
     @_quiet
     def FZ(self) -> Any:
         """Axial force, (*cases) [force]; eq. (26)."""
-        return self._each(flat(self.case.loads[0], self.case.shape))
+        return self._each(flat(self.loads[0], self.case.shape))
 
     @cached_property
     @_quiet
     def MZ(self) -> Any:
         """Axial moment, (*cases) [force length]; eq. (29)."""
-        return self._each(flat(self.case.loads[1], self.case.shape))
+        return self._each(flat(self.loads[1], self.case.shape))
 
     @cached_property
     @_quiet
     def M3(self) -> Any:
         """Twisting moment, (*cases) [force length]."""
-        return self._each(flat(self.case.loads[2], self.case.shape))
+        return self._each(flat(self.loads[2], self.case.shape))
 
     @property
     def outcome(self) -> Any:
@@ -263,6 +296,21 @@ class Solution:
         """
         found = self.trajectory.selection
         return self._each(np.full(self.case.size, None, dtype=object) if found is None else found)
+
+    @property
+    def held_index(self) -> Any:
+        """Morse index under held ends, (*cases) of floats; NaN where it is not decided, and under dead loads.
+
+        The observable ``index`` is that under dead loads, between the end angles of the solution.
+        """
+        index = self.trajectory.held_index
+        return self._each(np.full(self.case.size, np.nan) if index is None else index)
+
+    @property
+    def begun(self) -> Any:
+        """Of held ends, from which equilibrium the continuation to them began, (*cases) of sentences; else None."""
+        begun = self.trajectory.begun
+        return self._each(np.full(self.case.size, None, dtype=object) if begun is None else begun)
 
     @property
     def error(self) -> Any:
@@ -287,14 +335,16 @@ class Solution:
         """The derivatives with respect to fields of the case, along the rod and of observables.
 
         They are exact derivatives of the solution, computed from its orbit and not from differences. Of an ends problem
-        they are those along its branch: beta(0), beta(L) and the dead loads are held, and beta'(0) follows.
+        they are those along its branch: what the case gives of each pair (beta(0) or M10, FZ or height, ...) is held,
+        and beta'(0) and the rest follow.
 
         Parameters
         ----------
         fields : iterable of str
             Names of numeric fields of the case: ``E``, ``nu``, ``a``, ``L``, ``R``; of a start problem ``beta0``,
             ``dbeta0``, ``F2``, ``F3`` and whichever of ``F1``, ``dgamma``, ``M3`` is given; of an ends problem
-            ``beta0``, ``betaL``, ``FZ``, ``MZ``, ``M3``; ``alpha0`` and ``gamma0``.
+            whichever is given of ``beta0`` and ``M10``, ``betaL`` and ``M1L``, ``FZ`` and ``height``, ``MZ`` and
+            ``azimuth``, ``M3`` and ``rotation``; ``alpha0`` and ``gamma0``.
         observables : iterable of str
             Names of observables, as of `observe`. The derivative of a whole number is 0.
 

@@ -8,7 +8,8 @@ import numpy as np
 from .boundary.selection import NEAREST, Choose, checked
 from .numerics.arrays import Array
 from .problem.case import Case
-from .problem.errors import InputError
+from .problem.errors import InputError, choices
+from .problem.held_ends import HeldProblem, held_of, reduce_held
 from .problem.limits import OUT_OF_RANGE, TOO_LARGE, dimensionless, ordinary, representable, units_held
 from .problem.reduced import EndsProblem, Reduced, StartProblem, flat, reduce
 from .problem.tolerance import DEFAULT_TOLERANCE, checked_tolerance
@@ -43,7 +44,8 @@ def solve(
         The number of stations, at equal steps of s; or their values of s [length], rising within [0, L].
     seed : float, array or Solution, optional
         For an ends problem, which of its equilibria: the one with beta'(0) near this value [rad/length], or the one
-        that continues from this solution.
+        that continues from this solution. For held ends a solution. Default for held ends: the nearest equilibrium
+        under dead loads, carried to them; `Solution.begun` says which.
     choose : {"nearest", "lowest"} or int
         For an ends problem without a seed, which of its equilibria. "nearest": of the stable ones (of all, if none is
         stable) the one whose beta leaves the interval between its end angles least. "lowest": the one of
@@ -74,6 +76,8 @@ def solve(
     from .methods.automatic import chosen_method  # only a call of `solve` loads the methods
 
     tol = checked_tolerance(tol)
+    if held_of(case):
+        return _held(case, tol, chosen_method("ends", method, knobs), stations, seed, checked(choose))
     problem = reduce(case)
     one = chosen_method(problem.kind, method, knobs)
     t = _stations(case, problem, stations)
@@ -88,6 +92,32 @@ def solve(
     else:
         which = {}
     return Solution(case, problem, _run(case, problem, one, t, tol, which), t, one.name, tol)
+
+
+def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose: Choose) -> Solution:
+    """The solution of a case with held ends, under the dead loads that are found."""
+    from .boundary.held_equilibrium import each_held
+
+    names = choices(held_of(case))
+    if method.name != "shooting":
+        raise InputError(f"method {method.name!r} needs dead loads and end angles, got {names}; choose shooting")
+    if choose != NEAREST:
+        raise InputError(
+            f"choose = {choose!r} selects among the equilibria under dead loads, got {names}; give a solution as seed"
+        )
+    if seed is not None and not isinstance(seed, Solution):
+        raise InputError(
+            f"seed of a case with {names} must be a Solution, got {seed!r}: beta'(0) leaves its loads open"
+        )
+    problem = reduce_held(case)
+    start = None if seed is None else _seed(case, problem, seed)
+    t = _stations(case, problem, stations)
+    with np.errstate(all="ignore"):
+        fit = np.asarray(np.isfinite(t)).all(axis=1, keepdims=True)
+        told, found = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, start)
+        for fine, why in ((representable(case, found), OUT_OF_RANGE), (units_held(case), OUT_OF_RANGE)):
+            told = blanked(told, fine, why)
+    return Solution(case, found, told, t, method.name, tol)
 
 
 def _run(
@@ -113,7 +143,7 @@ def _run(
     return told
 
 
-def _stations(case: Case, problem: Reduced, stations: Any) -> Array:
+def _stations(case: Case, problem: Reduced | HeldProblem, stations: Any) -> Array:
     """The stations in units of rho, (B, n)."""
     if isinstance(stations, (int, np.integer)) and not isinstance(stations, bool):
         if not 2 <= stations <= 10_000_000:
@@ -144,7 +174,7 @@ def _equal_steps(stations: int) -> Array:
     return steps
 
 
-def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:
+def _seed(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
     """A seed in units of rho, from beta'(0) [rad/length] or from a solution."""
     if isinstance(seed, Solution):
         if seed.case.shape not in ((), case.shape):
@@ -161,6 +191,7 @@ def _seed(case: Case, problem: Reduced, seed: Any) -> Seed:
         raise InputError(f"seed must be beta'(0) or a Solution, got {seed!r}") from None
     from .methods import OrbitQuadrature
 
+    assert not isinstance(problem, HeldProblem)
     start = problem.started(slope)
     u = np.linspace(0, 1, 2001)
     beta = OrbitQuadrature().run(start, start.span[:, None] * u, 1e-8).beta

@@ -121,6 +121,11 @@ class Base(BaseModel):
     FZ: float | None = None
     MZ: float | None = None
     M3: float | None = None
+    height: float | None = None
+    azimuth: Angle | None = None
+    rotation: Angle | None = None
+    M10: float | None = None
+    M1L: float | None = None
 
     @property
     def given(self) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from pydantic import BaseModel, Field, PrivateAttr, ValidationInfo, field_valida
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.observe.observables import OBSERVABLES
-from solver.problem.case import from_fields
+from solver.problem.case import PAIRS, from_fields
 from solver.problem.errors import choices
 from solver.problem.quantities import unit_of
 from solver.problem.rod import DIRECT
@@ -164,6 +164,9 @@ class Study(BaseModel):
         if self.equilibrium is not None and (self.reading or self.kind is Start):
             why = "equilibrium selects a solution of an ends problem; it excludes a reading and a start problem"
             raise Misplaced(why, "equilibrium")
+        if self.equilibrium is not None and self.held:
+            why = f"equilibrium selects among the equilibria under dead loads, got {choices(self.held)}"
+            raise Misplaced(why, "equilibrium")
         return self
 
     @model_validator(mode="after")
@@ -237,6 +240,18 @@ class Study(BaseModel):
         return Ends if said & (set(ENDS) - set(START)) else Start
 
     @property
+    def held(self) -> tuple[str, ...]:
+        """The given fields of Ends that replace a dead load or an end angle."""
+        said = {*self.base.given, *self.varied}
+        return tuple(partner for _, partner in PAIRS if partner in said)
+
+    @property
+    def reactions(self) -> tuple[str, ...]:
+        """What is stored of held ends besides the loads: the index, and the end angles that are found."""
+        angles = [own for own, partner in PAIRS[:2] if partner in self.held]
+        return ("held_index", *angles) if self.held else ()
+
+    @property
     def fields(self) -> tuple[str, ...]:
         """The names of the fields that base may hold."""
         if self.reading:
@@ -303,7 +318,8 @@ class Study(BaseModel):
         used = [name for law in self.laws for formula in law.formulas.values() for name in formula.names]
         stored = [name for name in used if name in OBSERVABLES]
         watched = [name for name in self.refine.watch if name != refine.OUTCOME] if self.refine else []
-        return list(dict.fromkeys([*self.observables, *self.expressions, *judged, *stored, *watched]))
+        every = dict.fromkeys([*self.observables, *self.expressions, *judged, *stored, *watched])
+        return [name for name in every if name not in self.held]  # a height that is held is a field
 
     @property
     def recorded(self) -> list[str]:

@@ -60,16 +60,19 @@ def together(found: list[Trajectory | str], t: Array) -> Trajectory:
     error, condition = np.full((2, t.shape[0]), np.inf)
     calls, outcome = np.zeros(t.shape[0], dtype=np.int64), np.full(t.shape[0], NO_EQUILIBRIUM, dtype=object)
     solved, taken = np.zeros(t.shape[0], dtype=bool), np.full(t.shape[0], None, dtype=object)
+    begun, held = np.full(t.shape[0], None, dtype=object), np.full(t.shape[0], np.nan)
     for i, one in enumerate(found):
         if isinstance(one, str):
             outcome[i] = one
             continue
         columns[:, i] = one.beta[0], one.dbeta[0], one.alpha[0], one.z[0]
         taken[i] = None if one.selection is None else one.selection[0]
+        begun[i] = None if one.begun is None else one.begun[0]
+        held[i] = np.nan if one.held_index is None else one.held_index[0]
         error[i], condition[i], calls[i] = one.error[0], one.condition[0], one.evaluations[0]
         solved[i], outcome[i] = one.solved[0], one.outcome[0]
     beta, dbeta, alpha, z = columns
-    told = solved, outcome, error, condition, calls, orbit, taken
+    told = solved, outcome, error, condition, calls, orbit, taken, begun, held
     return Trajectory(beta, dbeta, alpha, z, lambda: np.where(shown[:, None], orbit.swirl(t), np.nan), *told)
 
 
@@ -97,7 +100,7 @@ def _joined_orbits(orbits: list[Orbit]) -> Orbit:
 def _carried(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory | str:
     """The equilibrium of one problem on the branch of the seed, or the outcome that says why there is none."""
     assert seed.problem is not None
-    path = _path_of_seed(seed)
+    path = path_of_seed(seed)
     if path is None:
         return "failed: the seed is not a solution of its own ends problem"
     found = continued(seed.problem, path, problem)
@@ -109,7 +112,7 @@ def _carried(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajecto
     return equilibrium_trajectory(problem, orbit_of(problem, found), t, tol)
 
 
-def _path_of_seed(seed: Seed) -> Any:
+def path_of_seed(seed: Seed) -> Any:
     """The path of the seed's equilibrium; None if the seed is not an equilibrium."""
     assert seed.problem is not None
     if not np.isfinite(seed.beta[0]).all():

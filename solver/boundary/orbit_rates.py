@@ -13,6 +13,7 @@ column of g0 is large, by one common factor. Columns are scaled before the equat
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from ..orbit import helix_variations
 from ..orbit.periodic_orbit import Orbit, relative_orbit, solve_orbit
 from ..orbit.variation_nodes import height_rates, slopes_by_loads
 from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations, changed, variations_on
-from ..problem.reduced import EndsProblem
+from ..problem.reduced import EndsProblem, StartProblem
 from .branch_coordinates import LinePoint, Path
 from .saddle_panels import with_saddle_panels
 from .transit_times import STRETCH
@@ -53,6 +54,10 @@ class OrbitRates:
     def length(self) -> Array:
         """The lengths T at which the paths meet beta(L), (B,)."""
         return self.problem.span
+
+    def take(self, index: Any) -> "OrbitRates":
+        """The equilibria that an index array, a mask or a slice selects."""
+        return OrbitRates(self.problem.take(index), self.values[index], self.rows[index], self.by_span[index])
 
     def value(self, name: str) -> Array:
         """One of the `NUMBERS`, (B,)."""
@@ -225,23 +230,46 @@ def _steepening(problem: EndsProblem, saddle: float) -> Array:
     return np.asarray((by_loads + bend * moved) / steep)
 
 
-def varied_orbits(problem: EndsProblem, paths: list[Path], places: list[LinePoint]) -> tuple[Orbit, Variations]:
-    """The orbits of B equilibria that are no helices, and their variations."""
+def orbit_numbers(problem: EndsProblem, path: Path) -> tuple[Array, float]:
+    """The `NUMBERS` of one equilibrium that is no helix, (11,), without their rates; and the length of its path."""
+    place = LinePoint(problem)
+    with np.errstate(all="ignore"):
+        length = place.lengths([path])
+        if not np.isfinite(length[0]):
+            return np.full(len(NUMBERS), np.nan), np.nan
+        orbit, _, _ = _started(replace(problem, span=length), [path], [place])
+        _, v, alpha, z = (value[0] for value in orbit.at(length[:, None] * [0, 1]))
+        swirl = orbit.swirl(length[:, None])[0, 0]
+    ends = problem.beta0[0], problem.betaL[0], *v
+    loads = problem.lam[0], problem.mu[0], problem.phi[0]
+    return np.array([*ends, alpha[1], swirl, z[1], *loads, path.y]), float(length[0])
+
+
+def _started(
+    problem: EndsProblem, paths: list[Path], places: list[LinePoint]
+) -> tuple[Orbit, StartProblem, tuple[Array, ...]]:
+    """The orbits of B paths; the start problems without the time that a gap in floating point cannot express at a
+    saddle; and the pins, the gaps, and the log by which the gaps are too large, (B,) each."""
     deepest, y = np.array([place.blank.deepest for place in places]), np.array([path.y for path in paths])
     gap = np.array([path.sign for path in paths]) * np.exp(np.maximum(y, deepest))
-    pin, excess = (np.array([path.pin for path in paths]), gap), np.maximum(deepest - y, 0.0)
+    pin, excess = np.array([path.pin for path in paths]), np.maximum(deepest - y, 0.0)
     falls = np.array([place.fall(path.pin, place.start) for place, path in zip(places, paths, strict=True)])
     speed = np.array([path.leaving for path in paths]) * np.sqrt(np.maximum(gap + falls, 0.0))
     start = replace(problem.started(speed), beta0=np.array([place.start for place in places]))
-    brief = start.span.copy()  # without the time at saddles that a gap in floating point cannot express
+    brief = start.span.copy()
     for i in np.flatnonzero(excess):
         brief[i] = places[i].lengths([replace(paths[i], y=places[i].blank.deepest)])[0]
     start = replace(start, span=brief)
-    plain = solve_orbit(start, _TIGHT, pin, STRETCH)
-    relative = relative_orbit(start, POINTS, Cutting(LENGTH, GOAL, STRETCH), pin)
+    orbit = solve_orbit(start, _TIGHT, (pin, gap), STRETCH)
+    return with_saddle_panels(orbit, problem.span, gap, excess) if excess.any() else orbit, start, (pin, gap, excess)
+
+
+def varied_orbits(problem: EndsProblem, paths: list[Path], places: list[LinePoint]) -> tuple[Orbit, Variations]:
+    """The orbits of B equilibria that are no helices, and their variations."""
+    plain, start, (pin, gap, excess) = _started(problem, paths, places)
+    relative = relative_orbit(start, POINTS, Cutting(LENGTH, GOAL, STRETCH), (pin, gap))
     arcs = relative.arcs
     if excess.any():
         still = replace(arcs, pieces=replace(arcs.pieces, base=np.zeros_like(arcs.pieces.base)))
-        plain = with_saddle_panels(plain, problem.span, gap, excess)
         relative = with_saddle_panels(replace(relative, arcs=still), problem.span, gap, excess)
     return plain, variations_on(relative, arcs)

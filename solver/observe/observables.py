@@ -34,15 +34,16 @@ def turns(read: Reading) -> Any:
         sign = np.sign(sol.trajectory.dbeta)
         count = np.count_nonzero(sign[:, 1:] * sign[:, :-1] < 0, axis=1)
         return np.where(resolved(sol), np.where(_librates(read), count, 0), np.nan)
-    return np.where(_librates(read), orbit.turns - _just_turned(orbit), 0)
+    return np.where(_librates(read), _inner_turns(orbit), 0)
 
 
-def _just_turned(orbit: Any) -> Any:
-    """Whether the last turning point is the far end itself, to rounding, (B,); it is then not interior."""
+def _inner_turns(orbit: Any) -> Any:
+    """Turning points passed by the far end, (B,); one that is the far end itself, to rounding, is not interior."""
     span, half_period = orbit.problem.span, orbit.ahead + orbit.back
     phase = orbit.locate(span[:, None])
     since = np.where(phase.second[:, 0], orbit.back, orbit.ahead) - phase.local[:, 0]
-    return phase.mirrored[:, 0] & (since <= np.minimum(1e-12 * span, 1e-6 * half_period))
+    just = phase.mirrored[:, 0] & (since <= np.minimum(1e-12 * span, 1e-6 * half_period))
+    return np.where(just, np.minimum(orbit.turns, phase.turns[:, 0] - 1), orbit.turns)
 
 
 def _librates(read: Reading) -> Any:

@@ -20,6 +20,8 @@ from .shown import table_of
 
 SIDES = {"outside": 1.0, "inside": -1.0}  # the sign of rho - R, and of the contact force where the cylinder pushes
 TWISTS = ("F1", "dgamma", "M3")  # fields of Start: each alone determines the twisting moment
+# fields of Ends: one of each pair is given, the other one is then unknown
+PAIRS = (("beta0", "M10"), ("betaL", "M1L"), ("FZ", "height"), ("MZ", "azimuth"), ("M3", "rotation"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,43 +120,68 @@ class Start:
 
 @dataclass(frozen=True, eq=False)
 class Ends:
-    """An ends problem: the angle at both ends and the dead loads. A boundary value problem with many solutions.
+    """An ends problem: how both ends are held. A boundary value problem with many solutions.
 
-    An angle may also be text: "30deg", "pi/6".
+    One of each pair is given, and the other one is found: beta0 or M10, betaL or M1L, FZ or height, MZ or azimuth, M3
+    or rotation. A load that is neither given nor replaced is 0. An angle may also be text: "30deg", "pi/6".
 
     Parameters
     ----------
     beta0, betaL : float, str or array
         Angle from the axis of the cylinder to the tangent at s = 0 and at s = L [rad].
     FZ : float or array
-        Axial force, tension positive [force].
+        Axial force, a dead load, tension positive [force]. Default: 0.
     MZ, M3 : float or array
-        Axial moment and twisting moment [force length].
+        Axial moment and twisting moment, dead loads [force length]. Default: 0.
     alpha, gamma : float, str or array
         Azimuth, and rotation of the section, at s = 0 [rad].
+    height : float or array, optional
+        z(L) - z(0) [length], held instead of FZ.
+    azimuth : float, str or array, optional
+        alpha(L) - alpha(0) [rad], held instead of MZ.
+    rotation : float, str or array, optional
+        gamma(L) - gamma(0) [rad], held instead of M3.
+    M10, M1L : float or array, optional
+        Bending moment A beta' at s = 0 and at s = L [force length], given instead of the angle; 0: a hinge.
 
     Raises
     ------
     InputError
-        If a field is not a finite number or, for an angle, such a text.
+        If a field is not a finite number or, for an angle, such a text; if both of a pair are given, or neither an
+        end's angle nor its moment.
 
     Examples
     --------
     >>> from solver import Ends
     >>> Ends(beta0=0.5, betaL="pi/4", FZ=-8.66).FZ
     -8.66
+    >>> Ends(beta0=0.5, M1L=0.0, height=12.0).MZ
+    0.0
     """
 
-    beta0: Any
-    betaL: Any
-    FZ: Any = 0.0
-    MZ: Any = 0.0
-    M3: Any = 0.0
+    beta0: Any = None
+    betaL: Any = None
+    FZ: Any = None
+    MZ: Any = None
+    M3: Any = None
     alpha: Any = 0.0
     gamma: Any = 0.0
+    height: Any = None
+    azimuth: Any = None
+    rotation: Any = None
+    M10: Any = None
+    M1L: Any = None
 
     def __post_init__(self) -> None:
         check_numbers(self)
+        for own, partner in PAIRS:
+            one, other = getattr(self, own), getattr(self, partner)
+            if one is not None and other is not None:
+                raise InputError(f"Ends takes {own} or {partner}, got both: {own}={one}, {partner}={other}")
+            if one is None and other is None:
+                if own in ANGLES:
+                    raise InputError(f"Ends needs {own} or {partner}, got neither; {partner}=0 is a hinge")
+                object.__setattr__(self, own, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,11 +221,29 @@ class Case:
             tight = np.less_equal(self.cylinder.R, self.rod.a)
             rule = f"larger than Rod.a = {self.rod.a!s} for a rod inside"
             refuse("Cylinder", "R", np.broadcast_to(self.cylinder.R, np.shape(tight)), tight, rule)
+        self._check_reach()
         try:
             self.shape  # noqa: B018  (computed here so that a mismatch is refused when the case is made)
         except ValueError:
             shapes = {f"{type(o).__name__}.{f}": np.shape(v) for o, f, v in self._numeric() if np.ndim(v)}
             raise InputError(f"the fields of a Case must broadcast, got shapes {shapes}") from None
+
+    def _check_reach(self) -> None:
+        """Refuse a held end that no rod of this length reaches."""
+        given = self.given
+        if not isinstance(given, Ends):
+            return
+        L, rho = self.rod.L, self.rho
+        for name, bound, words in (("height", L, "L"), ("azimuth", L / rho, "L/rho")):
+            value = getattr(given, name)
+            if value is not None:
+                try:
+                    value, most = np.broadcast_arrays(value, bound)
+                except ValueError:
+                    continue  # the shapes are refused together
+                far = np.abs(value) > most
+                reach = np.min(np.atleast_1d(most)[np.atleast_1d(far)], initial=np.inf)
+                refuse("Ends", name, value, far, f"from -{words} to {words}, and {words} is {reach:.10g}")
 
     def _numeric(self) -> Iterator[tuple[Any, str, Any]]:
         """Part, name and value of each numeric field that is given."""
@@ -246,6 +291,11 @@ class Case:
         """
         given, rod, rho = self.given, self.rod, self.rho
         if isinstance(given, Ends):
+            if unknown := [own for own, _ in PAIRS[2:] if getattr(given, own) is None]:
+                raise InputError(
+                    f"{', '.join(unknown)} of held ends {'is' if len(unknown) == 1 else 'are'} "
+                    "known only of a solution: see Solution.FZ, MZ and M3"
+                )
             return given.FZ, given.MZ, given.M3
         A, s, c = rod.bending_stiffness, np.sin(given.beta), np.cos(given.beta)
         with np.errstate(all="ignore"):  # overflow is reported in the outcome of the case

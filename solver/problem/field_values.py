@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from .angles import FORMS, angle
 from .errors import InputError
 
-ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma")  # the fields that may be text, read by `angles.angle`
+# the fields that may be text, read by `angles.angle`
+ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma", "azimuth", "rotation")
 
 
 def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:

@@ -45,6 +45,10 @@ _ROWS = (
     Quantity("alpha0", "α₀", "rad", "azimuth of the start"),
     Quantity("gamma0", "γ₀", "rad", "rotation of the section at the start"),
     Quantity("betaL", "β(L)", "rad", "angle from the axis at the far end"),
+    Quantity("azimuth", "Δα", "rad", "azimuth from the start to the far end"),
+    Quantity("rotation", "Δγ", "rad", "rotation of the section from the start to the far end"),
+    Quantity("M10", "M₁(0)", _MOMENT, "bending moment at the start"),
+    Quantity("M1L", "M₁(L)", _MOMENT, "bending moment at the far end"),
     Quantity("dgamma", "γ₀′", "rad/length", "rate of rotation of the section at the start"),
     # along the rod
     Quantity("u", "s/L", _NUMBER, "share of the length"),
@@ -116,6 +120,7 @@ _ROWS = (
     Quantity("bending_energy", "bending energy", _MOMENT, "bending energy", estimated=True),
     Quantity("twist_energy", "twist energy", _MOMENT, "twist energy", estimated=True),
     Quantity("index", "index", _NUMBER, "Morse index (0: stable)"),
+    Quantity("held_index", "index", _NUMBER, "Morse index under held ends (0: stable)"),
     Quantity("sample", "sample", _NUMBER, "sample"),
     Quantity("branch", "branch", _NUMBER, "branch of equilibria (-1: not solved)"),
     # how well it was solved

@@ -30,6 +30,8 @@ class Trajectory:
     condition, evaluations: (B,).
     orbit: the periodic orbit if the method knows it (`orbit.periodic_orbit`), else None.
     selection: (B,) of `selection.Selection`, how each equilibrium was selected; None for a seed or a start problem.
+    begun: (B,) sentences, from which equilibrium the continuation to held ends began; None for other problems.
+    held_index: (B,) of floats, the Morse index under held ends; None for other problems.
     """
 
     beta: Array
@@ -44,6 +46,8 @@ class Trajectory:
     evaluations: NDArray[np.int64]
     orbit: Any = None
     selection: NDArray[np.object_] | None = None
+    begun: NDArray[np.object_] | None = None
+    held_index: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)

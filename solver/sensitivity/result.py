@@ -12,6 +12,7 @@ from ..problem.reduced import EndsProblem
 from ..problem.trajectory import SOLVED
 from ..solution import Solution
 from .along import along, of_rows
+from .held_rates import held_field_rates
 from .motions import motions
 from .observables import Moving, checked_observables, derivative_of, measured_of, why_missing
 
@@ -66,7 +67,7 @@ class Sensitivity:
 def sensitivity(sol: Solution, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
     """The derivatives of a solution; see `Solution.sensitivity`."""
     names, wanted = checked_fields(sol.case, fields), checked_observables(observables)
-    rates = field_rates(sol.case, names)
+    rates = held_field_rates(sol, names) if sol.held else field_rates(sol.case, names)
     B, n = sol.t.shape
     out = {name: np.full((B, len(names), n), np.nan) for name in _ALONG}
     outcome = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)

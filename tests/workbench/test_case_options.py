@@ -6,7 +6,7 @@ import pytest
 from typer.main import get_command
 
 from solver import Cylinder, Ends, Rod, Start
-from solver.problem.case import SIDES, STIFFNESS, TWISTS
+from solver.problem.case import PAIRS, SIDES, STIFFNESS, TWISTS
 from solver.problem.quantities import unit_of
 from solver.problem.rod import lacking
 from studies.axes import quantity_of
@@ -56,6 +56,9 @@ def test_the_default_is_that_of_the_solver(name: str) -> None:
     defaults = {field.default for part in declared()[name] for field in fields(part) if field.name == name}
     if name in TWISTS or name in SECTION:  # required in one way or another
         assert FIELDS[name].default is None
+    elif name in {field for pair in PAIRS for field in pair}:  # a load is 0 unless its displacement is held
+        assert defaults == {None}
+        assert FIELDS[name].default == (0.0 if name in ("FZ", "MZ") else None)
     else:
         assert defaults == {MISSING if FIELDS[name].default is None else FIELDS[name].default}
 

@@ -28,7 +28,7 @@ class CaseField:
     note
         A rule for the field.
     default
-        The value of an omitted field; None: the field is required, or one of F1, dgamma, M3 is.
+        The value of an omitted field; None: the field, or another one in its place, is required.
     choices
         The words that the field takes; empty for a number.
     """
@@ -80,6 +80,12 @@ FIELDS: dict[str, CaseField] = {
         CaseField("MZ", "axial moment", "force length", "ends", default=0.0),
         CaseField("M3", "twisting moment", "force length", "start or ends",
                   "a start needs one of F1, dgamma, M3; default for ends: 0"),
+        CaseField("height", "height of the far end, held", "length", "ends", "in place of FZ"),
+        CaseField("azimuth", "azimuth from the start to the far end, held", "rad", "ends", "in place of MZ"),
+        CaseField("rotation", "rotation of the section from the start to the far end, held", "rad", "ends",
+                  "in place of M3"),
+        CaseField("M10", "bending moment at the start, 0 for a hinge", "force length", "ends", "in place of beta0"),
+        CaseField("M1L", "bending moment at the far end, 0 for a hinge", "force length", "ends", "in place of betaL"),
         CaseField("alpha", "azimuth of the start", "rad", default=0.0),
         CaseField("gamma", "rotation of the section at the start", "rad", default=0.0),
     )

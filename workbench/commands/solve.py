@@ -33,7 +33,8 @@ def solve(
 
     The case comes from a TOML file, from Table 1 (--table1, --reading, or no option at all), or from options alone.
     Options alone need E, nu, a, L and R. A start problem also needs beta, dbeta and one of F1, dgamma and M3; an ends
-    problem also needs beta0 and betaL.
+    problem also needs beta0 and betaL, or M10 and M1L (0: a hinge) in their place; height, azimuth and rotation hold
+    the far end in place of FZ, MZ and M3. What holds the ends is found.
 
     An ends problem has many equilibria: --choose selects one, by default the stable equilibrium whose beta leaves the
     interval between its end angles least. The command equilibria lists all.
@@ -108,9 +109,25 @@ def _found(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, 
         "error": float(sol.error),
         "condition": float(sol.condition),
         "loads": {name: float(getattr(sol, name)) for name in LOADS},
+        "held": list(sol.held),
+        "reactions": {name: float(value) for name, value in sol.reactions.items()},
+        "begun": sol.begun or "",
+        "indices": _indices(sol),
         "observables": {name: np.asarray(value).item() for name, value in seen.items()},
         "along": {name: getattr(sol, name).tolist() for name in level.along},
     }
+
+
+def _indices(sol: "Solution") -> dict[str, int]:
+    """The Morse index under held ends and under dead loads; empty unless both are decided."""
+    import math
+
+    from solver.observe.observables import observe
+
+    if not sol.held or not sol.solved or not math.isfinite(sol.held_index):
+        return {}
+    dead = float(observe(sol, ["index"])["index"])
+    return {"held ends": int(sol.held_index)} | ({"dead loads": int(dead)} if math.isfinite(dead) else {})
 
 
 def _print(found: dict[str, Any]) -> None:
@@ -126,7 +143,7 @@ def _print(found: dict[str, Any]) -> None:
         row = None if isinstance(value, str) else quantity_of(name)
         rows.append([name, value, _unit(row.name, found) if row else "", row.long_name if row else ""])
     console.print_table(["given", "value", "unit", ""], rows)
-    results = {**found["loads"], **found["observables"]}
+    results = {**found["loads"], **found["reactions"], **found["observables"]}
     console.say("")
     console.print_table(
         ["found", "value", "unit", ""],
@@ -139,6 +156,10 @@ def _print(found: dict[str, Any]) -> None:
     )
     if found["which"]:
         console.say(found["which"])
+    if found["begun"]:
+        console.say(f"held: {', '.join(found['held'])}; continued from {found['begun']}")
+    if found["indices"]:
+        console.say("index " + ", ".join(f"{index} under {loading}" for loading, index in found["indices"].items()))
     if found["caution"]:
         console.say(f"caution: {found['caution']}")
 

@@ -66,6 +66,7 @@ def stored(study: Study, over: Dimensions) -> list[Stored]:
         "error",
         "condition",
         *(load for load in LOADS if load not in varied),
+        *study.reactions,
     ):
         rows.append(Stored(name, name, axes, name))
     return rows

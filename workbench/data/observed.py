@@ -8,13 +8,20 @@ from solver.problem.errors import InputError, choices, near
 
 from . import schema
 
-NOT_OBSERVED = ("rho", "condition", "FZ", "MZ", "M3", "dbeta0", "level")  # numbers of each case, not observables
+NOT_OBSERVED = ("rho", "condition", "dbeta0", "level")  # numbers of each case, not observables
+FOUND = ("FZ", "MZ", "M3", "beta0", "betaL")  # observables where they are found of held ends
+HELD_INDEX = "held_index"  # stored of held ends alone
 
 
 def observables(ds: xr.Dataset) -> list[str]:
     """The observables that are stored for each case, in the order of the file; of a sweep, its branches too."""
     names = [str(name) for name in ds.data_vars if _is_number_of_each_case(ds, str(name))]
-    return [name for name in names if not name.endswith("error") and name not in NOT_OBSERVED]
+    return [name for name in names if not name.endswith("error") and name not in NOT_OBSERVED and _is_told(ds, name)]
+
+
+def _is_told(ds: xr.Dataset, name: str) -> bool:
+    """Whether a load or an end angle is found of held ends, and differs from case to case; True for other names."""
+    return name not in FOUND or (HELD_INDEX in ds.data_vars and bool(ds[name].max() > ds[name].min()))
 
 
 def is_count(ds: xr.Dataset, name: str) -> bool:

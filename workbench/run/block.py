@@ -116,6 +116,8 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
     found["caution"] = np.asarray(caution).reshape(-1)
     for name in ("error", "condition", *(name for name in LOADS if name not in study.varied)):
         found[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)
+    for name in study.reactions:
+        found[name] = np.asarray(sol.held_index if name == "held_index" else sol.reactions[name], float).reshape(-1)
     return found
 
 
@@ -129,7 +131,7 @@ def _remarked(outcomes: NDArray[Any], remarks: NDArray[Any]) -> NDArray[Any]:
 def unsolved(study: Study, cases: int, outcome: str) -> Columns:
     """The columns of cases that were not solved, with that outcome."""
     found = {name: np.full((cases, study.stations, *inner_shape(name)), np.nan) for name in study.outputs}
-    for name in (*study.recorded, *(name for name in LOADS if name not in study.varied)):
+    for name in (*study.recorded, *study.reactions, *(name for name in LOADS if name not in study.varied)):
         found[name] = np.full(cases, np.nan)
     found |= {name: np.full(cases, np.inf) for name in ("error", "condition")}
     found |= {"branch": np.full(cases, NONE)} if study.sweeps else {}

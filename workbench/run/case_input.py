@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
-from solver.problem.case import TWISTS, from_fields
+from solver.problem.case import PAIRS, TWISTS, from_fields
 from solver.problem.errors import choices, no_such
 from solver.problem.rod import DIRECT, ELASTIC, lacking
 from studies import Study, load
@@ -131,11 +131,15 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
     assumed = {f.name: f.default for f in known if f.name not in values and f.default is not None}
     if rod.EI is not None:
         assumed.pop("stiffness", None)  # a factor of E, which this rod does not have
+    if isinstance(given, Ends):
+        loads = {own: 0.0 for own, partner in PAIRS[2:] if own not in values and partner not in values}
+        assumed = {f.name: {**assumed, **loads}[f.name] for f in known if f.name in {**assumed, **loads}}
     return Case(rod, cylinder, given), assumed
 
 
 def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
-    """The case with some fields replaced; a new F1, dgamma or M3 of a start replaces the other two.
+    """The case with some fields replaced; a new F1, dgamma or M3 of a start replaces the other two, a new
+    load or end angle what is held in its place, and the other way round.
 
     New EI and GJ replace E, nu and inner_radius, and the other way round.
 
@@ -152,6 +156,8 @@ def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
             _check_known(kind, left)
             if kind is Start and any(name in changes for name in TWISTS):
                 own |= dict.fromkeys(TWISTS)
+            for pair in PAIRS if kind is Ends else ():
+                own |= dict.fromkeys(pair) if any(name in changes for name in pair) else {}
             parts.append(from_fields(kind, {**{k: v for k, v in own.items() if v is not None}, **left}))
             break
         parts.append(from_fields(kind, {**own, **{name: left.pop(name) for name in own if name in left}}))
@@ -188,6 +194,8 @@ def _problem(values: Mapping[str, Any]) -> type:
 def _check_complete(problem: type, known: list[Field[Any]], values: Mapping[str, Any], advice: str) -> None:
     missing = lacking([f.name for f in fields(Rod) if f.name in values])
     missing += [f.name for f in known if f.default is MISSING and f.name not in values]
+    if problem is Ends:
+        missing += [own for own, partner in PAIRS[:2] if own not in values and partner not in values]
     if problem is Start and not any(name in values for name in TWISTS):
         missing.append(f"one of {choices(TWISTS)}")
     if missing:

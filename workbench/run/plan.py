@@ -8,7 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from solver import Case, Ends
+from solver import Case, Ends, InputError
+from solver.problem.errors import choices
 from solver.problem.tolerance import checked_tolerance
 from studies import Study
 from studies.axes import Axis
@@ -134,6 +135,8 @@ def plan(study: Study, tol: float | None = None, method: str | None = None) -> P
         first = Case(first.rod, first.cylinder, Ends(0.0, 0.0))
     tol = checked_tolerance(study.tol if tol is None else tol)
     name = chosen_method(first.kind, study.method if method is None else method).name
+    if study.held and name != "shooting":
+        raise InputError(f"method {name!r} needs dead loads and end angles, got {choices(study.held)}; choose shooting")
     return Plan(study.model_copy(update={"tol": tol, "method": name}), dimensions)
 
 
@@ -146,14 +149,16 @@ def first_of(plan: Plan) -> str:
     row = zip(spine.coordinates.items(), cell, strict=True)
     at = ", ".join(sweep.told(name, float(values[i])) for (name, values), i in row)
     which = plan.study.equilibrium
-    how = first.selection or (f"taken: the one next to beta'(0) = {which.dbeta0:g}" if which else first.outcome)
+    begun = f"continued from {first.begun}" if first.begun else ""
+    near = f"taken: the one next to beta'(0) = {which.dbeta0:g}" if which else first.outcome
+    how = first.selection or begun or near
     return f"the first case, {at}: {how}"
 
 
 def bytes_a_case(study: Study) -> int:
     """Bytes of a case in memory and, at most, in the file."""
     along = sum(math.prod(inner_shape(name)) for name in study.outputs) * study.stations
-    return 8 * (along + len(study.recorded) + 2 + len(LOADS)) + TEXT_BYTES
+    return 8 * (along + len(study.recorded) + 2 + len(LOADS) + len(study.reactions)) + TEXT_BYTES
 
 
 def bytes_of_file(plan: Plan) -> int:

@@ -150,7 +150,7 @@ def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str
     light = replace(sol, trajectory=replace(sol.trajectory, swirl=_not_kept))
     if not sol.solved:
         return State(light, NONE, False)
-    here = float(observe(light, ["index"])["index"]) == 0
+    here = float(sol.held_index if sol.held else observe(light, ["index"])["index"]) == 0
     if stable and not here:
         remark = LOST
     return State(light, branch, here if stable is None else stable, remark)

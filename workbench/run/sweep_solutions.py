@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Solution, solve
-from solver.problem.reduced import flat, reduce
+from solver.problem.reduced import EndsProblem, flat
 from solver.problem.trajectory import Trajectory
 from studies import Study
 
 from .sweep import State, state_of
 
+_HELD = ("begun", "held_index")  # of a trajectory between held ends
 _DENSE = 2001  # stations of the seed of a method that knows the rod at stations only
 
 
@@ -44,7 +45,11 @@ def together(case: Case, found: list[Solution]) -> Solution:
     columns: dict[str, Any] = {name: np.concatenate([getattr(one.trajectory, name) for one in found]) for name in names}
     swirl = np.concatenate([one.trajectory.swirl() for one in found])
     t = np.concatenate([one.t for one in found])
-    return Solution(case, reduce(case), Trajectory(**columns, swirl=lambda: swirl), t, found[0].method, found[0].tol)
+    if found[0].held:
+        columns |= {name: np.concatenate([getattr(one.trajectory, name) for one in found]) for name in _HELD}
+    rows = [vars(one.problem) for one in found]
+    problem = EndsProblem(**{name: np.concatenate([row[name] for row in rows]) for name in rows[0]})
+    return Solution(case, problem, Trajectory(**columns, swirl=lambda: swirl), t, found[0].method, found[0].tol)
 
 
 def single(case: Case, i: int) -> Case:
@@ -63,7 +68,8 @@ def _nothing(state: State, stations: Any) -> Solution:
     t = _times(sol, stations)
     nothing = np.full(t.shape, np.nan)
     judged = was.solved, was.outcome, was.error, was.condition, was.evaluations
-    answer = Trajectory(nothing, nothing, nothing, nothing, lambda: nothing, *judged)
+    known = {name: getattr(was, name) for name in _HELD}
+    answer = Trajectory(nothing, nothing, nothing, nothing, lambda: nothing, *judged, **known)
     return replace(sol, trajectory=answer, t=t)
 
 
@@ -81,4 +87,6 @@ def read(sol: Solution, stations: Any) -> Solution:
     orbit: Any = was.orbit
     beta, dbeta, alpha, z = orbit.at(t)
     judged = was.solved, was.outcome, was.error, was.condition, was.evaluations
-    return replace(sol, trajectory=Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *judged, orbit), t=t)
+    known = {name: getattr(was, name) for name in _HELD}
+    told = Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *judged, orbit, **known)
+    return replace(sol, trajectory=told, t=t)

@@ -1,0 +1,120 @@
+"""Continuation of one equilibrium while the numbers that its ends hold change, through folds under dead loads."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..problem.reduced import EndsProblem
+from .branch_coordinates import LinePoint, Path, charts, coordinate
+from .held_system import DIVERGED, FREE, LEFT, Given, State, corrected, orientation, predicted, stepped
+from .orbit_rates import orbit_rates
+
+_MOST_STEPS = 400
+_SHORTEST = 1e-6  # share of the line below which a step is abandoned
+_REACH = 0.25  # largest size of a predicted change
+_ROUGH = 1e-7  # size of the last correction of a state before the last one
+_EASY = 1e-2  # length of a step above which only the best coordinate is tried
+_SMALL = 0.03  # size of a step
+_GOOD = 0.05  # size of the corrections of a good prediction, over that of the step
+_FAR = 0.1  # share of the line over which a helix is passed
+FOLD = "a fold of the problem with held ends"
+
+
+@dataclass(frozen=True)
+class Stopped:
+    """Why a branch could not be followed, the share of the line that was covered, and the last state."""
+
+    share: float
+    reason: str
+    state: State
+
+
+def state_of(problem: EndsProblem, path: Path) -> State:
+    """The state of an equilibrium under dead loads."""
+    return State(problem, path, orbit_rates(problem, [path]))
+
+
+def carried(state: State, wanted: Given, most_steps: int = _MOST_STEPS) -> State | Stopped:
+    """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion."""
+    first, share, step = wanted.at(state), 0.0, 1.0
+    reason, before = LEFT, (0.0, state)
+    for _ in range(most_steps):
+        if share >= 1:
+            return state
+        step = min(step, 1 - share)
+        found = _advanced(state, first, wanted, share, step)
+        if isinstance(found, str) or (found[1] < _EASY and share > before[0]):
+            leap = _past_a_helix(before, (share, state), first, wanted)
+            found = found if leap is None else leap
+        if isinstance(found, str):
+            reason, step = found, step / 3
+            if step < _SHORTEST:
+                return Stopped(share, FOLD if reason == DIVERGED else reason, state)
+            continue
+        before = share, state
+        state, taken = found
+        share = 1.0 if taken >= 1 - share else share + taken
+        step = 3 * taken
+    return Stopped(share, f"the limit of {most_steps} steps", state)
+
+
+def _crossed(before: State, after: State, given: Given, size: float) -> bool:
+    """Whether a step of some size may have led to another branch: the equations change their orientation.
+
+    A branching point that is passed along a branch changes it too; there the prediction of a small step is good.
+    """
+    turned = orientation(before.rates, given) * orientation(after.rates, given) < 0
+    return turned and (size > _SMALL or after.corrected > _GOOD * size)
+
+
+def _past_a_helix(
+    before: tuple[float, State], here: tuple[float, State], first: Given, wanted: Given
+) -> tuple[State, float] | None:
+    """The state beyond a helix that a branch passes, and the step taken, from two states before it.
+
+    On a helix no path has a level: beta_t falls to zero along the whole rod and grows again with the other sign.
+    """
+    (share_0, one), (share_1, two) = before, here
+    v_0, v_1 = (state.rates.values[0, 2:4] for state in (one, two))
+    if share_1 <= share_0 or two.path.helix or not (np.abs(v_1) < 0.9 * np.abs(v_0)).all() or (v_0 * v_1 < 0).any():
+        return None
+    zero = share_1 + (share_1 - share_0) * float(v_1[0] / (v_0[0] - v_1[0]))
+    share = 2 * zero - share_1
+    if not share_1 < share < 1 or share - share_1 > _FAR:
+        return None
+    along = (share - share_1) / (share_1 - share_0)
+    guess = {name: getattr(two.problem, name) + along * (getattr(two.problem, name) - getattr(one.problem, name))
+             for name in (*FREE, "span")}  # fmt: skip
+    problem, v = EndsProblem(**guess), float(v_1[0] + along * (v_1[0] - v_0[0]))
+    place = LinePoint(problem)
+    path = Path(place.start, 1.0, 2 * float(np.log(abs(v))), -two.path.leaving, two.path.turns)
+    ahead = first.towards(wanted, share)
+    for chart in charts(place, path):
+        found = corrected(problem, ahead, chart, coordinate(chart), _ROUGH)
+        if not isinstance(found, str):
+            return found, share - share_1
+    return None
+
+
+def _advanced(state: State, first: Given, wanted: Given, share: float, step: float) -> tuple[State, float] | str:
+    """The state after at most one step, and the step taken; else why the step failed in the best coordinate."""
+    reason = ""
+    for chart in charts(LinePoint(state.problem), state.path):
+        here, ahead = first.towards(wanted, share), first.towards(wanted, share + step)
+        change, dx, size = predicted(state, chart, here, ahead)
+        factor = 1.0
+        if not np.isfinite(size):
+            reason = reason or DIVERGED
+        else:
+            if size > _REACH:
+                factor = _REACH / size
+                ahead = first.towards(wanted, share + factor * step)
+            guess = stepped(state.problem, ahead, change, factor)
+            goal = 0.0 if ahead is wanted else _ROUGH
+            found = corrected(guess, ahead, chart, coordinate(chart) + factor * dx, goal)
+            if not isinstance(found, str) and not _crossed(state, found, given=wanted, size=factor * size):
+                return found, factor * step
+            reason = reason or (found if isinstance(found, str) else DIVERGED)
+        if step > _EASY:
+            break
+    return reason

@@ -1,0 +1,93 @@
+"""Ends problems in which displacements are held instead of loads, or end moments are given instead of end angles.
+
+Each dead load has a displacement that does its work: FZ the height, MZ the azimuth, M3 the rotation, and the bending
+moment M1 at an end the angle there. An ends problem takes one of each pair; the other one is an unknown.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from .case import PAIRS, Case, Ends
+from .reduced import EndsProblem, flat
+
+# The number (`boundary.orbit_rates`, and the rotation "turn") that each field of Ends fixes, in the order of PAIRS.
+NUMBER_OF = {
+    "beta0": "beta0", "M10": "dbeta0", "betaL": "betaL", "M1L": "dbetaL",
+    "FZ": "phi", "height": "z", "MZ": "lam", "azimuth": "alpha", "M3": "mu", "rotation": "turn",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class HeldProblem:
+    """B ends problems, each with five given numbers.
+
+    given: the names of the five fields, one of each of `PAIRS`. values: (B, 5), the numbers of `NUMBER_OF` that they
+    fix: angles, beta_t = M1 rho/A, phi, z/rho, lam, azimuth, mu, rotation. span: L/rho, (B,). ratio: A/C, (B,).
+    """
+
+    given: tuple[str, ...]
+    values: Array
+    span: Array
+    ratio: Array
+
+    @property
+    def size(self) -> int:
+        """The number of problems."""
+        return self.span.size
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """The names of the five numbers."""
+        return tuple(NUMBER_OF[name] for name in self.given)
+
+    def take(self, index: Any) -> "HeldProblem":
+        """The problems that an index array, a mask or a slice selects."""
+        return HeldProblem(self.given, self.values[index], self.span[index], self.ratio[index])
+
+    def known(self, number: str) -> Array | None:
+        """The given values of a number, (B,); None where it is unknown."""
+        return self.values[:, self.numbers.index(number)] if number in self.numbers else None
+
+
+def held_of(case: Case) -> tuple[str, ...]:
+    """The fields of a case that replace a dead load or an end angle; empty for dead loads and for a start problem."""
+    if not isinstance(case.given, Ends):
+        return ()
+    return tuple(partner for _, partner in PAIRS if getattr(case.given, partner) is not None)
+
+
+def reduce_held(case: Case) -> HeldProblem:
+    """The dimensionless numbers of a case with Ends."""
+    g, A, rho = case.given, case.rod.bending_stiffness, case.rho
+    assert isinstance(g, Ends)
+    with np.errstate(all="ignore"):  # overflow is reported in the outcome
+        factor = {
+            "M10": rho / A, "M1L": rho / A, "FZ": rho * rho / A, "MZ": rho / A, "M3": rho / A, "height": 1 / rho,
+        }  # fmt: skip
+        given = tuple(own if getattr(g, own) is not None else partner for own, partner in PAIRS)
+        columns = [flat(getattr(g, name) * factor.get(name, 1.0), case.shape) for name in given]
+        span, ratio = flat(case.rod.L / rho, case.shape), flat(case.rod.stiffness_ratio, case.shape)
+    return HeldProblem(given, np.stack(columns, axis=1), span, ratio)
+
+
+def under_dead_loads(case: Case, problem: EndsProblem) -> Case:
+    """The same rods under the dead loads and between the end angles of `problem`, which must be finite."""
+    g, A, rho = case.given, case.rod.bending_stiffness, case.rho
+    assert isinstance(g, Ends)
+    found = {
+        "beta0": problem.beta0, "betaL": problem.betaL,
+        **dict(zip(("FZ", "MZ", "M3"), loads_of(problem, A, rho, case.shape), strict=True)),
+    }  # fmt: skip
+    plain = {name: np.reshape(value, case.shape)[()] for name, value in found.items()}
+    kept = {own: getattr(g, own) if getattr(g, own) is not None else plain[own] for own, _ in PAIRS}
+    return replace(case, given=Ends(**kept, alpha=g.alpha, gamma=g.gamma))
+
+
+def loads_of(problem: EndsProblem, A: Any, rho: Any, shape: tuple[int, ...]) -> tuple[Array, Array, Array]:
+    """FZ, MZ and M3 of B problems, (B,) each."""
+    A, rho = flat(A, shape), flat(rho, shape)
+    with np.errstate(all="ignore"):
+        return problem.phi * A / rho / rho, problem.lam * A / rho, problem.mu * A / rho

@@ -1,0 +1,79 @@
+"""How the dimensionless numbers of a solution between held ends answer a change of each field of its case.
+
+What is given answers directly; the loads and the end angles that are found follow from the equations of the equilibrium
+(`boundary.held_system`).
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..boundary.branch_coordinates import path_of
+from ..boundary.held_system import Given, answer
+from ..boundary.orbit_rates import NUMBERS, orbit_rates
+from ..numerics.arrays import Array
+from ..problem.case import Ends
+from ..problem.field_rates import FieldRates, field_rates
+from ..problem.held_ends import reduce_held, under_dead_loads
+from ..problem.reduced import EndsProblem, flat
+from ..solution import Solution
+
+_HELD = ("height", "azimuth", "rotation", "M10", "M1L")
+
+
+def held_field_rates(sol: Solution, fields: Sequence[str]) -> FieldRates:
+    """The derivatives of the numbers of a solved case with held ends with respect to fields of the case."""
+    case, problem = sol.case, sol.problem
+    assert isinstance(problem, EndsProblem)
+    held, dead = reduce_held(case), under_dead_loads(case, problem)
+    plain = [name for name in fields if name not in _HELD]
+    base = _widened(field_rates(dead, plain), plain, fields, case.size)
+    values = _values(sol, base, fields, held.numbers)
+    found = {name: np.full((case.size, len(fields)), np.nan) for name in ("lam", "mu", "phi", "beta0", "betaL")}
+    orbit = sol.trajectory.orbit
+    for i in np.flatnonzero(sol.trajectory.solved):
+        path, one = path_of(orbit.path, int(i)), problem.take(slice(i, i + 1))
+        given = Given.of(held.take(slice(i, i + 1)))
+        change = answer(orbit_rates(one, [path]), given, values[i], base.span[i])
+        for name, value in found.items():
+            value[i] = change[NUMBERS.index(name)]
+    lam, mu, phi, beta0, end = found.values()
+    return replace(base, lam=lam, mu=mu, phi=phi, beta0=beta0, end=end)
+
+
+def _widened(rates: FieldRates, own: Sequence[str], fields: Sequence[str], size: int) -> FieldRates:
+    """The rates by `fields`, 0 for those that are not among `own`."""
+    columns = {}
+    for name, value in vars(rates).items():
+        if name != "fields":
+            columns[name] = np.zeros((size, len(fields)))
+            columns[name][:, [list(fields).index(one) for one in own]] = value
+    return FieldRates(tuple(fields), **columns)
+
+
+def _values(sol: Solution, base: FieldRates, fields: Sequence[str], numbers: tuple[str, ...]) -> Array:
+    """The derivatives of the five given numbers, (B, 5, F)."""
+    case, problem = sol.case, sol.problem
+    given, shape = case.given, case.shape
+    assert isinstance(given, Ends)
+    A, rho = (flat(value, shape)[:, None] for value in (case.rod.bending_stiffness, case.rho))
+
+    def by(name: str) -> Array:
+        return np.array(fields) == name
+
+    def own(name: str) -> Array:
+        return flat(getattr(given, name), shape)[:, None]
+
+    def moment(name: str) -> Array:
+        return by(name) * rho / A + own(name) * (base.rho - rho / A * base.A) / A
+
+    rules = {
+        "beta0": lambda: base.beta0, "betaL": lambda: base.end,
+        "phi": lambda: base.phi, "lam": lambda: base.lam, "mu": lambda: base.mu,
+        "z": lambda: by("height") / rho - own("height") / rho**2 * base.rho,
+        "alpha": lambda: by("azimuth") + 0 * rho,
+        "turn": lambda: by("rotation") - (problem.mu * problem.span)[:, None] * base.ratio,
+        "dbeta0": lambda: moment("M10"), "dbetaL": lambda: moment("M1L"),
+    }  # fmt: skip
+    return np.stack([np.broadcast_to(rules[name](), base.rho.shape) for name in numbers], axis=1)

@@ -1,0 +1,290 @@
+"""Ends held in position: reactions, uniqueness of the answer, hinges, the Morse index, and what is refused."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+
+from solver import Case, Cylinder, Ends, InputError, Rod, Solution, equilibria, observe, solve
+from solver.boundary.branch_coordinates import path_of
+from solver.boundary.held_index import held_index
+from solver.boundary.orbit_rates import orbit_rates
+from solver.boundary.path_orbits import orbit_of
+from solver.mechanics.potential import slope_rate
+from solver.problem.case import PAIRS
+from solver.problem.field_rates import fields_of
+from solver.problem.reduced import EndsProblem, reduce
+from tests.cases import in_units_of_rho, table_1
+
+TABLE = table_1("force-first", "tension", "paper")
+SHORT, DRUM = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(0.75)
+
+
+def displacements(sol: Solution) -> dict[str, float]:
+    return {
+        "height": float(sol.z[-1] - sol.z[0]), "azimuth": float(sol.alpha[-1] - sol.alpha[0]),
+        "rotation": float(sol.gamma[-1] - sol.gamma[0]),
+    }  # fmt: skip
+
+
+def test_table_1_with_a_lowered_end_has_the_known_reactions() -> None:
+    """FZ/A, MZ/A, M3/A and beta'(0) of the physics notes, computed apart with marched orbits and a root finder."""
+    start = solve(TABLE)
+    ends = displacements(start)
+    assert ends == pytest.approx({"height": 7.07512262, "azimuth": -0.21572730, "rotation": 61.3785078}, rel=1e-8)
+    ends["height"] -= 0.3
+    held = Ends(beta0=TABLE.given.beta, betaL=float(start.beta[-1]), **ends)
+    found = solve(replace(TABLE, given=held), seed=start)
+    A = TABLE.rod.bending_stiffness
+    assert found.outcome == "solved"
+    assert found.begun == "the seed"
+    assert pytest.approx([0.756046552, 2.711074293, 2.530586040], abs=1e-9) == [
+        found.FZ / A,
+        found.MZ / A,
+        found.M3 / A,
+    ]
+    assert found.dbeta[0] == pytest.approx(0.707198662, abs=1e-9)
+    assert list(found.reactions) == ["FZ", "MZ", "M3"]
+    assert displacements(found) == pytest.approx(ends, abs=1e-12)
+
+
+def test_the_solution_is_that_under_its_reactions() -> None:
+    held = Ends(beta0=0.5, M1L=0.0, height=3.0, azimuth=1.0)
+    found = solve(Case(SHORT, DRUM, held))
+    loads = {name: found.reactions[name] for name in ("FZ", "MZ")}
+    dead = Case(SHORT, DRUM, Ends(beta0=0.5, betaL=found.reactions["betaL"], **loads))
+    again = solve(dead, seed=float(found.dbeta[0]))
+    assert again.beta == pytest.approx(found.beta, abs=1e-9)
+    assert (found.z[-1], found.alpha[-1]) == pytest.approx((3.0, 1.0), abs=1e-12)
+    assert found.dbeta[-1] == pytest.approx(0.0, abs=1e-10)
+
+
+def random_problem(rng: np.random.Generator) -> tuple[Any, Any]:
+    """A start problem and another one whose numbers differ from it by up to 5 %."""
+    numbers = [*rng.uniform(-1, 1, 3), rng.uniform(2, 12), rng.uniform(-1.5, 1.5), rng.uniform(-1, 1)]
+    other = [value * (1 + 0.05 * rng.uniform(-1, 1)) for value in numbers]
+    return in_units_of_rho(*numbers), in_units_of_rho(*other)
+
+
+def held_like(case: Case, sol: Solution, rng: np.random.Generator) -> Ends:
+    """The ends of a solution, of each pair one at random."""
+    every = values_of(sol, Ends(0, 0), every=True)
+    return Ends(**{name: every[name] for name in (pair[rng.integers(2)] for pair in PAIRS)})
+
+
+def check_return(seed: int, thorough: bool = False) -> str:
+    """Pose a known solution as a held problem, and solve it from a seed 5 % away: "back", "other" or why not.
+
+    thorough: where it is another solution, see that small steps lead to it, so that it is on the branch of the seed.
+    """
+    rng = np.random.default_rng(seed)
+    case, near = random_problem(rng)
+    known, start = solve(case, tol=1e-11), solve(near, tol=1e-11)
+    held = held_like(case, known, rng)
+    posed = Case(case.rod, case.cylinder, held)
+    found = solve(posed, seed=start)
+    if not found.solved:
+        assert found.outcome.startswith("failed: ")
+        return str(found.outcome)
+    given = values_of(found, held)
+    assert given == pytest.approx({name: getattr(held, name) for name in given}, abs=1e-8)
+    if np.abs(found.beta - known.beta).max() < 1e-8:
+        return "back"
+    if thorough:
+        assert stepwise(posed, start).beta == pytest.approx(found.beta, abs=1e-7), seed
+    return "other"
+
+
+def values_of(sol: Solution, held: Ends, every: bool = False) -> dict[str, float]:
+    """The values of a solution that these ends give, or all of them."""
+    A = sol.case.rod.bending_stiffness
+    values = {
+        "beta0": float(sol.beta[0]), "M10": float(A * sol.dbeta[0]), "betaL": float(sol.beta[-1]),
+        "M1L": float(A * sol.dbeta[-1]), "FZ": float(sol.FZ), "MZ": float(sol.MZ), "M3": float(sol.M3),
+        **displacements(sol),
+    }  # fmt: skip
+    return {name: value for name, value in values.items() if every or getattr(held, name) is not None}
+
+
+def stepwise(case: Case, start: Solution, steps: int = 40) -> Solution:
+    """The solution reached from a seed through problems in between."""
+    assert isinstance(case.given, Ends)
+    begin, seed = values_of(start, case.given), start
+    for share in np.linspace(0, 1, steps + 1)[1:]:
+        given = {name: (1 - share) * value + share * getattr(case.given, name) for name, value in begin.items()}
+        L = (1 - share) * start.case.rod.L + share * case.rod.L
+        seed = solve(Case(replace(case.rod, L=L), case.cylinder, Ends(**given)), seed=seed)
+    return seed
+
+
+@pytest.mark.parametrize("first", range(0, 30, 5))
+def test_random_held_problems_come_back_or_say_why_not(first: int) -> None:
+    told = [check_return(seed) for seed in range(first, first + 5)]
+    assert sum(one == "back" for one in told) >= 4, told
+
+
+@pytest.mark.slow
+def test_500_random_held_problems_come_back_or_say_why_not() -> None:
+    told = [check_return(seed, thorough=True) for seed in range(500)]
+    counts = {kind: sum(one == kind for one in told) for kind in ("back", "other")}
+    print(counts, sorted({one for one in told if one.startswith("failed")}))
+    assert counts["back"] >= 440  # the others: the seed lies beyond a fold of the problem, which another branch reaches
+
+
+@pytest.mark.parametrize("angle", (0.05, 0.8, 2.0))
+def test_hinged_at_both_ends_is_half_a_period_of_the_elastica(angle: float) -> None:
+    """On a nearly flat surface beta'' = -p sin(beta), and half a period is 2 K(sin(angle/2))/sqrt(p)."""
+    rod, flat = Rod(E=4 / np.pi, nu=0.25, a=1.0, L=10.0), Cylinder(1e5)  # A = 1
+    p = (2 * ellipk(np.sin(angle / 2) ** 2) / rod.L) ** 2
+    seed = solve(Case(rod, flat, Ends(beta0=0.95 * angle, betaL=-0.95 * angle, FZ=-p)), choose=0)
+    found = solve(Case(rod, flat, Ends(M10=0.0, M1L=0.0, FZ=-p)), seed=seed)
+    assert found.outcome == "solved"
+    assert found.reactions["beta0"] == pytest.approx(angle, rel=1e-7)
+    assert found.reactions["betaL"] == pytest.approx(-angle, rel=1e-7)
+    height = solve(Case(rod, flat, Ends(M10=0.0, M1L=0.0, height=float(found.z[-1]))), seed=seed)
+    assert height.reactions["FZ"] == pytest.approx(-p, rel=1e-8)
+
+
+def discrete_index(problem: EndsProblem, orbit: Any, names: tuple[str, ...], ratio: float, n: int = 240) -> int:
+    """Negative eigenvalues of the second variation on a mesh, under the constraints that the ends impose."""
+    span = float(problem.span[0])
+    h = span / n
+    beta = orbit.at(np.linspace(0, span, n + 1)[None])[0][0]
+    weight = np.full(n + 1, h)
+    weight[[0, -1]] = h / 2
+    matrix = np.diag(np.r_[1, np.full(n - 1, 2), 1] / h - slope_rate(problem, beta) * weight)
+    matrix -= (np.eye(n + 1, k=1) + np.eye(n + 1, k=-1)) / h
+    if "turn" in names:
+        row = np.cos(2 * beta) * weight
+        matrix += np.outer(row, row) / (ratio * span)
+    rows = [f(beta) * weight for name, f in (("z", np.sin), ("alpha", np.cos)) if name in names]
+    inner = slice(0 if "dbeta0" in names else 1, n + 1 if "dbetaL" in names else n)
+    matrix = matrix[inner, inner]
+    if rows:
+        q, _ = np.linalg.qr(np.array(rows)[:, inner].T, mode="complete")
+        free = q[:, len(rows) :]
+        matrix = free.T @ matrix @ free
+    return int((np.linalg.eigvalsh(matrix) < 0).sum())
+
+
+def test_a_hinged_end_keeps_index_and_bends_along_a_branch() -> None:
+    """A turning point at the hinge itself is no bend, whichever side of the end rounding puts it."""
+    seed, told = None, []
+    for height in (4.25, 4.0, 3.75, 3.5):
+        found = solve(Case(SHORT, DRUM, Ends("20deg", M1L=0.0, rotation="90deg", height=height)), seed=seed)
+        seen = observe(found, ["turns", "index"])
+        mesh = discrete_index(found.problem, found.trajectory.orbit, ("beta0", "dbetaL", "z", "lam", "turn"), 1.25)
+        assert found.held_index == mesh
+        told.append((int(seen["turns"]), int(seen["index"]), int(found.held_index)))
+        seed = found
+    assert len(set(told)) == 1, told
+
+
+KINDS = (
+    ("beta0", "betaL", "z", "alpha", "turn"),
+    ("beta0", "betaL", "z", "lam", "mu"),
+    ("beta0", "betaL", "phi", "lam", "turn"),
+    ("dbeta0", "betaL", "phi", "lam", "mu"),
+    ("dbeta0", "dbetaL", "phi", "lam", "mu"),
+    ("dbeta0", "dbetaL", "z", "alpha", "turn"),
+)
+
+
+def table_1_between_ends() -> Case:
+    sol = solve(TABLE)
+    FZ, MZ, M3 = TABLE.loads
+    return replace(TABLE, given=Ends(TABLE.given.beta, float(sol.beta[-1]), FZ, MZ, M3))
+
+
+def test_clamped_positions_lower_the_index_of_two_equilibria_of_table_1() -> None:
+    case = table_1_between_ends()
+    problem, found = reduce(case), equilibria(case)
+    assert isinstance(problem, EndsProblem)
+    dead, held, slopes = [], [], []
+    for one in found:
+        rates = orbit_rates(problem, [path_of(one.path, 0)])
+        dead.append(one.index)
+        slopes.append(one.dbeta0)
+        held.append(int(held_index(rates, np.array([1.25]), KINDS[0], np.array([one.index]))[0]))
+    changed = {(round(slope, 6), a, b) for slope, a, b in zip(slopes, dead, held, strict=True) if a != b}
+    assert changed == {(0.5, 6, 5), (0.217255, 5, 4)}
+
+
+@pytest.mark.parametrize("names", KINDS)
+def test_the_index_is_that_of_the_constrained_second_variation(names: tuple[str, ...]) -> None:
+    case = table_1_between_ends()
+    problem, found = reduce(case), equilibria(case)
+    assert isinstance(problem, EndsProblem)
+    for one in found[-2:]:
+        path = path_of(one.path, 0)
+        rates = orbit_rates(problem, [path])
+        mine = held_index(rates, np.array([1.25]), names, np.array([one.index]))[0]
+        assert mine == discrete_index(problem, orbit_of(problem, path), names, 1.25)
+
+
+@pytest.mark.parametrize("given", (
+    {"beta0": 0.5, "betaL": 0.2, "height": 4.0, "azimuth": 1.0, "rotation": 0.5},
+    {"beta0": 0.5, "M1L": 2.0, "height": 4.0, "M3": 3.0},
+    {"M10": -3.0, "betaL": 0.2, "FZ": -10.0, "rotation": 0.5},
+))  # fmt: skip
+def test_derivatives_by_every_field_agree_with_differences(given: dict[str, float]) -> None:
+    case = Case(SHORT, DRUM, Ends(**given))
+    sol = solve(case, stations=5, tol=1e-11)
+    fields = [name for name in fields_of(case) if name not in ("alpha0", "gamma0")]
+    found = sol.sensitivity(fields, ["energy"])
+    assert found.solved, found.outcome
+    for k, name in enumerate(fields):
+        size = 2e-5 * (max(1.0, case.rod.E) if name == "E" else 1.0)
+        up, down = (solve(moved(case, name, sign * size), tol=1e-11, stations=5, seed=sol) for sign in (1, -1))
+        for key in ("beta", "z", "alpha", "gamma"):
+            wanted = (getattr(up, key) - getattr(down, key)) / (2 * size)
+            assert getattr(found, key)[k] == pytest.approx(wanted, rel=1e-5, abs=1e-6), (name, key)
+        wanted = (observe(up, ["energy"])["energy"] - observe(down, ["energy"])["energy"]) / (2 * size)
+        assert found.observables["energy"][k] == pytest.approx(wanted, rel=1e-5, abs=1e-5), name
+
+
+def moved(case: Case, field: str, step: float) -> Case:
+    """The case with one field changed."""
+    for name in ("rod", "cylinder", "given"):
+        part = getattr(case, name)
+        if getattr(part, field, None) is not None:
+            return replace(case, **{name: replace(part, **{field: getattr(part, field) + step})})
+    raise AssertionError(field)
+
+
+@pytest.mark.parametrize(("given", "said"), (
+    ({"beta0": 0.5, "betaL": 0.5, "FZ": 1.0, "height": 2.0}, "FZ or height, got both: FZ=1.0, height=2.0"),
+    ({"beta0": 0.5, "M10": 0.0, "betaL": 0.5}, "beta0 or M10, got both"),
+    ({"beta0": 0.5}, "betaL or M1L, got neither; M1L=0 is a hinge"),
+    ({"beta0": 0.5, "betaL": 0.5, "M3": 0.0, "rotation": 1.0}, "M3 or rotation, got both"),
+))  # fmt: skip
+def test_both_or_neither_of_a_pair_is_refused(given: dict[str, float], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        Ends(**given)
+
+
+@pytest.mark.parametrize(("given", "said"), (
+    ({"height": 5.1}, "Ends.height must be from -L to L, and L is 5, got 5.1"),
+    ({"height": [1.0, -6.0]}, "got -6.0"),
+    ({"azimuth": -7.0}, "Ends.azimuth must be from -L/rho to L/rho, and L/rho is 5, got -7.0"),
+))  # fmt: skip
+def test_what_no_rod_reaches_is_refused_with_the_bound(given: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        Case(SHORT, DRUM, Ends(beta0=0.5, betaL=0.5, **given))
+
+
+@pytest.mark.parametrize(("options", "said"), (
+    ({"method": "difference"}, "method 'difference' needs dead loads and end angles, got height; choose shooting"),
+    ({"choose": "lowest"}, "choose = 'lowest' selects among the equilibria under dead loads, got height"),
+    ({"seed": 0.5}, "seed of a case with height must be a Solution, got 0.5"),
+))  # fmt: skip
+def test_options_of_dead_loads_are_refused(options: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        solve(Case(SHORT, DRUM, Ends(beta0=0.5, betaL=0.5, height=4.0)), **options)
+
+
+def test_loads_that_are_not_yet_known_are_refused_by_name() -> None:
+    with pytest.raises(InputError, match="FZ, M3 of held ends are known only of a solution"):
+        Case(SHORT, DRUM, Ends(beta0=0.5, betaL=0.5, height=4.0, rotation=1.0)).loads  # noqa: B018
