@@ -231,7 +231,7 @@ def _pace(state: State) -> float:
 
 
 def _from_hinge(state: State, wanted: Given) -> State:
-    """The state with its level measured from a start that is nearly at rest, where other levels leave half the digits."""
+    """The state with its level measured from a start that is nearly at rest: other levels leave half the digits."""
     speed = abs(float(state.rates.value("dbeta0")[0]))
     if "dbeta0" not in wanted.names or state.path.helix or speed > _SLOW * _pace(state):
         return state
