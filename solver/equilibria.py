@@ -9,7 +9,8 @@ from .boundary.paths import LevelPaths
 from .boundary.selection import NEAREST, Choose, select
 from .numerics.arrays import Array
 from .problem.case import Case, Ends
-from .problem.errors import InputError
+from .problem.errors import InputError, choices
+from .problem.held_ends import held_of
 from .problem.reduced import EndsProblem, reduce
 from .problem.shown import table_of
 from .problem.tolerance import DEFAULT_TOLERANCE
@@ -118,7 +119,7 @@ def equilibria(case: Case, tol: float = DEFAULT_TOLERANCE, stations: int = 201, 
     Raises
     ------
     InputError
-        For a start problem or a grid of cases.
+        For a start problem, a grid of cases, and held ends.
 
     Examples
     --------
@@ -134,6 +135,11 @@ def equilibria(case: Case, tol: float = DEFAULT_TOLERANCE, stations: int = 201, 
     from .observe.measurement import Reading
     from .observe.observables import OBSERVABLES
 
+    if held := held_of(case):
+        raise InputError(
+            f"equilibria lists those under dead loads and between two angles, got {choices(held)}; "
+            "solve finds one equilibrium of held ends, and a seed selects another one"
+        )
     problem = reduce(case)
     if not isinstance(problem, EndsProblem):
         raise InputError(f"equilibria needs a Case with Ends, got {type(case.given).__name__}")

@@ -6,7 +6,19 @@ import numpy as np
 
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import LinePoint, Path, charts, coordinate
-from .held_system import DIVERGED, FREE, LEFT, Given, State, corrected, orientation, predicted, stepped
+from .held_system import (
+    DIVERGED,
+    FREE,
+    LEFT,
+    Given,
+    State,
+    at_given_speeds,
+    corrected,
+    least_square,
+    orientation,
+    predicted,
+    stepped,
+)
 from .orbit_rates import orbit_rates
 
 _MOST_STEPS = 400
@@ -30,7 +42,13 @@ class Stopped:
 
 
 def state_of(problem: EndsProblem, path: Path) -> State:
-    """The state of an equilibrium under dead loads."""
+    """The state of an equilibrium under dead loads; an end that its orbit does not reach by rounding is moved."""
+    place = LinePoint(problem)
+    if not path.helix:
+        gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
+        ends = {"dbeta0": place.start, "dbetaL": place.end}
+        rest = tuple(name for name, angle in ends.items() if gap + place.fall(path.pin, angle) < least_square(problem))
+        problem = at_given_speeds(problem, place, path, Given(rest, np.zeros(len(rest)), 0.0, 0.0))
     return State(problem, path, orbit_rates(problem, [path]))
 
 

@@ -178,7 +178,7 @@ def at_given_speeds(problem: EndsProblem, place: LinePoint, path: Path, given: G
     Where the end is at rest, or nearly, other angles lie beyond a turning point, and no orbit would reach them.
     """
     gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
-    least = _LEAST * (1 + float(load_size(problem)[0]))
+    least = least_square(problem)
     new = {}
     for name, speed, first in (("beta0", "dbeta0", place.start), ("betaL", "dbetaL", place.end)):
         if speed not in given.names or path.pin == first:
@@ -193,6 +193,11 @@ def at_given_speeds(problem: EndsProblem, place: LinePoint, path: Path, given: G
         if abs(step) < _NEAR and abs(beta - first) < _NEAR:
             new[name] = getattr(problem, name) + (beta - first)
     return replace(problem, **new)
+
+
+def least_square(problem: EndsProblem) -> float:
+    """The least square of beta_t at an end that the rounding of its angle leaves positive."""
+    return _LEAST * (1 + float(load_size(problem)[0]))
 
 
 def values_of(numbers: Array, length: float, given: Given) -> Array:

@@ -6,6 +6,7 @@ from typing import Any
 
 from solver import Case, Ends, InputError, solve
 from solver.equilibria import Equilibrium
+from solver.problem.errors import choices
 from studies import Study
 
 from ..data import writing
@@ -25,6 +26,11 @@ def ends_problem(study: Study) -> Case:
     if study.dimensions().each:
         raise InputError(f"{study.name} has {study.variation}: equilibria takes one case")
     case = study.case()
+    if study.held:
+        raise InputError(
+            f"equilibria lists those under dead loads and between two angles, got {choices(study.held)}: "
+            "workbench solve finds one equilibrium of held ends"
+        )
     if isinstance(case.given, Ends):
         return case
     sol = solve(case, tol=1e-12, stations=2)

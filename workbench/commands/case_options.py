@@ -90,8 +90,9 @@ FIELDS: dict[str, CaseField] = {
         CaseField("gamma", "rotation of the section at the start", "rad", default=0.0),
     )
 }  # fmt: skip
+HELD = ("height", "azimuth", "rotation", "M10", "M1L")  # what ends hold in place of dead loads and angles
 ENDS_FIELDS = tuple(
-    name for name, field in FIELDS.items() if field.problem != "start" and name not in ("alpha", "gamma")
+    name for name, field in FIELDS.items() if field.problem != "start" and name not in ("alpha", "gamma", *HELD)
 )
 ROD_FIELDS = tuple(name for name, field in FIELDS.items() if not field.problem and name not in ("alpha", "gamma"))
 

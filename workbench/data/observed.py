@@ -10,6 +10,7 @@ from . import schema
 
 NOT_OBSERVED = ("rho", "condition", "dbeta0", "level")  # numbers of each case, not observables
 FOUND = ("FZ", "MZ", "M3", "beta0", "betaL")  # observables where they are found of held ends
+_ROUNDING = 1e-9  # of the largest: a load that is 0 by symmetry differs by less
 HELD_INDEX = "held_index"  # stored of held ends alone
 
 
@@ -21,7 +22,12 @@ def observables(ds: xr.Dataset) -> list[str]:
 
 def _is_told(ds: xr.Dataset, name: str) -> bool:
     """Whether a load or an end angle is found of held ends, and differs from case to case; True for other names."""
-    return name not in FOUND or (HELD_INDEX in ds.data_vars and bool(ds[name].max() > ds[name].min()))
+    if name not in FOUND:
+        return True
+    if HELD_INDEX not in ds.data_vars:
+        return False
+    largest = max(float(abs(ds[other]).max()) for other in FOUND if other in ds.data_vars)
+    return float(ds[name].max() - ds[name].min()) > _ROUNDING * largest
 
 
 def is_count(ds: xr.Dataset, name: str) -> bool:

@@ -149,9 +149,9 @@ def first_of(plan: Plan) -> str:
     row = zip(spine.coordinates.items(), cell, strict=True)
     at = ", ".join(sweep.told(name, float(values[i])) for (name, values), i in row)
     which = plan.study.equilibrium
-    begun = f"continued from {first.begun}" if first.begun else ""
-    near = f"taken: the one next to beta'(0) = {which.dbeta0:g}" if which else first.outcome
-    how = first.selection or begun or near
+    if first.begun:
+        return f"the first case, {at}: continued from {first.begun}"
+    how = first.selection or (f"taken: the one next to beta'(0) = {which.dbeta0:g}" if which else first.outcome)
     return f"the first case, {at}: {how}"
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from solver import Case, Ends, Solution, equilibria, solve
 from solver.boundary.selection import NEAREST
 from solver.equilibria import meant, nearest
-from solver.problem.errors import InputError
+from solver.problem.errors import InputError, choices
 from solver.problem.reduced import reduce
 from solver.problem.tolerance import DEFAULT_TOLERANCE
 from studies import Study
@@ -52,6 +52,8 @@ def without_search(study: Study, near: Solution | None = None) -> Shape | None:
     near: a solution between ends that this one follows, where that works. Raises `InputError` for an unsolved rod.
     """
     case = study.case()
+    if study.held:
+        raise InputError(f"the live page shows ends under dead loads, got {choices(study.held)}: use workbench solve")
     if not isinstance(case.given, Ends):
         return _resolved(study, case, solve(case, TOL, stations=STATIONS))
     if near is None or near.problem.kind != "ends":

@@ -1,0 +1,62 @@
+"""docs/how-to/hold-the-ends.md: its studies, its commands and its Python run as they stand."""
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from workbench import cli
+
+ROOT = Path(__file__).parents[2]
+DOCS = (ROOT / "docs" / "how-to" / "hold-the-ends.md").read_text(encoding="utf-8")
+STUDIES = dict(re.findall(r"```toml\n# (\w+)\.toml\n(.*?)```", DOCS, re.DOTALL))
+COMMANDS = [line for block in re.findall(r"```sh\n(.*?)```", DOCS, re.DOTALL) for line in block.splitlines()]
+
+
+def run(line: str) -> None:
+    with pytest.raises(SystemExit) as end:
+        cli.main(shlex.split(line.removeprefix("workbench ")))
+    assert end.value.code == 0, line
+
+
+def test_the_command_of_the_page_names_the_loading_of_each_index(capsys) -> None:
+    run(COMMANDS[0])
+    said = capsys.readouterr().out
+    assert "held: height; continued from the dead-load equilibrium" in said
+    assert "index 0 under held ends, 0 under dead loads" in said
+
+
+def test_a_held_study_stores_reactions_and_its_index(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    short = STUDIES["moment"].replace("count = 9", "count = 3")
+    Path("moment.toml").write_text(short, encoding="utf-8")
+    run("workbench run moment.toml")
+    with xr.open_dataset("moment.h5", engine="h5netcdf") as ds:
+        assert ds["solved"].all()
+        assert (ds["held_index"] == 0).all()
+        assert np.isfinite(ds[["FZ", "betaL"]].to_array()).all()
+        assert ds["beta"][:, -1].values == pytest.approx(ds["betaL"].values, abs=1e-12)
+        assert "height" not in ds.data_vars or ds["height"].ndim == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", STUDIES)
+def test_the_studies_of_the_page_run_and_are_drawn(name: str, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path(f"{name}.toml").write_text(STUDIES[name], encoding="utf-8")
+    for line in COMMANDS:
+        if f" {name}." in line:
+            run(line)
+    with xr.open_dataset(f"{name}.h5", engine="h5netcdf") as ds:
+        assert ds["solved"].all()
+    assert Path(f"held_{name}.png").stat().st_size > 10_000
+    assert (ROOT / "docs" / "figures" / f"held_{name}.png").exists()
+
+
+def test_the_python_of_the_page_runs(capsys) -> None:
+    for code in re.findall(r"```python\n(.*?)```", DOCS, re.DOTALL):
+        exec(compile(code, "hold-the-ends.md", "exec"), {})  # the page's own code
+    assert capsys.readouterr().out.startswith("-2")
