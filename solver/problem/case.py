@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import InputError, no_such
+from .errors import InputError, choices, no_such
 from .field_values import ANGLES as ANGLES
 from .field_values import check_numbers, refuse
 from .rod import STIFFNESS as STIFFNESS
@@ -182,6 +182,10 @@ class Ends:
                 if own in ANGLES:
                     raise InputError(f"Ends needs {own} or {partner}, got neither; {partner}=0 is a hinge")
                 object.__setattr__(self, own, 0.0)
+
+    def __repr__(self) -> str:
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return f"Ends({choices(f'{name}={value!r}' for name, value in values.items() if value is not None)})"
 
 
 @dataclass(frozen=True, eq=False)

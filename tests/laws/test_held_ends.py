@@ -285,6 +285,17 @@ def test_options_of_dead_loads_are_refused(options: dict[str, Any], said: str) -
         solve(Case(SHORT, DRUM, Ends(beta0=0.5, betaL=0.5, height=4.0)), **options)
 
 
+def test_the_ends_show_what_is_given() -> None:
+    assert repr(Ends(0.5, M1L=0.0, height=4.0)) == (
+        "Ends(beta0=0.5, MZ=0.0, M3=0.0, alpha=0.0, gamma=0.0, height=4.0, M1L=0.0)"
+    )
+
+
+def test_equilibria_refuses_held_ends_by_name() -> None:
+    with pytest.raises(InputError, match="under dead loads and between two angles, got height"):
+        equilibria(Case(SHORT, DRUM, Ends(beta0=0.5, betaL=0.5, height=4.0)))
+
+
 def test_loads_that_are_not_yet_known_are_refused_by_name() -> None:
     with pytest.raises(InputError, match="FZ, M3 of held ends are known only of a solution"):
         Case(SHORT, DRUM, Ends(beta0=0.5, betaL=0.5, height=4.0, rotation=1.0)).loads  # noqa: B018
