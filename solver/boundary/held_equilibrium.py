@@ -1,13 +1,6 @@
-"""One equilibrium of each of B problems with held ends, as a trajectory: from a seed, or from a dead-load equilibrium.
+"""One equilibrium of each of B problems with held ends, as a trajectory, from a seed or from a dead-load equilibrium."""
 
-Without a seed the start is an equilibrium under dead loads: guesses of the unknown loads and end angles give some
-dead-load problems; of their equilibria with few turning points those are tried first whose displacements are nearest to
-the held ones. The start that is taken is the first that leads to a stable equilibrium, or else the first that leads to
-any. There may be other equilibria.
-"""
-
-from dataclasses import dataclass, replace
-from itertools import product
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,176 +13,17 @@ from ..problem.held_ends import HeldProblem
 from ..problem.limits import LARGEST, SHORTEST, TOO_LARGE
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, verdicts
-from .branch_coordinates import LinePoint, Path, charts, coordinate, path_at, path_of
+from .branch_coordinates import LinePoint, charts, coordinate, path_at
 from .each_equilibrium import path_of_seed, together
-from .held_continuation import Stopped, carried, state_of
-from .held_index import dead_index, held_index
+from .held_index import dead_index, index_of
+from .held_starts import Reached, from_seed, nearest_start
 from .held_system import FREE, Given, State, corrected, parts_of, values_of
-from .orbit_rates import orbit_rates, varied_orbits
+from .orbit_rates import varied_orbits
 from .path_orbits import orbit_of
-from .search import search
-from .stability import jacobi_zeros
 
-_TRIED, _REACHED = 8, 3  # starts from which continuation is tried; equilibria after which it ends
 _SLOW = 1e-3  # beta_t at a start
 _AT_REST = 1e-11  # beta_t below which a hinge is at rest
-_UNSTABLE = 0.3  # what a negative direction of a start adds to its distance
-_BESIDE = 1e-4  # a small moment, in units of A/rho
-_STEPS = 60  # from each of them
-_MOST_TURNS = 2  # of the starts
 _STATIONS = 129  # at which the response to the given numbers is read
-SEED = "the seed"
-
-
-@dataclass(frozen=True, eq=False)
-class Reached:
-    """An equilibrium under held ends, and what its continuation began from, in words."""
-
-    state: State
-    begun: str
-
-
-def from_seed(wanted: Given, problem: EndsProblem, path: Path | None) -> Reached | str:
-    """The equilibrium on the branch of a seed, an equilibrium of `problem`; or the outcome that says why not."""
-    if path is None:
-        return "failed: the seed is not a solution of its own ends problem"
-    if path.helix:
-        return "failed: the seed is a helix, from which no branch of bent rods is followed; give a bent seed"
-    found = carried(state_of(problem, path), wanted)
-    return told(found) if isinstance(found, Stopped) else Reached(found, SEED)
-
-
-def told(found: Stopped) -> str:
-    """The outcome of a continuation that stopped."""
-    return (
-        f"failed: the branch of the start could not be followed to the held ends: {found.reason} "
-        f"after {found.share:.2%} of the way"
-    )
-
-
-def nearest_start(wanted: Given, problem: HeldProblem) -> Reached | str:
-    """The equilibrium reached from the nearest dead-load equilibria; or the outcome that says why there is none."""
-    starts = _starts(wanted, problem)
-    reached: list[Reached] = []
-    why = "failed: no dead-load equilibrium was found to start from"
-    for start in starts[:_TRIED]:
-        found = carried(start, wanted, _STEPS)
-        if isinstance(found, Stopped):
-            why = why if not why.endswith("start from") else told(found)
-            continue
-        reached.append(Reached(found, _said(start)))
-        if index_of(found, wanted) == 0:
-            return reached[-1]
-        if len(reached) == _REACHED:
-            break
-    return reached[0] if reached else f"{why}; {min(len(starts), _TRIED)} starts were tried, a seed may help"
-
-
-def _said(start: State) -> str:
-    """The start in words, in units of rho."""
-    p = start.problem
-    numbers = {"FZ rho^2/A": p.phi, "MZ rho/A": p.lam, "M3 rho/A": p.mu, "beta(0)": p.beta0, "beta(L)": p.betaL}
-    index = int(jacobi_zeros(orbit_of(p, start.path))[0])
-    return f"the dead-load equilibrium of index {index} with " + ", ".join(
-        f"{name} = {float(value[0]):.6g}" for name, value in numbers.items()
-    )
-
-
-def _starts(wanted: Given, problem: HeldProblem) -> list[State]:
-    """Dead-load equilibria, that with the nearest displacements first."""
-    found: list[tuple[float, State]] = []
-    for numbers in _guesses(wanted, problem):
-        guess = EndsProblem(**{name: np.array([numbers[name]]) for name in FREE}, span=problem.span)
-        every = search(guess, most_turns=_MOST_TURNS)
-        if every is None:
-            continue
-        paths = [path_of(every.path, i) for i in range(every.slope.size)]
-        paths = [path for path in paths if not path.helix]
-        if not paths:
-            continue
-        rates = orbit_rates(guess.take(np.zeros(len(paths), dtype=int)), paths)
-        dead = np.array([every.index[i] for i in range(every.slope.size) if not every.path.helix[i]])
-        index = np.nan_to_num(held_index(rates, problem.ratio.repeat(len(paths)), wanted.names, dead), nan=1.0)
-        for k, path in enumerate(paths):
-            state = State(guess, path, rates.take(slice(k, k + 1)))
-            found.append((_far(state, wanted) + _UNSTABLE * index[k], state))
-    found = [one for one in found if np.isfinite(one[0])]
-    return [state for _, state in sorted(found, key=lambda one: one[0])]
-
-
-def _far(state: State, wanted: Given) -> float:
-    """How far the displacements of a state are from the wanted ones."""
-    values = wanted.at(state).values
-    size = {"z": wanted.span, "alpha": wanted.span, "turn": 1 + wanted.ratio * wanted.span}
-    scale = np.array([size.get(name, 1.0) for name in wanted.names])
-    return float(np.sqrt((((values - wanted.values) / scale) ** 2).sum()))
-
-
-def _guesses(wanted: Given, problem: HeldProblem) -> list[dict[str, float]]:
-    """Values of the loads and the end angles of dead-load problems; what is given is kept."""
-    known = dict(zip(wanted.names, wanted.values.tolist(), strict=True))
-    span = wanted.span
-    mean = _mean_angle(known, span)
-    wave = (2 * np.pi / span) ** 2
-    options: dict[str, list[float]] = {"phi": [0.0, -1.5 * wave, -4 * wave, 0.5 + wave], "mu": [0.0], "lam": [0.0]}
-    if "turn" in known:
-        swirl = span * float(np.sin(mean) * np.cos(mean))
-        options["mu"] = [0.0, (known["turn"] + swirl) / (wanted.ratio * span)]
-    for name in ("phi", "lam", "mu"):
-        if name in known:
-            options[name] = [known[name]]
-    ends = [name for name in ("beta0", "betaL") if name in known]
-    angles = [[known[n]] if n in known else [mean + d for d in ((0.3, -0.3) if ends else (0.3,))] for n in FREE[:2]]
-    found = []
-    for phi, mu, b0, bL in product(options["phi"], options["mu"], *angles):
-        if len(ends) == 0:
-            bL = 2 * mean - b0
-        lams = list(options["lam"])
-        if "lam" not in known:
-            lams.append(_helix_moment(mean, mu, phi))
-        found += [{"phi": phi, "mu": mu, "lam": lam, "beta0": b0, "betaL": bL} for lam in dict.fromkeys(lams)]
-    return found
-
-
-def _mean_angle(known: dict[str, float], span: float) -> float:
-    """The angle of a helix with the held height and azimuth, or the mean of the end angles, or 0."""
-    if "alpha" in known and "z" in known:
-        return float(np.arctan2(known["alpha"], known["z"]))
-    if "alpha" in known:
-        return float(np.arcsin(np.clip(known["alpha"] / span, -1, 1)))
-    ends = [known[name] for name in ("beta0", "betaL") if name in known]
-    return float(np.mean(ends)) if ends else 0.0
-
-
-def _helix_moment(beta: float, mu: float, phi: float) -> float:
-    """lam with H(beta) = 0; 0 at a right angle."""
-    s, c = np.sin(beta), np.cos(beta)
-    return float((mu * np.cos(2 * beta) + (phi + 2 * c * s * s) * s) / c) if abs(c) > 0.05 else 0.0
-
-
-def index_of(state: State, wanted: Given) -> float:
-    """The Morse index under the held ends; NaN where it is not decided.
-
-    A rod with a hinge at both ends rests at both, so between its own two angles beta_t is a direction of no stiffness.
-    Its index is then that of two neighbours, with small moments at both ends, if they agree.
-    """
-    found = _index(state, wanted)
-    hinged = [k for k, name in enumerate(wanted.names) if name.startswith("dbeta")]
-    if np.isfinite(found) or not hinged:
-        return found
-    beside = []
-    for small in (_BESIDE, -_BESIDE):
-        values = wanted.values.copy()
-        values[hinged] += small
-        near = replace(wanted, values=values)
-        moved = carried(state, near)
-        beside.append(np.nan if isinstance(moved, Stopped) else _index(moved, near))
-    return beside[0] if beside[0] == beside[1] else np.nan
-
-
-def _index(state: State, wanted: Given) -> float:
-    dead = dead_index(state.rates, np.array([state.path.turns]))
-    return float(held_index(state.rates, np.array([wanted.ratio]), wanted.names, dead)[0])
 
 
 def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Trajectory:

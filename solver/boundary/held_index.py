@@ -7,13 +7,18 @@ directions are excluded: the index falls by the number of negative eigenvalues o
 d(z, alpha, gamma)/d(phi, lam, mu), at these ends, that belongs to the held displacements.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..numerics.arrays import Array
+from .held_continuation import Stopped, carried
+from .held_system import Given, State
 from .orbit_rates import NUMBERS, OrbitRates
 
 _DISPLACEMENTS = ("z", "alpha", "turn")  # in the order of `OrbitRates.compliance`
 _DEAD = ("beta0", "betaL", "lam", "mu", "phi")
+_BESIDE = 1e-4  # a small moment, in units of A/rho
 _DOUBT = 1e-11  # of the largest eigenvalue: a smaller one has no sign
 
 
@@ -58,3 +63,28 @@ def negative(matrix: Array) -> Array:
         if np.abs(values).min() > _DOUBT * np.abs(values).max():
             out[b] = np.count_nonzero(values < 0)
     return out
+
+
+def index_of(state: State, wanted: Given) -> float:
+    """The Morse index under the held ends; NaN where it is not decided.
+
+    A rod with a hinge at both ends rests at both, so between its own two angles beta_t is a direction of no stiffness.
+    Its index is then that of two neighbours, with small moments at both ends, if they agree.
+    """
+    found = _index(state, wanted)
+    hinged = [k for k, name in enumerate(wanted.names) if name.startswith("dbeta")]
+    if np.isfinite(found) or not hinged:
+        return found
+    beside = []
+    for small in (_BESIDE, -_BESIDE):
+        values = wanted.values.copy()
+        values[hinged] += small
+        near = replace(wanted, values=values)
+        moved = carried(state, near)
+        beside.append(np.nan if isinstance(moved, Stopped) else _index(moved, near))
+    return beside[0] if beside[0] == beside[1] else np.nan
+
+
+def _index(state: State, wanted: Given) -> float:
+    dead = dead_index(state.rates, np.array([state.path.turns]))
+    return float(held_index(state.rates, np.array([wanted.ratio]), wanted.names, dead)[0])
