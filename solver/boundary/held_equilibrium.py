@@ -1,4 +1,4 @@
-"""One equilibrium of each of B problems with held ends, as a trajectory, from a seed or from a dead-load equilibrium."""
+"""One equilibrium of each of B problems with held ends, as a trajectory: from a seed or a dead-load equilibrium."""
 
 from dataclasses import replace
 from typing import Any
