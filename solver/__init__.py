@@ -1,7 +1,9 @@
 """The mechanics and the numerics of an elastic rod on a cylinder. Needs numpy and scipy, nothing else."""
 
 from .boundary.fold_curves import fold_curves
+from .branch import Branch
 from .equilibria import Equilibrium, equilibria
+from .follow import follow
 from .inverse import fit
 from .loops import Loop, loops
 from .observe import observe
@@ -12,6 +14,7 @@ from .solution import Solution
 from .solve import solve
 
 __all__ = [
+    "Branch",
     "Case",
     "Cylinder",
     "Ends",
@@ -24,6 +27,7 @@ __all__ = [
     "equilibria",
     "fit",
     "fold_curves",
+    "follow",
     "loops",
     "observe",
     "region_map",

@@ -85,7 +85,7 @@ def solve(
     if isinstance(problem, EndsProblem):
         if seed is not None and choose != NEAREST:
             raise InputError(f"a seed and choose = {choose!r} exclude each other: each selects an equilibrium")
-        which = {"seed": None if seed is None else _seed(case, problem, seed), "choose": choose}
+        which = {"seed": None if seed is None else seed_of(case, problem, seed), "choose": choose}
     elif seed is not None or choose != NEAREST:
         word = f"choose = {choose!r}" if seed is None else "a seed"
         raise InputError(f"{word} selects an equilibrium of an ends problem; a start problem has only one solution")
@@ -110,7 +110,7 @@ def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose:
             f"seed of a case with {names} must be a Solution, got {seed!r}: beta'(0) leaves its loads open"
         )
     problem = reduce_held(case)
-    start = None if seed is None else _seed(case, problem, seed)
+    start = None if seed is None else seed_of(case, problem, seed)
     t = _stations(case, problem, stations)
     with np.errstate(all="ignore"):
         fit = np.asarray(np.isfinite(t)).all(axis=1, keepdims=True)
@@ -174,14 +174,14 @@ def _equal_steps(stations: int) -> Array:
     return steps
 
 
-def _seed(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
+def seed_of(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
     """A seed in units of rho, from beta'(0) [rad/length] or from a solution."""
     if isinstance(seed, Solution):
         if seed.case.shape not in ((), case.shape):
             raise InputError(f"the cases of the seed have shape {seed.case.shape}, those to solve {case.shape or '()'}")
         told = seed.trajectory
         row = np.arange(problem.size) if seed.case.shape else np.zeros(problem.size, dtype=np.int64)
-        own = _between_ends(seed).take(row)
+        own = between_ends(seed).take(row)
         u = seed.t / seed.problem.span[:, None]
         return Seed(told.dbeta[row, 0], u[row], told.beta[row], own, told.orbit, row)
     try:
@@ -198,7 +198,7 @@ def _seed(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
     return Seed(slope, np.tile(u, (problem.size, 1)), beta)
 
 
-def _between_ends(sol: Solution) -> EndsProblem:
+def between_ends(sol: Solution) -> EndsProblem:
     """The ends problems that a solution solves; those of a start problem have the far angles of the solution."""
     problem, told = sol.problem, sol.trajectory
     if isinstance(problem, EndsProblem):

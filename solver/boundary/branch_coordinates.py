@@ -65,6 +65,11 @@ class LinePoint:
         self.start, self.end = (self.blank.low, self.blank.high)[:: 1 if self.blank.rising else -1]
 
     @property
+    def is_tied(self) -> bool:
+        """Whether G is the same at both ends, so that beta_t passes through 0 at both together."""
+        return self.start == self.end or self.fall(self.start, self.end) == 0
+
+    @property
     def helix(self) -> Path | None:
         """The rod that is a helix from end to end, where there is one."""
         found = helix_of(self.problem, self.blank.found)
@@ -193,14 +198,25 @@ def path_at(place: LinePoint, chart: Chart, x: float) -> Path | None:
     now, was = (UP if x > 0 else DOWN), (at.leaving if chart.kind == "start" else at.arriving)
     if now == was:
         return replace(at, pin=pin, y=y)
-    # one turning point more where the rod now passes it, one fewer where it no longer does
-    lower = float(slope(problem, np.array([pin]))[0]) < 0
-    if chart.kind == "end":
-        more = 1 if lower == (now == UP) else -1
-        return Path(pin, 1.0, y, at.leaving, at.turns + more)
-    more = 1 if lower == (now == DOWN) else -1
-    both = problem.beta0[0] == problem.betaL[0] and at.turns % 2 == 1
-    return Path(pin, 1.0, y, now, at.turns + (2 * more if both else more))
+    # beta_t passes through 0 at this end, and at the other one too where G is as high there
+    at_start, at_end = (chart.kind == name or place.is_tied for name in ("start", "end"))
+    more = 0
+    if at_start:
+        more += _turns_gained(place, place.start, at.leaving)
+    if at_end:
+        more += _turns_gained(place, place.end, -at.arriving)
+    return Path(pin, 1.0, y, -at.leaving if at_start else at.leaving, at.turns + more)
+
+
+def _turns_gained(place: LinePoint, end: float, inward: int) -> int:
+    """The turning points that a rod gains where beta_t passes through 0 at one end; -1: it loses one.
+
+    inward: UP or DOWN, where beta goes from that end before. At an end on a centre it gains none.
+    """
+    if (place.angles == end).any():
+        return 0
+    lower = float(slope(place.problem, np.array([end]))[0]) < 0
+    return 1 if lower == (inward == UP) else -1
 
 
 def excess(place: LinePoint, chart: Chart, x: Array) -> Array:

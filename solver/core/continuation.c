@@ -114,6 +114,16 @@ static int excesses(line *l, const place *o, int count, const path *some, double
     return failed;
 }
 
+/* The turning points that a rod gains where beta_t passes through 0 at one end; -1: it loses one. inward: UP or DOWN,
+   where beta goes from that end before. At an end on a centre it gains none. */
+static int turns_gained(const place *o, double end, int inward)
+{
+    if (is_critical(o, end))
+        return 0;
+    const int lower = slope(o->p.lam, o->p.mu, o->p.phi, end) < 0;
+    return lower == (inward == UP) ? 1 : -1;
+}
+
 /* The path at x; 0 where its saddle no longer exists or there is no such path. */
 static int path_at(const place *o, const chart *c, double x, path *out)
 {
@@ -133,15 +143,15 @@ static int path_at(const place *o, const chart *c, double x, path *out)
     const int now = x > 0 ? UP : DOWN;
     if (c->logarithmic || now == direction(&c->at, c->kind == END_OF))
         return 1;
-    /* one turning point more where the rod now passes it, one fewer where it no longer does */
-    const int lower = slope(o->p.lam, o->p.mu, o->p.phi, pin) < 0;
-    if (c->kind == END_OF)
-        out->turns += lower == (now == UP) ? 1 : -1;
-    else {
-        const int more = lower == (now == DOWN) ? 1 : -1;
-        out->turns += o->p.beta0 == o->p.betaL && c->at.turns % 2 == 1 ? 2 * more : more;
-        out->leaving = now;
+    /* beta_t passes through 0 at this end, and at the other one too where G is as high there */
+    const int tied = o->start == o->end || fall(o, o->start, o->end) == 0;
+    const int arriving = direction(&c->at, 1);
+    if (c->kind == START_OF || tied) {
+        out->turns += turns_gained(o, o->start, (int)c->at.leaving);
+        out->leaving = -c->at.leaving;
     }
+    if (c->kind == END_OF || tied)
+        out->turns += turns_gained(o, o->end, -arriving);
     return out->turns >= 0;
 }
 

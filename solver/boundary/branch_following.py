@@ -1,0 +1,179 @@
+"""A branch of equilibria followed over one parameter, through folds.
+
+The branch is a curve in the plane of a coordinate of the level and the parameter (`equilibrium_curve`), followed by
+pseudo-arclength steps (`numerics.arclength`). The coordinate is chosen anew at each step. Where the steps become too
+small and the branch goes on (an end of the rod crosses a saddle, in a range as narrow as exp(-r L)), a leap is made, as
+in `continuation`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ..numerics.arclength import advanced
+from .branch_coordinates import LinePoint, Path
+from .branch_states import Bounds, Place, State, begun_at, recharted
+from .continuation_steps import Line, leapt
+from .equilibrium_curve import Family
+from .helix_branch import CROSSING, PITCHFORK, helix_place, helix_places
+
+FOLD = "fold"
+FIRST, LONGEST, SHORTEST = 0.02, 0.25, 1e-7  # lengths of steps, in scales
+_EASY_BEND = 0.05  # distance from the predictor, as a share of the step, that the next step aims at
+_LEAP = 1.0  # of the parameter's scale: the line whose shares `continuation_steps.LEAPS` are leapt
+_STEEP = 0.2  # dp along the branch, in scales, above which a step may end at a given p
+END, CLOSED = "the end of the range", "the branch is closed"
+_BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Why and at which parameter a branch stops."""
+
+    reason: str
+    p: float
+
+
+def followed(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
+    """The equilibria after the one at p, in order, and why there are no more."""
+    if not path.helix:
+        begun = begun_at(family, path, p, rises)
+        return ([], Stop(begun, p)) if isinstance(begun, str) else _followed(begun, [], bounds)
+    places, last = helix_places(family, p, rises, bounds)
+    if last is None:
+        ended = bool(places) and bounds.is_end(places[-1], 1.0 if rises else -1.0)
+        return places, Stop(END if ended else _limit(bounds), places[-1].p)
+    leap = _leap_from(family, places[-1].path if places else path, last, rises, bounds)
+    if leap is None:
+        return places, Stop("the rod is no helix beyond, and no equilibrium next to the helix was found", last)
+    return _followed(leap, [*places, leap.recorded()], bounds)
+
+
+def own_place(family: Family, path: Path, p: float) -> Place | str:
+    """The equilibrium at p itself, or why it cannot be followed."""
+    place = family.place(p)
+    if path.helix and place is not None and place.helix is not None:
+        return helix_place(place, p)
+    begun = begun_at(family, path, p, True)
+    return begun if isinstance(begun, str) else replace(begun.recorded(), p=p)
+
+
+def _limit(bounds: Bounds) -> str:
+    return f"the limit of {bounds.most} points"
+
+
+def _followed(state: State, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
+    """The places before, and those after a state."""
+    first, step = state.recorded(), FIRST
+    while len(places) < bounds.most:
+        state = recharted(state)
+        there = _step(state, step, bounds)
+        if isinstance(there, str):
+            step /= 2
+            if step >= SHORTEST:
+                continue
+            leap = _leap(state, bounds)
+            if leap is None:
+                return places, Stop(f"the step became too small: {there}", state.p)
+            there, passed, step = leap, [leap.recorded()], FIRST
+        else:
+            passed = _between(state, there, bounds)
+            bend = max(there.node.bend, 1e-6)
+            step = min(LONGEST, step * float(np.clip(np.sqrt(_EASY_BEND / bend), 0.3, 2.0)))
+        for place in passed:
+            places.append(replace(place, p=bounds.snapped(place.p)))
+            if _is_same(place, first):
+                return places, Stop(CLOSED, place.p)
+            if bounds.is_end(place, there.rises):
+                return places, Stop(END, places[-1].p)
+        state = there
+    return places, Stop(_limit(bounds), state.p)
+
+
+def _step(state: State, step: float, bounds: Bounds) -> State | str:
+    """The state after a step, which is shortened where it would pass the next value at which to halt."""
+    curve, node, across = state.curve, state.node, None
+    halt = bounds.next(state.p, state.rises > 0) / curve.scales[1]
+    ahead = float((halt - node.w[1]) / state.rises) if state.rises else np.inf
+    if abs(state.rises) > _STEEP and 0 < ahead <= step:
+        step, across = ahead, np.array([0.0, 1.0])
+    found = advanced(curve, node, step, across)
+    return found if isinstance(found, str) else State(curve, found)
+
+
+def _between(state: State, there: State, bounds: Bounds) -> list[Place]:
+    """The special points and the wanted values that a step passed, in order, and its end."""
+    reach = float(state.node.tangent @ (there.node.w - state.node.w))
+    stops = [(0.0, state, ""), *_special(state, there, reach), (reach, there, "")]
+    places = []
+    for (low, one, _), (high, other, kind) in pairwise(stops):
+        for value in bounds.inside(one.p, other.p):
+            found = _located(state, low, high, partial(_above, value))
+            places += [] if found is None else [found[1].recorded()]
+        places.append(other.recorded(kind))
+    return places
+
+
+def _special(state: State, there: State, reach: float) -> list[tuple[float, State, str]]:
+    """Where p has an extremum, and where beta_t passes through 0 at both ends of the rod together."""
+    found, chart = [], state.curve.chart
+    if not chart.logarithmic and state.x * there.x < 0:
+        at = state.curve.at(state.node.w)
+        if at is not None and at[0].is_tied:
+            helix = at[0].start in at[0].angles and state.rises * there.rises > 0
+            found.append((_located(state, 0.0, reach, lambda at: at.x), CROSSING if helix else PITCHFORK))
+    if state.rises * there.rises < 0 and not found:
+        found.append((_located(state, 0.0, reach, lambda at: at.rises), FOLD))
+    return [(*place, kind) for place, kind in found if place is not None]
+
+
+def _above(value: float, at: State) -> float:
+    return at.p - value
+
+
+def _located(state: State, low: float, high: float, zero: Callable[[State], float]) -> tuple[float, State] | None:
+    """The distance along the tangent, between two, at which a function of the state is zero, and the state there."""
+
+    def at(distance: float) -> State:
+        if distance == 0:
+            return state
+        found = advanced(state.curve, state.node, distance)
+        if isinstance(found, str):
+            raise ArithmeticError(found)
+        return State(state.curve, found)
+
+    try:
+        if zero(at(low)) * zero(at(high)) > 0:
+            return None
+        distance = float(brentq(lambda one: zero(at(one)), low, high, xtol=1e-14, rtol=1e-14))
+        return distance, at(distance)
+    except ArithmeticError:
+        return None
+
+
+def _leap(state: State, bounds: Bounds) -> State | None:
+    """The equilibrium a little farther on, with a close shape and the same Morse index."""
+    return _leap_from(state.curve.family, state.path(), state.p, state.rises > 0, bounds)
+
+
+def _leap_from(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> State | None:
+    far = p + float(np.clip(bounds.next(p, rises) - p, -family.scale, family.scale))
+    first, last = family.problem(p), family.problem(far)
+    if first is None or last is None:
+        return None
+    found = leapt(Line(first, last), LinePoint(first), path, 0.0)
+    if found is None:
+        return None
+    begun = begun_at(family, found[1], p + found[2] * (far - p), rises)
+    return None if isinstance(begun, str) else begun
+
+
+def _is_same(place: Place, first: Place) -> bool:
+    """Whether the branch is back where it began."""
+    one, other = place.path, first.path
+    same = (one.leaving, one.turns, one.sign) == (other.leaving, other.turns, other.sign)
+    return same and abs(place.p - first.p) < _BACK and abs(one.pin - other.pin) < _BACK and abs(one.y - other.y) < _BACK

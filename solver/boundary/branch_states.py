@@ -1,0 +1,167 @@
+"""A point of a branch on its curve, and its change to another coordinate of the level."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..numerics.arclength import LEFT, Node, corrected, node_at
+from ..numerics.arrays import Array
+from .branch_coordinates import Chart, Path, charts, coordinate
+from .equilibrium_curve import EquilibriumCurve, Family, index_of, start_of
+
+_NUDGE = 1e-4  # in scales, between the two points that give the direction of travel in another chart
+
+
+@dataclass(frozen=True)
+class Place:
+    """An equilibrium of a branch: parameter, path, coordinate, Morse index under dead loads, kind of special point."""
+
+    p: float
+    path: Path
+    x: float
+    index: int
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """The range of the parameter, the values at which an equilibrium is wanted, and the largest number of points."""
+
+    low: float
+    high: float
+    wanted: tuple[float, ...]
+    most: int
+
+    def inside(self, p: float, q: float) -> list[float]:
+        """The values at which to halt strictly between two, from p to q."""
+        low, high = min(p, q) + self.rounding, max(p, q) - self.rounding
+        every = sorted(v for v in {*self.wanted, self.low, self.high} if low < v < high)
+        return every if p < q else every[::-1]
+
+    def snapped(self, p: float) -> float:
+        """The value at which to halt that is p but for rounding, else p."""
+        return next((v for v in (*self.wanted, self.low, self.high) if abs(v - p) <= self.rounding), p)
+
+    @property
+    def rounding(self) -> float:
+        """Below which two parameters are one."""
+        return 4e-15 * max(abs(self.low), abs(self.high))
+
+    def is_end(self, place: Place, rises: float) -> bool:
+        """Whether p is at an end of the range and moves out of it."""
+        return place.p >= self.high - self.rounding if rises > 0 else place.p <= self.low + self.rounding
+
+    def next(self, p: float, rises: bool) -> float:
+        """The next value beyond p at which to halt: a wanted one or the end of the range."""
+        gap = self.rounding
+        if rises:
+            return min((v for v in (*self.wanted, self.high) if v > p + gap), default=self.high)
+        return max((v for v in (*self.wanted, self.low) if v < p - gap), default=self.low)
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A point of the branch on its curve."""
+
+    curve: EquilibriumCurve
+    node: Node
+
+    @property
+    def x(self) -> float:
+        return float(self.node.w[0] * self.curve.scales[0])
+
+    @property
+    def p(self) -> float:
+        return float(self.node.w[1] * self.curve.scales[1])
+
+    @property
+    def rises(self) -> float:
+        """dp along the branch, in scales."""
+        return float(self.node.tangent[1])
+
+    def path(self) -> Path:
+        found = self.curve.at(self.node.w)
+        assert found is not None
+        return found[1]
+
+    def recorded(self, kind: str = "") -> Place:
+        path = self.path()
+        index = index_of(self.curve.chart, path, self.x, float(self.node.jacobian[0, 0]))
+        return Place(self.p, path, self.x, index, kind)
+
+
+def begun_at(family: Family, path: Path, p: float, rises: bool) -> State | str:
+    """The equilibrium at p, corrected there, to be travelled with p rising or falling."""
+    found = start_of(family, path, p)
+    if found is None:
+        return LEFT
+    curve, w = found
+    along = np.array([0.0, 1.0 if rises else -1.0])
+    return _corrected_state(curve, w, along)
+
+
+def _corrected_state(curve: EquilibriumCurve, w: Array, along: Array) -> State | str:
+    """The point of the curve next to w, travelled along a direction; p is held, or x at a fold."""
+    jacobian = curve.jacobian(w)
+    if jacobian is None:
+        return LEFT
+    order = (1, 0) if abs(along[1]) > abs(along[0]) else (0, 1)
+    reason = LEFT
+    for held in order:
+        found = corrected(curve, w, np.eye(2)[held], jacobian)
+        node = found if isinstance(found, str) else node_at(curve, found, along)
+        if not isinstance(node, str):
+            return State(curve, node)
+        reason = node
+    return reason
+
+
+def recharted(state: State) -> State:
+    """The same in the coordinate that is best there, where it can be changed."""
+    at = state.curve.at(state.node.w)
+    if at is None:
+        return state
+    every = charts(*at)
+    if not _alike(every[0], state.curve.chart):
+        changed = _changed(state, every[0])
+        if changed is not None:
+            return changed
+    for chart in every:
+        if _alike(chart, state.curve.chart):
+            return _rescaled(state, chart)
+    return state
+
+
+def _alike(one: Chart, other: Chart) -> bool:
+    """Whether two charts have one coordinate."""
+    same = one.kind == other.kind and one.logarithmic == other.logarithmic and one.at.sign == other.at.sign
+    return same and (one.kind != "saddle" or abs(one.at.pin - other.at.pin) < 1e-9)
+
+
+def _rescaled(state: State, chart: Chart) -> State:
+    curve, node = replace(state.curve, chart=chart), state.node
+    ratio = state.curve.scales / curve.scales
+    tangent = node.tangent * ratio
+    tangent /= np.linalg.norm(tangent)
+    return State(curve, replace(node, w=node.w * ratio, jacobian=node.jacobian / ratio, tangent=tangent))
+
+
+def _changed(state: State, chart: Chart) -> State | None:
+    """The same in another chart; the direction of travel is that of two neighbouring points."""
+    curve = replace(state.curve, chart=chart)
+    for nudge in (_NUDGE, -_NUDGE):
+        beyond = state.node.w + nudge * state.node.tangent
+        at = state.curve.at(beyond)
+        if at is None:
+            continue
+        for one in charts(*at):
+            if one.kind == chart.kind and one.logarithmic == chart.logarithmic and one.at.sign == chart.at.sign:
+                w, there = (
+                    np.array([coordinate(c), p]) / curve.scales
+                    for c, p in ((chart, state.p), (one, beyond[1] * curve.scales[1]))
+                )
+                along = (there - w) / nudge
+                found = _corrected_state(curve, w, along / np.linalg.norm(along))
+                if not isinstance(found, str):
+                    return found
+    return None

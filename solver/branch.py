@@ -1,0 +1,171 @@
+"""A branch of equilibria over one field of a case; `follow` makes it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from .boundary.branch_coordinates import Path
+from .numerics.arrays import Array, Integers
+from .problem.case import Case
+from .problem.errors import InputError
+from .solution import Solution
+
+DATASET = "workbench.branches.followed_dataset"  # loaded by name: the solver works without the workbench
+
+
+@dataclass(frozen=True, eq=False)
+class BranchPoint:
+    """One equilibrium of a branch.
+
+    Attributes
+    ----------
+    value : float
+        The value of the field.
+    case : Case
+        Its case.
+    index : int
+        Morse index, the end angles held and the loads dead; 0: stable. At a special point the smaller of the two.
+    path : Path
+        Its level and its path, which identify it among the equilibria of the case.
+    """
+
+    value: float
+    case: Case
+    index: int
+    path: Path = field(repr=False)
+    _solve: Callable[["BranchPoint"], Solution] = field(repr=False)
+
+    @cached_property
+    def solution(self) -> Solution:
+        """Its shape, computed when it is first read."""
+        return self._solve(self)
+
+
+@dataclass(frozen=True)
+class SpecialPoint:
+    """Where a branch turns back, or meets another, or changes its index.
+
+    Attributes
+    ----------
+    kind : str
+        "fold": two equilibria meet and cease to exist. "pitchfork": a branch of two mirror images meets this one.
+        "branch point": another branch crosses this one.
+    value : float
+        The value of the field.
+    before, after : int
+        The Morse index on either side, in the order of the points.
+    position : int
+        Its place among the points of the branch.
+    """
+
+    kind: str
+    value: float
+    before: int
+    after: int
+    position: int
+
+
+@dataclass(frozen=True)
+class BranchEnd:
+    """Where and why a branch stops.
+
+    Attributes
+    ----------
+    value : float
+        The value of the field.
+    reason : str
+        "the end of the range", "the branch is closed", "the limit of ... points", or why it could not be followed.
+    """
+
+    value: float
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """Equilibria in the order of a branch, over one field.
+
+    Attributes
+    ----------
+    field : str
+        The name of the field.
+    points : tuple of BranchPoint
+        The equilibria. Those at the values asked for and the special points are among them.
+    special : tuple of SpecialPoint
+        Folds and other special points, in the order of the points.
+    begin, end : BranchEnd
+        Why there are no points before the first, and none after the last.
+    start : int
+        The place of the equilibrium that was followed.
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Ends, Rod, follow, solve
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0)
+    >>> branch = follow(solve(Case(rod, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, FZ=-8.66))), FZ=[-20.0, -5.0])
+    >>> branch.end.reason, branch.index[-1]
+    ('the end of the range', 0)
+    """
+
+    field: str
+    points: tuple[BranchPoint, ...]
+    special: tuple[SpecialPoint, ...]
+    begin: BranchEnd
+    end: BranchEnd
+    start: int
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    @cached_property
+    def values(self) -> Array:
+        """The value of the field at each point, (N,)."""
+        return np.array([point.value for point in self.points])
+
+    @cached_property
+    def index(self) -> Integers:
+        """The Morse index of each point, (N,)."""
+        return np.array([point.index for point in self.points], dtype=np.int64)
+
+    def at(self, value: float) -> list[BranchPoint]:
+        """The points at a value of the field that was asked for, in the order of the branch.
+
+        Raises
+        ------
+        InputError
+            For a value at which the branch has no point.
+        """
+        found = [point for point in self.points if point.value == value]
+        if not found:
+            raise InputError(
+                f"the branch has no point at {self.field} = {value:.10g}; it goes from {self.values.min():.10g} to "
+                f"{self.values.max():.10g}; give follow the values at which points are wanted"
+            )
+        return found
+
+    def to_dataset(self, stations: int = 201, **units: str) -> Any:
+        """The branch as a dataset over `point`.
+
+        Parameters
+        ----------
+        stations : int
+            Number of stations of the shapes.
+        **units : str
+            ``length`` and ``force``, the units of the case, for labels; default: these words.
+
+        Returns
+        -------
+        xarray.Dataset
+            The field, energy, height, azimuth, wraps, Morse index, number of bends and beta'(0) over `point`; beta,
+            alpha and z over (point, u), u = s/L; `special`, the kind of each special point, else empty. Needs xarray.
+        """
+        return import_module(DATASET).dataset_of(self, stations, units)
+
+    def __repr__(self) -> str:
+        kinds = [f"{one.kind} at {one.value:.6g}" for one in self.special]
+        span = f"{self.field} from {self.values[0]:.6g} to {self.values[-1]:.6g}"
+        return f"<Branch of {len(self)} equilibria, {span}; {', '.join(kinds) or 'no special point'}>"

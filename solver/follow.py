@@ -1,0 +1,197 @@
+"""Follow one equilibrium while one field of its case changes."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .branch import Branch, BranchEnd, BranchPoint, SpecialPoint
+from .numerics.arrays import Array
+from .problem.case import Case, Ends
+from .problem.errors import InputError, choices, no_such
+from .problem.field_rates import fields_of
+from .problem.reduced import EndsProblem, reduce
+from .solution import Solution
+from .solve import between_ends, seed_of
+
+if TYPE_CHECKING:
+    from .boundary.branch_coordinates import Path
+    from .boundary.branch_states import Bounds, Place
+
+MOST = 1000
+_FIELD = {"alpha0": "alpha", "gamma0": "gamma"}  # the fields of `Ends` whose quantity has another name
+
+
+def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Branch:
+    """Follow an equilibrium while one field changes, through folds.
+
+    The branch is followed by pseudo-arclength continuation, so it goes on where the field turns back. It ends where it
+    leaves the range of the values, the value of the solution included; if that lies between the others, the branch is
+    followed in both directions.
+
+    Parameters
+    ----------
+    solution : Solution
+        One equilibrium of an ends problem; that of a start problem is taken as one between its own two end angles.
+    points : int
+        The largest number of points in each direction.
+    **field : float or array
+        One numeric field of the rod, the cylinder or the ends, with the value or the values that the branch should
+        pass: ``FZ=-300.0``, ``L=[10, 20, 40]``. Angles in rad.
+
+    Returns
+    -------
+    Branch
+        Its points, its folds and other special points, and why it stops at each end.
+
+    Raises
+    ------
+    InputError
+        For an unsolved solution, a grid of cases, no field or several, an unknown field, and a value that no case can
+        have.
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Ends, Rod, follow, solve
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
+    >>> solution = solve(Case(rod, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, FZ=-8.66)))
+    >>> branch = follow(solution, FZ=-4.0)
+    >>> float(branch.values[-1]), branch.end.reason
+    (-4.0, 'the end of the range')
+    """
+    from .boundary.branch_states import Bounds
+
+    case, path = _equilibrium(solution)
+    name, wanted = _field_and_values(case, field)
+    if not isinstance(points, int) or points < 1:
+        raise InputError(f"points must be a whole number of at least 1, got {points!r}")
+    own = _value(case, name)
+    for value in (float(wanted.min()), float(wanted.max())):
+        with_field(case, name, value)  # raises `InputError`
+    low, high = min(own, float(wanted.min())), max(own, float(wanted.max()))
+    if low == high:
+        raise InputError(f"the solution has {name} = {own:.10g} already; give follow another value of {name}")
+    bounds = Bounds(low, high, tuple(sorted({own, *wanted.tolist()})), int(points))
+    solved = _Solver(solution.tol, solution.t[0] / solution.problem.span[0])
+    return _branch(case, name, path, bounds, solved)
+
+
+def with_field(case: Case, name: str, value: float) -> Case:
+    """The case with another value of one numeric field, named as its quantity. Raises `InputError`."""
+    name = _FIELD.get(name, name)
+    for part in ("rod", "cylinder", "given"):
+        owner = getattr(case, part)
+        if hasattr(owner, name):
+            return replace(case, **{part: replace(owner, **{name: value})})
+    raise InputError(f"no field {name!r} in this case; choose from {choices(fields_of(case))}")
+
+
+def _value(case: Case, name: str) -> float:
+    name = _FIELD.get(name, name)
+    return float(next(getattr(p, name) for p in (case.rod, case.cylinder, case.given) if hasattr(p, name)))
+
+
+def _equilibrium(solution: Solution) -> tuple[Case, "Path"]:
+    """The ends problem of a solution as a case, and its path. Raises `InputError`."""
+    from .boundary.each_equilibrium import path_of_seed
+
+    if not isinstance(solution, Solution):
+        hint = "; give its solution" if hasattr(solution, "solution") else ""
+        raise InputError(f"follow takes a Solution, got {type(solution).__name__}{hint}")
+    if solution.case.shape:
+        raise InputError(f"follow takes one solution at a time, got a grid of shape {solution.case.shape}")
+    if not solution.solved:
+        raise InputError(f"follow takes a solved equilibrium; this one is not solved: {solution.outcome}")
+    case, given = solution.case, solution.case.given
+    if not isinstance(given, Ends):
+        far = float(between_ends(solution).betaL[0])
+        case = Case(case.rod, case.cylinder, Ends(given.beta, far, *case.loads, given.alpha, given.gamma))
+    path = path_of_seed(seed_of(case, reduce(case), solution))
+    if path is None:
+        raise InputError("the solution is not an equilibrium of its own ends problem to 1e-6 rad")
+    return case, path
+
+
+def _field_and_values(case: Case, field: dict[str, ArrayLike]) -> tuple[str, Array]:
+    known = fields_of(case)
+    if len(field) != 1:
+        got = choices(field) or "none"
+        raise InputError(f"follow takes one field with its values, got {got}; choose from {choices(known)}")
+    ((name, values),) = field.items()
+    if name not in known:
+        raise no_such("field", name, known)
+    try:
+        found = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be a number or an array of numbers, got {values!r}") from None
+    if not found.size or not np.isfinite(found).all():
+        raise InputError(f"{name} must be one or several finite numbers, got {values!r}")
+    return name, found
+
+
+@dataclass(frozen=True, eq=False)
+class _Solver:
+    """Makes the solution of a point, at stations u = s/L."""
+
+    tol: float
+    u: Array
+
+    def __call__(self, point: BranchPoint) -> Solution:
+        from .boundary.path_orbits import orbit_of
+        from .boundary.selected_equilibrium import equilibrium_trajectory
+
+        problem = reduce(point.case)
+        assert isinstance(problem, EndsProblem)
+        t = problem.span[:, None] * self.u
+        shape = equilibrium_trajectory(problem, orbit_of(problem, point.path), t, self.tol)
+        return Solution(point.case, problem, shape, t, "shooting", self.tol)
+
+
+def _branch(case: Case, name: str, path: "Path", bounds: "Bounds", solved: _Solver) -> Branch:
+    """The branch, followed with the field falling and rising where there is room."""
+    from .boundary.branch_following import CLOSED, END, Stop, followed, own_place
+    from .boundary.branch_states import Place
+    from .boundary.equilibrium_curve import Family, scale_of
+
+    own, reach = _value(case, name), bounds.high - bounds.low
+
+    def problem(value: float) -> EndsProblem | None:
+        if abs(value - own) > 2 * reach:
+            return None
+        try:
+            found = reduce(with_field(case, name, value))
+        except InputError:
+            return None
+        assert isinstance(found, EndsProblem)
+        return found
+
+    family = Family(problem, scale_of(problem, own, reach))
+    middle = own_place(family, path, own)
+    if isinstance(middle, str):
+        raise InputError(f"the equilibrium cannot be followed: {middle}")
+    here, sides = Stop(END, own), list[tuple[list[Place], Stop]]()
+    for rises, last in ((False, bounds.low), (True, bounds.high)):
+        closed = bool(sides) and sides[0][1].reason == CLOSED
+        there = own == last or closed
+        sides.append(([], sides[0][1] if closed else here) if there else followed(family, path, own, rises, bounds))
+    if not sides[1][0]:  # one direction alone: from the solution on
+        sides.reverse()
+    (before, begin), (after, end) = sides
+    points, special = _points([*before[::-1], middle, *after], case, name, solved)
+    return Branch(name, points, special, BranchEnd(begin.p, begin.reason), BranchEnd(end.p, end.reason), len(before))
+
+
+def _points(
+    places: "list[Place]", case: Case, name: str, solved: _Solver
+) -> tuple[tuple[BranchPoint, ...], tuple[SpecialPoint, ...]]:
+    """The points of a branch and the special ones among them."""
+    points, special = list[BranchPoint](), list[SpecialPoint]()
+    for i, place in enumerate(places):
+        index = place.index
+        if place.kind:
+            before, after = (places[min(max(i + k, 0), len(places) - 1)].index for k in (-1, 1))
+            index = min(before, after)
+            special.append(SpecialPoint(place.kind, place.p, before, after, i))
+        points.append(BranchPoint(place.p, with_field(case, name, place.p), index, place.path, solved))
+    return tuple(points), tuple(special)

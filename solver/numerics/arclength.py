@@ -1,0 +1,118 @@
+"""Pseudo-arclength continuation of a curve F(w) = 0, with n equations in n + 1 unknowns.
+
+A step leads along the tangent and back to the curve in the plane across the tangent, so it passes folds, where one
+unknown has an extremum. The sign of det [F'; t], t being the tangent, is constant along a smooth curve. It is opposite
+on the two neighbours of a curve, so a step onto a neighbour would turn the tangent round, and is refused.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from .arrays import Array
+
+_ROUNDS = 10
+_CONTRACTION = 0.5  # largest ratio of two corrections
+_SMALL = 1e-9  # a correction that may be as large as the one before: rounding
+_DONE = 1e-12
+_OFF, _COSINE = 0.25, 0.92  # of the distance from the predictor to the length of a step; of the turn of the tangent
+
+LEFT = "the curve ends"
+
+
+class Curve(Protocol):
+    """F and its Jacobian, (n,) and (n, n + 1); None where they do not exist."""
+
+    def value(self, w: Array) -> Array | None:
+        """F(w)."""
+        ...
+
+    def jacobian(self, w: Array) -> Array | None:
+        """F'(w)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A point of a curve.
+
+    w: (n + 1,). jacobian: (n, n + 1). tangent: (n + 1,), of length 1, in the direction of travel. sign: of det [F'; t].
+    bend: distance from the predictor as a share of the step that led here.
+    """
+
+    w: Array
+    jacobian: Array
+    tangent: Array
+    sign: float
+    bend: float = 0.0
+
+
+def node_at(curve: Curve, w: Array, along: Array) -> Node | str:
+    """The point of a curve at w, travelled in a direction like `along` (n + 1,)."""
+    jacobian = curve.jacobian(w)
+    if jacobian is None:
+        return LEFT
+    tangent = _null(jacobian)
+    tangent = tangent if tangent @ along >= 0 else -tangent
+    return Node(w, jacobian, tangent, _sign(jacobian, tangent))
+
+
+def advanced(curve: Curve, node: Node, step: float, across: Array | None = None) -> Node | str:
+    """The point after a step, or why there is none.
+
+    across: (n + 1,), the normal of the plane in which the predictor is corrected; default: the tangent.
+    """
+    guess = node.w + step * node.tangent
+    found = corrected(curve, guess, node.tangent if across is None else across, node.jacobian)
+    if isinstance(found, str):
+        return found
+    bend = max(float(np.linalg.norm(found - guess)) - _SMALL, 0.0) / step
+    if bend > _OFF:
+        return "the step is too long"
+    jacobian = curve.jacobian(found)
+    if jacobian is None:
+        return LEFT
+    tangent = _null(jacobian)
+    tangent = tangent if _sign(jacobian, tangent) == node.sign else -tangent
+    if tangent @ node.tangent < _COSINE:
+        return "the tangent turns"
+    return Node(found, jacobian, tangent, node.sign, bend)
+
+
+def corrected(curve: Curve, guess: Array, across: Array, jacobian: Array) -> Array | str:
+    """The point of the curve in the plane through a guess with the normal `across`, by Broyden's method."""
+    system, w, last = np.vstack([jacobian, across]), guess, np.inf
+    move, off = np.zeros_like(w), np.zeros(w.size)
+    for round_ in range(_ROUNDS):
+        value = curve.value(w)
+        if value is None:
+            return LEFT
+        now = np.append(value, across @ (w - guess))
+        if round_:
+            system = system + np.outer(now - off - system @ move, move) / (move @ move)
+        off = now
+        try:
+            move = -np.linalg.solve(system, off)
+        except np.linalg.LinAlgError:
+            return "the linearised equations are singular"
+        size = float(np.linalg.norm(move))
+        if not size <= max(_CONTRACTION * last, _SMALL):
+            return "the correction did not converge"
+        w = w + move
+        if size <= _DONE or (size <= _SMALL and size >= _CONTRACTION * last):
+            return w
+        last = size
+    return w if last <= _SMALL else "the correction did not converge"
+
+
+def _null(jacobian: Array) -> Array:
+    """A unit vector t with F' t = 0."""
+    if jacobian.shape[0] == 1:
+        t = np.array([-jacobian[0, 1], jacobian[0, 0]])
+        return np.asarray(t / np.linalg.norm(t))
+    return np.asarray(np.linalg.svd(jacobian)[2][-1])
+
+
+def _sign(jacobian: Array, tangent: Array) -> float:
+    return float(np.sign(np.linalg.det(np.vstack([jacobian, tangent]))))
