@@ -107,7 +107,7 @@ class Branch:
     >>> from solver import Case, Cylinder, Ends, Rod, follow, solve
     >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0)
     >>> branch = follow(solve(Case(rod, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, FZ=-8.66))), FZ=[-20.0, -5.0])
-    >>> branch.end.reason, branch.index[-1]
+    >>> branch.end.reason, int(branch.index[-1])
     ('the end of the range', 0)
     """
 

@@ -1,7 +1,7 @@
 """Follow one equilibrium while one field of its case changes."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +12,7 @@ from .problem.case import Case, Ends
 from .problem.errors import InputError, choices, no_such
 from .problem.field_rates import fields_of
 from .problem.reduced import EndsProblem, reduce
+from .problem.trajectory import Trajectory
 from .solution import Solution
 from .solve import between_ends, seed_of
 
@@ -64,7 +65,7 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
 
     case, path = _equilibrium(solution)
     name, wanted = _field_and_values(case, field)
-    if not isinstance(points, int) or points < 1:
+    if points < 1:
         raise InputError(f"points must be a whole number of at least 1, got {points!r}")
     own = _value(case, name)
     for value in (float(wanted.min()), float(wanted.max())):
@@ -77,7 +78,7 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     return _branch(case, name, path, bounds, solved)
 
 
-def with_field(case: Case, name: str, value: float) -> Case:
+def with_field(case: Case, name: str, value: Any) -> Case:
     """The case with another value of one numeric field, named as its quantity. Raises `InputError`."""
     name = _FIELD.get(name, name)
     for part in ("rod", "cylinder", "given"):
@@ -138,14 +139,30 @@ class _Solver:
     u: Array
 
     def __call__(self, point: BranchPoint) -> Solution:
-        from .boundary.path_orbits import orbit_of
-        from .boundary.selected_equilibrium import equilibrium_trajectory
-
-        problem = reduce(point.case)
-        assert isinstance(problem, EndsProblem)
-        t = problem.span[:, None] * self.u
-        shape = equilibrium_trajectory(problem, orbit_of(problem, point.path), t, self.tol)
+        problem, t, shape = _shape(point, self.u, self.tol)
         return Solution(point.case, problem, shape, t, "shooting", self.tol)
+
+
+def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array, Trajectory]:
+    """The problem of a point, and its shape at stations s/L = u."""
+    from .boundary.path_orbits import orbit_of
+    from .boundary.selected_equilibrium import equilibrium_trajectory
+
+    problem = reduce(point.case)
+    assert isinstance(problem, EndsProblem)
+    t = problem.span[:, None] * u
+    return problem, t, equilibrium_trajectory(problem, orbit_of(problem, point.path), t, tol)
+
+
+def solutions_of(branch: Branch, stations: int) -> Solution:
+    """All points of a branch as one solution over a grid of one axis."""
+    from .boundary.each_equilibrium import together
+
+    tol, u = branch.points[0].solution.tol, np.linspace(0, 1, stations)
+    shapes = [_shape(point, u, tol) for point in branch.points]
+    case = with_field(branch.points[0].case, branch.field, branch.values)
+    problem, t = reduce(case), np.concatenate([one[1] for one in shapes])
+    return Solution(case, problem, together([one[2] for one in shapes], t), t, "shooting", tol)
 
 
 def _branch(case: Case, name: str, path: "Path", bounds: "Bounds", solved: _Solver) -> Branch:

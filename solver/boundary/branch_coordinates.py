@@ -191,7 +191,7 @@ def path_at(place: LinePoint, chart: Chart, x: float) -> Path | None:
         apart = np.abs((place.saddles - at.pin + np.pi) % TAU - np.pi)
         near = int(np.argmin(apart))
         return None if apart[near] > 0.3 else replace(at, pin=float(place.saddles[near]), y=x)
-    problem, pin = place.problem, (place.start if chart.kind == "start" else place.end)
+    pin = place.start if chart.kind == "start" else place.end
     if chart.logarithmic:
         return replace(at, pin=pin, y=x)
     y = 2 * float(np.log(max(abs(x), 1e-150)))
