@@ -9,6 +9,7 @@ from ..numerics.arrays import Array
 from .branch_coordinates import Chart, Path, charts, coordinate
 from .equilibrium_curve import EquilibriumCurve, Family, index_of, start_of
 
+_SAME_SADDLE = 0.1  # half of the largest angle by which a saddle moves in a step
 _NUDGE = 1e-4  # in scales, between the two points that give the direction of travel in another chart
 
 
@@ -135,7 +136,7 @@ def recharted(state: State) -> State:
 def _alike(one: Chart, other: Chart) -> bool:
     """Whether two charts have one coordinate."""
     same = one.kind == other.kind and one.logarithmic == other.logarithmic and one.at.sign == other.at.sign
-    return same and (one.kind != "saddle" or abs(one.at.pin - other.at.pin) < 1e-9)
+    return same and (one.kind != "saddle" or abs(np.sin((one.at.pin - other.at.pin) / 2)) < _SAME_SADDLE)
 
 
 def _rescaled(state: State, chart: Chart) -> State:

@@ -1,7 +1,7 @@
 """The equilibria of one path over a parameter p, as a curve in the plane of p and a coordinate of the level."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,9 +12,10 @@ from .continuation_steps import FIELDS
 
 _NUDGE = 1e-5  # of the unknown's scale, for differences
 _AHEAD = 1e-6  # of the parameter's scale
+_KEPT = 6  # problems kept, as one is needed several times in a step
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Family:
     """Ends problems (of size 1) over one parameter p; None from `problem`: there is none.
 
@@ -23,11 +24,16 @@ class Family:
 
     problem: Callable[[float], EndsProblem | None]
     scale: float
+    _known: dict[float, LinePoint | None] = field(default_factory=dict, repr=False)  # the last few
 
     def place(self, p: float) -> LinePoint | None:
         """The problem at p with its critical points."""
-        problem = self.problem(p)
-        return None if problem is None else LinePoint(problem)
+        if p not in self._known:
+            problem = self.problem(p)
+            while len(self._known) >= _KEPT:
+                del self._known[next(iter(self._known))]
+            self._known[p] = None if problem is None else LinePoint(problem)
+        return self._known[p]
 
 
 def scale_of(problem: Callable[[float], EndsProblem | None], p: float, reach: float) -> float:
