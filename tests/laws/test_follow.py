@@ -1,0 +1,277 @@
+"""A followed branch is one curve of equilibria: its folds are exact, it leads back, and it never jumps to another."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import minimize_scalar
+
+from solver import Branch, Case, Cylinder, Ends, InputError, Rod, Solution, equilibria, follow, solve
+from solver.boundary.path_orbits import orbit_of
+from solver.boundary.stability import jacobi_zeros
+from solver.equilibria import Equilibrium
+from solver.follow import with_field
+from solver.problem.reduced import reduce
+from tests.cases import TABLE_1, ends_in_units_of_rho, rod_of_unit_stiffness
+
+END = "the end of the range"
+
+
+@cache
+def table_1() -> Solution:
+    return solve(TABLE_1["force-first/tension/paper"].case, tol=1e-12)
+
+
+@cache
+def table_1_ends() -> Case:
+    case = table_1().case
+    return Case(case.rod, case.cylinder, Ends(case.given.beta, float(table_1().beta[-1]), *case.loads))
+
+
+@cache
+def every() -> list[Equilibrium]:
+    return list(equilibria(table_1_ends()))
+
+
+def far_angle(case: Case, dbeta0: float) -> float:
+    """beta(L) of a rod that starts with beta'(0), by marching beta'' = -H."""
+    lam, mu, phi, span, beta0 = (
+        float(getattr(reduce(case), name)[0]) for name in ("lam", "mu", "phi", "span", "beta0")
+    )
+
+    def rate(_: float, y: np.ndarray) -> list[float]:
+        s, c = np.sin(y[0]), np.cos(y[0])
+        return [y[1], -(lam * c - mu * np.cos(2 * y[0]) - (phi + 2 * c * s * s) * s)]
+
+    start = [beta0, dbeta0 * float(case.rho)]
+    return float(solve_ivp(rate, (0, span), start, "DOP853", rtol=1e-13, atol=1e-13).y[0, -1])
+
+
+def test_the_fold_of_table_1_is_the_largest_beta_at_the_end_over_the_slope_at_the_start() -> None:
+    branch = follow(table_1(), betaL=1.0)
+    (fold,) = branch.special
+    near = branch.points[fold.position].solution.dbeta[0]
+    best = minimize_scalar(
+        lambda slope: -far_angle(table_1_ends(), slope), bounds=(near - 0.05, near + 0.05), method="bounded",
+        options={"xatol": 1e-7},
+    )  # fmt: skip
+    assert fold.kind == "fold"
+    assert fold.value == pytest.approx(-best.fun, abs=1e-8)
+    assert near == pytest.approx(best.x, abs=1e-5)
+    assert {fold.before, fold.after} == {5, 6}
+    assert branch.end.reason == END
+    assert branch.values[-1] == branch.values[0]
+
+
+def test_two_equilibria_merge_at_a_fold_and_none_is_left_beyond_it() -> None:
+    (fold,) = follow(table_1(), FZ=4.0).special
+    counts = [len(equilibria(with_field(table_1_ends(), "FZ", fold.value + off))) for off in (1e-4, -1e-4)]
+    assert counts[0] - counts[1] == 2
+
+
+@pytest.mark.parametrize("L", [10.0, 31.0])
+def test_a_straight_pipe_buckles_at_eulers_loads(L: float) -> None:
+    """About beta = 0 without torque eta'' - phi eta = 0: sin(r L) = 0 at -phi = (n pi/L)^2."""
+    pipe = Case(rod_of_unit_stiffness(L, 0.01), Cylinder(1 - 0.01), Ends(0.0, 0.0, FZ=1.0))
+    branch = follow(solve(pipe), FZ=-3.0)
+    loads = [-((n * np.pi / L) ** 2) for n in range(1, len(branch.special) + 1)]
+    np.testing.assert_allclose([one.value for one in branch.special], loads, rtol=1e-12)
+    assert -(((len(loads) + 1) * np.pi / L) ** 2) < -3.0
+    assert [(one.kind, one.before, one.after) for one in branch.special] == [
+        ("pitchfork", n, n + 1) for n in range(len(loads))
+    ]
+    assert branch.index[-1] == len(loads)
+
+
+def test_a_buckled_branch_passes_the_pitchfork_to_its_mirror_image() -> None:
+    """Below Euler's load only the straight rod is left, so the branch turns there and returns as its mirror image."""
+    first = -((np.pi / 10) ** 2)
+    pipe = Case(rod_of_unit_stiffness(10.0, 0.01), Cylinder(1 - 0.01), Ends(0.0, 0.0, FZ=1.3 * first))
+    buckled = next(one for one in equilibria(pipe) if one.index == 0)
+    branch = follow(buckled.solution, FZ=0.5 * first)
+    (turn,) = branch.special
+    assert turn.kind == "pitchfork"
+    assert turn.value == pytest.approx(first, rel=1e-9)
+    np.testing.assert_allclose(branch.points[-1].solution.beta, -buckled.solution.beta, atol=1e-9)
+
+
+def test_the_way_back_is_the_way_there() -> None:
+    there = follow(every()[4].solution, FZ=4.0)
+    back = follow(there.points[-1].solution, FZ=float(table_1_ends().given.FZ))
+    np.testing.assert_allclose(back.points[-1].solution.beta, every()[4].solution.beta, atol=1e-10)
+
+
+def test_values_that_are_asked_for_are_points_and_both_directions_are_followed() -> None:
+    wanted = [12.0, 10.5, 6.0]
+    branch = follow(table_1(), FZ=wanted)
+    assert 0 < branch.start < len(branch) - 1
+    assert branch.values[branch.start] == float(table_1_ends().given.FZ)
+    assert {*wanted} <= {*branch.values}
+    assert {branch.begin.value, branch.end.value} == {6.0, 12.0}
+    assert len(branch.at(10.5)) == 1
+    with pytest.raises(InputError, match="no point at FZ = 7"):
+        branch.at(7.0)
+
+
+def is_curve_of_equilibria(branch: Branch) -> bool:
+    """Whether each point meets its ends and has the index of its Jacobi field, and neighbours are near."""
+    special = {one.position for one in branch.special}
+    last = None
+    for i, point in enumerate(branch.points):
+        problem = reduce(point.case)
+        orbit = orbit_of(problem, point.path)
+        t = problem.span[:, None] * np.linspace(0, 1, 101)
+        beta = orbit.at(t)[0][0]
+        ends = abs(beta[0] - problem.beta0[0]) < 1e-9 and abs(beta[-1] - problem.betaL[0]) < 1e-6
+        if not ends or (i not in special and jacobi_zeros(orbit)[0] != point.index):
+            return False
+        if last is not None and np.abs(beta - last).mean() > 0.5:
+            return False
+        last = beta
+    return True
+
+
+def followed_in_steps(one: Equilibrium, field: str, last: float, count: int) -> Branch:
+    own = float(getattr(table_1_ends().given, field))
+    branch = follow(one.solution, **{field: np.linspace(own, last, count + 1)})
+    assert branch.end.reason == END
+    assert is_curve_of_equilibria(branch)
+    return branch
+
+
+@pytest.mark.parametrize("which", [3, 11])
+def test_equilibria_of_table_1_are_followed_under_a_falling_load(which: int) -> None:
+    branch = followed_in_steps(every()[which], "FZ", 6.0, 5)
+    assert (branch.values[-1] == 6.0) == (which == 3)
+
+
+@pytest.mark.slow
+def test_all_equilibria_of_table_1_are_followed_under_a_falling_load_and_are_those_found_there() -> None:
+    branches = [followed_in_steps(one, "FZ", 2.0, 100) for one in every()]
+    there = equilibria(with_field(table_1_ends(), "FZ", 2.0))
+    arrived = [branch.points[-1] for branch in branches if branch.values[-1] == 2.0]
+    assert len(arrived) == 11  # the other two meet in a fold
+    assert len({place(point.solution, there) for point in arrived}) == 11
+    turned = [branch for branch in branches if branch.values[-1] != 2.0]
+    assert turned[0].special[0].value == pytest.approx(turned[1].special[0].value, abs=1e-10)
+
+
+def place(sol: Solution, among: list[Equilibrium]) -> int | None:
+    """Which of the equilibria this is; None if it is none of them."""
+    apart = [float(np.abs(one.solution.beta - sol.beta).max()) for one in among]
+    return int(np.argmin(apart)) if min(apart) < 1e-6 else None
+
+
+def random_problem(rng: np.random.Generator) -> tuple[Case, str, float]:
+    """A problem, a field, and its value after a perturbation; some have symmetries."""
+    numbers = [*rng.normal(0, 0.6, 3), rng.uniform(5, 25), *rng.uniform(-2, 2, 2)]
+    kind = rng.random()
+    if kind < 0.15:
+        numbers[5] = numbers[4]
+    elif kind < 0.25:
+        numbers[:2], numbers[5] = [0.0, 0.0], -numbers[4]
+    case = ends_in_units_of_rho(*numbers)
+    field = str(rng.choice(["FZ", "MZ", "M3", "L", "betaL", "beta0", "R"]))
+    own = next(float(getattr(part, field)) for part in (case.rod, case.cylinder, case.given) if hasattr(part, field))
+    return case, field, own * (1 + 0.02 * rng.normal()) if field in ("L", "R") else own + 0.1 * rng.normal()
+
+
+@pytest.mark.parametrize("count, seed", [(10, 3), pytest.param(500, 4, marks=pytest.mark.slow)])
+def test_branches_pair_the_equilibria_before_and_after_a_perturbation(count: int, seed: int) -> None:
+    """Each ends at another one after it, or, through folds, at one before it, whose own branch then leads back.
+
+    Where `equilibria` misses a pair after the perturbation, following it back must lead to the first.
+    """
+    rng, done = np.random.default_rng(seed), 0
+    while done < count:
+        case, field, value = random_problem(rng)
+        before, after = list(equilibria(case)), list(equilibria(with_field(case, field, value)))
+        ends: dict[int, tuple[str, int]] = {}
+        for i, one in enumerate(before):
+            branch = follow(one.solution, **{field: value})
+            assert branch.end.reason == END
+            done += 1
+            last = branch.points[-1]
+            there = last.value == value
+            found = place(last.solution, after if there else before)
+            if found is None:
+                own = branch.points[0].value
+                back = follow(last.solution, **{field: own})
+                assert there
+                assert place(back.points[-1].solution, before) == i
+                continue
+            assert (after if there else before)[found].index == last.index
+            ends[i] = ("after" if there else "before", found)
+        assert len(set(ends.values())) == len(ends)
+        assert all(ends[j] == ("before", i) for i, (side, j) in ends.items() if side == "before")
+
+
+def test_a_field_without_an_effect_on_the_shape_has_a_straight_branch() -> None:
+    branch = follow(table_1(), nu=[0.1, 0.4])
+    assert not branch.special
+    shapes = [branch.points[i].solution.beta for i in (0, -1)]
+    np.testing.assert_allclose(*shapes, atol=1e-9)
+
+
+def test_it_stops_at_the_limit_of_points_and_keeps_what_it_has() -> None:
+    branch = follow(table_1(), FZ=[4.0, 12.0], points=3)
+    assert len(branch) == 7
+    assert branch.begin.reason == branch.end.reason == "the limit of 3 points"
+
+
+def test_a_branch_is_a_dataset() -> None:
+    pytest.importorskip("xarray")
+    branch = follow(table_1(), FZ=4.0)
+    ds = branch.to_dataset(stations=51, length="cm", force="N")
+    assert ds.sizes == {"point": len(branch), "u": 51}
+    np.testing.assert_array_equal(ds["FZ"], branch.values)
+    np.testing.assert_array_equal(ds["index"], branch.index)
+    assert ds["FZ"].attrs["units"] == "N"
+    assert [str(kind) for kind in ds["special"].values if kind] == ["fold"]
+    own = next(one for one in every() if one.index == 6)
+    assert float(ds["energy"][0]) == pytest.approx(own.energy, rel=1e-9)
+    with pytest.raises(InputError, match="no unit 'mass'"):
+        branch.to_dataset(mass="kg")
+
+
+@pytest.mark.parametrize(
+    "field, said",
+    [
+        ({}, "follow takes one field with its values, got none"),
+        ({"FZ": 1.0, "MZ": 2.0}, "got FZ, MZ"),
+        ({"FY": 1.0}, "no field 'FY'; choose from E, nu, a, L, R, beta0"),
+        ({"FZ": np.nan}, "FZ must be one or several finite numbers"),
+        ({"FZ": "much"}, "FZ must be a number or an array of numbers"),
+        ({"L": -1.0}, "Rod.L must be positive"),
+        ({"nu": 0.25}, "the solution has nu = 0.25 already"),
+        ({"FZ": 1.0, "points": 0}, "points must be a whole number of at least 1, got 0"),
+    ],
+)
+def test_what_cannot_be_followed_is_refused(field: dict[str, object], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        follow(table_1(), **field)
+
+
+def test_only_one_solved_solution_is_followed() -> None:
+    with pytest.raises(InputError, match="takes a Solution, got Equilibrium; give its solution"):
+        follow(every()[0], FZ=1.0)
+    grid = replace(table_1_ends(), given=replace(table_1_ends().given, FZ=[8.0, 9.0]))
+    with pytest.raises(InputError, match=r"one solution at a time, got a grid of shape \(2,\)"):
+        follow(solve(grid, stations=5), FZ=1.0)
+
+
+def test_a_rod_that_leaves_its_helix_is_followed_next_to_it() -> None:
+    pulled = Case(rod_of_unit_stiffness(10.0, 0.01), Cylinder(1 - 0.01), Ends(0.0, 0.0, FZ=1.0))
+    branch = follow(solve(pulled), betaL=0.3)
+    assert branch.end.reason == END
+    alone = equilibria(with_field(pulled, "betaL", 0.3))
+    assert place(branch.points[-1].solution, alone) == 0
+
+
+def test_a_rod_and_its_units_do_not_matter() -> None:
+    rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0)
+    one = follow(solve(Case(rod, Cylinder(0.75), Ends(0.5, 0.8, FZ=-8.66))), FZ=-30.0)
+    other = follow(solve(Case(replace(rod, E=2 * rod.E), Cylinder(0.75), Ends(0.5, 0.8, FZ=-2 * 8.66))), FZ=-60.0)
+    assert [2 * a.value for a in one.special] == pytest.approx([b.value for b in other.special], rel=1e-12)
