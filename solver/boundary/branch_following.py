@@ -16,13 +16,15 @@ from scipy.optimize import brentq
 
 from ..numerics.arclength import advanced
 from .branch_coordinates import LinePoint, Path
-from .branch_states import Bounds, Place, State, begun_at, recharted
+from .branch_states import Bounds, Place, State, begun_at, in_other_charts, recharted
 from .continuation_steps import Line, leapt
 from .equilibrium_curve import Family
 from .helix_branch import CROSSING, PITCHFORK, helix_place, helix_places
 
 FOLD = "fold"
 FIRST, LONGEST, SHORTEST = 0.02, 0.25, 1e-7  # lengths of steps, in scales
+NARROW = 1e-3  # length of a step below which other coordinates and a leap are tried
+_KEPT = 10  # steps for which another coordinate is kept
 _EASY_BEND = 0.05  # distance from the predictor, as a share of the step, that the next step aims at
 _LEAP = 1.0  # of the parameter's scale: the line whose shares `continuation_steps.LEAPS` are leapt
 _STEEP = 0.2  # dp along the branch, in scales, above which a step may end at a given p
@@ -68,20 +70,25 @@ def _limit(bounds: Bounds) -> str:
 
 def _followed(state: State, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
     """The places before, and those after a state."""
-    first, step = state.recorded(), FIRST
+    first, step, kept = state.recorded(), FIRST, 0
     while len(places) < bounds.most:
-        state = recharted(state)
-        there = _step(state, step, bounds)
+        state, kept = recharted(state, step, keep=kept > 0), kept - 1
+        there, passed = _passed(state, _step(state, step, bounds), bounds)
+        if isinstance(there, str) and step < NARROW:
+            for other in in_other_charts(state):
+                again, passed = _passed(other, _step(other, step, bounds), bounds)
+                if not isinstance(again, str):
+                    state, there, kept = other, again, _KEPT
+                    break
         if isinstance(there, str):
-            step /= 2
-            if step >= SHORTEST:
+            step, tried = step / 2, step
+            leap = _leap(state, bounds) if tried >= NARROW > step or step < SHORTEST else None
+            if leap is None and step >= SHORTEST:
                 continue
-            leap = _leap(state, bounds)
             if leap is None:
                 return places, Stop(f"the step became too small: {there}", state.p)
             there, passed, step = leap, [leap.recorded()], FIRST
         else:
-            passed = _between(state, there, bounds)
             bend = max(there.node.bend, 1e-6)
             step = min(LONGEST, step * float(np.clip(np.sqrt(_EASY_BEND / bend), 0.3, 2.0)))
         for place in passed:
@@ -105,21 +112,27 @@ def _step(state: State, step: float, bounds: Bounds) -> State | str:
     return found if isinstance(found, str) else State(curve, found)
 
 
-def _between(state: State, there: State, bounds: Bounds) -> list[Place]:
-    """The special points and the wanted values that a step passed, in order, and its end."""
+def _passed(state: State, there: State | str, bounds: Bounds) -> tuple[State | str, list[Place]]:
+    """The state after a step, or why it is refused; the special points and wanted values on the way, and its end."""
+    if isinstance(there, str):
+        return there, []
     reach = float(state.node.tangent @ (there.node.w - state.node.w))
-    stops = [(0.0, state, ""), *_special(state, there, reach), (reach, there, "")]
+    special = _special(state, there, reach)
+    if special is None:
+        return "a special point could not be located", []
     places = []
-    for (low, one, _), (high, other, kind) in pairwise(stops):
+    for (low, one, _), (high, other, kind) in pairwise([(0.0, state, ""), *special, (reach, there, "")]):
         for value in bounds.inside(one.p, other.p):
             found = _located(state, low, high, partial(_above, value))
-            places += [] if found is None else [found[1].recorded()]
+            if found is None:
+                return f"the equilibrium at {value:.10g} could not be located", []
+            places.append(found[1].recorded())
         places.append(other.recorded(kind))
-    return places
+    return there, places
 
 
-def _special(state: State, there: State, reach: float) -> list[tuple[float, State, str]]:
-    """Where p has an extremum, and where beta_t passes through 0 at both ends of the rod together."""
+def _special(state: State, there: State, reach: float) -> list[tuple[float, State, str]] | None:
+    """Where p has an extremum, and where beta_t passes through 0 at both ends together; None: not located."""
     found, chart = [], state.curve.chart
     if not chart.logarithmic and state.x * there.x < 0:
         at = state.curve.at(state.node.w)
@@ -128,7 +141,8 @@ def _special(state: State, there: State, reach: float) -> list[tuple[float, Stat
             found.append((_located(state, 0.0, reach, lambda at: at.x), CROSSING if helix else PITCHFORK))
     if state.rises * there.rises < 0 and not found:
         found.append((_located(state, 0.0, reach, lambda at: at.rises), FOLD))
-    return [(*place, kind) for place, kind in found if place is not None]
+    some = [(*place, kind) for place, kind in found if place is not None]
+    return some if len(some) == len(found) else None
 
 
 def _above(value: float, at: State) -> float:

@@ -1,5 +1,6 @@
 """A point of a branch on its curve, and its change to another coordinate of the level."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -7,9 +8,12 @@ import numpy as np
 from ..numerics.arclength import LEFT, Node, corrected, node_at
 from ..numerics.arrays import Array
 from .branch_coordinates import Chart, Path, charts, coordinate
-from .equilibrium_curve import EquilibriumCurve, Family, index_of, start_of
+from .equilibrium_curve import AHEAD, EquilibriumCurve, Family, index_of, start_of
 
 _SAME_SADDLE = 0.1  # half of the largest angle by which a saddle moves in a step
+_SHARE = 0.1  # of the change of p in a step, over which differences in p are taken
+_LEAST = 1e-10  # the same in scales of p
+_PARALLEL = 0.7  # smallest cosine between a tangent and the direction to the neighbouring point
 _NUDGE = 1e-4  # in scales, between the two points that give the direction of travel in another chart
 
 
@@ -117,13 +121,18 @@ def _corrected_state(curve: EquilibriumCurve, w: Array, along: Array) -> State |
     return reason
 
 
-def recharted(state: State) -> State:
-    """The same in the coordinate that is best there, where it can be changed."""
+def recharted(state: State, step: float, keep: bool = False) -> State:
+    """The same in the coordinate that is best there, where it can be changed; keep: in its own, made anew.
+
+    step: length of the next step.
+    """
+    ahead = float(np.clip(_SHARE * step * abs(state.rises), _LEAST, AHEAD))
+    state = replace(state, curve=replace(state.curve, ahead=ahead))
     at = state.curve.at(state.node.w)
     if at is None:
         return state
     every = charts(*at)
-    if not _alike(every[0], state.curve.chart):
+    if not keep and not _alike(every[0], state.curve.chart):
         changed = _changed(state, every[0])
         if changed is not None:
             return changed
@@ -131,6 +140,16 @@ def recharted(state: State) -> State:
         if _alike(chart, state.curve.chart):
             return _rescaled(state, chart)
     return state
+
+
+def in_other_charts(state: State) -> Iterator[State]:
+    """The same in every other coordinate."""
+    at = state.curve.at(state.node.w)
+    for chart in charts(*at) if at is not None else ():
+        if not _alike(chart, state.curve.chart):
+            changed = _changed(state, chart)
+            if changed is not None:
+                yield changed
 
 
 def _alike(one: Chart, other: Chart) -> bool:
@@ -162,7 +181,10 @@ def _changed(state: State, chart: Chart) -> State | None:
                     for c, p in ((chart, state.p), (one, beyond[1] * curve.scales[1]))
                 )
                 along = (there - w) / nudge
-                found = _corrected_state(curve, w, along / np.linalg.norm(along))
-                if not isinstance(found, str):
+                along /= np.linalg.norm(along)
+                found = _corrected_state(curve, w, along)
+                if not isinstance(found, str) and found.node.tangent @ along < _PARALLEL:
+                    continue
+                if not isinstance(found, str) and found.rises * state.rises > 0:
                     return found
     return None

@@ -11,7 +11,7 @@ from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate, exce
 from .continuation_steps import FIELDS
 
 _NUDGE = 1e-5  # of the unknown's scale, for differences
-_AHEAD = 1e-6  # of the parameter's scale
+AHEAD = 1e-6  # of the parameter's scale, for differences
 _KEPT = 6  # problems kept, as one is needed several times in a step
 
 
@@ -51,10 +51,14 @@ def scale_of(problem: Callable[[float], EndsProblem | None], p: float, reach: fl
 
 @dataclass(frozen=True, eq=False)
 class EquilibriumCurve:
-    """The zeros of length(x, p) less the rod's, in w = (x, p) over their scales."""
+    """The zeros of length(x, p) less the rod's, in w = (x, p) over their scales.
+
+    ahead: of p's scale, over which differences are taken.
+    """
 
     family: Family
     chart: Chart
+    ahead: float = AHEAD
 
     @property
     def scales(self) -> Array:
@@ -76,7 +80,7 @@ class EquilibriumCurve:
     def jacobian(self, w: Array) -> Array | None:
         """Its derivatives, (1, 2), by differences."""
         x, p = w * self.scales
-        nudge, ahead = _NUDGE * self.chart.scale, _AHEAD * self.family.scale
+        nudge, ahead = _NUDGE * self.chart.scale, self.ahead * self.family.scale
         off = self._excess(float(p), x + nudge * np.array([-1.0, 0.0, 1.0]))
         beyond = self._excess(float(p) + ahead, np.array([x]))
         if beyond is None:
