@@ -17,6 +17,8 @@ from .level_grid import boundary_of, floor_of, helix_of
 from .paths import DOWN, UP, LevelPaths, Levels, Paths
 from .transit_times import Boundary, fall, transit_times, wrapped
 
+_SAME = 1e-6  # in scales: coordinates of one equilibrium
+
 
 @dataclass(frozen=True)
 class Path:
@@ -217,6 +219,19 @@ def _turns_gained(place: LinePoint, end: float, inward: int) -> int:
         return 0
     lower = float(slope(place.problem, np.array([end]))[0]) < 0
     return 1 if lower == (inward == UP) else -1
+
+
+def same_equilibrium(place: LinePoint, one: Path, other: Path) -> bool:
+    """Whether two paths of one problem are the same orbit, from whichever angles their levels are measured."""
+    if (one.leaving, one.turns, one.helix) != (other.leaving, other.turns, other.helix):
+        return False
+    if one.helix:
+        return True
+    first, second = charts(place, one)[0], charts(place, other)[0]
+    if (first.kind, first.logarithmic, first.at.sign) != (second.kind, second.logarithmic, second.at.sign):
+        return False
+    near = abs(np.sin((first.at.pin - second.at.pin) / 2)) < _SAME
+    return near and abs(coordinate(first) - coordinate(second)) < _SAME * first.scale
 
 
 def excess(place: LinePoint, chart: Chart, x: Array) -> Array:

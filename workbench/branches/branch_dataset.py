@@ -2,14 +2,13 @@
 
 import json
 from collections.abc import Callable, Sequence
-from functools import cache
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver import Case, equilibria
+from solver import Case
 from solver.equilibria import Equilibrium
 from solver.observe.observables import OBSERVABLES, observe
 from studies import Study
@@ -18,15 +17,16 @@ from studies.law import Law
 from studies.laws import QUALIFIED, decide
 
 from ..data import schema
-from ..run.case_input import with_fields
 from .equilibria_dataset import EACH, attributes, with_case
-from .folds import fold_at
-from .tracking import Meeting, track
+from .followed_curves import followed_curves, shown_by_default, special_points
+from .tracing import Traced, traced
 
 STATIONS = 101
 
 
-def sweep(study: Study, case: Case, name: str, values: Any, step: Callable[[str], None]) -> xr.Dataset:
+def sweep(
+    study: Study, case: Case, name: str, values: Any, step: Callable[[str], None], show: str | None = None
+) -> xr.Dataset:
     """All equilibria of an ends problem at each value of one field, joined into branches.
 
     Parameters
@@ -39,22 +39,21 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Callable[[str]
         The field that varies and its values, (n,), rising; angles in rad.
     step
         Called with a text before each value is solved.
+    show
+        The observable, or dbeta0, that a diagram shows over the axis; default: `shown_by_default`.
 
     Returns
     -------
     Over (axis, member), members by rising energy and NaN beyond their number: the numbers of `EACH`, the observables
     of the study's laws on this axis, the outcome, and `branch`, the number of the branch (-1: no member). Over
-    `fold`: where two branches meet. The attribute `branches` holds a row for each branch, with the verdict of each
-    law, as JSON.
+    `fold`: where two branches meet. Over `special`: where other branches meet. Over `curve_point`: the branches as they
+    were followed. Over (shape, u): a shape of each. The attribute `branches` holds a row for each branch, with the
+    verdict of each law, as JSON.
     """
-
-    @cache
-    def at(value: float) -> list[Equilibrium]:
-        return equilibria(with_fields(case, {name: value}), stations=STATIONS)
-
     laws = [law for law in study.laws if law.axis == name and _is_of_observables(law)]
     units = study.unit_system
-    found, branch, meetings = track(at, [float(x) for x in values], lambda value: step(f"{name} = {value:.4g}"))
+    seen = traced(case, name, [float(x) for x in values], STATIONS, lambda value: step(f"{name} = {value:.4g}"))
+    found, branch = seen.found, seen.branch
     most = max((len(members) for members in found), default=0)
     dims = (name, "member")
     data: dict[str, Any] = {
@@ -66,16 +65,12 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Callable[[str]
     solved = [[i < len(f) and bool(f[i].solution.solved) for i in range(most)] for f in found]
     data["solved"] = xr.Variable(dims, np.array(solved, dtype=bool).reshape(len(found), most))
     data["outcome"] = xr.Variable(dims, np.array(outcome, dtype=str).reshape(len(found), most))
-    folded = [fold_at(at, meeting) for meeting in meetings]
-    for i, (key, row) in enumerate((("fold", name), ("fold_dbeta0", "dbeta0"), ("fold_energy", "energy"))):
-        labels = schema.labels(quantity_of(row).name, units)
-        labels["long_name"] += " where two equilibria meet and cease to exist"
-        data[key] = xr.Variable(("fold",), np.array([f[i] for f in folded], dtype=float), labels)
-    pairs = _branch_pairs(branch, meetings)
-    data["fold_branches"] = xr.Variable(("fold", "two"), pairs, {"long_name": "the two branches that meet"})
+    shown = (shown_by_default(name) if show is None else show, "energy")
+    data |= special_points(seen, name, units, shown) | followed_curves(seen, name, units, shown)
     ds = xr.Dataset(data, {name: xr.Variable((name,), values, schema.labels(quantity_of(name).name, units))})
     ds.attrs = attributes(study, case, f"All equilibria over {quantity_of(name).symbol}")
-    ds.attrs["branches"] = json.dumps(_rows(ds, name, laws))
+    ds.attrs["branches"] = json.dumps(_rows(ds, name, laws, seen))
+    ds.attrs |= {"shown": shown[0], "remarks": json.dumps(seen.remarks)}
     return with_case(ds, case, units, skip=name)
 
 
@@ -88,6 +83,11 @@ def folds(ds: xr.Dataset) -> list[dict[str, float]]:
     """Axis value, beta'(0) and energy of each fold."""
     names = ("fold", "fold_dbeta0", "fold_energy")
     return [{name: float(ds[name][i]) for name in names} for i in range(ds.sizes["fold"])]
+
+
+def remarks(ds: xr.Dataset) -> list[str]:
+    """Where and why branches could not be followed to the end of the axis."""
+    return list(json.loads(ds.attrs["remarks"]))
 
 
 def _numbers(found: Sequence[Sequence[Equilibrium]], most: int, laws: Sequence[Law]) -> dict[str, NDArray[np.float64]]:
@@ -107,11 +107,6 @@ def _is_of_observables(law: Law) -> bool:
     return law.direction is not None and set(law.observables) <= set(OBSERVABLES)
 
 
-def _branch_pairs(branch: Sequence[Sequence[int]], meetings: Sequence[Meeting]) -> NDArray[np.int64]:
-    pairs = [[branch[m.k][m.i], branch[m.k][m.j]] for m in meetings]
-    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
-
-
 def _padded(rows: list[list[int]], most: int) -> Any:
     out = np.full((len(rows), most), -1, dtype=np.int64)
     for k, numbers in enumerate(rows):
@@ -119,20 +114,32 @@ def _padded(rows: list[list[int]], most: int) -> Any:
     return out
 
 
-def _rows(ds: xr.Dataset, name: str, laws: list[Law]) -> list[dict[str, Any]]:
+def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict[str, Any]]:
     rows = []
     scale = 180 / np.pi if ds[name].attrs["units"] == "rad" else 1.0
-    for number in range(int(ds["branch"].max()) + 1 if ds["branch"].size else 0):
-        k, i = np.nonzero(ds["branch"].values == number)
+    for piece in seen.pieces:
+        k, i = np.nonzero(ds["branch"].values == piece.number)
+        points = seen.curves[piece.curve].points[piece.first : piece.last + 1]
         turns = ds["turns"].values[k, i].astype(int)
+        ends = ds[name].values[k] if k.size else np.array(sorted(one.value for one in (points[0], points[-1])))
         row: dict[str, Any] = {
-            "branch": number, "from": float(ds[name].values[k[0]] * scale), "to": float(ds[name].values[k[-1]] * scale),
-            "values": int(k.size), "index": int(ds["index"].values[k[0], i[0]]),
-            "turns": f"{turns[0]} to {turns[-1]}" if turns[0] != turns[-1] else str(turns[0]),
+            "branch": piece.number, "from": float(ends[0] * scale), "to": float(ends[-1] * scale),
+            "values": int(k.size), "index": points[len(points) // 2].index,
+            "turns": _range(turns),
         }  # fmt: skip
         for law in laws:
+            key = f"{law.observable} {law.direction}"
+            if k.size <= 2:
+                row[key] = "too short"
+                continue
             said = decide(law, {one: ds[one].values[k, i] for one in law.observables}, {name: ds[name].values[k]})
             kinds = f": {', '.join(said['qualifications'])}" if said["verdict"] == QUALIFIED else ""
-            row[f"{law.observable} {law.direction}"] = said["verdict"] + kinds if k.size > 2 else "too short"
+            row[key] = said["verdict"] + kinds
         rows.append(row)
     return rows
+
+
+def _range(turns: NDArray[np.int64]) -> str:
+    if not turns.size:
+        return ""
+    return f"{turns[0]} to {turns[-1]}" if turns[0] != turns[-1] else str(turns[0])

@@ -37,6 +37,10 @@ def equilibria(
             "Follow all equilibria while one field varies, such as betaL=-90deg:60deg:41, and print the branches.",
         ),
     ] = None,
+    show: Annotated[
+        str | None,
+        option("NAME", "What the picture of --axis shows: an observable such as height, wraps, energy, or dbeta0."),
+    ] = None,
     plot: Annotated[
         Path | None, option("FILE", "Picture, .png, .pdf or .svg: curves and energies; with --axis branches and folds.")
     ] = None,
@@ -70,13 +74,19 @@ def equilibria(
     from . import output_file
 
     study, case = study_and_case(file, given)
+    if show is not None:
+        from ..branches.followed_curves import check_shown
+
+        if axis is None:
+            raise InputError(f"--show {show} names what --axis shows; give --axis too")
+        check_shown(show)
     if axis is not None and export is not None:
         raise InputError("--export writes the equilibria of one case, so it excludes --axis")
     picture = output_file.check(plot, (".png", ".pdf", ".svg"), force) if plot else None
     if out is not None and not force:
         writing.check_free(out, "equilibria")
     if axis is not None:
-        return _over_axis(study, case, parse_axis(axis), picture, out, json, force)
+        return _over_axis(study, case, parse_axis(axis), picture, out, json, force, show)
     found = all_equilibria(case)
     _print(study, case, found, choose, _source(study, file, given), json)
     if picture or out:
@@ -189,7 +199,7 @@ def parse_axis(text: str) -> "tuple[str, np.ndarray]":
 
 def _over_axis(
     study: "Study", case: "Case", axis: "tuple[str, np.ndarray]", picture: Path | None, out: Path | None,
-    as_json: bool, force: bool,
+    as_json: bool, force: bool, show: str | None,
 ) -> int:  # fmt: skip
     """Store, draw and print the branches of equilibria over an axis; 0, or 1 if there is none."""
     from ..branches import branch_dataset
@@ -197,7 +207,7 @@ def _over_axis(
 
     name, values = axis
     with console.progress(values.size) as step:
-        ds = branch_dataset.sweep(study, case, name, values, step)
+        ds = branch_dataset.sweep(study, case, name, values, step, show)
     if out:
         writing.write(ds, out, force)
     if picture:
@@ -206,10 +216,20 @@ def _over_axis(
         canvas.save(bifurcation.figure(ds), picture)
     rows, folds = branch_dataset.branches(ds), branch_dataset.folds(ds)
     if as_json:
-        console.print_json({"axis": name, "units": study.unit_system, "branches": rows, "folds": folds})
+        console.print_json(
+            {
+                "axis": name,
+                "units": study.unit_system,
+                "branches": rows,
+                "folds": folds,
+                "remarks": branch_dataset.remarks(ds),
+            }
+        )
     else:
         unit = "deg" if ds[name].attrs["units"] == "rad" else ds[name].attrs["units"]
         heads = [f"{key} ({unit})" if key in ("from", "to") else key for key in rows[0]] if rows else ["branch"]
         console.print_table(heads, [list(r.values()) for r in rows])
         console.say(f"{len(rows)} branches, {len(folds)} folds over {values.size} values of {name}")
+        for remark in branch_dataset.remarks(ds):
+            console.say(f"a branch stops at {remark}")
     return 0 if rows else 1

@@ -1,4 +1,4 @@
-"""The bifurcation diagram of a dataset of branches: every equilibrium over an axis, and the folds."""
+"""The bifurcation diagram of a dataset of branches: all equilibria over an axis, folds, and a shape of each branch."""
 
 from typing import Any
 
@@ -13,58 +13,140 @@ from ..branches.branch_dataset import branches
 from ..data import labels
 from . import canvas, legend, style
 
-SIZE = (9.6, 9.2)  # inches
+WIDTH, PANEL, STRIP = 9.6, (4.6, 3.0), 1.5  # inches: width, heights of the panels and of a row of shapes
+MOST, ROW = 16, 8  # shapes, and shapes in a row
+MARKS = {"pitchfork": "D", "branch point": "s"}
+GAP = 0.035  # of the height of a panel, between two labels
 
 
 def figure(ds: xr.Dataset) -> Figure:
-    """beta'(0) and the energy against the axis: stable branches solid, unstable ones thin, folds marked.
+    """The shown quantity and the energy against the axis, and the developed curves of the branches.
 
-    Where laws were judged, the branches on which none fails have a colour.
+    Stable branches are solid and thick, unstable ones dashed; each has its number at both ends and below its shape.
+    Folds and other special points are marked. Where laws were judged, the branches on which none fails have a colour.
     """
+    names = list(dict.fromkeys((str(ds.attrs["shown"]), "energy")))
+    count = min(ds.sizes["shape"], MOST)
+    rows = -(-count // ROW)
 
     def draw(fig: Figure) -> None:
-        for i, name in enumerate(("dbeta0", "energy")):
-            ax = panel(ds, fig.add_subplot(2, 1, i + 1), name)
+        grid = fig.add_gridspec(
+            len(names) + bool(rows), 1, height_ratios=[*PANEL[: len(names)], *[STRIP * rows] * bool(rows)]
+        )
+        for i, name in enumerate(names):
+            ax = panel(ds, fig.add_subplot(grid[i]), name)
             if i == 0:
                 legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=5)
+        if rows:
+            cells = grid[len(names)].subgridspec(rows, ROW)
+            _shapes(ds, fig, cells, count)
 
-    return canvas.figure(SIZE, draw, ds)
+    return canvas.figure((WIDTH, sum(PANEL[: len(names)]) + STRIP * rows + 0.8), draw, ds)
 
 
 def panel(ds: xr.Dataset, ax: Axes, key: str) -> Axes:
     """One quantity of each equilibrium against the axis, a line a branch."""
     name = str(ds["outcome"].dims[0])
-    along = labels.in_label_unit(ds[name], ds[name].values)
+    along, height = labels.in_label_unit(ds[name], ds[f"curve_{name}"].values), _values(ds, f"curve_{key}")
+    tips: dict[int, list[tuple[float, float, int]]] = {-1: [], 1: []}
     for row in branches(ds):
-        k, i = np.nonzero(ds["branch"].values == row["branch"])
+        on = ds["curve_branch"].values == row["branch"]
+        x, y = along[on], height[on]
         look, label = _look(row)
-        ax.plot(along[k], ds[key].values[k, i], label=label, solid_capstyle="round",
-                marker="." if k.size == 1 else "", **look)  # fmt: skip
-    folds = labels.in_label_unit(ds[name], ds["fold"].values)
-    share = np.linspace(0, 1, 21)  # next to a fold a branch is a parabola
-    for which, pair in enumerate(ds["fold_branches"].values):
-        fold, height = folds[which], float(ds[f"fold_{key}"][which])
-        for row in branches(ds):
-            if row["branch"] in pair:
-                k, i = np.nonzero(ds["branch"].values == row["branch"])
-                tip = 0 if abs(along[k[0]] - fold) < abs(along[k[-1]] - fold) else -1
-                last = ds[key].values[k[tip], i[tip]]
-                bend = fold + (along[k[tip]] - fold) * share**2, height + (last - height) * share
-                ax.plot(*bend, **_look(row)[0])
-        ax.plot(fold, height, "o", color=style.INK, markersize=4, fillstyle="none", label="fold", zorder=5)
+        ax.plot(x, y, label=label, marker="." if x.size == 1 else "", **look)
+        for end, inner in ((0, 1), (-1, -2)):
+            if x.size > 1 and not _is_special(ds, name, x[end]):
+                tips[1 if x[end] > x[inner] else -1].append((float(x[end]), float(y[end]), int(row["branch"])))
+    fold = labels.in_label_unit(ds[name], ds["fold"].values)
+    ax.plot(fold, _values(ds, f"fold_{key}"), "o", color=style.INK, markersize=4.5, markerfacecolor="white", zorder=6,
+            linestyle="none", label="fold" if fold.size else "_")  # fmt: skip
+    for kind, mark in MARKS.items():
+        some = ds["special_kind"].values == kind
+        if some.any():
+            x = labels.in_label_unit(ds[name], ds["special"].values[some])
+            ax.plot(x, _values(ds, f"special_{key}")[some], mark, color=style.INK, markersize=4.5,
+                    markerfacecolor="white", zorder=6, linestyle="none", label=kind)  # fmt: skip
     ax.set_xlabel(labels.axis_label(name, ds[name]))
-    ax.set_ylabel(labels.label(ds[key]))
-    ax.margins(x=0.01)
+    ax.set_ylabel(labels.label(ds[f"curve_{key}"]))
+    ax.margins(x=0.06)
+    _label_tips(ax, tips)
     return style.with_grid(ax)
+
+
+def _values(ds: xr.Dataset, name: str) -> Any:
+    return labels.in_label_unit(ds[name], ds[name].values)
+
+
+def _is_special(ds: xr.Dataset, name: str, x: float) -> bool:
+    """Whether a branch ends there at a special point."""
+    every = labels.in_label_unit(ds[name], np.concatenate([ds["fold"].values, ds["special"].values]))
+    return bool((every == x).any())
+
+
+def _label_tips(ax: Axes, tips: dict[int, list[tuple[float, float, int]]]) -> None:
+    """The number of each branch beside its ends; those of neighbouring ends stand in one line."""
+    low, high = ax.get_ylim()
+    for side, some in tips.items():
+        groups: list[list[tuple[float, float, int]]] = []
+        for tip in sorted(some, key=lambda one: one[1]):
+            if groups and tip[1] - groups[-1][-1][1] < GAP * (high - low):
+                groups[-1].append(tip)
+            else:
+                groups.append([tip])
+        for group in groups:
+            x = max(tip[0] * side for tip in group) * side
+            text = _numbers(sorted(tip[2] for tip in group))
+            ax.annotate(text, (x, float(np.mean([tip[1] for tip in group]))), xytext=(5 * side, 0),
+                        textcoords="offset points", va="center", ha="left" if side > 0 else "right",
+                        size=style.small(), color=style.SOFT, annotation_clip=False)  # fmt: skip
+
+
+def _numbers(some: list[int]) -> str:
+    """``0, 4–6``."""
+    runs: list[list[int]] = []
+    for number in some:
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    parts = [[str(n) for n in run] if len(run) < 3 else [f"{run[0]}–{run[-1]}"] for run in runs]
+    return ", ".join(part for run in parts for part in run)
 
 
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     """The look of a branch, and its entry in the legend."""
     verdicts = [v for key, v in row.items() if " " in key]
-    holds = bool(verdicts) and all(v.startswith((HOLDS, QUALIFIED)) for v in verdicts)
+    holds = bool(verdicts) and all(str(v).startswith((HOLDS, QUALIFIED)) for v in verdicts)
     stable = row["index"] == 0
-    colour = style.PUSHED if holds else style.INK if stable else style.SOFT
-    look = {"color": colour, "linewidth": 2.6 if stable else 1.3, "zorder": 4 if stable else 3 if holds else 2}
-    if not stable and not holds:
-        look["alpha"] = 0.55
+    colour = style.PUSHED if holds else style.STABLE if stable else style.SOFT
+    look: dict[str, Any] = {
+        "color": colour,
+        "linewidth": 2.4 if stable else 1.2,
+        "zorder": 4 if stable else 3 if holds else 2,
+    }
+    look["linestyle"] = "-" if stable else (0, (4, 1.6))
     return look, ("stable" if stable else "unstable") + (", no law of the study fails" if holds else "")
+
+
+def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, count: int) -> None:
+    """The developed curves of the first branches, all at one scale."""
+    name = str(ds["outcome"].dims[0])
+    across = ds["shape_rho"].values[:, None] * (ds["shape_alpha"].values - ds["shape_alpha"].values[:, :1])
+    up = ds["shape_z"].values
+    half = 0.54 * max((max(np.ptp(x), np.ptp(z)) for x, z in zip(across[:count], up[:count], strict=True)), default=1.0)
+    rows = {row["branch"]: row for row in branches(ds)}
+    for k in range(count):
+        ax = fig.add_subplot(cells[k // ROW, k % ROW])
+        look = _look(rows[k])[0]
+        ax.plot(across[k], up[k], color=look["color"], linewidth=1.4, solid_capstyle="round")
+        ax.plot(across[k][0], up[k][0], "o", color=style.INK, markersize=2.6)
+        middle = (across[k].max() + across[k].min()) / 2, (up[k].max() + up[k].min()) / 2
+        ax.set(
+            xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half), xticks=[], yticks=[]
+        )
+        ax.set_aspect("equal")
+        for spine in ax.spines.values():
+            spine.set(visible=True, color=style.FAINT)
+        ax.set_title(f"{k}  index {rows[k]['index']}", loc="left", size=style.small(), pad=2)
+        at = labels.value(float(ds[f"shape_{name}"].values[k]), ds[name], 3)
+        ax.set_xlabel(f"at {at}", size=style.small(), labelpad=1)

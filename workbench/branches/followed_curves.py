@@ -1,0 +1,97 @@
+"""What a diagram of branches is drawn from: the followed curves, their special points and a shape of each branch."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from solver import Branch
+from solver.follow import solutions_of
+from solver.observe.observables import OBSERVABLES, observe
+from solver.problem.errors import no_such
+from studies.axes import quantity_of
+
+from ..data import schema
+from .tracing import Piece, Traced
+
+STATIONS = 161  # of a shape
+NAMES = ("dbeta0", *OBSERVABLES)
+
+
+def shown_by_default(name: str) -> str:
+    """What a diagram over a field shows: the displacement that goes with the load."""
+    return "wraps" if name in ("MZ", "M3") else "height"
+
+
+def check_shown(name: str) -> None:
+    """Raise `InputError` unless a diagram can show it."""
+    if name not in NAMES:
+        raise no_such("quantity to show", name, NAMES)
+
+
+def special_points(seen: Traced, name: str, units: Mapping[str, str], shown: Sequence[str]) -> dict[str, Any]:
+    """The folds over `fold`, and the other special points over `special`."""
+    data = dict[str, Any]()
+    for dim, some in (
+        ("fold", [one for one in seen.special if one[1].kind == "fold"]),
+        ("special", [one for one in seen.special if one[1].kind != "fold"]),
+    ):
+        keys = list(dict.fromkeys(("dbeta0", "energy", *shown)))
+        numbers = {key: [_at(branch, point.position, key) for branch, point, _ in some] for key in keys}
+        for key, row in ((name, name), *((key, key) for key in keys)):
+            values = [point.value for _, point, _ in some] if key == name else numbers[key]
+            labels = schema.labels(quantity_of(row).name if key == name else row, units)
+            labels["long_name"] += (
+                " where two equilibria meet and cease to exist" if dim == "fold" else " where branches meet"
+            )
+            data[dim if key == name else f"{dim}_{key}"] = xr.Variable((dim,), np.array(values, dtype=float), labels)
+        pairs = np.array([two for _, _, two in some], dtype=np.int64).reshape(-1, 2)
+        data[f"{dim}_branches"] = xr.Variable((dim, "two"), pairs, {"long_name": "the two branches that meet"})
+    kinds = [point.kind for _, point, _ in seen.special if point.kind != "fold"]
+    data["special_kind"] = xr.Variable(("special",), np.array(kinds, dtype=str), {"long_name": "kind of special point"})
+    return data
+
+
+def _at(branch: Branch, position: int, key: str) -> float:
+    solution = branch.points[position].solution
+    return float(solution.dbeta[0] if key == "dbeta0" else observe(solution, [key])[key])
+
+
+def followed_curves(seen: Traced, name: str, units: Mapping[str, str], shown: Sequence[str]) -> dict[str, Any]:
+    """The points of the branches over `curve_point`, and the shape in the middle of each over (shape, u)."""
+    solved = [solutions_of(curve, STATIONS) for curve in seen.curves]
+    keys = list(dict.fromkeys(shown))
+    numbers = [observe(sol, [key for key in keys if key != "dbeta0"]) | {"dbeta0": sol.dbeta[:, 0]} for sol in solved]
+    parts = [(piece, np.arange(piece.first, piece.last + 1)) for piece in seen.pieces]
+    dims = ("curve_point",)
+    columns = {f"curve_{key}": ([numbers[p.curve][key][at] for p, at in parts], key) for key in keys}
+    columns |= {f"curve_{name}": ([seen.curves[p.curve].values[at] for p, at in parts], quantity_of(name).name)}
+    data: dict[str, Any] = {
+        key: xr.Variable(dims, _joined(values), schema.labels(row, units)) for key, (values, row) in columns.items()
+    }
+    which = [np.full(at.size, piece.number) for piece, at in parts]
+    data["curve_branch"] = xr.Variable(dims, _joined(which).astype(np.int64), {"long_name": "number of the branch"})
+    middles = [(piece, _middle(seen, piece)) for piece in seen.pieces]
+    for key in ("alpha", "z"):
+        rows = [getattr(solved[piece.curve], key)[at] for piece, at in middles]
+        values = np.array(rows).reshape(len(rows), STATIONS)
+        data[f"shape_{key}"] = xr.Variable(("shape", "u"), values, schema.labels(key, units))
+    rho = [float(np.broadcast_to(solved[p.curve].case.rho, solved[p.curve].case.shape)[at]) for p, at in middles]
+    data["shape_rho"] = xr.Variable(("shape",), np.array(rho, dtype=float), schema.labels("rho", units))
+    for key in (name, *keys):
+        each = [seen.curves[p.curve].values[at] if key == name else numbers[p.curve][key][at] for p, at in middles]
+        row = quantity_of(name).name if key == name else key
+        data[f"shape_{key}"] = xr.Variable(("shape",), np.array(each, dtype=float), schema.labels(row, units))
+    return data
+
+
+def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
+    return np.concatenate([np.asarray(part, dtype=float) for part in parts]) if parts else np.empty(0)
+
+
+def _middle(seen: Traced, piece: Piece) -> int:
+    """The point of a piece in the middle of its values."""
+    values = seen.curves[piece.curve].values[piece.first : piece.last + 1]
+    return piece.first + int(np.argmin(np.abs(values - (values.min() + values.max()) / 2)))

@@ -1,0 +1,118 @@
+"""All equilibria over an axis, joined by following each of them through its folds.
+
+At each value all equilibria are computed. Each that lies on no branch yet is followed over the whole axis (`follow`),
+and the branch claims the equilibria at the other values that it passes. So branches, folds and the values between are
+those of one curve, however coarse the axis; and none is followed twice.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from solver import Branch, Case, InputError, equilibria, follow
+from solver.boundary.branch_coordinates import LinePoint, path_of, same_equilibrium
+from solver.branch import SpecialPoint
+from solver.equilibria import Equilibrium
+from solver.follow import MOST, with_field
+from solver.problem.reduced import EndsProblem, reduce
+
+
+FINE = 61  # values at which a followed branch has points at least, so that its curve is smooth
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A part of a followed branch between two special points: its number, and its points from the first to the last."""
+
+    number: int
+    curve: int
+    first: int
+    last: int
+
+
+@dataclass(frozen=True)
+class Traced:
+    """The equilibria at each value, the number of the piece of each, the followed branches and their pieces.
+
+    special: each special point once, with the two pieces that meet there (one twice where the branch goes on).
+    remarks: why a branch was not followed to the end of the axis.
+    """
+
+    found: list[list[Equilibrium]]
+    branch: list[list[int]]
+    curves: list[Branch]
+    pieces: list[Piece]
+    special: list[tuple[Branch, SpecialPoint, tuple[int, int]]]
+    remarks: list[str]
+
+
+def traced(case: Case, name: str, values: list[float], stations: int, step: Callable[[float], None]) -> Traced:
+    """The equilibria at each value, rising, of one field, and the branches on which they lie.
+
+    step: called with each value before it is solved.
+    """
+    found, owner = [], list[list[tuple[int, int] | None]]()
+    for value in values:
+        step(value)
+        found.append(list(equilibria(with_field(case, name, value), stations=stations)))
+        owner.append([None] * len(found[-1]))
+    curves, remarks = list[Branch](), list[str]()
+    passed = np.union1d(values, np.linspace(values[0], values[-1], FINE))
+    for k, members in enumerate(found):
+        for i, one in enumerate(members):
+            if owner[k][i] is None:
+                try:
+                    branch = follow(one.solution, points=MOST, **{name: passed})
+                except InputError as error:
+                    remarks.append(f"{name} = {values[k]:.6g}: {error}")
+                    continue
+                owner[k][i] = (len(curves), branch.start)
+                _claim(found, owner, branch, len(curves), values)
+                curves.append(branch)
+                remarks += [
+                    f"{name} = {end.value:.6g}: {end.reason}" for end in (branch.begin, branch.end)
+                    if end.value not in (values[0], values[-1])
+                ]  # fmt: skip
+    return _numbered(found, owner, curves, remarks)
+
+
+def _claim(
+    found: list[list[Equilibrium]], owner: list[list[tuple[int, int] | None]], branch: Branch, curve: int,
+    values: list[float],
+) -> None:  # fmt: skip
+    """Mark the equilibria on a branch."""
+    position = {value: k for k, value in enumerate(values)}
+    for at, point in enumerate(branch.points):
+        k = position.get(point.value)
+        if k is None:
+            continue
+        problem = reduce(point.case)
+        assert isinstance(problem, EndsProblem)
+        place = LinePoint(problem)
+        for i, one in enumerate(found[k]):
+            if owner[k][i] is None and same_equilibrium(place, path_of(one.path, 0), point.path):
+                owner[k][i] = (curve, at)
+
+
+def _numbered(
+    found: list[list[Equilibrium]], owner: list[list[tuple[int, int] | None]], curves: list[Branch], remarks: list[str]
+) -> Traced:
+    """The pieces in the order in which their equilibria appear; those without any come last."""
+    cuts = [[0, *(one.position for one in curve.special), len(curve) - 1] for curve in curves]
+    spans = {(c, j): span for c, cut in enumerate(cuts) for j, span in enumerate(pairwise(cut))}
+
+    def piece_of(curve: int, at: int) -> tuple[int, int]:
+        return curve, int(np.searchsorted(cuts[curve][1:-1], at, side="right"))
+
+    order = dict.fromkeys(piece_of(*one) for row in owner for one in row if one is not None)
+    number = {key: n for n, key in enumerate([*order, *(key for key in spans if key not in order)])}
+    pieces = [Piece(n, key[0], *spans[key]) for key, n in number.items()]
+    branch = [[-1 if one is None else number[piece_of(*one)] for one in row] for row in owner]
+    special = [
+        (curve, one, (number[c, j], number[c, j + 1]))
+        for c, curve in enumerate(curves)
+        for j, one in enumerate(curve.special)
+    ]
+    return Traced(found, branch, curves, pieces, special, remarks)
