@@ -12,6 +12,7 @@ from .boundary.branch_coordinates import Path
 from .numerics.arrays import Array, Integers
 from .problem.case import Case
 from .problem.errors import InputError
+from .problem.reduced import EndsProblem
 from .solution import Solution
 
 DATASET = "workbench.branches.followed_dataset"  # loaded by name: the solver works without the workbench
@@ -28,7 +29,9 @@ class BranchPoint:
     case : Case
         Its case.
     index : int
-        Morse index, the end angles held and the loads dead; 0: stable. At a special point the smaller of the two.
+        Morse index under the ends of the case; 0: stable. At a special point the smaller of the two.
+    problem : EndsProblem
+        The dimensionless problem that it solves, with the loads that held ends need.
     path : Path
         Its level and its path, which identify it among the equilibria of the case.
     """
@@ -36,6 +39,7 @@ class BranchPoint:
     value: float
     case: Case
     index: int
+    problem: EndsProblem = field(repr=False)
     path: Path = field(repr=False)
     _solve: Callable[["BranchPoint"], Solution] = field(repr=False)
 

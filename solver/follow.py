@@ -11,6 +11,7 @@ from .numerics.arrays import Array
 from .problem.case import Case, Ends
 from .problem.errors import InputError, choices, no_such
 from .problem.field_rates import fields_of
+from .problem.held_ends import held_of, reduce_held
 from .problem.reduced import EndsProblem, reduce
 from .problem.trajectory import Trajectory
 from .solution import Solution
@@ -19,6 +20,7 @@ from .solve import between_ends, seed_of
 if TYPE_CHECKING:
     from .boundary.branch_coordinates import Path
     from .boundary.branch_states import Bounds, Place
+    from .boundary.held_curve import HeldFamily
 
 MOST = 1000
 _FIELD = {"alpha0": "alpha", "gamma0": "gamma"}  # the fields of `Ends` whose quantity has another name
@@ -63,7 +65,7 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     """
     from .boundary.branch_states import Bounds
 
-    case, path = _equilibrium(solution)
+    case, path, begun = _equilibrium(solution)
     name, wanted = _field_and_values(case, field)
     if points < 1:
         raise InputError(f"points must be a whole number of at least 1, got {points!r}")
@@ -75,7 +77,7 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
         raise InputError(f"the solution has {name} = {own:.10g} already; give follow another value of {name}")
     bounds = Bounds(low, high, tuple(sorted({own, *wanted.tolist()})), int(points))
     solved = _Solver(solution.tol, solution.t[0] / solution.problem.span[0])
-    return _branch(case, name, path, bounds, solved)
+    return _branch(case, name, path, begun, bounds, solved)
 
 
 def with_field(case: Case, name: str, value: Any) -> Case:
@@ -116,8 +118,8 @@ def _value(case: Case, name: str) -> float:
     return float(next(getattr(p, name) for p in (case.rod, case.cylinder, case.given) if hasattr(p, name)))
 
 
-def _equilibrium(solution: Solution) -> tuple[Case, "Path"]:
-    """The ends problem of a solution as a case, and its path. Raises `InputError`."""
+def _equilibrium(solution: Solution) -> tuple[Case, "Path", EndsProblem]:
+    """The ends problem of a solution as a case, its path, and the problem under dead loads that it solves."""
     from .boundary.each_equilibrium import path_of_seed
 
     if not isinstance(solution, Solution):
@@ -131,10 +133,11 @@ def _equilibrium(solution: Solution) -> tuple[Case, "Path"]:
     if not isinstance(given, Ends):
         far = float(between_ends(solution).betaL[0])
         case = Case(case.rod, case.cylinder, Ends(given.beta, far, *case.loads, given.alpha, given.gamma))
-    path = path_of_seed(seed_of(case, reduce(case), solution))
+    begun = between_ends(solution)
+    path = path_of_seed(seed_of(case, begun, solution))
     if path is None:
         raise InputError("the solution is not an equilibrium of its own ends problem to 1e-6 rad")
-    return case, path
+    return case, path, begun
 
 
 def _field_and_values(case: Case, field: dict[str, ArrayLike]) -> tuple[str, Array]:
@@ -171,7 +174,7 @@ def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array
     from .boundary.path_orbits import orbit_of
     from .boundary.selected_equilibrium import equilibrium_trajectory
 
-    problem = _reduced(point.case)
+    problem = point.problem
     t = problem.span[:, None] * u
     return problem, t, equilibrium_trajectory(problem, orbit_of(problem, point.path), t, tol)
 
@@ -183,15 +186,18 @@ def solutions_of(branch: Branch, stations: int) -> Solution:
     tol, u = branch.points[0].solution.tol, np.linspace(0, 1, stations)
     shapes = [_shape(point, u, tol) for point in branch.points]
     case = with_field(branch.points[0].case, branch.field, branch.values)
-    problem, t = _reduced(case), np.concatenate([one[1] for one in shapes])
+    t = np.concatenate([one[1] for one in shapes])
+    each = [vars(one[0]) for one in shapes]
+    problem = EndsProblem(**{name: np.concatenate([one[name] for one in each]) for name in each[0]})
     return Solution(case, problem, together([one[2] for one in shapes], t), t, "shooting", tol)
 
 
-def _branch(case: Case, name: str, path: "Path", bounds: "Bounds", solved: _Solver) -> Branch:
+def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bounds", solved: _Solver) -> Branch:
     """The branch, followed with the field falling and rising where there is room."""
     from .boundary.branch_following import CLOSED, END, Stop, followed, own_place
     from .boundary.branch_states import Place
     from .boundary.equilibrium_curve import Family, scale_of
+    from .boundary.held_curve import HeldFamily
 
     own, reach = _value(case, name), bounds.high - bounds.low
 
@@ -203,7 +209,11 @@ def _branch(case: Case, name: str, path: "Path", bounds: "Bounds", solved: _Solv
         except InputError:
             return None
 
-    family = Family(problem, scale_of(problem, own, reach))
+    family: Family | HeldFamily
+    if held_of(case):
+        family = _held_family(case, name, begun, bounds)
+    else:
+        family = Family(problem, scale_of(problem, own, reach))
     middle = own_place(family, path, own)
     if isinstance(middle, str):
         raise InputError(f"the equilibrium cannot be followed: {middle}")
@@ -219,6 +229,30 @@ def _branch(case: Case, name: str, path: "Path", bounds: "Bounds", solved: _Solv
     return Branch(name, points, special, BranchEnd(begin.p, begin.reason), BranchEnd(end.p, end.reason), len(before))
 
 
+def _held_family(case: Case, name: str, begun: EndsProblem, bounds: "Bounds") -> "HeldFamily":
+    """The problems with held ends over one field."""
+    from .boundary.held_curve import HeldFamily
+    from .boundary.held_system import Given
+
+    def given(value: float) -> Given | None:
+        if bounds.low <= value <= bounds.high:
+            return Given.of(reduce_held(_unchecked(case, name, value)))
+        try:
+            return Given.of(reduce_held(with_field(case, name, value)))
+        except InputError:
+            return None
+
+    own, reach = _value(case, name), bounds.high - bounds.low
+    nudge = 1e-6 * reach * (1 if own < bounds.high else -1)
+    here, there = given(own), given(own + nudge)
+    assert here is not None
+    assert there is not None
+    moved = np.abs(np.append(there.values - here.values, there.span - here.span)) / abs(nudge)
+    size = np.append(np.where(np.isin(here.names, ("z", "alpha", "turn")), 1.0, 1 + np.abs(here.values)), 1 + here.span)
+    rate = float((moved / size).max())
+    return HeldFamily(given, begun, reach if rate * reach < 1 else 1 / rate)
+
+
 def _points(
     places: "list[Place]", case: Case, name: str, solved: _Solver
 ) -> tuple[tuple[BranchPoint, ...], tuple[SpecialPoint, ...]]:
@@ -227,8 +261,10 @@ def _points(
     for i, place in enumerate(places):
         index = place.index
         if place.kind:
-            before, after = (places[min(max(i + k, 0), len(places) - 1)].index for k in (-1, 1))
+            before, after = (places[min(max(i + k, 0), len(places) - 1)].index or 0 for k in (-1, 1))
             index = min(before, after)
             special.append(SpecialPoint(place.kind, place.p, before, after, i))
-        points.append(BranchPoint(place.p, with_field(case, name, place.p), index, place.path, solved))
+        known = index if index is not None else points[-1].index
+        problem = place.problem if held_of(case) else _reduced(with_field(case, name, place.p))
+        points.append(BranchPoint(place.p, with_field(case, name, place.p), known, problem, place.path, solved))
     return tuple(points), tuple(special)

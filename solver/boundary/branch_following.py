@@ -19,6 +19,7 @@ from .branch_coordinates import LinePoint, Path
 from .branch_states import Bounds, Place, State, begun_at, in_other_charts, recharted
 from .continuation_steps import Line, leapt
 from .equilibrium_curve import Family
+from .held_curve import HeldFamily
 from .helix_branch import CROSSING, PITCHFORK, helix_place, helix_places
 
 FOLD = "fold"
@@ -40,9 +41,11 @@ class Stop:
     p: float
 
 
-def followed(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
+def followed(
+    family: Family | HeldFamily, path: Path, p: float, rises: bool, bounds: Bounds
+) -> tuple[list[Place], Stop]:
     """The equilibria after the one at p, in order, and why there are no more."""
-    if not path.helix:
+    if not path.helix or isinstance(family, HeldFamily):
         begun = begun_at(family, path, p, rises)
         return ([], Stop(begun, p)) if isinstance(begun, str) else _followed(begun, [], bounds)
     places, last = helix_places(family, p, rises, bounds)
@@ -55,9 +58,9 @@ def followed(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) 
     return _followed(leap, [*places, leap.recorded()], bounds)
 
 
-def own_place(family: Family, path: Path, p: float) -> Place | str:
+def own_place(family: Family | HeldFamily, path: Path, p: float) -> Place | str:
     """The equilibrium at p itself, or why it cannot be followed."""
-    place = family.place(p)
+    place = family.place(p) if isinstance(family, Family) else None
     if path.helix and place is not None and place.helix is not None:
         return helix_place(place, p)
     begun = begun_at(family, path, p, True)
@@ -107,7 +110,7 @@ def _step(state: State, step: float, bounds: Bounds) -> State | str:
     halt = bounds.next(state.p, state.rises > 0) / curve.scales[1]
     ahead = float((halt - node.w[1]) / state.rises) if state.rises else np.inf
     if abs(state.rises) > _STEEP and 0 < ahead <= step:
-        step, across = ahead, np.array([0.0, 1.0])
+        step, across = ahead, np.eye(node.w.size)[1]
     found = advanced(curve, node, step, across)
     return found if isinstance(found, str) else State(curve, found)
 
@@ -171,6 +174,8 @@ def _located(state: State, low: float, high: float, zero: Callable[[State], floa
 
 def _leap(state: State, bounds: Bounds) -> State | None:
     """The equilibrium a little farther on, with a close shape and the same Morse index."""
+    if isinstance(state.curve.family, HeldFamily):
+        return None
     return _leap_from(state.curve.family, state.path(), state.p, state.rises > 0, bounds)
 
 

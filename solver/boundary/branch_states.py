@@ -7,8 +7,10 @@ import numpy as np
 
 from ..numerics.arclength import LEFT, Node, corrected, node_at
 from ..numerics.arrays import Array
+from ..problem.reduced import EndsProblem
 from .branch_coordinates import Chart, Path, charts, coordinate
-from .equilibrium_curve import AHEAD, EquilibriumCurve, Family, index_of, start_of
+from .equilibrium_curve import AHEAD, EquilibriumCurve, Family
+from .held_curve import HeldCurve, HeldFamily
 
 _SAME_SADDLE = 0.1  # half of the largest angle by which a saddle moves in a step
 _SHARE = 0.1  # of the change of p in a step, over which differences in p are taken
@@ -19,12 +21,16 @@ _NUDGE = 1e-4  # in scales, between the two points that give the direction of tr
 
 @dataclass(frozen=True)
 class Place:
-    """An equilibrium of a branch: parameter, path, coordinate, Morse index under dead loads, kind of special point."""
+    """An equilibrium of a branch.
+
+    p: the parameter. path: of its orbit. problem: which the orbit solves under dead loads. index: Morse index, None
+    where it is not known. kind: of special point.
+    """
 
     p: float
     path: Path
-    x: float
-    index: int
+    problem: EndsProblem
+    index: int | None
     kind: str = ""
 
 
@@ -68,7 +74,7 @@ class Bounds:
 class State:
     """A point of the branch on its curve."""
 
-    curve: EquilibriumCurve
+    curve: EquilibriumCurve | HeldCurve
     node: Node
 
     @property
@@ -90,22 +96,24 @@ class State:
         return found[1]
 
     def recorded(self, kind: str = "") -> Place:
-        path = self.path()
-        index = index_of(self.curve.chart, path, self.x, float(self.node.jacobian[0, 0]))
-        return Place(self.p, path, self.x, index, kind)
+        found = self.curve.at(self.node.w)
+        assert found is not None
+        index = self.curve.index(self.node.w, found[1], self.node.jacobian)
+        return Place(self.p, found[1], found[0].problem, index, kind)
 
 
-def begun_at(family: Family, path: Path, p: float, rises: bool) -> State | str:
+def begun_at(family: Family | HeldFamily, path: Path, p: float, rises: bool) -> State | str:
     """The equilibrium at p, corrected there, to be travelled with p rising or falling."""
-    found = start_of(family, path, p)
+    found = family.start(path, p)
     if found is None:
         return LEFT
     curve, w = found
-    along = np.array([0.0, 1.0 if rises else -1.0])
+    along = np.zeros(w.size)
+    along[1] = 1.0 if rises else -1.0
     return _corrected_state(curve, w, along)
 
 
-def _corrected_state(curve: EquilibriumCurve, w: Array, along: Array) -> State | str:
+def _corrected_state(curve: EquilibriumCurve | HeldCurve, w: Array, along: Array) -> State | str:
     """The point of the curve next to w, travelled along a direction; p is held, or x at a fold."""
     jacobian = curve.jacobian(w)
     if jacobian is None:
@@ -113,7 +121,7 @@ def _corrected_state(curve: EquilibriumCurve, w: Array, along: Array) -> State |
     order = (1, 0) if abs(along[1]) > abs(along[0]) else (0, 1)
     reason = LEFT
     for held in order:
-        found = corrected(curve, w, np.eye(2)[held], jacobian)
+        found = corrected(curve, w, np.eye(w.size)[held], jacobian)
         node = found if isinstance(found, str) else node_at(curve, found, along)
         if not isinstance(node, str):
             return State(curve, node)
@@ -177,8 +185,8 @@ def _changed(state: State, chart: Chart) -> State | None:
         for one in charts(*at):
             if one.kind == chart.kind and one.logarithmic == chart.logarithmic and one.at.sign == chart.at.sign:
                 w, there = (
-                    np.array([coordinate(c), p]) / curve.scales
-                    for c, p in ((chart, state.p), (one, beyond[1] * curve.scales[1]))
+                    np.append(coordinate(c), (point * state.curve.scales)[1:]) / curve.scales
+                    for c, point in ((chart, state.node.w), (one, beyond))
                 )
                 along = (there - w) / nudge
                 along /= np.linalg.norm(along)

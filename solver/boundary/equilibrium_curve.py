@@ -35,6 +35,14 @@ class Family:
             self._known[p] = None if problem is None else LinePoint(problem)
         return self._known[p]
 
+    def start(self, path: Path, p: float) -> "tuple[EquilibriumCurve, Array] | None":
+        """The curve through an equilibrium at p, in its best coordinate, and its w."""
+        place = self.place(p)
+        if place is None:
+            return None
+        curve = EquilibriumCurve(self, charts(place, path)[0])
+        return curve, np.array([coordinate(curve.chart), p]) / curve.scales
+
 
 def scale_of(problem: Callable[[float], EndsProblem | None], p: float, reach: float) -> float:
     """The change of p over which a number of the problem changes by about itself or by one; at most `reach`."""
@@ -98,17 +106,12 @@ class EquilibriumCurve:
         off = excess(place, self.chart, x)
         return off if np.isfinite(off).all() else None
 
+    def index(self, w: Array, path: Path, jacobian: Array) -> int | None:
+        """The Morse index under dead loads."""
+        return index_of(self.chart, path, float(w[0] * self.chart.scale), float(jacobian[0, 0]))
+
 
 def index_of(chart: Chart, path: Path, x: float, rate: float) -> int:
     """The Morse index under dead loads at x, as in `stability.jacobi_zeros`; rate: d length/dx."""
     lengthens = rate * (path.sign if chart.logarithmic else x) > 0
     return max(path.turns - int(lengthens), 0)
-
-
-def start_of(family: Family, path: Path, p: float) -> tuple[EquilibriumCurve, Array] | None:
-    """The curve through an equilibrium at p, in its best coordinate, and its w."""
-    place = family.place(p)
-    if place is None:
-        return None
-    curve = EquilibriumCurve(family, charts(place, path)[0])
-    return curve, np.array([coordinate(curve.chart), p]) / curve.scales

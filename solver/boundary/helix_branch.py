@@ -37,7 +37,7 @@ def helix_places(family: Family, p: float, rises: bool, bounds: Bounds) -> tuple
 def helix_place(place: LinePoint, p: float, kind: str = "") -> Place:
     helix = place.helix
     assert helix is not None
-    return Place(p, helix, 0.0, _index(_half_waves(place)), kind)
+    return Place(p, helix, place.problem, _index(_half_waves(place)), kind)
 
 
 def _half_waves(place: LinePoint) -> float:

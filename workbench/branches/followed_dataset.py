@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver import Branch, InputError
+from solver import Branch, Case, InputError
 from solver.follow import solutions_of
 from solver.observe.observables import observe
 from solver.problem.errors import no_such
+from solver.problem.held_ends import held_of
 from studies.axes import quantity_of
 
 from ..data import schema
@@ -30,8 +31,10 @@ def dataset_of(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Da
         raise InputError(f"stations must be at least 2, got {stations}")
     units, sol, name = {**WORDS, **units}, solutions_of(branch, stations), branch.field
     dims = (POINT,)
-    found = observe(sol, EACH) | {"dbeta0": sol.dbeta[:, 0], "index": branch.index}
-    data: dict[str, Any] = {key: xr.Variable(dims, value, schema.labels(key, units)) for key, value in found.items()}
+    found: dict[str, Any] = observe(sol, EACH) | {"dbeta0": sol.dbeta[:, 0], "index": branch.index}
+    data: dict[str, Any] = {
+        key: xr.Variable(dims, value, schema.labels(key, units)) for key, value in found.items() if key != name
+    }
     for key in ALONG:
         data[key] = xr.Variable((POINT, "u"), getattr(sol, key), schema.labels(key, units))
     for key in ("FZ", "MZ", "M3"):
@@ -51,6 +54,14 @@ def dataset_of(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Da
     return xr.Dataset(data, coords, _attributes(branch))
 
 
+def stability(case: Case) -> str:
+    """Under which ends the Morse index is meant."""
+    held = held_of(case)
+    if not held:
+        return "both end angles held, FZ, MZ and M3 dead loads, the ends free to move"
+    return f"{', '.join(held)} held; what is not held is given: the other end angles, and dead loads"
+
+
 def _attributes(branch: Branch) -> dict[str, Any]:
     special = [
         {"kind": one.kind, "value": one.value, "before": one.before, "after": one.after, "position": one.position}
@@ -61,5 +72,5 @@ def _attributes(branch: Branch) -> dict[str, Any]:
         "begin": f"{branch.begin.reason} at {branch.field} = {branch.begin.value:.10g}",
         "end": f"{branch.end.reason} at {branch.field} = {branch.end.value:.10g}",
         "special_points": json.dumps(special), "start": branch.start,
-        "stability": "both end angles held, FZ, MZ and M3 dead loads, the ends free to move",
+        "stability": stability(branch.points[0].case),
     }  # fmt: skip

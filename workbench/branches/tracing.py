@@ -18,7 +18,6 @@ from solver.equilibria import Equilibrium
 from solver.follow import MOST, with_field
 from solver.problem.reduced import EndsProblem, reduce
 
-
 FINE = 61  # values at which a followed branch has points at least, so that its curve is smooth
 
 

@@ -1,0 +1,135 @@
+"""Equilibria with held ends over a parameter, as a curve of a coordinate of the path, of angles and of loads."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..mechanics.potential import load_size
+from ..numerics.arrays import Array
+from ..problem.reduced import EndsProblem
+from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate, path_at
+from .equilibrium_curve import AHEAD
+from .held_index import dead_index, held_index
+from .held_system import FREE, Given, rows_of, values_of
+from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, solved
+
+
+@dataclass(frozen=True, eq=False)
+class HeldFamily:
+    """The given numbers over one parameter p, and one equilibrium, as a problem under dead loads, to begin from.
+
+    given: of p, None where there is no such problem. scale: the change of p over which the problem changes.
+    """
+
+    given: Callable[[float], Given | None]
+    begun: EndsProblem
+    scale: float
+
+    def start(self, path: Path, p: float) -> "tuple[HeldCurve, Array] | None":
+        """The curve through the equilibrium to begin from, which is that at p, and its w."""
+        place = LinePoint(self.begun)
+        chart = charts(place, path)[0]
+        curve = HeldCurve(self, chart, 1 + float(load_size(self.begun)[0]))
+        free = [float(getattr(self.begun, name)[0]) for name in FREE]
+        return curve, np.array([coordinate(chart), p, *free]) / curve.scales
+
+
+@dataclass(frozen=True, eq=False)
+class HeldCurve:
+    """The zeros of the given numbers and the length less those of the path, in w = (x, p, `FREE`) over their scales.
+
+    loads: the scale of the loads. ahead: of p's scale, over which differences are taken.
+    """
+
+    family: HeldFamily
+    chart: Chart
+    loads: float
+    ahead: float = AHEAD
+    _rates: dict[bytes, OrbitRates] = field(default_factory=dict, repr=False)  # at the last w
+
+    @property
+    def scales(self) -> Array:
+        """Of x, p, the two angles and the three loads."""
+        return np.array([self.chart.scale, self.family.scale, 1.0, 1.0, *[self.loads] * 3])
+
+    def at(self, w: Array) -> tuple[LinePoint, Path] | None:
+        """The problem under dead loads and the path at w."""
+        x, p, *free = w * self.scales
+        given = self.family.given(float(p))
+        if given is None:
+            return None
+        numbers = {name: np.array([value]) for name, value in zip(FREE, free, strict=True)}
+        for name, value in zip(given.names, given.values, strict=True):
+            if name in FREE:  # exactly as given
+                numbers[name] = np.array([value])
+        place = LinePoint(EndsProblem(**numbers, span=np.array([given.span])))
+        path = path_at(place, self.chart, float(x))
+        return None if path is None or path.turns < 0 else (place, path)
+
+    def value(self, w: Array) -> Array | None:
+        """The numbers and the length of the path less the given ones, (6,)."""
+        at, given = self.at(w), self.family.given(float(w[1] * self.scales[1]))
+        if at is None or given is None:
+            return None
+        numbers, length = orbit_numbers(at[0].problem, at[1])
+        return self._less(numbers, length, given, w)
+
+    def _less(self, numbers: Array, length: float, given: Given, w: Array) -> Array | None:
+        """The numbers less the given ones; those that are unknowns and given are read from w."""
+        off = values_of(numbers, length, given) - given.values
+        free = w[2:] * self.scales[2:]
+        for k, name in enumerate(given.names):
+            if name in FREE:
+                off[k] = free[FREE.index(name)] - given.values[k]
+        off = np.append(off, length - given.span)
+        return off if np.isfinite(off).all() else None
+
+    def jacobian(self, w: Array) -> Array | None:
+        """The derivatives, (6, 7)."""
+        at, p = self.at(w), float(w[1] * self.scales[1])
+        given, ahead = self.family.given(p), self.ahead * self.family.scale
+        beyond = self.family.given(p + ahead)
+        if beyond is None:
+            ahead = -ahead
+            beyond = self.family.given(p + ahead)
+        if at is None or given is None or beyond is None:
+            return None
+        rates = orbit_rates(at[0].problem, [at[1]])
+        numbers, length = rates.values[0], float(rates.length[0])
+        here, there = (self._less(numbers, length, one, w) for one in (given, beyond))
+        if here is None or there is None:
+            return None
+        names = [NUMBERS.index(name) for name in FREE]
+        known = np.column_stack([rates.rows[0], rates.by_span[0]])
+        matrix = np.vstack([self._row(known, float(w[0] * self.scales[0])), known[names]])
+        parts = solved(matrix[None], np.eye(6)[None])[0]
+        rows, by_span = rows_of(rates, given.names, given.ratio)
+        answers = np.vstack([np.column_stack([rows, by_span]), np.eye(6)[5]]) @ parts
+        found = np.column_stack([answers[:, 0], (there - here) / ahead, answers[:, 1:]]) * self.scales
+        self._rates.clear()
+        self._rates[w.tobytes()] = rates
+        return found if np.isfinite(found).all() else None
+
+    def _row(self, known: Array, x: float) -> Array:
+        """What the parts of a change of the orbit, and a change of its length, add to the coordinate."""
+        if self.chart.kind == "saddle":
+            return np.asarray(known[NUMBERS.index("y")])
+        rate = known[NUMBERS.index("dbeta0" if self.chart.kind == "start" else "dbetaL")]
+        if not self.chart.logarithmic:
+            return np.asarray(rate)
+        direction = self.chart.at.leaving if self.chart.kind == "start" else self.chart.at.arriving
+        return np.asarray(2 * rate / (direction * float(np.exp(x / 2))))
+
+    def index(self, w: Array, path: Path, _: Array) -> int | None:
+        """The Morse index under the ends that are meant; None where an eigenvalue is zero to rounding."""
+        given = self.family.given(float(w[1] * self.scales[1]))
+        rates = self._rates.get(w.tobytes())
+        if rates is None:
+            at = self.at(w)
+            assert at is not None
+            rates = orbit_rates(at[0].problem, [at[1]])
+        assert given is not None
+        dead = dead_index(rates, np.array([path.turns]))
+        index = float(held_index(rates, np.array([given.ratio]), given.names, dead)[0])
+        return int(index) if np.isfinite(index) else None

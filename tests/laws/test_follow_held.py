@@ -1,0 +1,81 @@
+"""A branch under held ends: the loads follow, and a fold under dead loads is none."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from solver import Case, Ends, Solution, equilibria, follow, solve
+from tests.cases import TABLE_1
+
+END = "the end of the range"
+
+
+@cache
+def table_1() -> Solution:
+    return solve(TABLE_1["force-first/tension/paper"].case, tol=1e-12)
+
+
+def displacements(solution: Solution) -> dict[str, float]:
+    return {
+        "height": float(solution.z[-1]), "azimuth": float(np.ptp(solution.alpha[[0, -1]]) * np.sign(solution.alpha[-1])),
+        "rotation": float(solution.gamma[-1] - solution.gamma[0]),
+    }  # fmt: skip
+
+
+def held(solution: Solution, *names: str) -> Solution:
+    """The same equilibrium with these displacements held instead of their loads."""
+    case, given = solution.case, solution.case.given
+    loads = dict(zip(("FZ", "MZ", "M3"), (float(load) for load in solution.loads), strict=True))
+    partner = {"height": "FZ", "azimuth": "MZ", "rotation": "M3"}
+    own = {name: displacements(solution)[name] for name in names}
+    kept = {name: load for name, load in loads.items() if name not in {partner[one] for one in names}}
+    beta0 = given.beta if hasattr(given, "beta") else given.beta0
+    ends = Ends(float(beta0), float(solution.beta[-1]), **kept, **own)
+    return solve(Case(case.rod, case.cylinder, ends), seed=solution)
+
+
+def test_a_lowered_height_asks_for_the_loads_that_an_independent_code_found() -> None:
+    """Table 1 with beta(L), azimuth and rotation held and z(L) lowered by 0.3."""
+    first = held(table_1(), "height", "azimuth", "rotation")
+    branch = follow(first, height=float(first.case.given.height) - 0.3)
+    last, A = branch.points[-1].solution, first.case.rod.bending_stiffness
+    found = [float(load) / A for load in last.loads]
+    np.testing.assert_allclose(found, [0.756046552, 2.711074293, 2.530586040], rtol=1e-9)
+    assert float(last.dbeta[0]) == pytest.approx(0.707198662, abs=1e-9)
+    assert last.z[-1] == pytest.approx(float(first.case.given.height) - 0.3, abs=1e-9)
+    assert not branch.special
+    assert set(branch.index) == {5}
+
+
+@pytest.mark.slow
+def test_a_held_height_passes_the_folds_under_dead_loads_and_turns_at_its_own() -> None:
+    first = held(table_1(), "height")
+    dead = follow(table_1(), FZ=[4.0, 12.0])
+    branch = follow(first, height=[5.0, 8.0])
+    (turn,) = branch.special
+    height = np.array([float(point.solution.z[-1]) for point in dead.points])
+    assert turn.kind == "fold"
+    assert turn.value == pytest.approx(height.max(), abs=1e-3)  # between points of the other branch
+    assert turn.value >= height.max() - 1e-9
+    for one in dead.special:
+        here = dead.points[one.position].solution
+        near = min(branch.points, key=lambda point: abs(float(point.solution.dbeta[0] - here.dbeta[0])))
+        assert pytest.approx(float(here.FZ), abs=0.1) == near.solution.FZ
+
+
+@pytest.mark.slow
+def test_all_equilibria_of_table_1_are_followed_under_a_falling_height() -> None:
+    case = table_1().case
+    ends = Ends(case.given.beta, float(table_1().beta[-1]), *(float(load) for load in case.loads))
+    every = equilibria(Case(case.rod, case.cylinder, ends))
+    assert len(every) == 13
+    for one in every:
+        first = held(one.solution, "height")
+        own = float(first.case.given.height)
+        branch = follow(first, height=np.linspace(own, own - 0.5, 101))
+        assert branch.end.reason == END
+        assert branch.values[-1] == own - 0.5 or branch.special
+        for point in branch.points[::25]:
+            assert point.solution.solved
+            assert point.solution.z[-1] == pytest.approx(point.value, abs=1e-8)
