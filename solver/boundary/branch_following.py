@@ -14,6 +14,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
+from ..mechanics.potential import slope
 from ..numerics.arclength import advanced
 from .branch_coordinates import LinePoint, Path
 from .branch_states import Bounds, Place, State, begun_at, in_other_charts, recharted
@@ -21,6 +22,7 @@ from .continuation_steps import Line, leapt
 from .equilibrium_curve import Family
 from .held_curve import HeldFamily
 from .helix_branch import CROSSING, PITCHFORK, helix_place, helix_places
+from .transit_times import height_scale
 
 FOLD = "fold"
 FIRST, LONGEST, SHORTEST = 0.02, 0.25, 1e-7  # lengths of steps, in scales
@@ -28,6 +30,7 @@ NARROW = 1e-3  # length of a step below which other coordinates and a leap are t
 _KEPT = 10  # steps for which another coordinate is kept
 _EASY_BEND = 0.05  # distance from the predictor, as a share of the step, that the next step aims at
 _LEAP = 1.0  # of the parameter's scale: the line whose shares `continuation_steps.LEAPS` are leapt
+_BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix
 _STEEP = 0.2  # dp along the branch, in scales, above which a step may end at a given p
 END, CLOSED = "the end of the range", "the branch is closed"
 _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
@@ -76,6 +79,11 @@ def _followed(state: State, places: list[Place], bounds: Bounds) -> tuple[list[P
     first, step, kept = state.recorded(), FIRST, 0
     while len(places) < bounds.most:
         state, kept = recharted(state, step, keep=kept > 0), kept - 1
+        past = _leap(state, bounds) if _is_near_helix(state) else None
+        if past is not None:
+            state = past
+            places.append(state.recorded())
+            continue
         there, passed = _passed(state, _step(state, step, bounds), bounds)
         if isinstance(there, str) and step < NARROW:
             for other in in_other_charts(state):
@@ -170,6 +178,15 @@ def _located(state: State, low: float, high: float, zero: Callable[[State], floa
         return distance, at(distance)
     except ArithmeticError:
         return None
+
+
+def _is_near_helix(state: State) -> bool:
+    """Whether the rod would be a helix at a parameter so near that its level leaves the range of floats there."""
+    found = state.curve.at(state.node.w)
+    if found is None or found[0].start != found[0].end:
+        return False
+    problem = found[0].problem
+    return 0 < abs(float(slope(problem, problem.beta0)[0])) < _BESIDE_HELIX * height_scale(problem)
 
 
 def _leap(state: State, bounds: Bounds) -> State | None:

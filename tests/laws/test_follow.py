@@ -275,3 +275,13 @@ def test_a_rod_and_its_units_do_not_matter() -> None:
     one = follow(solve(Case(rod, Cylinder(0.75), Ends(0.5, 0.8, FZ=-8.66))), FZ=-30.0)
     other = follow(solve(Case(replace(rod, E=2 * rod.E), Cylinder(0.75), Ends(0.5, 0.8, FZ=-2 * 8.66))), FZ=-60.0)
     assert [2 * a.value for a in one.special] == pytest.approx([b.value for b in other.special], rel=1e-12)
+
+
+def test_a_branch_passes_a_helix_without_a_fold() -> None:
+    """Both ends at 0.1 rad: at -phi = 2 sin^2 cos the rod is a helix, and its level has no logarithm."""
+    case = ends_in_units_of_rho(0.0, 0.0, 1.0, 8.0, 0.1, 0.1)
+    straight = next(one for one in equilibria(case) if one.index == 0 and abs(one.dbeta0) < 0.2)
+    branch = follow(straight.solution, FZ=-0.05)
+    assert branch.end.reason == END
+    assert not branch.special
+    assert len(branch) < 120

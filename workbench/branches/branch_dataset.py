@@ -19,6 +19,8 @@ from studies.laws import QUALIFIED, decide
 from ..data import schema
 from .equilibria_dataset import EACH, attributes, with_case
 from .followed_curves import followed_curves, shown_by_default, special_points
+from .followed_dataset import stability
+from .held_tracing import PARTNER, traced_held
 from .tracing import Traced, traced
 
 STATIONS = 101
@@ -52,7 +54,9 @@ def sweep(
     """
     laws = [law for law in study.laws if law.axis == name and _is_of_observables(law)]
     units = study.unit_system
-    seen = traced(case, name, [float(x) for x in values], STATIONS, lambda value: step(f"{name} = {value:.4g}"))
+    held = name in PARTNER
+    trace = traced_held if held else traced
+    seen = trace(case, name, [float(x) for x in values], STATIONS, lambda value: step(f"{name} = {value:.4g}"))
     found, branch = seen.found, seen.branch
     most = max((len(members) for members in found), default=0)
     dims = (name, "member")
@@ -65,13 +69,18 @@ def sweep(
     solved = [[i < len(f) and bool(f[i].solution.solved) for i in range(most)] for f in found]
     data["solved"] = xr.Variable(dims, np.array(solved, dtype=bool).reshape(len(found), most))
     data["outcome"] = xr.Variable(dims, np.array(outcome, dtype=str).reshape(len(found), most))
-    shown = (shown_by_default(name) if show is None else show, "energy")
+    chosen = shown_by_default(name) if show is None else show
+    shown = (chosen,) if held else (chosen, "energy")
     data |= special_points(seen, name, units, shown) | followed_curves(seen, name, units, shown)
     ds = xr.Dataset(data, {name: xr.Variable((name,), values, schema.labels(quantity_of(name).name, units))})
-    ds.attrs = attributes(study, case, f"All equilibria over {quantity_of(name).symbol}")
+    every = "Equilibria with a held" if held else "All equilibria over"
+    ds.attrs = attributes(study, case, f"{every} {quantity_of(name).symbol}")
+    if held:
+        ds.attrs["stability"] = stability(seen.curves[0].points[0].case) if seen.curves else ""
     ds.attrs["branches"] = json.dumps(_rows(ds, name, laws, seen))
     ds.attrs |= {"shown": shown[0], "remarks": json.dumps(seen.remarks)}
-    return with_case(ds, case, units, skip=name)
+    ds = with_case(ds, case, units, skip=name)
+    return ds.drop_vars(PARTNER[name]) if held and PARTNER[name] in ds else ds
 
 
 def branches(ds: xr.Dataset) -> list[dict[str, Any]]:
@@ -124,7 +133,7 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict
         ends = ds[name].values[k] if k.size else np.array(sorted(one.value for one in (points[0], points[-1])))
         row: dict[str, Any] = {
             "branch": piece.number, "from": float(ends[0] * scale), "to": float(ends[-1] * scale),
-            "values": int(k.size), "index": points[len(points) // 2].index,
+            "values": len(points) if name in PARTNER else int(k.size), "index": points[len(points) // 2].index,
             "turns": _range(turns),
         }  # fmt: skip
         for law in laws:

@@ -1,28 +1,39 @@
 """What a diagram of branches is drawn from: the followed curves, their special points and a shape of each branch."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver import Branch
+from solver import Branch, Solution
+from solver.boundary.stability import jacobi_zeros
 from solver.follow import solutions_of
 from solver.observe.observables import OBSERVABLES, observe
 from solver.problem.errors import no_such
 from studies.axes import quantity_of
 
 from ..data import schema
+from .held_tracing import PARTNER
 from .tracing import Piece, Traced
 
 STATIONS = 161  # of a shape
-NAMES = ("dbeta0", *OBSERVABLES)
+LOADS = ("FZ", "MZ", "M3")
+OWN = ("dbeta0", "beta0", "betaL", *LOADS)  # what a diagram may show beside observables
+NAMES = (*OWN, *OBSERVABLES)
+
+
+INDICES = {
+    "index": {"units": "1", "long_name": "Morse index under the ends of the case"},
+    "dead_index": {"units": "1", "long_name": "Morse index between the same end angles under dead loads"},
+}
 
 
 def shown_by_default(name: str) -> str:
-    """What a diagram over a field shows: the displacement that goes with the load."""
-    return "wraps" if name in ("MZ", "M3") else "height"
+    """What a diagram over a field shows: the displacement that goes with a load, or the load that holds it."""
+    return PARTNER.get(name, "wraps" if name in ("MZ", "M3") else "height")
 
 
 def check_shown(name: str) -> None:
@@ -55,15 +66,24 @@ def special_points(seen: Traced, name: str, units: Mapping[str, str], shown: Seq
 
 
 def _at(branch: Branch, position: int, key: str) -> float:
-    solution = branch.points[position].solution
-    return float(solution.dbeta[0] if key == "dbeta0" else observe(solution, [key])[key])
+    return float(_numbers(branch.points[position].solution, [key])[key])
+
+
+def _numbers(sol: Solution, keys: Sequence[str]) -> dict[str, Any]:
+    """Observables, loads and values at the ends, one for each case."""
+    own = {"dbeta0": lambda: sol.dbeta[..., 0], "beta0": lambda: sol.beta[..., 0], "betaL": lambda: sol.beta[..., -1]}
+    own |= {name: partial(getattr, sol, name) for name in LOADS}
+    return observe(sol, [key for key in keys if key not in own]) | {key: own[key]() for key in keys if key in own}
 
 
 def followed_curves(seen: Traced, name: str, units: Mapping[str, str], shown: Sequence[str]) -> dict[str, Any]:
     """The points of the branches over `curve_point`, and the shape in the middle of each over (shape, u)."""
     solved = [solutions_of(curve, STATIONS) for curve in seen.curves]
     keys = list(dict.fromkeys(shown))
-    numbers = [observe(sol, [key for key in keys if key != "dbeta0"]) | {"dbeta0": sol.dbeta[:, 0]} for sol in solved]
+    numbers = [
+        _numbers(sol, keys) | {"index": curve.index, "dead_index": jacobi_zeros(sol.trajectory.orbit.exact)}
+        for sol, curve in zip(solved, seen.curves, strict=True)
+    ]
     parts = [(piece, np.arange(piece.first, piece.last + 1)) for piece in seen.pieces]
     dims = ("curve_point",)
     columns = {f"curve_{key}": ([numbers[p.curve][key][at] for p, at in parts], key) for key in keys}
@@ -73,6 +93,8 @@ def followed_curves(seen: Traced, name: str, units: Mapping[str, str], shown: Se
     }
     which = [np.full(at.size, piece.number) for piece, at in parts]
     data["curve_branch"] = xr.Variable(dims, _joined(which).astype(np.int64), {"long_name": "number of the branch"})
+    for key in ("index", "dead_index"):
+        data[f"curve_{key}"] = xr.Variable(dims, _joined([numbers[p.curve][key][at] for p, at in parts]), INDICES[key])
     middles = [(piece, _middle(seen, piece)) for piece in seen.pieces]
     for key in ("alpha", "z"):
         rows = [getattr(solved[piece.curve], key)[at] for piece, at in middles]

@@ -74,7 +74,7 @@ def traced(case: Case, name: str, values: list[float], stations: int, step: Call
                     f"{name} = {end.value:.6g}: {end.reason}" for end in (branch.begin, branch.end)
                     if end.value not in (values[0], values[-1])
                 ]  # fmt: skip
-    return _numbered(found, owner, curves, remarks)
+    return numbered(found, owner, curves, remarks)
 
 
 def _claim(
@@ -95,7 +95,7 @@ def _claim(
                 owner[k][i] = (curve, at)
 
 
-def _numbered(
+def numbered(
     found: list[list[Equilibrium]], owner: list[list[tuple[int, int] | None]], curves: list[Branch], remarks: list[str]
 ) -> Traced:
     """The pieces in the order in which their equilibria appear; those without any come last."""

@@ -1,5 +1,6 @@
 """The bifurcation diagram of a dataset of branches: all equilibria over an axis, folds, and a shape of each branch."""
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,13 +20,20 @@ MARKS = {"pitchfork": "D", "branch point": "s"}
 GAP = 0.035  # of the height of a panel, between two labels
 
 
+_HELD: dict[int, tuple[dict[str, Any], str]] = {
+    0: ({"color": style.SOFT, "linewidth": 1.2, "linestyle": (0, (4, 1.6)), "zorder": 2}, "unstable"),
+    1: ({"color": style.PUSHED, "linewidth": 2.4, "zorder": 4}, "stable as it is held, unstable under dead loads"),
+    2: ({"color": style.STABLE, "linewidth": 2.4, "zorder": 4}, "stable, under dead loads too"),
+}
+
+
 def figure(ds: xr.Dataset) -> Figure:
     """The shown quantity and the energy against the axis, and the developed curves of the branches.
 
     Stable branches are solid and thick, unstable ones dashed; each has its number at both ends and below its shape.
     Folds and other special points are marked. Where laws were judged, the branches on which none fails have a colour.
     """
-    names = list(dict.fromkeys((str(ds.attrs["shown"]), "energy")))
+    names = [name for name in dict.fromkeys((str(ds.attrs["shown"]), "energy")) if f"curve_{name}" in ds]
     count = min(ds.sizes["shape"], MOST)
     rows = -(-count // ROW)
 
@@ -52,8 +60,8 @@ def panel(ds: xr.Dataset, ax: Axes, key: str) -> Axes:
     for row in branches(ds):
         on = ds["curve_branch"].values == row["branch"]
         x, y = along[on], height[on]
-        look, label = _look(row)
-        ax.plot(x, y, label=label, marker="." if x.size == 1 else "", **look)
+        for run, look, label in _runs(ds, row, np.flatnonzero(on)):
+            ax.plot(along[run], height[run], label=label, marker="." if x.size == 1 else "", **look)
         for end, inner in ((0, 1), (-1, -2)):
             if x.size > 1 and not _is_special(ds, name, x[end]):
                 tips[1 if x[end] > x[inner] else -1].append((float(x[end]), float(y[end]), int(row["branch"])))
@@ -68,7 +76,11 @@ def panel(ds: xr.Dataset, ax: Axes, key: str) -> Axes:
                     markerfacecolor="white", zorder=6, linestyle="none", label=kind)  # fmt: skip
     ax.set_xlabel(labels.axis_label(name, ds[name]))
     ax.set_ylabel(labels.label(ds[f"curve_{key}"]))
-    ax.margins(x=0.06)
+    ends = labels.in_label_unit(ds[name], ds[name].values[[0, -1]])
+    if ds.sizes["member"]:
+        ax.margins(x=0.06)
+    else:
+        ax.set_xlim(*(ends + 0.06 * np.ptp(ends) * np.array([-1, 1])))
     _label_tips(ax, tips)
     return style.with_grid(ax)
 
@@ -99,6 +111,21 @@ def _label_tips(ax: Axes, tips: dict[int, list[tuple[float, float, int]]]) -> No
             ax.annotate(text, (x, float(np.mean([tip[1] for tip in group]))), xytext=(5 * side, 0),
                         textcoords="offset points", va="center", ha="left" if side > 0 else "right",
                         size=style.small(), color=style.SOFT, annotation_clip=False)  # fmt: skip
+
+
+def _runs(ds: xr.Dataset, row: dict[str, Any], on: Any) -> list[tuple[Any, dict[str, Any], str]]:
+    """The parts of a branch of one look: places among the points, look and entry in the legend.
+
+    Under held ends those are told apart that would be stable under dead loads too.
+    """
+    if ds.sizes["member"]:
+        return [(on, *_look(row))]
+    index, dead = ds["curve_index"].values[on], ds["curve_dead_index"].values[on]
+    kind = np.where(index > 0, 0, np.where(dead > 0, 1, 2))
+    if kind.size > 2:  # at a fold the smaller index is stored
+        kind[[0, -1]] = kind[[1, -2]]
+    cuts = [0, *(np.flatnonzero(np.diff(kind)) + 1), on.size]
+    return [(on[a : b + 1], *_HELD[int(kind[a])]) for a, b in pairwise(cuts)]
 
 
 def _numbers(some: list[int]) -> str:
