@@ -20,6 +20,7 @@ from .branch_coordinates import LinePoint, Path
 from .branch_states import Bounds, Place, State, begun_at, in_other_charts, recharted
 from .continuation_steps import Line, leapt
 from .equilibrium_curve import Family
+from .held_continuation import Stopped, carried, state_of
 from .held_curve import HeldFamily
 from .helix_branch import CROSSING, PITCHFORK, helix_place, helix_places
 from .transit_times import height_scale
@@ -31,6 +32,7 @@ _KEPT = 10  # steps for which another coordinate is kept
 _EASY_BEND = 0.05  # distance from the predictor, as a share of the step, that the next step aims at
 _LEAP = 1.0  # of the parameter's scale: the line whose shares `continuation_steps.LEAPS` are leapt
 _BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix
+_BESIDE_HELD_HELIX, _HELD_LEAP = 1e-3, 0.05  # the same with held ends; of p's scale, the way past a helix
 _STEEP = 0.2  # dp along the branch, in scales, above which a step may end at a given p
 END, CLOSED = "the end of the range", "the branch is closed"
 _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
@@ -186,13 +188,28 @@ def _is_near_helix(state: State) -> bool:
     if found is None or found[0].start != found[0].end:
         return False
     problem = found[0].problem
-    return 0 < abs(float(slope(problem, problem.beta0)[0])) < _BESIDE_HELIX * height_scale(problem)
+    near = _BESIDE_HELIX if isinstance(state.curve.family, Family) else _BESIDE_HELD_HELIX
+    return 0 < abs(float(slope(problem, problem.beta0)[0])) < near * height_scale(problem)
+
+
+def _held_leap(state: State, family: HeldFamily, bounds: Bounds) -> State | None:
+    """The equilibrium beyond a helix, by the continuation of `held_continuation`."""
+    halt, rises = bounds.next(state.p, state.rises > 0), state.rises > 0
+    far = state.p + float(np.clip(halt - state.p, -_HELD_LEAP * family.scale, _HELD_LEAP * family.scale))
+    given, at = family.given(far), state.curve.at(state.node.w)
+    if given is None or at is None:
+        return None
+    found = carried(state_of(at[0].problem, at[1]), given)
+    if isinstance(found, Stopped):
+        return None
+    begun = begun_at(replace(family, begun=found.problem), found.path, far, rises)
+    return None if isinstance(begun, str) else begun
 
 
 def _leap(state: State, bounds: Bounds) -> State | None:
     """The equilibrium a little farther on, with a close shape and the same Morse index."""
     if isinstance(state.curve.family, HeldFamily):
-        return None
+        return _held_leap(state, state.curve.family, bounds) if _is_near_helix(state) else None
     return _leap_from(state.curve.family, state.path(), state.p, state.rises > 0, bounds)
 
 
