@@ -78,9 +78,10 @@ def sweep(
     if held:
         ds.attrs["stability"] = stability(seen.curves[0].points[0].case) if seen.curves else ""
     ds.attrs["branches"] = json.dumps(_rows(ds, name, laws, seen))
-    ds.attrs |= {"shown": shown[0], "remarks": json.dumps(seen.remarks)}
+    ds.attrs |= {"axis": name, "shown": shown[0], "remarks": json.dumps(seen.remarks)}
     ds = with_case(ds, case, units, skip=name)
-    return ds.drop_vars(PARTNER[name]) if held and PARTNER[name] in ds else ds
+    ds = ds.drop_vars(PARTNER[name]) if held and PARTNER[name] in ds else ds
+    return ds.drop_dims([dim for dim, size in ds.sizes.items() if not size])  # a file holds no empty array
 
 
 def branches(ds: xr.Dataset) -> list[dict[str, Any]]:
@@ -91,7 +92,7 @@ def branches(ds: xr.Dataset) -> list[dict[str, Any]]:
 def folds(ds: xr.Dataset) -> list[dict[str, float]]:
     """Axis value, beta'(0) and energy of each fold."""
     names = ("fold", "fold_dbeta0", "fold_energy")
-    return [{name: float(ds[name][i]) for name in names} for i in range(ds.sizes["fold"])]
+    return [{name: float(ds[name][i]) for name in names} for i in range(ds.sizes.get("fold", 0))]
 
 
 def remarks(ds: xr.Dataset) -> list[str]:
@@ -134,7 +135,7 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict
         row: dict[str, Any] = {
             "branch": piece.number, "from": float(ends[0] * scale), "to": float(ends[-1] * scale),
             "values": len(points) if name in PARTNER else int(k.size), "index": points[len(points) // 2].index,
-            "turns": _range(turns),
+            "turns": _range(turns if k.size else np.unique([one.path.turns for one in points[1:-1]])),
         }  # fmt: skip
         for law in laws:
             key = f"{law.observable} {law.direction}"

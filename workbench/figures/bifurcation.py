@@ -16,7 +16,7 @@ from . import canvas, legend, style
 
 WIDTH, PANEL, STRIP = 9.6, (4.6, 3.0), 1.5  # inches: width, heights of the panels and of a row of shapes
 MOST, ROW = 16, 8  # shapes, and shapes in a row
-MARKS = {"pitchfork": "D", "branch point": "s"}
+MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s"}
 GAP = 0.035  # of the height of a panel, between two labels
 
 
@@ -34,7 +34,7 @@ def figure(ds: xr.Dataset) -> Figure:
     Folds and other special points are marked. Where laws were judged, the branches on which none fails have a colour.
     """
     names = [name for name in dict.fromkeys((str(ds.attrs["shown"]), "energy")) if f"curve_{name}" in ds]
-    count = min(ds.sizes["shape"], MOST)
+    count = min(ds.sizes.get("shape", 0), MOST)
     rows = -(-count // ROW)
 
     def draw(fig: Figure) -> None:
@@ -54,7 +54,7 @@ def figure(ds: xr.Dataset) -> Figure:
 
 def panel(ds: xr.Dataset, ax: Axes, key: str) -> Axes:
     """One quantity of each equilibrium against the axis, a line a branch."""
-    name = str(ds["outcome"].dims[0])
+    name = str(ds.attrs["axis"])
     along, height = labels.in_label_unit(ds[name], ds[f"curve_{name}"].values), _values(ds, f"curve_{key}")
     tips: dict[int, list[tuple[float, float, int]]] = {-1: [], 1: []}
     for row in branches(ds):
@@ -62,22 +62,19 @@ def panel(ds: xr.Dataset, ax: Axes, key: str) -> Axes:
         x, y = along[on], height[on]
         for run, look, label in _runs(ds, row, np.flatnonzero(on)):
             ax.plot(along[run], height[run], label=label, marker="." if x.size == 1 else "", **look)
+        _mark_dead_folds(ds, ax, np.flatnonzero(on), along, height)
         for end, inner in ((0, 1), (-1, -2)):
             if x.size > 1 and not _is_special(ds, name, x[end]):
                 tips[1 if x[end] > x[inner] else -1].append((float(x[end]), float(y[end]), int(row["branch"])))
-    fold = labels.in_label_unit(ds[name], ds["fold"].values)
-    ax.plot(fold, _values(ds, f"fold_{key}"), "o", color=style.INK, markersize=4.5, markerfacecolor="white", zorder=6,
-            linestyle="none", label="fold" if fold.size else "_")  # fmt: skip
     for kind, mark in MARKS.items():
-        some = ds["special_kind"].values == kind
-        if some.any():
-            x = labels.in_label_unit(ds[name], ds["special"].values[some])
-            ax.plot(x, _values(ds, f"special_{key}")[some], mark, color=style.INK, markersize=4.5,
-                    markerfacecolor="white", zorder=6, linestyle="none", label=kind)  # fmt: skip
+        x, y = _special(ds, name, key, kind)
+        if x.size:
+            ax.plot(x, y, mark, color=style.INK, markersize=4.5, markerfacecolor="white", zorder=6, linestyle="none",
+                    label=kind)  # fmt: skip
     ax.set_xlabel(labels.axis_label(name, ds[name]))
     ax.set_ylabel(labels.label(ds[f"curve_{key}"]))
     ends = labels.in_label_unit(ds[name], ds[name].values[[0, -1]])
-    if ds.sizes["member"]:
+    if "member" in ds.sizes:
         ax.margins(x=0.06)
     else:
         ax.set_xlim(*(ends + 0.06 * np.ptp(ends) * np.array([-1, 1])))
@@ -89,18 +86,27 @@ def _values(ds: xr.Dataset, name: str) -> Any:
     return labels.in_label_unit(ds[name], ds[name].values)
 
 
+def _special(ds: xr.Dataset, name: str, key: str, kind: str) -> tuple[Any, Any]:
+    """Axis values and shown values of the special points of one kind."""
+    dim = "fold" if kind == "fold" else "special"
+    if dim not in ds.sizes:
+        return np.empty(0), np.empty(0)
+    some = np.ones(ds.sizes[dim], dtype=bool) if dim == "fold" else ds["special_kind"].values == kind
+    return labels.in_label_unit(ds[name], ds[dim].values)[some], _values(ds, f"{dim}_{key}")[some]
+
+
 def _is_special(ds: xr.Dataset, name: str, x: float) -> bool:
     """Whether a branch ends there at a special point."""
-    every = labels.in_label_unit(ds[name], np.concatenate([ds["fold"].values, ds["special"].values]))
-    return bool((every == x).any())
+    every = [ds[dim].values for dim in ("fold", "special") if dim in ds.sizes]
+    return any(bool((labels.in_label_unit(ds[name], values) == x).any()) for values in every)
 
 
 def _label_tips(ax: Axes, tips: dict[int, list[tuple[float, float, int]]]) -> None:
     """The number of each branch beside its ends; those of neighbouring ends stand in one line."""
-    low, high = ax.get_ylim()
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
     for side, some in tips.items():
         groups: list[list[tuple[float, float, int]]] = []
-        for tip in sorted(some, key=lambda one: one[1]):
+        for tip in sorted((one for one in some if left <= one[0] <= right), key=lambda one: one[1]):
             if groups and tip[1] - groups[-1][-1][1] < GAP * (high - low):
                 groups[-1].append(tip)
             else:
@@ -118,7 +124,7 @@ def _runs(ds: xr.Dataset, row: dict[str, Any], on: Any) -> list[tuple[Any, dict[
 
     Under held ends those are told apart that would be stable under dead loads too.
     """
-    if ds.sizes["member"]:
+    if "member" in ds.sizes:
         return [(on, *_look(row))]
     index, dead = ds["curve_index"].values[on], ds["curve_dead_index"].values[on]
     kind = np.where(index > 0, 0, np.where(dead > 0, 1, 2))
@@ -126,6 +132,18 @@ def _runs(ds: xr.Dataset, row: dict[str, Any], on: Any) -> list[tuple[Any, dict[
         kind[[0, -1]] = kind[[1, -2]]
     cuts = [0, *(np.flatnonzero(np.diff(kind)) + 1), on.size]
     return [(on[a : b + 1], *_HELD[int(kind[a])]) for a, b in pairwise(cuts)]
+
+
+def _mark_dead_folds(ds: xr.Dataset, ax: Axes, on: Any, along: Any, height: Any) -> None:
+    """Mark where a rod that is held becomes unstable under dead loads: there it would snap through."""
+    if "member" in ds.sizes or on.size < 3:
+        return
+    index, dead = ds["curve_index"].values[on], ds["curve_dead_index"].values[on]
+    at = [int(on[k]) for k in np.flatnonzero(np.diff(dead > 0)) if not index[k : k + 2].any()]
+    middle = [tuple((values[k] + values[k + 1]) / 2 for values in (along, height)) for k in at]
+    if middle:
+        ax.plot(*zip(*middle, strict=True), "^", color=style.INK, markersize=5.5, markerfacecolor="white", zorder=6,
+                linestyle="none", label="fold under dead loads: the rod snaps through")  # fmt: skip
 
 
 def _numbers(some: list[int]) -> str:
@@ -157,7 +175,7 @@ def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
 
 def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, count: int) -> None:
     """The developed curves of the first branches, all at one scale."""
-    name = str(ds["outcome"].dims[0])
+    name = str(ds.attrs["axis"])
     across = ds["shape_rho"].values[:, None] * (ds["shape_alpha"].values - ds["shape_alpha"].values[:, :1])
     up = ds["shape_z"].values
     half = 0.54 * max((max(np.ptp(x), np.ptp(z)) for x, z in zip(across[:count], up[:count], strict=True)), default=1.0)
