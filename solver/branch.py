@@ -15,6 +15,7 @@ from .problem.errors import InputError
 from .problem.reduced import EndsProblem
 from .solution import Solution
 
+FOLD = "fold"  # the kind of a special point
 DATASET = "workbench.branches.followed_dataset"  # loaded by name: the solver works without the workbench
 
 

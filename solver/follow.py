@@ -1,7 +1,7 @@
 """Follow one equilibrium while one field of its case changes."""
 
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from .branch import Branch, BranchEnd, BranchPoint, SpecialPoint
 from .numerics.arrays import Array
 from .problem.case import Case, Ends
+from .problem.case_fields import unchecked_with_field, value_of, with_field
 from .problem.errors import InputError, choices, no_such
 from .problem.field_rates import fields_of
 from .problem.held_ends import held_of, reduce_held
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from .boundary.held_curve import HeldFamily
 
 MOST = 1000
-_FIELD = {"alpha0": "alpha", "gamma0": "gamma"}  # the fields of `Ends` whose quantity has another name
 
 
 def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Branch:
@@ -69,7 +69,7 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     name, wanted = _field_and_values(case, field)
     if points < 1:
         raise InputError(f"points must be a whole number of at least 1, got {points!r}")
-    own = _value(case, name)
+    own = value_of(case, name)
     for value in (float(wanted.min()), float(wanted.max())):
         with_field(case, name, value)  # raises `InputError`
     low, high = min(own, float(wanted.min())), max(own, float(wanted.max()))
@@ -80,42 +80,10 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     return _branch(case, name, path, begun, bounds, solved)
 
 
-def with_field(case: Case, name: str, value: Any) -> Case:
-    """The case with another value of one numeric field, named as its quantity. Raises `InputError`."""
-    name = _FIELD.get(name, name)
-    for part in ("rod", "cylinder", "given"):
-        owner = getattr(case, part)
-        if hasattr(owner, name):
-            return replace(case, **{part: replace(owner, **{name: value})})
-    raise InputError(f"no field {name!r} in this case; choose from {choices(fields_of(case))}")
-
-
-def _unchecked(case: Case, name: str, value: float) -> Case:
-    """The same for a valid value, several times as fast."""
-    name = _FIELD.get(name, name)
-    parts: dict[str, Any] = {}
-    for part in fields(case):
-        owner = getattr(case, part.name)
-        parts[part.name] = _copied(owner, {name: value}) if hasattr(owner, name) else owner
-    return _copied(case, parts)
-
-
-def _copied(value: Any, changes: dict[str, Any]) -> Any:
-    """A copy of a frozen dataclass that is not validated."""
-    new = object.__new__(type(value))
-    vars(new).update({one.name: changes.get(one.name, getattr(value, one.name)) for one in fields(value)})
-    return new
-
-
 def _reduced(case: Case) -> EndsProblem:
     found = reduce(case)
     assert isinstance(found, EndsProblem)
     return found
-
-
-def _value(case: Case, name: str) -> float:
-    name = _FIELD.get(name, name)
-    return float(next(getattr(p, name) for p in (case.rod, case.cylinder, case.given) if hasattr(p, name)))
 
 
 def _equilibrium(solution: Solution) -> tuple[Case, "Path", EndsProblem]:
@@ -199,11 +167,11 @@ def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bo
     from .boundary.equilibrium_curve import Family, scale_of
     from .boundary.held_curve import HeldFamily
 
-    own, reach = _value(case, name), bounds.high - bounds.low
+    own, reach = value_of(case, name), bounds.high - bounds.low
 
     def problem(value: float) -> EndsProblem | None:
         if bounds.low <= value <= bounds.high:  # where the fields are known to be valid
-            return _reduced(_unchecked(case, name, value))
+            return _reduced(unchecked_with_field(case, name, value))
         try:
             return _reduced(with_field(case, name, value)) if abs(value - own) <= 2 * reach else None
         except InputError:
@@ -236,13 +204,13 @@ def _held_family(case: Case, name: str, begun: EndsProblem, bounds: "Bounds") ->
 
     def given(value: float) -> Given | None:
         if bounds.low <= value <= bounds.high:
-            return Given.of(reduce_held(_unchecked(case, name, value)))
+            return Given.of(reduce_held(unchecked_with_field(case, name, value)))
         try:
             return Given.of(reduce_held(with_field(case, name, value)))
         except InputError:
             return None
 
-    own, reach = _value(case, name), bounds.high - bounds.low
+    own, reach = value_of(case, name), bounds.high - bounds.low
     nudge = 1e-6 * reach * (1 if own < bounds.high else -1)
     here, there = given(own), given(own + nudge)
     assert here is not None

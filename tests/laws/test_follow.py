@@ -12,7 +12,7 @@ from solver import Branch, Case, Cylinder, Ends, InputError, Rod, Solution, equi
 from solver.boundary.path_orbits import orbit_of
 from solver.boundary.stability import jacobi_zeros
 from solver.equilibria import Equilibrium
-from solver.follow import with_field
+from solver.problem.case_fields import with_field
 from solver.problem.reduced import reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, rod_of_unit_stiffness
 

@@ -8,10 +8,10 @@ import pytest
 from scipy.linalg import solve_banded
 
 from solver import Case, Ends, Start, equilibria, solve
-from solver.boundary.end_angle_branch import follow
 from solver.boundary.search import search
 from solver.boundary.stability import jacobi_zeros, morse_index
 from solver.boundary.transit_times import repeated
+from solver.end_angle_branch import to_fold
 from solver.equilibria import Equilibrium
 from solver.problem.reduced import reduce
 from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
@@ -244,7 +244,7 @@ def test_rods_that_turn_agree_with_a_march() -> None:
 def fold():
     """The equilibrium of Table 1 as its far end turns, up to where it ceases to exist."""
     case = table_1("force-first", "tension", "paper")
-    return follow(case, np.deg2rad(60))
+    return to_fold(case, np.deg2rad(60))
 
 
 def at_end(betaL: float) -> list[Equilibrium]:

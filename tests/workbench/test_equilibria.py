@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Ends, InputError, equilibria, solve
-from solver.boundary.end_angle_branch import follow
+from solver.end_angle_branch import to_fold
 from solver.equilibria import nearest
 from solver.observe.observables import observe
 from studies import load
@@ -220,7 +220,7 @@ def test_a_coarse_axis_has_the_branches_and_the_folds_of_a_fine_one(swept) -> No
 
 
 def test_a_fold_is_where_the_branch_of_table_1_is_known_to_end(swept) -> None:
-    known = follow(load(DEFAULT).case(), np.deg2rad(60))
+    known = to_fold(load(DEFAULT).case(), np.deg2rad(60))
     off = np.abs(swept["fold"].values - known.fold)
     # drawn on to zero from values that come nearer by a factor of five each time; measured 1e-9
     assert off.min() < 1e-6
@@ -234,7 +234,7 @@ def test_a_fold_is_where_the_branch_of_table_1_is_known_to_end(swept) -> None:
 def test_the_papers_claim_is_not_contradicted_on_its_own_branch_and_fails_on_others(swept) -> None:
     """Panel (4): turns do not fall (nor rise, as the sentence says) and kappa_mean rises with beta(L)."""
     rows = [row for row in branch_dataset.branches(swept) if row["values"] > 2]
-    known = follow(load(DEFAULT).case(), np.deg2rad(60))
+    known = to_fold(load(DEFAULT).case(), np.deg2rad(60))
     at = np.interp(0.0, known.betaL, known.dbeta0)
     own = int(swept["branch"].values[0, np.nanargmin(np.abs(swept["dbeta0"].values[0] - at))])
     assert rows[own]["turns not-falling"] == "qualified: not contradicted"

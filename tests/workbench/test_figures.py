@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from solver import Ends, solve
-from solver.boundary.end_angle_branch import follow
+from solver.end_angle_branch import to_fold
 from studies import READINGS, TABLE_1, load, names
 from studies.laws import VERDICTS as VERDICTS_OF_LAWS
 from workbench.data import law_verdicts
@@ -101,7 +101,7 @@ def test_the_end_angle_is_followed_from_the_base_rod_to_its_fold() -> None:
 
 def test_beyond_the_fold_the_followed_equilibrium_is_gone() -> None:
     study = load("fig7_4_end_angle")
-    branch = follow(study.case(), study.follow.limit, 9)
+    branch = to_fold(study.case(), study.follow.limit, 9)
     ends = branch.ends.given
     beyond = Ends(ends.beta0, branch.fold + 1e-3, ends.FZ, ends.MZ, ends.M3)
     case = type(branch.ends)(branch.ends.rod, branch.ends.cylinder, beyond)

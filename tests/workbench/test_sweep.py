@@ -281,12 +281,12 @@ axis = "betaL"
 direction = "rises"
 source = "made up"
 """
-    from solver.boundary.end_angle_branch import follow
+    from solver.end_angle_branch import to_fold
     from solver.observe.observables import observe
     from tests.cases import table_1
 
     start = table_1("force-first", "tension", "paper")
-    branch = follow(start, np.deg2rad(60.0))
+    branch = to_fold(start, np.deg2rad(60.0))
     FZ, MZ, M3 = (float(load) for load in start.loads)
     middle = Case(start.rod, start.cylinder, Ends(start.given.beta, np.deg2rad(35.0), FZ, MZ, M3))
     slope = float(np.interp(np.deg2rad(35.0), branch.betaL, branch.dbeta0))

@@ -15,7 +15,8 @@ from solver import Branch, Case, InputError, equilibria, follow
 from solver.boundary.branch_coordinates import LinePoint, path_of, same_equilibrium
 from solver.branch import SpecialPoint
 from solver.equilibria import Equilibrium
-from solver.follow import MOST, with_field
+from solver.follow import MOST
+from solver.problem.case_fields import with_field
 from solver.problem.reduced import EndsProblem, reduce
 
 FINE = 61  # values at which a followed branch has points at least, so that its curve is smooth

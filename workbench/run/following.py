@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from solver import solve
-from solver.boundary.end_angle_branch import follow
+from solver.end_angle_branch import to_fold
 from studies import Study
 from studies.dimensions import Dimensions
 
@@ -23,7 +23,7 @@ def run_followed(study: Study, tol: float, method: str) -> xr.Dataset:
     """
     axis = study.follow
     assert axis is not None
-    branch = follow(study.case(), axis.limit, axis.size)
+    branch = to_fold(study.case(), axis.limit, axis.size)
     sol = solve(branch.ends, tol=tol, method=method, stations=study.stations, seed=branch.dbeta0)
     as_run = study.model_copy(update={"tol": tol, "method": sol.method})
     ds = dataset.make(as_run, Dimensions.of({AXIS: branch.betaL}), columns(study, sol))
