@@ -194,7 +194,9 @@ def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bo
         sides.reverse()
     (before, begin), (after, end) = sides
     points, special = _points([*before[::-1], middle, *after], case, name, solved)
-    return Branch(name, points, special, BranchEnd(begin.p, begin.reason), BranchEnd(end.p, end.reason), len(before))
+    return Branch(
+        name, points, special, BranchEnd(float(begin.p), begin.reason), BranchEnd(float(end.p), end.reason), len(before)
+    )
 
 
 def _held_family(case: Case, name: str, begun: EndsProblem, bounds: "Bounds") -> "HeldFamily":
@@ -231,8 +233,8 @@ def _points(
         if place.kind:
             before, after = (places[min(max(i + k, 0), len(places) - 1)].index or 0 for k in (-1, 1))
             index = min(before, after)
-            special.append(SpecialPoint(place.kind, place.p, before, after, i))
+            special.append(SpecialPoint(place.kind, float(place.p), before, after, i))
         known = index if index is not None else points[-1].index
         problem = place.problem if held_of(case) else _reduced(with_field(case, name, place.p))
-        points.append(BranchPoint(place.p, with_field(case, name, place.p), known, problem, place.path, solved))
+        points.append(BranchPoint(float(place.p), with_field(case, name, place.p), known, problem, place.path, solved))
     return tuple(points), tuple(special)
