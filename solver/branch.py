@@ -30,7 +30,7 @@ class BranchPoint:
     case : Case
         Its case.
     index : int
-        Morse index under the ends of the case; 0: stable. At a special point the smaller of the two.
+        Morse index under the ends of the case; 0: stable; -1: not known. At a special point the smaller of the two.
     problem : EndsProblem
         The dimensionless problem that it solves, with the loads that held ends need.
     path : Path

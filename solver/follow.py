@@ -223,6 +223,12 @@ def _held_family(case: Case, name: str, begun: EndsProblem, bounds: "Bounds") ->
     return HeldFamily(given, begun, reach if rate * reach < 1 else 1 / rate)
 
 
+def _next_index(places: "list[Place]", own: "Place") -> int:
+    """The index of the first place that is not special and whose index is known, else of the place itself, else -1."""
+    known = (place.index for place in [*(one for one in places if not one.kind), own] if place.index is not None)
+    return next(known, -1)
+
+
 def _points(
     places: "list[Place]", case: Case, name: str, solved: _Solver
 ) -> tuple[tuple[BranchPoint, ...], tuple[SpecialPoint, ...]]:
@@ -231,10 +237,10 @@ def _points(
     for i, place in enumerate(places):
         index = place.index
         if place.kind:
-            before, after = (places[min(max(i + k, 0), len(places) - 1)].index or 0 for k in (-1, 1))
+            before, after = _next_index(places[:i][::-1], place), _next_index(places[i + 1 :], place)
             index = min(before, after)
             special.append(SpecialPoint(place.kind, float(place.p), before, after, i))
-        known = index if index is not None else points[-1].index
+        known = index if index is not None else _next_index(places[i:] + places[:i][::-1], place)
         problem = place.problem if held_of(case) else _reduced(with_field(case, name, place.p))
         points.append(BranchPoint(float(place.p), with_field(case, name, place.p), known, problem, place.path, solved))
     return tuple(points), tuple(special)
