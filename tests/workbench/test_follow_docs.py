@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from workbench import cli
+from workbench.commands.equilibria import parse_axis
 
 DOCS = (Path(__file__).parents[2] / "docs" / "how-to" / "follow-a-branch.md").read_text(encoding="utf-8")
 
@@ -78,3 +79,8 @@ def test_a_short_held_axis_is_followed(tmp_path, monkeypatch, capsys) -> None:
     assert '"branches"' in capsys.readouterr().out
     assert (tmp_path / "held.png").exists()
     assert (tmp_path / "held.h5").exists()
+
+
+@pytest.mark.parametrize("name", ["height", "azimuth", "rotation", "M10", "M1L"])
+def test_what_an_end_holds_may_be_an_axis(name: str) -> None:
+    assert parse_axis(f"{name}=-1:1:3")[0] == name

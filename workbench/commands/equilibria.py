@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
-from .case_options import ENDS_FIELDS, FIELDS, Given, takes_case
+from .case_options import ENDS_FIELDS, FIELDS, HELD, Given, takes_case
 from .options import Choose, Json, argument, flag, option
 from .solve import parse_choose
 
@@ -181,7 +181,7 @@ def parse_axis(text: str) -> "tuple[str, np.ndarray]":
     from solver.problem.errors import no_such
 
     name, equals, said = text.partition("=")
-    names = [field for field in ENDS_FIELDS if not FIELDS[field].choices]
+    names = [field for field in (*ENDS_FIELDS, *HELD) if not FIELDS[field].choices]
     if name not in names:
         raise no_such("axis", name, names)
     parts = said.split(":")
