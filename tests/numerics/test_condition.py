@@ -85,7 +85,8 @@ def test_what_condition_costs_is_said_in_the_outcome() -> None:
     sol = solve(case, tol=1e-12)
     assert sol.solved
     assert sol.outcome != "solved"
-    assert "condition" in sol.outcome
+    assert sol.outcome.startswith("solved; fewer digits than the tolerance 1.0e-12 asks for: error ")
+    assert f"grows {sol.condition:.1e} times" in sol.outcome
     easy = solve(case, tol=1e-4)
     assert easy.outcome == "solved"
 

@@ -337,7 +337,7 @@ def test_two_tabs_do_not_disturb_each_other(page, driver, port) -> None:
     other.until(lambda: other("return page.state.units.length") == "nm" and other.drawn(), "the DNA")
     np.testing.assert_array_equal(page.points(), points)
     page.slide("E", 520)
-    assert other("return page.state.base.E") == 262.0
+    assert other("return page.state.base.EI") == 205.7
 
 
 @pytest.mark.slow

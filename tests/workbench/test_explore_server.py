@@ -137,7 +137,7 @@ def test_a_request_without_end_is_refused(port) -> None:
 
 
 def test_two_who_ask_at_once_get_each_their_own(port) -> None:
-    states = [with_field(state, E=state["base"]["E"] * k) for k in (1.0, 1.1, 1.2) for state in (TABLE_1, DNA, CABLE)]
+    states = [with_field(state, L=state["base"]["L"] * k) for k in (1.0, 1.1, 1.2) for state in (TABLE_1, DNA, CABLE)]
     alone = [unpacked(asked(port, "POST", "/shape", {"state": state}).data)[1]["beta"] for state in states]
     with ThreadPoolExecutor(8) as pool:
         together = list(
