@@ -21,7 +21,9 @@ def observables(ds: xr.Dataset) -> list[str]:
 
 
 def _is_told(ds: xr.Dataset, name: str) -> bool:
-    """Whether a load or an end angle is found of held ends, and differs from case to case; True for other names."""
+    """Whether a number tells something: not the only branch, nor a load or an end angle that was given."""
+    if name == "branch":
+        return bool((ds[name] != ds[name].values.flat[0]).any())
     if name not in FOUND:
         return True
     if HELD_INDEX not in ds.data_vars:
@@ -32,7 +34,7 @@ def _is_told(ds: xr.Dataset, name: str) -> bool:
 
 def is_count(ds: xr.Dataset, name: str) -> bool:
     """Whether a stored variable is a whole number: a count, a comparison, or the number of a branch."""
-    return schema.is_count(ds[name]) or ds[name].dtype.kind in "iu"
+    return name == HELD_INDEX or schema.is_count(ds[name]) or ds[name].dtype.kind in "iu"
 
 
 def named(ds: xr.Dataset, names: Sequence[str]) -> list[str]:

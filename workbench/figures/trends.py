@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 from solver.problem.errors import no_such
 from studies.laws import FAILS, NOISE
 
-from ..data import labels, schema, selection
+from ..data import labels, observed, selection
 from . import style
 from .developed import axis_label
 from .scales import WIDE, fitting, is_geometric
@@ -44,11 +44,11 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     ax.margins(x=0.04, y=0.1)
     ax.yaxis.set_major_formatter(labels.tick)
     drawn = lines.values[np.isfinite(lines.values)]
-    if schema.is_count(ds[observable]):
+    if observed.is_count(ds, observable):
         ax.yaxis.set_major_locator(MaxNLocator(integer=True))
         if drawn.size and np.ptp(drawn) < 2:
             count = round(float(drawn.mean()))
-            ax.set_ylim(count - 2, count + 2)
+            ax.set_ylim(max(count - 2, min(count, 0) - 0.5), count + 2)
     elif drawn.size and 0 < np.ptp(drawn) < NOISE * np.abs(drawn).max():  # rounding is no news
         middle = float(drawn.mean())
         ax.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
