@@ -206,6 +206,7 @@ def test_branches_join_what_changes_little_and_keep_their_index(swept) -> None:
     assert (numbers[members] >= 0).all()
 
 
+@pytest.mark.slow
 def test_a_coarse_axis_has_the_branches_and_the_folds_of_a_fine_one(swept) -> None:
     """Two members are of one branch on both or on neither, though their shapes differ by up to a radian."""
     values = swept["betaL"].values[::3]

@@ -317,6 +317,7 @@ def test_it_listens_to_this_machine_alone_unless_told() -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent otherwise there")
+@pytest.mark.slow
 def test_the_command_says_where_the_page_is_and_ends_quietly_when_interrupted() -> None:
     code = (
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from workbench import cli; cli.main()"

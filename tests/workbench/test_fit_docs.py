@@ -36,6 +36,7 @@ def run(line: str) -> int:
     return int(end.value.code or 0)
 
 
+@pytest.mark.slow
 def test_the_points_are_fitted_and_drawn_as_the_page_shows(folder, capsys) -> None:
     (line,) = [line for block in blocks("sh") for line in block.splitlines() if "--plot" in line]
     assert run(f"{line} --starts 0") == 0

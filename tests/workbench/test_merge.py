@@ -234,6 +234,7 @@ def test_versions_that_differ_are_both_kept(tmp_path) -> None:
     assert told["scipy"] == dataset.versions()["scipy"]
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_from_what_was_joined(tmp_path) -> None:
     files = [tmp_path / "a.h5", tmp_path / "b.h5"]
     for path, values in zip(files, ([1e4, 2e4], [3e4]), strict=True):

@@ -73,6 +73,7 @@ def test_reproduce_and_run_store_the_very_same_file_and_know_each_others(fast: A
         assert "already complete" in ran(name, folder / f"{name}.h5")
 
 
+@pytest.mark.slow
 def test_a_followed_study_of_another_length_is_solved_again(tmp_path: Path) -> None:
     shipped = Path("studies/fig7_4_end_angle.toml").read_text(encoding="utf-8")
     assert "count = 9" in shipped

@@ -272,6 +272,7 @@ def test_a_killed_run_continues_to_the_same_file(tmp_path) -> None:
     assert runs.contents(tmp_path / "b" / "whole.h5") == runs.contents(tmp_path / "whole.h5")
 
 
+@pytest.mark.slow
 def test_a_finer_tolerance_solves_only_the_new_cases(stored: Path, tmp_path) -> None:
     path, finer = tmp_path / "small.h5", study(PLANE + LAW, REFINE.replace("15", "30"))
     path.write_bytes(stored.read_bytes())

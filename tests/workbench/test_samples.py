@@ -139,7 +139,10 @@ def test_samples_and_axes_make_every_combination(crossed: xr.Dataset) -> None:
     np.testing.assert_allclose(float(one["kappa_max"]), float(expected), rtol=1e-7)
 
 
-@pytest.mark.parametrize("options", [Options(workers=1, chunk=1), Options(workers=2, chunk=16)], ids=["cut", "pool"])
+POOL = pytest.param(Options(workers=2, chunk=16), id="pool", marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize("options", [pytest.param(Options(workers=1, chunk=1), id="cut"), POOL])
 def test_every_bit_is_the_same_whatever_the_chunks_and_the_workers(stored: Path, tmp_path, options: Options) -> None:
     run_to_file(study(), tmp_path / "small.h5", options)
     assert runs.contents(tmp_path / "small.h5") == runs.contents(stored)
@@ -181,6 +184,7 @@ def test_other_samples_of_as_many_are_all_solved(stored: Path, tmp_path) -> None
     assert run_to_file(study(40, 4), path, Options(workers=1)).solved == 40
 
 
+@pytest.mark.slow
 def test_samples_over_an_axis_grow_along_both(tmp_path) -> None:
     path = tmp_path / "small.h5"
     run_to_file(study(4, more="[axes.F1]\nvalues = [3.0, 8.0]\n"), path)

@@ -199,6 +199,7 @@ def test_a_study_at_a_fidelity_has_its_tolerance_its_stations_and_what_it_comput
         assert set(CURVES) | set(OBSERVABLES) <= set(found[name].data_vars)
 
 
+@pytest.mark.slow
 def test_solve_takes_a_fidelity_and_a_tolerance_goes_before_it() -> None:
     told = {name: json.loads(workbench("solve", "--fidelity", name, "--json").stdout) for name in ("draft", "exact")}
     assert (told["draft"]["tolerance"], len(told["draft"]["along"]["beta"])) == (1e-3, 51)

@@ -46,7 +46,10 @@ def said(ax) -> str:
     return " ".join([ax.get_title(loc="left"), *(text.get_text() for text in ax.texts)]).replace("\n", " ")
 
 
-@pytest.mark.parametrize("name", names())
+QUICK = ("fig7_1_modulus", "regimes")  # the report draws those of the paper, and the pages of the docs the others
+
+
+@pytest.mark.parametrize("name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in names()])
 def test_every_shipped_study_has_a_figure_that_is_not_empty(name: str, tmp_path) -> None:
     path = tmp_path / f"{name}.png"
     canvas.save(study_figure.figure(in_memory.run(load(name).coarse())), path)
