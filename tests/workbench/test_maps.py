@@ -353,7 +353,10 @@ def test_a_rod_that_is_not_solved_has_no_shape(regimes) -> None:
     assert "not solved" in [text.get_text() for text in panel.texts]
 
 
-@pytest.mark.parametrize("kind", ["small", "shapes", THREE, "nothing solved", "large counts"])
+OF_THREE = pytest.param("three", marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize("kind", ["small", "shapes", OF_THREE, "nothing solved", "large counts"])
 def test_no_word_of_a_map_is_cut_off_and_no_two_ticks_meet(kind: str, regimes, three, tmp_path) -> None:
     everything = np.ones(regimes["turns"].shape, dtype=bool)
     shapes = thumbs.Shapes(3, 2)

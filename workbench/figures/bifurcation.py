@@ -18,6 +18,7 @@ WIDTH, PANEL, STRIP = 9.6, (4.6, 3.0), 1.5  # inches: width, heights of the pane
 MOST, ROW = 16, 8  # shapes, and shapes in a row
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s"}
 GAP = 0.035  # of the height of a panel, between two labels
+SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed ones would look solid
 
 
 _HELD: dict[int, tuple[dict[str, Any], str]] = {
@@ -57,10 +58,15 @@ def panel(ds: xr.Dataset, ax: Axes, key: str) -> Axes:
     name = str(ds.attrs["axis"])
     along, height = labels.in_label_unit(ds[name], ds[f"curve_{name}"].values), _values(ds, f"curve_{key}")
     tips: dict[int, list[tuple[float, float, int]]] = {-1: [], 1: []}
+    drawn: list[tuple[str, Any]] = []
+    shares = np.stack([values / (np.ptp(values) or 1.0) for values in (along, height)], axis=1)
     for row in branches(ds):
         on = ds["curve_branch"].values == row["branch"]
         x, y = along[on], height[on]
         for run, look, label in _runs(ds, row, np.flatnonzero(on)):
+            if any(label == same and _lies_on(shares[run], other) for same, other in drawn):
+                continue
+            drawn.append((label, shares[run]))
             ax.plot(along[run], height[run], label=label, marker="." if x.size == 1 else "", **look)
         _mark_dead_folds(ds, ax, np.flatnonzero(on), along, height)
         for end, inner in ((0, 1), (-1, -2)):
@@ -80,6 +86,17 @@ def panel(ds: xr.Dataset, ax: Axes, key: str) -> Axes:
         ax.set_xlim(*(ends + 0.06 * np.ptp(ends) * np.array([-1, 1])))
     _label_tips(ax, tips)
     return style.with_grid(ax)
+
+
+def _lies_on(line: Any, other: Any) -> bool:
+    """Whether each point of a line (n, 2), in shares of the panel, is nearer than `SAME` to another line."""
+    if len(line) < 2 or len(other) < 2:
+        return False
+    first, along = other[:-1], np.diff(other, axis=0)
+    length2 = np.maximum((along**2).sum(axis=1), 1e-300)
+    share = np.clip(((line[:, None] - first) * along).sum(axis=2) / length2, 0, 1)
+    apart = np.linalg.norm(line[:, None] - first - share[:, :, None] * along, axis=2)
+    return bool((apart.min(axis=1) < SAME).all())
 
 
 def _values(ds: xr.Dataset, name: str) -> Any:
@@ -173,6 +190,16 @@ def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     return look, ("stable" if stable else "unstable") + (", no law of the study fails" if holds else "")
 
 
+def _colour_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> Any:
+    """That of the line of its branch, at the place of the shape."""
+    if "member" in ds.sizes:
+        return _look(row)[0]["color"]
+    on = np.flatnonzero(ds["curve_branch"].values == row["branch"])
+    at = on[int(np.argmin(np.abs(ds[f"curve_{name}"].values[on] - float(ds[f"shape_{name}"].values[k]))))]
+    index, dead = int(ds["curve_index"].values[at]), int(ds["curve_dead_index"].values[at])
+    return _HELD[0 if index > 0 else 1 if dead > 0 else 2][0]["color"]
+
+
 def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, count: int) -> None:
     """The developed curves of the first branches, all at one scale."""
     name = str(ds.attrs["axis"])
@@ -182,8 +209,7 @@ def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, count: int) -> None:
     rows = {row["branch"]: row for row in branches(ds)}
     for k in range(count):
         ax = fig.add_subplot(cells[k // ROW, k % ROW])
-        look = _look(rows[k])[0]
-        ax.plot(across[k], up[k], color=look["color"], linewidth=1.4, solid_capstyle="round")
+        ax.plot(across[k], up[k], color=_colour_of_shape(ds, name, rows[k], k), linewidth=1.4, solid_capstyle="round")
         ax.plot(across[k][0], up[k][0], "o", color=style.INK, markersize=2.6)
         middle = (across[k].max() + across[k].min()) / 2, (up[k].max() + up[k].min()) / 2
         ax.set(

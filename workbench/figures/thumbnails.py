@@ -72,8 +72,9 @@ def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], na
     for (j, i), curve in curves.items():
         left, low = (scale.share(float(scale.values[k])) - room / 2
                      for scale, k, room in ((cells.x, i, across), (cells.y, j, up)))  # fmt: skip
-        ax.text(left, low + up, _number(cells, name, j, i), transform=ax.transAxes, va="top", size=style.small(),
-                color=style.INK, path_effects=halo)  # fmt: skip
+        ax.annotate(_number(cells, name, j, i), (left + across / 2, low + up / 2), xycoords=ax.transAxes,
+                    xytext=(-9, 0), textcoords="offset points", ha="right", va="center", size=style.small(),
+                    color=style.INK, path_effects=halo, zorder=20)  # fmt: skip
         if curve is not None:
             dots = developed.too_coarse(ds, places[j, i])
             _curve(ax.inset_axes((left, low, across, up)), ds.isel(places[j, i]), curve, extent, factor, dots, norm)
