@@ -275,6 +275,8 @@ def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
         (("--axis", "betaL=1:1:3"), "two different ends"),
         (("--axis", "betaL=1:2:1"), "count from 2"),
         (("--axis", "L=-1:2:3"), "Rod.L must be positive"),
+        (("--axis", "height=-30:3:3"), "Ends.height must be from -L to L, and L is 20, got -30.0"),
+        (("--axis", "azimuth=0deg:4000deg:3"), "Ends.azimuth must be from -L/rho to L/rho"),
         (("--axis", "betaL=0:1:3", "--export", "x"), "--export"),
         (("--plot", "x.txt"), "choose a name that ends in"),
         (("--L", "-1"), "Rod.L must be positive and finite, got -1.0"),

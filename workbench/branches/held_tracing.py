@@ -24,8 +24,11 @@ _NEAR = 1e-6  # between the loads of one equilibrium, relative
 def traced_held(case: Case, name: str, values: list[float], stations: int, step: Callable[[float], None]) -> Traced:
     """The branches over a held field on which the equilibria of a case under dead loads lie.
 
-    step: called with each value of the field before the branch from it is followed.
+    step: called with each value of the field before the branch from it is followed. Raises `InputError` for a value
+    that no rod of that length reaches.
     """
+    for value in (values[0], values[-1]):
+        holding(case, name, value)
     starts = list(equilibria(case, stations=stations))
     own = [own_value(one.solution, name) for one in starts]
     passed = np.union1d([*values, *own], np.linspace(values[0], values[-1], FINE))
