@@ -343,7 +343,7 @@ def test_a_search_beyond_its_budget_solves_the_paths_of_fewest_bends_and_says_so
     assert min(one.index for one in found) == 0
 
 
-@pytest.mark.parametrize("FZ", (-19.652, -19.6536, -19.6501))
+@pytest.mark.parametrize("FZ", (-19.652, -19.6536))
 def test_a_narrow_peak_of_the_length_at_a_shelf_of_the_potential_hides_no_pair(FZ: float) -> None:
     rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
     found = equilibria(Case(rod, Cylinder(R=0.75), Ends("30deg", "30deg", M3=8.0, FZ=FZ, MZ=3.9992)))
