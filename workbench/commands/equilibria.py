@@ -59,6 +59,9 @@ def equilibria(
     The list is sorted by energy, lowest first, and gives the Morse index (0: stable). Exit status 1 if there is none
     or the list is incomplete.
 
+    With --axis the equilibria are followed while one field varies. Over height, azimuth, rotation, M10 or M1L that
+    quantity is held, and the list is not proved complete.
+
     Without --length-unit and --force-unit, omitted fields come from Table 1 (cm, N; read force-first/tension/paper):
     beta(0), the loads, and beta(L), the angle at which that rod ends. With one of them the options describe the whole
     rod: E, nu, a, L, R, beta0 and betaL are required, and omitted loads are 0.
