@@ -39,6 +39,7 @@ from .commands import (
 )
 from .data import escaping
 
+OF_SCENE = ("pyvista", "trimesh", "vtkmodules")  # packages of the extra scene
 INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 
 COMMANDS: dict[str, Callable[..., int]] = {  # in the order of --help; each returns the exit status
@@ -119,6 +120,12 @@ def main(args: list[str] | None = None) -> None:
     except BrokenPipeError:  # the reader of the output has ended, as head does
         sys.stderr.close()
         sys.exit(0)
+    except ModuleNotFoundError as error:
+        from .scene.opengl import MISSING
+
+        if (error.name or "").partition(".")[0] not in OF_SCENE:
+            raise
+        _fail(f"{MISSING} ({error.name} is missing)", 2)
     except ValueError as error:
         from solver.problem.errors import InputError
 

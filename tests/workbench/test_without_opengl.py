@@ -1,5 +1,7 @@
 """On a machine without OpenGL everything but the rendered pictures is done, and what is missing is said once."""
 
+import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -54,3 +56,36 @@ def test_what_cannot_be_drawn_is_said_once_with_what_to_install(words: str, bare
     assert (told.out + told.err).count(SAID) == 1
     assert (told.out + told.err).count(opengl.PIP) == 1
     assert {path for path in bare.rglob("*") if path.is_file()} == before
+
+
+WITHOUT_VTK = """
+import sys
+for name in ("pyvista", "vtkmodules", "trimesh"):
+    sys.modules[name] = None
+from workbench import cli
+for words in sys.argv[1:]:
+    try:
+        cli.main(words.split())
+    except SystemExit as ended:
+        print(f"{ended.code}: {words}", flush=True)
+"""
+
+
+def test_without_the_extra_scene_all_else_is_done_and_the_extra_is_named(tmp_path) -> None:
+    (tmp_path / "mine.toml").write_text(small.study("[axes.E]\nvalues = [2e4, 4e4]\n").text)
+    done = [
+        "run mine.toml --out mine.h5 --stations 201",
+        "plot mine.h5",
+        "scene mine.h5 --out mine.html",
+        "summary mine.h5",
+    ]
+    refused = ["export mine.h5 --at E=4e4 -o rod.glb", "export mine.h5 --at E=4e4 -o rod.stl"]
+    words = [sys.executable, "-c", WITHOUT_VTK, *done, "scene mine.h5", *refused]
+    env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    ran = subprocess.run(words, cwd=tmp_path, env=env, capture_output=True, text=True, check=True)
+    statuses = [line for line in ran.stdout.splitlines() if line[:3] in ("0: ", "1: ", "2: ")]
+    told = [*(f"0: {words}" for words in done), "1: scene mine.h5", *(f"2: {words}" for words in refused)]
+    assert statuses == told
+    assert ran.stderr.count("pip install 'rod-workbench[scene]'") == 1 + len(refused)
+    assert "Traceback" not in ran.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"mine.toml", "mine.h5", "mine.png", "mine.html"}

@@ -189,4 +189,10 @@ def _chromium() -> dict[str, Any]:
 def _drawing_versions() -> dict[str, str]:
     from importlib import metadata
 
-    return {name: metadata.version(name) for name in ("pyvista", "vtk", "matplotlib", "typer", "rich", "pydantic")}
+    found = {"matplotlib": "", "typer": "", "rich": "", "pydantic": "", "pyvista": "", "vtk": ""}
+    for name in found:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:  # of the extra scene
+            found[name] = "not installed"
+    return found

@@ -7,8 +7,10 @@ import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, files
+from importlib.util import find_spec
 from pathlib import Path
 
+MISSING = "scenes and files of surfaces need PyVista and trimesh: pip install 'rod-workbench[scene]'"
 PACKAGES = "libegl1 libgl1-mesa-dri (or libosmesa6 libx11-6)"
 WINDOW = "VTK_DEFAULT_OPENGL_WINDOW"  # the environment variable by which VTK chooses its off-screen window
 OSMESA = "vtkOSOpenGLRenderWindow"
@@ -51,7 +53,7 @@ def probe() -> tuple[bool, str]:
     Tries the window that the environment names, or else EGL, the display and OSMesa, at last the OSMesa of a wheel. The
     one that works stays in the environment: call this before pyvista is imported.
     """
-    return find_window(windows(), in_wheel())
+    return find_window(windows(), in_wheel()) if find_spec("pyvista") else (False, MISSING)
 
 
 def find_window(
