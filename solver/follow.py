@@ -86,7 +86,7 @@ def _reduced(case: Case) -> EndsProblem:
     return found
 
 
-def _equilibrium(solution: Solution) -> tuple[Case, "Path", EndsProblem]:
+def _equilibrium(solution: object) -> tuple[Case, "Path", EndsProblem]:
     """The ends problem of a solution as a case, its path, and the problem under dead loads that it solves."""
     from .boundary.each_equilibrium import path_of_seed
 

@@ -4,7 +4,7 @@ What is given answers directly; the loads and the end angles that are found foll
 (`boundary.held_system`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -68,7 +68,7 @@ def _values(sol: Solution, base: FieldRates, fields: Sequence[str], numbers: tup
     def moment(name: str) -> Array:
         return by(name) * rho / A + own(name) * (base.rho - rho / A * base.A) / A
 
-    rules = {
+    rules: dict[str, Callable[[], Array]] = {
         "beta0": lambda: base.beta0, "betaL": lambda: base.end,
         "phi": lambda: base.phi, "lam": lambda: base.lam, "mu": lambda: base.mu,
         "z": lambda: by("height") / rho - own("height") / rho**2 * base.rho,
