@@ -250,10 +250,12 @@ def test_arrow_keys_move_a_field_and_its_unit_is_spoken(page) -> None:
 
 def test_where_drawing_is_slow_fewer_pixels_are_drawn_until_the_slider_rests(page) -> None:
     page("page.view.ratio = 3")
-    size = "return document.getElementById('scene').width"
+    page("""
+      window.widths = [];
+      (function note() { widths.push(document.getElementById("scene").width); requestAnimationFrame(note); })();
+    """)
     page.slide("E", 600)
-    few = page(size)
-    page.until(lambda: page(size) > 2.5 * few, "the whole picture")
+    page.until(lambda: page("return widths.at(-1) > 2.5 * Math.min(...widths)"), "the whole picture after a coarse one")
 
 
 def test_the_cursor_is_one_in_all_diagrams_and_on_the_rod(page) -> None:

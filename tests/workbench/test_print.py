@@ -173,7 +173,7 @@ def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(two, tmp_path, cap
                       "--data", str(tmp_path / f"{kind}.csv"), "--dpi", "50"])  # fmt: skip
         assert end.value.code == 0
     lines, cells = (
-        list(csv.DictReader((tmp_path / f"{kind}.csv").open(encoding="utf-8"))) for kind in ("lines", "map")
+        list(csv.DictReader((tmp_path / f"{kind}.csv").read_text("utf-8").splitlines())) for kind in ("lines", "map")
     )
     law = [row for row in lines if row["y_label"] == "max κ [1/cm]" and row["kind"] == "dot"]
     at = law_verdicts.verdicts(two)[0]["at"] or {"E": float(two["E"][0])}
@@ -225,7 +225,7 @@ def test_without_a_title_the_notes_go_to_the_terminal_and_the_table(two, tmp_pat
         assert end.value.code == 0
         told = capsys.readouterr().out
         assert "; holds" in told
-        notes = [row["series"] for row in csv.DictReader((tmp_path / f"{kind}.csv").open(encoding="utf-8"))
+        notes = [row["series"] for row in csv.DictReader((tmp_path / f"{kind}.csv").read_text("utf-8").splitlines())
                  if row["kind"] == "note"]  # fmt: skip
         assert notes
         assert all(" ".join(note.split()) in " ".join(told.split()) for note in notes)

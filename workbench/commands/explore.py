@@ -105,6 +105,7 @@ def bound(host: str, port: int) -> socket.socket:
     """A socket that listens on an address. Raises `InputError` if it cannot."""
     from solver.problem.errors import InputError
 
+    listener = None
     try:
         family, kind, proto, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         listener = socket.socket(family, kind, proto)
@@ -112,6 +113,8 @@ def bound(host: str, port: int) -> socket.socket:
         listener.bind(address)
         listener.listen(64)
     except (OSError, OverflowError) as error:
+        if listener is not None:
+            listener.close()
         why = getattr(error, "strerror", None) or error
         raise InputError(f"cannot listen on {host}:{port}: {why}; choose another --port (0 takes a free one)") from None
     return listener
