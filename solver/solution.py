@@ -375,6 +375,35 @@ class Solution:
 
         return sensitivity(self, fields, observables)
 
+    def to_dataset(self, **units: str) -> Any:
+        """The solution as a dataset with labels and units, which figures, scenes and exports read.
+
+        Parameters
+        ----------
+        **units : str
+            ``length`` and ``force``, the units of the case, for labels; default: these words.
+
+        Returns
+        -------
+        xr.Dataset
+            beta, dbeta, alpha, z and contact over (axes, u), u = s/L; the numbers, outcome and caution of each case.
+
+        Raises
+        ------
+        InputError
+            For another unit than these two.
+
+        Examples
+        --------
+        >>> from solver import Case, Cylinder, Rod, Start, solve
+        >>> rod = Rod(E=[1e4, 2e4], nu=0.25, a=0.25, L=20.0)
+        >>> solution = solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)))
+        >>> ds = solution.to_dataset(length="cm", force="N")
+        >>> dict(ds.beta.sizes), ds.z.units
+        ({'E': 2, 'u': 201}, 'cm')
+        """
+        return import_module(SHOWN).dataset_of(self, units)
+
     def plot(self, **units: str) -> Any:
         """Draw the solution; a notebook shows it inline.
 

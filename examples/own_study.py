@@ -1,0 +1,47 @@
+"""
+A study of your own
+===================
+
+A study says which fields of the case vary, what is observed, and which law must hold. As a file it is run by
+``workbench run FILE``; here it is a text in a script. Seven forces push a rod into a pipe. Units are cm and N.
+"""
+
+from studies.loader import loads
+from workbench import notebook
+from workbench.data.law_verdicts import verdicts
+from workbench.run import in_memory
+
+study = loads("""
+title = "A rod pushed into a pipe"
+observables = ["turns", "push_mean"]
+units = { length = "cm", force = "N" }
+axes.F3 = { from = -15.0, to = -3.0, count = 7 }
+
+[base]
+E = 5e3
+nu = 0.25
+a = 0.25
+L = 30.0
+R = 1.5
+side = "inside"
+beta = "10deg"
+dbeta = 0.2
+M3 = 0.0
+
+[[laws]]
+claim = "bends"
+observable = "turns"
+axis = "F3"
+direction = "falls"
+source = "The less a rod is pushed, the fewer bends it has. F3 is negative: compression."
+""")
+ds = in_memory.run(study)
+notebook.plot(ds).save("own_study.png")
+(law,) = verdicts(ds)
+print(law["claim"], law["verdict"], ds["turns"].values)
+
+# %%
+# The law holds: the number of bends falls, or stays, from each force to the next weaker one, and falls on the whole.
+
+assert law["verdict"] == "holds"
+assert bool((ds["solved"] == 1).all())
