@@ -1,5 +1,7 @@
 """The build hook: compiles the core of the solver into every wheel, also into that of an editable install.
 
+A wheel also carries the documentation site, if `python -m docs.build` made it before.
+
 Where no C compiler is found, the build asks for the package `ziglang`, if the package index has it. Where this fails
 too, the package is installed without the core, and `workbench doctor` says so.
 """
@@ -53,7 +55,10 @@ class CoreHook(BuildHookInterface):  # type: ignore[type-arg]
         return [ZIG] if within_reach(ZIG) else []
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Add the library and the tag of the platform to the wheel."""
+        """Add the site, the library and the tag of the platform to the wheel."""
+        site = Path(self.root) / "build" / "docs" / "html"
+        if version != "editable" and (site / "index.html").is_file():
+            build_data["force_include"][str(site)] = "workbench/web/docs"
         core = core_build()
         path, why = (None, f"{core.OFF} is set") if os.environ.get(core.OFF) else core.build()
         if path is None:

@@ -41,16 +41,44 @@ Number = Annotated[float | str, AfterValidator(_read)]
 class Law(BaseModel):
     """One law of a study: what an observable does along an axis, and the sentence that claims it.
 
-    claim: a short label, "(1)". kind: one of `KINDS`. source: the sentence. at: on a grid, values of other axes, in rad
-    or as text for angles; the nearest line decides, the others are counted. fixed: whether the rule (observable,
-    kind, numbers, range, line) was fixed before its outcome was known; fixed_note: which part was not, and why.
+    Numbers are in the units of the study; formula, least, most, passes and x may be formulas.
 
-    monotone: direction, one of `DIRECTIONS`; says, the direction in the sentence, if `direction` is weaker;
-    alternatives, observables that the sentence may equally mean: if one fails, the law is qualified; also, further
-    observables, judged and shown, that decide nothing. equals: formula, and relative or absolute, the allowed
-    difference. bounded: least, most. scales: exponent, within. boundary: passes, the critical value of the observable;
-    x, where on the axis; within. Numbers are in the units of the study; formula, least, most, passes and x may be
-    formulas.
+    Parameters
+    ----------
+    claim : str
+        A short label, "(1)".
+    kind : {"monotone", "equals", "bounded", "scales", "boundary"}
+        Each kind has its own keys, below.
+    observable, axis : str
+        What the law is about, and the axis along which it changes.
+    source : str
+        The sentence that the law comes from.
+    at : dict
+        On a grid, values of other axes, in rad or as text for angles; the nearest line decides, the others are counted.
+    fixed : {"in advance", "after"}, optional
+        Whether the rule (observable, kind, numbers, range, line) was fixed before its outcome was known.
+    fixed_note : str, optional
+        Which part was not, and why.
+    direction, says : {"rises", "falls", "not-falling", "not-rising"}
+        Of a monotone law; says is the direction in the sentence, if `direction` is weaker.
+    alternatives, also : list of str
+        Of a monotone law: observables that the sentence may equally mean, so that the law is qualified if one fails;
+        and further observables, judged and shown, that decide nothing.
+    formula, relative, absolute : float or str
+        Of the kind equals: the formula, and the allowed difference.
+    least, most : float or str
+        Of the kind bounded.
+    exponent, within : float
+        Of the kind scales.
+    passes, x, within : float or str
+        Of the kind boundary: the critical value of the observable, where on the axis, and how near.
+
+    Examples
+    --------
+    >>> from studies import Law
+    >>> law = Law(claim="(1)", observable="turns", axis="E", direction="falls", source="Stiffer rods have fewer bends.")
+    >>> law.judged("turns", [8, 7, 6, 6, 5]).verdict
+    'holds'
     """
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)

@@ -29,12 +29,30 @@ NOISE = 1e-9  # times the largest value: a smaller step counts as level; see `so
 
 @dataclass(frozen=True)
 class Verdict:
-    """The verdict on a line.
+    """The verdict on a line; `judge` makes it.
 
-    verdict: one of `VERDICTS`. tau: Kendall's tau in the direction over the pairs that can be compared, None if all
-    values are equal. exceptions: the steps (i, i + 1) that go the wrong way, or the cases (i, i) that disagree. reason:
-    why it fails or is not decided, unless the trend alone decides; or that a level line holds because it does not
-    change. found, numbers: what was measured, in words and by name. far: how far it is from the law, to rank lines.
+    Attributes
+    ----------
+    verdict : str
+        "holds", "holds as a trend", "qualified", "not decided" or "fails".
+    tau : float or None
+        Kendall's tau in the direction over the pairs that can be compared; None if all values are equal.
+    exceptions : list of (int, int)
+        The steps (i, i + 1) that go the wrong way, or the cases (i, i) that disagree.
+    reason : str
+        Why it fails or is not decided, unless the trend alone decides; or that a level line holds because it does not
+        change.
+    found, numbers : str and dict
+        What was measured, in words and by name.
+    far : float
+        How far it is from the law, to rank lines.
+
+    Examples
+    --------
+    >>> from studies import judge
+    >>> verdict = judge([1.0, 2.0, 1.5, 3.0], "rises")
+    >>> verdict.verdict, verdict.exceptions
+    ('fails', [(1, 2)])
     """
 
     verdict: str
@@ -116,6 +134,12 @@ def judge(values: ArrayLike, direction: str, count: bool | None = None, crossing
     ------
     InputError
         For an unknown direction, or an array of the wrong shape or type.
+
+    Examples
+    --------
+    >>> from studies import judge
+    >>> judge([8, 7, 6, 6, 5], "falls").verdict
+    'holds'
     """
     if direction not in DIRECTIONS:
         raise no_such("direction", direction, DIRECTIONS)

@@ -43,15 +43,49 @@ _KEY = re.compile(r"""^\s*((?:[\w-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[\w-]+|"[^"]*
 
 
 def names() -> list[str]:
-    """The names of the shipped studies."""
+    """The names of the shipped studies.
+
+    Returns
+    -------
+    list of str
+        In alphabetical order.
+
+    Examples
+    --------
+    >>> from studies import names
+    >>> names()[:3]
+    ['fig6', 'fig7_1_modulus', 'fig7_2_radius']
+    """
     return sorted(path.stem for path in SHIPPED.glob("*.toml"))
 
 
 def load(study: str | Path, cases: Path | None = None, draw: bool = True) -> Study:
-    """The study of a shipped name or of a TOML file, with another table of cases if given.
+    """The study of a shipped name or of a TOML file.
 
-    draw: whether its samples are drawn and its cases validated. Raises `InputError`; its message has the line and the
-    choices.
+    Parameters
+    ----------
+    study : str or Path
+        A name of `names`, or a file that ends in .toml.
+    cases : Path, optional
+        A table of cases in place of that of the study.
+    draw : bool
+        Whether its samples are drawn and its cases validated.
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    InputError
+        For an unknown name, a file that cannot be read, and an invalid study; the message has the line and the choices.
+
+    Examples
+    --------
+    >>> from studies import load
+    >>> study = load("fig7_1_modulus")
+    >>> study.title, study.size, list(study.axes)
+    ('Fig. 7 (1): the elastic modulus', 9, ['E'])
     """
     text = str(study)
     path = Path(text)
@@ -85,17 +119,32 @@ def loads(
 
     Parameters
     ----------
-    text, label, default_name
+    text, label, default_name : str
         The text, its name in error messages, and the name of the study where the text has none.
-    context
+    context : dict, optional
         "samples": a `Dimension`, or None, in place of what the text describes, which is then not read or drawn;
         "folder": that of its table of cases, default: the current one; "cases": a table in place of its own; "draw":
         False leaves the samples undrawn and the cases unchecked.
+
+    Returns
+    -------
+    Study
 
     Raises
     ------
     InputError
         With the line, the value and the choices.
+
+    Examples
+    --------
+    >>> from studies.loader import loads
+    >>> study = loads('''
+    ... title = "One rod"
+    ... units = { length = "cm", force = "N" }
+    ... base = { E = 1e4, nu = 0.25, a = 0.25, L = 20.0, R = 0.75, beta = "30deg", dbeta = 0.5, M3 = 0.0 }
+    ... ''')
+    >>> study.size, study.case().rod.L
+    (1, 20.0)
     """
     try:
         return _study(text, default_name, context or {})

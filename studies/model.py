@@ -43,7 +43,16 @@ class Study(BaseModel):
     """One study. Without axes and samples it is a single case.
 
     With a `reading`, base and axes are values as Table 1 prints them (F1 is F10, F3 the size of F30; default: the value
-    of the table), and the reading converts them to a case. Without one they are the fields of the case.
+    of the table), and the reading converts them to a case. Without one they are the fields of the case. `load` makes
+    one from a file; docs/reference/study-file.md says what each key means.
+
+    Examples
+    --------
+    >>> from solver import observe, solve
+    >>> from studies import load
+    >>> study = load("fig7_1_modulus")
+    >>> observe(solve(study.case()), ["turns"])["turns"]
+    array([8, 7, 6, 6, 6, 5, 5, 5, 5])
     """
 
     model_config = parts.STRICT

@@ -49,9 +49,22 @@ MEANING = {
 class Reading:
     """One reading of the table.
 
-    twist: "force-first" (F1 = F10, gamma0' dropped), "twist-first" (gamma0', F10 dropped) or "shear"
-    (gamma0', and F10 is the in-surface shear F2). load: "tension" (F3 = +F30) or "compression" (F3 = -F30).
-    stiffness: "paper" or "solid".
+    Parameters
+    ----------
+    twist : {"force-first", "twist-first", "shear"}
+        F1 = F10, and gamma0' is dropped; gamma0', and F10 is dropped; or gamma0', and F10 is the in-surface shear F2.
+    load : {"tension", "compression"}
+        F3 = +F30, or F3 = -F30.
+    stiffness : {"paper", "solid"}
+        As of `solver.Rod`.
+
+    Examples
+    --------
+    >>> from solver import observe, solve
+    >>> from studies import Reading
+    >>> reading = Reading("force-first", "tension", "paper")
+    >>> print(reading.name, observe(solve(reading.case({"R": 1.0})), ["turns"])["turns"])
+    force-first/tension/paper 5
     """
 
     twist: str = "force-first"

@@ -69,6 +69,16 @@ class RodAccessor:
         ------
         InputError
             For a value that is not stored, with the values that are.
+
+        Examples
+        --------
+        >>> import workbench.accessor
+        >>> from studies import load
+        >>> from workbench.run import in_memory
+        >>> ds = in_memory.run(load("fig7_1_modulus"))
+        >>> one = ds.rod.sel(E="10905")
+        >>> int(one["turns"]), dict(one.sizes)
+        (6, {'u': 201})
         """
         from solver.problem.errors import InputError
 
@@ -100,6 +110,15 @@ class RodAccessor:
         ------
         InputError
             For an unknown field, a value that the solver refuses, or too many cases.
+
+        Examples
+        --------
+        >>> import workbench.accessor
+        >>> from studies import load
+        >>> from workbench.run import in_memory
+        >>> ds = in_memory.run(load("fig7_1_modulus"))
+        >>> print(f"{ds.rod.at(E=12000.0).z[-1]:.3f}")
+        6.965
         """
         from .run.stored_case import solve_at
 
@@ -152,6 +171,15 @@ class RodAccessor:
         ------
         InputError
             For a value that is not stored, and where there is nothing to draw.
+
+        Examples
+        --------
+        >>> import workbench.accessor
+        >>> from studies import load
+        >>> from workbench.run import in_memory
+        >>> ds = in_memory.run(load("fig7_1_modulus"))
+        >>> len(ds.rod.plot(E="10905").figure.axes)
+        3
         """
         from .notebook import plot
 

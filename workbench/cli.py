@@ -16,6 +16,7 @@ from . import __version__
 from .commands import (
     animate,
     check,
+    docs,
     doctor,
     equilibria,
     explore,
@@ -64,6 +65,7 @@ COMMANDS: dict[str, Callable[..., int]] = {  # in the order of --help; each retu
     "trade": trade.trade,
     "extremes": extremes.extremes,
     "doctor": doctor.doctor,
+    "docs": docs.docs,
 }
 
 app = typer.Typer(

@@ -37,6 +37,15 @@ class Plot:
     ----------
     figure
         The Matplotlib figure.
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Rod, Start, solve
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
+    >>> sol = solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)))
+    >>> picture = sol.plot(length="cm", force="N")
+    >>> len(picture.figure.axes)
+    3
     """
 
     def __init__(self, figure: "Figure") -> None:
@@ -64,6 +73,14 @@ class Scene:
     ----------
     html
         The scene as the text of one offline HTML file.
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Rod, Start, solve
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
+    >>> sol = solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)))
+    >>> sol.scene(length="cm", force="N").html.lower().startswith("<!doctype html>")
+    True
     """
 
     def __init__(self, html: str) -> None:

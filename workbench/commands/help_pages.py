@@ -11,6 +11,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Studies": ("list", "run", "check", "summary", "merge", "sensitivity"),
     "Pictures and files": ("plot", "scene", "animate", "gallery", "export"),
     "Methods and machine": ("trade", "extremes", "doctor"),
+    "Documentation": ("docs",),
 }
 
 # command -> examples; each begins behind "workbench "
@@ -50,6 +51,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "trade": ("trade",),
     "extremes": ("extremes",),
     "doctor": ("doctor",),
+    "docs": ("docs", "docs --print"),
 }  # fmt: skip
 
 

@@ -18,11 +18,28 @@ if TYPE_CHECKING:
 
 
 def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None" = None) -> list[dict[str, Any]]:
-    """One row a law of the dataset, in the study's order; see `studies.laws.decide`. A refined study is judged on its
-    coarse grid.
+    """The verdicts on the laws of a dataset. A refined study is judged on its coarse grid.
 
-    crossing: axis -> the steps along it, in its rising order, between equilibria of two branches; by default, those
-    between which the dataset's variable `branch` (a number a case, negative where it has none) changes.
+    Parameters
+    ----------
+    ds : xr.Dataset
+    crossing : dict, optional
+        Axis -> the steps along it, in its rising order, between equilibria of two branches; default: those between
+        which the dataset's variable `branch` (a number a case, negative where it has none) changes.
+
+    Returns
+    -------
+    list of dict
+        One row a law, in the study's order; see `studies.laws.decide`.
+
+    Examples
+    --------
+    >>> from studies import load
+    >>> from workbench.data.law_verdicts import verdicts
+    >>> from workbench.run import in_memory
+    >>> (law,) = verdicts(in_memory.run(load("fig7_1_modulus")))
+    >>> law["observable"], law["verdict"]
+    ('turns', 'holds')
     """
     if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims and laws(ds):
         ds = refined.coarse(ds)

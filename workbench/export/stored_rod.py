@@ -29,13 +29,42 @@ class Exported:
 
 
 def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool = False) -> Exported:
-    """Write one case of a dataset to a file, whose suffix chooses the format. Nothing is left where it fails.
+    """Write one case of a dataset to a file. Nothing is left where it fails.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        A stored study, or `Solution.to_dataset`.
+    path : Path
+        Its suffix chooses the format: docs/reference/export-formats.md.
+    options : Options
+        Which case, how exactly, and what to do with a rod that passes through itself.
+    force : bool
+        Replace an existing file.
+
+    Returns
+    -------
+    Exported
+        The file, numbers about it, and what a real rod could not do.
 
     Raises
     ------
     InputError
         An invalid name, value or file, an existing file without `force`, a case without a shape, too few stations, or a
         solid that the rod cannot be.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from solver import Case, Cylinder, Rod, Start, solve
+    >>> from workbench.export.stored_rod import export
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
+    >>> sol = solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)))
+    >>> with TemporaryDirectory() as folder:
+    ...     written = export(sol.to_dataset(length="cm", force="N"), Path(folder) / "rod.csv")
+    >>> written.path.name
+    'rod.csv'
     """
     format = format_of(path)
     if options.centreline and not format.has_centreline:

@@ -33,10 +33,36 @@ class StudyResult:
 
 
 def run(study: Study, tol: float | None = None, method: str | None = None) -> xr.Dataset:
-    """Solve every case of a study and return the dataset; tol and method, where given, replace the study's own.
+    """Solve every case of a study and return the dataset.
 
-    A case that fails has an outcome that says why and does not affect the others. Raises `InputError` for an invalid
-    study, and for one that needs too much memory (`study_store.run_to_file` stores it as it is solved).
+    A case that fails has an outcome that says why and does not affect the others.
+
+    Parameters
+    ----------
+    study : Study
+    tol : float, optional
+        In place of the tolerance of the study.
+    method : str, optional
+        In place of the method of the study.
+
+    Returns
+    -------
+    xr.Dataset
+        One dimension for each axis, then u = s/L.
+
+    Raises
+    ------
+    InputError
+        For an invalid study, and for one that needs too much memory; `study_store.run_to_file` stores such a study as
+        it is solved.
+
+    Examples
+    --------
+    >>> from studies import load
+    >>> from workbench.run import in_memory
+    >>> ds = in_memory.run(load("fig7_1_modulus"))
+    >>> ds["turns"].values
+    array([8, 7, 6, 6, 6, 5, 5, 5, 5])
     """
     if study.follow is not None:
         from .following import run_followed

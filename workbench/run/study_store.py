@@ -30,9 +30,16 @@ WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker
 class Options:
     """How a study is run; none of these changes a bit of what is stored.
 
-    workers: processes on this machine; None: chosen automatically. scheduler: address of a Dask cluster, instead.
-    chunk: cases in a chunk; None: a few seconds' work. restart: discard what an earlier run has kept, and solve a
-    complete study again.
+    Parameters
+    ----------
+    workers : int, optional
+        Processes on this machine; default: chosen automatically.
+    scheduler : str, optional
+        The address of a Dask cluster, instead.
+    chunk : int, optional
+        Cases in a chunk; default: a few seconds' work.
+    restart : bool
+        Discard what an earlier run has kept, and solve a complete study again.
     """
 
     workers: int | None = None
@@ -61,11 +68,43 @@ def run_to_file(
     say: Callable[[str], None] = lambda text: None,
     progress: Progress = unshown,
 ) -> Ran:
-    """Solve a study into a file; `study.tol` and `study.method` are those that it is run with.
+    """Solve a study into a file.
 
-    say: takes a line of text about the size, before the work begins. progress: makes the meter that counts the cases.
-    Raises `InputError` where another run is at it, where the disk has no room, or where what is there is of another
-    run; `KeyboardInterrupt` says how to go on.
+    Parameters
+    ----------
+    study : Study
+        Its `tol` and `method` are those that it is run with.
+    output : Path
+        The file; a complete study of the same recipe in it is not solved again.
+    options : Options
+        How it is run.
+    say : callable
+        Takes a line of text about the size, before the work begins.
+    progress : callable
+        Makes the meter that counts the cases.
+
+    Returns
+    -------
+    Ran
+        Counts of outcomes and cautions, cases that this run solved, and seconds.
+
+    Raises
+    ------
+    InputError
+        Where another run is at it, where the disk has no room, or where what is there is of another run.
+    KeyboardInterrupt
+        It says how to go on.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from studies import load
+    >>> from workbench.run.study_store import run_to_file
+    >>> with TemporaryDirectory() as folder:
+    ...     ran = run_to_file(load("fig7_1_modulus"), Path(folder) / "modulus.h5")
+    >>> ran.solved
+    9
     """
     if options.workers is not None and options.scheduler is not None:
         raise InputError("--workers is for this machine, --scheduler for a cluster: give one of them")

@@ -1,0 +1,87 @@
+"""The reference of the Python interface: a page for each public name, filled by Sphinx from the docstrings."""
+
+import inspect
+from importlib import import_module
+from pathlib import Path
+
+import solver
+import studies
+
+# package -> its public names, each a path that is imported as it stands; in the order of the page
+PUBLIC: dict[str, tuple[str, ...]] = {
+    "solver": tuple(f"solver.{name}" for name in solver.__all__),
+    "studies": (*(f"studies.{name}" for name in studies.__all__), "studies.loader.loads"),
+    "workbench": (
+        "workbench.accessor.RodAccessor",
+        "workbench.notebook.Plot",
+        "workbench.notebook.Scene",
+        "workbench.run.in_memory.run",
+        "workbench.run.study_store.run_to_file",
+        "workbench.data.law_verdicts.verdicts",
+        "workbench.export.stored_rod.export",
+        "workbench.export.base.Options",
+    ),
+}
+SAID = {
+    "solver": "The mechanics and the numerics. It needs NumPy and SciPy only.",
+    "studies": "Studies and their laws.",
+    "workbench": "Datasets, figures and files of studies. ``import workbench.accessor`` gives datasets ``ds.rod``.",
+}
+
+
+def found(path: str) -> object:
+    """The object of a public name."""
+    module, _, name = path.rpartition(".")
+    return getattr(import_module(module), name)
+
+
+def sentence(path: str) -> str:
+    """The first sentence of the docstring of a public name; of a constant its type."""
+    thing = found(path)
+    if not (inspect.isclass(thing) or callable(thing)):
+        return f"A constant of type {type(thing).__name__}."
+    paragraph = (inspect.getdoc(thing) or "").split("\n\n")[0]
+    return " ".join(paragraph.split())
+
+
+def write(folder: Path) -> None:
+    """Write the page of each public name and the page that lists them."""
+    pages = folder / "reference" / "api"
+    pages.mkdir(parents=True)
+    lines = [*_title("Reference: Python"), "Every public name, from its docstring.", ""]
+    for package, paths in PUBLIC.items():
+        lines += [*_title(package, "-"), SAID[package], "", ".. list-table::", "   :widths: 30 70", ""]
+        for path in paths:
+            (pages / f"{path}.rst").write_text(page(path), encoding="utf-8")
+            said = sentence(path).replace("*", r"\*").replace("`", "``").replace("````", "``")
+            lines += [f"   * - :doc:`{path} <api/{path}>`", f"     - {said}"]
+        lines.append("")
+    lines += [".. toctree::", "   :hidden:", ""]
+    lines += [f"   api/{path}" for paths in PUBLIC.values() for path in paths]
+    (folder / "reference" / "python.rst").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def page(path: str) -> str:
+    """The source of the page of one public name."""
+    thing = found(path)
+    module, _, name = path.rpartition(".")
+    if inspect.isclass(thing):
+        body = [f".. autoclass:: {path}", "   :members:"]
+    elif callable(thing):
+        body = [f".. autofunction:: {path}"]
+    else:
+        body = [f".. py:data:: {path}", "", f"   {_shown(thing)}"]
+    return "\n".join([*_title(f"{module}.{name}"), *body, ""])
+
+
+def _shown(value: object) -> str:
+    """The names or values of a constant, in words."""
+    if isinstance(value, dict):
+        return ", ".join(f"``{key}``: {one}" for key, one in value.items())
+    if isinstance(value, (list, tuple)):
+        return ", ".join(f"``{getattr(one, 'name', one)}``" for one in value)
+    return f"``{value}``"
+
+
+def _title(text: str, mark: str = "=") -> list[str]:
+    return [text, mark * len(text), ""]

@@ -1,0 +1,38 @@
+"""The command docs opens the site that was built, or says in one sentence how to build it."""
+
+from pathlib import Path
+
+import pytest
+
+from workbench import cli
+from workbench.commands import docs
+
+
+def ran(*args: str) -> object:
+    with pytest.raises(SystemExit) as end:
+        cli.main(list(args))
+    return end.value.code
+
+
+def test_without_a_site_one_sentence_says_how_to_build_it(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.setattr(docs, "PLACES", (tmp_path,))
+    assert ran("docs") == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert "python -m docs.build" in told.err
+    assert len(told.err.splitlines()) == 1
+
+
+def test_the_first_site_that_is_there_is_opened_or_its_address_printed(tmp_path: Path, monkeypatch, capsys) -> None:
+    page = tmp_path / "html" / "index.html"
+    page.parent.mkdir()
+    page.write_text("<html></html>", encoding="utf-8")
+    monkeypatch.setattr(docs, "PLACES", (tmp_path / "missing", page.parent))
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
+    assert ran("docs", "--print") == 0
+    assert capsys.readouterr().out == f"{page.as_uri()}\n"
+    assert opened == []
+    assert ran("docs") == 0
+    assert opened == [page.as_uri()]
+    assert capsys.readouterr().out == ""
