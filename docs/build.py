@@ -1,8 +1,8 @@
 """Build the documentation site: `python -m docs.build`, from the folder that holds docs; needs the extra `docs`.
 
-The pages of docs are copied to build/docs/source, pages that the code itself knows best (the Python reference, the
-commands, the keys of a study, the variables of a file) are written beside them, and Sphinx makes build/docs/html of all.
-A warning ends the build with status 1. `workbench docs` opens the site; a wheel made afterwards carries it.
+The pages of docs are copied to build/docs/source. Beside them come pages that the code itself knows best: the Python
+reference, the commands, the keys of a study, the variables of a file. Sphinx makes build/docs/html of all. A warning
+ends the build with status 1. `workbench docs` opens the site; a wheel made afterwards carries it.
 """
 
 import shutil

@@ -20,6 +20,8 @@ sol = solve(Case(rope, Cylinder(R=180.0), ends))
 sol.scene(length="mm", force="N").save("cable_on_a_drum.html")
 print(sol.selection)
 
+# sphinx_gallery_thumbnail_path = "_static/thumbnails/cable_on_a_drum.png"
+
 # %%
 # The winding is stable (Morse index 0) and regular. Its pitch is larger than the diameter of the rope, so the turns lie
 # beside one another, and the drum carries the push of a rope without stiffness.

@@ -25,6 +25,8 @@ sol = solve(dna)
 sol.scene(length="nm", force="pN").save("dna_on_a_histone.html")
 print(f"{observe(sol, ['wraps'])['wraps']:.3f} turns; moment {sol.MZ:.1f} pN nm; push {sol.push[0]:.2f} pN/nm")
 
+# sphinx_gallery_thumbnail_path = "_static/thumbnails/dna_on_a_histone.png"
+
 # %%
 # So this length makes 1.90 turns; textbooks often quote 1.65 to 1.84. Drag the picture to turn it.
 

@@ -25,6 +25,8 @@ for name in formats:
     print(written.path, written.facts)
 sol.scene(length="cm", force="N").save("export_a_rod.html")
 
+# sphinx_gallery_thumbnail_path = "_static/thumbnails/export_a_rod.png"
+
 # %%
 # glTF is in metres. Read back, the mesh is closed, and its volume is that of the rod: π a² L.
 

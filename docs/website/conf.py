@@ -17,12 +17,15 @@ root_doc = "index"
 exclude_patterns = ["examples/*", "gallery/*.ipynb"]
 html_theme = "furo"
 html_title = f"Rod workbench {release}"
+html_css_files = ["site.css"]
 html_copy_source = False
+html_show_copyright = False
 html_show_sphinx = False
 html_show_search_summary = False  # a browser may not read the pages of a site that is opened as a file
 html_theme_options = {"source_repository": "", "source_branch": "", "source_directory": ""}
 templates_path: list[str] = []
 default_role = "literal"  # a single backquote in a docstring is code
+smartquotes = False  # two hyphens are those of an option, and a straight quote is a derivative
 
 myst_enable_extensions = ["html_image", "attrs_inline"]
 myst_heading_anchors = 4  # as a forge makes them
@@ -51,7 +54,7 @@ sphinx_gallery_conf = {
     "min_reported_time": 1000,
     "within_subsection_order": "FileNameSortKey",
     "plot_gallery": True,
-    "copyfile_regex": "",
+    "remove_config_comments": True,
 }
 
 

@@ -36,7 +36,7 @@ def write(folder: Path) -> None:
     for heading, study in STUDIES.items():
         ds = run(heading, study)
         lines += [f"## {heading}", "", f"Dimensions: {', '.join(f'`{n}` ({k})' for n, k in ds.sizes.items())}.", ""]
-        lines += _table(ds, [name for name in map(str, ds.variables) if name not in seen])
+        lines += table(ds.drop_vars([name for name in map(str, ds.variables) if name in seen]))
         lines += _attributes(ds, [name for name in map(str, ds.attrs) if f"@{name}" not in seen])
         seen |= {*map(str, ds.variables), *(f"@{name}" for name in ds.attrs)}
     (folder / "reference" / "variables.md").write_text("\n".join(lines), encoding="utf-8")
@@ -50,13 +50,14 @@ def run(title: str, study: str) -> xr.Dataset:
     return in_memory.run(loads(HEAD.format(title=title, outputs=outputs, observables=observables) + study))
 
 
-def _table(ds: xr.Dataset, names: list[str]) -> list[str]:
-    lines = ["| variable | dimensions | type | unit | symbol | meaning |", "|---|---|---|---|---|---|"]
-    for name in names:
+def table(ds: xr.Dataset) -> list[str]:
+    """A row for each variable of a dataset."""
+    lines = ["| variable | dimensions | unit | symbol | meaning |", "|---|---|---|---|---|"]
+    for name in map(str, ds.variables):
         array = ds[name]
-        said = [str(array.attrs.get(key, "")) for key in ("units", "symbol", "long_name")]
-        kind = "text" if array.dtype.kind in "UOT" else str(array.dtype)
-        cells = [f"`{name}`", ", ".join(map(str, array.dims)), kind, *said]
+        unit = "text" if array.dtype.kind in "UOT" else str(array.attrs.get("units", ""))
+        said = [str(array.attrs.get(key, "")) for key in ("symbol", "long_name")]
+        cells = [f"`{name}`", ", ".join(map(str, array.dims)), unit, *said]
         lines.append("| " + " | ".join(_cell(cell) for cell in cells) + " |")
     return [*lines, ""]
 
@@ -73,4 +74,4 @@ def _attributes(ds: xr.Dataset, names: list[str]) -> list[str]:
 
 
 def _cell(text: str) -> str:
-    return text.replace("`", "'").replace("|", r"\|") if "`" in text[1:-1] else text.replace("|", r"\|")
+    return text.replace("|", r"\|")

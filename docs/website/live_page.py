@@ -9,7 +9,7 @@ PAGE = """# The live page
 Move a slider, and the shape follows. The solver runs in this browser; nothing is loaded from a network.
 [Use the live page](how-to/use-the-live-page.md) explains its parts. [Open it alone](_static/rod.html){.external}.
 
-<iframe src="_static/rod.html" title="The live page" style="width: 100%; height: 85vh; border: 1px solid #8884"></iframe>
+<iframe src="_static/rod.html" title="The live page" class="live"></iframe>
 """
 
 

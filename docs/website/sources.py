@@ -9,34 +9,46 @@ from pathlib import Path
 
 from PIL import Image
 
-WIDEST = 1600  # pixels of a picture on the site
+WIDEST = 1500  # pixels of a picture on the site
 ROOT_PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 PICTURE = re.compile(r"((?:figures|scenes)/[\w-]+)\.png(?=[)\"])")
 ENTRY = re.compile(r"^- \[([^\]]+)\]\(([^)#]+)\.md\)", re.MULTILINE)
 
-# What is made by `docs.build` and stands below the lists of docs/index.md: caption -> pages.
+# What is made by `docs.build`: caption -> title and page; it stands behind the list of docs/index.md of that heading.
 MADE = {
-    "Examples": ("gallery/index", "live"),
-    "Made from the code": ("reference/python", "reference/command-line", "reference/study-keys", "reference/variables"),
-    "Project": ("readme", "changelog", "contributing"),
+    "Tutorial": ("Examples", (("Gallery", "gallery/index"), ("The live page", "live"))),
+    "Reference": (
+        "Made from the code",
+        (
+            ("Python", "reference/python"),
+            ("Command line", "reference/command-line"),
+            ("Keys of a study", "reference/study-keys"),
+            ("Variables of a file", "reference/variables"),
+        ),
+    ),
+    "Explanation": ("Project", (("Read me", "readme"), ("Changes", "changelog"), ("Contributing", "contributing"))),
 }
-ON_THE_SITE = """
-## On the site
+ON_THE_SITE = """## On this site
 
-- [Examples](gallery/index.rst): ten short scripts, each with its picture and its check.
+- [Gallery](gallery/index.rst): ten short scripts, each with its picture and its check.
 - [The live page](live.md): move sliders, and see the rod change; it needs no server.
 - [Python](reference/python.rst): every public name, from its docstring.
 - [Command line](reference/command-line.md): every option of every command.
 - [Keys of a study](reference/study-keys.md): type, default and limits, from the model that reads them.
-- [Variables of a file](reference/variables.md): dimensions, units and attributes, from a file that was made.
+- [Variables of a file](reference/variables.md): dimensions, units and attributes, from files that were made.
+
+## Tutorial
 """
+
+Entries = tuple[tuple[str, str], ...]  # title and page
 
 
 def copy(root: Path, folder: Path) -> None:
     """Copy the pages, pictures and examples of a checkout to the folder of the sources."""
     docs = root / "docs"
     for page in sorted(docs.rglob("*.md")):
-        _put(folder / page.relative_to(docs), page.read_text(encoding="utf-8").replace("](../../README.md", "](../readme.md"))
+        text = page.read_text(encoding="utf-8").replace("](../../README.md", "](../readme.md")
+        _put(folder / page.relative_to(docs), text)
     for name in ROOT_PAGES:
         text = (root / name).read_text(encoding="utf-8").replace("](docs/", "](").replace('src="docs/', 'src="')
         for other in ROOT_PAGES:
@@ -52,20 +64,21 @@ def copy(root: Path, folder: Path) -> None:
 
 
 def add_contents(folder: Path) -> None:
-    """Add the tables of contents to the first page: its own lists, then the pages that were made."""
+    """Add what was made to the first page, and the tables of contents: the lists of that page, and what was made."""
     index = folder / "index.md"
     text = index.read_text(encoding="utf-8")
     parts = re.split(r"^## (.*)$", text, flags=re.MULTILINE)
-    captions = {
-        heading: tuple(page for _, page in ENTRY.findall(body))
-        for heading, body in zip(parts[1::2], parts[2::2], strict=True)
-    }
-    tables = [_contents(caption, pages) for caption, pages in {**captions, **MADE}.items()]
-    index.write_text(text + ON_THE_SITE + "".join(tables), encoding="utf-8")
+    tables = []
+    for heading, body in zip(parts[1::2], parts[2::2], strict=True):
+        tables.append(_contents(heading, tuple(ENTRY.findall(body))))
+        if heading in MADE:
+            tables.append(_contents(*MADE[heading]))
+    index.write_text(text.replace("## Tutorial\n", ON_THE_SITE) + "".join(tables), encoding="utf-8")
 
 
-def _contents(caption: str, pages: tuple[str, ...]) -> str:
-    return "\n".join(["", "```{toctree}", ":hidden:", f":caption: {caption}", "", *pages, "```", ""])
+def _contents(caption: str, entries: Entries) -> str:
+    named = [f"{title.replace('`', '')} <{page}>" for title, page in entries]
+    return "\n".join(["", "```{toctree}", ":hidden:", f":caption: {caption}", "", *named, "```", ""])
 
 
 def _put(path: Path, text: str) -> None:
@@ -85,4 +98,4 @@ def _copy_picture(picture: Path, folder: Path) -> None:
         small = image.convert("RGBA" if image.mode in ("RGBA", "P", "LA") else "RGB")
         if small.width > WIDEST:
             small = small.resize((WIDEST, round(small.height * WIDEST / small.width)), Image.Resampling.LANCZOS)
-        small.save(folder / f"{picture.stem}.webp", quality=88, method=4)
+        small.save(folder / f"{picture.stem}.webp", quality=82, method=4)

@@ -1,4 +1,4 @@
-"""The example of each public name of the site's Python reference gives what it shows; those of `solver` run elsewhere."""
+"""The example of each public name of the site's Python reference gives what it shows; `solver` has its own test."""
 
 import doctest
 import inspect

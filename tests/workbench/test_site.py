@@ -1,0 +1,77 @@
+"""The sources of the documentation site say what the code says. CI builds the site of them, with warnings as errors."""
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from docs.website import api_pages, command_pages, dataset_page, sources, study_page
+from studies import Study
+from studies.law import Law
+from workbench import cli
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def index(tmp_path_factory) -> str:
+    """The first page with its tables of contents."""
+    folder = tmp_path_factory.mktemp("site")
+    shutil.copy(ROOT / "docs" / "index.md", folder)
+    sources.add_contents(folder)
+    return (folder / "index.md").read_text(encoding="utf-8")
+
+
+def test_the_tables_of_contents_hold_every_page(index: str) -> None:
+    entries = set(re.findall(r"<([^>\s]+)>$", index, re.MULTILINE))
+    pages = {page.relative_to(ROOT / "docs").with_suffix("").as_posix() for page in (ROOT / "docs").rglob("*.md")}
+    made = {page for _, entries in sources.MADE.values() for _, page in entries}
+    assert entries == (pages - {"index"}) | made
+
+
+def test_what_was_made_is_also_linked_on_the_first_page(index: str) -> None:
+    linked = {target.partition(".")[0] for target in re.findall(r"\]\(([^)]+)\)", sources.ON_THE_SITE)}
+    made = {page for caption, entries in sources.MADE.values() if caption != "Project" for _, page in entries}
+    assert linked == made
+    assert index.count("## On this site") == 1
+
+
+def test_each_command_has_a_page_with_every_option(tmp_path: Path) -> None:
+    command_pages.write(tmp_path)
+    listed = (tmp_path / "reference" / "command-line.md").read_text(encoding="utf-8")
+    for name, command in command_pages.parsed().items():
+        page = (tmp_path / "reference" / "command-line" / f"{name}.md").read_text(encoding="utf-8")
+        assert f"(command-line/{name}.md)" in listed
+        for param in command.params:
+            for option in param.opts:
+                assert option.startswith("-") is False or f"{option}" in page, (name, option)
+    assert set(command_pages.parsed()) == set(cli.COMMANDS)
+
+
+def test_the_keys_of_a_study_are_those_of_the_model() -> None:
+    keys = {key.strip("`"): (kind, default) for key, kind, default, _ in study_page.rows("Study")}
+    assert set(keys) == set(Study.model_fields)
+    assert keys["title"][1] == "required"
+    assert keys["stations"] == ("whole number", "`201`")
+    assert keys["laws"][0] == "list of: table [[laws]]"
+    assert {row[0].strip("`") for row in study_page.rows("Law")} == set(Law.model_fields)
+
+
+def test_each_table_of_a_study_is_described() -> None:
+    assert set(study_page.schema()) == set(study_page.TABLES)
+
+
+def test_the_first_small_study_stores_everything_with_its_unit() -> None:
+    heading, study = next(iter(dataset_page.STUDIES.items()))
+    lines = dataset_page.table(dataset_page.run(heading, study))
+    assert "| `beta` | E, u | rad | β | angle from the axis to the tangent |" in lines
+    assert "| `push_mean` | E | N/cm | mean push | mean push of the cylinder per length, pulls not counted |" in lines
+
+
+def test_every_public_name_of_the_solver_has_a_page_that_begins_with_its_first_sentence() -> None:
+    assert api_pages.sentence("solver.solve") == "The shape of a case, or of each case of a grid."
+    assert ".. autoclass:: solver.Rod" in api_pages.page("solver.Rod")
+    assert ".. autofunction:: solver.solve" in api_pages.page("solver.solve")
+    for paths in api_pages.PUBLIC.values():
+        assert all(api_pages.sentence(path).endswith(".") for path in paths)
