@@ -57,21 +57,21 @@ def write(folder: Path) -> None:
             lines += [f"   * - :doc:`{path} <api/{path}>`", f"     - {said}"]
         lines.append("")
     lines += [".. toctree::", "   :hidden:", ""]
-    lines += [f"   api/{path}" for paths in PUBLIC.values() for path in paths]
+    lines += [f"   {path} <api/{path}>" for paths in PUBLIC.values() for path in paths]
     (folder / "reference" / "python.rst").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def page(path: str) -> str:
     """The source of the page of one public name."""
     thing = found(path)
-    module, _, name = path.rpartition(".")
+    name = path.rpartition(".")[2]
     if inspect.isclass(thing):
         body = [f".. autoclass:: {path}", "   :members:"]
     elif callable(thing):
         body = [f".. autofunction:: {path}"]
     else:
         body = [f".. py:data:: {path}", "", f"   {_shown(thing)}"]
-    return "\n".join([*_title(f"{module}.{name}"), *body, ""])
+    return "\n".join([*_title(name), *body, ""])
 
 
 def _shown(value: object) -> str:

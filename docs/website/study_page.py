@@ -31,7 +31,8 @@ WORDS = {"number": "number", "integer": "whole number", "string": "text", "boole
 def write(folder: Path) -> None:
     """Write the page."""
     lines = ["# Reference: keys of a study", "", "Made from the model that reads a study. Any other key is refused."]
-    lines += ["[The study file](study-file.md) says what each key means.", ""]
+    lines += ["[The study file](study-file.md) says what each key means. A study that is read from a file has the name"]
+    lines += ["of the file by default.", ""]
     for model, heading in TABLES.items():
         lines += [f"## `{heading}`" if heading.startswith("[") else f"## {heading}", ""]
         lines += ["| key | type | default | limits |", "|---|---|---|---|"]

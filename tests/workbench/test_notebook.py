@@ -2,7 +2,10 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from solver import Case, Cylinder, InputError, Rod, Start, solve
 
 CELLS = (
     "from solver import Case, Cylinder, Rod, Start, solve\n"
@@ -28,3 +31,14 @@ def test_a_notebook_shows_table_diagram_and_scene(tmp_path: Path) -> None:
     assert len(plot["image/png"]) > 10_000
     assert scene["text/html"].startswith('<iframe sandbox="allow-scripts"')
     assert "default-src" in scene["text/html"]
+
+
+def test_a_solution_becomes_a_dataset_with_the_units_that_are_named() -> None:
+    rods = Rod(E=[1e4, 2e4], nu=0.25, a=0.25, L=20.0)
+    sol = solve(Case(rods, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)), stations=11)
+    ds = sol.to_dataset(length="cm", force="N")
+    np.testing.assert_array_equal(ds["E"].values, [1e4, 2e4])
+    np.testing.assert_array_equal(ds["z"].values, sol.z)
+    assert ds["contact"].attrs["units"] == "N/cm"
+    with pytest.raises(InputError, match="no unit 'mass'"):
+        sol.to_dataset(mass="kg")

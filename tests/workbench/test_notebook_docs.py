@@ -21,3 +21,15 @@ def test_the_code_of_the_page_runs(tmp_path: Path, monkeypatch) -> None:
         exec(block, names)
     assert Path("rod.pdf").stat().st_size > 5000
     assert "default-src" in Path("rod.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
+def test_the_cells_of_the_tutorial_run(tmp_path: Path, monkeypatch) -> None:
+    page = (PAGE.parents[1] / "tutorial" / "a-notebook.md").read_text(encoding="utf-8")
+    cells = re.findall(r"```\{code-cell\} python\n(.*?)```", page, re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for cell in cells:
+        exec(cell, names)
+    assert len(cells) == 8
+    assert [row["verdict"] for row in names["verdicts"](names["ds"])] == ["holds"]  # type: ignore[operator]

@@ -7,8 +7,11 @@ import pytest
 
 from docs.website import api_pages
 
-PATHS = [path for package in ("studies", "workbench") for path in api_pages.PUBLIC[package]]
-METHODS = {"workbench.accessor.RodAccessor": ("sel", "at", "plot")}
+PATHS = ["solver.Solution", *(path for package in ("studies", "workbench") for path in api_pages.PUBLIC[package])]
+METHODS = {
+    "solver.Solution": ("sensitivity", "to_dataset"),
+    "workbench.accessor.RodAccessor": ("sel", "at", "plot"),
+}
 
 
 def examples(path: str) -> list[doctest.DocTest]:
