@@ -1,6 +1,7 @@
 """The reference of the Python interface: a page for each public name, filled by Sphinx from the docstrings."""
 
 import inspect
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 
@@ -27,6 +28,10 @@ SAID = {
     "studies": "Studies and their laws.",
     "workbench": "Datasets, figures and files of studies. ``import workbench.accessor`` gives datasets ``ds.rod``.",
 }
+CONSTANTS = {
+    "studies.READINGS": "The twelve readings of Table 1 by their names.",
+    "studies.TABLE_1": "The values that Table 1 prints, in cm, N and rad.",
+}
 
 
 def found(path: str) -> object:
@@ -36,11 +41,10 @@ def found(path: str) -> object:
 
 
 def sentence(path: str) -> str:
-    """The first sentence of the docstring of a public name; of a constant its type."""
-    thing = found(path)
-    if not (inspect.isclass(thing) or callable(thing)):
-        return f"A constant of type {type(thing).__name__}."
-    paragraph = (inspect.getdoc(thing) or "").split("\n\n")[0]
+    """The first paragraph of the docstring of a public name; of a constant its line in `CONSTANTS`."""
+    if path in CONSTANTS:
+        return CONSTANTS[path]
+    paragraph = (inspect.getdoc(found(path)) or "").split("\n\n")[0]
     return " ".join(paragraph.split())
 
 
@@ -66,21 +70,19 @@ def page(path: str) -> str:
     thing = found(path)
     name = path.rpartition(".")[2]
     if inspect.isclass(thing):
-        body = [f".. autoclass:: {path}", "   :members:"]
+        body = [f".. autoclass:: {path}", "   :members:", "   :exclude-members: model_config"]
     elif callable(thing):
         body = [f".. autofunction:: {path}"]
     else:
-        body = [f".. py:data:: {path}", "", f"   {_shown(thing)}"]
+        assert isinstance(thing, Mapping)
+        body = [f".. py:data:: {path}", "", f"   {CONSTANTS[path]}", "", *_items(thing)]
     return "\n".join([*_title(name), *body, ""])
 
 
-def _shown(value: object) -> str:
-    """The names or values of a constant, in words."""
-    if isinstance(value, dict):
-        return ", ".join(f"``{key}``: {one}" for key, one in value.items())
-    if isinstance(value, (list, tuple)):
-        return ", ".join(f"``{getattr(one, 'name', one)}``" for one in value)
-    return f"``{value}``"
+def _items(values: Mapping[str, object]) -> list[str]:
+    """The items of a constant as a list; a value that is no number is named by its key alone."""
+    numbers = (f": {value:g}" if isinstance(value, float) else "" for value in values.values())
+    return [f"   - ``{key}``{number}" for key, number in zip(values, numbers, strict=True)]
 
 
 def _title(text: str, mark: str = "=") -> list[str]:
