@@ -10,6 +10,7 @@ import pytest
 from solver.methods import METHODS
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.quantities import unit_of
+from studies import names
 from studies.model import OUTPUTS
 from workbench import cli
 
@@ -131,6 +132,15 @@ def test_the_python_of_large_studies_runs_on_a_small_one(tmp_path, monkeypatch, 
     exec(compile(small, "run-large-studies.md", "exec"), {"__name__": "__main__"})
     assert "{'solved': 9}" in capsys.readouterr().out
     assert Path("million.h5").exists()
+
+
+def test_the_tutorial_names_every_shipped_study() -> None:
+    shipped = names()
+    (said,) = re.findall(
+        r"The table lists (.*?)\. Each row", text(DOCS / "tutorial" / "reproduce-a-figure.md"), re.DOTALL
+    )
+    assert set(re.findall(r"`(\w+)`", said)) == {name for name in shipped if not name.startswith("fig7")}
+    assert said.startswith({10: "ten "}[len(shipped)])
 
 
 @pytest.mark.slow
