@@ -35,6 +35,13 @@ def checks(session: nox.Session) -> None:
 
 
 @nox.session(default=False)
+def docs(session: nox.Session) -> None:
+    """The documentation site, in build/docs/html; a wheel made afterwards carries it."""
+    session.install(*PINNED, "-c", "docs/constraints.txt", "-e", ".[docs]")
+    session.run("python", "-m", "docs.build")
+
+
+@nox.session(default=False)
 def wheel(session: nox.Session) -> None:
     """A wheel with the compiled core, in dist."""
     session.install("build")
