@@ -10,7 +10,6 @@ from time import perf_counter, process_time
 
 from studies import load
 from workbench.data import writing
-from workbench.figures import canvas
 from workbench.run import in_memory
 from workbench.scene import opengl
 
@@ -23,7 +22,7 @@ def main() -> None:
     able, advice = opengl.probe()
     if not able:
         raise SystemExit(advice)
-    from workbench.scene import layout, page
+    from workbench.scene import layout, page, pixels
     from workbench.scene.composition import Settings
 
     settings = Settings(size=(1600, 1200))
@@ -40,7 +39,7 @@ def main() -> None:
                 read = perf_counter()
                 taken = layout.compose(ds, kind=kind, settings=settings)
                 composed = perf_counter()
-                canvas.save(page.figure(taken.page), picture, settings.dpi)
+                pixels.save(page.figure(taken.page), picture)
                 end = perf_counter()
                 found.append((end - read, read - start, composed - read, end - composed, process_time() - busy))
             drawn, reading, composing, saving, busy = (min(times) for times in zip(*found, strict=True))

@@ -180,7 +180,8 @@ def _coloured(scene: Scene) -> Scene:
             raise InputError(f"a scene of kind {scene.kind.name} has no colour bar, so it takes no --color-range")
         paint, bar = colours.ranged(paint, bar, chosen)
         notes += captions.beyond(scene.context, bar, chosen)
-    rows = [[replace(v, bodies=[replace(b, paint=paint) for b in v.bodies]) for v in row] for row in scene.rows]
+    painted = {body: replace(body, paint=paint) for body in scene.bodies}
+    rows = [[replace(view, bodies=[painted[body] for body in view.bodies]) for view in row] for row in scene.rows]
     return replace(scene, rows=rows, bar=bar, notes=notes)
 
 

@@ -15,17 +15,17 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices, no_such
 
 from ..data import atomic, labels, law_verdicts, schema, selection
 from ..figures import canvas, style
 from ..figures.trends import trend
-from . import page
+from . import page, pixels
 from .arrangement import Arrangement
 from .kinds import KINDS, kind_of
 from .page import Page, Words
+from .pixels import Pixels
 
 SUFFIXES = (".mp4", ".gif")
 DIAGRAM = 4.4  # inches of width
@@ -33,8 +33,6 @@ SIZE = (1600, 1060)  # pixels at `style.DPI` of the scene in a frame
 HOLD = 1.0  # seconds for which the last frame stays
 LEAST, MOST = 2, 2000  # frames
 INSTALL = "pip install 'imageio[ffmpeg]', or the extra animate"
-
-Pixels = NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -112,10 +110,10 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
         step(f"{film.axis} = {value:.4g}")
         if ds["solved"].isel(where):
             picture = layout.compose(ds, {**film.at, film.axis: value}, film.kind, (), film.axis, settings)
-            left = _pixels(page.figure(picture.page))
+            left = pixels.drawn(page.figure(picture.page))
         else:
             left = _empty(ds, str(ds["outcome"].isel(where).values), film.dpi, SIZE)
-        yield even(np.concatenate([left, _pixels(diagram(ds, film, k, left.shape[0]))], axis=1))
+        yield even(np.concatenate([left, pixels.drawn(diagram(ds, film, k, left.shape[0]))], axis=1))
 
 
 def diagram(ds: xr.Dataset, film: Film, k: int, height: int) -> Figure:
@@ -202,15 +200,9 @@ def _capital(text: str) -> str:
     return text[:1].upper() + text[1:] if text[1:2].isalpha() else text
 
 
-def _pixels(fig: Figure) -> Pixels:
-    canvas_: Any = fig.canvas
-    canvas_.draw()
-    return np.array(canvas_.buffer_rgba())[..., :3]
-
-
 def _empty(ds: xr.Dataset, outcome: str, dpi: int, size: tuple[int, int]) -> Pixels:
     """A page of a scene's size with the reason why there is no rod."""
     blank = np.full((8, 8, 3), 255, dtype=np.uint8)
     nothing = Arrangement([], (0.0, 0.0), 1.0)
     words = Words(str(ds.attrs["title"]), outcome, str(ds.attrs["length_unit"]))
-    return _pixels(page.figure(Page(words, blank, nothing, np.zeros((3, 2)), size[0], size[1], dpi)))
+    return pixels.drawn(page.figure(Page(words, blank, nothing, np.zeros((3, 2)), size[0], size[1], dpi)))

@@ -4,6 +4,7 @@ They are not drawn in a paler colour, because a pale blue means a small push.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_rgb
@@ -45,12 +46,16 @@ def lines(
     """
     hidden = (rods < 1) & (everything < rods - 1e-4)
     line, behind = np.zeros_like(hidden), np.zeros_like(hidden)
-    rows, columns = (np.flatnonzero(hidden.any(axis=axis)) for axis in (1, 0))
-    if rows.size:  # only there is anything to be drawn
-        margin = 2 * int(drawn.sliver / 2) + 2
-        some = tuple(slice(max(found[0] - margin, 0), found[-1] + margin + 1) for found in (rows, columns))
-        line[some], behind[some] = _lines(rods[some], hidden[some], drawn)
+    some = _where(hidden, 2 * int(drawn.sliver / 2) + 2)
+    line[some], behind[some] = _lines(rods[some], hidden[some], drawn)
     return line, behind
+
+
+def _where(found: NDArray[Any], margin: int = 0) -> tuple[slice, slice]:
+    """The rows and columns of a picture outside of which it is zero, with some around them."""
+    places = [np.flatnonzero(found.any(axis=axis)) for axis in (1, 0)]
+    rows, columns = (slice(max(n[0] - margin, 0), n[-1] + margin + 1) if n.size else slice(0) for n in places)
+    return rows, columns
 
 
 def _lines(
@@ -72,8 +77,9 @@ def _lines(
     return line & behind, behind
 
 
-def over(pixels: NDArray[np.float32], line: NDArray[np.float32], behind: NDArray[np.float32]) -> NDArray[np.float32]:
-    """The picture with hidden stretches; line, behind: the share of each pixel on the outline and behind the wall."""
-    share = LINE * line[..., None]
-    pixels = pixels * ((1 - SHADE * behind[..., None]) * (1 - share))
-    return pixels + np.float32(255) * np.array(to_rgb(SOFT), dtype=np.float32) * share
+def over(pixels: NDArray[np.float32], line: NDArray[np.float32], behind: NDArray[np.float32]) -> None:
+    """Draw hidden stretches; line, behind: the share of each pixel on the outline and behind the wall."""
+    some = _where(behind)  # the line is part of it
+    share = LINE * line[some][..., None]
+    pixels[some] *= (1 - SHADE * behind[some][..., None]) * (1 - share)
+    pixels[some] += np.float32(255) * np.array(to_rgb(SOFT), dtype=np.float32) * share

@@ -19,7 +19,7 @@ from ..data.schema import axes_of
 from ..figures import canvas
 from . import body as rods
 from . import camera as cameras
-from . import captions, colours, long_rod, page, table
+from . import captions, colours, long_rod, page, pixels, table
 from .arrangement import EDGE
 from .body import Body
 from .camera import Camera
@@ -32,7 +32,6 @@ from .views import View, ends_of
 
 SUFFIXES = (".png", ".jpg")
 LYING = 1.3  # how much taller than wide a scene must be to be laid on its side
-LEVEL = 3  # of the compression of a PNG
 GUTTER = 130  # pixels before the lines of a long rod
 GHOST = 0.3  # of its thickness is a rod drawn among others, so that none hides another
 
@@ -45,13 +44,13 @@ def render(
     axes: Sequence[str] = (),
     along: str | None = None,
     settings: Settings = DEFAULT,
-    level: int = LEVEL,
+    level: int = 1,
 ) -> Picture:
     """Draw a scene and save it; parameters as of `compose`; level: of the compression of a PNG."""
     path = canvas.check_name(path, SUFFIXES)
     check_name(path, settings)
     picture = compose(ds, at, kind, axes, along, settings)
-    canvas.save(page.figure(picture.page), path, settings.dpi, SUFFIXES, level)
+    pixels.save(page.figure(picture.page), path, level)
     return picture
 
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..figures import canvas, style
-from . import footer, measure
+from . import footer, measure, pixels
 from .arrangement import BELOW, DOT, Arrangement, Box
 from .colours import Bar
 
@@ -151,7 +151,7 @@ def figure(page: Page) -> Figure:
             footer.draw(fig, page.foot, MARGIN, 0.7 * MARGIN)
         left = (page.width - wide - heads[0]) / 2 + heads[0]
         bottom = foot + max(height - top - heads[1] - high - foot, 0.0) / 2
-        fig.figimage(page.pixels, round(left * finer), round(bottom * finer), origin="upper")
+        pixels.put(fig, page.pixels, round(left * finer), round(bottom * finer))
         if not page.bare:
             _cells(fig, page, left, bottom + high)
             _headings(fig, page, left, bottom + high)

@@ -68,15 +68,19 @@ def render(
         for light in _lights():
             plotter.add_light(light)
         walls: list[Any] = []
-        error = 0.0
+        made: dict[Any, _Made] = {}  # the same rods may be seen from two sides
         for one in drawn:
-            made, off = _place(plotter, one, camera, size, pixel_error, line * block)
-            walls, error = walls + made, max(error, off)
+            view, own = one.view, replace(camera, per_unit=camera.per_unit * one.view.larger)
+            same = (*view.bodies, view.cylinder, view.larger)
+            if same not in made:
+                made[same] = _made(view, own.per_unit, pixel_error)
+            walls += _place(plotter, one, made[same], own, size, line * block)
         depth = _set_camera(plotter, drawn, camera, size)
         outline = _drawn(drawn, camera, depth, block, line)
         pixels, alpha = sampling.mean(sampling.Window(plotter, size, block), walls, outline, transparent)
     finally:
         plotter.close()
+    error = max(one.error for one in made.values())
     return (np.concatenate([pixels, alpha], axis=-1) if transparent else pixels), error
 
 
@@ -114,15 +118,31 @@ def _set_camera(plotter: Any, placed: Sequence[Placed], camera: Camera, size: tu
     return float(2 * deep)
 
 
-def _place(
-    plotter: Any, placed: Placed, camera: Camera, size: tuple[int, int], pixel_error: float, line: float
-) -> tuple[list[Any], float]:
-    """Add the rods and their cylinder, turned about the axis and then moved.
+@dataclass(frozen=True, eq=False)
+class _Made:
+    """The surfaces of a view before it is turned, and the error of the rods' in pixels."""
 
-    Returns what hides stretches of the rods, and the rods' error in pixels.
+    tubes: list[surfaces.Part]
+    wall: surfaces.Part
+    error: float
+
+
+def _made(view: View, per_unit: float, pixel_error: float) -> _Made:
+    """The surfaces of a view drawn at that many pixels per length."""
+    tubes, error = [], 0.0
+    for body in view.bodies:
+        rings = body.rings(pixel_error / per_unit, COLOUR_PIXELS / per_unit)
+        error = max(error, rings.error * per_unit)
+        tubes += surfaces.tube_parts(body, body.surface(rings))
+    return _Made(tubes, surfaces.wall(view.bodies, view.cylinder, per_unit), error)
+
+
+def _place(plotter: Any, placed: Placed, made: _Made, camera: Camera, size: tuple[int, int], line: float) -> list[Any]:
+    """Add the rods and their cylinder, turned about the axis and then moved; returns what hides stretches of the rods.
+
+    camera: of this view, with its scale.
     """
     view = placed.view
-    camera = replace(camera, per_unit=camera.per_unit * view.larger)
     ends, first = view.cylinder, view.bodies[0]
     low, high = view.box(camera)
     where = ((np.array(placed.middle) - np.array(size) / 2) / camera.per_unit - (low + high) / 2) @ camera.page
@@ -143,19 +163,14 @@ def _place(
         return plotter.add_mesh(pv.lines_from_points(circle), color=style.SOFT, line_width=line, lighting=False,
                                 render=False)  # fmt: skip
 
-    error = 0.0
-    for body in view.bodies:
-        rings = body.rings(pixel_error / camera.per_unit, COLOUR_PIXELS / camera.per_unit)
-        error = max(error, rings.error * camera.per_unit)
-        for part in surfaces.tube_parts(body, body.surface(rings)):
-            add(part, culling="back", specular=0.22, specular_power=30)
+    for part in made.tubes:
+        add(part, culling="back", specular=0.22, specular_power=30)
     inside = first.side == "inside"
-    wall = surfaces.wall(view.bodies, ends, camera.per_unit)
-    walls = [add(wall, culling="front" if inside else "back", specular=0.0)]  # inside: the near half is cut away
+    walls = [add(made.wall, culling="front" if inside else "back", specular=0.0)]  # inside: the near half is cut away
     walls += [rim(z) for z in ends]
     if not inside:
         walls += [add(surfaces.disc(first.R, z, z == ends[1]), specular=0.0) for z in ends]
-    return [] if inside else walls, error
+    return [] if inside else walls
 
 
 def _texture(picture: NDArray[np.uint8]) -> Any:

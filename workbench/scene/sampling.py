@@ -1,6 +1,6 @@
 """The pixels of a picture as means of samples, rendered a few at a time. Needs OpenGL."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from . import hidden
 
-FINER = 4  # each pixel is the mean of 4 x 4 samples
+FINER = 4  # a pixel has 4 x 4 places; every second has a sample, as on a chessboard, so each row and column has two
 AT_ONCE = 5_000_000  # pixels of a picture, up to which 2 x 2 samples of each are rendered at once
 
 
@@ -39,14 +39,34 @@ class Window:
         self.plotter.ren_win.GetZbufferData(0, 0, self.shape[1] - 1, self.shape[0] - 1, found)
         return np.asarray(pv.convert_array(found)).reshape(self.shape)
 
-    def samples(self) -> Iterator[int]:
-        """Render the samples of all pixels one after the other: the picture moved by parts of a pixel."""
+    @property
+    def moves(self) -> list[tuple[float, float]]:
+        """By how much the picture is moved for each rendering, in samples to the right and up."""
         steps = FINER // self.block
-        for k in range(steps**2):
-            i, j = ((n + 0.5) / steps - 0.5 for n in divmod(k, steps))
-            self.plotter.camera.SetWindowCenter(2 * i / self.shape[1], 2 * j / self.shape[0])
-            self.plotter.ren_win.Render()
-            yield k
+        places = [place for place in np.ndindex(steps, steps) if sum(place) % 2 == 0]
+        return [((i + 0.5) / steps - 0.5, (j + 0.5) / steps - 0.5) for i, j in places]
+
+    def move(self, right: float, up: float) -> None:
+        """Move the picture by parts of a sample."""
+        self.plotter.camera.SetWindowCenter(2 * right / self.shape[1], 2 * up / self.shape[0])
+
+    def render(self) -> None:
+        """Render everything."""
+        self.plotter.ren_win.Render()
+
+    def render_before(self, walls: Sequence[Any]) -> NDArray[np.float32]:
+        """Render everything, the walls last; returns the depths without the walls."""
+        rods = [actor for actor in self.plotter.actors.values() if actor not in walls]
+        _show(walls, False)
+        self.render()
+        depths = self.depths()
+        _show(walls, True)
+        _show(rods, False)
+        self.plotter.renderer.SetErase(False)
+        self.render()
+        self.plotter.renderer.SetErase(True)
+        _show(rods, True)
+        return depths
 
     def summed(self, samples: NDArray[Any], into: NDArray[Any]) -> None:
         """Add the samples of each pixel to it."""
@@ -68,24 +88,29 @@ def mean(
     """
     wide, high = window.size
     sums, covered = np.zeros((high, wide, 3), dtype=np.uint16), np.zeros((high, wide, 1), dtype=np.uint16)
-    everything = np.ones((1, 1), dtype=np.float32)
-    for k in window.samples():
+    line, behind = np.zeros((2, high, wide), dtype=np.uint8)
+    for k, move in enumerate(window.moves):
+        window.move(*move)
+        if k == 0 and drawn:
+            rods = window.render_before(walls)
+            for found, into in zip(hidden.lines(rods, window.depths(), drawn), (line, behind), strict=True):
+                window.summed(found, into)
+        else:
+            window.render()
         window.summed(window.colours(), sums)
         if transparent:
             window.summed((window.depths() < 1)[..., None], covered)
-        if k == 0 and drawn:
-            everything = window.depths()
-    pixels = sums * np.float32(1 / FINER**2)
+    samples = len(window.moves) * window.block**2
+    pixels = sums * np.float32(1 / samples)
     if drawn:
-        for actor in walls:
-            actor.SetVisibility(False)
-        next(window.samples())
-        line, behind = np.zeros((2, high, wide), dtype=np.float32)
-        for found, into in zip(hidden.lines(window.depths(), everything, drawn), (line, behind), strict=True):
-            window.summed(found / window.block**2, into)
-        pixels = hidden.over(pixels, line, behind)
+        hidden.over(pixels, *((found / window.block**2).astype(np.float32) for found in (line, behind)))
     if transparent:  # what is seen beside white in a pixel
-        share = np.maximum(covered, 1) / FINER**2
+        share = np.maximum(covered, 1) / samples
         pixels = np.where(covered > 0, (pixels - 255 * (1 - share)) / share, 255)
-    alpha = np.round(covered * (255 / FINER**2)).astype(np.uint8)
-    return np.clip(np.round(pixels), 0, 255).astype(np.uint8)[::-1], alpha[::-1]
+    alpha = np.round(covered * (255 / samples)).astype(np.uint8)
+    return (np.clip(pixels, 0, 255) + np.float32(0.5)).astype(np.uint8)[::-1], alpha[::-1]
+
+
+def _show(actors: Sequence[Any], shown: bool) -> None:
+    for actor in actors:
+        actor.SetVisibility(shown)

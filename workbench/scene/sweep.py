@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
 
@@ -19,10 +18,11 @@ from ..data import atomic, labels, selection
 from ..figures import canvas, style
 from . import body as rods
 from . import camera as cameras
-from . import footer, kinds
+from . import footer, kinds, pixels
 from .body import Body
 from .cells import Cell
 from .page import MARGIN
+from .pixels import Pixels
 from .settings import Settings
 from .views import View, ends_of
 
@@ -60,7 +60,7 @@ def write(ds: xr.Dataset, axis: str, path: Path) -> int:
     return len(shown)
 
 
-def frames(ds: xr.Dataset, axis: str, dpi: int = style.DPI) -> list[NDArray[np.uint8]]:
+def frames(ds: xr.Dataset, axis: str, dpi: int = style.DPI) -> list[Pixels]:
     """The frames along the axis, (height, width, 3) each; a case that is not solved has none. Raises `InputError`."""
     kind = kinds.kind_of("contact")
     found = [(where, rods.of_case(ds, where, kind)[0]) for where in selection.line(ds, axis)]
@@ -71,7 +71,7 @@ def frames(ds: xr.Dataset, axis: str, dpi: int = style.DPI) -> list[NDArray[np.u
     return [_frame(ds, axis, i, body, context, dpi) for i, body in solved]
 
 
-def _frame(ds: xr.Dataset, axis: str, i: int, body: Body, context: Sequence[Body], dpi: int) -> NDArray[np.uint8]:
+def _frame(ds: xr.Dataset, axis: str, i: int, body: Body, context: Sequence[Body], dpi: int) -> Pixels:
     """The pixels of the i-th case: its value on the axis, the rod from two sides, the scale of colours."""
     from . import composition  # VTK, which ends the process where OpenGL does not work
 
@@ -87,7 +87,7 @@ def _frame(ds: xr.Dataset, axis: str, i: int, body: Body, context: Sequence[Body
         _axis(fig, ds[axis], axis, i)
         high, wide = (n / finer for n in page.pixels.shape[:2])
         left, low = (SIZE[0] - wide) / 2, FOOT + (room[1] - high) / 2
-        fig.figimage(page.pixels, round(left * finer), round(low * finer), origin="upper")
+        pixels.put(fig, page.pixels, round(left * finer), round(low * finer))
         x = float(MARGIN)
         if bar:
             below = footer.colour_bar(replace(bar, label="push of the cylinder [" + bar.label.partition("[")[2]))
@@ -98,9 +98,7 @@ def _frame(ds: xr.Dataset, axis: str, i: int, body: Body, context: Sequence[Body
             entry.draw(fig, x, 36)
             x += entry.width + footer.APART
 
-    fig: Any = canvas.figure((SIZE[0] / style.DPI, SIZE[1] / style.DPI), draw, dpi=dpi, layout=None)
-    fig.canvas.draw()
-    return np.array(fig.canvas.buffer_rgba())[..., :3]
+    return pixels.drawn(canvas.figure((SIZE[0] / style.DPI, SIZE[1] / style.DPI), draw, dpi=dpi, layout=None))
 
 
 def _axis(fig: Figure, array: xr.DataArray, axis: str, i: int) -> None:
