@@ -61,8 +61,8 @@ def gallery(
     from ..scene import opengl
     from . import output_file
 
-    writing.check_folder(out)
     suffixes = _suffixes(only or [])
+    writing.check_folder(out)
     paths = {name: output_file.check(out / f"{name}{suffix}", (suffix,), force) for name, suffix in suffixes.items()}
     able, advice = opengl.probe() if set(paths) - {PAGE} else (True, "")
     if not able:
