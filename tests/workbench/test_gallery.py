@@ -9,7 +9,7 @@ from PIL import Image
 
 from solver.problem.errors import InputError
 from studies import load
-from tests.workbench.pictures import pixels, share_of_hue
+from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench import cli
 from workbench.data import push_colours
 from workbench.figures import style
@@ -52,7 +52,7 @@ def test_the_readme_opens_with_both_pictures_which_exist_and_are_told_in_words()
     animated, page = (ROOT / file for file, _ in shown)
     is_animated_as_promised(animated)
     with Image.open(page) as picture:
-        assert picture.size == still.SIZE
+        assert picture.size == (still.RATIO * still.SIZE[0], still.RATIO * still.SIZE[1])
         assert picture.width / picture.height == pytest.approx(sweep.SIZE[0] / sweep.SIZE[1], rel=0.002)  # side by side
 
 
@@ -115,8 +115,11 @@ def test_the_gallery_makes_both_pictures_of_the_readme(tmp_path) -> None:
     if still.browser() is None:
         pytest.skip("there is no Chromium here: apt-get install chromium")
     shown = pixels(out / "hero_page.png")
-    assert shown.shape[1::-1] == still.SIZE
-    rod = shown[:, int(0.27 * still.SIZE[0]) : int(0.63 * still.SIZE[0])]
+    wide, high = (still.RATIO * side for side in still.SIZE)
+    assert shown.shape[:2] == (high, wide)
+    rod, diagrams = shown[:, : int(0.31 * wide)], shown[:, int(0.31 * wide) :]
+    for half in (diagrams[: high // 2], diagrams[high // 2 :]):
+        assert share_of_ink(half) > 0.02
     assert share_of_hue(rod, style.LIFTED, 0.1) > 0.02
     blue = "#{:02x}{:02x}{:02x}".format(*push_colours.STOPS[-1][1])
     assert share_of_hue(rod, blue, 0.2) > 0.003

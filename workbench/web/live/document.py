@@ -29,13 +29,18 @@ _IMPORT = re.compile(r'^import (\{.*\}) from "\./(\w+)\.mjs";$', re.M)
 _EXPORT = re.compile(r"^export ((?:async )?(?:const|function|class) (\w+))", re.M)
 
 
-def text(presets: Sequence[Preset], served: bool) -> str:
-    """The page. presets: the rods to begin with, the first is drawn; served: whether a server answers it."""
+def text(presets: Sequence[Preset], served: bool, style: str = "") -> str:
+    """The page.
+
+    presets: the rods to begin with, the first is drawn. served: whether a server answers it. style: rules of CSS after
+    those of the page.
+    """
     read = {name: (PAGE / name).read_text(encoding="utf-8") for name in ("index.html", "page.css")}
+    style = read["page.css"] + style
     core, program = (build.HERE / "rod.js").read_text(encoding="utf-8"), bundle()
     parts = {
-        "style": read["page.css"], "core": core, "program": program, "data": _json(_data(presets, served)),
-        "policy": policy(read["page.css"], core, program, served),
+        "style": style, "core": core, "program": program, "data": _json(_data(presets, served)),
+        "policy": policy(style, core, program, served),
     }  # fmt: skip
     return re.sub(r"{{ (\w+) }}", lambda found: parts[found[1]], read["index.html"])
 

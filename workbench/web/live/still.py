@@ -1,4 +1,7 @@
-"""A picture of the live page: the saved page in a browser without a window."""
+"""A picture of the live page: the saved page in a browser without a window, without the controls.
+
+It stands in half of the width of a text, where only the rod and two diagrams can be read.
+"""
 
 import os
 import shutil
@@ -11,7 +14,15 @@ from . import document
 from .presets import PRESETS
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")
-SIZE = (1300, 907)  # CSS pixels of the page
+SIZE = (540, 377)  # CSS pixels of the page
+RATIO = 2  # pixels of the picture per CSS pixel
+STYLE = """
+.controls, .facts, .legend, .tools, .diagram:not(:has(#d-beta, #d-push)) { display: none; }
+#page { display: grid; grid-template: "stage diagrams" 100vh / 170px 1fr; }
+.stage { position: static; padding: 6px; border: 0; }
+.view { height: 100%; }
+.diagrams { border: 0; padding: 0 4px; display: block; overflow: hidden; }
+"""
 SETTLED = 8000  # ms of the page's own clock, after which it has drawn everything at rest
 PATIENCE = 120  # s
 # A browser resizes its window for the picture, and the page then draws coarsely for a moment: in a frame it keeps its
@@ -22,7 +33,7 @@ FRAME = """<!doctype html><meta charset="utf-8"><title>still</title>
 FLAGS = (
     "--headless", "--disable-gpu", "--enable-unsafe-swiftshader", "--hide-scrollbars", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
-    f"--window-size={SIZE[0]},{SIZE[1]}", f"--virtual-time-budget={SETTLED}",
+    f"--window-size={SIZE[0]},{SIZE[1]}", f"--force-device-scale-factor={RATIO}", f"--virtual-time-budget={SETTLED}",
 )  # fmt: skip
 
 
@@ -44,7 +55,7 @@ def take(path: Path) -> str:
         tempfile.TemporaryDirectory(prefix="still-", dir=path.parent, ignore_cleanup_errors=True) as name,
     ):
         folder = Path(name).resolve()
-        (folder / "page.html").write_text(document.text(PRESETS, served=False), encoding="utf-8")
+        (folder / "page.html").write_text(document.text(PRESETS, False, STYLE), encoding="utf-8")
         (folder / "frame.html").write_text(FRAME.format(*SIZE), encoding="utf-8")
         shot, own = folder / "shot.png", [f"--user-data-dir={folder / 'profile'}"]
         if hasattr(os, "geteuid") and os.geteuid() == 0:
