@@ -269,6 +269,7 @@ def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
     for i in range(ds.sizes["E"]):
         said = captions.case_values(ds, {"E": i}).partition(" = ")[2].partition(" ")[0]
         assert at_option.values(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
+    assert captions.case_values(ds, {"E": 3}, 4) == "E = 10910 N/cm²"  # a frame of a film: 10905.1
 
 
 def test_at_most_so_many_are_chosen_and_both_ends_among_them() -> None:
@@ -640,13 +641,28 @@ def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_t
 
 
 @draws
+@pytest.mark.parametrize("camera", ["0,0", "70,0", "-35,20"])
+def test_the_axes_beside_a_scene_point_where_steps_along_x_y_and_z_go_in_it(fig6, camera, monkeypatch) -> None:
+    from workbench.scene import composition, layout
+
+    seen = []
+    monkeypatch.setattr(layout, "composed", lambda scene: seen.append(scene) or composition.composed(scene))
+    page = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 50, camera=camera)).page
+    (scene,) = seen
+    view = scene.rows[0][0]
+    rod = view.bodies[0]
+    on_page = view.places(rod) @ scene.camera.page.T  # as the renderer places it
+    np.testing.assert_allclose(np.diff(on_page, axis=0), np.diff(rod.dense, axis=0) @ page.axes, atol=1e-12)
+
+
+@draws
 def test_self_intersections_are_ringed_in_the_first_view_and_said_once(fig6) -> None:
     from workbench.scene import composition, layout
 
     taken = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 50)).page
     box = taken.cells[0][0]
     assert len(taken.rings) >= 5
-    assert all(box.x < x < box.x + box.width and box.y < y < box.y + box.height for x, y, _ in taken.rings)
+    assert all(box.x < x < box.x + box.width and box.y < y < box.y + box.height for x, y in taken.rings)
     assert [text for _, text in taken.words.legend] == ["the rod passes through itself"]
     assert "the rod passes through itself" not in taken.notes
 

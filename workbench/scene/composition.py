@@ -10,6 +10,7 @@ from solver.problem.errors import InputError
 from studies.model import MAX_STATIONS
 
 from ..data import labels
+from ..geometry.centreline import Array
 from ..geometry.refinement import stations_for
 from . import captions, colours, footer, long_rod, overlays, page
 from .arrangement import EDGE, Arrangement, arrange
@@ -101,6 +102,11 @@ class Scene:
     def bodies(self) -> list[Body]:
         return [body for row in self.rows for view in row for body in view.bodies]
 
+    @property
+    def axes(self) -> Array:
+        """Where x, y, z point on the page in the first view, (3, 2)."""
+        return (self.camera.page @ self.rows[0][0].turn).T
+
 
 def composed(scene: Scene) -> Picture:
     """Colour the rods, render them, and set the page. Raises `InputError`, `TooFewStations`."""
@@ -134,7 +140,7 @@ def composed(scene: Scene) -> Picture:
         wide, high = size[0] / finer, size[1] / finer
     elif not settings.size:
         wide = min(wide, max(NARROWEST, arranged.size[0] + words.heads[0] + 2 * page.MARGIN))
-    made = Page(words, pixels, arranged, scene.camera.page.T, wide, high, settings.dpi, rings, labelled,
+    made = Page(words, pixels, arranged, scene.axes, wide, high, settings.dpi, rings, labelled,
                 settings.bare)  # fmt: skip
     return Picture(made, error, stations)
 
@@ -154,7 +160,7 @@ def room(scene: Scene, words: Words | None = None) -> tuple[float, float]:
     if scene.settings.bare:
         return wide, high
     left, top = words.heads
-    foot = page.below(page.feet(words, scene.camera.page.T, 1.0, scene.camera.along_axis, wide))
+    foot = page.below(page.feet(words, scene.axes, 1.0, scene.camera.along_axis, wide))
     inside = wide - 2 * page.MARGIN - left, high - page.above(words, wide) - foot - top
     if min(inside) < 60:
         raise InputError(

@@ -30,6 +30,7 @@ from .pixels import Pixels
 SUFFIXES = (".mp4", ".gif")
 DIAGRAM = 4.4  # inches of width
 SIZE = (1600, 1060)  # pixels at `style.DPI` of the scene in a frame
+DIGITS = 4  # of the values in a frame
 HOLD = 1.0  # seconds for which the last frame stays
 LEAST, MOST = 2, 2000  # frames
 INSTALL = "pip install 'imageio[ffmpeg]', or the extra animate"
@@ -104,7 +105,7 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     from . import composition, layout  # VTK, which ends the process where OpenGL does not work
 
     size = tuple(round(n * film.dpi / style.DPI) for n in SIZE)
-    settings = composition.Settings(film.pixel_error, film.dpi, size=(size[0], size[1]))
+    settings = composition.Settings(film.pixel_error, film.dpi, size=(size[0], size[1]), digits=DIGITS)
     for k, where in enumerate(cases_of(ds, film)):
         value = float(ds[film.axis].values[where[film.axis]])
         step(f"{film.axis} = {value:.4g}")

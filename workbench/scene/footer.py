@@ -180,7 +180,7 @@ def entry(colour: str, words: str) -> Block:
     def draw(fig: Figure, x: float, y: float) -> None:
         middle = y + high / 2
         if colour == RING:
-            ring(fig, x + PATCH / 2, middle, PATCH / 2)
+            ring(fig, x + PATCH / 2, middle)
         else:
             size = fig.get_size_inches() * style.DPI
             fig.add_artist(Rectangle((x / size[0], (middle - 8) / size[1]), PATCH / size[0], 16 / size[1],
@@ -198,10 +198,10 @@ def _words(words: str) -> Block:
     )  # fmt: skip
 
 
-def ring(fig: Figure, x: float, y: float, radius: float) -> None:
-    """Draw an open circle in ink with a white edge, seen on every colour."""
-    for colour, wide in (("white", 2.6), (style.INK, 1.2)):
-        fig.add_artist(_circle(fig, x, y, radius, fill=False, edgecolor=colour, linewidth=wide))
+def ring(fig: Figure, x: float, y: float) -> None:
+    """Draw an open circle in ink with a white edge, seen on every colour; everywhere as large as in the legend."""
+    for colour, wide in (("white", 3.0), (style.INK, 1.4)):
+        fig.add_artist(_circle(fig, x, y, PATCH / 2, fill=False, edgecolor=colour, linewidth=wide))
 
 
 def spot(fig: Figure, x: float, y: float, radius: float, colour: str) -> None:

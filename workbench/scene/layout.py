@@ -123,7 +123,7 @@ def compose(
 
 def _one(ds: xr.Dataset, kind: Kind, where: dict[str, int], along: str | None, settings: Settings) -> Picture:
     """One case large, from its front and from its side; a long one in lines."""
-    case = captions.case_values(ds, where)
+    case = captions.case_values(ds, where, settings.digits)
     body, why = rods.of_case(ds, where, kind, settings.span)
     if body is None:
         raise InputError(f"nothing to draw{f' at {case}' if case else ''}: {why}")

@@ -14,13 +14,10 @@ from .arrangement import EDGE, Box
 from .camera import Camera
 from .views import View
 
-RING = 1.1  # radius of a ring in radii of the rod
 
-
-def rings(view: View, box: Box, camera: Camera, per_unit: float) -> list[tuple[float, float, float]]:
-    """Where the rods of a view pass through themselves in sight: x, y and the radius of the ring of each place."""
-    size = RING * view.bodies[0].a * per_unit
-    return [(*_on_page(view, box, camera, per_unit, camera.page @ place), size) for place in _seen(view, camera)]
+def rings(view: View, box: Box, camera: Camera, per_unit: float) -> list[tuple[float, float]]:
+    """Where the rods of a view pass through themselves in sight: x and y of each place."""
+    return [_on_page(view, box, camera, per_unit, camera.page @ place) for place in _seen(view, camera)]
 
 
 def names(

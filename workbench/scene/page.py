@@ -68,7 +68,7 @@ class Page:
     dpi
         Of the picture; all lengths in pixels grow with it, but `pixels` are taken as they are.
     rings
-        Places to be ringed: x, y and radius in the picture, in pixels at `style.DPI` from its upper left.
+        Places to be ringed: x and y in the picture, in pixels at `style.DPI` from its upper left.
     marks
         Words beside places, each with x, y and colour.
     bare
@@ -82,7 +82,7 @@ class Page:
     width: float
     height: float = 0.0
     dpi: int = style.DPI
-    rings: Sequence[tuple[float, float, float]] = field(default_factory=list)
+    rings: Sequence[tuple[float, float]] = field(default_factory=list)
     marks: Sequence[tuple[float, float, str, str]] = field(default_factory=list)
     bare: bool = False
 
@@ -155,8 +155,8 @@ def figure(page: Page) -> Figure:
         if not page.bare:
             _cells(fig, page, left, bottom + high)
             _headings(fig, page, left, bottom + high)
-            for x, y, radius in page.rings:
-                footer.ring(fig, left + x, bottom + high - y, radius)
+            for x, y in page.rings:
+                footer.ring(fig, left + x, bottom + high - y)
             for x, y, text, colour in page.marks:
                 footer.text(fig, left + x, bottom + high - y, text, color=colour, va="center", **footer.HALO)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from solver.problem.errors import InputError
 
 from ..figures import style
-from . import camera
+from . import camera, captions
 
 DPIS = (50, 600)
 SIDES = (200, 12_000)  # pixels of a page's width and height
@@ -39,6 +39,8 @@ class Settings:
         Without background.
     size
         Width and height of the picture in pixels; default: as high as its content.
+    digits
+        Of the values of the case in the line below the title; default: as many as --at needs to find the case again.
     """
 
     pixel_error: float = 0.5
@@ -50,6 +52,7 @@ class Settings:
     bare: bool = False
     transparent: bool = False
     size: tuple[int, int] | None = None
+    digits: int = captions.ASKED
 
     @property
     def finer(self) -> float:
