@@ -52,14 +52,16 @@ def of_equilibria(found: Equilibria) -> str:
     for i, one in enumerate(found, 1):
         stability = "stable" if one.index == 0 else f"index {one.index}"
         numbers = stability, f"{one.energy:.6g}", str(one.turns), f"{one.dbeta0:.6g}", f"{one.attached:.0%}"
-        rows.append(f"<tr><th>{i}</th>{''.join(f'<td>{escape(number)}</td>' for number in numbers)}</tr>")
+        cells = "".join(f"<td>{labels.minus_signs(escape(number))}</td>" for number in numbers)
+        rows.append(f"<tr><th>{i}</th>{cells}</tr>")
     remark = found.remark or "the list passes the test of completeness"
     caption = f"{len(found)} {'equilibrium' if len(found) == 1 else 'equilibria'}: {remark}"
     return f"<table><caption>{escape(caption)}</caption><tr>{head}</tr>{''.join(rows)}</table>"
 
 
 def _table(caption: str, rows: list[tuple[str, str]]) -> str:
-    lines = "".join(f"<tr><th>{escape(words)}</th><td>{escape(value)}</td></tr>" for words, value in rows)
+    left = 'style="text-align: left"'  # Jupyter's own style sets numbers and sentences flush right
+    lines = "".join(f"<tr><th>{escape(words)}</th><td {left}>{escape(value)}</td></tr>" for words, value in rows)
     return f"<table><caption>{escape(caption)}</caption>{labels.typeset(lines)}</table>"
 
 
