@@ -127,7 +127,7 @@ def whole(name: str, file: Path, pixel_error: float) -> list[object]:
     command = [sys.executable, __file__, "--scene", str(file), str(pixel_error)]
     told = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()[-1])
     seconds = " + ".join(f"{told[key]:.1f}" for key in ("reading", "drawing"))
-    return [name, pixel_error, told["views"], told["triangles"], seconds, f"{told['memory']:.0f}"]
+    return [name, pixel_error, told["surfaces"], told["triangles"], seconds, f"{told['memory']:.0f}"]
 
 
 def scene(file: Path, pixel_error: float) -> None:
@@ -151,7 +151,7 @@ def scene(file: Path, pixel_error: float) -> None:
     layout.render(ds, file.with_suffix(".png"), kind="plain", settings=composition.Settings(pixel_error))
     seconds = process_time() - start - 2 * reading  # the scene reads once more
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
-    told = {"views": len(triangles), "triangles": sum(triangles), "memory": memory}
+    told = {"surfaces": len(triangles), "triangles": sum(triangles), "memory": memory}
     print(json.dumps({**told, "reading": reading, "drawing": seconds}))
 
 
@@ -171,7 +171,7 @@ def main() -> None:
         files = {name: Path(folder) / f"{i}.h5" for i, name in enumerate(RODS) if name != "stiff"}
         for name, file in files.items():
             writing.write(solved(name), file)
-        heads = ["rod", "pixels allowed", "views or lines", "triangles", "processor s", "MB"]
+        heads = ["rod", "pixels allowed", "surfaces", "triangles", "processor s", "MB"]
         rows(heads, (whole(name, file, pixel_error) for name, file in files.items() for pixel_error in ERRORS))
     if len(sys.argv) > 1:
         draw(Path(sys.argv[1]))

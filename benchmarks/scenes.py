@@ -1,7 +1,11 @@
 """Seconds from a stored dataset to a picture of 1600 x 1200 pixels, of each kind of scene of one case.
 
 python -m benchmarks.scenes prints a table: seconds of the clock and of the processors, after all imports and one
-picture; each is the least of three.
+picture; each is the least of three. The column *s* is composing + saving.
+
+What bounds a picture: two renderings of 3056 x 1478 samples by Mesa on the processor, the first in two parts, take
+0.20 s of 0.52 s; their pixels and depths are read and averaged in 0.08 s, words and bars drawn by Matplotlib in 0.05 s,
+the PNG packed in 0.05 s, surfaces and shadows made in 0.05 s.
 """
 
 import tempfile
