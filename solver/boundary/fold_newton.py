@@ -1,6 +1,7 @@
 """Newton's rule for points of fold and pitchfork curves and for cusps, and the tangents of the curves."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -33,57 +34,66 @@ class CurvePoint:
         return self.x[1:3]
 
 
-@dataclass(frozen=True)
-class CurveSystem:
+class CurveSystem(Protocol):
     """The equations of one curve in a plane of fields, FOLD or PITCHFORK; scale: unit of beta_t(0)."""
 
-    plane: ParameterPlane
-    kind: str
-    scale: float
+    @property
+    def plane(self) -> ParameterPlane: ...
+
+    @property
+    def kind(self) -> str: ...
+
+    @property
+    def scale(self) -> float: ...
 
     @property
     def size(self) -> int:
         """The number of unknowns."""
-        return 3
+        ...
 
     def equations(self, x: Array) -> tuple[Array, Array, float, Array]:
         """Values, derivatives, `bend` and `more` (as of `CurvePoint`) at x."""
-        raise NotImplementedError
+        ...
 
     def leaves(self, x: Array) -> bool:
         """Whether other equations suit the curve better from x on."""
-        raise NotImplementedError
+        ...
 
     def slopes(self, x: Array) -> list[float]:
         """beta_t(0) at x, the likeliest first."""
-        raise NotImplementedError
+        ...
 
-    def corrected(self, x: Array, row: Array, value: float) -> CurvePoint | None:
-        """The point of the curve near x at which row . x = value; None where Newton's rule does not converge."""
-        x, first = x.copy(), np.inf
-        for _ in range(_ROUNDS):
-            if np.abs(x[1:3] - 0.5).max() > 0.5 + MARGIN:
-                return None
-            values, rates, bend, more = self.equations(x)
-            matrix, off = np.vstack([rates, row]), np.append(values, row @ x - value)
-            if not np.isfinite(matrix).all() or not np.isfinite(off).all():
-                return None
-            try:
-                step = np.linalg.solve(_even(matrix), -off / _sizes(matrix))
-            except np.linalg.LinAlgError:
-                return None
-            length = float(np.abs(step).max())
-            if length > 2 * first or length > 0.5:
-                return None
-            first, x = min(first, length), x + step
-            if length < CLOSE:
-                return CurvePoint(x, tangent_of(rates, row), bend, more)
-        return None
+
+def corrected(system: CurveSystem, x: Array, row: Array, value: float) -> CurvePoint | None:
+    """The point of the curve near x at which row . x = value; None where Newton's rule does not converge."""
+    x, first = x.copy(), np.inf
+    for _ in range(_ROUNDS):
+        if np.abs(x[1:3] - 0.5).max() > 0.5 + MARGIN:
+            return None
+        values, rates, bend, more = system.equations(x)
+        matrix, off = np.vstack([rates, row]), np.append(values, row @ x - value)
+        if not np.isfinite(matrix).all() or not np.isfinite(off).all():
+            return None
+        try:
+            step = np.linalg.solve(_even(matrix), -off / _sizes(matrix))
+        except np.linalg.LinAlgError:
+            return None
+        length = float(np.abs(step).max())
+        if length > 2 * first or length > 0.5:
+            return None
+        first, x = min(first, length), x + step
+        if length < CLOSE:
+            return CurvePoint(x, tangent_of(rates, row), bend, more)
+    return None
 
 
 @dataclass(frozen=True)
-class FoldSystem(CurveSystem):
-    """The equations in v = beta_t(0), in units of `scale`, and the two shares."""
+class FoldSystem:
+    """The equations in v = beta_t(0), in units of `scale`, and the two shares; kind: FOLD or PITCHFORK."""
+
+    plane: ParameterPlane
+    kind: str
+    scale: float
 
     @property
     def size(self) -> int:

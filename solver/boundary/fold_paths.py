@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..numerics.arrays import Array
-from .fold_newton import CurvePoint, CurveSystem, FoldSystem
+from .fold_newton import CurvePoint, CurveSystem, FoldSystem, corrected
 from .fold_tracing import CLOSED, LEFT, STOPPED, Trace, one_way, stretch
 from .parameter_plane import ParameterPlane
 from .separatrix_folds import SeparatrixSystem, deep_system
@@ -84,7 +84,7 @@ def _on(system: CurveSystem, x: Array, near: CurvePoint | None) -> CurvePoint | 
     if near is not None:
         rows = rows[np.argsort(-np.abs(near.tangent[1:3]))]
     for row in rows:
-        point = system.corrected(x, row, float(row @ x))
+        point = corrected(system, x, row, float(row @ x))
         if point is not None and np.abs(point.shares - x[1:3]).max() < 0.02:
             if near is not None and point.tangent[1:3] @ near.tangent[1:3] < 0:
                 point = replace(point, tangent=-point.tangent)

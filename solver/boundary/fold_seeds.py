@@ -14,7 +14,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from .census import Census, census
 from .curve_crossings import Pieces, change_along
-from .fold_newton import FOLD, PITCHFORK, CurvePoint, CurveSystem, FoldSystem
+from .fold_newton import FOLD, PITCHFORK, CurvePoint, CurveSystem, FoldSystem, corrected
 from .parameter_plane import ParameterPlane
 from .separatrix_folds import deep_system
 
@@ -114,7 +114,7 @@ def _on_line(
     row = np.zeros(system.size)
     row[2 - along] = 1.0  # the other share is held
     x = np.concatenate([[v / scale], (start + end) / 2, np.zeros(system.size - 3)])
-    point = system.corrected(x, row, float(x[2 - along]))
+    point = corrected(system, x, row, float(x[2 - along]))
     if point is None or not system.is_true(point) or not system.has_index(point, lower):
         return None
     return Seed(system, point, lower)
@@ -133,7 +133,7 @@ def _deep_on_line(
             system, x = made
             row = np.zeros(3)
             row[2 - along] = 1.0
-            point = system.corrected(x, row, float(x[2 - along]))
+            point = corrected(system, x, row, float(x[2 - along]))
             if point is not None and system.has_index(point.x, lower):
                 return Seed(system, point, lower)
     return None

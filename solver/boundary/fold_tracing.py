@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..numerics.arrays import Array
-from .fold_newton import FOLD, CurvePoint, CurveSystem, FoldSystem
+from .fold_newton import FOLD, CurvePoint, CurveSystem, FoldSystem, corrected
 
 _FIRST, LONGEST, _SHORTEST = 0.01, 0.04, 2e-6  # steps, in shares of the ranges
 _TURN, _EASY = 0.9, 0.985  # cosines of the angle between two tangents: a step too long, and one that may grow
@@ -31,7 +31,7 @@ def one_way(system: CurveSystem, seed: CurvePoint) -> tuple[list[CurvePoint], st
     for _ in range(_MOST):
         guess = here.x + step * here.tangent
         side = _passed(guess)
-        there = system.corrected(guess, here.tangent, float(here.tangent @ guess))
+        there = corrected(system, guess, here.tangent, float(here.tangent @ guess))
         cosine = -1.0 if there is None else float(there.tangent @ here.tangent)
         if there is None or cosine < _TURN or np.abs(there.x - guess).max() > 0.5 * step:
             border = _border(system, here, step) if there is None and side is not None else None
@@ -78,7 +78,7 @@ def _border(system: CurveSystem, here: CurvePoint, step: float) -> CurvePoint | 
         row[1 + k] = 1.0
         value = 1.0 if rate[k] > 0 else 0.0
         guess = here.x + float(far[k]) * here.tangent
-        found = system.corrected(guess, row, value)
+        found = corrected(system, guess, row, value)
         if found is None or np.abs(found.shares - 0.5).max() > 0.5 + 1e-9:
             continue
         if np.linalg.norm(found.x - here.x) <= 2.5 * step:

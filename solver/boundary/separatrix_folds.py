@@ -19,7 +19,7 @@ import numpy as np
 from ..mechanics.potential import slope
 from ..numerics.arrays import Array
 from .branch_coordinates import LinePoint
-from .fold_newton import FOLD, PITCHFORK, CurveSystem
+from .fold_newton import FOLD, PITCHFORK
 from .fold_system import DEEP
 from .parameter_plane import ParameterPlane
 from .paths import Levels, Paths
@@ -33,16 +33,23 @@ _NUDGE, _STEP = 1e-6, 1e-3  # of the derivatives by the shares, and by log gap
 
 
 @dataclass(frozen=True)
-class SeparatrixSystem(CurveSystem):
+class SeparatrixSystem:
     """One such curve: its saddle (an angle near it), the end at rest ("start" or "end"), the sign of the gap, and the
     path (leaving, turns) of the rod; weight: ends at the turning point that act on T, 0 to 2."""
 
+    plane: ParameterPlane
+    kind: str
+    scale: float
     saddle: float
     end: str
     sign: float
     leaving: int
     turns: int
     weight: int
+
+    @property
+    def size(self) -> int:
+        return 3
 
     def equations(self, x: Array) -> tuple[Array, Array, float, Array]:
         y, shares = float(x[0]) * UNIT, x[1:3]

@@ -10,6 +10,7 @@ from scipy.optimize import fsolve
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, fold_curves, region_map
 from solver.boundary.census import census
 from solver.boundary.fold_curves import FoldCurve, FoldCurves
+from solver.boundary.fold_newton import corrected
 from solver.boundary.parameter_plane import parameter_plane
 from solver.boundary.separatrix_folds import UNIT, SeparatrixSystem
 from solver.region_map import RegionMap
@@ -133,7 +134,7 @@ LONG = Case(Rod(1.07e4, 0.25, 0.25, 20.0), CASE.cylinder, Ends("30deg", "50deg",
 def test_a_fold_of_a_stable_equilibrium_next_to_a_separatrix_is_exact() -> None:
     plane = parameter_plane(LONG, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
     system = SeparatrixSystem(plane, "fold", 1.0, saddle=2.65, end="start", sign=-1.0, leaving=1, turns=1, weight=1)
-    point = system.corrected(np.array([-17 / UNIT, 0.18, 0.0]), np.array([0.0, 0.0, 1.0]), 0.0)
+    point = corrected(system, np.array([-17 / UNIT, 0.18, 0.0]), np.array([0.0, 0.0, 1.0]), 0.0)
     assert point is not None
     assert point.x[0] * UNIT == pytest.approx(-17.44, abs=0.01)  # log of the gap
     toward = 1e-8 * point.more / np.linalg.norm(point.more)
