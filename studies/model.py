@@ -328,7 +328,7 @@ class Study(BaseModel):
         stored = [name for name in used if name in OBSERVABLES]
         watched = [name for name in self.refine.watch if name != refine.OUTCOME] if self.refine else []
         every = dict.fromkeys([*self.observables, *self.expressions, *judged, *stored, *watched])
-        return [name for name in every if name not in self.held]  # a height that is held is a field
+        return [name for name in every if name not in (*self.held, *self.varied)]  # a height that is held is a field
 
     @property
     def recorded(self) -> list[str]:

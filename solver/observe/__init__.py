@@ -18,7 +18,7 @@ def observe(sol: "Solution", names: Iterable[str], errors: bool = False) -> dict
         `solver.problem.quantities`.
     errors : bool
         Whether to add the estimated error of each, as ``<name>_error`` in the same unit, except for the whole numbers
-        `turns`, `loops`, `overlaps` and `index`.
+        `turns`, `loops`, `overlaps` and `index`, and for the loads `FZ`, `MZ` and `M3`.
 
     Returns
     -------

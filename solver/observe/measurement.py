@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..core.measures import can_measure, measure
+from ..mechanics.potential import steepest
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import means, primitive, series_at
 from ..orbit.marched_orbit import MarchedOrbit
@@ -294,6 +295,29 @@ class Reading:
             return shape.alpha[:, -1], shape.z[:, -1]
         _, _, alpha, z = shape.orbit.at(shape.orbit.problem.span[:, None])
         return alpha[:, 0], z[:, 0]
+
+    @cached_property
+    def loads(self) -> tuple[Any, Any, Any]:
+        """FZ [force], MZ and M3 [force length], under which the rod is in equilibrium, (B,)."""
+        FZ, MZ, M3 = (flat(load, self.sol.case.shape) for load in self.sol.loads)
+        return FZ, MZ, M3
+
+    @cached_property
+    def end_rates(self) -> tuple[Any, Any]:
+        """beta_t at the start and at the far end, (B,); NaN where the method knows no orbit and no station is there."""
+        sol, orbit = self.sol, self.sol.trajectory.orbit
+        found = []
+        for k, t in ((0, np.zeros_like(sol.problem.span)), (-1, sol.problem.span)):
+            if (sol.t[:, k] == t).all():
+                found.append(sol.trajectory.dbeta[:, k])
+            else:
+                found.append(np.full(t.size, np.nan) if orbit is None else orbit.at(t[:, None])[1][:, 0])
+        return found[0], found[1]
+
+    @property
+    def steepness(self) -> Array:
+        """The largest change of beta_t by a unit of beta, about, (B,)."""
+        return np.sqrt(np.asarray(steepest(self.sol.problem)))
 
     @cached_property
     def length(self) -> Array:

@@ -143,6 +143,36 @@ def _far(read: Reading) -> Array:
     return read.error * np.maximum(1, read.sol.problem.span)
 
 
+def FZ(read: Reading) -> Pair:
+    """Axial force [force]: the dead load, or what holds the height; of the rod as it was computed, so without error."""
+    return read.loads[0], 0.0
+
+
+def MZ(read: Reading) -> Pair:
+    """Axial moment [force length]: the dead load, or what holds the azimuth."""
+    return read.loads[1], 0.0
+
+
+def M3(read: Reading) -> Pair:
+    """Twisting moment [force length]: the dead load, or what holds the rotation."""
+    return read.loads[2], 0.0
+
+
+def M10(read: Reading) -> Pair:
+    """Bending moment at the start, A beta'(0) [force length]: given, or what holds the angle beta(0)."""
+    return _end_moment(read, 0)
+
+
+def M1L(read: Reading) -> Pair:
+    """Bending moment at the far end, A beta'(L) [force length]: given, or what holds the angle beta(L)."""
+    return _end_moment(read, 1)
+
+
+def _end_moment(read: Reading, end: int) -> Pair:
+    error = np.where(np.isfinite(read.error), read.error, 1.0) * read.steepness
+    return read.end_rates[end] * read.A / read.rho, error * (read.A / read.rho)
+
+
 def contact_size_mean(read: Reading) -> Pair:
     """Mean of |f| over the whole length [force/length]; pull counts as much as push."""
     pushed, pulled = read.scaled("pushed", _a_length(read)), read.scaled("pulled", _a_length(read))
@@ -260,16 +290,18 @@ class Observable:
 
     compute: the values (B,), with their errors if `Quantity.estimated`. measured: what `Reading` measures for it; what
     is measured over the middle third alone has "middle" before it. undefined: where it has no value although the case
-    is solved, in words; "" if nowhere. needs: the field of the rod without which it does not exist.
+    is solved, in words; "" if nowhere. needs: the field of the rod without which it does not exist. holds: whether it is
+    a load or a moment that holds an end, which is computed only where it is asked for by name.
     """
 
     compute: Callable[[Reading], Any]
     measured: tuple[str, ...] = ()
     undefined: str = ""
     needs: str = ""
+    holds: bool = False
 
 
-# The row in `problem.quantities` says whether the error is estimated; if not, the values are whole numbers, or NaN.
+# The row in `problem.quantities` says whether the error is estimated; if not, the values are loads or whole numbers.
 OBSERVABLES: dict[str, Observable] = {
     "turns": Observable(turns, ("low", "high")),
     "bend_number": Observable(bend_number, ("low", "high")),
@@ -298,21 +330,27 @@ OBSERVABLES: dict[str, Observable] = {
     "bending_energy": Observable(bending_energy, ("bending",)),
     "twist_energy": Observable(twist_energy),
     "index": Observable(index),
+    "FZ": Observable(FZ, holds=True),
+    "MZ": Observable(MZ, holds=True),
+    "M3": Observable(M3, holds=True),
+    "M10": Observable(M10, holds=True),
+    "M1L": Observable(M1L, holds=True),
 }
 
 
 def observables_of(rod: Rod) -> tuple[str, ...]:
-    """The names of the observables that a rod has: without Young's modulus there is no stress."""
-    return tuple(name for name, row in OBSERVABLES.items() if not row.needs or getattr(rod, row.needs) is not None)
+    """The names of the observables of the shape of a rod: without Young's modulus there is no stress."""
+    rows = ((name, row) for name, row in OBSERVABLES.items() if not row.holds)
+    return tuple(name for name, row in rows if not row.needs or getattr(rod, row.needs) is not None)
 
 
 def is_count(name: str) -> bool:
     """Whether an observable is a whole number."""
-    return name in OBSERVABLES and not quantity(name).estimated
+    return name in OBSERVABLES and not OBSERVABLES[name].holds and not quantity(name).estimated
 
 
 def error_name(name: str) -> str | None:
-    """The name of the error of an observable, or None for a whole number."""
+    """The name of the error of an observable, or None for a whole number and for a load."""
     return f"{name}_error" if quantity(name).estimated else None
 
 
@@ -328,12 +366,12 @@ def observe(sol: Solution, names: Iterable[str], errors: bool = False) -> dict[s
     found: dict[str, Any] = {}
     for name in names:
         computed = OBSERVABLES[name].compute(read)
-        if not quantity(name).estimated:
+        if is_count(name):
             found[name] = read.each(_whole(np.where(shapeless, np.nan, computed)))
             continue
         values, error = computed
         found[name] = read.each(np.where(shapeless, np.nan, values))
-        if errors:
+        if errors and quantity(name).estimated:
             found[f"{name}_error"] = read.each(np.where(shapeless, np.nan, error))
     return found
 

@@ -47,8 +47,8 @@ _ROWS = (
     Quantity("betaL", "β(L)", "rad", "angle from the axis at the far end"),
     Quantity("azimuth", "Δα", "rad", "azimuth from the start to the far end"),
     Quantity("rotation", "Δγ", "rad", "rotation of the section from the start to the far end"),
-    Quantity("M10", "M₁(0)", _MOMENT, "bending moment at the start"),
-    Quantity("M1L", "M₁(L)", _MOMENT, "bending moment at the far end"),
+    Quantity("M10", "M₁(0)", _MOMENT, "bending moment at the start", estimated=True),
+    Quantity("M1L", "M₁(L)", _MOMENT, "bending moment at the far end", estimated=True),
     Quantity("dgamma", "γ₀′", "rad/length", "rate of rotation of the section at the start"),
     # along the rod
     Quantity("u", "s/L", _NUMBER, "share of the length"),

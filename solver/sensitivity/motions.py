@@ -45,13 +45,15 @@ class Motion:
     with the others held.
 
     problem: the start problems of the orbits. along: at the stations, (b, n, 5). marks: at the shares `MARKS`
-    of the length, (b, 3, 5). rate: beta_t at the far end, (b,). orbits: what moves; None for helices.
+    of the length, (b, 3, 5). ends: of beta_t at the start and at the far end, (b, 2, 5). rate: beta_t at the far end,
+    (b,). orbits: what moves; None for helices.
     """
 
     rows: Integers
     problem: StartProblem
     along: Change
     marks: Change
+    ends: Array
     rate: Array
     orbits: VariedOrbits | None = None
 
@@ -88,9 +90,10 @@ def _of_orbits(sol: Solution, rows: Integers, orbit: Orbit) -> Motion:
 
 def _moved(varied: Variations, rows: Integers, problem: StartProblem, t: Array, a0: Array, e: Array) -> Motion:
     start, places = varied.start, varied.at(marks_of(problem))
-    along, marks = (changed(start, there, a0, e) for there in (varied.at(t), places))
+    ends = varied.at(_ends_of(problem))
+    along, marks, at_ends = (changed(start, there, a0, e) for there in (varied.at(t), places, ends))
     end = places.take((slice(None), -1))
-    return Motion(rows, problem, along, marks, end.v, VariedOrbits(varied, a0, e, start, end))
+    return Motion(rows, problem, along, marks, at_ends.rate, end.v, VariedOrbits(varied, a0, e, start, end))
 
 
 def marks_of(problem: Reduced) -> Array:
@@ -98,17 +101,23 @@ def marks_of(problem: Reduced) -> Array:
     return np.asarray(problem.span[:, None] * MARKS)
 
 
+def _ends_of(problem: Reduced) -> Array:
+    """t at the two ends, (b, 2)."""
+    return np.asarray(problem.span[:, None] * np.array([0.0, 1.0]))
+
+
 def _of_helices(sol: Solution, rows: Integers, problem: StartProblem) -> Motion:
-    along, marks = (helix_variations.started(problem, t) for t in (sol.t[rows], marks_of(problem)))
-    return Motion(rows, problem, along, marks, np.zeros(rows.size))
+    places = sol.t[rows], marks_of(problem), _ends_of(problem)
+    along, marks, ends = (helix_variations.started(problem, t) for t in places)
+    return Motion(rows, problem, along, marks, ends.rate, np.zeros(rows.size))
 
 
 def _of_equilibrium(sol: Solution, one: EndsProblem, path: Path, i: int) -> Motion:
     rows, t = np.array([i]), sol.t[i : i + 1]
     problem = one.started(sol.trajectory.dbeta[i : i + 1, 0])
     if path.helix:
-        along, marks = (helix_variations.held(one, where) for where in (t, marks_of(one)))
-        return Motion(rows, problem, along, marks, np.zeros(1))
+        along, marks, ends = (helix_variations.held(one, where) for where in (t, marks_of(one), _ends_of(one)))
+        return Motion(rows, problem, along, marks, ends.rate, np.zeros(1))
     varied = equilibrium_variations(one, path)
     end = varied.at(one.span[:, None]).take((slice(None), 0))
     return _moved(varied, rows, problem, t, *held_directions(varied.start, end))

@@ -46,7 +46,7 @@ def checked_observables(names: Any) -> tuple[str, ...]:
     return wanted
 
 
-_GAINS = ("alpha", "z", "middle turned", "middle risen")
+_OWN_SLOPES = ("alpha", "z", "middle turned", "middle risen", "dbeta0", "dbetaL")
 
 
 class Moving(Reading):
@@ -59,7 +59,7 @@ class Moving(Reading):
         self._wanted = set(measured)
         self.plain.measure(self._wanted)
         shape = sol.problem.size, len(rates.fields)
-        self._slopes = {name: np.full(shape, np.nan) for name in (*self._wanted, *_GAINS, "half_period")}
+        self._slopes = {name: np.full(shape, np.nan) for name in (*self._wanted, *_OWN_SLOPES, "half_period")}
 
     def add(self, motion: Motion, rates: FieldRates) -> None:
         """Differentiate what is measured on the cases of a motion; rates: of these cases."""
@@ -70,6 +70,7 @@ class Moving(Reading):
         turned, risen = _gains(motion, unit, rates.span)
         found |= {"alpha": turned[:, 2], "z": risen[:, 2]}
         found |= {"middle turned": turned[:, 1] - turned[:, 0], "middle risen": risen[:, 1] - risen[:, 0]}
+        found |= _end_rates(motion, unit, rates.span)
         for name, value in found.items():
             self._slopes[name][motion.rows] = value
 
@@ -114,6 +115,17 @@ class Moving(Reading):
     def gain(self) -> Any:
         return tuple(Dual(value, self._slopes[k]) for value, k in zip(self.plain.gain, ("alpha", "z"), strict=True))
 
+    @cached_property
+    def loads(self) -> Any:
+        numbers = ((getattr(self.sol.problem, name), getattr(self._rates, name)) for name in ("phi", "lam", "mu"))
+        phi, lam, mu = (Dual(value, slope) for value, slope in numbers)
+        return phi * self.A / self.rho**2, lam * self.A / self.rho, mu * self.A / self.rho
+
+    @cached_property
+    def end_rates(self) -> Any:
+        pairs = zip(self.plain.end_rates, ("dbeta0", "dbetaL"), strict=True)
+        return tuple(Dual(value, self._slopes[name]) for value, name in pairs)
+
     @property
     def half_period(self) -> Dual:
         """Half a period of beta in t."""
@@ -128,6 +140,13 @@ def _gains(motion: Motion, unit: Array, later: Array) -> tuple[Array, Array]:
     found = np.einsum("bmfk,bfg->bmgk", motion.marks.integrals, unit)
     longer = later[:, None, :] * MARKS[:, None]
     return found[..., 0] + np.sin(beta)[..., None] * longer, found[..., 2] + np.cos(beta)[..., None] * longer
+
+
+def _end_rates(motion: Motion, unit: Array, later: Array) -> dict[str, Array]:
+    """The derivatives of beta_t at the two ends, (b, F) each."""
+    first, last = (np.matmul(motion.ends[:, None, k], unit)[:, 0] for k in range(2))
+    bend = 0.0 if motion.orbits is None else motion.orbits.end.H[:, None]  # -beta_tt at the far end
+    return {"dbeta0": first, "dbetaL": last - bend * later}
 
 
 def _amplitude(read: Moving) -> Any:

@@ -181,7 +181,7 @@ def test_a_rod_without_a_modulus_has_no_stress() -> None:
     with pytest.raises(InputError, match="a rod with EI and GJ has no E"):
         observe(sol, ["bending_stress_max"])
     assert "bending_stress_max" not in observables_of(sol.case.rod)
-    assert observables_of(Rod(**TUBE)) == tuple(OBSERVABLES)
+    assert observables_of(Rod(**TUBE)) == tuple(name for name, row in OBSERVABLES.items() if not row.holds)
 
 
 def test_the_text_of_a_rod_names_what_is_given() -> None:

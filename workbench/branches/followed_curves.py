@@ -22,7 +22,7 @@ from .tracing import Piece, Traced
 STATIONS = 161  # of a shape
 LOADS = ("FZ", "MZ", "M3")
 OWN = ("dbeta0", "beta0", "betaL", *LOADS)  # what a diagram may show beside observables
-NAMES = (*OWN, *OBSERVABLES)
+NAMES = tuple(dict.fromkeys((*OWN, *OBSERVABLES)))
 
 
 INDICES = {

@@ -65,7 +65,7 @@ def stored(study: Study, over: Dimensions) -> list[Stored]:
         *(["branch"] if study.sweeps else []),
         "error",
         "condition",
-        *(load for load in LOADS if load not in varied),
+        *(load for load in LOADS if load not in (*varied, *study.recorded)),
         *study.reactions,
     ):
         rows.append(Stored(name, name, axes, name))

@@ -102,7 +102,7 @@ def labels_in(study: "Study", name: str) -> dict[str, str]:
 
 def observables_of(ds: "xr.Dataset") -> list[str]:
     """The observables and expressions that a dataset stores, in their order."""
-    stored = [name for name in OBSERVABLES if name in ds.data_vars]
+    stored = [name for name, row in OBSERVABLES.items() if name in ds.data_vars and not row.holds]
     return [*stored, *(str(name) for name in ds.data_vars if "expression" in ds[name].attrs)]
 
 

@@ -68,7 +68,7 @@ def local(
     if not found.solved:
         raise InputError(f"the case has no derivatives: {found.outcome}")
     seen = observe(solution, wanted, errors=True)
-    value, error = (np.array([float(seen[f"{name}{end}"]) for name in wanted]) for end in ("", "_error"))
+    value, error = (np.array([float(seen.get(f"{name}{end}", 0.0)) for name in wanted]) for end in ("", "_error"))
     ds = xr.Dataset(coords={"observable": wanted, "field": names}, attrs={"relative_error": float(found.error)})
     ds["derivative"] = ("observable", "field"), np.stack([found.observables[name] for name in wanted])
     ds["value"], ds["error"] = ("observable", value), ("observable", error)
