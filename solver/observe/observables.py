@@ -290,8 +290,8 @@ class Observable:
 
     compute: the values (B,), with their errors if `Quantity.estimated`. measured: what `Reading` measures for it; what
     is measured over the middle third alone has "middle" before it. undefined: where it has no value although the case
-    is solved, in words; "" if nowhere. needs: the field of the rod without which it does not exist. holds: whether it is
-    a load or a moment that holds an end, which is computed only where it is asked for by name.
+    is solved, in words; "" if nowhere. needs: the field of the rod without which it does not exist. holds: whether it
+    is a load or a moment that holds an end, which is computed only where it is asked for by name.
     """
 
     compute: Callable[[Reading], Any]

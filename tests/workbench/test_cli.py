@@ -209,7 +209,15 @@ REFUSED = {
     ),
     "half a rod by its ends": (
         ["solve", "--E", "1e4", "--nu", "0.3", "--a", "1", "--R", "2", "--beta0", "0"],
-        "an ends problem also needs L and betaL; --table1 takes the rod of Table 1",
+        "an ends problem also needs L and betaL (or M1L); --table1 takes the rod of Table 1",
+    ),
+    "a held height without the far angle": (
+        ["solve", *"--E 1e4 --nu 0.3 --a 0.25 --L 5 --R 0.75 --beta0 20deg --height 4".split()],
+        "an ends problem also needs betaL (or M1L); --table1",
+    ),
+    "half of two sections": (
+        ["solve", *"--EI 3 --E 1e4 --a 0.25 --L 5 --R 0.75 --beta0 0.1 --betaL 0.2".split()],
+        "Rod has one section: give E and nu (and inner_radius for a tube), or EI and GJ; got E=10000.0, EI=3.0",
     ),
     "one load without a rod": (["solve", "--F3", "3"], "also needs E, nu, a, L, R, beta, dbeta and one of"),
     "a start and an end": (

@@ -129,7 +129,7 @@ def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(
 
 def test_units_go_with_a_whole_rod_of_ones_own(capsys) -> None:
     status, said = run(capsys, "--length-unit", "mm", "--a", "2.5", "--R", "7.5")
-    assert (status, said) == (2, "workbench: an ends problem also needs E, nu, L, beta0 and betaL\n")
+    assert (status, said) == (2, "workbench: an ends problem also needs E, nu, L, beta0 (or M10) and betaL (or M1L)\n")
     whole = ("--E", 107, "--nu", 0.25, "--a", 2.5, "--R", 7.5, "--L", 200, "--beta0", "30deg", "--betaL", "45deg")
     status, said = run(capsys, "--force-unit", "stone", *whole)
     assert status == 2

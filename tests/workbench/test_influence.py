@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 
 from solver import Case, Cylinder, InputError, Rod, Start, observe, solve
+from solver.observe.observables import OBSERVABLES
 from studies import load
 from studies.loader import loads
 from studies.samples import METHODS
@@ -66,7 +67,7 @@ def stored(tmp_path_factory: Any) -> Path:
 
 def test_an_elasticity_is_the_change_in_percent_for_one_percent() -> None:
     table = local(solve(TABLE))
-    assert list(table["observable"].values) == list(REAL)
+    assert list(table["observable"].values) == [name for name in REAL if not OBSERVABLES[name].holds]
     wider = solve(Case(TABLE.rod, Cylinder(0.75 * 1.0001), TABLE.given), tol=1e-12)
     narrower = solve(Case(TABLE.rod, Cylinder(0.75 * 0.9999), TABLE.given), tol=1e-12)
     for name in ("height", "kappa_max", "push_min", "energy", "pitch"):

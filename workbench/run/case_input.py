@@ -192,10 +192,13 @@ def _problem(values: Mapping[str, Any]) -> type:
 
 
 def _check_complete(problem: type, known: list[Field[Any]], values: Mapping[str, Any], advice: str) -> None:
-    missing = lacking([f.name for f in fields(Rod) if f.name in values])
+    section = {f.name: values[f.name] for f in fields(Rod) if f.name in values}
+    if set(OF_MODULUS) & set(section) and set(DIRECT) & set(section):
+        from_fields(Rod, section)  # which refuses two sections
+    missing = lacking(section)
     missing += [f.name for f in known if f.default is MISSING and f.name not in values]
     if problem is Ends:
-        missing += [own for own, partner in PAIRS[:2] if own not in values and partner not in values]
+        missing += [f"{own} (or {other})" for own, other in PAIRS[:2] if own not in values and other not in values]
     if problem is Start and not any(name in values for name in TWISTS):
         missing.append(f"one of {choices(TWISTS)}")
     if missing:
