@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from .branch import Branch, BranchEnd, BranchPoint, SpecialPoint
 from .numerics.arrays import Array
-from .problem.case import Case, Ends
+from .problem.case import PAIRS, Case, Ends
 from .problem.case_fields import unchecked_with_field, value_of, with_field
 from .problem.errors import InputError, choices, no_such
 from .problem.field_rates import fields_of
@@ -41,7 +41,9 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
         The largest number of points in each direction.
     **field : float or array
         One numeric field of the rod, the cylinder or the ends, with the value or the values that the branch should
-        pass: ``FZ=-300.0``, ``L=[10, 20, 40]``. Angles in rad.
+        pass: ``FZ=-300.0``, ``L=[10, 20, 40]``. Angles in rad. A displacement or an end moment that the case does not
+        hold is held from then on, in place of its partner: under ``height=4.0`` FZ is found. Likewise a load or an end
+        angle in place of what is held.
 
     Returns
     -------
@@ -64,9 +66,12 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     (-4.0, 'the end of the range')
     """
     from .boundary.branch_states import Bounds
+    from .boundary.exchanged_ends import exchanged
 
     case, path, begun = _equilibrium(solution)
     name, wanted = _field_and_values(case, field)
+    if name not in fields_of(case):
+        case = exchanged(case, begun, path, name)
     if points < 1:
         raise InputError(f"points must be a whole number of at least 1, got {points!r}")
     own = value_of(case, name)
@@ -109,7 +114,7 @@ def _equilibrium(solution: object) -> tuple[Case, "Path", EndsProblem]:
 
 
 def _field_and_values(case: Case, field: dict[str, ArrayLike]) -> tuple[str, Array]:
-    known = fields_of(case)
+    known = (*fields_of(case), *(name for pair in PAIRS for name in pair if getattr(case.given, name) is None))
     if len(field) != 1:
         got = choices(field) or "none"
         raise InputError(f"follow takes one field with its values, got {got}; choose from {choices(known)}")

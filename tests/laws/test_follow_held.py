@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from solver import Case, Ends, Solution, equilibria, follow, solve
+from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
 from tests.cases import TABLE_1
 
 END = "the end of the range"
@@ -79,3 +79,35 @@ def test_all_equilibria_of_table_1_are_followed_under_a_falling_height() -> None
         for point in branch.points[::25]:
             assert point.solution.solved
             assert point.solution.z[-1] == pytest.approx(point.value, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    "name, value, partner, own",
+    [
+        ("height", 4.0, "FZ", -8.66),
+        ("azimuth", 1.9, "MZ", 0.0),
+        ("rotation", -1.5, "M3", 0.0),
+        ("M10", 0.0, "beta0", 0.5),
+        ("M1L", 5.0, "betaL", 0.8),
+    ],
+)
+def test_an_end_is_held_from_the_solution_on_and_its_load_found_again(
+    name: str, value: float, partner: str, own: float
+) -> None:
+    """There with a displacement or a moment held in place of its partner, and back with the partner given again."""
+    dead = solve(Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75), Ends(0.5, 0.8, FZ=-8.66)), tol=1e-11)
+    there = follow(dead, **{name: value})
+    assert (there.field, there.end.reason) == (name, END)
+    assert there.points[-1].solution.held == (name,)
+    assert there.values[0] == pytest.approx((displacements(dead) | moments(dead))[name], abs=1e-9)
+    same = solve(there.points[-1].case, seed=dead)
+    assert float(same.reactions[partner]) == pytest.approx(
+        float(there.points[-1].solution.reactions[partner]), rel=1e-9
+    )
+    back = follow(there.points[-1].solution, **{partner: own})
+    assert not back.points[-1].solution.held
+    np.testing.assert_allclose(back.points[-1].solution.beta, dead.beta, atol=1e-10)
+
+
+def moments(solution: Solution) -> dict[str, float]:
+    return {"M10": float(solution.M1[0]), "M1L": float(solution.M1[-1])}
