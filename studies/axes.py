@@ -168,8 +168,10 @@ class Which(BaseModel):
 
 
 class Axis(BaseModel):
-    """The values of one axis: a list, or from, to and count; for betaL alone also a limit up to which it is followed.
+    """The values of one axis: a list, or from, to and count.
 
+    follow: whether each case continues the equilibrium of the one before it. Over a start problem the axis begins at
+    the value of the base case and has no from (`followed_axis`).
     unit: "deg" for an angle in degrees; default: the unit of the study. Values are used and stored in rad. (`Study`
     also accepts angles as text.)
     """
@@ -190,7 +192,7 @@ class Axis(BaseModel):
     def _one_way(self) -> "Axis":
         ways = "give values, or from, to and count"
         if self.values is not None:
-            also = [k for k in ("from", "to", "count", "spacing", "follow") if k in self._said()]
+            also = [k for k in ("from", "to", "count", "spacing") if k in self._said()]
             if also:
                 raise Misplaced(f"values and {also[0]} exclude each other: {ways}", also[0])
             if not self.values:
@@ -199,8 +201,6 @@ class Axis(BaseModel):
                 twice = Counter(self.values).most_common(1)[0][0]
                 raise Misplaced(f"the value {twice!r} is given twice", "values")
             return self
-        if self.follow and "from" in self._said():
-            raise Misplaced("a followed axis starts at the value of the base case: leave out from", "from")
         needed = ("to", "count") if self.follow else ("from", "to", "count")
         missing = [key for key in needed if key not in self._said()]
         if missing:
@@ -216,7 +216,7 @@ class Axis(BaseModel):
         assert self.count is not None
         if self.count < 1:
             raise Misplaced(f"the axis is empty: count must be at least 1, got {self.count}", "count")
-        if self.follow or self.from_ is None:
+        if self.from_ is None:
             return
         if (self.count == 1) != (self.from_ == self.to):
             ends = f"from {self.from_:g} to {self.to:g}"
@@ -258,6 +258,11 @@ class Axis(BaseModel):
             space = np.geomspace if self.spacing == "geometric" else np.linspace
             values = space(self.from_, self.to, self.size)
         return np.deg2rad(values) if self.unit == "deg" else values
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the axis has no first value: it begins at that of the base case."""
+        return self.values is None and self.from_ is None
 
     @property
     def limit(self) -> float:

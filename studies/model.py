@@ -18,7 +18,7 @@ from solver.problem.rod import DIRECT
 from solver.problem.tolerance import DEFAULT_TOLERANCE
 
 from . import axes as parts
-from . import expressions, paired, refine
+from . import expressions, followed_axis, paired, refine
 from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Misplaced, Units, Which
 from .dimensions import SAMPLE, Dimension, Dimensions
 from .law import Law
@@ -97,10 +97,11 @@ class Study(BaseModel):
     @field_validator("axes", mode="before")
     @classmethod
     def _angles_of_axes(cls, axes: Any) -> Any:
-        """The axes with angles given as text in rad; other errors are found later."""
+        """The axes with angles given as text in rad, a followed one last; other errors are found later."""
         if not isinstance(axes, dict):
             return axes
-        return {n: _read_axis(n, a) if isinstance(a, dict) and parts.is_angle(n) else a for n, a in axes.items()}
+        last = sorted(axes.items(), key=lambda one: isinstance(one[1], dict) and one[1].get("follow") is True)
+        return {n: _read_axis(n, a) if isinstance(a, dict) and parts.is_angle(n) else a for n, a in last}
 
     @field_validator("sample", mode="before")
     @classmethod
@@ -135,14 +136,12 @@ class Study(BaseModel):
     @model_validator(mode="after")
     def _axes_fit(self) -> "Study":
         numeric = [name for name in self.fields if name not in parts.WORDS]
+        followed_axis.check(self)
         for name, axis in self.axes.items():
             if name in self.base.given:
                 raise Misplaced(f"{name} is given in base and as an axis: remove one of them", "axes", name)
             if name not in numeric and not (axis.follow and name == "betaL"):
                 raise Misplaced(f"no axis {name!r}; choose from {choices(numeric)}", "axes", name)
-            if axis.follow and (name != "betaL" or len(self.axes) > 1 or self.kind is Ends):
-                why = "follow needs betaL as the only axis, and a start problem as the base case"
-                raise Misplaced(why, "axes", name, "follow")
             self._check_unit(axis, "axes", name)
             if axis.size > parts.MAX_COUNT:
                 raise Misplaced(f"{axis.size} values, more than the limit of {parts.MAX_COUNT}", "axes", name)
@@ -274,8 +273,13 @@ class Study(BaseModel):
 
     @property
     def follow(self) -> Axis | None:
-        """The axis along which an equilibrium is followed, or None."""
-        return next((axis for axis in self.axes.values() if axis.follow), None)
+        """The axis along which the equilibrium of a start problem is followed, or None."""
+        return next((axis for axis in self.axes.values() if axis.follow and axis.is_open), None)
+
+    @property
+    def followed(self) -> str | None:
+        """The name of the axis along which equilibria are followed, or None."""
+        return next((name for name, axis in self.axes.items() if axis.follow), None)
 
     @property
     def sweeps(self) -> bool:
@@ -380,12 +384,12 @@ class Study(BaseModel):
         return self.model_copy(update={"refine": None}).with_samples(None) if self.refine else self
 
     def dimensions(self) -> Dimensions:
-        """The samples, and each axis that is not followed."""
-        axes = {name: axis.numbers() for name, axis in self.grid.items() if not axis.follow}
+        """The samples, and each axis that is not followed from a start problem."""
+        axes = {name: axis.numbers() for name, axis in self.grid.items() if axis is not self.follow}
         return Dimensions.of(axes, self.samples)
 
     def coordinates(self) -> dict[str, NDArray[np.float64]]:
-        """The values of each field that varies and is not followed, angles in rad."""
+        """The values of each field that varies and is not followed from a start problem, angles in rad."""
         return self.dimensions().fields
 
     def meaning(self, field: str) -> str:

@@ -98,8 +98,9 @@ def check(study: "Study") -> None:
             raise Misplaced(f"no {what} {name!r}{near(name, numeric)}; choose from {choices(numeric)}{more}", *where)
     if not study.sampled:
         return
-    if study.follow is not None:
-        raise Misplaced(f"a followed axis excludes {table}: it is solved for one base case", "axes", "betaL", "follow")
+    if study.followed is not None:
+        why = f"a followed axis excludes {table}: it is solved for one base case"
+        raise Misplaced(why, "axes", study.followed, "follow")
     if study.axes and study.kind is Ends:
         why = f"the cases of an ends problem continue from neighbours along an axis, which those of {table} have not"
         raise Misplaced(f"{why}: give {choices(study.axes)} in {table} too, or remove {table}", "axes")

@@ -82,7 +82,7 @@ def check(study: "Study") -> None:
     if not 1 <= len(study.axes) <= 2:
         has = f"{len(study.axes)}: {choices(study.axes)}" if study.axes else "none"
         raise Misplaced(f"refine works along one axis or in the plane of two axes, and the study has {has}", "refine")
-    if study.follow is not None:
+    if study.followed is not None:
         raise Misplaced("a followed axis excludes refine: its cases continue from one another", "refine")
     for name, axis in study.axes.items():
         if axis.size < 2:

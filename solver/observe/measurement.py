@@ -218,7 +218,8 @@ class Reading:
                 coarse = _of_groups(groups, fewer, sign[some], error[some], goal)
                 dense = resolved(sol)[some]
                 for name, (value, doubt) in measured.items():
-                    measured[name] = value, np.where(dense, doubt + np.abs(value - coarse[name][0]), np.nan)
+                    with np.errstate(invalid="ignore"):  # of a case without a shape
+                        measured[name] = value, np.where(dense, doubt + np.abs(value - coarse[name][0]), np.nan)
             for name, pair in measured.items():
                 for whole, part in zip(found[name], pair, strict=True):
                     whole[some] = part

@@ -11,6 +11,7 @@ UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
 HEAD = 'title = "t"\nreading = "force-first/tension/paper"\n' + UNITS  # lines 1 to 5
 PLAIN = 'title = "t"\n' + UNITS  # lines 1 to 4
 ROD = "[base]\nE = 1e4\nnu = 0.25\na = 0.25\nL = 20.0\nR = 0.75\n"
+ENDS = ROD + "beta0 = 0.5\nbetaL = 0.5\n"
 
 
 def test_linear_geometric_and_listed_axes_give_their_values() -> None:
@@ -225,7 +226,35 @@ REFUSED = {
         "line 12: a study of Ends has no field 'F1'",
     ),
     "no room inside": (HEAD + "[base]\nR = 0.2\nside = 'inside'", "R must be larger than Rod.a = 0.25"),
-    "following another axis": (AXIS + "follow = true\nto = 60\ncount = 9", "follow needs betaL as the only axis"),
+    "following another axis": (
+        AXIS + "follow = true\nto = 60\ncount = 9",
+        "a start problem has only one solution at each",
+    ),
+    "following two axes": (
+        PLAIN + ENDS + "[axes.FZ]\nfollow = true\nfrom = 1\nto = 2\ncount = 3\n"
+        "[axes.MZ]\nfollow = true\nfrom = 1\nto = 2\ncount = 3",
+        "line 18: one axis may be followed, got FZ, MZ",
+    ),
+    "following text": (
+        PLAIN + ENDS + "[axes.side]\nfollow = true\nfrom = 1\nto = 2\ncount = 3",
+        "no axis 'side'; choose from",
+    ),
+    "following one value": (
+        PLAIN + ENDS + "[axes.FZ]\nfollow = true\nvalues = [1.0]",
+        "a followed axis needs at least 2 values, got 1",
+    ),
+    "following back and forth": (
+        PLAIN + ENDS + "[axes.FZ]\nfollow = true\nvalues = [1.0, 3.0, 2.0]",
+        "the values of a followed axis must rise or fall",
+    ),
+    "following from nowhere": (
+        PLAIN + ENDS + "[axes.FZ]\nfollow = true\nto = 2\ncount = 3",
+        "a followed axis over an ends problem begins at its first value: give FZ from, to and count, or values",
+    ),
+    "following a load from a start": (
+        HEAD + "[axes.FZ]\nfollow = true\nto = 2\ncount = 3",
+        "over a start problem, follow needs betaL as the only axis, got FZ",
+    ),
     "following from somewhere": (
         HEAD + "[axes.betaL]\nfollow = true\nfrom = 1\nto = 2\ncount = 9",
         "line 8: a followed axis starts at the value of the base case",

@@ -61,6 +61,7 @@ def _axis(field: str, axis: "Axis", unit: str) -> dict[str, Any]:
 def _range(axis: dict[str, Any]) -> str:
     """The range of an axis in words."""
     unit = "deg" if axis["unit"] == "deg" else ""
-    if axis["follow"]:
+    if axis["from"] is None:
         return f"{axis['axis']} followed to {axis['to']:g}{unit}"
-    return f"{axis['axis']} {axis['from']:g}..{axis['to']:g}{unit} ({axis['count']})"
+    how = " followed" if axis["follow"] else ""
+    return f"{axis['axis']}{how} {axis['from']:g}..{axis['to']:g}{unit} ({axis['count']})"

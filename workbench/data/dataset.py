@@ -177,6 +177,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": json.dumps(versions()),
         **{name: sentence for name, sentence in sampling.items() if sentence},
+        **({} if study.followed is None else {"followed": dimension(study.followed)}),
     }
 
 

@@ -23,8 +23,7 @@ from ..data import cautions
 from ..data.branch_numbers import NONE
 from ..data.schema import LOADS, Columns, inner_shape
 from .shards import encode
-from .sweep import State, walked
-from .sweep_order import Grid
+from .sweep import State, grid_of, walked
 from .sweep_solutions import shown
 
 _NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?")
@@ -71,7 +70,7 @@ def joined(parts: list[Columns]) -> Columns:
 def block_of(study: Study, part: Chunk) -> Columns:
     """The columns of one block."""
     if study.sweeps:
-        states = walked(study, Grid(part.shape), part.values, part.start, part.states)
+        states = walked(study, grid_of(study, part.shape), part.values, part.start, part.states)
         return joined([_columns_of(study, state) for state in states])
     case = study.case_of(part.values)
     sol = solve_one(case, study.equilibrium, study.tol, study.method, study.stations)

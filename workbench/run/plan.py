@@ -82,7 +82,8 @@ class Plan:
             if one.name == SAMPLE:
                 samples = Dimension(SAMPLE, first)
             else:
-                axes[one.name] = Axis.model_validate({"values": first[one.name].tolist()})
+                follow = one.name == self.study.followed
+                axes[one.name] = Axis.model_validate({"values": first[one.name].tolist(), "follow": follow})
         update = {"axes": axes, **dict.fromkeys(SOURCES), "refine": None, "laws": [], "observables": self.study.wanted}
         light = self.study.model_copy(update=update).with_samples(samples)
         light._text, light._part_of = "", None
@@ -151,7 +152,8 @@ def first_of(plan: Plan) -> str:
     which = plan.study.equilibrium
     if first.begun:
         return f"the first case, {at}: continued from {first.begun}"
-    how = first.selection or (f"taken: the one next to beta'(0) = {which.dbeta0:g}" if which else first.outcome)
+    named = which is not None and which.dbeta0 is not None and first.solved
+    how = first.selection or (f"taken: the one next to beta'(0) = {which.dbeta0:g}" if named else first.outcome)
     return f"the first case, {at}: {how}"
 
 

@@ -33,7 +33,7 @@ def recipe(plan: "Plan") -> dict[str, Any]:
         "order": list(plan.dimensions.names),
         "axes": {name: axis_line(values) for name, values in plan.dimensions.fields.items()},
         **({} if study.refine is None else {"refine": _refine_lines(study)}),
-        **({} if study.follow is None else {"follow": {"to": study.follow.limit, "count": study.follow.size}}),
+        **_follow_line(study),
         "stations": study.stations,
         "outputs": sorted(study.outputs),
         "observables": sorted(study.wanted),
@@ -95,6 +95,13 @@ def _digest(content: bytes) -> str:
 def axis_line(values: NDArray[np.float64]) -> str:
     """An axis in one line, with a digest of its values."""
     return f"{values.size} values {values[0]:g}..{values[-1]:g} ({_digest(values.tobytes())})"
+
+
+def _follow_line(study: Study) -> dict[str, Any]:
+    """The followed axis; of a start problem its limit and size, as the run finds its values."""
+    if study.follow is not None:
+        return {"follow": {"to": study.follow.limit, "count": study.follow.size}}
+    return {} if study.followed is None else {"follow": study.followed}
 
 
 def _refine_lines(study: Study) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from studies import Study
 from studies.axes import Which, is_angle
 
 from ..data.branch_numbers import NONE
+from .followed_case import followed_to
 from .sweep_order import Grid
 
 LOST = "unstable here, stable where its branch begins"
@@ -58,7 +59,7 @@ class Spine:
 
     @property
     def grid(self) -> Grid:
-        return Grid(tuple(values.size for values in self.coordinates.values()))
+        return grid_of(self.study, tuple(values.size for values in self.coordinates.values()))
 
     def first(self) -> State:
         """The state of the first case."""
@@ -98,7 +99,7 @@ class Spine:
         if parent is None or before is None:
             return begun(self.study, case)
         name = list(self.coordinates)[parent[1]]
-        return stepped(self.study, case, before, place, told(name, self._values(parent[0])[name]))
+        return stepped(self.study, case, before, place, name, self._values(parent[0])[name])
 
     def _values(self, place: int) -> dict[str, float]:
         cell = self.grid.cell(place)
@@ -118,6 +119,11 @@ class Spine:
         return any(place == entry for _, _, entry in grid.pieces(start, stop))
 
 
+def grid_of(study: Study, shape: tuple[int, ...]) -> Grid:
+    """The order of the cases of a study."""
+    return Grid(shape, study.followed is not None)
+
+
 def rule_of(which: Which | None) -> Choose:
     """The rule by which a study takes an equilibrium where a branch ends."""
     return NEAREST if which is None or which.rule is None else which.rule
@@ -131,17 +137,21 @@ def begun(study: Study, case: Case) -> State:
     return state_of(solve(case, tol=study.tol, stations=2, choose=rule_of(which)), 0)
 
 
-def stepped(study: Study, case: Case, before: State, place: int, neighbour: str) -> State:
+def stepped(study: Study, case: Case, before: State, place: int, name: str, neighbour: float) -> State:
     """The state of a case continued from its neighbour's, or on another branch where that one ends.
 
-    neighbour: its value of the axis, in words.
+    Along a followed axis it is on no other branch. name: the axis between the two. neighbour: its value there.
     """
+    if name == study.followed:
+        found = followed_to(before.solution, case, name, told(name, neighbour))
+        return state_of(found, before.branch, before.stable)
     if before.solved:
         continued = solve(case, tol=study.tol, stations=2, seed=before.solution)
         if continued.solved:
             return state_of(continued, before.branch, before.stable)
     taken = solve(case, tol=study.tol, stations=2, choose=rule_of(study.equilibrium))
-    why = f"another branch than at {neighbour}" if before.solved else f"taken anew, as none was found at {neighbour}"
+    at = told(name, neighbour)
+    why = f"another branch than at {at}" if before.solved else f"taken anew, as none was found at {at}"
     return state_of(taken, 1 + place, remark=why)
 
 
@@ -183,6 +193,6 @@ def walked(
                     found[place] = known[place]
                     continue
                 case = study.case_of({axis: row[place - start] for axis, row in values.items()})
-                neighbour = told(name, float(values[name][place - way - start]))
-                found[place] = stepped(study, case, found[place - way], place, neighbour)
+                neighbour = float(values[name][place - way - start])
+                found[place] = stepped(study, case, found[place - way], place, name, neighbour)
     return [found[start + i] for i in range(cases)]

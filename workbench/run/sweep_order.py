@@ -1,6 +1,6 @@
 """The order of a sweep: which case each case continues from, and where blocks begin. It depends on the grid alone.
 
-The first case is the middle of the grid. From it the cases continue along the first axis, from each of these along the
+The first case is the middle of the grid, along a followed axis the first value. From it the cases continue along the first axis, from each of these along the
 second, and so on: a tree in which each case is one step from the one it continues from.
 """
 
@@ -16,14 +16,17 @@ BLOCK_OF_ONE, BLOCK_OF_LONG = 8, 32  # cases a block: of a single line, and of l
 
 @dataclass(frozen=True)
 class Grid:
-    """The order of a sweep. shape: of the grid; places are counted along the axes, the last fastest."""
+    """The order of a sweep. shape: of the grid; places are counted along the axes, the last fastest. follows: whether
+    the last axis is followed, from its first value on."""
 
     shape: tuple[int, ...]
+    follows: bool = False
 
     @property
     def first(self) -> tuple[int, ...]:
-        """The cell that the others continue from: the middle."""
-        return tuple((n - 1) // 2 for n in self.shape)
+        """The cell that the others continue from: the middle, or the begin of a followed axis."""
+        middle = tuple((n - 1) // 2 for n in self.shape)
+        return (*middle[:-1], 0) if self.follows else middle
 
     def cell(self, place: int) -> tuple[int, ...]:
         return tuple(int(i) for i in np.unravel_index(place, self.shape))

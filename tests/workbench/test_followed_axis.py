@@ -1,0 +1,164 @@
+"""A followed axis over an ends problem: one branch, up to its fold; the same bits whoever solves it."""
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import workbench.accessor  # noqa: F401  (ds.rod)
+from solver import follow, solve
+from studies import Study
+from studies.loader import loads
+from workbench.run import block, in_memory
+from workbench.run.study_store import Options, run_to_file
+
+TEXT = """
+title = "A rod that snaps through"
+observables = ["height", "index"]
+outputs = ["beta"]
+stations = 21
+[units]
+length = "cm"
+force = "N"
+[base]
+E = {E}
+nu = 0.25
+a = 0.25
+{base}
+"""
+FALLING = "[axes.FZ]\nfollow = true\nfrom = 2.0\nto = -3.0\ncount = 11\n"
+FOLD = -0.967071594676  # of `follow`; both signs of height meet there
+
+
+def study(axes: str = FALLING, base: str = "R = 0.75\nL = 5.0\nbeta0 = 0.5\nbetaL = 0.5", E: str = "325.95") -> Study:
+    return loads(TEXT.format(base=base, E=E) + axes, "text", "snap")
+
+
+@cache
+def falling() -> xr.Dataset:
+    return in_memory.run(study())
+
+
+def test_the_cases_before_the_fold_are_one_branch_and_those_beyond_say_where_it_is() -> None:
+    ds = falling()
+    before = ds["FZ"].values > FOLD
+    np.testing.assert_array_equal(ds["solved"], before)
+    np.testing.assert_array_equal(ds["branch"], np.where(before, 0, -1))
+    assert set(ds["outcome"].values[before]) == {"solved"}
+    (said,) = set(ds["outcome"].values[~before])
+    assert said.startswith("failed: the followed branch ends in a fold at FZ = ")
+    assert float(said.rpartition(" = ")[2]) == pytest.approx(FOLD, abs=1e-9)
+    assert ds.attrs["followed"] == "FZ"
+    assert np.isnan(ds["height"].values[~before]).all()
+
+
+def test_without_following_the_same_cases_go_on_on_another_branch() -> None:
+    ds = in_memory.run(study(FALLING.replace("follow = true\n", "")))
+    assert ds["solved"].all()
+    assert (ds["branch"] != 0).any()
+    assert "followed" not in ds.attrs
+
+
+def test_each_case_is_a_point_of_the_branch_of_the_first() -> None:
+    ds = falling()
+    values = ds["FZ"].values[ds["solved"].values]
+    branch = follow(solve(study().case_of({"FZ": 2.0}), stations=21), FZ=[*values[1:], -3.0])
+    points = [branch.at(value)[0].solution.beta for value in values]
+    np.testing.assert_allclose(ds["beta"].values[: values.size], points, atol=1e-10)
+
+
+def test_a_rising_axis_begins_at_its_low_end_on_another_branch() -> None:
+    ds = in_memory.run(study(FALLING.replace("2.0", "0").replace("-3.0", "2.0").replace("= 0\n", "= -3.0\n")))
+    height = falling()["height"]
+    assert ds["FZ"].values[0] == -3.0
+    assert float(ds["height"][0]) < 0 < float(height[0])
+
+
+@pytest.mark.parametrize(
+    "axis, base",
+    [
+        ("E", "L = 5.0\nR = 0.75\nbeta0 = 0.5\nbetaL = 0.8\nFZ = -0.3\n"),
+        ("L", "R = 0.75\nbeta0 = 0.5\nbetaL = 0.8\nFZ = -0.3\n"),
+        ("R", "L = 5.0\nbeta0 = 0.5\nbetaL = 0.8\nFZ = -0.3\n"),
+        ("alpha", "L = 5.0\nR = 0.75\nbeta0 = 0.5\nbetaL = 0.8\nFZ = -0.3\n"),
+        ("height", "L = 5.0\nR = 0.75\nbeta0 = 0.5\nbetaL = 0.8\n"),
+        ("M1L", "L = 5.0\nR = 0.75\nbeta0 = 0.5\nheight = 4.2\n"),
+    ],
+)
+def test_any_numeric_axis_is_followed(axis: str, base: str) -> None:
+    values = {"E": (300.0, 280.0), "L": (5.0, 5.2), "R": (0.75, 0.7), "alpha": (0.0, 1.0), "height": (4.2, 4.0)}
+    first, last = values.get(axis, (0.1, 0.2))
+    base = base if axis == "E" else "E = 325.95\n" + base
+    text = TEXT.replace("E = {E}\n", "").format(base=base)
+    one = loads(f"{text}[axes.{axis}]\nfollow = true\nvalues = [{first}, {last}]\n", "text", "snap")
+    ds = in_memory.run(one)
+    assert ds["outcome"].values.tolist() == ["solved", "solved"]
+    from_first = solve(one.case_of({axis: last}), seed=solve(one.case_of({axis: first})), stations=21)
+    np.testing.assert_allclose(ds["beta"][1], from_first.beta, atol=1e-9)
+
+
+def test_a_followed_axis_comes_last_and_each_line_ends_at_its_own_fold() -> None:
+    axes = FALLING.replace("11", "6") + "[axes.E]\nvalues = [325.95, 651.9]\n"
+    ds = in_memory.run(two(axes))
+    assert ds["outcome"].dims == ("E", "FZ")
+    for E in (325.95, 651.9):
+        line = ds.sel(E=E)
+        np.testing.assert_array_equal(line["solved"], line["FZ"].values > FOLD * E / 325.95)  # loads scale with E
+
+
+def two(axes: str) -> Study:
+    base = "R = 0.75\nL = 5.0\nbeta0 = 0.5\nbetaL = 0.5"
+    return loads(TEXT.replace("E = {E}\n", "").format(base=base) + axes, "text", "snap")
+
+
+def test_a_first_case_without_an_equilibrium_leaves_the_axis_without_any() -> None:
+    ds = in_memory.run(study(FALLING.replace("11", "3") + "[equilibrium]\nindex = 9\n"))
+    said = ds["outcome"].values.tolist()
+    assert said[0].startswith("failed: none of the 1 equilibria found has index 9")
+    assert said[1:] == [f"failed: no equilibrium at FZ = {FZ}, from which the axis is followed" for FZ in ("2", "-0.5")]
+
+
+def bits(path: Path) -> dict[str, Any]:
+    with xr.open_dataset(path) as ds:
+        numbers = {name: ds[name].values.tobytes() for name in ds.variables if ds[name].dtype.kind in "if"}
+        return numbers | {"outcome": ds["outcome"].values.tolist()}
+
+
+def test_an_interrupted_run_goes_on_to_the_same_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    one, usual, count = study(), block.block_of, []
+
+    def interrupted(study_: Study, part: Any) -> Any:
+        count.append(part.start)
+        if len(count) == 2:
+            raise KeyboardInterrupt
+        return usual(study_, part)
+
+    run_to_file(one, tmp_path / "one.h5", Options(workers=1))
+    monkeypatch.setattr(block, "block_of", interrupted)
+    with pytest.raises(KeyboardInterrupt, match="8 of 11 cases are kept"):
+        run_to_file(one, tmp_path / "two.h5", Options(workers=1, chunk=8))
+    monkeypatch.setattr(block, "block_of", usual)
+    assert run_to_file(one, tmp_path / "two.h5", Options(workers=1)).solved == 3
+    assert bits(tmp_path / "one.h5") == bits(tmp_path / "two.h5")
+    with xr.open_dataset(tmp_path / "one.h5") as ds:
+        between = ds.rod.at(FZ=-0.6)
+        assert float(np.abs(between.beta - ds["beta"].sel(FZ=-0.5)).max()) < 0.1
+        assert not ds.rod.at(FZ=-2.9).solved
+
+
+@pytest.mark.slow
+def test_workers_and_lines_of_several_blocks_give_the_same_bits(tmp_path: Path) -> None:
+    axes = FALLING.replace("11", "41") + "[axes.E]\nvalues = [325.95, 651.9]\n"
+    for number, one in enumerate((study(FALLING.replace("11", "41")), two(axes))):
+        run_to_file(one, tmp_path / f"one{number}.h5", Options(workers=1))
+        run_to_file(one, tmp_path / f"two{number}.h5", Options(workers=2, chunk=1))
+        assert bits(tmp_path / f"one{number}.h5") == bits(tmp_path / f"two{number}.h5")
+
+
+def test_a_study_that_is_no_longer_followed_is_another_study(tmp_path: Path) -> None:
+    run_to_file(study(FALLING.replace("11", "3")), tmp_path / "one.h5", Options(workers=1))
+    other = study(FALLING.replace("11", "3").replace("follow = true\n", ""))
+    assert run_to_file(other, tmp_path / "one.h5", Options(workers=1)).solved == 3
