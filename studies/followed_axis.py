@@ -27,10 +27,8 @@ def check(study: "Study") -> None:
 
 def _check_of_ends(name: str, axis: Axis) -> None:
     if axis.is_open:
-        why = (
-            f"a followed axis over an ends problem begins at its first value: give {name} from, to and count, or values"
-        )
-        raise Misplaced(why, "axes", name)
+        give = f"give {name} from, to and count, or values"
+        raise Misplaced(f"a followed axis over an ends problem begins at its first value: {give}", "axes", name)
     if axis.size < 2:
         raise Misplaced(f"a followed axis needs at least 2 values, got {axis.size}", "axes", name)
     steps = np.diff(axis.values) if axis.values is not None else np.ones(1)

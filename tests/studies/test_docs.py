@@ -20,7 +20,7 @@ WHOLE = [example for example in EXAMPLES if "title" in example]
 
 
 def test_there_are_examples() -> None:
-    assert len(WHOLE) == 4
+    assert len(WHOLE) == 5
     assert len(EXAMPLES) == 5
 
 

@@ -226,14 +226,15 @@ REFUSED = {
         "line 12: a study of Ends has no field 'F1'",
     ),
     "no room inside": (HEAD + "[base]\nR = 0.2\nside = 'inside'", "R must be larger than Rod.a = 0.25"),
-    "following another axis": (
-        AXIS + "follow = true\nto = 60\ncount = 9",
-        "a start problem has only one solution at each",
+    "following another axis": (AXIS + "follow = true\nto = 60\ncount = 9", "follow needs betaL as the only axis"),
+    "following a field of the start": (
+        HEAD + "[axes.F1]\nfollow = true\nto = 60\ncount = 9",
+        "a start problem has only one solution at each F1, which is not followed: remove follow",
     ),
     "following two axes": (
         PLAIN + ENDS + "[axes.FZ]\nfollow = true\nfrom = 1\nto = 2\ncount = 3\n"
         "[axes.MZ]\nfollow = true\nfrom = 1\nto = 2\ncount = 3",
-        "line 18: one axis may be followed, got FZ, MZ",
+        "line 19: one axis may be followed, got FZ, MZ",
     ),
     "following text": (
         PLAIN + ENDS + "[axes.side]\nfollow = true\nfrom = 1\nto = 2\ncount = 3",

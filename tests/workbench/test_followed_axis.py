@@ -71,7 +71,7 @@ def test_each_case_is_a_point_of_the_branch_of_the_first() -> None:
 
 
 def test_a_rising_axis_begins_at_its_low_end_on_another_branch() -> None:
-    ds = in_memory.run(study(FALLING.replace("2.0", "0").replace("-3.0", "2.0").replace("= 0\n", "= -3.0\n")))
+    ds = in_memory.run(study("[axes.FZ]\nfollow = true\nfrom = -3.0\nto = 2.0\ncount = 11\n"))
     height = falling()["height"]
     assert ds["FZ"].values[0] == -3.0
     assert float(ds["height"][0]) < 0 < float(height[0])

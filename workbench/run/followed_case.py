@@ -19,12 +19,8 @@ def followed_to(before: Solution, case: Case, field: str, neighbour: str) -> Sol
     """
     if not before.solved:
         said = str(before.outcome)
-        why = (
-            said
-            if said.startswith(BEYOND)
-            else f"failed: no equilibrium at {neighbour}, from which the axis is followed"
-        )
-        return _unsolved(before, case, why)
+        first = f"failed: no equilibrium at {neighbour}, from which the axis is followed"
+        return _unsolved(before, case, said if said.startswith(BEYOND) else first)
     name = quantity_of(field).name
     value = value_of(case, name)
     try:

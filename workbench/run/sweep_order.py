@@ -1,7 +1,8 @@
 """The order of a sweep: which case each case continues from, and where blocks begin. It depends on the grid alone.
 
-The first case is the middle of the grid, along a followed axis the first value. From it the cases continue along the first axis, from each of these along the
-second, and so on: a tree in which each case is one step from the one it continues from.
+The first case is the middle of the grid, along a followed axis the first value. From it the cases continue along the
+first axis, from each of these along the second, and so on: a tree in which each case is one step from the one it
+continues from.
 """
 
 import math
