@@ -21,7 +21,7 @@ WHOLE = [example for example in EXAMPLES if "title" in example]
 
 def test_there_are_examples() -> None:
     assert len(WHOLE) == 5
-    assert len(EXAMPLES) == 5
+    assert len(EXAMPLES) == 6
 
 
 @pytest.mark.parametrize("example", WHOLE, ids=lambda text: text.splitlines()[0])
