@@ -12,6 +12,7 @@ from .problem.errors import InputError
 from .region_map import region_map
 from .solution import Solution
 from .solve import solve
+from .switch import switch
 
 __all__ = [
     "Branch",
@@ -32,4 +33,5 @@ __all__ = [
     "observe",
     "region_map",
     "solve",
+    "switch",
 ]

@@ -23,7 +23,7 @@ def helix_places(family: Family, p: float, rises: bool, bounds: Bounds) -> tuple
     here = p
     while len(places) < bounds.most:
         halt = bounds.next(here, rises)
-        there = min(here + step, halt) if rises else max(here - step, halt)
+        there = bounds.snapped(min(here + step, halt) if rises else max(here - step, halt))
         place = family.place(there)
         if place is None or place.helix is None:
             return places, here

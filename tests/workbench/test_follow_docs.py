@@ -5,6 +5,7 @@ import shlex
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from workbench import cli
@@ -38,6 +39,10 @@ def test_the_python_of_the_page_follows_the_branch_through_its_snap() -> None:
     assert [round(value, 3) for value in folds] == [-0.279, -0.967] or [round(v, 3) for v in folds] == [-0.967, -0.279]
     assert names["branch"].end.reason == "the end of the range"
     assert names["ds"]["height"].dims == ("point",)
+    exec(blocks("python")[1], names)
+    assert names["euler"].value == pytest.approx(-((np.pi / 10) ** 2), rel=1e-9)
+    assert float(names["left"].dbeta[0]) == pytest.approx(-float(names["right"].dbeta[0]), rel=1e-9)
+    assert names["buckled"].end.reason == "the end of the range"
 
 
 @pytest.mark.slow

@@ -1,0 +1,124 @@
+"""Go from one branch to another that crosses it: at a pitchfork, as where a straight pipe buckles."""
+
+import numpy as np
+
+from .branch import FOLD, Branch, SpecialPoint
+from .equilibria import equilibria
+from .follow import follow
+from .numerics.arrays import Array
+from .problem.case_fields import with_field
+from .problem.errors import InputError, choices
+from .problem.held_ends import held_of
+from .solution import Solution
+
+_BESIDE = (1e-3, 1e-4, 1e-2)  # of the range of the branch: distances from the special point, tried in this order
+_MEETS = 1e-6  # of the same: two special points are one
+_WAY = 0.1  # of the same: how far beyond the point a branch is followed that may lead through it
+_OWN = 1e-6  # rad: two shapes are one
+_POINTS = 100  # of such a branch
+_MOST = 4  # equilibria that are tried, those with the nearest shape
+
+
+def switch(branch: Branch, special: SpecialPoint) -> tuple[Solution, ...]:
+    """The equilibria of the branch that crosses another one at a pitchfork or branch point, next to that point.
+
+    They are found among all equilibria at a value next to the special point: those that are not on the branch itself,
+    and whose own branch leads through the same point. At a pitchfork from a symmetric branch, as where a straight pipe
+    buckles, they are two mirror images. `follow` goes on from each.
+
+    Parameters
+    ----------
+    branch : Branch
+        A branch under dead loads.
+    special : SpecialPoint
+        One of `branch.special`, of the kind "pitchfork" or "branch point".
+
+    Returns
+    -------
+    tuple of Solution
+        In the order of the value of the field, and of beta'(0).
+
+    Raises
+    ------
+    InputError
+        For a special point of another branch, a fold, held ends, and where no crossing branch is found.
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Ends, Rod, follow, solve, switch
+    >>> pipe = Case(Rod(EI=1.0, GJ=0.8, a=0.01, L=10.0), Cylinder(R=0.99), Ends(beta0=0.0, betaL=0.0, FZ=1.0))
+    >>> straight = follow(solve(pipe), FZ=-0.2)
+    >>> euler = straight.special[0]
+    >>> [round(float(one.dbeta[0]), 4) for one in switch(straight, euler)]
+    [-0.0089, 0.0089]
+    """
+    _check(branch, special)
+    reach = float(np.ptp(branch.values))
+    for share in _BESIDE:
+        found = [
+            one for side in (-1, 1) for one in _crossing(branch, special, special.value + side * share * reach, reach)
+        ]
+        if found:
+            return tuple(found)
+    at = f"{branch.field} = {special.value:.10g}"
+    raise InputError(f"no branch that crosses at {at} was found within {max(_BESIDE):g} of the range on either side")
+
+
+def _check(branch: Branch, special: SpecialPoint) -> None:
+    """Raise `InputError` unless another branch crosses at the point."""
+    if special not in branch.special:
+        raise InputError(f"switch takes one of the special points of the branch, got {special!r}")
+    if special.kind == FOLD:
+        raise InputError(f"no other branch crosses at the fold at {special.value:.10g}: follow passes it")
+    if held := held_of(branch.points[0].case):
+        raise InputError(f"switch takes a branch under dead loads, where all equilibria are known, got {choices(held)}")
+
+
+def _crossing(branch: Branch, special: SpecialPoint, value: float, reach: float) -> list[Solution]:
+    """The equilibria at a value next to the special point that are on the branch that crosses there."""
+    point = branch.points[special.position]
+    stations = point.solution.t.shape[-1]
+    try:
+        every = equilibria(with_field(point.case, branch.field, value), point.solution.tol, stations)
+    except InputError:  # beyond the values that the field can have
+        return []
+    own = _own_shapes(branch, special, value)
+    others = [one.solution for one in every if all(np.abs(one.solution.beta - beta).max() > _OWN for beta in own)]
+    others.sort(key=lambda one: float(np.abs(one.beta - point.solution.beta).max()))
+    found = [one for one in others[:_MOST] if _leads_through(one, branch.field, special.value, value, reach)]
+    return sorted(found, key=lambda one: float(one.dbeta[0]))
+
+
+def _own_shapes(branch: Branch, special: SpecialPoint, value: float) -> list[Array]:
+    """beta of the branch itself at a value next to a special point, on both sides of it."""
+    shapes = []
+    for position in (special.position - 1, special.position + 1):
+        if not 0 <= position < len(branch):
+            continue
+        neighbour = branch.points[position]
+        if (neighbour.value - special.value) * (value - special.value) <= 0:
+            continue
+        if neighbour.value == value:
+            shapes.append(neighbour.solution.beta)
+            continue
+        way = follow(neighbour.solution, **{branch.field: value})
+        shapes += [one.solution.beta for one in way.points if one.value == value]
+    return shapes
+
+
+def _leads_through(one: Solution, field: str, at: float, value: float, reach: float) -> bool:
+    """Whether the branch of a solution at a value has a special point at another one; reach: the range of the field."""
+    beyond = at + np.sign(at - value) * _WAY * reach
+    try:
+        way = follow(one, points=_POINTS, **{field: beyond if _is_valid(one, field, beyond) else 2 * at - value})
+    except InputError:
+        return False
+    return any(there.kind != FOLD and abs(there.value - at) <= _MEETS * reach for there in way.special)
+
+
+def _is_valid(one: Solution, field: str, value: float) -> bool:
+    try:
+        with_field(one.case, field, value)
+    except InputError:
+        return False
+    return True
