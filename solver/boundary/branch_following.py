@@ -22,6 +22,9 @@ from .continuation_steps import Line, leapt
 from .equilibrium_curve import Family
 from .held_continuation import Stopped, carried, state_of
 from .held_curve import HeldFamily
+from .held_index import index_of
+from .held_system import LEFT
+from .held_system import State as HeldState
 from .helix_branch import CROSSING, PITCHFORK, helix_place, helix_places
 from .transit_times import height_scale
 
@@ -51,8 +54,10 @@ def followed(
 ) -> tuple[list[Place], Stop]:
     """The equilibria after the one at p, in order, and why there are no more."""
     if not path.helix or isinstance(family, HeldFamily):
-        begun = begun_at(family, path, p, rises)
-        return ([], Stop(begun, p)) if isinstance(begun, str) else _followed(begun, [], bounds)
+        helix = state_of(family.begun, path) if path.helix and isinstance(family, HeldFamily) else None
+        begun = begun_at(family, path, p, rises) if helix is None else _held_leap(helix, p, rises, family, bounds)
+        places = [] if helix is None or isinstance(begun, str) else [begun.recorded()]
+        return (places, Stop(begun, p)) if isinstance(begun, str) else _followed(begun, places, bounds)
     places, last = helix_places(family, p, rises, bounds)
     if last is None:
         ended = bool(places) and bounds.is_end(places[-1], 1.0 if rises else -1.0)
@@ -68,6 +73,11 @@ def own_place(family: Family | HeldFamily, path: Path, p: float) -> Place | str:
     place = family.place(p) if isinstance(family, Family) else None
     if path.helix and place is not None and place.helix is not None:
         return helix_place(place, p)
+    if path.helix and isinstance(family, HeldFamily):
+        given = family.given(p)
+        assert given is not None
+        index = index_of(state_of(family.begun, path), given)
+        return Place(p, path, family.begun, int(index) if np.isfinite(index) else None)
     begun = begun_at(family, path, p, True)
     return begun if isinstance(begun, str) else replace(begun.recorded(), p=p)
 
@@ -192,24 +202,28 @@ def _is_near_helix(state: State) -> bool:
     return 0 < abs(float(slope(problem, problem.beta0)[0])) < near * height_scale(problem)
 
 
-def _held_leap(state: State, family: HeldFamily, bounds: Bounds) -> State | None:
-    """The equilibrium beyond a helix, by the continuation of `held_continuation`."""
-    halt, rises = bounds.next(state.p, state.rises > 0), state.rises > 0
-    far = state.p + float(np.clip(halt - state.p, -_HELD_LEAP * family.scale, _HELD_LEAP * family.scale))
-    given, at = family.given(far), state.curve.at(state.node.w)
-    if given is None or at is None:
-        return None
-    found = carried(state_of(at[0].problem, at[1]), given)
+def _held_leap(here: HeldState, p: float, rises: bool, family: HeldFamily, bounds: Bounds) -> State | str:
+    """The equilibrium beyond a helix, or from it on, by the continuation of `held_continuation`."""
+    halt = bounds.next(p, rises)
+    far = p + float(np.clip(halt - p, -_HELD_LEAP * family.scale, _HELD_LEAP * family.scale))
+    given = family.given(far)
+    if given is None:
+        return LEFT
+    found = carried(here, given)
     if isinstance(found, Stopped):
-        return None
-    begun = begun_at(replace(family, begun=found.problem), found.path, far, rises)
-    return None if isinstance(begun, str) else begun
+        return found.reason
+    return begun_at(replace(family, begun=found.problem), found.path, far, rises)
 
 
 def _leap(state: State, bounds: Bounds) -> State | None:
     """The equilibrium a little farther on, with a close shape and the same Morse index."""
     if isinstance(state.curve.family, HeldFamily):
-        return _held_leap(state, state.curve.family, bounds) if _is_near_helix(state) else None
+        at = state.curve.at(state.node.w) if _is_near_helix(state) else None
+        if at is None:
+            return None
+        here = state_of(at[0].problem, at[1])
+        found = _held_leap(here, state.p, state.rises > 0, state.curve.family, bounds)
+        return None if isinstance(found, str) else found
     return _leap_from(state.curve.family, state.path(), state.p, state.rises > 0, bounds)
 
 

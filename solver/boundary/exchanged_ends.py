@@ -7,7 +7,7 @@ import numpy as np
 from ..problem.case import PAIRS, Case
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import Path
-from .orbit_rates import NUMBERS, orbit_numbers
+from .orbit_rates import NUMBERS, orbit_rates
 
 PARTNER = {name: other for pair in PAIRS for name, other in (pair, pair[::-1])}
 
@@ -18,8 +18,8 @@ def exchanged(case: Case, problem: EndsProblem, path: Path, name: str) -> Case:
     problem, path: the equilibrium under its dead loads.
     """
     rho, A = float(case.rho), float(case.rod.bending_stiffness)
-    found, length = orbit_numbers(problem, path)
-    number = dict(zip(NUMBERS, found.tolist(), strict=True))
+    rates = orbit_rates(problem, [path])
+    number, length = dict(zip(NUMBERS, rates.values[0].tolist(), strict=True)), float(rates.length[0])
     reach = float(case.rod.L)
     values = {
         "beta0": float(problem.beta0[0]),

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import LinePoint, Path, charts, coordinate
+from .held_helix import off_helix
 from .held_system import (
     DIVERGED,
     FREE,
@@ -29,7 +30,9 @@ _EASY = 1e-2  # length of a step above which only the best coordinate is tried
 _SMALL = 0.03  # size of a step
 _GOOD = 0.05  # size of the corrections of a good prediction, over that of the step
 _FAR = 0.1  # share of the line over which a helix is passed
+_SAME = 1e-12  # largest change of a number that leaves a helix as it is
 FOLD = "a fold of the problem with held ends"
+STILL = "the start is a helix, and the change does not bend its ends; give a bent seed"
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,13 @@ def carried(state: State, wanted: Given, most_steps: int = _MOST_STEPS) -> State
     """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion."""
     first, share, step = wanted.at(state), 0.0, 1.0
     reason, before = LEFT, (0.0, state)
+    if state.path.helix:
+        bent = off_helix(state, wanted)
+        if bent is None:
+            still = np.abs(first.values - wanted.values).max() <= _SAME and abs(first.span - wanted.span) <= _SAME
+            return state if still else Stopped(0.0, STILL, state)
+        state, share = bent
+        before = share, state
     for _ in range(most_steps):
         if share >= 1:
             return state

@@ -18,7 +18,7 @@ from .each_equilibrium import path_of_seed, together
 from .held_index import dead_index, index_of
 from .held_starts import Reached, from_seed, nearest_start
 from .held_system import FREE, Given, State, corrected, parts_of, values_of
-from .orbit_rates import varied_orbits
+from .orbit_rates import helix_change, varied_orbits
 from .path_orbits import orbit_of
 
 _SLOW = 1e-3  # beta_t at a start
@@ -96,13 +96,16 @@ def response_of(state: State, wanted: Given) -> float:
     change of beta_t at an end of the size that the loads make."""
     problem, path = state.problem, state.path
     with np.errstate(all="ignore"):
-        _, varied = varied_orbits(problem, [path], [LinePoint(problem)])
         lengths = [k for k, name in enumerate(wanted.names) if name not in FREE[2:]]
         unit = np.eye(5)[:, lengths] * [_pace(state) if wanted.names[k].startswith("d") else 1.0 for k in lengths]
         parts = parts_of(state.rates, wanted, unit, np.zeros(len(lengths)))
-        places = varied.at(problem.span[:, None] * np.linspace(0, 1, _STATIONS))
-        moves = changed(varied.start, places, parts[None, 0], parts[None, 1:].swapaxes(1, 2))
-        largest = float(np.abs(moves.beta).max())
+        t = problem.span[:, None] * np.linspace(0, 1, _STATIONS)
+        if path.helix:
+            moves = helix_change(problem, t).beta[0] @ parts
+        else:
+            _, varied = varied_orbits(problem, [path], [LinePoint(problem)])
+            moves = changed(varied.start, varied.at(t), parts[None, 0], parts[None, 1:].swapaxes(1, 2)).beta
+        largest = float(np.abs(moves).max())
     return max(1.0, largest) if np.isfinite(largest) else np.inf
 
 

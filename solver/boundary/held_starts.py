@@ -41,8 +41,6 @@ def from_seed(wanted: Given, problem: EndsProblem, path: Path | None) -> Reached
     """The equilibrium on the branch of a seed, an equilibrium of `problem`; or the outcome that says why not."""
     if path is None:
         return "failed: the seed is not a solution of its own ends problem"
-    if path.helix:
-        return "failed: the seed is a helix, from which no branch of bent rods is followed; give a bent seed"
     found = carried(state_of(problem, path), wanted)
     return told(found) if isinstance(found, Stopped) else Reached(found, SEED)
 

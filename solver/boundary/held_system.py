@@ -88,7 +88,7 @@ def rows_of(rates: OrbitRates, names: tuple[str, ...], ratio: float) -> tuple[Ar
 def answer(rates: OrbitRates, given: Given, values: Array, span: Array) -> Array:
     """The changes of the `NUMBERS` by changes of the given numbers (5, k) and of the length (k,), (11, k)."""
     parts = parts_of(rates, given, values, span)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", over="ignore"):
         return np.asarray(rates.rows[0] @ parts + rates.by_span[0][:, None] * span)
 
 

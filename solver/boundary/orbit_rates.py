@@ -171,21 +171,23 @@ def _of_orbits(problem: EndsProblem, paths: list[Path], places: list[LinePoint])
 
 
 def _of_helices(problem: EndsProblem) -> OrbitRates:
-    """Two parts of a change are those of beta(0) and beta_t(0), or about a saddle those of the two end angles."""
     far = problem.span[:, None]
-    steep = slope_rate(problem, problem.beta0) < 0
-    by_ends, by_start = (
-        [vars(way(problem, t)).values() for t in (0 * far, far)]
-        for way in (helix_variations.held, helix_variations.started)
-    )
-    here, there = (
-        Change(*(np.where(steep.reshape(-1, *[1] * (a.ndim - 1)), a, b) for a, b in zip(*pair, strict=True)))
-        for pair in zip(by_ends, by_start, strict=True)
-    )
+    here, there = (helix_change(problem, t) for t in (0 * far, far))
     s, c, none = np.sin(problem.beta0), np.cos(problem.beta0), np.zeros((2, problem.size))
     found = _assembled(problem, here, there, none, none, np.stack([s, s * c, c]) * problem.span)
     found.values[:, _Y], found.rows[:, _Y] = -np.inf, np.nan
     return found
+
+
+def helix_change(problem: EndsProblem, t: Array) -> Change:
+    """The changes of B helices at t (B, n) by their five parts.
+
+    Two parts are those of beta(0) and beta_t(0), or about a saddle those of the two end angles.
+    """
+    steep = slope_rate(problem, problem.beta0) < 0
+    by_ends, by_start = (vars(way(problem, t)).values() for way in (helix_variations.held, helix_variations.started))
+    pairs = zip(by_ends, by_start, strict=True)
+    return Change(*(np.where(steep.reshape(-1, *[1] * (a.ndim - 1)), a, b) for a, b in pairs))
 
 
 def _assembled(problem: EndsProblem, here: Change, there: Change, v: Array, H: Array, integrals: Array) -> OrbitRates:

@@ -121,6 +121,16 @@ def test_a_first_case_without_an_equilibrium_leaves_the_axis_without_any() -> No
     assert said[1:] == [f"failed: no equilibrium at FZ = {FZ}, from which the axis is followed" for FZ in ("2", "-0.5")]
 
 
+def test_a_buckled_pipe_ends_in_the_pitchfork_where_it_straightens() -> None:
+    base = "R = 0.99\nL = 10.0\nbeta0 = 0.0\nbetaL = 0.0"
+    text = TEXT.format(base=base, E=1.0).replace("E = 1.0\nnu = 0.25\na = 0.25", "EI = 1.0\nGJ = 0.8\na = 0.01")
+    ds = in_memory.run(loads(text + "[axes.FZ]\nfollow = true\nvalues = [-0.12, -0.11, -0.09]\n", "text", "pipe"))
+    said = ds["outcome"].values.tolist()
+    assert said[:2] == ["solved", "solved"]
+    assert said[2].startswith("failed: the followed branch turns back in a pitchfork at FZ = ")
+    assert float(said[2].rpartition(" = ")[2]) == pytest.approx(-((np.pi / 10) ** 2), rel=1e-9)
+
+
 def bits(path: Path) -> dict[str, Any]:
     with xr.open_dataset(path) as ds:
         numbers = {name: ds[name].values.tobytes() for name in ds.variables if ds[name].dtype.kind in "if"}

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from solver import Branch, Case, InputError, Solution, follow, solve
+from solver.boundary.branch_following import END
 from solver.branch import FOLD
 from solver.problem.case_fields import value_of
 from studies.axes import is_angle, quantity_of
@@ -40,10 +41,9 @@ def _ended(branch: Branch, value: float) -> str | None:
             return f"{BEYOND} ends in a fold at {_said(branch.field, one.value)}"
     if branch.values[-1] == value:
         return None
-    own = branch.values[0]
-    far = branch.values[int(np.abs(branch.values - own).argmax())]
-    if branch.end.reason == "the end of the range":  # back at its own value, without a fold
-        return f"{BEYOND} turns back at {_said(branch.field, float(far))}"
+    far = branch.values[int(np.abs(branch.values - branch.values[0]).argmax())]
+    if branch.end.reason == END:  # back at its own value, without a fold
+        return f"{BEYOND} turns back in a pitchfork at {_said(branch.field, float(far))}"
     return f"{BEYOND} stops at {_said(branch.field, branch.end.value)}: {branch.end.reason}"
 
 
