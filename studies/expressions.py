@@ -198,7 +198,7 @@ def _number(study: "Study", sol: Solution, name: str, given: Mapping[str, Any]) 
         return np.reshape(getattr(sol, name), -1).astype(float)
     if name in OF_CASE:
         return flat(getattr(case if name == "rho" else case.rod, name), case.shape)
-    if not study.reading or name == "betaL":
+    if not study.reading or name == study.followed:
         for part in (case.rod, case.cylinder, case.given):
             if getattr(part, name, None) is not None:
                 return flat(getattr(part, name), case.shape)

@@ -7,10 +7,12 @@ import numpy as np
 from solver import Start
 from solver.problem.errors import choices
 
-from .axes import START, Axis, Misplaced
+from .axes import CYLINDER, ROD, START, WORDS, Axis, Misplaced
 
 if TYPE_CHECKING:
     from .model import Study
+
+OF_ENDS = ("betaL", "FZ", "MZ", "M3")  # of the ends problem that a start problem solves
 
 
 def check(study: "Study") -> None:
@@ -37,13 +39,14 @@ def _check_of_ends(name: str, axis: Axis) -> None:
 
 
 def _check_of_a_start(study: "Study", name: str, axis: Axis) -> None:
-    if name in START and name != "M3":
+    known = [*OF_ENDS, *(() if study.reading else (one for one in (*ROD, *CYLINDER) if one in study.base.given))]
+    known = [one for one in known if one not in WORDS]
+    if name in START and name not in known:
         why = f"a start problem has only one solution at each {name}, which is not followed: remove follow"
         raise Misplaced(why, "axes", name, "follow")
-    if name != "betaL" or len(study.axes) > 1:
-        ends = "over an ends problem any axis can be followed: give the base beta0 and betaL"
-        why = f"over a start problem, follow needs betaL as the only axis, got {choices(study.axes)}; {ends}"
-        raise Misplaced(why, "axes", name, "follow")
+    if name not in known or len(study.axes) > 1:
+        why = f"over a start problem, follow needs one axis, of {choices(known)}, got {choices(study.axes)}"
+        raise Misplaced(f"{why}; give the base by its ends for others", "axes", name, "follow")
     if not axis.is_open:
         key = "values" if axis.values is not None else "from"
         raise Misplaced(f"a followed axis starts at the value of the base case: leave out {key}", "axes", name, key)

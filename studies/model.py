@@ -138,9 +138,9 @@ class Study(BaseModel):
         numeric = [name for name in self.fields if name not in parts.WORDS]
         followed_axis.check(self)
         for name, axis in self.axes.items():
-            if name in self.base.given:
+            if name in self.base.given and axis is not self.follow:
                 raise Misplaced(f"{name} is given in base and as an axis: remove one of them", "axes", name)
-            if name not in numeric and not (axis.follow and name == "betaL"):
+            if name not in numeric and axis is not self.follow:
                 raise Misplaced(f"no axis {name!r}; choose from {choices(numeric)}", "axes", name)
             self._check_unit(axis, "axes", name)
             if axis.size > parts.MAX_COUNT:

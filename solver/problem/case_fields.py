@@ -38,5 +38,11 @@ def _copied(value: Any, changes: dict[str, Any]) -> Any:
 
 
 def value_of(case: Case, name: str) -> float:
+    """The value of one numeric field of a single case."""
+    return float(values_of(case, name))
+
+
+def values_of(case: Case, name: str) -> Any:
+    """The value or the values of one numeric field, named as its quantity."""
     name = _FIELD.get(name, name)
-    return float(next(getattr(p, name) for p in (case.rod, case.cylinder, case.given) if hasattr(p, name)))
+    return next(getattr(p, name) for p in (case.rod, case.cylinder, case.given) if hasattr(p, name))

@@ -271,9 +271,9 @@ def test_two_equilibria_meet_at_a_fold_and_none_is_left_beyond_it() -> None:
 def test_the_index_changes_by_one_through_a_fold_and_nowhere_before_it() -> None:
     """Up the branch to the fold, and back down the other one that it turns into."""
     branch = fold()
-    for betaL, slope in zip(branch.betaL[:-1], branch.dbeta0[:-1], strict=True):
+    for betaL, slope in zip(branch.values[:-1], branch.dbeta0[:-1], strict=True):
         assert [one.index for one in nearest(at_end(betaL), slope, 1e-6)] == [6]
-    for betaL in (branch.betaL[-2], branch.fold - 1e-3, branch.fold - 1e-6):
+    for betaL in (branch.values[-2], branch.fold - 1e-3, branch.fold - 1e-6):
         two = sorted(nearest(at_end(betaL), branch.fold_dbeta0, 0.2), key=lambda one: one.dbeta0)
         assert [one.index for one in two] == [6, 5]
 

@@ -226,7 +226,10 @@ REFUSED = {
         "line 12: a study of Ends has no field 'F1'",
     ),
     "no room inside": (HEAD + "[base]\nR = 0.2\nside = 'inside'", "R must be larger than Rod.a = 0.25"),
-    "following another axis": (AXIS + "follow = true\nto = 60\ncount = 9", "follow needs betaL as the only axis"),
+    "following another axis": (
+        AXIS + "follow = true\nto = 60\ncount = 9",
+        "over a start problem, follow needs one axis, of betaL, FZ, MZ, M3, got E",
+    ),
     "following a field of the start": (
         HEAD + "[axes.F1]\nfollow = true\nto = 60\ncount = 9",
         "a start problem has only one solution at each F1, which is not followed: remove follow",
@@ -252,9 +255,9 @@ REFUSED = {
         PLAIN + ENDS + "[axes.FZ]\nfollow = true\nto = 2\ncount = 3",
         "a followed axis over an ends problem begins at its first value: give FZ from, to and count, or values",
     ),
-    "following a load from a start": (
-        HEAD + "[axes.FZ]\nfollow = true\nto = 2\ncount = 3",
-        "over a start problem, follow needs betaL as the only axis, got FZ",
+    "following two loads from a start": (
+        HEAD + "[axes.FZ]\nfollow = true\nto = 2\ncount = 3\n[axes.E]\nvalues = [1e4, 2e4]",
+        "over a start problem, follow needs one axis, of betaL, FZ, MZ, M3, got E, FZ",
     ),
     "following from somewhere": (
         HEAD + "[axes.betaL]\nfollow = true\nfrom = 1\nto = 2\ncount = 9",

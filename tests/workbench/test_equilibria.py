@@ -236,7 +236,7 @@ def test_the_papers_claim_is_not_contradicted_on_its_own_branch_and_fails_on_oth
     """Panel (4): turns do not fall (nor rise, as the sentence says) and kappa_mean rises with beta(L)."""
     rows = [row for row in branch_dataset.branches(swept) if row["values"] > 2]
     known = to_fold(load(DEFAULT).case(), np.deg2rad(60))
-    at = np.interp(0.0, known.betaL, known.dbeta0)
+    at = np.interp(0.0, known.values, known.dbeta0)
     own = int(swept["branch"].values[0, np.nanargmin(np.abs(swept["dbeta0"].values[0] - at))])
     assert rows[own]["turns not-falling"] == "qualified: not contradicted"
     assert rows[own]["kappa_mean rises"] == "holds"

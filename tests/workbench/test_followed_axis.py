@@ -131,6 +131,32 @@ def test_a_buckled_pipe_ends_in_the_pitchfork_where_it_straightens() -> None:
     assert float(said[2].rpartition(" = ")[2]) == pytest.approx(-((np.pi / 10) ** 2), rel=1e-9)
 
 
+START = "L = 8.0\nR = 0.75\nbeta = 0.5\ndbeta = 0.3\nF3 = 4.0\nM3 = 2.0"
+
+
+@pytest.mark.parametrize("axis, last", [("FZ", -6.0), ("FZ", 6.0), ("R", 0.9), ("E", 300.0), ("M3", 3.0)])
+def test_the_equilibrium_of_a_start_problem_is_followed_to_the_last_value_or_its_fold(axis: str, last: float) -> None:
+    one = loads(
+        TEXT.format(base=START, E="325.95") + f"[axes.{axis}]\nfollow = true\nto = {last}\ncount = 5\n", "text", "one"
+    )
+    ds = in_memory.run(one)
+    assert set(ds["outcome"].values) == {"solved"}
+    own = solve(one.case(), stations=21)
+    np.testing.assert_allclose(ds["beta"][0], own.beta, atol=1e-8)  # both tolerances are 1e-8
+    branch = follow(own, **{axis: last})
+    folds = [point.value for point in branch.special if point.kind == "fold"]
+    assert float(ds[axis][-1]) == pytest.approx(folds[0] if folds else last, rel=1e-9)
+    assert np.isnan(ds["fold"]) == (not folds)
+    assert ds["fold"].attrs["units"] == ds[axis].attrs["units"]
+    assert ds.attrs["followed"] == axis
+    assert ("has no fold before it" in ds.attrs["fold_note"]) == (not folds)
+    middle = float(ds[axis][:2].mean())
+    again = ds.rod.at(**{axis: middle})
+    assert again.solved
+    same = follow(own, **{axis: [middle, last]}).at(middle)[0].solution
+    np.testing.assert_allclose(again.beta, same.beta, atol=1e-7)
+
+
 def bits(path: Path) -> dict[str, Any]:
     with xr.open_dataset(path) as ds:
         numbers = {name: ds[name].values.tobytes() for name in ds.variables if ds[name].dtype.kind in "if"}

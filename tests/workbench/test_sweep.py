@@ -289,7 +289,7 @@ source = "made up"
     branch = to_fold(start, np.deg2rad(60.0))
     FZ, MZ, M3 = (float(load) for load in start.loads)
     middle = Case(start.rod, start.cylinder, Ends(start.given.beta, np.deg2rad(35.0), FZ, MZ, M3))
-    slope = float(np.interp(np.deg2rad(35.0), branch.betaL, branch.dbeta0))
+    slope = float(np.interp(np.deg2rad(35.0), branch.values, branch.dbeta0))
     own = solve(middle, seed=slope)
     energy = float(observe(own, ["energy"])["energy"])
     numbers = {"FZ": FZ, "MZ": MZ, "M3": M3, "dbeta0": float(own.dbeta[0]), "energy": energy}

@@ -72,12 +72,13 @@ def stored(study: Study, over: Dimensions) -> list[Stored]:
     return rows
 
 
-def make(study: Study, over: Dimensions, columns: Columns, first: str = "") -> xr.Dataset:
+def make(study: Study, over: Dimensions, columns: Columns, first: str = "", case: Case | None = None) -> xr.Dataset:
     """The dataset of a study as it was run, from its columns (`run.block.columns`) in the order of the grid.
 
     over: its samples and axes. first: how the equilibrium of a sweep's first case was taken.
+    case: the grid as one case, where the study does not know it.
     """
-    ds = frame(study, over, first)
+    ds = frame(study, over, first, case)
     for row in stored(study, over):
         values = columns[row.column]
         values = values.reshape((*over.shape, *values.shape[1:]))
@@ -85,11 +86,11 @@ def make(study: Study, over: Dimensions, columns: Columns, first: str = "") -> x
     return ds.assign_attrs(caution=cautions.sentence(ds))
 
 
-def frame(study: Study, over: Dimensions, first: str = "") -> xr.Dataset:
+def frame(study: Study, over: Dimensions, first: str = "", case: Case | None = None) -> xr.Dataset:
     """The dataset without the variables of each case: coordinates, fields of the case, attributes."""
     axes = tuple(map(dimension, over.names))
     units = study.unit_system
-    case = study.case() if study.follow else study.case_of(over.open())
+    case = study.case_of(over.open()) if case is None else case
     coords = _coordinates(study, over)
     data = {}
     for name in OF_THE_CASE:

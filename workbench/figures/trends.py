@@ -37,7 +37,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
         ax.plot(along[unsolved], np.zeros(unsolved.sum()), "x", color=style.VERDICT_COLOURS[FAILS], clip_on=False,
                 transform=ax.get_xaxis_transform(), label="unsolved")  # fmt: skip
     _scale(ax, ds, axis, along)
-    if "fold" in ds and axis == "betaL" and np.isfinite(ds["fold"]):
+    if "fold" in ds and axis == ds.attrs.get("followed") and np.isfinite(ds["fold"]):
         ax.axvline(float(np.degrees(ds["fold"])), color=style.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     ax.set_xlabel(style.wrapped(axis_label(ds, axis, others, long=False), ax))
     ax.set_ylabel(labels.label(ds[observable]))

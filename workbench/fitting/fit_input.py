@@ -47,7 +47,9 @@ def case_at(
         For a value that is not on its axis, a study that is followed, and an unknown or invalid field.
     """
     if study.follow is not None:
-        raise InputError(f"{study.name} follows one equilibrium along betaL: fit takes a study of single cases")
+        raise InputError(
+            f"{study.name} follows one equilibrium along {study.followed}: fit takes a study of single cases"
+        )
     over = study.dimensions()
     where = selection.case(ds, at)
     place = [where[schema.dimension(name)] for name in over.names]

@@ -100,7 +100,7 @@ def axis_line(values: NDArray[np.float64]) -> str:
 def _follow_line(study: Study) -> dict[str, Any]:
     """The followed axis; of a start problem its limit and size, as the run finds its values."""
     if study.follow is not None:
-        return {"follow": {"to": study.follow.limit, "count": study.follow.size}}
+        return {"follow": {"axis": study.followed, "to": study.follow.limit, "count": study.follow.size}}
     return {} if study.followed is None else {"follow": study.followed}
 
 

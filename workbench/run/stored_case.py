@@ -7,10 +7,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver import Case, Ends, Solution, Start, solve
+from solver import Case, Solution, solve
+from solver.end_angle_branch import own_ends
+from solver.problem.case_fields import values_of, with_field
 from solver.problem.errors import InputError, no_such
 from studies import Study
-from studies.axes import FIELDS, WORDS
+from studies.axes import FIELDS, WORDS, quantity_of
 from studies.dimensions import SAMPLE, Dimension
 from studies.loader import loads
 
@@ -45,10 +47,8 @@ def case_of(ds: xr.Dataset, study: Study, values: Mapping[str, float] | None = N
     placed: dict[str, Any] = {**_places(ds, study, values), **values}
     if study.follow is None:
         return study.case_of(placed)
-    base = study.case()
-    assert isinstance(base.given, Start)
-    given = Ends(base.given.beta, placed["betaL"], *base.loads, base.given.alpha, base.given.gamma)
-    return Case(base.rod, base.cylinder, given)
+    (field,) = study.varied
+    return with_field(own_ends(study.case()), quantity_of(field).name, placed[field])
 
 
 def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solution:
@@ -56,7 +56,7 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
 
     Raises `InputError` for a field that the study has not, or for more than `MOST_SOLVED` cases.
     """
-    fields = ["betaL"] if study.follow else [name for name in study.fields if name not in WORDS]
+    fields = [*study.varied] if study.follow else [name for name in study.fields if name not in WORDS]
     values = {field_of(study, name): value for name, value in values.items()}
     for name in values:
         if name not in fields:
@@ -72,7 +72,7 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
         return _swept(as_run, case, stations, _places(ds, study, values))
     if study.follow is None:
         return solve_one(case, study.equilibrium, tol, method, stations)
-    return solve(case, tol=tol, method=method, stations=stations, seed=_slope(ds, case))
+    return solve(case, tol=tol, method=method, stations=stations, seed=_slope(ds, study, case))
 
 
 def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -121,11 +121,15 @@ def _stations(ds: xr.Dataset, study: Study, case: Case) -> Any:
     return np.broadcast_to(np.asarray(case.rod.L), case.shape)[..., None] * u
 
 
-def _slope(ds: xr.Dataset, case: Case) -> Any:
+def _slope(ds: xr.Dataset, study: Study, case: Case) -> Any:
     """beta'(0) near that of the followed equilibrium, of the shape of the case. Raises `InputError` past the fold."""
-    assert isinstance(case.given, Ends)
-    wanted, fold = np.asarray(case.given.betaL), float(ds["fold"])
-    beyond = wanted > fold + SAME * abs(fold)  # never where there is no fold, as that is stored as NaN
+    (name,) = map(dimension, study.varied)
+    wanted, fold = np.broadcast_to(values_of(case, name), case.shape), float(ds["fold"])
+    values, slopes = np.atleast_1d(ds[name].values), np.atleast_1d(ds["dbeta0"].values)
+    rises = 1 if fold >= values.max() else -1  # the fold is the last value
+    beyond = rises * (wanted - fold) > SAME * abs(fold)  # never where there is no fold, as that is stored as NaN
     if beyond.any():
-        raise InputError(f"betaL = {wanted.max():.10g} lies beyond the fold at {fold:.10g}, where the equilibrium ends")
-    return np.interp(wanted, np.atleast_1d(ds["betaL"].values), np.atleast_1d(ds["dbeta0"].values))
+        far = wanted[beyond][np.abs(wanted[beyond] - fold).argmax()]
+        raise InputError(f"{name} = {far:.10g} lies beyond the fold at {fold:.10g}, where the equilibrium ends")
+    order = np.argsort(values)
+    return np.interp(wanted, values[order], slopes[order])
