@@ -1,6 +1,7 @@
 """The branch of the equilibrium of a start problem while one field of its ends problem changes, up to its fold."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -86,9 +87,11 @@ def to_fold(case: Case, limit: float, count: int = 9, field: str = "betaL") -> E
             raise InputError(
                 f"the rod itself already ends at beta(L) = {own:.6g} rad, beyond the limit of {limit:.6g} rad"
             )
-    fold = _fold(follow(solution, **{field: limit}), limit)
+    last: dict[str, Any] = {field: limit}
+    fold = _fold(follow(solution, **last), limit)
     wanted = np.linspace(own, limit if fold is None else fold, count)
-    branch = follow(solution, **{field: [*wanted[1:-1].tolist(), limit]})
+    every: dict[str, Any] = {field: [*wanted[1:-1].tolist(), limit]}
+    branch = follow(solution, **every)
     top = len(branch) - 1 if fold is None else next(one.position for one in branch.special if one.kind == FOLD)
     places = [
         next(i for i, point in enumerate(branch.points) if point.value == value) for value in wanted[:-1].tolist()

@@ -1,5 +1,7 @@
 """Go from one branch to another that crosses it: at a pitchfork, as where a straight pipe buckles."""
 
+from typing import Any
+
 import numpy as np
 
 from .branch import FOLD, Branch, SpecialPoint
@@ -101,7 +103,8 @@ def _own_shapes(branch: Branch, special: SpecialPoint, value: float) -> list[Arr
         if neighbour.value == value:
             shapes.append(neighbour.solution.beta)
             continue
-        way = follow(neighbour.solution, **{branch.field: value})
+        field: dict[str, Any] = {branch.field: value}
+        way = follow(neighbour.solution, **field)
         shapes += [one.solution.beta for one in way.points if one.value == value]
     return shapes
 
@@ -110,7 +113,8 @@ def _leads_through(one: Solution, field: str, at: float, value: float, reach: fl
     """Whether the branch of a solution at a value has a special point at another one; reach: the range of the field."""
     beyond = at + np.sign(at - value) * _WAY * reach
     try:
-        way = follow(one, points=_POINTS, **{field: beyond if _is_valid(one, field, beyond) else 2 * at - value})
+        last: dict[str, Any] = {field: beyond if _is_valid(one, field, beyond) else 2 * at - value}
+        way = follow(one, points=_POINTS, **last)
     except InputError:
         return False
     return any(there.kind != FOLD and abs(there.value - at) <= _MEETS * reach for there in way.special)

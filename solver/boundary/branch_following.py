@@ -53,11 +53,11 @@ def followed(
     family: Family | HeldFamily, path: Path, p: float, rises: bool, bounds: Bounds
 ) -> tuple[list[Place], Stop]:
     """The equilibria after the one at p, in order, and why there are no more."""
+    if isinstance(family, HeldFamily) and path.helix:
+        return _from_held_helix(family, path, p, rises, bounds)
     if not path.helix or isinstance(family, HeldFamily):
-        helix = state_of(family.begun, path) if path.helix and isinstance(family, HeldFamily) else None
-        begun = begun_at(family, path, p, rises) if helix is None else _held_leap(helix, p, rises, family, bounds)
-        places = [] if helix is None or isinstance(begun, str) else [begun.recorded()]
-        return (places, Stop(begun, p)) if isinstance(begun, str) else _followed(begun, places, bounds)
+        begun = begun_at(family, path, p, rises)
+        return ([], Stop(begun, p)) if isinstance(begun, str) else _followed(begun, [], bounds)
     places, last = helix_places(family, p, rises, bounds)
     if last is None:
         ended = bool(places) and bounds.is_end(places[-1], 1.0 if rises else -1.0)
@@ -66,6 +66,18 @@ def followed(
     if leap is None:
         return places, Stop("the rod is no helix beyond, and no equilibrium next to the helix was found", last)
     return _followed(leap, [*places, leap.recorded()], bounds)
+
+
+def _from_held_helix(family: HeldFamily, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
+    """The same from a helix under held ends, which bend it."""
+    begun = _held_leap(state_of(family.begun, path), p, rises, family, bounds, _LEAP)
+    if isinstance(begun, str):
+        return [], Stop(begun, p)
+    place = begun.recorded()
+    first = replace(place, p=bounds.snapped(place.p))
+    if bounds.is_end(first, 1.0 if rises else -1.0):
+        return [first], Stop(END, first.p)
+    return _followed(begun, [first], bounds)
 
 
 def own_place(family: Family | HeldFamily, path: Path, p: float) -> Place | str:
@@ -202,10 +214,14 @@ def _is_near_helix(state: State) -> bool:
     return 0 < abs(float(slope(problem, problem.beta0)[0])) < near * height_scale(problem)
 
 
-def _held_leap(here: HeldState, p: float, rises: bool, family: HeldFamily, bounds: Bounds) -> State | str:
-    """The equilibrium beyond a helix, or from it on, by the continuation of `held_continuation`."""
-    halt = bounds.next(p, rises)
-    far = p + float(np.clip(halt - p, -_HELD_LEAP * family.scale, _HELD_LEAP * family.scale))
+def _held_leap(
+    here: HeldState, p: float, rises: bool, family: HeldFamily, bounds: Bounds, share: float = _HELD_LEAP
+) -> State | str:
+    """The equilibrium beyond a helix, or from it on, by the continuation of `held_continuation`.
+
+    share: of p's scale, the longest way.
+    """
+    far = p + float(np.clip(bounds.next(p, rises) - p, -share * family.scale, share * family.scale))
     given = family.given(far)
     if given is None:
         return LEFT

@@ -189,6 +189,8 @@ def _changed(state: State, chart: Chart) -> State | None:
                     for c, point in ((chart, state.node.w), (one, beyond))
                 )
                 along = (there - w) / nudge
+                if not along.any():
+                    continue
                 along /= np.linalg.norm(along)
                 found = _corrected_state(curve, w, along)
                 if not isinstance(found, str) and found.node.tangent @ along < _PARALLEL:

@@ -65,6 +65,13 @@ def test_a_branch_under_held_ends_begins_at_a_helix() -> None:
         assert float(point.solution.z[-1]) == pytest.approx(value, abs=1e-9)
 
 
+def test_a_short_way_from_a_helix_ends_where_it_was_meant_to() -> None:
+    sol = helix("about a saddle")
+    branch = follow(sol, height=float(sol.z[-1]) + 1e-4)
+    assert branch.end.reason == "the end of the range"
+    assert branch.values[-1] == float(sol.z[-1]) + 1e-4
+
+
 def test_a_straight_rod_of_held_height_says_why_it_is_no_start() -> None:
     straight = solve(ends_in_units_of_rho(0.0, 0.0, -0.05, 8.0, 0.0, 0.0), choose="lowest")
     flat = next(one.solution for one in equilibria(straight.case) if np.abs(one.solution.beta).max() == 0)

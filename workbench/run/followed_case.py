@@ -1,6 +1,7 @@
 """A case on the branch of the one before it along a followed axis; where the branch does not reach it, it has none."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -24,8 +25,9 @@ def followed_to(before: Solution, case: Case, field: str, neighbour: str) -> Sol
         return _unsolved(before, case, said if said.startswith(BEYOND) else first)
     name = quantity_of(field).name
     value = value_of(case, name)
+    wanted: dict[str, Any] = {name: value}
     try:
-        branch = follow(before, **{name: value})
+        branch = follow(before, **wanted)
     except InputError as error:
         return _unsolved(before, case, f"{BEYOND} stops at {neighbour}: {error}")
     if (why := _ended(branch, value)) is not None:

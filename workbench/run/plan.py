@@ -152,8 +152,9 @@ def first_of(plan: Plan) -> str:
     which = plan.study.equilibrium
     if first.begun:
         return f"the first case, {at}: continued from {first.begun}"
-    named = which is not None and which.dbeta0 is not None and first.solved
-    how = first.selection or (f"taken: the one next to beta'(0) = {which.dbeta0:g}" if named else first.outcome)
+    slope = None if which is None else which.dbeta0
+    named = slope is not None and first.solved
+    how = first.selection or (f"taken: the one next to beta'(0) = {slope:g}" if named else first.outcome)
     return f"the first case, {at}: {how}"
 
 
