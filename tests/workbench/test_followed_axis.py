@@ -134,7 +134,14 @@ def test_a_buckled_pipe_ends_in_the_pitchfork_where_it_straightens() -> None:
 START = "L = 8.0\nR = 0.75\nbeta = 0.5\ndbeta = 0.3\nF3 = 4.0\nM3 = 2.0"
 
 
-@pytest.mark.parametrize("axis, last", [("FZ", -6.0), ("FZ", 6.0), ("R", 0.9), ("E", 300.0), ("M3", 3.0)])
+@pytest.mark.parametrize(
+    "axis, last",
+    [
+        ("FZ", -6.0),
+        ("R", 0.9),
+        *(pytest.param(*one, marks=pytest.mark.slow) for one in (("FZ", 6.0), ("E", 300.0), ("M3", 3.0))),
+    ],
+)
 def test_the_equilibrium_of_a_start_problem_is_followed_to_the_last_value_or_its_fold(axis: str, last: float) -> None:
     one = loads(
         TEXT.format(base=START, E="325.95") + f"[axes.{axis}]\nfollow = true\nto = {last}\ncount = 5\n", "text", "one"
@@ -163,6 +170,7 @@ def bits(path: Path) -> dict[str, Any]:
         return numbers | {"outcome": ds["outcome"].values.tolist()}
 
 
+@pytest.mark.slow  # `test_sweep` has the quick one: a followed axis goes the same way
 def test_an_interrupted_run_goes_on_to_the_same_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     one, usual, count = study(), block.block_of, []
 
