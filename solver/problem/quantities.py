@@ -1,6 +1,6 @@
 """Every quantity of the workbench, one row each: all labels and units come from this table.
 
-A dimension is a pair of exponents (length, force); the unit of an angle is ``rad``.
+A dimension is a pair of exponents (length, force); the unit of an angle is ``rad``; a ``text`` or flag has none.
 """
 
 from collections.abc import Mapping
@@ -126,7 +126,7 @@ _ROWS = (
     # how well it was solved
     Quantity("error", "error", _NUMBER, "estimated error of beta, and of alpha and z/rho over max(1, L/rho)"),
     Quantity("condition", "condition", _NUMBER, "growth of a change of the start along the rod"),
-    Quantity("solved", "solved", _NUMBER, "whether the case is solved"),
+    Quantity("solved", "solved", "text", "whether the case is solved"),
     Quantity("outcome", "outcome", "text", "solved, or why not"),
     Quantity(
         "caution", "caution", "text", "why the shape is not physically realisable, or what was not checked; empty: none"

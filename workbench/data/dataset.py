@@ -19,6 +19,7 @@ from studies.dimensions import SAMPLE, Dimensions
 from . import cautions
 from .schema import (
     COMPONENTS,
+    CONVENTIONS,
     FORMAT,
     INNER,
     LOADS,
@@ -162,6 +163,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "sampling_caution": paired.caution(study),
     }
     return {
+        "Conventions": CONVENTIONS,
         "format": FORMAT,
         "title": study.title,
         "study_name": study.name,

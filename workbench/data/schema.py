@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from studies import Study
 
 FORMAT = 2  # of the file; any other is refused
+CONVENTIONS = "CF-1.11"  # of units, names and missing values; every file says so
 
 Columns = dict[str, NDArray[Any]]  # name -> (cases, ...), as named in `Solution` and `OBSERVABLES`
 
@@ -83,9 +84,10 @@ def field_of(study: "Study", name: str) -> str:
 
 
 def labels(name: str, units: Mapping[str, str]) -> dict[str, str]:
-    """The attributes of a variable of that quantity: units, long_name, symbol."""
+    """The attributes of a variable of that quantity: units (not of texts and flags), long_name, symbol."""
     row = quantity(name)
-    return {"units": unit_of(name, units), "long_name": row.long_name, "symbol": row.symbol}
+    words = {"long_name": row.long_name, "symbol": row.symbol}
+    return words if row.dimension == "text" else {"units": unit_of(name, units), **words}
 
 
 def labels_in(study: "Study", name: str) -> dict[str, str]:

@@ -19,6 +19,7 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
     """
     path = Path(path)
     check_parent(path)
+    ds = ds.assign_attrs(Conventions=schema.CONVENTIONS)
     if not force:
         check_free(path, str(ds.attrs["study_name"]))
     return atomic.write(
@@ -91,6 +92,9 @@ def check_folder(folder: str | Path) -> Path:
 
 
 def encoding(ds: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """How each variable is packed."""
+    """How each variable is packed. An axis has no number for missing values: the CF conventions forbid it."""
     packed = {str(name): schema.packing(v.ndim, v.dtype) for name, v in ds.variables.items()}
+    for name in ds.coords:
+        if ds[name].dtype.kind == "f":
+            packed[str(name)]["_FillValue"] = None
     return {name: options for name, options in packed.items() if options}
