@@ -24,6 +24,8 @@ WORKBENCH = STUDIES | {
     "SALib",  # optional: Sobol' indices, imported where they are computed
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
     "aiohttp",  # optional: the live page
+    "pandas",  # xarray needs it; named for type checkers only
+    "cosseratbench",  # optional: it loads the plug-in
 }  # fmt: skip
 FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 
@@ -36,7 +38,7 @@ LISTS = {
     ],
     "workbench": [
         "data", "geometry", "run", "branches", "influence", "fitting", "figures", "scene", "export", "compare", "web",
-        "notebook_tables", "notebook", "commands", "accessor", "cli",
+        "notebook_tables", "notebook", "commands", "accessor", "cli", "plugin",
     ],
 }  # fmt: skip
 

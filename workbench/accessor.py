@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from solver import Case, Solution
     from studies import Study
 
@@ -154,6 +156,30 @@ class RodAccessor:
             return boundary_of_law(self._ds, name)
         return boundary(self._ds, name, step)
 
+    def to_pandas(self, *along: str) -> "pd.DataFrame":
+        """A table: one row a case, or with names of arrays along the rod one row a station.
+
+        Parameters
+        ----------
+        *along : str
+            Arrays along the rod, ``to_pandas("beta", "push")``; stored, or computed as by `along`. Default: none.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The axes are the index, and `u` for stations; angles in rad. Every stored quantity of a case is a column, of
+            stations `s`, the arrays, and their components (``position_x``). ``attrs["units"]`` has the unit of each
+            column and axis, ``attrs["long_names"]`` its name in words.
+
+        Raises
+        ------
+        InputError
+            For an unknown array, a dataset that is not a stored study, and a table of more than 5e8 numbers.
+        """
+        from .data import rows
+
+        return rows.stations(self._ds, [self.along(name).rename(name) for name in along]) if along else rows.cases(self._ds)
+
     def plot(self, **at: Any) -> "Plot":
         """The figure of the dataset, or of its case at these values of axes; a notebook shows it inline.
 
@@ -233,7 +259,7 @@ class RodAccessor:
     def __dir__(self) -> list[str]:
         from .data.derived_arrays import ARRAYS
 
-        return sorted({"study", "case", "sel", "at", "along", "boundary", *ARRAYS})
+        return sorted({"study", "case", "sel", "at", "along", "boundary", "to_pandas", *ARRAYS})
 
     def __repr__(self) -> str:
         return f"<ds.rod: {', '.join(dir(self))}>"

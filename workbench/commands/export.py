@@ -10,7 +10,7 @@ from .options import At, File, ForceOutput, Json, flag, numbered, option
 def export_file(
     file: Path, at: list[str], out: Path, tolerance: float | None, line: bool, overlap: bool, force: bool, json: bool
 ) -> int:
-    """Export a case of a stored dataset; 0, or 1 where a real rod could not have its shape. Raises `InputError`."""
+    """Export a case of a stored dataset, or the cases along an axis; 0, or 1 where a real rod could not have its shape. Raises `InputError`."""
     from ..data import writing
     from ..export import stored_rod
     from ..export.base import Options
@@ -38,7 +38,7 @@ def export(
     file: File,
     out: Annotated[
         Path,
-        option("FILE", "File to write: .step .stl .obj .glb .gltf .vtp .csv.", "--out", "-o"),
+        option("FILE", "File to write: .step .stl .obj .glb .gltf .usda .vtp .pvd .csv.", "--out", "-o"),
     ],
     at: At = None,
     tolerance: Annotated[
@@ -55,7 +55,7 @@ def export(
     force: ForceOutput = False,
     json: Json = False,
 ) -> int:  # fmt: skip
-    """Export one stored rod to CAD, mesh or table formats.
+    """Export one stored rod to CAD, mesh, curve or table formats; the rods along an axis to .pvd.
 
     Exit status 1 if the rod intersects itself or is bent tighter than its own radius.
     """

@@ -9,6 +9,8 @@ import xarray as xr
 
 from ..geometry.centreline import Centreline
 
+METRES = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048}
+
 
 @dataclass(frozen=True)
 class Options:
@@ -59,6 +61,8 @@ class Format:
         Those of its files.
     write
         Writes a rod to a path, and returns numbers about the file by name.
+    series
+        Whether `write` takes the rods along one axis, a `series.Series`, in place of a rod.
     body
         What the file holds. Of a rod that passes through itself a solid is refused, of a surface a warning is given; a
         curve is not tested.
@@ -73,9 +77,10 @@ class Format:
     """
 
     suffixes: tuple[str, ...]
-    write: Callable[[Path, Rod], dict[str, Any]]
+    write: Callable[[Path, Any], dict[str, Any]]
     body: Literal["solid", "surface", "curve"] = "curve"
     tolerance: Callable[[Centreline], float] | None = None
     curve_share: float = 0.1
     unit: str = ""
     has_centreline: bool = False
+    series: bool = False

@@ -7,10 +7,9 @@ import numpy as np
 
 from ..figures.style import LIFTED, PUSHED
 from ..scene.colours import linear
-from .base import Format, Rod
+from .base import METRES, Format, Rod
 from .surfaces import near, tube
 
-METRES = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048}
 MATERIAL = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.55}}
 
 

@@ -12,7 +12,8 @@ from solver.problem.errors import InputError, choices
 
 from ..data import atomic, selection, writing
 from ..geometry import centreline, self_contact
-from .base import Options, Rod
+from . import pvd, series
+from .base import Format, Options, Rod
 from .formats import FORMATS, format_of
 
 DEFAULT = Options()
@@ -72,6 +73,8 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
         raise InputError(f"--centreline is for {choices(able)}, got {path.name!r}")
     if options.tolerance is not None and not 0 < options.tolerance < np.inf:
         raise InputError(f"--tolerance must be positive and finite, got {options.tolerance:g}")
+    if format.series:
+        return _series(ds, path, options, force, format)
     where = selection.case(ds, options.at)
     at = {name: float(ds[name].values[i]) for name, i in where.items()}
     rod = Rod(ds, where, centreline.read(ds, where), _title(ds, at), options)
@@ -86,6 +89,15 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
     written: dict[str, Any] = {}
     put(path, lambda aside: written.update(format.write(aside, rod)), force)
     return Exported(path, at, {**written, **facts}, [finding.sentence for finding in found])
+
+
+def _series(ds: xr.Dataset, path: Path, options: Options, force: bool, format: Format) -> Exported:
+    """Write the rods along one axis: an index, and a folder of files beside it."""
+    pvd.check_free(path, force)
+    found = series.along(ds, path.stem, options)
+    written: dict[str, Any] = {}
+    put(path, lambda aside: written.update(format.write(aside, found)), force)
+    return Exported(path, found.at, written, [])
 
 
 def put(path: Path, work: Callable[[Path], None], force: bool) -> None:

@@ -20,13 +20,13 @@ from solver.numerics.arrays import Array
 from .ends import axes
 from .exact import equilibrium
 
-LENGTH, RADIUS, CYLINDER = 0.2, 0.001, 0.049  # [m]; the centreline is at 0.05 from the axis
+LENGTH, RADIUS, CYLINDER = 0.2, 0.0015, 0.0485  # [m]; the centreline is at 0.05 from the axis
 MATERIAL = Material(youngs_modulus=1e7, shear_modulus=1e7 / 3, density=1000.0)
 ANGLE = np.pi / 6
 STIFFNESS = MATERIAL.youngs_modulus * np.pi * RADIUS**4 / 4  # A [N m^2]
 UNIT = STIFFNESS / (CYLINDER + RADIUS) ** 2  # A/rho^2 [N]
 POINTS = 1601  # of the centreline at the beginning
-DURATION = 4.0  # [s]; the end moves during the first half
+DURATION = 1.0  # [s]; the end moves during the first half
 STEPS = 200  # straight pieces of the motion
 # The rod begins a little outside, so that chords of 5 mm do not cut into the cylinder; at its ends it is in its place.
 LIFT, RISE = 4e-5, 0.025  # [m]; reached at this arc length from each end
