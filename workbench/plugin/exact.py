@@ -47,7 +47,9 @@ class Equilibrium:
         alpha, beta = self._curve(s)[0], self.beta(s)
         first = frames.material(np.array(self.alpha0), self.solution.beta[0], np.array(0.0))
         began = first @ self.frame.rows @ normal
-        gamma = np.interp(s, self.solution.s, self.solution.gamma - self.solution.gamma[0])
+        found, case = self.solution, self.solution.case
+        rate = found.M3 / case.rod.torsional_stiffness - np.sin(2 * found.beta) / (2 * case.rho)
+        gamma = CubicHermiteSpline(found.s, found.gamma - found.gamma[0], rate)(s)
         d1 = frames.material(alpha, beta, gamma + np.arctan2(began[1], began[0]))[:, 0]
         return np.asarray(d1 @ self.frame.rows)
 
