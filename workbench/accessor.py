@@ -178,7 +178,11 @@ class RodAccessor:
         """
         from .data import rows
 
-        return rows.stations(self._ds, [self.along(name).rename(name) for name in along]) if along else rows.cases(self._ds)
+        return (
+            rows.stations(self._ds, [self.along(name).rename(name) for name in along])
+            if along
+            else rows.cases(self._ds)
+        )
 
     def plot(self, **at: Any) -> "Plot":
         """The figure of the dataset, or of its case at these values of axes; a notebook shows it inline.

@@ -242,6 +242,8 @@ def test_usd_reads_the_curve_and_its_validators_find_nothing(ds, tmp_path) -> No
     curve = UsdGeom.BasisCurves(stage.GetPrimAtPath("/Rod/Centreline"))
     assert (curve.ComputeVertexDataSize(0), curve.ComputeVaryingDataSize(0)) == (61, 21)
     assert len(UsdGeom.PrimvarsAPI(curve).GetPrimvar("push").Get()) == 21
-    np.testing.assert_allclose(curve.GetExtentAttr().Get(), UsdGeom.Boundable.ComputeExtentFromPlugins(curve, 0), atol=1e-5)
+    np.testing.assert_allclose(
+        curve.GetExtentAttr().Get(), UsdGeom.Boundable.ComputeExtentFromPlugins(curve, 0), atol=1e-5
+    )
     validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
     assert not UsdValidation.ValidationContext(validators).Validate(stage)

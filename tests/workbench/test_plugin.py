@@ -22,7 +22,9 @@ RHO = CYLINDER + RADIUS
 
 def followed(**ends: float) -> solver.Solution:
     """The same equilibrium by another way: carried from the beginning, not found from the scenario."""
-    return solver.solve(solver.Case(begun().case.rod, begun().case.cylinder, solver.Ends(**ends)), seed=begun(), stations=41)
+    return solver.solve(
+        solver.Case(begun().case.rod, begun().case.cylinder, solver.Ends(**ends)), seed=begun(), stations=41
+    )
 
 
 def test_the_entry_points_name_the_solver_and_both_experiments() -> None:
@@ -108,7 +110,9 @@ def test_a_scenario_in_another_frame_has_the_same_equilibrium() -> None:
             "clamped ends only",
         ),
         (
-            lambda one, rod, wall: replace(one, rods=(replace(rod, loads=(replace(rod.loads[0], force=(1.0, 0, 0)),)),)),
+            lambda one, rod, wall: replace(
+                one, rods=(replace(rod, loads=(replace(rod.loads[0], force=(1.0, 0, 0)),)),)
+            ),
             "must be along the axis",
         ),
         (

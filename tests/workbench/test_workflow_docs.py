@@ -32,7 +32,9 @@ def python(folder: Path, text: str) -> str:
     """What a script prints, in a process of its own: workers read its file."""
     (folder / "script.py").write_text(text, encoding="utf-8")
     env = {**os.environ, "PYTHONPATH": str(runs.ROOT)}
-    done = subprocess.run([sys.executable, "script.py"], cwd=folder, env=env, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "script.py"], cwd=folder, env=env, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout
 

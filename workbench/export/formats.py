@@ -7,7 +7,9 @@ from solver.problem.errors import InputError, choices
 from . import csv_table, gltf, pvd, step, surfaces, usd, vtp
 from .base import Format
 
-FORMATS = {suffix: one.FORMAT for one in (step, surfaces, gltf, usd, vtp, pvd, csv_table) for suffix in one.FORMAT.suffixes}
+FORMATS = {
+    suffix: one.FORMAT for one in (step, surfaces, gltf, usd, vtp, pvd, csv_table) for suffix in one.FORMAT.suffixes
+}
 
 
 def format_of(path: Path) -> Format:

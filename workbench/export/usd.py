@@ -76,7 +76,7 @@ def _vectors(values: Array) -> str:
 
 
 def _varying(text: str) -> str:
-    return f"{text} (\n            interpolation = \"varying\"\n        )"
+    return f'{text} (\n            interpolation = "varying"\n        )'
 
 
 FORMAT = Format((".usda",), write)

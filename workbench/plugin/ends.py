@@ -118,7 +118,7 @@ def case_of(rod: Any, cylinder: Any) -> Case:
     )  # fmt: skip
     axial = {"FZ": float(force[2])} if slides else {"height": float(z - began.z[0])}
     ends = Ends(
-        beta0=float(beta[0]), betaL=float(beta[-1]), azimuth=azimuth, rotation=began.untwisted, **axial  # type: ignore[arg-type]
+        beta0=float(beta[0]), betaL=float(beta[-1]), azimuth=azimuth, rotation=began.untwisted, **axial
     )  # fmt: skip
     return Case(own, Cylinder(R=cylinder.radius, side="outside"), ends)
 

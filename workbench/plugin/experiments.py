@@ -57,8 +57,9 @@ def carried(turn: float, load: float | None, height: float = 0.0) -> Scenario:
     )  # fmt: skip
     to_end = np.minimum(first.s, LENGTH - first.s)
     lifted = LIFT * (1 - np.cos(np.pi * np.minimum(to_end / RISE, 1.0))) / 2
+    places = first.position - lifted[:, None] * first.normal
     rod = Rod(
-        centerline=_vectors(first.position - lifted[:, None] * first.normal), rest_arc_length=tuple(first.s.tolist()), radius=RADIUS, material=MATERIAL,
+        centerline=_vectors(places), rest_arc_length=tuple(first.s.tolist()), radius=RADIUS, material=MATERIAL,
         normal=tuple(float(x) for x in -first.normal[0]), start=EndCondition.CLAMPED, end=EndCondition.CLAMPED,
         loads=() if load is None else (PointLoad(force=(0.0, 0.0, load)),), end_motion=motion,
     )  # fmt: skip
@@ -87,7 +88,7 @@ def angle_error(scenario: Scenario, trajectory: Trajectory) -> float:
     """The greatest error of the angle of an element from the axis [rad], against the chord of the exact shape."""
     nodes, length = trajectory.positions[0][-1], scenario.rods[0].length
     exact = equilibrium(scenario).points(np.linspace(0.0, length, len(nodes)))
-    axis = scenario.obstacles[0].unit_axis  # type: ignore[union-attr]
+    axis = scenario.obstacles[0].unit_axis
     along, straight = (np.diff(points, axis=0) for points in (nodes, exact))
     cosines = [steps @ axis / np.linalg.norm(steps, axis=1) for steps in (along, straight)]
     return float(np.abs(np.arccos(cosines[0]) - np.arccos(cosines[1])).max())
@@ -120,7 +121,7 @@ NOTES = (
 )
 rod_under_load = Experiment(
     name="rod-on-cylinder-load",
-    description="Rod outside a cylinder, its far end carried round it under a dead axial load, against the exact shape.",
+    description="Rod outside a cylinder, its far end carried round it under an axial load, against the exact shape.",
     build=under_load,
     metrics={
         "shape_error": shape_error, "angle_error": angle_error, "height_error": height_error,
