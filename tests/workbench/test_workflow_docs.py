@@ -1,5 +1,6 @@
-"""docs/how-to/use-dask.md and use-snakemake.md: their studies, commands and Python run as they stand."""
+"""docs/how-to/use-dask.md, use-snakemake.md and use-other-programs.md: their studies, commands and Python run as they stand."""
 
+import importlib.util
 import os
 import re
 import shlex
@@ -13,7 +14,9 @@ import xarray as xr
 
 from solver import Case, Cylinder, Rod, Start, solve
 from tests.workbench import runs
+from tests.workbench.pictures import pixels
 from workbench import cli
+from workbench.scene import opengl
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "how-to"
 
@@ -125,3 +128,25 @@ def test_the_snakemake_page_runs_as_it_stands_and_solves_only_what_is_new(workfl
     assert re.search(r"^solve +1$", snakemake(workflow), re.MULTILINE)
     with xr.open_dataset(workflow / "radii.h5") as ds:
         assert ds["R"].values.tolist() == [0.5, 0.75, 1.0, 1.5]
+
+
+@pytest.mark.slow
+def test_the_page_on_other_programs_runs_as_it_stands(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    (study,) = blocks("use-other-programs.md", "toml")
+    Path("moduli.toml").write_text(study, encoding="utf-8")
+    for block in blocks("use-other-programs.md", "sh"):
+        run(block.strip())
+    tables, units, series = blocks("use-other-programs.md", "python")
+    names: dict[str, object] = {}
+    exec(compile(tables, "use-other-programs.md", "exec"), names)
+    assert len(Path("stations.csv").read_text().splitlines()) == 1 + 9 * 401
+    assert "5000.0       8      4.542   7.563" in capsys.readouterr().out
+    assert len(list(Path("moduli").glob("*.vtp"))) == 9
+    if importlib.util.find_spec("pint_xarray"):
+        exec(compile(units, "use-other-programs.md", "exec"), names)
+        assert "454.2" in capsys.readouterr().out
+    if opengl.probe()[0]:
+        exec(compile(series, "use-other-programs.md", "exec"), names)
+        shown = pixels(HOW_TO.parent / "figures" / "series.png")
+        assert pixels(Path("series.png")).shape == shown.shape

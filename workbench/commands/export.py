@@ -10,7 +10,7 @@ from .options import At, File, ForceOutput, Json, flag, numbered, option
 def export_file(
     file: Path, at: list[str], out: Path, tolerance: float | None, line: bool, overlap: bool, force: bool, json: bool
 ) -> int:
-    """Export a case, or the cases along an axis; 0, or 1 where a real rod could not have its shape. Raises `InputError`."""
+    """Export a case, or those along an axis; 0, or 1 where a real rod could not have its shape. Raises `InputError`."""
     from ..data import writing
     from ..export import stored_rod
     from ..export.base import Options
