@@ -1,4 +1,4 @@
-"""docs/how-to/use-dask.md, use-snakemake.md and use-other-programs.md: their studies, commands and Python run as they stand."""
+"""docs/how-to/use-dask.md, use-snakemake.md, use-other-programs.md: studies, commands and Python run as they stand."""
 
 import importlib.util
 import os
