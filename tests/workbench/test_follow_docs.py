@@ -54,7 +54,7 @@ def test_its_commands_draw_the_diagrams(tmp_path, monkeypatch, capsys) -> None:
         run(line)
     said = capsys.readouterr().out
     assert "14 branches, 9 folds over 21 values of FZ" in said
-    assert "1 branches, 0 folds over 21 values of height" in said
+    assert "1 branch, 0 folds over 21 values of height" in said
     assert (tmp_path / "dead.png").stat().st_size > 50_000
     assert (tmp_path / "held.png").stat().st_size > 30_000
 

@@ -20,6 +20,7 @@ from .held_tracing import PARTNER
 from .tracing import Piece, Traced
 
 STATIONS = 161  # of a shape
+FEW_SHAPES = 8  # in a row: one or two branches have so many together
 LOADS = ("FZ", "MZ", "M3")
 OWN = ("dbeta0", "beta0", "betaL", *LOADS)  # what a diagram may show beside observables
 NAMES = tuple(dict.fromkeys((*OWN, *OBSERVABLES)))
@@ -77,7 +78,10 @@ def _numbers(sol: Solution, keys: Sequence[str]) -> dict[str, Any]:
 
 
 def followed_curves(seen: Traced, name: str, units: Mapping[str, str], shown: Sequence[str]) -> dict[str, Any]:
-    """The points of the branches over `curve_point`, and the shape in the middle of each over (shape, u)."""
+    """The points of the branches over `curve_point`, and the shape in the middle of each over (shape, u).
+
+    Of one or two branches several shapes are kept; `shape_branch` says whose they are.
+    """
     solved = [solutions_of(curve, STATIONS) for curve in seen.curves]
     keys = list(dict.fromkeys(shown))
     numbers = [
@@ -95,11 +99,13 @@ def followed_curves(seen: Traced, name: str, units: Mapping[str, str], shown: Se
     data["curve_branch"] = xr.Variable(dims, _joined(which).astype(np.int64), {"long_name": "number of the branch"})
     for key in ("index", "dead_index"):
         data[f"curve_{key}"] = xr.Variable(dims, _joined([numbers[p.curve][key][at] for p, at in parts]), INDICES[key])
-    middles = [(piece, _middle(seen, piece)) for piece in seen.pieces]
+    middles = [(piece, at) for piece in seen.pieces for at in _places(seen, piece)]
     for key in ("alpha", "z"):
         rows = [getattr(solved[piece.curve], key)[at] for piece, at in middles]
         values = np.array(rows).reshape(len(rows), STATIONS)
         data[f"shape_{key}"] = xr.Variable(("shape", "u"), values, schema.labels(key, units))
+    owners = np.array([piece.number for piece, _ in middles], dtype=np.int64)
+    data["shape_branch"] = xr.Variable(("shape",), owners, {"long_name": "number of the branch"})
     rho = [float(np.broadcast_to(solved[p.curve].case.rho, solved[p.curve].case.shape)[at]) for p, at in middles]
     data["shape_rho"] = xr.Variable(("shape",), np.array(rho, dtype=float), schema.labels("rho", units))
     for key in (name, *keys):
@@ -113,7 +119,10 @@ def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
     return np.concatenate([np.asarray(part, dtype=float) for part in parts]) if parts else np.empty(0)
 
 
-def _middle(seen: Traced, piece: Piece) -> int:
-    """The point of a piece in the middle of its values."""
+def _places(seen: Traced, piece: Piece) -> list[int]:
+    """The points of a piece whose shapes are kept: the one in the middle of its values; of few pieces more of each."""
     values = seen.curves[piece.curve].values[piece.first : piece.last + 1]
-    return piece.first + int(np.argmin(np.abs(values - (values.min() + values.max()) / 2)))
+    count = max(FEW_SHAPES // len(seen.pieces), 1)
+    shares = (np.arange(count) + 0.5) / count
+    wanted = values.min() + shares * np.ptp(values)
+    return sorted({piece.first + int(np.argmin(np.abs(values - one))) for one in wanted})

@@ -223,7 +223,7 @@ def _over_axis(
             {
                 "axis": name,
                 "units": study.unit_system,
-                "branches": rows,
+                "branches": [{"number": row["branch"] + 1, **row} for row in rows],
                 "folds": folds,
                 "remarks": branch_dataset.remarks(ds),
             }
@@ -231,8 +231,9 @@ def _over_axis(
     else:
         unit = "deg" if ds[name].attrs["units"] == "rad" else ds[name].attrs["units"]
         heads = [f"{key} ({unit})" if key in ("from", "to") else key for key in rows[0]] if rows else ["branch"]
-        console.print_table(heads, [list(r.values()) for r in rows])
-        console.say(f"{len(rows)} branches, {len(folds)} folds over {values.size} values of {name}")
+        console.print_table(heads, [[r["branch"] + 1, *list(r.values())[1:]] for r in rows])
+        some = f"{len(rows)} branch{'es' * (len(rows) != 1)}, {len(folds)} fold{'s' * (len(folds) != 1)}"
+        console.say(f"{some} over {values.size} values of {name}")
         for remark in branch_dataset.remarks(ds):
             console.say(f"a branch stops at {remark}")
     return 0 if rows else 1

@@ -1,6 +1,7 @@
 """The bifurcation diagram of a dataset of branches: all equilibria over an axis, folds, and a shape of each branch."""
 
 from itertools import pairwise
+from string import ascii_lowercase
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,11 @@ from studies.laws import HOLDS, QUALIFIED
 
 from ..branches.branch_dataset import branches
 from ..data import labels
-from . import canvas, legend, style
+from . import canvas, legend, point_numbers, shape_cell, smooth_line, style
 
 WIDTH, PANEL, STRIP = 9.6, (4.6, 3.0), 1.5  # inches: width, heights of the panels and of a row of shapes
 MOST, ROW = 16, 8  # shapes, and shapes in a row
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s"}
-GAP = 0.035  # of the height of a panel, between two labels
 SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed ones would look solid
 
 
@@ -31,7 +31,7 @@ _HELD: dict[int, tuple[dict[str, Any], str]] = {
 def figure(ds: xr.Dataset) -> Figure:
     """The shown quantity and the energy against the axis, and the developed curves of the branches.
 
-    Stable branches are solid and thick, unstable ones dashed; each has its number at both ends and below its shape.
+    Stable branches are solid and thick, unstable ones dashed; a shape of each has a number, and its point has the same.
     Folds and other special points are marked. Where laws were judged, the branches on which none fails have a colour.
     """
     names = [name for name in dict.fromkeys((str(ds.attrs["shown"]), "energy")) if f"curve_{name}" in ds]
@@ -43,35 +43,34 @@ def figure(ds: xr.Dataset) -> Figure:
             len(names) + bool(rows), 1, height_ratios=[*PANEL[: len(names)], *[STRIP * rows] * bool(rows)]
         )
         for i, name in enumerate(names):
-            ax = panel(ds, fig.add_subplot(grid[i]), name)
+            ax = panel(ds, fig.add_subplot(grid[i]), name, PANEL[i])
             if i == 0:
                 legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=5)
         if rows:
             cells = grid[len(names)].subgridspec(rows, ROW)
             _shapes(ds, fig, cells, count)
+            some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
+            fig.supxlabel(f"Developed curves at the numbered points, each with its own scale{some}.", x=0.01, ha="left",
+                          size=style.small(), color=style.SOFT)  # fmt: skip
 
     return canvas.figure((WIDTH, sum(PANEL[: len(names)]) + STRIP * rows + 0.8), draw, ds)
 
 
-def panel(ds: xr.Dataset, ax: Axes, key: str) -> Axes:
-    """One quantity of each equilibrium against the axis, a line a branch."""
+def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = PANEL[0]) -> Axes:
+    """One quantity of each equilibrium against the axis, a line a branch; inches: the height of the panel."""
     name = str(ds.attrs["axis"])
     along, height = labels.in_label_unit(ds[name], ds[f"curve_{name}"].values), _values(ds, f"curve_{key}")
-    tips: dict[int, list[tuple[float, float, int]]] = {-1: [], 1: []}
     drawn: list[tuple[str, Any]] = []
     shares = np.stack([values / (np.ptp(values) or 1.0) for values in (along, height)], axis=1)
     for row in branches(ds):
         on = ds["curve_branch"].values == row["branch"]
-        x, y = along[on], height[on]
         for run, look, label in _runs(ds, row, np.flatnonzero(on)):
             if any(label == same and _lies_on(shares[run], other) for same, other in drawn):
                 continue
             drawn.append((label, shares[run]))
-            ax.plot(along[run], height[run], label=label, marker="." if x.size == 1 else "", **look)
+            line = smooth_line.through(along[run], height[run], shares[run])
+            ax.plot(*line, label=label, marker="." if on.sum() == 1 else "", **look)
         _mark_dead_folds(ds, ax, np.flatnonzero(on), along, height)
-        for end, inner in ((0, 1), (-1, -2)):
-            if x.size > 1 and not _is_special(ds, name, x[end]):
-                tips[1 if x[end] > x[inner] else -1].append((float(x[end]), float(y[end]), int(row["branch"])))
     for kind, mark in MARKS.items():
         x, y = _special(ds, name, key, kind)
         if x.size:
@@ -84,7 +83,8 @@ def panel(ds: xr.Dataset, ax: Axes, key: str) -> Axes:
         ax.margins(x=0.06)
     else:
         ax.set_xlim(*(ends + 0.06 * np.ptp(ends) * np.array([-1, 1])))
-    _label_tips(ax, tips)
+    ax.set_ylim(*ax.get_ylim())
+    _number_points(ds, ax, key, (style.inches(ax)[0], inches))
     return style.with_grid(ax)
 
 
@@ -110,30 +110,6 @@ def _special(ds: xr.Dataset, name: str, key: str, kind: str) -> tuple[Any, Any]:
         return np.empty(0), np.empty(0)
     some = np.ones(ds.sizes[dim], dtype=bool) if dim == "fold" else ds["special_kind"].values == kind
     return labels.in_label_unit(ds[name], ds[dim].values)[some], _values(ds, f"{dim}_{key}")[some]
-
-
-def _is_special(ds: xr.Dataset, name: str, x: float) -> bool:
-    """Whether a branch ends there at a special point."""
-    every = [ds[dim].values for dim in ("fold", "special") if dim in ds.sizes]
-    return any(bool((labels.in_label_unit(ds[name], values) == x).any()) for values in every)
-
-
-def _label_tips(ax: Axes, tips: dict[int, list[tuple[float, float, int]]]) -> None:
-    """The number of each branch beside its ends; those of neighbouring ends stand in one line."""
-    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-    for side, some in tips.items():
-        groups: list[list[tuple[float, float, int]]] = []
-        for tip in sorted((one for one in some if left <= one[0] <= right), key=lambda one: one[1]):
-            if groups and tip[1] - groups[-1][-1][1] < GAP * (high - low):
-                groups[-1].append(tip)
-            else:
-                groups.append([tip])
-        for group in groups:
-            x = max(tip[0] * side for tip in group) * side
-            text = _numbers(sorted(tip[2] for tip in group))
-            ax.annotate(text, (x, float(np.mean([tip[1] for tip in group]))), xytext=(5 * side, 0),
-                        textcoords="offset points", va="center", ha="left" if side > 0 else "right",
-                        size=style.small(), color=style.SOFT, annotation_clip=False)  # fmt: skip
 
 
 def _runs(ds: xr.Dataset, row: dict[str, Any], on: Any) -> list[tuple[Any, dict[str, Any], str]]:
@@ -163,18 +139,6 @@ def _mark_dead_folds(ds: xr.Dataset, ax: Axes, on: Any, along: Any, height: Any)
                 linestyle="none", label="fold under dead loads: the rod snaps through")  # fmt: skip
 
 
-def _numbers(some: list[int]) -> str:
-    """``0, 4–6``."""
-    runs: list[list[int]] = []
-    for number in some:
-        if runs and number == runs[-1][-1] + 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
-    parts = [[str(n) for n in run] if len(run) < 3 else [f"{run[0]}–{run[-1]}"] for run in runs]
-    return ", ".join(part for run in parts for part in run)
-
-
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     """The look of a branch, and its entry in the legend."""
     verdicts = [v for key, v in row.items() if " " in key]
@@ -201,23 +165,40 @@ def _colour_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> 
 
 
 def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, count: int) -> None:
-    """The developed curves of the first branches, all at one scale."""
-    name = str(ds.attrs["axis"])
+    """The developed curves at the numbered points, each as large as its frame."""
+    name, unit = str(ds.attrs["axis"]), labels.unit(str(ds["shape_z"].attrs.get("units", "1")))
     across = ds["shape_rho"].values[:, None] * (ds["shape_alpha"].values - ds["shape_alpha"].values[:, :1])
-    up = ds["shape_z"].values
-    half = 0.54 * max((max(np.ptp(x), np.ptp(z)) for x, z in zip(across[:count], up[:count], strict=True)), default=1.0)
-    rows = {row["branch"]: row for row in branches(ds)}
-    for k in range(count):
-        ax = fig.add_subplot(cells[k // ROW, k % ROW])
-        ax.plot(across[k], up[k], color=_colour_of_shape(ds, name, rows[k], k), linewidth=1.4, solid_capstyle="round")
-        ax.plot(across[k][0], up[k][0], "o", color=style.INK, markersize=2.6)
-        middle = (across[k].max() + across[k].min()) / 2, (up[k].max() + up[k].min()) / 2
-        ax.set(
-            xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half), xticks=[], yticks=[]
-        )
-        ax.set_aspect("equal")
-        for spine in ax.spines.values():
-            spine.set(visible=True, color=style.FAINT)
-        ax.set_title(f"{k}  index {rows[k]['index']}", loc="left", size=style.small(), pad=2)
+    rows, of = {row["branch"]: row for row in branches(ds)}, shape_branches(ds)
+    for k, number in enumerate(_names(ds)[:count]):
         at = labels.value(float(ds[f"shape_{name}"].values[k]), ds[name], 3)
-        ax.set_xlabel(f"at {at}", size=style.small(), labelpad=1)
+        row = rows[int(of[k])]
+        ax = fig.add_subplot(cells[k // ROW, k % ROW])
+        curve = across[k], ds["shape_z"].values[k]
+        shape_cell.draw(ax, curve, _colour_of_shape(ds, name, row, k), unit, f"{number}  index {row['index']}", at)
+
+
+def shape_branches(ds: xr.Dataset) -> Any:
+    """The branch of each shape; in a file that does not say it each branch has one."""
+    return ds["shape_branch"].values if "shape_branch" in ds else np.arange(ds.sizes.get("shape", 0))
+
+
+def _names(ds: xr.Dataset) -> list[str]:
+    """What the shapes are called: by the number of their branch, from 1, with a letter where a branch has several."""
+    of = [int(branch) for branch in shape_branches(ds)]
+    letters = [ascii_lowercase[of[:k].count(one)] if of.count(one) > 1 else "" for k, one in enumerate(of)]
+    return [f"{one + 1}{letter}" for one, letter in zip(of, letters, strict=True)]
+
+
+def _number_points(ds: xr.Dataset, ax: Axes, key: str, inches: tuple[float, float]) -> None:
+    """A dot with its number at the point of each shape that is drawn."""
+    name, rows = str(ds.attrs["axis"]), {row["branch"]: row for row in branches(ds)}
+    if f"shape_{key}" not in ds:
+        return
+    x, y = (_values(ds, f"shape_{one}")[:MOST] for one in (name, key))
+    for k, branch in enumerate(shape_branches(ds)[:MOST]):
+        ax.plot(x[k], y[k], "o", color=_colour_of_shape(ds, name, rows[int(branch)], k), markersize=4.2, zorder=7,
+                markeredgecolor="white", markeredgewidth=0.7)  # fmt: skip
+    points = [point_numbers.Point(*one) for one in zip(x, y, _names(ds)[:MOST], strict=True)]
+    dots = [one for kind in MARKS for one in np.transpose(_special(ds, name, key, kind))]
+    lines = [np.transpose([line.get_xdata(), line.get_ydata()]) for line in ax.lines if len(line.get_xdata()) > 1]
+    point_numbers.write(ax, points, lines, dots, inches)

@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..data import labels
-from . import canvas, style
+from . import canvas, point_numbers, shape_cell, style
 
 WIDTH, MOST = 10.0, 40  # inches; curves shown
+HIGH = 2.9  # inches of the diagram of energies
 COLUMNS = (4, 8)  # the fewest and the most panels in a row
 
 
@@ -19,14 +20,13 @@ def figure(ds: xr.Dataset) -> Figure:
     """The developed curves in the order of energy, and below them energy against index."""
     count = min(ds.sizes["equilibrium"], MOST)
     columns = int(np.clip(np.ceil(np.sqrt(1.9 * count)), *COLUMNS))
-    rows, cell = max(-(-count // columns), 1), WIDTH / columns + 0.1
+    rows, cell = max(-(-count // columns), 1), WIDTH / columns + 0.3
 
     def draw(fig: Figure) -> None:
-        grid = fig.add_gridspec(2, 1, height_ratios=[rows * cell, 2.9])
+        grid = fig.add_gridspec(2, 1, height_ratios=[rows * cell, HIGH])
         cells = grid[0].subgridspec(rows, columns)
-        half = _half_width(ds, count)
         for k in range(count):
-            _draw_curve(ds, fig.add_subplot(cells[k // columns, k % columns]), k, half)
+            _draw_curve(ds, fig.add_subplot(cells[k // columns, k % columns]), k)
         energies(ds, fig.add_subplot(grid[1]))
 
     return canvas.figure((WIDTH, rows * cell + 3.6), draw, ds)
@@ -41,7 +41,13 @@ def energies(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.margins(0.04, 0.08)
     stable = int((ds["index"] == 0).sum())
     counts = f"{ds.sizes['equilibrium']} equilibria, {stable} stable (red): {ds.attrs['stability']}"
-    ax.set_title(f"Above: developed curves, all at one scale, the energy below each.\n{counts}", loc="left")
+    ax.set_title(f"Above: developed curves, each with its own scale, its energy below it.\n{counts}", loc="left")
+    points = [
+        point_numbers.Point(float(ds["index"][k]), float(ds["energy"][k]), f"{k + 1}")
+        for k in range(ds.sizes["equilibrium"])
+    ]
+    ax.set_xlim(*ax.get_xlim()), ax.set_ylim(*ax.get_ylim())
+    point_numbers.write(ax, points, [], [], (style.inches(ax)[0], HIGH - 0.8))
     return style.with_grid(ax)
 
 
@@ -56,21 +62,7 @@ def _curve(ds: xr.Dataset, k: int) -> tuple[Any, Any]:
     return float(one["rho"]) * (one["alpha"].values - one["alpha"].values[0]), one["z"].values
 
 
-def _half_width(ds: xr.Dataset, count: int) -> float:
-    """Half of the widest or tallest curve: one scale for all."""
-    curves = [_curve(ds, k) for k in range(count)]
-    return 0.53 * max((max(np.ptp(x), np.ptp(z)) for x, z in curves), default=1.0)
-
-
-def _draw_curve(ds: xr.Dataset, ax: Axes, k: int, half: float) -> None:
-    x, z = _curve(ds, k)
-    one = ds.isel(equilibrium=k)
-    ax.plot(x, z, color=colours(ds)[k], linewidth=1.5, solid_capstyle="round")
-    ax.plot(x[0], z[0], "o", color=style.INK, markersize=3)
-    middle = (x.max() + x.min()) / 2, (z.max() + z.min()) / 2
-    ax.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half), xticks=[], yticks=[])
-    ax.set_aspect("equal")
-    for spine in ax.spines.values():
-        spine.set(visible=True, color=style.FAINT)
-    ax.set_title(f"{k + 1}  index {int(one['index'])}", loc="left", size=style.small(), pad=2)
-    ax.set_xlabel(labels.value(float(one["energy"]), one["energy"]), size=style.small(), labelpad=1)
+def _draw_curve(ds: xr.Dataset, ax: Axes, k: int) -> None:
+    one, unit = ds.isel(equilibrium=k), labels.unit(str(ds["z"].attrs.get("units", "1")))
+    energy = labels.value(float(one["energy"]), one["energy"])
+    shape_cell.draw(ax, _curve(ds, k), colours(ds)[k], unit, f"{k + 1}  index {int(one['index'])}", energy)

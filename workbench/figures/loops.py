@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from solver.mechanics.contact import push_from
 
 from ..data import labels
-from . import canvas, push_scale, style
+from . import canvas, push_scale, shape_cell, style
 
 WIDTH, MOST, COLUMNS = 10.0, 24, 4  # inches; loops shown; panels in a row
 
@@ -31,7 +31,7 @@ def figure(ds: xr.Dataset) -> Figure:
         push_scale.bar(fig, drawn[0], list(grid), push_scale.unit(ds), rows * (cell + 0.6))
         orange = "Orange: the cylinder would have to pull, a rod that is free to unbind lifts off there"
         fig.supxlabel(
-            f"ρα to the right, z up; the vertical lines are one wrap apart. The rod lies {ds.attrs['side']}.\n"
+            f"ρα to the right, z up, all at one scale; the vertical lines are one wrap apart. The rod lies {ds.attrs['side']}.\n"
             f"{orange}.\n"
             "Stable and index: of the closed rod on the surface, its section free to turn.",
             x=0.01, ha="left", size=style.small(), color=style.SOFT,
@@ -70,7 +70,8 @@ def _draw(ds: xr.Dataset, ax: Axes, k: int, push: Any, norm: Any, half: float) -
         spine.set(visible=True, color=style.FAINT)
     index, folds = int(one["index"]), int(one["folds"])
     word = "stable" if index == 0 else f"index {index}"
-    ax.set_title(f"{k + 1}  {folds} fold{'s' * (folds > 1)}, {word}", loc="left", pad=3)
+    ax.set_title(f"loop {k + 1}: {folds} fold{'s' * (folds > 1)}, {word}", loc="left", pad=4)
+    shape_cell.bar(ax, 2 * half, labels.unit(str(ds.attrs["length_unit"])))
     meets = "\nintersects itself" if "overlaps" in str(one["caution"].values) else ""
     ax.set_xlabel(f"energy {labels.value(float(one['energy']), one['energy'])}{meets}", size=style.small(), labelpad=2)
     return drawn
