@@ -37,8 +37,9 @@ class Difference(EndsMethod):
     summary = "the paper's scheme: central differences, Newton, extrapolation; order 2, then 4"
     order = 4
     ladders = (
-        Ladder("difference", "nodes", _NODES, "#989000", "o", fixed={"extrapolate": False}, most=MOST_COMPILED),
-        Ladder("difference", "nodes", _NODES, "#5c5a00", "o", label="difference extrapolated", most=MOST_COMPILED),
+        Ladder("difference", "nodes", _NODES, "#989000", "d", fixed={"extrapolate": False}, most=MOST_COMPILED),
+        Ladder("difference", "nodes", _NODES, "#5c5a00", "*", "--", label="difference extrapolated",
+               most=MOST_COMPILED),  # fmt: skip
     )
 
     nodes: int | None = knob(int, least=5)

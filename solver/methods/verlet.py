@@ -30,8 +30,8 @@ class Verlet(StartMethod):
     summary = "the paper's difference equation marched; order 2, extrapolated 4"
     order = 4
     ladders = (
-        Ladder("verlet", "steps", twos(8), "#2997f2", "o", fixed={"extrapolate": False}),
-        Ladder("verlet", "steps", twos(7), "#0072b2", "o", label="verlet extrapolated"),
+        Ladder("verlet", "steps", twos(8), "#2997f2", "d", fixed={"extrapolate": False}),
+        Ladder("verlet", "steps", twos(7), "#0072b2", "*", "--", label="verlet extrapolated"),
     )
 
     steps: int | None = knob(int, least=1)

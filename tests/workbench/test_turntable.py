@@ -118,7 +118,7 @@ const { s, alpha, z, push } = stored_shapes.storedShape(given, given.k); answer(
 def test_a_slider_has_the_values_of_the_axis_as_the_command_line_takes_them(ds: xr.Dataset) -> None:
     (axis,) = data_of(page.html(ds))["axes"]
     assert axis["symbol"] == "E"
-    assert axis["texts"][axis["start"]] == "10905.1 N/cm²"
+    assert axis["texts"][axis["start"]] == "10910 N/cm²"
     for text, value in zip(axis["texts"], ds["E"].values, strict=True):
         found = ds.rod.sel(E=text.removesuffix(" N/cm²"))
         assert float(found["E"]) == value

@@ -65,5 +65,5 @@ def _stored(found: "Mapping[str, Mapping[str, Attempt]]", out: Path, name: str) 
 
     ds = dataset_of(found)
     picture = out / f"{name}.png"
-    canvas.save(robustness.figure(ds), picture)
+    canvas.save(robustness.figure(ds), picture, robustness.DPI)
     return ds, [writing.write(ds, out / f"{name}.h5"), picture]

@@ -46,8 +46,18 @@ def value(number_: float, array: xr.DataArray, digits: int = 4) -> str:
     """A value of a variable with its unit: ``10910 N/cm²``, ``15°``; a number of a sample in full."""
     if array.name == SAMPLE:
         return str(int(number_))
-    text = number(float(in_label_unit(array, number_)), digits)
+    text = powers_of_ten(number(float(in_label_unit(array, number_)), digits))
     return (f"{text}°" if is_angle(array) else f"{text} {_unit_of(array)}".strip()).replace("-", "−")
+
+
+def distinct(array: xr.DataArray, values: Any) -> list[str]:
+    """Values of a variable with their unit, as `value`, with as many digits as it takes to tell them apart."""
+    values = [float(one) for one in values]
+    for digits in (4, 5, 6, 8):
+        texts = [value(one, array, digits) for one in values]
+        if len(set(texts)) == len(set(values)):
+            return texts
+    return [value(one, array, 12) for one in values]
 
 
 def axis_symbol(axis: str) -> str:
@@ -63,13 +73,14 @@ def axis_label(name: str, array: xr.DataArray, long: bool = True) -> str:
 
 
 def label(array: xr.DataArray) -> str:
-    """``mean κ [1/cm]``: symbol and unit of a stored variable."""
-    return f"{symbol(array)}{_bracketed(_unit_of(array))}"
+    """``mean κ [1/cm]``: symbol and unit of a stored variable; angles in degrees."""
+    return f"{symbol(array)}{_bracketed('°' if is_angle(array) else _unit_of(array))}"
 
 
 def symbol(array: xr.DataArray) -> str:
-    """The symbol of a stored variable; default: its name."""
-    return str(array.attrs.get("symbol", array.name))
+    """The symbol of a stored variable; default: its name. The name of an expression in words."""
+    text = str(array.attrs.get("symbol", array.name))
+    return text.replace("_", " ") if "expression" in array.attrs else text
 
 
 def symbol_of(name: str) -> str:
@@ -88,10 +99,20 @@ def long_name(array: xr.DataArray) -> str:
 
 
 def typeset(text: str) -> str:
-    """Plain text with the letters of physics: ``beta'(0) = -1 rad (5 deg)`` as ``β′(0) = −1 rad (5°)``."""
+    """Plain text with the letters of physics: ``beta'(0) = -1e-05 rad (5 deg)`` as ``β′(0) = −10⁻⁵ rad (5°)``."""
     for plain, letters in ((r"\bbeta'", "β′"), (r"\bbeta\b", "β"), (r"\bkappa\b", "κ"), (r"(?<=\d) deg\b", "°")):
         text = re.sub(plain, letters, text)
-    return minus_signs(text)
+    return minus_signs(powers_of_ten(text))
+
+
+def powers_of_ten(text: str) -> str:
+    """The text with powers of ten in print: ``1.3e-05`` as ``1.3·10⁻⁵``, ``1e+06`` as ``10⁶``."""
+
+    def printed(found: re.Match[str]) -> str:
+        digits, power = found[1], f"10{str(int(found[2])).translate(SUPERSCRIPTS)}"
+        return power if digits == "1" else f"{digits}·{power}"
+
+    return re.sub(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?!\w)", printed, text)
 
 
 def law_text(row: Mapping[str, Any], text: str) -> str:
@@ -114,7 +135,7 @@ def reading(ds: xr.Dataset) -> str:
 
 def tick(value: float, _: object = None) -> str:
     """The number of a tick in full: no offset and no power of ten beside the axis."""
-    return f"{value:.10g}".replace("-", "−")
+    return minus_signs(powers_of_ten(f"{value:.10g}"))
 
 
 def power_of_ten(value: float, _: object = None) -> str:

@@ -1,12 +1,14 @@
 """The canvas of every figure: a Matplotlib `Figure` without pyplot, its title, and the file it is saved to."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -42,6 +44,21 @@ def figure(
     return fig
 
 
+def close_gaps(fig: Figure, axes: Sequence[Axes]) -> None:
+    """Make a figure lower by the room that axes of a fixed aspect, each in its own row of the grid, leave empty."""
+    for _ in range(2):  # a lower figure has slightly wider panels
+        fig.draw_without_rendering()
+        for ax in axes:
+            place, whole = ax.get_subplotspec(), fig.get_figheight()
+            assert place is not None
+            room, used = (ax.get_position(original=first).height * whole for first in (True, False))
+            grid, row = place.get_gridspec(), place.rowspan.start
+            ratios = np.array(grid.get_height_ratios(), dtype=float)
+            ratios[row] *= used / room
+            grid.set_height_ratios(list(ratios))
+            fig.set_figheight(whole - (room - used))
+
+
 def check_name(path: str | Path, suffixes: tuple[str, ...] = DIAGRAMS) -> Path:
     """The path; raises `InputError` unless its name ends in one of the suffixes."""
     path = Path(path)
@@ -71,10 +88,11 @@ def save(
 
 
 def _set_title(fig: Figure, ds: xr.Dataset) -> None:
-    """The study's title and its reading above a constrained layout; the figure grows by the lines of a long title."""
+    """The study's title and its reading above a constrained layout; the figure grows by the lines of a long title, and
+    shrinks without one."""
     size = style.large()
     title = style.fitted(str(ds.attrs["title"]), fig.get_figwidth() - 0.3, size, bold=True)
-    more = 0.2 * title.count("\n")  # inches
+    more = 0.2 * title.count("\n") if title else -0.26  # inches
     fig.set_figheight(fig.get_figheight() + more)
     inch = 1 / fig.get_figheight()
     reading = labels.reading(ds)

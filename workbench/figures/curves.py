@@ -19,6 +19,7 @@ from ..data import cautions, labels
 from ..geometry.self_intersections import places
 from . import canvas, developed, drawn_rods, legend, long_figure, push_scale, style
 from .drawn_rods import DrawnRod, DrawnRods
+from .scales import Ticks
 from .sheet import SCREEN, Sheet
 
 NAMES = ("alpha", "z", "push")
@@ -198,7 +199,7 @@ def _frame(ax: Axes, found: DrawnRods, limits: Any, page: Page, i: int) -> None:
     ax.locator_params(axis="x", nbins=max(int(page.cell[0] / 0.45), 1), steps=[1, 2, 5, 10])
     ax.locator_params(axis="y", nbins=max(int(page.cell[1] / 0.35), 2), steps=[1, 2, 5, 10])
     for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_formatter(labels.tick)
+        axis.set_major_formatter(Ticks())
     lowest, leftmost = i + page.across >= len(found.rods), i % page.across == 0
     ax.set_xlabel(names[int(page.lying)], labelpad=1)
     ax.set_ylabel(names[int(not page.lying)], labelpad=1)

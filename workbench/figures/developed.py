@@ -158,7 +158,8 @@ def _side_by_side(ds: xr.Dataset, axis: str) -> tuple[list[dict[str, int]], list
 
 def _names(ds: xr.Dataset, axis: str, cases: Sequence[dict[str, int]]) -> list[str]:
     """The value of each case on the axis, without the unit."""
-    return [labels.value(float(ds[axis].values[where[axis]]), ds[axis]).partition(" ")[0] for where in cases]
+    texts = labels.distinct(ds[axis], [ds[axis].values[where[axis]] for where in cases])
+    return [text.partition(" ")[0] for text in texts]
 
 
 def _middles(lines: Sequence[float], curves: Sequence[Any]) -> list[float]:

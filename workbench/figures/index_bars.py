@@ -6,8 +6,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from ..data import labels
 from . import bars, legend, style
+from .scales import Ticks
 from .sheet import SCREEN, Sheet
 
 FIRST, TOTAL = style.PUSHED, style.LIFTED
@@ -45,7 +45,7 @@ def panel(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -> A
     bars.look(ax, [str(ds["field_symbol"].values[i]) for i in order])
     ax.axvline(0, color=style.SOFT, linewidth=0.8, zorder=4)
     ax.set_xlim(*limits)
-    ax.xaxis.set_major_formatter(labels.tick)
+    ax.xaxis.set_major_formatter(Ticks())
     if row["lost"] > 0:
         lost = f"{100 * float(row['lost']):.2g} % of the blocks left out"
         ax.set_title(lost, loc="right", pad=4, size=style.small(), color=style.SOFT)

@@ -6,12 +6,11 @@ from typing import Any
 import xarray as xr
 from matplotlib.axes import Axes
 
-from studies.law_kinds import MONOTONE
 from studies.laws import FAILS
 from studies.reasons import DOES
 
 from ..data import labels, law_verdicts
-from . import legend, notes, style
+from . import law_words, legend, notes, style
 from .law_curve import curve
 from .sheet import SCREEN, Sheet
 from .trends import trend
@@ -28,12 +27,11 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], sheet: Sheet = SCREE
             ends = [labels.in_label_unit(ds[row["axis"]], step[end]) for end in ("from", "to")]
             case = step["from"] == step["to"]
             how: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": "none"} if case else {}
-            ax.plot(ends, step["values"], color=style.VERDICT_COLOURS[FAILS], linewidth=3, alpha=0.75, zorder=3,
+            heights = labels.in_label_unit(ds[row["observable"]], step["values"])
+            ax.plot(ends, heights, color=style.VERDICT_COLOURS[FAILS], linewidth=3, alpha=0.75, zorder=3,
                     label="a case outside" if case else "a step the wrong way", **how)  # fmt: skip
     curve(ds, ax, row)
-    name = labels.long_name if row["kind"] == MONOTONE else labels.symbol
-    law = f"{name(ds[row['observable']])} {row['does']} {'with' if row['kind'] == MONOTONE else 'along'}"
-    title = labels.minus_signs(f"{row['claim']}: {law} {labels.axis_symbol(row['axis'])}")
+    title = f"{row['claim']}: {law_words.sentence(ds, row)}"
     pad = 6 + (_write_verdict(ax, row) if sheet.titled else 0.0)
     ax.set_title(style.wrapped(title, ax), loc="left", pad=pad)
     if not sheet.titled:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..data import labels
 from ..geometry import lines
 from . import developed, push_scale, style
+from .scales import Ticks
 
 THINNEST = 0.07  # inches of a line; below, nothing of its curve is seen
 TALLEST = 0.5, 2.8  # height of all lines as a share of the width, and inches at least
@@ -118,7 +119,7 @@ def draw(ax: Axes, curve: Curve, found: Lines, unit: str, dots: bool = False, na
     ax.set_ylabel(f"line from s [{unit}]")
     ax.set_xlabel(f"z from the start of a line [{unit}]; ρα down")
     ax.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]))
-    ax.xaxis.set_major_formatter(labels.tick)
+    ax.xaxis.set_major_formatter(Ticks())
     ax.grid(axis="x", color=style.FAINT, linewidth=0.6)
     ax.set_axisbelow(True)
     return said(found, curve, unit)

@@ -31,7 +31,8 @@ def figure(ds: xr.Dataset) -> Figure:
         push_scale.bar(fig, drawn[0], list(grid), push_scale.unit(ds), rows * (cell + 0.6))
         orange = "Orange: the cylinder would have to pull, a rod that is free to unbind lifts off there"
         fig.supxlabel(
-            f"ρα to the right, z up, all at one scale; the vertical lines are one wrap apart. The rod lies {ds.attrs['side']}.\n"
+            "ρα to the right, z up, all at one scale; the vertical lines are one wrap apart. "
+            f"The rod lies {ds.attrs['side']}.\n"
             f"{orange}.\n"
             "Stable and index: of the closed rod on the surface, its section free to turn.",
             x=0.01, ha="left", size=style.small(), color=style.SOFT,

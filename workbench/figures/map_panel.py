@@ -19,6 +19,7 @@ from studies.laws import NOISE
 from ..data import cautions, labels, observed
 from . import regions, style
 from .map_cells import Cells
+from .scales import Ticks
 
 Values = NDArray[np.float64]
 DECADES = 1e3  # ratio of the values from which their colours are logarithmic
@@ -68,7 +69,7 @@ class Colours:
         if isinstance(self.norm, LogNorm):
             bar.formatter = labels.power_of_ten  # type: ignore[assignment]
         else:
-            bar.formatter = labels.tick  # type: ignore[assignment]
+            bar.formatter = Ticks()  # type: ignore[assignment]
         bar.ax.tick_params(length=2)
         bar.update_ticks()
         bar.minorticks_off()

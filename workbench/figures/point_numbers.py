@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -120,6 +120,6 @@ def _along(line: Values) -> Values:
         return line
     parts = [
         a + (b - a) * np.linspace(0, 1, 2 + int(np.linalg.norm(b - a) / STEP))[:, None]
-        for a, b in zip(line[:-1], line[1:], strict=True)
+        for a, b in pairwise(line)
     ]
     return np.concatenate(parts)

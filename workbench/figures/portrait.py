@@ -21,6 +21,7 @@ from solver.problem.errors import no_such
 from ..data import labels
 from . import canvas, drawn_rods, legend, style
 from .drawn_rods import DrawnRod
+from .scales import Ticks
 from .sheet import SCREEN, Sheet
 
 PANELS = {"portrait": "phase portrait", "potential": "potential"}
@@ -237,7 +238,7 @@ def _frame(ax: Axes, name: str, one: Orbit, alone: bool, j: int, leftmost: bool,
     ax.xaxis.set_major_locator(MultipleLocator(next((step for step in TICKS if span < step * wide / 0.6), TICKS[-1])))
     ax.yaxis.set_major_locator(MaxNLocator(nbins=5))
     for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_formatter(labels.tick)
+        axis.set_major_formatter(Ticks())
     ax.yaxis.label.set_visible(leftmost)
     style.with_grid(ax)
 

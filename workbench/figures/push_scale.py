@@ -17,6 +17,7 @@ from ..data import labels, push_colours
 from ..data.cautions import SLIGHT
 from . import style
 from .drawn_data import CASING
+from .scales import Ticks
 
 PULL = "#{:02x}{:02x}{:02x}".format(*push_colours.PULL)
 WIDE = 30.0  # ratio of the largest pushes of several rods from which one linear scale would show the weakest no more
@@ -121,7 +122,7 @@ def bar(
     found.set_label(said, size=style.small())
     if not isinstance(norm, Logarithmic):
         (found.ax.set_xlim if below else found.ax.set_ylim)(0.0, float(np.max(norm.vmax or 1.0)))
-    (found.ax.xaxis if below else found.ax.yaxis).set_major_formatter(labels.tick)
+    (found.ax.xaxis if below else found.ax.yaxis).set_major_formatter(Ticks())
     found.outline.set_visible(False)
 
 

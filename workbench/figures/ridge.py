@@ -18,6 +18,7 @@ from studies.laws import NOISE
 from ..data import labels
 from . import canvas, drawn_rods, legend, push_scale, style
 from .drawn_rods import DrawnRods
+from .scales import Ticks
 from .sheet import SCREEN, Sheet
 
 PANELS = {"beta": "angle β", "kappa": "curvature κ", "push": "push"}  # name -> title
@@ -137,7 +138,7 @@ def _panel(ax: Axes, found: DrawnRods, ridge: Ridge, ends: tuple[float, float], 
     ax.set_ylim(foot + (ends[0] - margin) * step, foot + (ends[1] + margin) * step)
     ax.set_xlim(0, max(float(rod["s"][-1]) for rod in found.solved))
     ax.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
-    ax.xaxis.set_major_formatter(labels.tick)
+    ax.xaxis.set_major_formatter(Ticks())
     ax.set_xlabel(f"s [{labels.unit(str(found.source.attrs['length_unit']))}]")
     _name_curves(ax, found, ridge, tall, labelled)
     _bar(ax, ridge, found.source)

@@ -13,7 +13,9 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from ..data import labels
 from . import canvas, style
+from .sheet import Sheet
 
 COLOURS = {"refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#f3cf8a"}
 WORDS = {
@@ -23,13 +25,16 @@ WORDS = {
 }
 SOLVED = LinearSegmentedColormap.from_list("solved", ["#7fc6a6", "#cfe8dc", "#f8f7d8"])
 LEAST, MOST = -8.0, 1.0  # log10 of error over promise, at the ends of the colours of solved cells
-_ROW, _COLUMN, _NAMES = 0.2, 0.78, 2.6  # inches
+_ROW, _COLUMN, _NAMES = 0.165, 0.42, 1.75  # inches: with all methods two columns of a journal
+LEAST_WIDTH = 5.0  # inches, for the legend
+LETTERS = 6.2  # points of the numbers in the cells
+DPI = 300  # its letters are small
 
 
 def figure(ds: xr.Dataset) -> Figure:
     """Draw the map of a dataset of `compare.extremes`."""
     rows, columns = ds.sizes["extreme"], ds.sizes["method"]
-    size = (_NAMES + _COLUMN * (columns + 2), _ROW * rows + 2.1)
+    size = (max(_NAMES + _COLUMN * (columns + 2), LEAST_WIDTH), _ROW * rows + 1.9)
 
     def draw(fig: Figure) -> None:
         ax = panel(ds, fig.add_subplot())
@@ -37,10 +42,13 @@ def figure(ds: xr.Dataset) -> Figure:
         bar = fig.colorbar(
             colours, ax=ax, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035, ticks=range(-8, 2)
         )
-        bar.set_label("solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error [rad]")
+        bar.set_label("solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error [rad]",
+                      size=style.small())  # fmt: skip
+        bar.ax.tick_params(length=2)
         bar.outline.set_visible(False)
 
-    return canvas.figure(size, draw, ds)
+    titled = ds.assign_attrs(title=labels.powers_of_ten(str(ds.attrs["title"])))
+    return canvas.figure(size, draw, titled, dpi=DPI, sheet=Sheet(size[0], "paper"))
 
 
 def promise_kept(ds: xr.Dataset) -> Any:
@@ -64,12 +72,13 @@ def panel(ds: xr.Dataset, ax: Axes) -> Axes:
         _write(ax, len(methods) + 1.5, i + 0.5, _number(float(ds["span"].values[i])))
     _groups(ax, [str(v) for v in ds["group"].values], len(methods) + 2)
     ax.set(xlim=(0, len(methods) + 2), ylim=(len(names), 0))
-    ax.set_yticks(np.arange(len(names)) + 0.5, names)
-    ax.set_xticks(np.arange(len(methods) + 2) + 0.5, [*methods, "condition", "L/ρ"])
-    ax.tick_params(length=0, top=True, labeltop=True, bottom=False, labelbottom=False, colors=style.INK)
+    ax.set_yticks(np.arange(len(names)) + 0.5, [labels.minus_signs(labels.powers_of_ten(name)) for name in names])
+    ax.set_xticks(np.arange(len(methods) + 2) + 0.5, [*methods, "condition", "L/ρ"], rotation=35, ha="left",
+                  rotation_mode="anchor")  # fmt: skip
+    ax.tick_params(length=0, pad=2, labelsize=style.small() - 0.5, top=True, labeltop=True, bottom=False, labelbottom=False, colors=style.INK)
     ax.spines[:].set_visible(False)
     handles = [Patch(facecolor=colour, label=WORDS[name]) for name, colour in COLOURS.items()]
-    ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.005), ncols=4 if len(methods) > 7 else 2)
+    ax.legend(handles=handles, loc="upper right", bbox_to_anchor=(1, -0.005), ncols=2)
     return ax
 
 
@@ -79,17 +88,15 @@ def _condition(ds: xr.Dataset, i: int) -> float:
 
 
 def _write(ax: Axes, x: float, y: float, text: str) -> None:
-    ax.text(x, y, text, ha="center", va="center", fontsize=style.small() - 0.5, color=style.INK)
+    ax.text(x, y, text, ha="center", va="center", fontsize=LETTERS, color=style.INK)
 
 
 def _number(value: Any) -> str:
-    """``2e-9``; nothing for NaN."""
+    """One digit of a number: ``2·10⁻⁹``, ``50``; nothing for NaN."""
     if not np.isfinite(value):
         return "∞" if value == np.inf else ""
-    if value == 0:
-        return "0"
-    digits, power = f"{value:.0e}".split("e")
-    return digits if int(power) == 0 else f"{digits}e{int(power)}".replace("-", "−")
+    plain = value == 0 or 0.1 <= value < 1000
+    return f"{float(f'{value:.0e}'):g}" if plain else labels.powers_of_ten(f"{value:.0e}")
 
 
 def _groups(ax: Axes, groups: list[str], width: float) -> None:

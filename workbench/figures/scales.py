@@ -7,7 +7,7 @@ from math import ceil, floor, log10
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator, NullLocator
+from matplotlib.ticker import Formatter, MaxNLocator, NullLocator
 from numpy.typing import NDArray
 
 from ..data import labels
@@ -27,6 +27,18 @@ def is_geometric(values: Values) -> bool:
         return False
     steps = np.diff(np.log(values))
     return bool(np.ptp(steps) < EVEN * steps.mean() and values[-1] / values[0] > WIDE)
+
+
+class Ticks(Formatter):
+    """The numbers of the ticks of an axis in full, all with the same number of decimals."""
+
+    def __call__(self, value: float, pos: int | None = None) -> str:
+        """The number of one tick."""
+        texts = [f"{float(place):.10g}" for place in (*self.locs, value)]
+        if any("e" in text for text in texts):
+            return labels.tick(value)
+        decimals = max(len(text.partition(".")[2]) for text in texts)
+        return labels.minus_signs(f"{value:.{decimals}f}" if value else f"{0:.{decimals}f}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +68,7 @@ class Scale:
         low, high = float(self.edges[0]), float(self.edges[-1])
         found = fitting(low, high, self.logarithmic, inches, upward=which == "y")
         axis.set_minor_locator(NullLocator())
-        axis.set_ticks(found, [_written(value) for value in found])
+        axis.set_ticks(found, [written(value) for value in found])
 
 
 def scale_of(axis: xr.DataArray) -> Scale:
@@ -79,7 +91,7 @@ def fitting(low: float, high: float, logarithmic: bool, inches: float, upward: b
     for most in range(MOST, 1, -1):
         found = ticks(low, high, logarithmic, most)
         places = [inches * (change(value) - change(low)) / (change(high) - change(low)) for value in found]
-        sizes = [style.small() / 72 if upward else style.width_of(_written(value), style.small()) for value in found]
+        sizes = [style.small() / 72 if upward else style.width_of(written(value), style.small()) for value in found]
         gaps = [b - a - (left + right) / 2
                 for (a, b), (left, right) in zip(pairwise(places), pairwise(sizes), strict=True)]  # fmt: skip
         if min(gaps, default=0.0) >= (APART if upward else style.width_of("0", style.small())):
@@ -87,8 +99,8 @@ def fitting(low: float, high: float, logarithmic: bool, inches: float, upward: b
     return found[:1] + found[-1:] if len(found) > 2 else found
 
 
-def _written(value: float) -> str:
-    return labels.number(value).replace("-", "−")
+def written(value: float) -> str:
+    return labels.minus_signs(labels.powers_of_ten(labels.number(value)))
 
 
 def ticks(low: float, high: float, logarithmic: bool, most: int) -> list[float]:

@@ -15,7 +15,7 @@ from studies.laws import FAILS
 
 from ..data import labels, observed, schema, selection
 from . import style
-from .scales import fitting
+from .scales import Ticks, fitting, written
 
 ROW_HEIGHT, LEAST_WIDTH = 2.1, 1.7  # inches of a panel
 NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches of a panel at least; of ticks and label
@@ -91,7 +91,7 @@ def _block(ds: xr.Dataset, fig: Figure, grid: Any, first: int, fields: list[str]
 
 def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None:
     """One observable against one field, on a panel of so many inches."""
-    x, y = labels.in_label_unit(ds[field], ds[field].values), ds[name].values.astype(float)
+    x, y = labels.in_label_unit(ds[field], ds[field].values), labels.in_label_unit(ds[name], ds[name].values)
     solved = np.isfinite(y)
     logarithmic = _scale(ax, x, room)
     if solved.sum() > MANY:
@@ -106,7 +106,7 @@ def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None
     if (found := rank_correlation(x[solved], y[solved])) is not None:
         ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=style.small(), color=style.SOFT, pad=2)
     ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=observed.is_count(ds, name)))
-    ax.yaxis.set_major_formatter(labels.tick)
+    ax.yaxis.set_major_formatter(Ticks())
     ax.margins(x=0.03, y=0.12)
     style.with_grid(ax)
 
@@ -128,7 +128,7 @@ def _scale(ax: Axes, x: Values, inches: float) -> bool:
     logarithmic = ax.get_xscale() == "log"
     some = fitting(low, high, logarithmic, inches)
     ax.xaxis.set_minor_locator(NullLocator())
-    ax.set_xticks(some, [labels.number(value).replace("-", "−") for value in some])
+    ax.set_xticks(some, [written(value) for value in some])
     return logarithmic
 
 

@@ -14,6 +14,7 @@ from solver.problem.errors import InputError, no_such
 
 from ..data import labels
 from . import canvas, developed, legend, long_curve, push_scale, style
+from .scales import Ticks
 from .sheet import SCREEN, Sheet
 
 SIZE = (9.6, 8.0)  # inches
@@ -184,5 +185,5 @@ def _along(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_xlabel(f"s [{labels.unit(str(ds.attrs['length_unit']))}]")
     ax.margins(x=0)
     ax.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]))
-    ax.xaxis.set_major_formatter(labels.tick)
+    ax.xaxis.set_major_formatter(Ticks())
     return style.with_grid(ax)

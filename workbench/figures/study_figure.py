@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.problem.errors import InputError, no_such
@@ -19,7 +20,7 @@ from .trends import trend
 
 LAW_HEIGHT, LEAST_LAW = 4.3, 2.7  # inches
 SAMPLES = "samples"  # the panel of the scatter diagrams
-BESIDE, LEAST_BESIDE = 0.55, 2.6  # the share of the width that curves have beside a law, and inches they then need
+BESIDE, LEAST_BESIDE = 0.55, 3.2  # the share of the width that curves have beside a law, and inches they then need
 MOST_PLAIN = 4  # observables shown where there is no law
 
 
@@ -55,7 +56,8 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
     sampled = SAMPLE in axes and bool(observed.observables(ds))
     if sampled:
         axes = [axis for axis in axes if axis != SAMPLE]
-    plain = [] if rows or sampled else observed.observables(ds)[:MOST_PLAIN]
+    plain = [] if rows or sampled else observed.observables(ds)
+    plain, level = _told(ds, plain, sheet.panel)
     axes = [axis for axis in axes if ds.sizes[axis] > 1]
     strips = axes if has_curve(curves) else []
     if not (rows or plain or strips or sampled):
@@ -64,7 +66,7 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
     count, width = len(rows or plain), sheet.width
     beside = count <= len(strips) and all(strip_height(curves, axis, width * BESIDE) > LEAST_BESIDE for axis in strips)
     beside = beside and not sampled and not sheet.narrow
-    across = 1 if sheet.narrow else 2
+    across = 1 if sheet.narrow else 3 if len(plain) == 3 and not rows else 2
     law_height = min(LAW_HEIGHT, max(0.9 * width / across, LEAST_LAW))
     heights = [law_height if beside else strip_height(curves, axis, width) for axis in strips]
     below = 0 if beside else law_height * -(-count // across)
@@ -80,7 +82,7 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
         if below:
             cells = _in_rows(grid[len(strips), 0], count, across)
         for i, axis in enumerate(strips):
-            developed(curves, fig.add_subplot(grid[i, 0]), axis, sheet)
+            drawn.append(developed(curves, fig.add_subplot(grid[i, 0]), axis, sheet))
         if sampled:
             scatter.scatter(ds, fig, grid[len(heights) - 1, 0], width)
             legend.below(fig, [], [scatter.said(ds)], sheet)
@@ -90,8 +92,27 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
             ax = trend(ds, fig.add_subplot(cell), name, axes[0])
             ax.set_title(labels.long_name(ds[name]), loc="left")
             legend.add(ax)
+        if plain and level:
+            legend.below(fig, [], level, sheet)
 
-    return canvas.figure((width, 0.7 * sheet.titled + 0.3 * sampled + sum(heights)), draw, ds, sheet=sheet)
+    drawn: list[Axes] = []
+    fig = canvas.figure((width, 0.7 * sheet.titled + 0.3 * sampled + sum(heights)), draw, ds, sheet=sheet)
+    if not beside:
+        canvas.close_gaps(fig, drawn)
+    return fig
+
+
+def _told(ds: xr.Dataset, names: list[str], panel: str | None) -> tuple[list[str], list[str]]:
+    """The observables that get a panel, and sentences about counts that are the same in all cases and get none."""
+    level = [name for name in names if name != panel and observed.is_count(ds, name) and _is_level(ds[name])]
+    if len(level) == len(names):
+        return names[:MOST_PLAIN], []
+    said = [f"{labels.long_name(ds[name])}: {float(ds[name].max()):g} in all cases." for name in level]
+    return [name for name in names if name not in level][:MOST_PLAIN], [text[0].upper() + text[1:] for text in said]
+
+
+def _is_level(array: xr.DataArray) -> bool:
+    return bool((array == array.values.flat[0]).all())
 
 
 def _only(

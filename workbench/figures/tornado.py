@@ -12,6 +12,7 @@ from solver.problem.quantities import quantity
 
 from ..data import labels
 from . import bars, legend, style
+from .scales import Ticks
 from .sheet import SCREEN, Sheet
 
 MOST = 12  # bars of a panel
@@ -51,11 +52,10 @@ def panel(ds: xr.Dataset, ax: Axes, name: str) -> Axes:
     room = ROOM * (high - low)
     ax.set_xlim(low - (room if low < 0 else room / 6), high + (room if high > 0 else room / 6))
     ax.xaxis.set_major_locator(MaxNLocator(nbins=4))
-    ax.xaxis.set_major_formatter(labels.tick)
-    unit = labels.unit(str(row["unit"].values))
-    value = labels.number(float(row["value"])).replace("-", "−")
+    ax.xaxis.set_major_formatter(Ticks())
+    value = _in_unit(float(row["value"]), str(row["unit"].values))
     own = str(row["effect_unit"].values)
-    ax.set_title(f"{quantity(name).symbol} = {value} {unit}".rstrip(), loc="left", pad=4)
+    ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
     ax.set_title(f"[{labels.unit(own) or '1'}]", loc="right", pad=4, size=style.small(), color=style.SOFT)
     if rest:
         more = f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}"
@@ -93,6 +93,10 @@ def _caption(fig: Figure, ds: xr.Dataset, sheet: Sheet) -> None:
 
 
 def _value(field: xr.Dataset) -> str:
-    number, unit = float(field["at"]), str(field["field_unit"].values)
+    return _in_unit(float(field["at"]), str(field["field_unit"].values))
+
+
+def _in_unit(number: float, unit: str) -> str:
+    """A number with its unit, an angle in degrees."""
     text = f"{labels.number(np.degrees(number))}°" if unit == "rad" else f"{labels.number(number)} {labels.unit(unit)}"
     return text.strip().replace("-", "−")

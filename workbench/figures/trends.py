@@ -13,7 +13,7 @@ from studies.laws import FAILS, NOISE
 from ..data import labels, observed, selection
 from . import style
 from .developed import axis_label
-from .scales import WIDE, fitting, is_geometric
+from .scales import WIDE, Ticks, fitting, is_geometric, written
 
 
 def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:
@@ -26,6 +26,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     order = selection.line(ds, axis, at)
     along = labels.in_label_unit(ds[axis], ds[axis].values[[where[axis] for where in order]])
     lines = ds[observable].transpose(..., axis).isel({axis: [where[axis] for where in order]})
+    lines = lines.copy(data=labels.in_label_unit(ds[observable], lines.values))
     for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 else ():
         ax.plot(along, line, color=style.FAINT, linewidth=1, zorder=1)
     others = {name: i for name, i in order[0].items() if name != axis}
@@ -42,7 +43,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     ax.set_xlabel(style.wrapped(axis_label(ds, axis, others, long=False), ax))
     ax.set_ylabel(labels.label(ds[observable]))
     ax.margins(x=0.04, y=0.1)
-    ax.yaxis.set_major_formatter(labels.tick)
+    ax.yaxis.set_major_formatter(Ticks())
     drawn = lines.values[np.isfinite(lines.values)]
     if observed.is_count(ds, observable):
         ax.yaxis.set_major_locator(MaxNLocator(integer=True))
@@ -63,7 +64,7 @@ def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
         ax.set_xscale("log")
         some = fitting(low, high, True, style.inches(ax)[0])
         ax.xaxis.set_minor_locator(NullLocator())
-        ax.set_xticks(some, [labels.number(value) for value in some])
+        ax.set_xticks(some, [written(value) for value in some])
     else:
         _linear(ax)
 
@@ -71,4 +72,4 @@ def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
 def _linear(ax: Axes) -> None:
     """Few enough ticks that their numbers do not meet."""
     ax.xaxis.set_major_locator(MaxNLocator(nbins=5))
-    ax.xaxis.set_major_formatter(labels.tick)
+    ax.xaxis.set_major_formatter(Ticks())

@@ -77,8 +77,8 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
         colour = look.colour
         for stretch, handed in _stretches(one, good, look.method):
             fill: dict[str, Any] = {"markerfacecolor": "white", "markeredgewidth": 0.8} if handed else {}
-            ax.plot(spent[stretch], np.maximum(error[stretch], FLOOR), color=colour, marker=look.marker, markersize=3.6,
-                    linewidth=1.8 if look.bold else 1.1, zorder=4 if look.bold else 3,
+            ax.plot(spent[stretch], np.maximum(error[stretch], FLOOR), color=colour, marker=look.marker,
+                    markersize=_size(look), linestyle=look.line, linewidth=1.8 if look.bold else 1.1, zorder=4 if look.bold else 3,
                     **{"markeredgewidth": 0, **fill})  # fmt: skip
         bad = tried & ~good
         ax.plot(spent[bad], np.full(bad.sum(), TOP / 2), "x", color=colour, markersize=4, markeredgewidth=1.1, zorder=3)
@@ -92,7 +92,7 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(labels.power_of_ten)
         axis.set_minor_formatter(NullFormatter())
-    ax.set_title(case, loc="left", size=style.small(), pad=3)
+    ax.set_title(labels.powers_of_ten(case), loc="left", size=style.small(), pad=3)
     return style.with_grid(ax)
 
 
@@ -115,7 +115,8 @@ def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
         here = ds.isel(case=np.flatnonzero(ds["kind"].values == kind))
         tried = [str(m) for m in ds["ladder"].values if np.isfinite(here["seconds"].sel(ladder=m)).any()]
         handles: list[Any] = [
-            Line2D([], [], color=look.colour, marker=look.marker, markersize=4, linewidth=1.4, label=look.name)
+            Line2D([], [], color=look.colour, marker=look.marker, markersize=_size(look) + 0.4, linestyle=look.line,
+                   linewidth=1.4, label=look.name)  # fmt: skip
             for look in map(look_of, tried)
         ]
         if handles:
@@ -135,6 +136,11 @@ def _handed_over(ds: xr.Dataset, ladder: str) -> bool:
     """Whether another method answered on some rung of a ladder."""
     answered = np.unique(ds["answered"].sel(ladder=ladder).values.astype(str))
     return bool(set(answered.tolist()) - {"", look_of(ladder).method})
+
+
+def _size(look: "Ladder") -> float:
+    """Points of a marker: those with thin arms are larger."""
+    return {"*": 5.5, "d": 4.6}.get(look.marker, 3.6)
 
 
 def look_of(ladder: str) -> "Ladder":

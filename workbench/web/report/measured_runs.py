@@ -61,7 +61,8 @@ def _made(
     source: str,
 ) -> Measured:
     picture = BytesIO()
-    canvas.save(draw(ds.assign_attrs(title="")), picture)  # the report gives the title, once
+    drawn = draw(ds.assign_attrs(title=""))  # the report gives the title, once
+    canvas.save(drawn, picture, drawn.dpi)
     return Measured(name, picture.getvalue(), shows(ds), f"{_run(ds)}; {source}")
 
 

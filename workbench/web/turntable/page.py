@@ -89,7 +89,6 @@ def _held(ds: xr.Dataset, at: Mapping[str, Any]) -> str:
     where = selection.case(ds, at)
     names = [selection.axis_of(ds, name) for name in at]
     texts = [
-        f"{labels.symbol(ds[name])} = {labels.value(float(ds[name].values[where[name]]), ds[name], 6)}"
-        for name in names
+        f"{labels.symbol(ds[name])} = {labels.value(float(ds[name].values[where[name]]), ds[name])}" for name in names
     ]
     return ", ".join(texts)

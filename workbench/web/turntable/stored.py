@@ -145,7 +145,7 @@ def _is_near(line: Centreline, step: int) -> bool:
 
 
 def _axis(ds: xr.Dataset, name: str, rows: Sequence[int], base: int) -> dict[str, Any]:
-    texts = [labels.value(float(ds[name].values[row]), ds[name], 6) for row in rows]
+    texts = labels.distinct(ds[name], ds[name].values[list(rows)])
     start = int(np.abs(np.array(rows) - base).argmin())
     words, symbol = labels.long_name(ds[name]), labels.symbol(ds[name])
     return {"words": words, "symbol": "" if symbol == words else symbol, "texts": texts, "start": start}
@@ -170,7 +170,7 @@ def _sampled(ds: xr.Dataset, where: Mapping[str, int]) -> str:
     fields = schema.sampled_fields(ds) if SAMPLE in ds.dims else []
     names = [name for name in map(schema.dimension, fields) if name in ds]
     values = [(name, float(ds[name].isel({k: i for k, i in where.items() if k in ds[name].dims}))) for name in names]
-    texts = [f"{labels.symbol(ds[name])} = {labels.value(value, ds[name], 6)}" for name, value in values]
+    texts = [f"{labels.symbol(ds[name])} = {labels.value(value, ds[name])}" for name, value in values]
     return f"{', '.join(texts)}." if texts else ""
 
 
