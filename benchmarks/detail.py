@@ -181,7 +181,9 @@ def draw(path: Path) -> None:
     """Where the rings stand on the rod of Table 1, against its curvature."""
     from matplotlib.figure import Figure
 
+    from workbench.data import labels
     from workbench.figures import canvas, style
+    from workbench.figures.scales import Ticks
 
     body = read(solved("Table 1"), {}, KINDS["plain"])
     per_unit = WIDE / float(np.ptp(body.z))
@@ -196,10 +198,13 @@ def draw(path: Path) -> None:
             ax.plot((s[1:] + s[:-1]) / 2, 1 / np.diff(s), drawstyle="steps-mid", color=colour,
                     label=f"rings per cm, {pixel_error:g} pixels allowed")  # fmt: skip
         ax.set(xlabel="arc length s [cm]", yscale="log")
-        ax.legend(ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+        ax.yaxis.set_major_formatter(labels.power_of_ten)
+        ax.xaxis.set_major_formatter(Ticks())
+        ax.set_title("Where the rings of the rod of Table 1 stand", loc="left", weight="bold", pad=24)
+        ax.legend(ncols=3, loc="lower left", bbox_to_anchor=(-0.01, 1.0), borderaxespad=0)
         style.with_grid(ax)
 
-    canvas.save(canvas.figure((8, 3.4), draw_on), path, dpi=130)
+    canvas.save(canvas.figure((8, 3.4), draw_on), path)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ ROD, FORCE, MOMENT, ANGLE = "#2a7bb7", "#b3004f", "#6a3d9a", "#01834e"
 AZIMUTH, TILT = np.radians(38.0), np.radians(20.0)  # of the line of sight, from the x axis and from the horizontal
 R, HEIGHT, RHO = 1.0, 4.6, 1.12
 PITCH = np.radians(52.0)  # beta of the rod drawn, constant
-HERE = 3.05  # arc length of the marked section
+HERE = 3.3  # arc length of the marked section
 
 
 def project(points: Any) -> Any:
@@ -36,7 +36,7 @@ def centreline(s: Any) -> Any:
     """Position of the centreline at arc length s: alpha' = sin(beta)/rho, z' = cos(beta)."""
     s = np.asarray(s, dtype=float)
     alpha = s * np.sin(PITCH) / RHO + AZIMUTH - 1.65
-    return np.stack([RHO * np.cos(alpha), RHO * np.sin(alpha), 0.35 + s * np.cos(PITCH)], axis=-1)
+    return np.stack([RHO * np.cos(alpha), RHO * np.sin(alpha), s * np.cos(PITCH)], axis=-1)
 
 
 def arrow(
@@ -67,7 +67,7 @@ def cylinder(ax: Axes) -> None:
 
 def rod(ax: Axes) -> None:
     """The rod; what lies behind the cylinder is faint."""
-    s = np.linspace(0, 6.3, 900)
+    s = np.linspace(0, 6.9, 900)
     points = centreline(s)
     front = points[:, 0] * np.cos(AZIMUTH) + points[:, 1] * np.sin(AZIMUTH) > -0.25
     drawn = project(points)
@@ -105,7 +105,7 @@ def section(ax: Axes) -> None:
     ax.plot(*up.T, color=ANGLE, linewidth=0.9, linestyle=(0, (4, 3)), zorder=5)
     fan = np.linspace(0, PITCH, 60)[:, None]
     ax.plot(*project(at + 0.8 * (np.cos(fan) * eZ + np.sin(fan) * eY)).T, color=ANGLE, linewidth=1.2, zorder=7)
-    middle = at + 0.97 * (np.cos(PITCH / 2) * eZ + np.sin(PITCH / 2) * eY)
+    middle = at + 0.98 * (np.cos(0.3 * PITCH) * eZ + np.sin(0.3 * PITCH) * eY)
     ax.annotate("β", project(middle), color=ANGLE, ha="center", va="center", zorder=9)
     arrow(ax, at, 1.5 * T, "F₃, M₃  along T", FORCE, (52, 4))
     arrow(ax, at, 1.15 * B, "F₂, M₂  along B", FORCE, (-10, 11))
@@ -130,4 +130,4 @@ def draw() -> Figure:
 
 
 if __name__ == "__main__":
-    draw().savefig(Path(__file__).with_suffix(".png"), dpi=150)
+    draw().savefig(Path(__file__).with_suffix(".png"), dpi=200)

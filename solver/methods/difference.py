@@ -38,8 +38,9 @@ class Difference(EndsMethod):
     order = 4
     ladders = (
         Ladder("difference", "nodes", _NODES, "#989000", "d", fixed={"extrapolate": False}, most=MOST_COMPILED),
-        Ladder("difference", "nodes", _NODES, "#5c5a00", "*", "--", label="difference extrapolated",
-               most=MOST_COMPILED),  # fmt: skip
+        Ladder(
+            "difference", "nodes", _NODES, "#5c5a00", "*", "--", label="difference extrapolated", most=MOST_COMPILED
+        ),
     )
 
     nodes: int | None = knob(int, least=5)

@@ -14,8 +14,8 @@ _LOOSE = 0.9  # the tolerance of a rung whose knob is another one: only a rung w
 class Ladder:
     """A method, the knob that is varied, its values from cheap to dear, and its look in diagrams.
 
-    colour, marker, line: as Matplotlib reads them; bold: whether the line is drawn thicker. label: default: the name of the
-    method. fixed: the other knobs. cold: whether the first call at a value is slow (it compiles) and is not timed.
+    colour, marker, line: as Matplotlib reads them; bold: whether the line is drawn thicker. label: default: the name of
+    the method. fixed: the other knobs. cold: whether the first call at a value is slow (it compiles) and is not timed.
     most: a rung that would take more evaluations is not run.
     """
 

@@ -110,7 +110,7 @@ _ROWS = (
         "mean push per length in the middle third, pulls not counted",
         estimated=True,
     ),
-    Quantity("attached", "attached", _NUMBER, "share of the length where the cylinder pushes", estimated=True),
+    Quantity("attached", "attached share", _NUMBER, "share of the length where the cylinder pushes", estimated=True),
     Quantity("lift_off_at", "lift-off at s", _LENGTH, "first s where the cylinder pulls (L: nowhere)", estimated=True),
     Quantity("F3_size_max", "max |F₃|", _FORCE, "largest size of the internal force along the tangent", estimated=True),
     Quantity("bending_moment_max", "max M", _MOMENT, "largest bending moment", estimated=True),

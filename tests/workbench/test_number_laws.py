@@ -148,11 +148,11 @@ def test_a_formula_may_use_a_field_of_the_base_and_a_stiffness(tmp_path: Path) -
 def test_a_panel_shows_the_formula_the_bounds_the_fit_and_the_boundary(ds: xr.Dataset) -> None:
     drawn = panels(ds)
     labels = {claim: [line.get_label() for line in ax.get_lines()] for claim, ax in drawn.items()}
-    assert "kappa_mean/share" in labels["equals"]
-    assert {"at least 0", "at most kappa_max/kappa_max"} <= set(labels["bounded"])
+    assert "mean κ/share" in labels["equals"]
+    assert {"at least 0", "at most max κ/max κ"} <= set(labels["bounded"])
     assert any(label.startswith("fit: exponent") for label in labels["scales"])
     assert "the value 0.5" in labels["boundary"]
-    formula = next(line for line in drawn["equals"].get_lines() if line.get_label() == "kappa_mean/share")
+    formula = next(line for line in drawn["equals"].get_lines() if line.get_label() == "mean κ/share")
     np.testing.assert_allclose(formula.get_ydata(), ds["kappa_max"].values[:, 0], rtol=1e-9)
     assert "at most" in words(drawn["equals"])
 

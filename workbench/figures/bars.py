@@ -11,7 +11,6 @@ from .sheet import Sheet
 
 COLUMN = 3.4  # inches: the width of a column of a journal
 BAR, FRAME, AROUND = 0.2, 0.6, 1.4  # inches of a bar, of title and ticks of a panel, of the title and the legend
-IN_ONE_COLUMN = 3  # panels; more stand in two columns
 
 
 def figure(
@@ -25,9 +24,9 @@ def figure(
     """A panel for each of the names, with room for so many bars. panel: draws one. legend: draws what stands below.
 
     sheet: what the figure is drawn for; default: a column of a journal is as wide as on paper, with letters for the
-    screen, and many panels have two columns.
+    screen, and several panels have two columns.
     """
-    columns = 1 if len(names) <= IN_ONE_COLUMN else 2
+    columns = min(len(names), 2)
     if sheet is not None:
         columns = 1 if sheet.narrow else min(len(names), max(int(sheet.width / COLUMN), 1))
     page = sheet or Sheet(COLUMN * columns)

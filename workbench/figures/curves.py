@@ -110,6 +110,7 @@ def _small_multiples(found: DrawnRods, sheet: Sheet) -> Figure:
             _frame(ax, found, limits, page, i)
             if rod.arrays is not None:
                 notes.extend(_ring(ax, rod, lines[id(rod)], page))
+        _one_size(axes)
         assert last is not None
         inches = (sheet.width if sheet.narrow else page.rows * (page.cell[1] + HEAD)) - 0.3
         push_scale.bar(fig, last, axes, push_scale.unit(found.source), inches, below=sheet.narrow)
@@ -187,6 +188,14 @@ def _ring(ax: Axes, rod: DrawnRod, curve: tuple[Any, Any], page: Page) -> list[s
         ax.scatter(x, y, s=np.square(sizes), facecolors="none", edgecolors=style.CROSSED, linewidths=1.1,
                    label=THROUGH, zorder=5)  # fmt: skip
     return []
+
+
+def _one_size(axes: list[Axes]) -> None:
+    """Give all rings of a figure the size of the largest: size says nothing."""
+    rings = [ring for ax in axes for ring in ax.collections if ring.get_label() == THROUGH]
+    largest = max((float(ring.get_sizes().max()) for ring in rings), default=0.0)  # type: ignore[attr-defined]
+    for ring in rings:
+        ring.set_sizes([largest])  # type: ignore[attr-defined]
 
 
 def _frame(ax: Axes, found: DrawnRods, limits: Any, page: Page, i: int) -> None:

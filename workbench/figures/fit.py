@@ -50,11 +50,11 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     unit, up = labels.unit(str(ds.attrs["length_unit"])), _upright(ds)
     names = ("alpha", "z") if up else ("z", "alpha")
     line, feet, points = ([_places(ds, part + name) for name in names] for part in ("", "foot_", "measured_"))
-    ax.plot(*line, color=style.PUSHED, linewidth=2.0, label="fitted rod")
+    ax.plot(*line, color=style.PAIR[1], linewidth=2.0, label="fitted rod")
     if "measured_z" in ds:
         for a, b, c, d in zip(*points, *feet, strict=True):
-            ax.plot((a, c), (b, d), color=style.LIFTED, linewidth=0.9, zorder=1)
-        ax.plot(*points, "o", color=style.LIFTED, markersize=4, markeredgecolor=style.INK, markeredgewidth=0.4,
+            ax.plot((a, c), (b, d), color=style.INK, linewidth=0.9, zorder=1)
+        ax.plot(*points, "o", color="white", markersize=4.5, markeredgecolor=style.INK, markeredgewidth=0.9,
                 label="measured points")  # fmt: skip
         legend.add(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, borderaxespad=0, borderpad=0.3)
     ax.plot(line[0][0], line[1][0], "o", color=style.INK, markersize=5)
@@ -113,7 +113,7 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
     names = [labels.symbol_of(str(name)) for name in ds["field"].values[:2]]
     ax.set_xlabel(_label(ds, 0))
     ax.set_ylabel(_label(ds, 1))
-    ax.plot(*values, "o", color=style.PUSHED, markersize=6, zorder=4)
+    ax.plot(*values, "o", color=style.PAIR[1], markersize=6, zorder=4)
     others = ds["other_minimum"].values[:, :2]
     for one in others:
         ax.plot(*_shown(ds, one), "X", color=style.STABLE, markersize=7, zorder=3)
@@ -123,8 +123,8 @@ def region(ds: xr.Dataset, ax: Axes) -> Axes:
         ax.set_title(style.wrapped(f"{' and '.join(names)}: no region is known{also}", ax), loc="left")
         return style.with_grid(ax)
     around = values[:, None] + _ellipse(covariance, _size(ds))
-    ax.fill(*around, color=style.PUSHED, alpha=0.18, linewidth=0)
-    ax.plot(*around, color=style.PUSHED, linewidth=1.2)
+    ax.fill(*around, color=style.PAIR[1], alpha=0.18, linewidth=0)
+    ax.plot(*around, color=style.PAIR[1], linewidth=1.2)
     for draw, ends in ((ax.axvline, (low[0], high[0])), (ax.axhline, (low[1], high[1]))):
         for end in ends:
             draw(end, color=style.SOFT, linewidth=0.9, linestyle=(0, (4, 3)))
@@ -137,7 +137,7 @@ def shares(ds: xr.Dataset, ax: Axes) -> Axes:
     """The share of each datum in what is known of each field: along the rod for points, else by observable."""
     names = [labels.symbol_of(str(name)) for name in ds["field"].values]
     known = [name for name, row in zip(names, ds["share"].values, strict=True) if np.isfinite(row).all()]
-    colours = [style.PUSHED, style.LIFTED, *style.ramp_colours(max(len(names) - 2, 0))]
+    colours = [*style.PAIR, *style.ramp_colours(max(len(names) - 2, 0))]
     if "point_share" in ds:
         s, unit = ds["foot_s"].values, labels.unit(str(ds.attrs["length_unit"]))
         order = np.argsort(s, kind="stable")

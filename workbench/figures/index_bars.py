@@ -10,7 +10,7 @@ from . import bars, legend, style
 from .scales import Ticks
 from .sheet import SCREEN, Sheet
 
-FIRST, TOTAL = style.PUSHED, style.LIFTED
+FIRST, TOTAL = style.PAIR
 
 
 def figure(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
@@ -40,8 +40,10 @@ def panel(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -> A
     order = np.argsort(-row["total"].values)
     at = np.arange(order.size)
     for key, color, offset in (("first", FIRST, -0.19), ("total", TOTAL, 0.19)):
-        ax.barh(at + offset, row[key].values[order], 0.36, xerr=row[f"{key}_conf"].values[order], color=color, zorder=3,
-                error_kw={"elinewidth": 1, "capsize": 2, "ecolor": style.INK, "zorder": 4})  # fmt: skip
+        values = row[key].values[order]
+        ax.barh(at + offset, values, 0.36, color=color, zorder=3)
+        for look in ({"ecolor": "white", "elinewidth": 2.4}, {"ecolor": style.INK, "elinewidth": 1, "capsize": 2}):
+            ax.errorbar(values, at + offset, xerr=row[f"{key}_conf"].values[order], linestyle="none", zorder=4, **look)
     bars.look(ax, [str(ds["field_symbol"].values[i]) for i in order])
     ax.axvline(0, color=style.SOFT, linewidth=0.8, zorder=4)
     ax.set_xlim(*limits)

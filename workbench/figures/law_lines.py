@@ -88,7 +88,7 @@ def draw(
         value = _deciding(law.row, cells.ds, across, where)
         if value is not None:
             (ax.axhline if upward else ax.axvline)(value, **DECIDES)
-            entries.append(Line2D([], [], **DECIDES, label="deciding line of a law"))
+            entries.append(Line2D([], [], **DECIDES, label="the line of the map on which the law is decided"))
     return entries
 
 
@@ -127,13 +127,13 @@ def _numbers(verdicts: NDArray[np.str_]) -> NDArray[np.float64]:
 
 
 def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
-    """``(1): the number of bends falls with E; qualified; deciding line: R = 0.75 cm``."""
+    """``(1): the number of bends falls with E; qualified; decided at R = 0.75 cm``."""
     row = law.row
     at = ", ".join(f"{labels.axis_symbol(name)} = {labels.value(v, ds[name])}" for name, v in row["at"].items())
     at = at.replace(" ", "\N{NO-BREAK SPACE}")
     does = f"{row['does']} {'with' if row['direction'] else 'along'} {labels.axis_symbol(row['axis'])}"
     noun = labels.noun_of(row["observable"])
-    return f"{row['claim']}: {noun} {does}; {row['verdict']}{f'; deciding line: {at}' if at else ''}"
+    return f"{row['claim']}: {noun} {does}; {row['verdict']}{f'; decided at {at}' if at else ''}"
 
 
 def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -118,8 +118,5 @@ def _along(line: Values) -> Values:
     """Places along a line, `STEP` apart at most."""
     if len(line) < 2:
         return line
-    parts = [
-        a + (b - a) * np.linspace(0, 1, 2 + int(np.linalg.norm(b - a) / STEP))[:, None]
-        for a, b in pairwise(line)
-    ]
+    parts = [a + (b - a) * np.linspace(0, 1, 2 + int(np.linalg.norm(b - a) / STEP))[:, None] for a, b in pairwise(line)]
     return np.concatenate(parts)

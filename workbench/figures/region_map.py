@@ -10,9 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from ..data import labels
-from . import canvas, legend, style
+from . import canvas, legend, region_raster, style
 from .region_numbers import placed
 from .sheet import SCREEN, Sheet
 
@@ -29,31 +30,41 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     def draw(fig: Figure) -> None:
         ax = fig.add_subplot()
         box = sheet.width - 1.1, high - 0.6
-        notes = panel(ds, ax, box)
-        legend.below(fig, entries(ds), notes)
+        notes, colours = panel(ds, ax, box)
+        legend.below(fig, [*colours, *entries(ds)], notes)
 
     return canvas.figure((sheet.width, high + 0.75 * sheet.titled + 0.5), draw, ds, sheet=sheet)
 
 
-def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> list[str]:
-    """Draw the map on axes of about that width and height; returns notes on what is drawn."""
+def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[str], list[Artist]]:
+    """Draw the map on axes of about that width and height.
+
+    Returns notes on what is drawn, and for the legend the colours that no number explains.
+    """
     x, y = json.loads(ds.attrs["fields"])
     edges = [labels.in_label_unit(ds[name], np.array([ds.attrs[end][k] for end in ("low", "high")]))
              for k, name in enumerate((x, y))]  # fmt: skip
-    counts = np.append(ds["count"].values, 0)[ds["region_at"].values].astype(float)
-    counts[ds["region_at"].values < 0] = np.nan
+    lines = [np.transpose([labels.in_label_unit(ds[name], ds[f"curve_{name}"].values[k]) for name in (x, y)])
+             for k in range(ds.sizes["curve"])]  # fmt: skip
+    low, size = (np.array([[ends[0], np.ptp(ends)] for ends in edges]).T[k] for k in (0, 1))
+    regions = region_raster.fine(ds["region_at"].values, [(line - low) / size for line in lines])
+    counts = np.append(ds["count"].values, 0)[regions].astype(float)
+    counts[regions < 0] = np.nan
     known = np.unique(counts[np.isfinite(counts)])
     ramp = ListedColormap(style.map_colours(max(known.size, 2))(np.arange(max(known.size, 1))))
     ax.imshow(np.searchsorted(known, np.where(np.isnan(counts), known[:1], counts)), cmap=ramp, origin="lower",
               extent=(*edges[0], *edges[1]), aspect="auto", interpolation="nearest", alpha=0.8,
               vmin=-0.5, vmax=max(known.size, 2) - 0.5, zorder=0)  # fmt: skip
-    for k in range(ds.sizes["curve"]):
-        line = [labels.in_label_unit(ds[name], ds[f"curve_{name}"].values[k]) for name in (x, y)]
-        ax.plot(*line, zorder=3, solid_capstyle="round", **_look(ds, k))
+    for k, line in enumerate(lines):
+        ax.plot(*line.T, zorder=3, solid_capstyle="round", **_look(ds, k))
     cusps = [labels.in_label_unit(ds[name], ds[f"cusp_{name}"].values) for name in (x, y)]
     ax.plot(*cusps, "D", color="white", markeredgecolor=style.INK, markersize=4, zorder=5, linestyle="none")
     ax.set(xlim=edges[0], ylim=edges[1], xlabel=labels.axis_label(x, ds[x]), ylabel=labels.axis_label(y, ds[y]))
-    return placed(ds, ax, inches, _texts(ds))
+    notes, left_out = placed(ds, ax, inches, _texts(ds))
+    told = {int(count) for k, count in enumerate(ds["count"].values) if k not in left_out}
+    unsaid = sorted({int(ds["count"].values[k]) for k in left_out} - told)
+    colours = {count: ramp(int(np.searchsorted(known, count)))[:3] for count in unsaid}
+    return notes, [Patch(color=(*colours[count], 0.8), label=f"{count} equilibria") for count in unsaid]
 
 
 def entries(ds: xr.Dataset) -> list[Artist]:

@@ -17,41 +17,36 @@ MOST = 4  # shapes in a region
 PAD = 0.05  # inches around a text
 
 
-def placed(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], texts: list[str]) -> list[str]:
-    """Write the texts into their regions, with the stable shapes below each where they fit; returns notes.
+def placed(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], texts: list[str]) -> tuple[list[str], list[int]]:
+    """Write the texts into their regions, with the stable shapes below each where they fit.
 
-    inches: width and height of the map. A text that does not fit is shortened to the number of equilibria and that of
-    the stable ones, ``13/2``, or left out.
+    Returns notes, and the regions that are too narrow for their text.
+
+    inches: width and height of the map. A text that does not fit stands in two lines, or is left out.
     """
     numbers = ds["region_at"].values
     cell = inches[1] / numbers.shape[0], inches[0] / numbers.shape[1]
     largest, side = _largest(ds), SHAPE if inches[0] > NARROW else SMALL_SHAPE
-    short, left_out, fewer, drawn = "", False, False, False
+    left_out, fewer, drawn = list[int](), False, False
     for k, text in enumerate(texts):
         stable = int(ds["count_stable"].values[k])
-        brief = f"{int(ds['count'].values[k])}/{stable}"
+        lines = text.replace(", ", ",\n")
         line = style.small() * 1.25 / 72
-        for said, shapes in (*((text, count) for count in range(min(stable, MOST), -1, -1)), (brief, 0)):
-            width = max(len(said) * style.small() * style.LETTER, shapes * side) + PAD
-            height = line + (side if shapes else 0) + PAD
+        for said, shapes in (*((text, count) for count in range(min(stable, MOST), -1, -1)), (lines, 0)):
+            wide = max(style.width_of(part, style.small()) for part in said.split("\n"))
+            width = max(wide, shapes * side) + PAD
+            height = line * (1 + said.count("\n")) + (side if shapes else 0) + PAD
             place = _room(numbers == k, cell, (height, width))
             if place is not None:
-                short = (
-                    f"{brief}: {brief.split('/')[0]} equilibria, {stable} of them stable." if said is brief else short
-                )
                 fewer |= 0 < shapes < stable
                 drawn |= shapes > 0
                 _write(ds, ax, (place[0] * cell[0], place[1] * cell[1]), inches, said, (k, shapes), (largest, side))
                 break
         else:
-            left_out = True
+            left_out.append(k)
     some = "; where there is not room for all, those of lowest energy" if fewer else ""
     notes = [f"Shapes: developed curves of the stable equilibria, ρα to the right and z up, all at one scale{some}."]
-    if short:
-        notes.append(short)
-    if left_out:
-        notes.append("Regions without a number are too narrow for one; their colour says which it is.")
-    return notes if drawn else notes[1:]
+    return notes if drawn else [], left_out
 
 
 def _room(mask: NDArray[Any], cell: tuple[float, float], size: tuple[float, float]) -> tuple[float, float] | None:
@@ -98,7 +93,7 @@ def _write(
     room = side / inches[1], side / inches[0]
     halo = [withStroke(linewidth=2.2, foreground="white", alpha=0.85)]
     ax.text(across, up + (room[0] / 2 if count else 0), said, transform=ax.transAxes, ha="center", va="center",
-            size=style.small(), color=style.INK, path_effects=halo, zorder=6)  # fmt: skip
+            size=style.small(), color=style.INK, linespacing=1.1, path_effects=halo, zorder=6)  # fmt: skip
     rho = _rho(ds)[k]
     half = max(largest, 1e-12) / 2 * 1.08
     for i in range(count):

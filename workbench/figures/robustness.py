@@ -75,7 +75,8 @@ def panel(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_yticks(np.arange(len(names)) + 0.5, [labels.minus_signs(labels.powers_of_ten(name)) for name in names])
     ax.set_xticks(np.arange(len(methods) + 2) + 0.5, [*methods, "condition", "L/ρ"], rotation=35, ha="left",
                   rotation_mode="anchor")  # fmt: skip
-    ax.tick_params(length=0, pad=2, labelsize=style.small() - 0.5, top=True, labeltop=True, bottom=False, labelbottom=False, colors=style.INK)
+    ax.tick_params(length=0, pad=2, labelsize=style.small() - 0.5, colors=style.INK)
+    ax.tick_params(top=True, labeltop=True, bottom=False, labelbottom=False)
     ax.spines[:].set_visible(False)
     handles = [Patch(facecolor=colour, label=WORDS[name]) for name, colour in COLOURS.items()]
     ax.legend(handles=handles, loc="upper right", bbox_to_anchor=(1, -0.005), ncols=2)

@@ -1,5 +1,6 @@
 """The scale of an axis of stored values: logarithmic or linear, the edges of their cells, ticks at 1, 2 and 5."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, floor, log10
@@ -32,13 +33,18 @@ def is_geometric(values: Values) -> bool:
 class Ticks(Formatter):
     """The numbers of the ticks of an axis in full, all with the same number of decimals."""
 
-    def __call__(self, value: float, pos: int | None = None) -> str:
-        """The number of one tick."""
-        texts = [f"{float(place):.10g}" for place in (*self.locs, value)]
+    def format_ticks(self, values: Iterable[float]) -> list[str]:
+        """The numbers of all ticks."""
+        values = [float(value) for value in values]
+        texts = [f"{value:.10g}" for value in values]
         if any("e" in text for text in texts):
-            return labels.tick(value)
-        decimals = max(len(text.partition(".")[2]) for text in texts)
-        return labels.minus_signs(f"{value:.{decimals}f}" if value else f"{0:.{decimals}f}")
+            return [self(value) for value in values]
+        decimals = max((len(text.partition(".")[2]) for text in texts), default=0)
+        return [labels.minus_signs(f"{value or 0.0:.{decimals}f}") for value in values]
+
+    def __call__(self, value: float, pos: int | None = None) -> str:
+        """The number of one tick by itself."""
+        return labels.tick(value)
 
 
 @dataclass(frozen=True, eq=False)

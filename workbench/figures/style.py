@@ -22,6 +22,7 @@ BAND = "#f1f3f6"  # behind a line of a long rod
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
 VERDICT_COLOURS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#bb5802", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
 CROSSED = "#b3004f"  # rings where a rod passes through itself
+PAIR = ("#5b3f8c", "#2f9a82")  # two of a kind that is no push
 STABLE = "#b3261e"  # the stable ones among all equilibria
 
 RAMP = colormaps["viridis"]

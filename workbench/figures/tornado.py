@@ -28,9 +28,19 @@ def figure(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
     if not names:
         raise InputError("no diagram: no observable depends on these fields, or none has a derivative")
     most = max(len(_effects(ds, name)[:MOST]) for name in names)
-    return bars.figure(
-        ds, names, most, lambda ax, name: panel(ds, ax, name), lambda fig: _caption(fig, ds, sheet or SCREEN), sheet
-    )
+
+    def below(fig: Figure) -> None:
+        _caption(fig, sheet or SCREEN)
+
+    return bars.figure(_titled(ds), names, most, lambda ax, name: panel(ds, ax, name), below, sheet)
+
+
+def _titled(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset with a title that names the case of a study; ds may have the attribute varied, the fields of its
+    axes."""
+    varied = [name for name in str(ds.attrs.get("varied", "")).split() if name in ds["field"].values]
+    told = [f"{quantity(name).symbol} = {_value(ds.sel(field=name))}" for name in varied]
+    return ds.assign_attrs(title=", ".join([str(ds.attrs["title"]), *told]))
 
 
 def panel(ds: xr.Dataset, ax: Axes, name: str) -> Axes:
@@ -39,14 +49,12 @@ def panel(ds: xr.Dataset, ax: Axes, name: str) -> Axes:
     found = _effects(ds, name)
     shown, rest = found[:MOST], found[MOST:]
     sizes = np.array([effect for _, effect in shown])
-    ax.barh(
-        range(sizes.size), sizes, 0.66, color=[style.PUSHED if size > 0 else style.LIFTED for size in sizes], zorder=3
-    )
+    ax.barh(range(sizes.size), sizes, 0.66, color=[style.PAIR[int(size > 0)] for size in sizes], zorder=3)
     ax.axvline(0, color=style.SOFT, linewidth=0.8, zorder=4)
     for i, size in enumerate(sizes):
         ax.annotate(_signed(size), (size, i), (3 if size > 0 else -3, 0), textcoords="offset points",
                     ha="left" if size > 0 else "right", va="center", color=style.INK,
-                    size=style.small() - 1)  # fmt: skip
+                    size=style.small())  # fmt: skip
     bars.look(ax, [_tick(ds, field) for field, _ in shown])
     low, high = min(sizes.min(), 0.0), max(sizes.max(), 0.0)
     room = ROOM * (high - low)
@@ -56,7 +64,8 @@ def panel(ds: xr.Dataset, ax: Axes, name: str) -> Axes:
     value = _in_unit(float(row["value"]), str(row["unit"].values))
     own = str(row["effect_unit"].values)
     ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
-    ax.set_title(f"[{labels.unit(own) or '1'}]", loc="right", pad=4, size=style.small(), color=style.SOFT)
+    change = f"change [{labels.unit(own)}]" if own != "1" else "change"
+    ax.set_title(change, loc="right", pad=4, size=style.small(), color=style.SOFT)
     if rest:
         more = f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}"
         ax.set_xlabel(more, size=style.small(), color=style.SOFT)
@@ -81,14 +90,11 @@ def _tick(ds: xr.Dataset, field: str) -> str:
     return quantity(field).symbol if amount == "1 %" else f"{quantity(field).symbol}, {labels.unit(told)}"
 
 
-def _caption(fig: Figure, ds: xr.Dataset, sheet: Sheet) -> None:
-    """What the bars are, and which case of a study it is; ds may have the attribute varied, the fields of its axes."""
-    notes = ["Change of the observable in the unit above it, for 1 % of a field or the amount beside it."]
-    varied = [name for name in str(ds.attrs.get("varied", "")).split() if name in ds["field"].values]
-    told = [f"{quantity(name).symbol} = {_value(ds.sel(field=name))}" for name in varied]
-    notes += [f"At {', '.join(told)}."] if told else []
+def _caption(fig: Figure, sheet: Sheet) -> None:
+    """What the bars are."""
+    notes = ["The change of each observable if a field rises by 1 %, or by the amount beside it."]
     legend.below(
-        fig, [Patch(color=style.PUSHED, label="rises"), Patch(color=style.LIFTED, label="falls")], notes, sheet
+        fig, [Patch(color=style.PAIR[k], label=word) for k, word in ((1, "rises"), (0, "falls"))], notes, sheet
     )
 
 

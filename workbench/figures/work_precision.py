@@ -78,8 +78,8 @@ def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
         for stretch, handed in _stretches(one, good, look.method):
             fill: dict[str, Any] = {"markerfacecolor": "white", "markeredgewidth": 0.8} if handed else {}
             ax.plot(spent[stretch], np.maximum(error[stretch], FLOOR), color=colour, marker=look.marker,
-                    markersize=_size(look), linestyle=look.line, linewidth=1.8 if look.bold else 1.1, zorder=4 if look.bold else 3,
-                    **{"markeredgewidth": 0, **fill})  # fmt: skip
+                    markersize=_size(look), linestyle=look.line, linewidth=1.8 if look.bold else 1.1,
+                    zorder=4 if look.bold else 3, **{"markeredgewidth": 0, **fill})  # fmt: skip
         bad = tried & ~good
         ax.plot(spent[bad], np.full(bad.sum(), TOP / 2), "x", color=colour, markersize=4, markeredgewidth=1.1, zorder=3)
         if np.char.startswith(outcome, "not run").any() and good.any():
@@ -115,8 +115,16 @@ def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
         here = ds.isel(case=np.flatnonzero(ds["kind"].values == kind))
         tried = [str(m) for m in ds["ladder"].values if np.isfinite(here["seconds"].sel(ladder=m)).any()]
         handles: list[Any] = [
-            Line2D([], [], color=look.colour, marker=look.marker, markersize=_size(look) + 0.4, linestyle=look.line,
-                   linewidth=1.4, label=look.name)  # fmt: skip
+            Line2D(
+                [],
+                [],
+                color=look.colour,
+                marker=look.marker,
+                markersize=_size(look) + 0.4,
+                linestyle=look.line,
+                linewidth=1.4,
+                label=look.name,
+            )
             for look in map(look_of, tried)
         ]
         if handles:

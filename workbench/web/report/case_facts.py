@@ -20,6 +20,5 @@ def _row(case: xr.Dataset, name: str) -> tuple[str, str]:
     value = float(case[name])
     if name == "overlaps":
         return "passes through itself", "yes" if value else "no"
-    units = labels.unit(str(case[name].attrs["units"]))
     words = "Morse index, 0 where stable" if name == "index" else labels.long_name(case[name])
-    return words, f"{labels.minus_signs(labels.number(value))} {units}".strip()
+    return words, labels.value(value, case[name])

@@ -140,9 +140,9 @@ def _source(result: StudyResult) -> dict[str, Any]:
         "cases": int(ds["outcome"].size),
         "unsolved": law_verdicts.unsolved(ds),
         "method": str(ds.attrs["method"]),
-        "tolerance": f"{float(ds.attrs['tolerance']):g}",
-        "error": f"{np.nanmax(error):.1e}" if np.isfinite(error).any() else "–",
-        "condition": f"{np.nanmax(condition):.3g}" if np.isfinite(condition).any() else "–",
+        "tolerance": labels.typeset(f"{float(ds.attrs['tolerance']):g}"),
+        "error": labels.typeset(f"{np.nanmax(error):.1e}") if np.isfinite(error).any() else "–",
+        "condition": labels.typeset(f"{np.nanmax(condition):.3g}") if np.isfinite(condition).any() else "–",
     }
 
 

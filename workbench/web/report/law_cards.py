@@ -24,9 +24,9 @@ def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
     along = "with" if row["kind"] == MONOTONE else "along"
     return {
         "claim": row["claim"],
-        "stated": labels.minus_signs(f"{words} {row['does']} {along} {labels.axis_symbol(row['axis'])}"),
+        "stated": labels.typeset(f"{words} {row['does']} {along} {labels.axis_symbol(row['axis'])}"),
         "name": row["observable"],
-        **_verdict(row),
+        **_verdict(row, ds[row["observable"]]),
         "fixed": row["fixed"] or "not stated",
         "fixed_note": row["fixed_note"] or "",
         "also": [
@@ -34,20 +34,28 @@ def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
                 "stated": labels.long_name(ds[also["observable"]]),
                 "name": also["observable"],
                 "role": "alternative:" if also["alternative"] else "for information:",
-                **_verdict(also),
+                **_verdict(also, ds[also["observable"]]),
             }
             for also in row["also"]
         ],
     }
 
 
-def _verdict(row: Mapping[str, Any]) -> dict[str, str]:
+def _verdict(row: Mapping[str, Any], array: xr.DataArray) -> dict[str, str]:
     return {
         "verdict": row["verdict"],
         "class": CLASSES[row["verdict"]],
-        "measured": labels.minus_signs(law_verdicts.measured(row)),
+        "measured": _measured(row, array),
         "detail": labels.law_text(row, law_verdicts.detail(row)),
     }
+
+
+def _measured(row: Mapping[str, Any], array: xr.DataArray) -> str:
+    """What was measured; the values of an angle at the two ends of the axis in degrees."""
+    if not labels.is_angle(array) or row["found"]:
+        return labels.typeset(law_verdicts.measured(row))
+    ends = {key: np.degrees(row[key]).tolist() for key in ("first", "last") if row[key]}
+    return labels.typeset(law_verdicts.measured({**row, **ends}).replace(" →", "° →") + "°")
 
 
 def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:

@@ -1,0 +1,160 @@
+"""Diagrams of branches: a shape and its point have one number and one colour, and lines that coincide are one line."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from solver import Case, Cylinder, Ends, Rod
+from solver import equilibria as all_equilibria
+from studies import load
+from workbench.branches import branch_dataset
+from workbench.branches.equilibria_dataset import dataset_of
+from workbench.figures import bifurcation, point_numbers, shape_cell, smooth_line
+from workbench.figures import equilibria as equilibria_figure
+from workbench.figures.point_numbers import Point
+
+ROD, CYLINDER = Rod(E=325.95, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
+
+
+def swept(ends: Ends, name: str, values: np.ndarray) -> xr.Dataset:
+    return branch_dataset.sweep(load("fig6"), Case(ROD, CYLINDER, ends), name, values, lambda text: None)
+
+
+@pytest.fixture(scope="module")
+def dead() -> xr.Dataset:
+    """Mirror images of equal height and energy among them, as the two end angles are equal."""
+    return swept(Ends(beta0=0.5, betaL=0.5, FZ=-2.5), "FZ", np.linspace(-3.0, -2.3, 3))
+
+
+@pytest.fixture(scope="module")
+def held() -> xr.Dataset:
+    return swept(Ends(beta0=0.5, betaL=0.5, FZ=-0.5), "height", np.linspace(2.0, 4.5, 4))
+
+
+@pytest.fixture(scope="module")
+def drawn(dead, held) -> dict[str, Figure]:
+    return {"dead": bifurcation.figure(dead), "held": bifurcation.figure(held)}
+
+
+def numbers(fig: Figure, panel: int) -> list[str]:
+    """The numbers at the points of a panel, joint ones apart."""
+    texts = [text.get_text() for text in fig.axes[panel].texts]
+    return sorted(name for text in texts for name in apart(text))
+
+
+def apart(text: str) -> list[str]:
+    names: list[str] = []
+    for part in text.split(", "):
+        first, _, last = part.partition("–")
+        names += [str(n) for n in range(int(first), int(last) + 1)] if last else [part]
+    return names
+
+
+def cells(fig: Figure) -> list:
+    return [ax for ax in fig.axes if "index" in ax.get_title(loc="left")]
+
+
+@pytest.mark.parametrize("which", ["dead", "held"])
+def test_each_shape_has_the_number_of_its_point_in_every_panel(which, drawn) -> None:
+    fig = drawn[which]
+    below = sorted(ax.get_title(loc="left").split()[0] for ax in cells(fig))
+    assert len(below) > 3
+    panels = len(fig.axes) - len(below)
+    for panel in range(panels):
+        assert numbers(fig, panel) == below
+    assert below[0].startswith("1")  # the first branch is 1, as in the printed table and among all equilibria
+
+
+def test_the_point_of_a_shape_lies_on_the_line_of_its_branch(dead, drawn) -> None:
+    ax = drawn["dead"].axes[0]
+    lines = [line for line in ax.lines if len(line.get_xdata()) > 2]
+    dots = [line for line in ax.lines if len(line.get_xdata()) == 1 and line.get_color() != "#1c2430"]
+    assert len(dots) == dead.sizes["shape"]
+    size = np.array([np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())])
+    for dot in dots:
+        place = np.ravel(dot.get_xydata()) / size
+        away = {line: np.linalg.norm(line.get_xydata() / size - place, axis=1).min() for line in lines}
+        nearest = min(away, key=away.get)
+        assert away[nearest] < 0.004
+        assert to_hex(nearest.get_color()) == to_hex(dot.get_color())
+
+
+@pytest.mark.parametrize("which", ["dead", "held"])
+def test_a_shape_has_the_colour_of_its_line(which, drawn) -> None:
+    """Whose colour says whether it is stable; under held ends it changes along one branch."""
+    fig = drawn[which]
+    dots = [line for line in fig.axes[0].lines if len(line.get_xdata()) == 1 and line.get_color() != "#1c2430"]
+    colours = [to_hex(ax.lines[0].get_color()) for ax in cells(fig)]
+    assert colours == [to_hex(dot.get_color()) for dot in dots]
+    assert len(set(colours)) > 1
+
+
+def test_dashed_lines_that_coincide_are_drawn_once(dead) -> None:
+    """Two dashed lines one above the other look solid. Mirror images have one height and one energy."""
+    ax = bifurcation.panel(dead, Figure().add_subplot(), "energy")
+    dashed = [line.get_xydata() for line in ax.lines if line.get_linestyle() == "--"]
+    unstable = [row["branch"] for row in branch_dataset.branches(dead) if row["index"]]
+    names = ("curve_FZ", "curve_energy")
+    curves = [np.stack([dead[n].values[dead["curve_branch"].values == b] for n in names], axis=1) for b in unstable]
+    apart = {tuple(np.round(curve[[0, -1]], 6).ravel()) for curve in curves}
+    assert len(dashed) <= len(apart) < len(unstable)
+    size = np.array([np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())])
+    for curve in curves:  # none is lost
+        assert any(
+            max(np.linalg.norm((line - point) / size, axis=1).min() for point in curve) < 0.01 for line in dashed
+        )
+
+
+def test_one_branch_alone_has_a_row_of_shapes(held) -> None:
+    assert len(branch_dataset.branches(held)) == 1
+    assert held.sizes["shape"] == 8
+    assert (np.diff(held["shape_height"].values) > 0).all()
+    assert set(held["shape_branch"].values) == {0}
+
+
+def test_every_equilibrium_has_its_number_beside_its_energy() -> None:
+    case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.5, FZ=-2.0))
+    ds = dataset_of(load("fig6"), case, all_equilibria(case))
+    fig = equilibria_figure.figure(ds)
+    assert numbers(fig, -1) == sorted(str(n) for n in ds["equilibrium"].values)
+
+
+def test_numbers_cover_neither_each_other_nor_a_point() -> None:
+    fig = Figure(figsize=(6, 3))
+    ax = fig.add_axes((0, 0, 1, 1))
+    ax.set(xlim=(0, 6), ylim=(0, 3))  # inches
+    rng = np.random.default_rng(2)
+    points = [Point(float(x), float(y), str(k)) for k, (x, y) in enumerate(rng.uniform((2, 1), (4, 2), (14, 2)))]
+    points += [Point(5.0, 2.0, "20"), Point(5.0, 2.0, "21"), Point(5.0, 2.0, "22")]
+    point_numbers.write(ax, points, [], [], (6.0, 3.0))
+    fig.draw_without_rendering()
+    assert "20–22" in [text.get_text() for text in ax.texts]
+    boxes = [Text.get_window_extent(text).transformed(ax.transData.inverted()) for text in ax.texts]
+    for i, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[i + 1 :])
+        assert not any(box.contains(point.x, point.y) for point in points)
+
+
+@pytest.mark.parametrize("wide, tall", [(10.0, 3.0), (0.2, 7.0), (5.0, 0.0)])
+def test_a_shape_fills_its_frame_and_the_bar_has_its_scale(wide, tall) -> None:
+    ax = Figure(figsize=(2, 2)).add_axes((0, 0, 1, 1))
+    shape_cell.draw(ax, (np.linspace(1.0, 1.0 + wide, 9), np.linspace(0, tall, 9)), "red", "cm", "1", "")
+    size = np.ptp(ax.get_xlim())
+    assert max(wide / size, tall / size) > 0.7
+    bar = ax.lines[2].get_xdata()  # in shares of the frame
+    assert ax.texts[0].get_text() == f"{(bar[1] - bar[0]) * size:g} cm"
+    low = ax.get_ylim()[0]
+    assert low + 0.12 * size < 0.0  # the bar lies below the curve
+
+
+def test_a_smooth_line_passes_through_its_points_and_follows_a_circle() -> None:
+    angle = np.linspace(0, np.pi, 14) + np.random.default_rng(1).uniform(-0.04, 0.04, 14)
+    x, y = np.cos(angle), np.sin(angle)
+    found = np.stack(smooth_line.through(x, y, np.stack([x, y], axis=1)))
+    for point in zip(x, y, strict=True):
+        assert np.linalg.norm(found.T - point, axis=1).min() < 1e-12
+    straight = max(1 - np.cos(np.diff(angle) / 2))  # how far the polygon is off
+    assert np.abs(np.hypot(*found) - 1).max() < 0.3 * straight
