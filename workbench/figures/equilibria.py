@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from ..data import labels
 from . import canvas, point_numbers, shape_cell, style
 
-WIDTH, MOST = 10.0, 40  # inches; curves shown
+WIDTH, MOST = 9.6, 40  # inches; curves shown
 HIGH = 2.9  # inches of the diagram of energies
 COLUMNS = (4, 8)  # the fewest and the most panels in a row
 

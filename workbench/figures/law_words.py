@@ -57,7 +57,7 @@ def formula(ds: xr.Dataset, value: Any, array: xr.DataArray) -> str:
     if value in ds and "expression" in ds[value].attrs:
         value = str(ds[value].attrs["expression"])
     text = re.sub(r"[A-Za-z_]\w*", lambda found: _symbol(ds, found[0]), value)
-    text = re.sub(r"\*\*\s*\(?(-?[\d.]+)\)?", lambda found: _exponent(found[1]), text)
+    text = re.sub(r"\*\*\s*(?:\((-?[\d.]+)\)|(-?[\d.]+))", lambda found: _exponent(found[1] or found[2]), text)
     return re.sub(r"\s*\*\s*", "·", text.replace("**", "^"))
 
 

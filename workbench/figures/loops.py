@@ -12,7 +12,7 @@ from solver.mechanics.contact import push_from
 from ..data import labels
 from . import canvas, push_scale, shape_cell, style
 
-WIDTH, MOST, COLUMNS = 10.0, 24, 4  # inches; loops shown; panels in a row
+WIDTH, MOST, COLUMNS = 9.6, 24, 4  # inches; loops shown; panels in a row
 
 
 def figure(ds: xr.Dataset) -> Figure:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 PIXELS = 1200  # along the longer side
-CLEAR = 0.98  # of the cells of an area: with fewer of one region the area is drawn as the lattice has it
+CLEAR = 0.98  # of the cells in an area: with fewer of one region the area is drawn as the lattice has it
 
 Numbers = NDArray[np.int64]
 
@@ -33,17 +33,20 @@ def fine(regions: Any, lines: Sequence[Any]) -> Numbers:
     if not count:
         return coarse
     numbers = np.unique(coarse)
-    votes = np.stack([np.bincount(areas[coarse == number], minlength=count + 1) for number in numbers])
-    winner, share = numbers[votes.argmax(axis=0)], votes.max(axis=0) / np.maximum(votes.sum(axis=0), 1)
+    middles = (slice(times // 2, None, times),) * 2  # where the region of a cell is known
+    winner, share = _most(areas[middles], regions, numbers, count)
+    everywhere, _ = _most(areas, coarse, numbers, count)
     found = np.where(share[areas] >= CLEAR, winner[areas], coarse)
-    found = np.where((share[areas] < CLEAR) & _is_small(votes, areas, times), winner[areas], found)
+    found = np.where(np.isnan(share)[areas], everywhere[areas], found)
     rows, columns = ndimage.distance_transform_edt(wall, return_distances=False, return_indices=True)
     return np.asarray(found[rows, columns])
 
 
-def _is_small(votes: Any, areas: Any, times: int) -> NDArray[np.bool_]:
-    """Whether the area of a pixel is smaller than a few cells: the lattice says little about it."""
-    return np.asarray((votes.sum(axis=0) < 9 * times**2)[areas])
+def _most(areas: Any, regions: Any, numbers: Any, count: int) -> tuple[Any, Any]:
+    """The region that most places of each area have, (areas,), and their share; NaN where an area has none."""
+    votes = np.stack([np.bincount(areas[regions == number], minlength=count + 1) for number in numbers])
+    with np.errstate(invalid="ignore"):
+        return numbers[votes.argmax(axis=0)], votes.max(axis=0) / votes.sum(axis=0)
 
 
 def _drawn(lines: Sequence[Any], shape: tuple[int, int]) -> NDArray[np.bool_]:

@@ -1,0 +1,204 @@
+"""The letters and numbers of figures: large enough in print, one form in one picture, laws in symbols."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from solver import equilibria as all_equilibria
+from solver.benchmark import ladders
+from studies import load
+from studies.loader import loads
+from tests.workbench import small
+from workbench.branches.equilibria import ends_problem
+from workbench.branches.equilibria_dataset import dataset_of
+from workbench.data import labels, law_verdicts, writing
+from workbench.figures import (
+    canvas,
+    curves,
+    law_words,
+    map_figure,
+    portrait,
+    region_raster,
+    ridge,
+    robustness,
+    scales,
+    study_figure,
+    work_precision,
+)
+from workbench.figures import equilibria as equilibria_figure
+from workbench.figures.sheet import sheet
+from workbench.run import in_memory
+from workbench.web.report import measured_runs
+
+LEAST = 6.0  # points, of letters in print
+TWO_COLUMNS = 183 / 25.4  # inches of a page
+
+
+def smallest(fig: Figure, width: float) -> float:
+    """Points of the smallest letters where the figure is printed in so many inches."""
+    fig.draw_without_rendering()
+    sizes = [text.get_fontsize() for text in fig.findobj(Text) if text.get_text().strip() and text.get_visible()]
+    return min(sizes) * min(width / fig.get_figwidth(), 1.0)
+
+
+def shipped(name: str) -> xr.Dataset:
+    return writing.read(measured_runs.SHIPPED / f"{name}.h5", study=False)
+
+
+@pytest.fixture(scope="module")
+def two() -> xr.Dataset:
+    return in_memory.run(small.grid())
+
+
+def test_the_extremes_can_be_read_in_two_columns() -> None:
+    fig = robustness.figure(shipped("extremes"))
+    assert fig.get_figwidth() == pytest.approx(TWO_COLUMNS, abs=0.05)
+    assert smallest(fig, TWO_COLUMNS) >= LEAST
+
+
+@pytest.mark.slow
+def test_the_letters_of_every_figure_can_be_read_in_two_columns(two) -> None:
+    case = ends_problem(load("fig6"))
+    figures = [
+        equilibria_figure.figure(dataset_of(load("fig6"), case, all_equilibria(case))),
+        work_precision.figure(shipped("trade"), "seconds"),
+        *(draw.figure(two) for draw in (study_figure, map_figure, curves, ridge, portrait)),
+    ]
+    for fig in figures:
+        assert smallest(fig, TWO_COLUMNS) >= LEAST - 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", (89, 183))
+def test_the_letters_of_paper_are_as_large_at_its_width(two, width) -> None:
+    page = sheet("paper", width)
+    for draw in (study_figure, map_figure, curves, ridge, portrait):
+        assert smallest(draw.figure(two, sheet=page), width / 25.4) >= 7.0 - 1e-9
+
+
+@pytest.mark.parametrize(
+    "values, texts",
+    (
+        ([0, 0.5, 1.0], ["0.0", "0.5", "1.0"]),
+        ([-0.4, -0.39], ["−0.40", "−0.39"]),
+        ([4, 6, 8], ["4", "6", "8"]),
+        ([-0.0, 2.5], ["0.0", "2.5"]),
+        ([0, 1e-8, 2e-8], ["0", "10⁻⁸", "2·10⁻⁸"]),
+        ([], []),
+    ),
+)
+def test_the_ticks_of_an_axis_have_one_form(values, texts) -> None:
+    assert scales.Ticks().format_ticks(values) == texts
+
+
+def test_powers_of_ten_are_in_print_and_words_stay() -> None:
+    assert labels.typeset("exponent -0.5001 ± 1.3e-05") == "exponent −0.5001 ± 1.3·10⁻⁵"
+    assert labels.powers_of_ten("gap 1e-02, 5e+03, e1e2, 1e5x") == "gap 10⁻², 5·10³, e1e2, 1e5x"
+    assert labels.typeset("4.2..5.1 and -1..-0.5") == "4.2 to 5.1 and −1 to −0.5"
+
+
+def test_values_that_stand_side_by_side_can_be_told_apart() -> None:
+    array = xr.DataArray([1.0], attrs={"units": "cm"})
+    assert labels.distinct(array, [1.0, 2.5]) == ["1 cm", "2.5 cm"]
+    assert labels.distinct(array, [10.001, 10.002]) == ["10.001 cm", "10.002 cm"]
+    assert labels.distinct(array, [1.0, 1.0]) == ["1 cm", "1 cm"]
+
+
+LAWS = """
+[expressions]
+bowed = "kappa_max*rho"
+[[laws]]
+claim = "a"
+axis = "E"
+source = "s"
+observable = "kappa_max"
+kind = "equals"
+formula = "-8*pi**2*L**-2*cm + 0*bending_stiffness/(N*cm**3) + bowed**0.5/cm"
+absolute = 9e9
+[[laws]]
+claim = "b"
+axis = "E"
+source = "s"
+observable = "amplitude"
+kind = "bounded"
+least = 0.5
+"""
+
+
+@pytest.fixture(scope="module")
+def judged() -> xr.Dataset:
+    text = small.HEAD.replace("[units]", 'observables = ["amplitude", "turns", "wraps"]\n[units]')
+    return in_memory.run(loads(f"{text}[axes.E]\nvalues = [1e4, 2e4]\n{LAWS}"))
+
+
+def test_a_law_stands_in_symbols_with_the_units_of_its_panel(judged) -> None:
+    first, second = (law_words.sentence(judged, row) for row in law_verdicts.verdicts(judged))
+    assert (
+        first == "max κ equals −8·π²·L⁻²·cm + 0·EI/(N·cm³) + bowed^0.5/cm within 9·10⁹\N{NO-BREAK SPACE}1/cm, along E"
+    )
+    assert second == "amplitude of β is at least 28.65°, along E"
+
+
+def test_angles_are_in_degrees_on_every_axis(judged) -> None:
+    ax = study_figure.figure(judged, sheet=sheet(panel="b")).axes[0]
+    assert ax.get_ylabel() == "amplitude of β [°]"
+    drawn = next(line for line in ax.lines if len(line.get_xdata()) == 2)
+    np.testing.assert_allclose(drawn.get_ydata(), np.degrees(judged["amplitude"].values))
+    assert np.degrees(0.5) in [line.get_ydata()[0] for line in ax.lines]  # the bound
+    assert judged["amplitude"].attrs["units"] == "rad"
+
+
+def test_a_count_that_is_the_same_in_all_cases_is_a_sentence_and_no_panel(two) -> None:
+    level = two.assign(turns=two["turns"] * 0 + 3)
+    fig = study_figure.figure(level, [])
+    assert "number of bends" not in [ax.get_title(loc="left") for ax in fig.axes]
+    assert any("Number of bends: 3 in all cases." in text.get_text() for text in fig.findobj(Text))
+    alone = study_figure.figure(level, [], sheet(panel="turns"))
+    assert len(alone.axes) == 1
+
+
+def test_below_the_curves_no_band_stays_empty() -> None:
+    ds = in_memory.run(loads(small.HEAD + '[axes.E]\nvalues = [1e4, 2e4, 3e4]\n')).assign()  # fmt: skip
+    fig = study_figure.figure(ds, [])
+    fig.draw_without_rendering()
+    rooms = [ax.get_position(original=True).height - ax.get_position().height for ax in fig.axes]
+    assert max(rooms) * fig.get_figheight() < 0.1  # inches
+
+
+def test_a_figure_without_a_title_has_no_room_for_one(two) -> None:
+    tops = []
+    for title in ("A title", ""):
+        fig = canvas.figure((5, 3), lambda fig: fig.add_subplot(), two.assign_attrs(title=title))
+        fig.draw_without_rendering()
+        tops.append((1 - fig.axes[0].get_position().y1) * fig.get_figheight())
+    assert tops[0] - tops[1] == pytest.approx(0.26, abs=0.02)
+
+
+def test_no_two_methods_of_one_kind_of_problem_look_alike() -> None:
+    looks = [(one.colour, one.marker, one.line) for one in ladders().values()]
+    assert len({colour for colour, _, _ in looks}) == len(looks)
+    for pair in (("verlet", "verlet extrapolated"), ("difference", "difference extrapolated")):
+        first, second = (ladders()[name] for name in pair)
+        assert first.marker != second.marker
+        assert first.line != second.line
+
+
+def test_regions_reach_to_their_curves_and_into_a_cusp() -> None:
+    """A wedge between two lines that meet: a lattice of nine cells a side shows it as steps."""
+    x, y = np.meshgrid(*2 * [(np.arange(9) + 0.5) / 9])
+    coarse = np.where(np.abs(y - 0.5) < 0.4 * (x - 0.15), 1, 0)
+    lines = [np.array([[0.15, 0.5], [1.2, 0.5 + sign * 0.42]]) for sign in (-1, 1)]
+    fine = region_raster.fine(coarse, lines)
+    rows, columns = (np.indices(fine.shape) + 0.5) / np.array(fine.shape)[:, None, None]
+    true = np.abs(rows - 0.5) < 0.4 * (columns - 0.15)
+    repeated = np.kron(coarse, np.ones(np.array(fine.shape) // 9, dtype=int))
+    assert (fine == true).mean() > 0.995
+    assert (repeated == true).mean() < 0.97
+
+
+def test_regions_without_a_curve_between_them_stay_as_they_are_stored() -> None:
+    coarse = np.array([[0, 0, 1, 1], [0, 0, 1, 1]])
+    fine = region_raster.fine(coarse, [])
+    np.testing.assert_array_equal(fine, np.kron(coarse, np.ones(np.array(fine.shape) // (2, 4), dtype=int)))
