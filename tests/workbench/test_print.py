@@ -315,7 +315,7 @@ def test_the_tornado_and_its_options_are_for_print_too(tmp_path, capsys) -> None
     with pytest.raises(SystemExit) as end:
         cli.main([*line, "--plot", str(picture), "--style", "paper", "--width", "89", "--no-title"])
     assert end.value.code == 0
-    assert "Change of the observable in the unit above it" in capsys.readouterr().out
+    assert "The change of each observable if a field rises by 1 %" in capsys.readouterr().out
     box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ", picture.read_bytes())
     assert box is not None
     assert float(box[1]) == pytest.approx(72 * 89 / 25.4, abs=0.5)

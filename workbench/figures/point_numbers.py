@@ -102,7 +102,7 @@ def _best(place: Values, size: Values, others: tuple[Values, Values, list[Values
     for away, way in product(AWAY, WAYS):
         middle = place + (away + np.array([size[0] / 2 - 0.05, 0]) * abs(np.cos(way))) * [np.cos(way), np.sin(way)]
         box = np.stack([middle - size / 2, middle + size / 2])
-        cost = 6 * away + 0.5 * _inside(lines, box).sum() + 40 * _inside(dots, box, 0.04).sum()
+        cost = 6 * away + 1.2 * _inside(lines, box).sum() + 40 * _inside(dots, box, 0.04).sum()
         cost += 40 * sum(bool((box[0] < other[1]).all() and (box[1] > other[0]).all()) for other in taken)
         cost += 40 * bool((box[0] < 0).any() or (box[1] > inches).any())
         if cost < least:

@@ -75,6 +75,9 @@ def figure(
     rows = 1 if alone and not sheet.narrow else len(names) * bands
     tall = min(0.75 * sheet.width / across, 3.6) if alone else 1.9
     unit = labels.unit(str(found.source.attrs["length_unit"]))
+    source = found.source
+    if found.axis is None and found.at():
+        source = source.assign_attrs(title=f"{source.attrs['title']}, {found.at()}")
 
     def draw(fig: Figure) -> None:
         grid = fig.add_gridspec(rows, across)
@@ -85,11 +88,11 @@ def figure(
                 (_portrait if name == "portrait" else _potential)(ax, one, unit)
                 _frame(ax, name, one, alone, j, leftmost=alone or cell[1] == 0, wide=sheet.width / across)
         _share(fig.axes, len(names), across, alone)
-        said = found.said()
+        said = found.said() if source is found.source or not sheet.titled else []  # the title says it
         legend.below(fig, _entries(orbits, names), [*said, *found.notes], sheet)
 
     height = rows * (tall + 0.65) + 0.9 + 0.7 * sheet.titled
-    return canvas.figure((sheet.width, height), draw, found.source, sheet=sheet)
+    return canvas.figure((sheet.width, height), draw, source, sheet=sheet)
 
 
 @dataclass(frozen=True, eq=False)
