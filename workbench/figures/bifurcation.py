@@ -200,5 +200,5 @@ def _number_points(ds: xr.Dataset, ax: Axes, key: str, inches: tuple[float, floa
                 markeredgecolor="white", markeredgewidth=0.7)  # fmt: skip
     points = [point_numbers.Point(*one) for one in zip(x, y, _names(ds)[:MOST], strict=True)]
     dots = [one for kind in MARKS for one in np.transpose(_special(ds, name, key, kind))]
-    lines = [np.transpose([line.get_xdata(), line.get_ydata()]) for line in ax.lines if len(line.get_xdata()) > 1]
+    lines = [line.get_xydata() for line in ax.lines if np.size(line.get_xdata()) > 1]
     point_numbers.write(ax, points, lines, dots, inches)

@@ -1,5 +1,7 @@
 """The Sobol' indices of a sampled study as bars with intervals: of first order, and total."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -42,7 +44,11 @@ def panel(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -> A
     for key, color, offset in (("first", FIRST, -0.19), ("total", TOTAL, 0.19)):
         values = row[key].values[order]
         ax.barh(at + offset, values, 0.36, color=color, zorder=3)
-        for look in ({"ecolor": "white", "elinewidth": 2.4}, {"ecolor": style.INK, "elinewidth": 1, "capsize": 2}):
+        looks: list[dict[str, Any]] = [
+            {"ecolor": "white", "elinewidth": 2.4},
+            {"ecolor": style.INK, "elinewidth": 1, "capsize": 2},
+        ]
+        for look in looks:
             ax.errorbar(values, at + offset, xerr=row[f"{key}_conf"].values[order], linestyle="none", zorder=4, **look)
     bars.look(ax, [str(ds["field_symbol"].values[i]) for i in order])
     ax.axvline(0, color=style.SOFT, linewidth=0.8, zorder=4)

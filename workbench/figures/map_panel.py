@@ -69,7 +69,7 @@ class Colours:
         if isinstance(self.norm, LogNorm):
             bar.formatter = labels.power_of_ten  # type: ignore[assignment]
         else:
-            bar.formatter = Ticks()  # type: ignore[assignment]
+            bar.formatter = Ticks()
         bar.ax.tick_params(length=2)
         bar.update_ticks()
         bar.minorticks_off()

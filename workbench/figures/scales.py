@@ -37,7 +37,8 @@ class Ticks(Formatter):
         """The numbers of all ticks."""
         values = [float(value) for value in values]
         texts = [f"{value:.10g}" for value in values]
-        if any("e" in text for text in texts):
+        decades = len(values) > 1 and min(values) > 0 and max(values) >= 100 * min(values)
+        if decades or any("e" in text for text in texts):
             return [self(value) for value in values]
         decimals = max((len(text.partition(".")[2]) for text in texts), default=0)
         return [labels.minus_signs(f"{value or 0.0:.{decimals}f}") for value in values]

@@ -114,19 +114,11 @@ def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
     for kind, title in (("start", "start problems"), ("ends", "ends problems")):
         here = ds.isel(case=np.flatnonzero(ds["kind"].values == kind))
         tried = [str(m) for m in ds["ladder"].values if np.isfinite(here["seconds"].sel(ladder=m)).any()]
-        handles: list[Any] = [
-            Line2D(
-                [],
-                [],
-                color=look.colour,
-                marker=look.marker,
-                markersize=_size(look) + 0.4,
-                linestyle=look.line,
-                linewidth=1.4,
-                label=look.name,
-            )
-            for look in map(look_of, tried)
-        ]
+        handles: list[Any] = []
+        for look in map(look_of, tried):
+            line: Any = look.line
+            handles += [Line2D([], [], color=look.colour, marker=look.marker, markersize=_size(look) + 0.4,
+                               linestyle=line, linewidth=1.4, label=look.name)]  # fmt: skip
         if handles:
             rows.append((title, handles))
     plain: dict[str, Any] = {"color": style.SOFT, "linestyle": ""}
