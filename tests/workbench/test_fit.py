@@ -96,7 +96,8 @@ def test_points_give_intervals_shares_and_a_picture(points, tmp_path, capsys) ->
                  "by the variance of the residuals and Student's t with 58 degrees of freedom"):  # fmt: skip
         assert part in said
     assert 0.02 < share_of_ink(pixels(picture)) < 0.6
-    assert share_of_hue(pixels(picture), style.LIFTED) > 0.001  # the points
+    for colour in style.PAIR:  # the rod and M3, the share of each point in E
+        assert share_of_hue(pixels(picture), colour) > 0.001
     header, first, _ = table.read_text().splitlines()
     assert header == "field,value,low,high,unit,covariance_E,covariance_M3"
     name, value, low, high, unit, *_ = first.split(",")

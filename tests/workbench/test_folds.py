@@ -75,11 +75,11 @@ def test_the_picture_shows_curves_of_stable_folds_cusps_and_numbers() -> None:
     fig = region_figure.figure(made(), sheet("paper", 89, titled=False))
     (ax, *_) = fig.axes
     said = [text.get_text() for text in ax.texts]
-    assert "1, 1 stable" in said or "1/1" in said
+    assert "1, 1 stable" in said or "1,\n1 stable" in said
     assert len(ax.lines) == made().sizes["curve"] + 1
     assert fig.get_figwidth() == pytest.approx(89 / 25.4)
     words = [text.get_text() for text in fig.legends[0].get_texts()]
-    assert words == ["fold of a stable and an unstable equilibrium", "cusp"]
+    assert words == ["3 equilibria", "fold of a stable and an unstable equilibrium", "cusp"]
 
 
 REFUSED = {
