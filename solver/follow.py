@@ -1,5 +1,6 @@
 """Follow one equilibrium while one field of its case changes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike
 from .branch import Branch, BranchEnd, BranchPoint, SpecialPoint
 from .numerics.arrays import Array
 from .problem.case import PAIRS, Case, Ends
-from .problem.case_fields import unchecked_with_field, value_of, with_field
+from .problem.case_fields import numbers_over, unchecked_with_field, value_of, with_field
 from .problem.errors import InputError, choices, no_such
 from .problem.field_rates import fields_of
 from .problem.held_ends import held_of, reduce_held
@@ -186,7 +187,15 @@ def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bo
     if held_of(case):
         family = _held_family(case, name, begun, bounds)
     else:
-        family = Family(problem, scale_of(problem, own, reach))
+        fast = numbers_over(case, name)
+
+        def numbers(value: float) -> Sequence[float] | None:
+            if bounds.low <= value <= bounds.high:
+                return fast(value)
+            one = problem(value)
+            return None if one is None else [float(number[0]) for number in vars(one).values()]
+
+        family = Family(problem, scale_of(problem, own, reach), numbers)
     middle = own_place(family, path, own)
     if isinstance(middle, str):
         raise InputError(f"the equilibrium cannot be followed: {middle}")

@@ -18,6 +18,7 @@ from ..mechanics.potential import slope
 from ..numerics.arclength import advanced
 from .branch_coordinates import LinePoint, Path
 from .branch_states import Bounds, Place, State, begun_at, in_other_charts, recharted
+from .branch_steps import AT_END, IS_CLOSED, ordinary_steps
 from .continuation_steps import Line, leapt
 from .equilibrium_curve import Family
 from .held_continuation import Stopped, carried, state_of
@@ -101,7 +102,15 @@ def _limit(bounds: Bounds) -> str:
 def _followed(state: State, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
     """The places before, and those after a state."""
     first, step, kept = state.recorded(), FIRST, 0
+    ordinary = ordinary_steps(state.curve.family, bounds, first)
     while len(places) < bounds.most:
+        if ordinary is not None:
+            found, state, step, kept, why = ordinary.after(state, step, kept, bounds.most - len(places))
+            places += found
+            if why in (AT_END, IS_CLOSED):
+                return places, Stop(END if why == AT_END else CLOSED, places[-1].p)
+            if len(places) >= bounds.most:
+                break
         state, kept = recharted(state, step, keep=kept > 0), kept - 1
         past = _leap(state, bounds) if _is_near_helix(state) else None
         if past is not None:

@@ -1,6 +1,6 @@
 """The equilibria of one path over a parameter p, as a curve in the plane of p and a coordinate of the level."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,11 +19,13 @@ _KEPT = 6  # problems kept, as one is needed several times in a step
 class Family:
     """Ends problems (of size 1) over one parameter p; None from `problem`: there is none.
 
-    scale: the change of p over which the problem changes.
+    scale: the change of p over which the problem changes. numbers: lam, mu, phi, span, beta(0) and beta(L) of the same
+    problems; the compiled core needs them.
     """
 
     problem: Callable[[float], EndsProblem | None]
     scale: float
+    numbers: Callable[[float], Sequence[float] | None] | None = None
     _known: dict[float, LinePoint | None] = field(default_factory=dict, repr=False)  # the last few
 
     def place(self, p: float) -> LinePoint | None:

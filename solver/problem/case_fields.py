@@ -1,5 +1,6 @@
 """A case with another value of one of its numeric fields, named as its quantity."""
 
+from collections.abc import Callable
 from dataclasses import fields, replace
 from typing import Any
 
@@ -28,6 +29,22 @@ def unchecked_with_field(case: Case, name: str, value: float) -> Case:
         owner = getattr(case, part.name)
         parts[part.name] = _copied(owner, {name: value}) if hasattr(owner, name) else owner
     return _copied(case, parts)
+
+
+def numbers_over(case: Case, name: str) -> Callable[[float], tuple[float, ...]]:
+    """lam, mu, phi, span, beta(0) and beta(L) of an ends problem over one of its fields: those of `reduced.reduce`."""
+    name = _FIELD.get(name, name)
+    given, rod = case.given, case.rod
+    own = {one: getattr(given, one) for one in ("MZ", "M3", "FZ", "beta0", "betaL")}
+    alters_section = name != "L" and not hasattr(given, name)
+
+    def numbers(value: float) -> tuple[float, ...]:
+        one = unchecked_with_field(case, name, value) if alters_section else case
+        A, rho, L = one.rod.bending_stiffness, one.rho, value if name == "L" else rod.L
+        MZ, M3, FZ, beta0, betaL = (value if key == name else known for key, known in own.items())
+        return MZ / A * rho, M3 / A * rho, FZ / A * rho * rho, L / rho, beta0, betaL
+
+    return numbers
 
 
 def _copied(value: Any, changes: dict[str, Any]) -> Any:

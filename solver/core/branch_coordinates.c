@@ -1,0 +1,220 @@
+/* Coordinates on the equilibria of one path: solver/boundary/branch_coordinates.py. */
+
+#include "branches.h"
+
+static int is_critical(const place *o, double angle)
+{
+    for (int k = 0; k < o->found.count; k++)
+        if (o->found.beta[k] == angle)
+            return 1;
+    return 0;
+}
+
+double rod_place_fall(const place *o, double pin, double beta)
+{
+    return rod_fall(o->p.lam, o->p.mu, o->p.phi, pin, beta, is_critical(o, pin));
+}
+
+int rod_is_tied(const place *o) { return o->start == o->end || rod_place_fall(o, o->start, o->end) == 0; }
+
+int rod_place_of(const ends_problem *of, const grid *by, place *o)
+{
+    o->p = *of;
+    const ends_problem p = *of;
+    const int failed = rod_critical(p.lam, p.mu, p.phi, by->m, by->angles, by->table, &o->found);
+    if (failed)
+        return failed;
+    const double height = 1 + fabs(p.lam) + fabs(p.mu) + fabs(p.phi);
+    if (p.beta0 == p.betaL && fabs(slope(p.lam, p.mu, p.phi, p.beta0)) <= 4e-16 * height)
+        return NOT_POSSIBLE;
+    o->rising = p.beta0 <= p.betaL;
+    const double lower = o->rising ? p.beta0 : p.betaL, upper = o->rising ? p.betaL : p.beta0;
+    double around[2] = {wrapped(lower), wrapped(upper)};
+    int behind[2] = {-1, -1};
+    for (int i = 0; i < 2; i++) {
+        const double b = around[i];
+        for (int k = o->found.count - 1; k >= 0; k--)
+            if (fabs(apart(b, o->found.beta[k])) < ON)
+                around[i] = o->found.beta[k];
+        for (int k = 0; k < o->found.count; k++)
+            behind[i] += o->found.beta[k] <= around[i];
+    }
+    o->low = around[0], o->high = around[1];
+    const double turns = rint((upper - lower - (o->high - o->low + (o->high < o->low ? TAU : 0))) / TAU);
+    if (!(fabs(turns) < 1e6))
+        return NOT_POSSIBLE;
+    o->whole_turns = (int)turns;
+    o->passed = behind[1] - behind[0] + (o->high < o->low ? o->found.count : 0);
+    o->start = o->rising ? o->low : o->high, o->end = o->rising ? o->high : o->low;
+    return DONE;
+}
+
+/* How often the path has each of the three times: crossing, above and below. */
+void rod_path_counts(const place *o, const path *one, int64_t counts[3])
+{
+    const int64_t turns = one->turns, half = (turns + 1) / 2, up = one->leaving == UP;
+    counts[0] = 2 * floored(turns - (up != o->rising), 2) + 1;
+    counts[1] = 2 * (up ? half : turns / 2), counts[2] = 2 * (up ? turns / 2 : half);
+}
+
+/* Length of each path less that of the rod, all with the pin and the sign of the first. */
+static int excesses(search *room, const place *o, int count, const path *some, double *off)
+{
+    const double pin = some[0].pin, falls[2] = {rod_place_fall(o, pin, o->low), rod_place_fall(o, pin, o->high)};
+    const boundary of = {o->p.lam, o->p.mu, o->p.phi, o->p.span, o->low, o->high, DEEPEST, o->whole_turns, o->passed, 1,
+                         &pin, falls};
+    int failed = DONE;
+    room->of = &of, room->found = o->found;
+    for (int i = 0; i < count && !failed; i++) {
+        int64_t counts[3];
+        rod_path_counts(o, &some[i], counts);
+        failed = rod_excess(room, 0, some[0].sign, counts, some[i].y, &off[i]);
+    }
+    room->of = NULL;
+    return failed;
+}
+
+/* The turning points that a rod gains where beta_t passes through 0 at one end; -1: it loses one. inward: UP or DOWN,
+   where beta goes from that end before. At an end on a centre it gains none. */
+static int turns_gained(const place *o, double end, int inward)
+{
+    if (is_critical(o, end))
+        return 0;
+    const int lower = slope(o->p.lam, o->p.mu, o->p.phi, end) < 0;
+    return lower == (inward == UP) ? 1 : -1;
+}
+
+int rod_path_at(const place *o, const chart *c, double x, path *out)
+{
+    *out = c->at;
+    if (c->kind == SADDLE_OF) {
+        double nearest = INFINITY;
+        for (int k = 0; k < o->found.count; k++) {
+            const double d = o->found.beta[k] - c->at.pin + PI, off = fabs(d - TAU * floor(d / TAU) - PI);
+            if (!o->found.centre[k] && off < nearest)
+                nearest = off, out->pin = o->found.beta[k];
+        }
+        out->y = x;
+        return nearest <= 0.3;
+    }
+    out->pin = c->kind == START_OF ? o->start : o->end;
+    out->sign = 1, out->y = c->logarithmic ? x : 2 * log(larger(fabs(x), 1e-150));
+    const int now = x > 0 ? UP : DOWN;
+    if (c->logarithmic || now == direction(&c->at, c->kind == END_OF))
+        return 1;
+    /* beta_t passes through 0 at this end, and at the other one too where G is as high there */
+    const int tied = rod_is_tied(o);
+    const int arriving = direction(&c->at, 1);
+    if (c->kind == START_OF || tied) {
+        out->turns += turns_gained(o, o->start, (int)c->at.leaving);
+        out->leaving = -c->at.leaving;
+    }
+    if (c->kind == END_OF || tied)
+        out->turns += turns_gained(o, o->end, -arriving);
+    return out->turns >= 0;
+}
+
+int rod_excess_at(search *room, const place *o, const chart *c, int count, const double *x, double *off)
+{
+    path some[3];
+    for (int i = 0; i < count; i++) {
+        off[i] = NAN;
+        if (!rod_path_at(o, c, x[i], &some[i])) {
+            for (int k = 0; k < count; k++)
+                off[k] = NAN;
+            return DONE;
+        }
+    }
+    return excesses(room, o, count, some, off);
+}
+
+/* The number of the last critical point not above an angle, counted on through whole turns. */
+static int64_t behind_of(const place *o, double angle)
+{
+    const double turns = floor((angle + PI) / TAU);
+    int64_t count = -1;
+    for (int k = 0; k < o->found.count; k++)
+        count += o->found.beta[k] <= angle - TAU * turns;
+    return count + o->found.count * (int64_t)turns;
+}
+
+/* Whether the saddle k is among the critical points numbered from low to high. */
+static int among(int k, int m, int64_t low, int64_t high)
+{
+    const int64_t next = low + modulo(k - low, m);
+    return next <= high;
+}
+
+static double scale_of(double y) { return larger(1, 0.2 * fabs(y)); }
+
+static void put(chart *charts, int *count, chart one)
+{
+    int k = (*count)++;
+    for (; k > 0 && charts[k - 1].own > one.own; k--)
+        charts[k] = charts[k - 1];
+    charts[k] = one;
+}
+
+int rod_charts(const place *o, const path *at, chart *out)
+{
+    const int m = o->found.count;
+    const double gap = at->sign * exp(larger(at->y, DEEPEST)), shift = o->p.beta0 - wrapped(o->p.beta0);
+    const int64_t behind = behind_of(o, o->p.beta0 - shift), far = behind_of(o, o->p.betaL - shift);
+    const int64_t near_end = behind < far ? behind : far, far_end = behind < far ? far : behind;
+    int64_t lowest = behind + 1, highest = behind + m;
+    double level[CRITICAL], nearest = INFINITY;
+    int stops = 0, signed_count = 0, count = 0;
+    for (int k = 0; k < m; k++) {
+        level[k] = gap + rod_place_fall(o, at->pin, o->found.beta[k]);
+        if (level[k] > 0)
+            continue;
+        const int64_t above = k - m * floored(k - behind - 1, m), below = k + m * floored(behind - k, m);
+        highest = stops && highest < above ? highest : above;
+        lowest = stops && lowest > below ? lowest : below;
+        stops = 1;
+    }
+    const int64_t low = at->turns > 1 || (at->turns == 1 && at->leaving != UP) ? lowest : near_end + 1;
+    const int64_t high = at->turns > 1 || (at->turns == 1 && at->leaving == UP) ? highest : far_end;
+    chart first[2], second[CHARTS];
+    for (int k = 0; k < m; k++)
+        if (!o->found.centre[k] && among(k, m, lowest, highest))
+            nearest = smaller(nearest, fabs(level[k]));
+    if (!isfinite(nearest))
+        return 0;
+    for (int kind = START_OF; kind <= END_OF; kind++) {
+        const double angle = kind == START_OF ? o->start : o->end;
+        const double own = larger(gap + rod_place_fall(o, at->pin, angle), 0);
+        const double y = at->pin == angle && at->sign > 0 ? at->y : log(larger(own, 1e-300));
+        const path one = {angle, 1, y, at->leaving, at->turns};
+        put(first, &signed_count, (chart){kind, 0, own, sqrt(nearest), one});
+        put(second, &count, (chart){kind, 1, own, scale_of(y), one});
+    }
+    for (int k = 0; k < m; k++) {
+        if (o->found.centre[k] || !among(k, m, lowest, highest) || !among(k, m, low, high))
+            continue;
+        const double angle = o->found.beta[k], sign = (level[k] > 0) - (level[k] < 0);
+        const int known = at->sign == sign && fabs(at->pin - angle) < 1e-9;
+        const double y = known ? at->y : log(larger(fabs(level[k]), 1e-300));
+        put(second, &count, (chart){SADDLE_OF, 1, fabs(level[k]), scale_of(y), {angle, sign, y, at->leaving, at->turns}});
+    }
+    const int slow = first[0].own < 0.5 * nearest; /* at one end */
+    memcpy(out + (slow ? 0 : count), first, sizeof(chart) * 2);
+    memcpy(out + (slow ? 2 : 0), second, sizeof(chart) * (size_t)count);
+    return count + 2;
+}
+
+int rod_joined_at(const place *o, const path *at)
+{
+    double best = rod_place_fall(o, o->low, o->high) < 0 ? o->high : o->low;
+    int extremum = is_critical(o, best);
+    for (int k = 0; k < o->found.count; k++) {
+        const double s = o->found.beta[k];
+        const int inside = o->high >= o->low ? s >= o->low && s <= o->high : s >= o->low || s <= o->high;
+        if (o->found.centre[k] || !(o->whole_turns || inside))
+            continue;
+        const double rise = rod_fall(o->p.lam, o->p.mu, o->p.phi, s, best, 1);
+        if (rise > 0 || (rise == 0 && !extremum))
+            best = s, extremum = 1;
+    }
+    return (at->pin == best && at->sign > 0) || at->sign * exp(larger(at->y, DEEPEST)) + rod_place_fall(o, at->pin, best) >= 0;
+}

@@ -1,0 +1,72 @@
+/* Equilibria of ends problems by their levels and paths: `branch_coordinates.Path`, `LinePoint` and `Chart`. What the
+   files about branches share: branch_coordinates.c, continuation.c, branch_steps.c, orbit_rates.c. */
+
+#ifndef ROD_BRANCHES_H
+#define ROD_BRANCHES_H
+
+#include "panels.h"
+
+enum { UP = 1, DOWN = -1, CHARTS = CRITICAL + 4 };
+enum { SADDLE_OF, START_OF, END_OF }; /* where the level of a chart is measured from */
+#define NUDGE 1e-5 /* of the unknown's scale, for differences */
+#define DEEPEST -575.0
+#define ON 1e-110 /* an end this near to a saddle lies on it */
+
+typedef struct {
+    double lam, mu, phi, span, beta0, betaL;
+} ends_problem;
+
+/* One equilibrium: `branch_coordinates.Path`. */
+typedef struct {
+    double pin, sign, y;
+    int64_t leaving, turns;
+} path;
+
+typedef struct {
+    int kind, logarithmic;
+    double own, scale;
+    path at;
+} chart;
+
+/* One ends problem with the critical points of its G. */
+typedef struct {
+    ends_problem p;
+    critical found;
+    double low, high, start, end;
+    int rising, whole_turns, passed;
+} place;
+
+/* The grid of the search for critical points: angles (m,), table (5, 2 m). */
+typedef struct {
+    int64_t m;
+    const double *angles, *table;
+} grid;
+
+static inline int64_t floored(int64_t a, int64_t b) { return a / b - (a % b != 0 && (a % b < 0) != (b < 0)); }
+
+/* UP or DOWN at the start, or at the far end. */
+static inline int direction(const path *one, int at_end)
+{
+    return (int)(at_end && one->turns % 2 ? -one->leaving : one->leaving);
+}
+
+static inline double coordinate(const chart *c)
+{
+    return c->logarithmic ? c->at.y : direction(&c->at, c->kind == END_OF) * exp(c->at.y / 2);
+}
+
+/* The problem with its critical points. A rod that is a helix from end to end is left to the caller. */
+int rod_place_of(const ends_problem *, const grid *, place *);
+double rod_place_fall(const place *, double pin, double beta);
+int rod_is_tied(const place *);
+void rod_path_counts(const place *, const path *, int64_t counts[3]);
+/* The lengths of each path at x less that of the rod, NaN where one of them does not exist. */
+int rod_excess_at(search *, const place *, const chart *, int count, const double *x, double *off);
+/* The path at x; 0 where its saddle no longer exists or there is no such path. */
+int rod_path_at(const place *, const chart *, double x, path *);
+/* Coordinates in which the equilibrium can be followed, the best first; their number, 0 where there is none. */
+int rod_charts(const place *, const path *, chart *);
+/* Whether the level lies above every maximum of G between the two ends. */
+int rod_joined_at(const place *, const path *);
+
+#endif
