@@ -12,7 +12,7 @@ from .boundary.branch_coordinates import Path
 from .numerics.arrays import Array, Integers
 from .problem.case import Case
 from .problem.errors import InputError
-from .problem.reduced import EndsProblem
+from .problem.reduced import EndsProblem, reduce
 from .solution import Solution
 
 FOLD = "fold"  # the kind of a special point
@@ -27,26 +27,36 @@ class BranchPoint:
     ----------
     value : float
         The value of the field.
-    case : Case
-        Its case.
     index : int
         Morse index under the ends of the case; 0: stable; -1: not known. At a special point the smaller of the two.
-    problem : EndsProblem
-        The dimensionless problem that it solves, with the loads that held ends need.
     path : Path
         Its level and its path, which identify it among the equilibria of the case.
     """
 
     value: float
-    case: Case
     index: int
-    problem: EndsProblem = field(repr=False)
     path: Path = field(repr=False)
+    _under_dead_loads: EndsProblem | None = field(repr=False)  # None: that of its case
+    _case: Callable[[float], Case] = field(repr=False)  # these two make what is read
     _solve: Callable[["BranchPoint"], Solution] = field(repr=False)
 
     @cached_property
+    def case(self) -> Case:
+        """Its case, made when it is first read, as `problem` and `solution` are."""
+        return self._case(self.value)
+
+    @cached_property
+    def problem(self) -> EndsProblem:
+        """The dimensionless problem that it solves, with the loads that held ends need."""
+        if self._under_dead_loads is not None:
+            return self._under_dead_loads
+        found = reduce(self.case)
+        assert isinstance(found, EndsProblem)
+        return found
+
+    @cached_property
     def solution(self) -> Solution:
-        """Its shape, computed when it is first read."""
+        """Its shape."""
         return self._solve(self)
 
 

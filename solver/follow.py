@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -247,7 +248,8 @@ def _points(
     places: "list[Place]", case: Case, name: str, solved: _Solver
 ) -> tuple[tuple[BranchPoint, ...], tuple[SpecialPoint, ...]]:
     """The points of a branch and the special ones among them."""
-    points, special = list[BranchPoint](), list[SpecialPoint]()
+    points, special, held = list[BranchPoint](), list[SpecialPoint](), bool(held_of(case))
+    made = partial(with_field, case, name)
     for i, place in enumerate(places):
         index = place.index
         if place.kind:
@@ -255,6 +257,6 @@ def _points(
             index = min(before, after)
             special.append(SpecialPoint(place.kind, float(place.p), before, after, i))
         known = index if index is not None else _next_index(places[i:] + places[:i][::-1], place)
-        problem = place.problem if held_of(case) else _reduced(with_field(case, name, place.p))
-        points.append(BranchPoint(float(place.p), with_field(case, name, place.p), known, problem, place.path, solved))
+        problem = place.problem if held else None
+        points.append(BranchPoint(float(place.p), known, place.path, problem, made, solved))
     return tuple(points), tuple(special)
