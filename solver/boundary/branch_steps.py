@@ -5,15 +5,12 @@ from typing import Any
 import numpy as np
 
 from ..core import branches as core
-from ..core.panels import available
 from ..numerics.arclength import Node
 from ..numerics.arrays import Array
-from ..orbit.critical_points import grid
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import Chart, Path
 from .branch_states import Bounds, Place, State
 from .equilibrium_curve import EquilibriumCurve, Family
-from .transit_times import CUTTING, NODES
 
 AT_END, IS_CLOSED = core.AT_END, core.IS_CLOSED
 
@@ -24,31 +21,25 @@ class OrdinarySteps:
     first: where the branch begins, to tell whether it is closed.
     """
 
-    def __init__(self, family: Family, bounds: Bounds, first: Place) -> None:
-        assert family.numbers is not None
-        halts = sorted({*bounds.wanted, bounds.low, bounds.high})
-        self._family, self._bounds = family, bounds
-        self._steps = core.Steps(family.numbers, family.scale, halts, bounds.rounding, grid(), NODES, CUTTING)
+    def __init__(self, family: Family, steps: core.Steps, bounds: Bounds, first: Place) -> None:
+        self._family, self._steps, self._rounding = family, steps, bounds.rounding
+        self._halts = np.array(sorted({*bounds.wanted, bounds.low, bounds.high}))
         self._first = np.zeros(1, core.RECORD)
-        path = first.path
-        for name in ("pin", "sign", "y", "leaving", "turns"):
-            self._first[name] = getattr(path, name)
         self._first["p"] = first.p
+        for name in ("pin", "sign", "y", "leaving", "turns"):
+            self._first[name] = getattr(first.path, name)
 
     def after(self, state: State, step: float, kept: int, most: int) -> tuple[list[Place], State, float, int, int]:
         """At most so many places after a state; the state at the last, the next step, and why there are no more."""
         at = _point_of(state)
-        found, step, kept, why = self._steps.run(at, step, kept, self._first, most)
-        if not found.size:
-            return [], state, step, kept, why
-        return _places(found), _state_of(at, self._family), step, kept, why
+        found, step, kept, why = self._steps.run(at, step, kept, self._first, most, self._halts, self._rounding)
+        return _places(found), _state_of(at, self._family) if found.size else state, step, kept, why
 
 
 def ordinary_steps(family: Any, bounds: Bounds, first: Place) -> OrdinarySteps | None:
-    """None where the core is missing, the problem is no function of one number, or the ends are held."""
-    if not available() or not isinstance(family, Family) or family.numbers is None:
-        return None
-    return OrdinarySteps(family, bounds, first)
+    """None where the core is missing, the problem is not known as numbers, or the ends are held."""
+    steps = family.steps if isinstance(family, Family) else None
+    return None if steps is None else OrdinarySteps(family, steps, bounds, first)
 
 
 def _places(found: Array) -> list[Place]:
@@ -61,11 +52,9 @@ def _places(found: Array) -> list[Place]:
 
 
 def _point_of(state: State) -> core.Point:
-    node, chart = state.node, state.curve.chart
-    at = core.Path(chart.at.pin, chart.at.sign, chart.at.y, chart.at.leaving, chart.at.turns)
-    drawn = core.Chart(core.KINDS.index(chart.kind), chart.logarithmic, 0.0, chart.scale, at)
+    node = state.node
     pairs = (core.Pair(*value) for value in (node.w, node.jacobian[0], node.tangent))
-    return core.Point(*pairs, node.sign, node.bend, state.curve.ahead, drawn)
+    return core.Point(*pairs, node.sign, node.bend, state.curve.ahead, core.chart_of(state.curve.chart))
 
 
 def _state_of(at: core.Point, family: Family) -> State:

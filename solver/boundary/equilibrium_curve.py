@@ -2,13 +2,18 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
+from ..core import branches as core
+from ..core.panels import available
 from ..numerics.arrays import Array
+from ..orbit.critical_points import grid
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate, excess, path_at
 from .continuation_steps import FIELDS
+from .transit_times import CUTTING, NODES
 
 _NUDGE = 1e-5  # of the unknown's scale, for differences
 AHEAD = 1e-6  # of the parameter's scale, for differences
@@ -27,6 +32,11 @@ class Family:
     scale: float
     numbers: Callable[[float], Sequence[float] | None] | None = None
     _known: dict[float, LinePoint | None] = field(default_factory=dict, repr=False)  # the last few
+
+    @cached_property
+    def steps(self) -> core.Steps | None:
+        """The core's functions on these problems; None where it is missing, or the problems are not known as numbers."""
+        return core.Steps(self.numbers, self.scale, grid(), NODES, CUTTING) if available() and self.numbers else None
 
     def place(self, p: float) -> LinePoint | None:
         """The problem at p with its critical points."""
@@ -102,6 +112,8 @@ class EquilibriumCurve:
         return np.asarray(rates * self.scales)[None]
 
     def _excess(self, p: float, x: Array) -> Array | None:
+        if self.family.steps is not None:
+            return self.family.steps.excess(core.chart_of(self.chart), p, x)
         place = self.family.place(p)
         if place is None:
             return None

@@ -4,7 +4,7 @@
 
 #include "branches.h"
 
-enum { KEPT = 4, ROUNDS = 10 };
+enum { KEPT = 4, ROUNDS = 10, MOST_AT_ONCE = 3 };
 enum { LEFT_TO_CALLER, AT_END, IS_CLOSED, ENOUGH }; /* why the steps end */
 enum { FAILED = 100 };                              /* besides NO_MEMORY and NOT_POSSIBLE */
 #define CONTRACTION 0.5  /* largest ratio of two corrections */
@@ -312,21 +312,40 @@ static int followed(family *f, point *at, double *step, int64_t *kept, const rec
     return DONE;
 }
 
+static family family_of(problem_at *problem, const range *over, const grid *by, const points *nodes, const cutting *how)
+{
+    family f = {.problem = problem, .over = over, .by = *by, .at = {NAN, NAN, NAN, NAN}};
+    f.room = (search){.at = nodes, .how = *how};
+    f.room.how.times_only = 1;
+    return f;
+}
+
+/* The excess of length at n values of x (n,) and one of p; FAILED where there is none. */
+int rod_branch_excess(problem_at *problem, double scale, const grid *by, const points *nodes, const cutting *how,
+                      const chart *in, double p, int64_t n, const double *x, double *off)
+{
+    if (nodes->n > NODES || nodes->n < 4 || n > MOST_AT_ONCE)
+        return FAILED;
+    const range over = {.scale = scale};
+    family f = family_of(problem, &over, by, nodes, how);
+    const int failed = excess(&f, in, (int)n, x, p, off);
+    rod_panels_free(&f.room.room);
+    return failed == NOT_POSSIBLE ? FAILED : failed;
+}
+
 /* Steps along a branch from a point, which is replaced by the last one.
 
    step, kept: length of the next step, and for how many more the coordinate is kept; replaced. first: where the branch
    begins, to tell whether it is closed. out: (most,), filled. count, why: how many, and why there are no more. Returns
    DONE or NO_MEMORY. */
-int rod_branch_steps(problem_at *problem, const range *over, int64_t m, const double *angles, const double *table,
-                     const points *nodes, const cutting *how, point *at, double *step, int64_t *kept,
-                     const record *first, int64_t most, record *out, int64_t *count, int64_t *why)
+int rod_branch_steps(problem_at *problem, const range *over, const grid *by, const points *nodes, const cutting *how,
+                     point *at, double *step, int64_t *kept, const record *first, int64_t most, record *out,
+                     int64_t *count, int64_t *why)
 {
-    family f = {.problem = problem, .over = over, .by = {m, angles, table}, .at = {NAN, NAN, NAN, NAN}};
     *count = 0, *why = LEFT_TO_CALLER;
     if (nodes->n > NODES || nodes->n < 4)
         return DONE;
-    f.room = (search){.at = nodes, .how = *how};
-    f.room.how.times_only = 1;
+    family f = family_of(problem, over, by, nodes, how);
     const int failed = followed(&f, at, step, kept, first, most, out, count, why);
     rod_panels_free(&f.room.room);
     return failed == NO_MEMORY ? NO_MEMORY : DONE;

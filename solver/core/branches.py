@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..numerics.arrays import Array
 from .library import address
 from .panels import Cutting, cut, fine, functions, points
 
@@ -16,13 +17,14 @@ RECORD = np.dtype(
     + [(name, "i8") for name in ("leaving", "turns", "index")]
     + [("numbers", "f8", 6)]
 )
+_FAILED = 100
 _MOST = 256  # records of a call
 _PROBLEM = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, ctypes.POINTER(ctypes.c_double))
 Pair = ctypes.c_double * 2
 Numbers = Callable[[float], Sequence[float] | None]
 
 
-class Path(ctypes.Structure):
+class Level(ctypes.Structure):
     """`path` in branches.h."""
 
     _fields_ = [(name, ctypes.c_double) for name in ("pin", "sign", "y")]
@@ -34,7 +36,13 @@ class Chart(ctypes.Structure):
 
     _fields_ = [(name, ctypes.c_int) for name in ("kind", "logarithmic")]
     _fields_ += [(name, ctypes.c_double) for name in ("own", "scale")]
-    _fields_ += [("at", Path)]
+    _fields_ += [("at", Level)]
+
+
+class _Grid(ctypes.Structure):
+    """`grid` in branches.h."""
+
+    _fields_ = [("m", ctypes.c_int64), ("angles", ctypes.c_void_p), ("table", ctypes.c_void_p)]
 
 
 class Point(ctypes.Structure):
@@ -43,6 +51,12 @@ class Point(ctypes.Structure):
     _fields_ = [(name, Pair) for name in ("w", "jacobian", "tangent")]
     _fields_ += [(name, ctypes.c_double) for name in ("sign", "bend", "ahead")]
     _fields_ += [("chart", Chart)]
+
+
+def chart_of(chart: Any) -> Chart:
+    """A `branch_coordinates.Chart` as the core reads it."""
+    at = Level(chart.at.pin, chart.at.sign, chart.at.y, chart.at.leaving, chart.at.turns)
+    return Chart(KINDS.index(chart.kind), chart.logarithmic, 0.0, chart.scale, at)
 
 
 class _Range(ctypes.Structure):
@@ -73,37 +87,48 @@ def _called(numbers: Numbers, raised: list[BaseException]) -> Any:
 class Steps:
     """Steps along branches over one parameter.
 
-    numbers: lam, mu, phi, span, beta(0) and beta(L) of the problem at p, None where there is none. scale: of p. halts:
-    the values at which to halt, rising, from the lower to the upper end of the range. rounding: below which two values
-    are one. grid, n, how: as of `orbits.orbits`, for the transit times.
+    numbers: lam, mu, phi, span, beta(0) and beta(L) of the problem at p, None where there is none. scale: of p. grid, n,
+    how: as of `orbits.orbits`, for the transit times.
     """
 
-    def __init__(
-        self, numbers: Numbers, scale: float, halts: Sequence[float], rounding: float, grid: Any, n: int, how: Cutting
-    ) -> None:
+    def __init__(self, numbers: Numbers, scale: float, grid: Any, n: int, how: Cutting) -> None:
         self._raised: list[BaseException] = []
-        self._kept = np.array(halts, dtype=float)
-        self._problem = _called(numbers, self._raised)
-        self._over = _Range(scale, halts[0], halts[-1], rounding, self._kept.size, address(self._kept))
-        angles, table = self._grid = grid
-        self._told = (
-            self._problem, ctypes.byref(self._over), ctypes.c_int64(angles.size), address(angles), address(table),
-            points(n), cut(how, True),
-        )  # fmt: skip
+        self._problem, self._scale = _called(numbers, self._raised), scale
+        angles, table = self._arrays = grid
+        self._grid = _Grid(angles.size, address(angles), address(table))
+        self._told = ctypes.byref(self._grid), points(n), cut(how, True)
 
-    def run(self, at: Point, step: float, kept: int, first: Any, most: int) -> tuple[Any, float, int, int]:
+    def excess(self, chart: Chart, p: float, x: Array) -> Array | None:
+        """The length at each x, at most three, less that of the rod at p; None where there is no such orbit."""
+        x, off = np.ascontiguousarray(x), np.empty(x.size)
+        failed = functions().rod_branch_excess(
+            self._problem, ctypes.c_double(self._scale), *self._told, ctypes.byref(chart), ctypes.c_double(p),
+            ctypes.c_int64(x.size), address(x), address(off),
+        )  # fmt: skip
+        self._raise()
+        return off if failed != _FAILED and fine(failed) else None
+
+    def run(
+        self, at: Point, step: float, kept: int, first: Any, most: int, halts: Array, rounding: float
+    ) -> tuple[Any, float, int, int]:
         """At most so many records from a point, which is replaced by the last one; the length of the next step; for
-        how many steps the coordinate is kept; and why there are no more records. first: record of the branch's begin.
+        how many steps the coordinate is kept; and why there are no more records.
+
+        first: record of the begin of the branch. halts: where to halt, rising, from the lower to the upper end of the
+        range. rounding: below which two values of p are one.
         """
-        most = min(most, _MOST)
-        out = np.empty(most, RECORD)
+        over = _Range(self._scale, halts[0], halts[-1], rounding, halts.size, address(halts))
+        out = np.empty(min(most, _MOST), RECORD)
         length, keep = ctypes.c_double(step), ctypes.c_int64(kept)
         count, why = ctypes.c_int64(), ctypes.c_int64()
         status = functions().rod_branch_steps(
-            *self._told, ctypes.byref(at), ctypes.byref(length), ctypes.byref(keep), address(first),
-            ctypes.c_int64(most), address(out), ctypes.byref(count), ctypes.byref(why),
+            self._problem, ctypes.byref(over), *self._told, ctypes.byref(at), ctypes.byref(length), ctypes.byref(keep),
+            address(first), ctypes.c_int64(out.size), address(out), ctypes.byref(count), ctypes.byref(why),
         )  # fmt: skip
-        if self._raised:
-            raise self._raised.pop()
+        self._raise()
         fine(status)
         return out[: count.value], length.value, keep.value, why.value
+
+    def _raise(self) -> None:
+        if self._raised:
+            raise self._raised.pop()
