@@ -101,7 +101,7 @@ class _PanelErrors(ctypes.Structure):
     _fields_ = [(name, ctypes.c_void_p) for name in ("fastest", "error", "time_error", "time_rounding")]
 
 
-def _reading(orbit: Any) -> tuple[_ReadOrbits, Any]:
+def reading(orbit: Any) -> tuple[_ReadOrbits, Any]:
     """The orbits as the core reads them, and the arrays behind it."""
     panels, arcs = orbit.panels, orbit.arcs
     kept = [np.ascontiguousarray(a) for a in (
@@ -113,7 +113,7 @@ def _reading(orbit: Any) -> tuple[_ReadOrbits, Any]:
 
 def read(orbit: Any, t: Array) -> Array:
     """beta, beta_t, alpha, z and the swirl of the orbits at t (B, n): (5, B, n)."""
-    t, (of, kept) = np.ascontiguousarray(t), _reading(orbit)
+    t, (of, kept) = np.ascontiguousarray(t), reading(orbit)
     out = np.empty((FUNCTIONS, *t.shape))
     functions().rod_orbits_read(
         ctypes.byref(of), ctypes.c_int64(t.shape[0]), ctypes.c_int64(t.shape[1]), address(t), address(out)
@@ -130,7 +130,7 @@ def numbers_of(problem: Any) -> Array:
 
 def judge(orbit: Any) -> tuple[Array, Array]:
     """Condition number and estimated error of B start problems from their orbits, (B,) each."""
-    numbers, (of, kept), panels = numbers_of(orbit.problem), _reading(orbit), orbit.panels
+    numbers, (of, kept), panels = numbers_of(orbit.problem), reading(orbit), orbit.panels
     told = [np.ascontiguousarray(a) for a in (panels.fastest, panels.error, panels.time_error, panels.time_rounding)]
     condition, error = np.empty((2, numbers.shape[0]))
     fine(functions().rod_orbits_judge(
@@ -143,7 +143,7 @@ def judge(orbit: Any) -> tuple[Array, Array]:
 
 def response(orbit: Any) -> Array:
     """The largest |d beta(t)/d beta(L)| along B orbits, (B,)."""
-    numbers, (of, kept) = numbers_of(orbit.problem), _reading(orbit)
+    numbers, (of, kept) = numbers_of(orbit.problem), reading(orbit)
     out = np.empty(numbers.shape[0])
     size = ctypes.c_int64(out.size)
     fine(functions().rod_orbits_response(size, address(numbers), ctypes.byref(of), _points_of(orbit), address(out)))
@@ -153,7 +153,7 @@ def response(orbit: Any) -> Array:
 
 def action(orbit: Any) -> Array:
     """The integral of beta_t^2 over B rods, (B,)."""
-    numbers, (of, kept) = numbers_of(orbit.problem), _reading(orbit)
+    numbers, (of, kept) = numbers_of(orbit.problem), reading(orbit)
     out = np.empty(numbers.shape[0])
     size = ctypes.c_int64(out.size)
     functions().rod_orbits_action(size, address(numbers), ctypes.byref(of), _points_of(orbit), address(out))

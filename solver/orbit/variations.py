@@ -17,13 +17,14 @@ the integrals of H_q d beta are the changes of alpha, of minus the swirl and of 
 saddle no large numbers cancel.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ..core.panels import Cutting
+from ..core import variations as core
+from ..core.panels import Cutting, available
 from ..mechanics.potential import TAU
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, polynomials
@@ -234,9 +235,21 @@ def variations_on(orbit: Orbit, arcs: Arcs) -> Variations:
     number = pieces.arc * most + pieces.rank
     order = np.argsort(number, kind="stable")
     place = order[np.searchsorted(number, panels.arc * most + panels.rank, sorter=order)]
-    nodes = state_at_nodes(orbit, pieces.local.o[place, 0])
+    base, origin = pieces.base[place], pieces.local.o[place, 0]
+    found = core.variations(orbit, origin) if available() else None
+    return reference_variations(orbit, base, origin) if found is None else _from_core(orbit, base, found)
+
+
+def _from_core(orbit: Orbit, base: Array, found: dict[str, Array]) -> Variations:
+    nodes = Nodes(*(found[one.name] for one in fields(Nodes)))
+    return Variations(orbit, base, nodes, *(found[name] for name in ("jump", "closing", "series", "gain")))
+
+
+def reference_variations(orbit: Orbit, base: Array, origin: Array) -> Variations:
+    """The same without the core; base, origin: (P,), the angle from which each panel counts, and less whole turns."""
+    nodes = state_at_nodes(orbit, origin)
     jump, closing = jumps(orbit, nodes)
-    return _varied(orbit, pieces.base[place], nodes, jump, closing)
+    return _varied(orbit, base, nodes, jump, closing)
 
 
 def _varied(orbit: Orbit, base: Array, nodes: Nodes, jump: Array, closing: Array) -> Variations:

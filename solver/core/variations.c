@@ -1,0 +1,297 @@
+/* The variations of orbits: solver/orbit/variation_nodes.py and variations.py. */
+
+#include "variations.h"
+
+#define NEAR 0.5   /* rad: the largest distance from a critical point at which its shift is split off */
+#define STEEPEST 1e-3 /* of the size of the loads: the least |H'| of such a point */
+
+const int rod_pairs[2][PAIRS] = {{0, 0, 0, 0, 1, 1, 1, 2, 2, 3}, {0, 1, 2, 3, 1, 2, 3, 2, 3, 3}};
+
+static void slopes_by_loads(double s, double c, double *out)
+{
+    out[0] = c, out[1] = -(c - s) * (c + s), out[2] = -s;
+}
+
+/* c of a panel from |beta_t|, H and H' at its nodes: `conditioning.across`. */
+static double across(int n, const double *v, const double *H, const double *rate, double half)
+{
+    double fastest = 0, slowest = INFINITY, steepest = 0, flattest = INFINITY, most = 1e-200;
+    for (int i = 0; i < n; i++) {
+        fastest = larger(fastest, v[i]), slowest = smaller(slowest, v[i]);
+        steepest = larger(steepest, fabs(H[i])), flattest = smaller(flattest, fabs(H[i]));
+        most = larger(most, fabs(rate[i]));
+    }
+    const int slows = slowest < fastest / 2, levels = flattest < steepest / 2;
+    const double ratio = square(fastest / steepest);
+    double c = 1 / most;
+    if (levels)
+        c = fmin(c, 8 * ratio);
+    if (levels && !slows)
+        c = fmin(c, square(20 * half));
+    return slows ? fmax(c, ratio / 2) : c;
+}
+
+/* sin and cos of angles at the nodes */
+static void circular(int n, const double *angle, double *sine, double *cosine)
+{
+    double far = 0;
+    for (int i = 0; i < n; i++)
+        far = larger(far, fabs(angle[i]));
+    if (far < FAR)
+        sin_cos_of(n, angle, sine, cosine);
+    else
+        for (int i = 0; i < n; i++)
+            sine[i] = sin(angle[i]), cosine[i] = cos(angle[i]);
+}
+
+static void rates_at(const double *loads, int n, double origin, const double *x, double *s, double *c, double *rate)
+{
+    double angle[NODES];
+    for (int i = 0; i < n; i++)
+        angle[i] = origin + x[i];
+    circular(n, angle, s, c);
+    for (int i = 0; i < n; i++)
+        rate[i] = -loads[0] * s[i] + 4 * loads[1] * s[i] * c[i] - loads[2] * c[i] -
+                  2 * s[i] * s[i] * (3 * c[i] * c[i] - s[i] * s[i]);
+}
+
+/* Sines and cosines of the distances from a critical point: of x/2, x, 2 x and 4 x. */
+typedef struct {
+    double q[NODES], sx[NODES], cx[NODES], s2x[NODES], c2x[NODES];
+} distances;
+
+static void distances_of(int n, const double *x, distances *out)
+{
+    double half[NODES], sh[NODES], ch[NODES];
+    for (int i = 0; i < n; i++)
+        half[i] = x[i] / 2;
+    circular(n, half, sh, ch);
+    for (int i = 0; i < n; i++) {
+        const double sx = 2 * sh[i] * ch[i], cx = 1 - 2 * sh[i] * sh[i];
+        out->q[i] = sh[i] * sh[i], out->sx[i] = sx, out->cx[i] = cx;
+        out->s2x[i] = 2 * sx * cx, out->c2x[i] = (cx - sx) * (cx + sx);
+    }
+}
+
+void rod_varied_state(const double *loads, double origin, double half, int n, const double *x, const double *v,
+                      varied_nodes *out)
+{
+    const double lam = loads[0], mu = loads[1], phi = loads[2], s = sin(origin), c = cos(origin);
+    const double s2 = 2 * s * c, c2 = (c - s) * (c + s), s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
+    const double steep = slope_rate(lam, mu, phi, origin), turn = 4 * (mu * s2 - c2 / 2), even = lam * c - phi * s;
+    double far = 0, at[3], sine[NODES], cosine[NODES], rate[NODES];
+    distances d;
+    distances_of(n, x, &d);
+    for (int i = 0; i < n; i++)
+        far = larger(far, fabs(x[i]));
+    const int near = far < NEAR && fabs(steep) > STEEPEST * (1 + fabs(lam) + fabs(mu) + fabs(phi));
+    slopes_by_loads(s, c, at);
+    for (int k = 0; k < 3; k++)
+        out->shift[k] = near ? -at[k] / steep : 0;
+    for (int i = 0; i < n; i++) {
+        const double q = d.q[i], sx = d.sx[i], sx2 = sx * sx, w = -2 * q - 2 * sx2 + 4 * q * sx2;
+        double R = -turn * q * sx + c4 * sx * w - 2 * q * even + sx2 * (2 * mu * c2 + s2);
+        R -= s4 * d.s2x[i] * d.s2x[i] / 2;
+        out->v[i] = v[i] > 0 ? v[i] : 0;
+        out->H[i] = steep * sx + R;
+        for (int k = 0; k < 3; k++) {
+            const double left = near ? 0 : at[k];
+            const double r = k == 0 ? 2 * s * q : k == 1 ? -2 * c2 * q * sx - s2 * sx2 : 2 * c * q;
+            out->gamma[k][i] = r - out->shift[k] * R - left * sx;
+        }
+    }
+    rates_at(loads, n, origin, x, sine, cosine, rate);
+    out->c = across(n, out->v, out->H, rate, half);
+    out->origin = origin, out->least = INFINITY;
+    for (int i = 0; i < n; i++)
+        out->least = smaller(out->least, square(out->v[i]) + out->c * square(out->H[i]));
+}
+
+/* H_q + shift_q H' at the nodes, (3, n), to relative accuracy in x. */
+static void slopes_with_shift(const double *loads, double origin, int n, const double *x, const double *shift,
+                              double H_q[3][NODES])
+{
+    const double lam = loads[0], mu = loads[1], phi = loads[2], s = sin(origin), c = cos(origin);
+    const double s2 = 2 * s * c, c2 = (c - s) * (c + s), s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
+    const double turn = 4 * (mu * s2 - c2 / 2), even = lam * c - phi * s;
+    const int near = shift[0] != 0 || shift[1] != 0 || shift[2] != 0;
+    double at[3];
+    distances d;
+    distances_of(n, x, &d);
+    slopes_by_loads(s, c, at);
+    for (int i = 0; i < n; i++) {
+        const double q = d.q[i], sx = d.sx[i], cx = d.cx[i], s2x = d.s2x[i], c2x = d.c2x[i], sx2 = sx * sx;
+        const double w = -2 * q - 2 * sx2 + 4 * q * sx2;
+        double R_x = -turn * (sx2 / 2 + q * cx) + c4 * (cx * w - sx * (sx * c2x + 2 * cx * s2x)) - sx * even;
+        R_x += s2x * (2 * mu * c2 + s2) - s4 * 2 * s2x * c2x;
+        for (int k = 0; k < 3; k++) {
+            const double left = near ? 0 : at[k];
+            const double r_x = k == 0 ? s * sx : k == 1 ? -c2 * (sx2 + 2 * q * cx) - s2 * s2x : c * sx;
+            H_q[k][i] = -r_x + shift[k] * R_x + left * cx;
+        }
+    }
+}
+
+void rod_height_rates(double angle, double other, double *out)
+{
+    /* products, so that points that are mirror images have exactly the same height where the load cannot tell them
+       apart */
+    const double half = (angle - other) / 2, mean = (angle + other) / 2, sine = sin(half);
+    out[0] = angle == other ? 0 : -(2 * cos(mean) * sine);
+    out[1] = angle == other ? 0 : cos(2 * mean) * sin(2 * half);
+    out[2] = angle == other ? 0 : 2 * sin(mean) * sine;
+}
+
+void rod_varied_rates(const double *loads, double nearest, int n, const double *x, varied_nodes *out)
+{
+    double above[3], H_q[3][NODES], s[NODES], c[NODES], rate[NODES], plain[3], *gamma[3];
+    const double across = out->c;
+    rod_height_rates(out->origin, nearest, above);
+    slopes_with_shift(loads, out->origin, n, x, out->shift, H_q);
+    rates_at(loads, n, out->origin, x, s, c, rate);
+    for (int k = 0; k < 3; k++) {
+        gamma[k] = out->gamma[k];
+        for (int i = 0; i < n; i++)
+            gamma[k][i] += above[k];
+    }
+    for (int i = 0; i < n; i++) {
+        const double v = out->v[i], H = out->H[i], D = v * v + across * H * H;
+        const int rest = D == 0;
+        const double sigma = rest ? 0 : (1 - across * rate[i]) * ((v * v - across * H * H) / D) / D;
+        const double lever = rest ? 0 : across * H / D;
+        const double g[4] = {1, gamma[0][i], gamma[1][i], gamma[2][i]}, h[4] = {0, H_q[0][i], H_q[1][i], H_q[2][i]};
+        const double k[4] = {0, out->shift[0], out->shift[1], out->shift[2]};
+        slopes_by_loads(s[i], c[i], plain);
+        const double p[4] = {0, plain[0], plain[1], plain[2]};
+        for (int m = 0; m < PAIRS; m++) {
+            const int a = rod_pairs[0][m], b = rod_pairs[1][m];
+            out->M[m][i] = g[a] * g[b] * sigma + lever * (g[a] * h[b] + g[b] * h[a]) +
+                           (k[a] * p[b] + k[b] * p[a] + k[a] * rate[i] * k[b]);
+        }
+    }
+}
+
+void rod_varied_jump(const varied_nodes *old, const varied_nodes *now, double sign, double *out)
+{
+    const double v = sign * now->v[0], H = now->H[0];
+    double D_old = v * v + old->c * H * H, D_now = v * v + now->c * H * H;
+    D_old = D_old > 0 ? D_old : 1, D_now = D_now > 0 ? D_now : 1;
+    const double turn = v * H * ((old->c - now->c) / D_old) / D_now, lift = v / D_now, raised = lift * H;
+    double full[4] = {1}, was[4] = {0}, is[4] = {0}, g[4], less[4];
+    for (int k = 0; k < 3; k++) {
+        was[k + 1] = old->shift[k], is[k + 1] = now->shift[k];
+        full[k + 1] = now->gamma[k][0] + now->shift[k] * H;
+    }
+    for (int k = 0; k < 4; k++)
+        g[k] = full[k] - was[k] * H, less[k] = was[k] - is[k];
+    for (int m = 0; m < PAIRS; m++) {
+        const int a = rod_pairs[0][m], b = rod_pairs[1][m];
+        out[m] = turn * g[a] * g[b] + lift * (less[a] * full[b] + full[a] * less[b]) -
+                 raised * (was[a] * was[b] - is[a] * is[b]);
+    }
+}
+
+/* What the variations of orbits are kept in, P panels and n nodes: `variations.Variations`. */
+typedef struct {
+    double *v, *H, *c, *shift, *gamma, *M, *jump, *closing, *series, *gain;
+} kept;
+
+/* The series of the values at the nodes, and of their integral from the near end; its value at the far end. */
+static double integrated(const points *at, const double *values, double half, double *out)
+{
+    double coefficients[NODES], total = 0;
+    const int n = (int)at->n;
+    product(n, n, values, at->analyse, coefficients);
+    integral(n, coefficients, out);
+    for (int k = 0; k <= n; k++)
+        out[k] *= half, total += out[k];
+    return total;
+}
+
+static void keep(const varied_nodes *one, const points *at, int64_t i, const kept *out)
+{
+    const int64_t n = at->n, size = sizeof(double);
+    double *series = out->series + 19 * (n + 1) * i;
+    memset(series, 0, (size_t)(9 * (n + 1) * size));
+    memcpy(out->v + n * i, one->v, (size_t)(n * size)), memcpy(out->H + n * i, one->H, (size_t)(n * size));
+    memcpy(out->shift + 3 * i, one->shift, (size_t)(3 * size));
+    out->c[i] = one->c;
+    product((int)n, (int)n, one->v, at->analyse, series);
+    product((int)n, (int)n, one->H, at->analyse, series + n + 1);
+    series[2 * (n + 1)] = one->c;
+    for (int k = 0; k < 3; k++) {
+        series[(3 + k) * (n + 1)] = one->shift[k];
+        memcpy(out->gamma + (3 * i + k) * n, one->gamma[k], (size_t)(n * size));
+        product((int)n, (int)n, one->gamma[k], at->analyse, series + (6 + k) * (n + 1));
+    }
+    for (int m = 0; m < PAIRS; m++)
+        memcpy(out->M + (PAIRS * i + m) * n, one->M[m], (size_t)(n * size));
+}
+
+/* One orbit, whose panels are numbered from `first`. */
+static void one_orbit(const double *loads, const read_orbits *of, int64_t b, const double *origin, const points *at,
+                      varied_nodes *nodes, double *x, const kept *out)
+{
+    const int n = (int)at->n;
+    const int64_t first = of->first[2 * b], P = of->count[2 * b] + of->count[2 * b + 1];
+    const int64_t width = n + 1, *count = of->count + 2 * b;
+    int64_t nearest = 0;
+    for (int64_t i = 0; i < P; i++) {
+        double v[NODES];
+        const double *series = of->series + FUNCTIONS * width * (first + i);
+        product(n + 1, n, series, at->values, x + n * i);
+        product(n + 1, n, series + width, at->values, v);
+        rod_varied_state(loads, origin[first + i], of->width[first + i] / 2, n, x + n * i, v, &nodes[i]);
+        if (nodes[i].least < nodes[nearest].least)
+            nearest = i;
+    }
+    double total[2][PAIRS] = {{0}};
+    for (int64_t i = 0; i < P; i++) {
+        const int backward = i >= count[0], begins = i == 0 || i == count[0];
+        const double sign = of->direction[b] * (backward ? -1 : 1);
+        double *jump = out->jump + PAIRS * (first + i), *series = out->series + (19 * (first + i) + 9) * width;
+        rod_varied_rates(loads, origin[first + nearest], n, x + n * i, &nodes[i]);
+        memset(jump, 0, sizeof(double) * PAIRS);
+        if (i)
+            rod_varied_jump(&nodes[begins ? 0 : i - 1], &nodes[i], sign, jump);
+        keep(&nodes[i], at, first + i, out);
+        for (int m = 0; m < PAIRS; m++) {
+            const double gained = integrated(at, nodes[i].M[m], of->width[first + i] / 2, series + m * width);
+            series[m * width] += total[backward][m] + jump[m];
+            total[backward][m] += gained + jump[m];
+        }
+    }
+    for (int arc = 0; arc < 2; arc++) {
+        double *closing = out->closing + PAIRS * (2 * b + arc);
+        const int64_t start = arc ? count[0] : 0;
+        memset(closing, 0, sizeof(double) * PAIRS);
+        if (count[arc] && of->kind[b] != LIBRATION)
+            rod_varied_jump(&nodes[start + count[arc] - 1], &nodes[start], of->direction[b] * (arc ? -1 : 1), closing);
+        for (int m = 0; m < PAIRS; m++)
+            out->gain[PAIRS * (2 * b + arc) + m] = total[arc][m] + closing[m];
+    }
+}
+
+/* The variations of n orbits, none of them a helix.
+
+   loads: (n, 3). origin: (P,), the angle from which the series of beta of each panel counts, without whole turns. The
+   arrays of `out` are filled. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
+int rod_variations(int64_t n, const double *loads, const read_orbits *of, const double *origin, const points *at,
+                   const kept *out)
+{
+    int64_t most = 1;
+    for (int64_t b = 0; b < n; b++) {
+        const int64_t P = of->count[2 * b] + of->count[2 * b + 1];
+        most = P > most ? P : most;
+    }
+    if (at->n > NODES || at->n < 4 || of->coefficients != at->n + 1)
+        return NOT_POSSIBLE;
+    varied_nodes *nodes = malloc(sizeof(varied_nodes) * (size_t)most);
+    double *x = malloc(sizeof(double) * (size_t)(most * at->n));
+    for (int64_t b = 0; nodes && x && b < n; b++)
+        one_orbit(loads + 3 * b, of, b, origin, at, nodes, x, out);
+    const int failed = nodes && x ? DONE : NO_MEMORY;
+    free(nodes);
+    free(x);
+    return failed;
+}

@@ -1,0 +1,32 @@
+/* The variations of orbits on their panels: solver/orbit/variations.py and variation_nodes.py. */
+
+#ifndef ROD_VARIATIONS_H
+#define ROD_VARIATIONS_H
+
+#include "panels.h"
+
+enum { PAIRS = 10 }; /* the elements of the symmetric matrix M */
+
+/* The state at the nodes of one panel, by a unit of the level and of the three loads: `variation_nodes.Nodes`. */
+typedef struct {
+    double v[NODES], H[NODES], c, origin, least, shift[3], gamma[3][NODES], M[PAIRS][NODES];
+} varied_nodes;
+
+/* The state on a panel but for what depends on the other panels: all but gamma and M. x, v: (n,), beta from the angle
+   `origin` and |beta_t| at the nodes. half: of the duration. */
+void rod_varied_state(const double *loads, double origin, double half, int n, const double *x, const double *v,
+                      varied_nodes *out);
+
+/* gamma counted from the height of the critical point at `nearest`, and M. */
+void rod_varied_rates(const double *loads, double nearest, int n, const double *x, varied_nodes *out);
+
+/* What M gains where the transversal and the shift change from those of one panel to those at the near end of another.
+   sign: of beta_t on the latter, away from the start. */
+void rod_varied_jump(const varied_nodes *old, const varied_nodes *now, double sign, double *out);
+
+/* -(G_q(angle) - G_q(other))/2 for q = lam, mu, phi. */
+void rod_height_rates(double angle, double other, double *out);
+
+extern const int rod_pairs[2][PAIRS];
+
+#endif
