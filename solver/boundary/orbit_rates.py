@@ -17,22 +17,24 @@ from typing import Any
 
 import numpy as np
 
-from ..core.panels import Cutting
+from ..core import orbit_rates as core
+from ..core.panels import Cutting, available
 from ..mechanics.potential import slope_higher_rates, slope_rate
 from ..numerics.arrays import Array
 from ..orbit import helix_variations
-from ..orbit.periodic_orbit import Orbit, relative_orbit, solve_orbit
+from ..orbit.critical_points import grid
 from ..orbit.variation_nodes import height_rates, slopes_by_loads
-from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations, changed, variations_on
-from ..problem.reduced import EndsProblem, StartProblem
+from ..orbit.variations import GOAL, LENGTH, POINTS, Change, changed
+from ..problem.reduced import EndsProblem
 from .branch_coordinates import LinePoint, Path
-from .saddle_panels import with_saddle_panels
-from .transit_times import STRETCH
+from .transit_times import CUTTING, STRETCH
+from .varied_orbits import plain_orbit
+from .varied_orbits import varied_orbits as varied_orbits
 
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
 _Y = 10
-_TIGHT = 1e-13  # tolerance of the orbits
 _SAME = 1e-9  # rad: critical points that are this near are one
+_HOW = CUTTING, Cutting(LENGTH, GOAL, STRETCH, relative=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +135,25 @@ def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
     -------
     OrbitRates
     """
+    if not available():
+        return reference_orbit_rates(problem, paths)
+    B = problem.size
+    values, rows, by_span, span = np.empty((B, 11)), np.empty((B, 11, 5)), np.empty((B, 11)), np.empty(B)
+    for i, path in enumerate(paths):
+        found = core.orbit_rates(_numbers(problem, i), path, grid(), POINTS, _HOW, True)
+        if found is None:
+            one = reference_orbit_rates(problem.take(slice(i, i + 1)), [path])
+            found = one.values[0], one.rows[0], one.by_span[0], float(one.length[0])
+        values[i], rows[i], by_span[i], span[i] = found
+    return OrbitRates(replace(problem, span=span), values, rows, by_span)
+
+
+def _numbers(problem: EndsProblem, i: int) -> list[float]:
+    return [float(number[i]) for number in vars(problem).values()]
+
+
+def reference_orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
+    """The same without the core, which leaves it helices, and gaps that floats cannot express."""
     with np.errstate(all="ignore"):  # beside a critical point and for long rods some terms overflow and are not taken
         return _orbit_rates(problem, paths)
 
@@ -234,44 +255,18 @@ def _steepening(problem: EndsProblem, saddle: float) -> Array:
 
 def orbit_numbers(problem: EndsProblem, path: Path) -> tuple[Array, float]:
     """The `NUMBERS` of one equilibrium that is no helix, (11,), without their rates; and the length of its path."""
+    if available():
+        found = core.orbit_rates(_numbers(problem, 0), path, grid(), POINTS, _HOW, False)
+        if found is not None:
+            return found[0], found[3]
     place = LinePoint(problem)
     with np.errstate(all="ignore"):
         length = place.lengths([path])
         if not np.isfinite(length[0]):
             return np.full(len(NUMBERS), np.nan), np.nan
-        orbit, _, _ = _started(replace(problem, span=length), [path], [place])
+        orbit = plain_orbit(replace(problem, span=length), path, place)
         _, v, alpha, z = (value[0] for value in orbit.at(length[:, None] * [0, 1]))
         swirl = orbit.swirl(length[:, None])[0, 0]
     ends = problem.beta0[0], problem.betaL[0], *v
     loads = problem.lam[0], problem.mu[0], problem.phi[0]
     return np.array([*ends, alpha[1], swirl, z[1], *loads, path.y]), float(length[0])
-
-
-def _started(
-    problem: EndsProblem, paths: list[Path], places: list[LinePoint]
-) -> tuple[Orbit, StartProblem, tuple[Array, ...]]:
-    """The orbits of B paths; the start problems without the time that a gap in floating point cannot express at a
-    saddle; and the pins, the gaps, and the log by which the gaps are too large, (B,) each."""
-    deepest, y = np.array([place.blank.deepest for place in places]), np.array([path.y for path in paths])
-    gap = np.array([path.sign for path in paths]) * np.exp(np.maximum(y, deepest))
-    pin, excess = np.array([path.pin for path in paths]), np.maximum(deepest - y, 0.0)
-    falls = np.array([place.fall(path.pin, place.start) for place, path in zip(places, paths, strict=True)])
-    speed = np.array([path.leaving for path in paths]) * np.sqrt(np.maximum(gap + falls, 0.0))
-    start = replace(problem.started(speed), beta0=np.array([place.start for place in places]))
-    brief = start.span.copy()
-    for i in np.flatnonzero(excess):
-        brief[i] = places[i].lengths([replace(paths[i], y=places[i].blank.deepest)])[0]
-    start = replace(start, span=brief)
-    orbit = solve_orbit(start, _TIGHT, (pin, gap), STRETCH)
-    return with_saddle_panels(orbit, problem.span, gap, excess) if excess.any() else orbit, start, (pin, gap, excess)
-
-
-def varied_orbits(problem: EndsProblem, paths: list[Path], places: list[LinePoint]) -> tuple[Orbit, Variations]:
-    """The orbits of B equilibria that are no helices, and their variations."""
-    plain, start, (pin, gap, excess) = _started(problem, paths, places)
-    relative = relative_orbit(start, POINTS, Cutting(LENGTH, GOAL, STRETCH), (pin, gap))
-    arcs = relative.arcs
-    if excess.any():
-        still = replace(arcs, pieces=replace(arcs.pieces, base=np.zeros_like(arcs.pieces.base)))
-        relative = with_saddle_panels(replace(relative, arcs=still), problem.span, gap, excess)
-    return plain, variations_on(relative, arcs)

@@ -57,8 +57,7 @@ void rod_path_counts(const place *o, const path *one, int64_t counts[3])
     counts[1] = 2 * (up ? half : turns / 2), counts[2] = 2 * (up ? turns / 2 : half);
 }
 
-/* Length of each path less that of the rod, all with the pin and the sign of the first. */
-static int excesses(search *room, const place *o, int count, const path *some, double *off)
+int rod_excess_of(search *room, const place *o, int count, const path *some, double *off)
 {
     const double pin = some[0].pin, falls[2] = {rod_place_fall(o, pin, o->low), rod_place_fall(o, pin, o->high)};
     const boundary of = {o->p.lam, o->p.mu, o->p.phi, o->p.span, o->low, o->high, DEEPEST, o->whole_turns, o->passed, 1,
@@ -125,7 +124,7 @@ int rod_excess_at(search *room, const place *o, const chart *c, int count, const
             return DONE;
         }
     }
-    return excesses(room, o, count, some, off);
+    return rod_excess_of(room, o, count, some, off);
 }
 
 /* The number of the last critical point not above an angle, counted on through whole turns. */

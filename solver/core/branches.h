@@ -60,6 +60,8 @@ int rod_place_of(const ends_problem *, const grid *, place *);
 double rod_place_fall(const place *, double pin, double beta);
 int rod_is_tied(const place *);
 void rod_path_counts(const place *, const path *, int64_t counts[3]);
+/* Length of each path less that of the rod, all with the pin and the sign of the first. */
+int rod_excess_of(search *, const place *, int count, const path *some, double *off);
 /* The lengths of each path at x less that of the rod, NaN where one of them does not exist. */
 int rod_excess_at(search *, const place *, const chart *, int count, const double *x, double *off);
 /* The path at x; 0 where its saddle no longer exists or there is no such path. */

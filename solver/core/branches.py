@@ -39,7 +39,7 @@ class Chart(ctypes.Structure):
     _fields_ += [("at", Level)]
 
 
-class _Grid(ctypes.Structure):
+class Grid(ctypes.Structure):
     """`grid` in branches.h."""
 
     _fields_ = [("m", ctypes.c_int64), ("angles", ctypes.c_void_p), ("table", ctypes.c_void_p)]
@@ -95,7 +95,7 @@ class Steps:
         self._raised: list[BaseException] = []
         self._problem, self._scale = _called(numbers, self._raised), scale
         angles, table = self._arrays = grid
-        self._grid = _Grid(angles.size, address(angles), address(table))
+        self._grid = Grid(angles.size, address(angles), address(table))
         self._told = ctypes.byref(self._grid), points(n), cut(how, True)
 
     def excess(self, chart: Chart, p: float, x: Array) -> Array | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..boundary.branch_coordinates import Path, path_of
-from ..boundary.end_variations import equilibrium_variations, held_directions
+from ..boundary.varied_orbits import equilibrium_variations, held_directions
 from ..boundary.path_orbits import path_from_start
 from ..numerics.arrays import Array, Integers
 from ..observe.measurement import MIDDLE

@@ -1,0 +1,97 @@
+"""The orbits of equilibria and their variations: how beta between two ends answers a change.
+
+The orbit that joins the ends changes by a0 along its flow and by g0 of its level (`orbit.variations`); with the two end
+angles held these two follow from two linear equations, whose determinant is eta(L) = d beta(L)/d beta_t(0). It vanishes
+at a fold.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..core.panels import Cutting
+from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import Orbit, relative_orbit, solve_orbit
+from ..orbit.variations import GOAL, LENGTH, POINTS, Place, Variations, variations_on
+from ..problem.reduced import EndsProblem, StartProblem
+from .branch_coordinates import LinePoint, Path
+from .saddle_panels import with_saddle_panels
+from .transit_times import STRETCH
+
+_TIGHT = 1e-13  # tolerance of the orbits
+
+
+def held_directions(start: Place, far: Place) -> tuple[Array, Array]:
+    """a0 (B, 5) and e (B, 5, 4) of a unit of beta(0), beta(L), lam, mu and phi, each with the others held.
+
+    start, far: the places at the two ends, (B,).
+    """
+    B = start.v.size
+    e, moved = np.zeros((B, 5, 4)), np.zeros((2, B, 5))
+    moved[0, :, 0] = moved[1, :, 1] = 1
+    for q in (1, 2, 3):
+        e[:, q + 1, q] = 1
+    M = (far.M - start.M)[:, 0]
+    v, V = start.v[:, None], far.v[:, None]
+    with np.errstate(all="ignore"):
+        lever, LEVER = (place.c * place.H / place.D for place in (start, far))
+        r = moved[0] - _sum(e, start.shift) - _sum(e, start.gamma) * lever[:, None]
+        R = moved[1] - _sum(e, far.shift) - _sum(e, far.gamma) * LEVER[:, None] - _sum(e, M) * V
+        along = M[:, :1] * V + LEVER[:, None]
+        determinant = v * along - lever[:, None] * V
+        e[..., 0] = (v * R - V * r) / determinant
+        return (r * along - lever[:, None] * R) / determinant, e
+
+
+def _sum(e: Array, place: Array) -> Array:
+    """The sums over the loads of e times values (B, 4), (B, 5)."""
+    return np.einsum("bfk,bk->bf", e[..., 1:], place[:, 1:])
+
+
+def varied_orbits(problem: EndsProblem, paths: list[Path], places: list[LinePoint]) -> tuple[Orbit, Variations]:
+    """The orbits of B equilibria that are no helices, and their variations."""
+    start, level = _started(problem, paths, places)
+    return _plain(problem, start, level), _varied(problem, start, level)
+
+
+def equilibrium_variations(problem: EndsProblem, path: Path) -> Variations:
+    """The variations of one equilibrium that is no helix."""
+    return _varied(problem, *_started(problem, [path], [LinePoint(problem)]))
+
+
+def plain_orbit(problem: EndsProblem, path: Path, place: LinePoint) -> Orbit:
+    """The orbit of one equilibrium that is no helix."""
+    return _plain(problem, *_started(problem, [path], [place]))
+
+
+def _plain(problem: EndsProblem, start: StartProblem, level: tuple[Array, ...]) -> Orbit:
+    pin, gap, excess = level
+    orbit = solve_orbit(start, _TIGHT, (pin, gap), STRETCH)
+    return with_saddle_panels(orbit, problem.span, gap, excess) if excess.any() else orbit
+
+
+def _varied(problem: EndsProblem, start: StartProblem, level: tuple[Array, ...]) -> Variations:
+    pin, gap, excess = level
+    relative = relative_orbit(start, POINTS, Cutting(LENGTH, GOAL, STRETCH), (pin, gap))
+    arcs = relative.arcs
+    if excess.any():
+        still = replace(arcs, pieces=replace(arcs.pieces, base=np.zeros_like(arcs.pieces.base)))
+        relative = with_saddle_panels(replace(relative, arcs=still), problem.span, gap, excess)
+    return variations_on(relative, arcs)
+
+
+def _started(
+    problem: EndsProblem, paths: list[Path], places: list[LinePoint]
+) -> tuple[StartProblem, tuple[Array, ...]]:
+    """The start problems of B paths, without the time that a gap in floating point cannot express at a saddle; and the
+    pins, the gaps, and the log by which the gaps are too large, (B,) each."""
+    deepest, y = np.array([place.blank.deepest for place in places]), np.array([path.y for path in paths])
+    gap = np.array([path.sign for path in paths]) * np.exp(np.maximum(y, deepest))
+    pin, excess = np.array([path.pin for path in paths]), np.maximum(deepest - y, 0.0)
+    falls = np.array([place.fall(path.pin, place.start) for place, path in zip(places, paths, strict=True)])
+    speed = np.array([path.leaving for path in paths]) * np.sqrt(np.maximum(gap + falls, 0.0))
+    start = replace(problem.started(speed), beta0=np.array([place.start for place in places]))
+    brief = start.span.copy()
+    for i in np.flatnonzero(excess):
+        brief[i] = places[i].lengths([replace(paths[i], y=places[i].blank.deepest)])[0]
+    return replace(start, span=brief), (pin, gap, excess)

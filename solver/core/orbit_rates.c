@@ -1,0 +1,307 @@
+/* The numbers of one equilibrium and the linear equations between their changes: solver/boundary/orbit_rates.py. */
+
+#include "branches.h"
+#include "variations.h"
+
+enum { NUMBERS = 11, PARTS = 5, SHARES = 13 }; /* SHARES: the ten elements of M, and alpha, z and the swirl */
+enum { BETA0, BETAL, DBETA0, DBETAL, ALPHA, SWIRL, Z, LAM, MU, PHI, Y };
+enum { NO_ORBIT = 100 }; /* besides NO_MEMORY and NOT_POSSIBLE: no orbit of the path joins the ends */
+#define SAME 1e-9 /* rad: critical points that are this near are one */
+
+/* The state at one end: `variations.Place`. M: from the start. */
+typedef struct {
+    double v, H, c, shift[4], gamma[4], M[PAIRS];
+} end_state;
+
+/* One orbit on its panels, in the order of travel: those of the forward arc, then those of the backward one. */
+typedef struct {
+    const ends_problem *p;
+    const points *at;
+    int64_t count[2], P, kind;
+    double direction, duration[2], gain[2 * SHARES];
+    varied_nodes *nodes;
+    double *x, *since, *width, *shares; /* (P, n), (P,), (P,), (P, SHARES): integrals up to the near end of each */
+    double *base;
+} course;
+
+static void free_course(course *o)
+{
+    free(o->nodes);
+    free(o->x);
+}
+
+/* The panels of the arcs, with what does not depend on the other panels. */
+static int course_of(const ends_problem *p, const arcs *from, const panels *cut, const points *at, course *o)
+{
+    const int n = (int)at->n;
+    int64_t P = 0;
+    for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next)
+        P++;
+    *o = (course){.p = p, .at = at, .P = P, .kind = from->kind, .direction = from->direction};
+    o->nodes = malloc(sizeof(varied_nodes) * (size_t)P);
+    o->x = malloc(sizeof(double) * (size_t)(P * (n + 3 + SHARES)));
+    if (!o->nodes || !o->x)
+        return NO_MEMORY;
+    o->since = o->x + P * n, o->width = o->since + P, o->base = o->width + P, o->shares = o->base + P;
+    int64_t k = 0;
+    for (int64_t i = cut->first; i >= 0; i = cut->rows[i].next, k++) {
+        const piece *own = &from->pieces[cut->rows[i].piece];
+        const double *series = cut->series + FUNCTIONS * (n + 1) * i;
+        double v[NODES];
+        o->since[k] = o->duration[own->arc], o->width[k] = cut->rows[i].duration, o->base[k] = own->base;
+        o->duration[own->arc] += o->width[k];
+        o->count[own->arc]++;
+        product(n + 1, n, series, at->values, o->x + n * k);
+        product(n + 1, n, series + n + 1, at->values, v);
+        rod_varied_state(&p->lam, own->local.o, o->width[k] / 2, n, o->x + n * k, v, &o->nodes[k]);
+    }
+    return o->count[0] ? DONE : NOT_POSSIBLE;
+}
+
+/* sin, cos and their product at the nodes of a panel. */
+static void directions_on(const course *o, int64_t k, double out[3][NODES])
+{
+    const int n = (int)o->at->n;
+    for (int i = 0; i < n; i++) {
+        const double angle = o->base[k] + o->x[n * k + i];
+        out[0][i] = sin(angle), out[1][i] = cos(angle), out[2][i] = out[0][i] * out[1][i];
+    }
+}
+
+/* The weights of the integral over a panel. */
+static void weights_of(const points *at, double *out)
+{
+    double row[NODES + 1];
+    const int n = (int)at->n;
+    for (int i = 0; i < n; i++) {
+        integral(n, at->analyse + n * i, row);
+        out[i] = 0;
+        for (int k = 0; k <= n; k++)
+            out[i] += row[k];
+    }
+}
+
+/* The variations of all panels; returns the number of the panel whose critical point the orbit comes closest to. */
+static int64_t vary(course *o, int with_rates)
+{
+    const int n = (int)o->at->n;
+    int64_t nearest = 0;
+    double weight[NODES];
+    weights_of(o->at, weight);
+    for (int64_t k = 1; k < o->P; k++)
+        if (o->nodes[k].least < o->nodes[nearest].least)
+            nearest = k;
+    for (int64_t k = 0; k < o->P; k++) {
+        const int arc = k >= o->count[0], begins = k == 0 || k == o->count[0];
+        double jump[SHARES] = {0}, turned[3][NODES], *share = o->shares + SHARES * k, *gain = o->gain + SHARES * arc;
+        if (with_rates) {
+            rod_varied_rates(&o->p->lam, o->nodes[nearest].origin, n, o->x + n * k, &o->nodes[k]);
+            if (k)
+                rod_varied_jump(&o->nodes[begins ? 0 : k - 1], &o->nodes[k], o->direction * (arc ? -1 : 1), jump);
+        }
+        directions_on(o, k, turned);
+        for (int m = with_rates ? 0 : PAIRS; m < SHARES; m++) {
+            const double *values = m < PAIRS ? o->nodes[k].M[m] : turned[m - PAIRS];
+            double total = 0;
+            for (int i = 0; i < n; i++)
+                total += values[i] * weight[i];
+            share[m] = gain[m] + jump[m];
+            gain[m] = share[m] + total * (o->width[k] / 2);
+        }
+    }
+    for (int arc = 0; arc < 2 && with_rates; arc++) {
+        double closing[PAIRS];
+        const int64_t start = arc ? o->count[0] : 0;
+        if (!o->count[arc] || o->kind == LIBRATION)
+            continue;
+        rod_varied_jump(&o->nodes[start + o->count[arc] - 1], &o->nodes[start], o->direction * (arc ? -1 : 1), closing);
+        for (int m = 0; m < PAIRS; m++)
+            o->gain[SHARES * arc + m] += closing[m];
+    }
+    return nearest;
+}
+
+static double at_place(const double *series, int n, double x)
+{
+    double older = 1, now = x, total = series[0] + x * series[1];
+    for (int k = 2; k < n; k++) {
+        const double next = 2 * x * now - older;
+        older = now, now = next, total += next * series[k];
+    }
+    return total;
+}
+
+static double value_at(const points *at, const double *values, double x)
+{
+    double series[NODES];
+    product((int)at->n, (int)at->n, values, at->analyse, series);
+    return at_place(series, (int)at->n, x);
+}
+
+static double integral_at(const points *at, const double *values, double x)
+{
+    double coefficients[NODES], series[NODES + 1];
+    product((int)at->n, (int)at->n, values, at->analyse, coefficients);
+    integral((int)at->n, coefficients, series);
+    return at_place(series, (int)at->n + 1, x);
+}
+
+/* The state where the rod is at time t, and the integrals of sin, cos and sin cos of beta up to there. */
+static void state_at(const course *o, double t, int with_rates, end_state *out, double *integrals)
+{
+    const int n = (int)o->at->n;
+    const int64_t none = 0, first[2] = {0, o->count[0]};
+    const read_orbits of = {n + 1, o->P, &o->kind, first, o->count, NULL, &o->direction, o->duration, NULL, o->since,
+                            o->width, NULL};
+    phase where;
+    double x, turned[3][NODES];
+    const int64_t k = rod_place(&of, none, t, &where, &x);
+    const varied_nodes *one = &o->nodes[k];
+    const double half = o->width[k] / 2, sign = o->direction * (where.second ? -1 : 1) * (where.mirrored ? -1 : 1);
+    const int librates = o->kind == LIBRATION;
+    out->v = sign * value_at(o->at, one->v, x), out->H = value_at(o->at, one->H, x), out->c = one->c;
+    out->shift[0] = 0, out->gamma[0] = 1;
+    directions_on(o, k, turned);
+    for (int m = with_rates ? 0 : PAIRS; m < SHARES; m++) {
+        const double *values = m < PAIRS ? one->M[m] : turned[m - PAIRS], *gain = o->gain + m;
+        const double own = o->shares[SHARES * k + m] + half * integral_at(o->at, values, x);
+        *(m < PAIRS ? &out->M[m] : &integrals[m - PAIRS]) = rod_unfolded(own, &where, gain[0], gain[SHARES], librates);
+    }
+    for (int q = 0; q < 3 && with_rates; q++)
+        out->shift[q + 1] = one->shift[q], out->gamma[q + 1] = value_at(o->at, one->gamma[q], x);
+}
+
+static double across_flow(const end_state *at)
+{
+    const double D = at->v * at->v + at->c * at->H * at->H;
+    return D > 0 ? D : 1;
+}
+
+static double end_term(const end_state *at, double a, double g, int q)
+{
+    return at->shift[q] * (g * (at->v / across_flow(at))) - a * (at->gamma[q] + at->shift[q] * at->H);
+}
+
+/* What a unit of each part adds to beta and beta_t at an end, and to the integrals up to there: `variations.changed`. */
+static void add_parts(const end_state *start, const end_state *there, int rows[2], double *out, double *sums)
+{
+    static const int place[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
+    for (int part = 0; part < PARTS; part++) {
+        double rise[4], a0 = part == 0;
+        for (int j = 0; j < 4; j++)
+            rise[j] = part ? there->M[place[j][part - 1]] - start->M[place[j][part - 1]] : 0;
+        const double a = a0 + rise[0], D = across_flow(there);
+        const double g = part ? there->gamma[part - 1] : 0, shift = part ? there->shift[part - 1] : 0;
+        const double g0 = part ? start->gamma[part - 1] : 0;
+        out[PARTS * rows[0] + part] = shift + a * there->v + g * (there->c * there->H / D);
+        out[PARTS * rows[1] + part] = -a * there->H + g * (there->v / D);
+        for (int q = 1; q < 4 && sums; q++)
+            sums[PARTS * (q - 1) + part] = rise[q] + (end_term(there, a, g, q) - end_term(start, a0, g0, q));
+    }
+}
+
+/* What changes of the loads and of the level add to y. */
+static void add_level(const place *o, const path *level, double nearest, double *values, double *rows, double *by_span)
+{
+    int is_critical = 0;
+    for (int k = 0; k < o->found.count; k++)
+        is_critical |= o->found.beta[k] == level->pin;
+    values[Y] = level->y;
+    if (is_critical) {
+        const double gap = level->sign * exp(larger(level->y, DEEPEST));
+        double above[3];
+        rod_height_rates(fabs(sin((level->pin - nearest) / 2)) < SAME ? nearest : level->pin, nearest, above);
+        rows[PARTS * Y] = 0, rows[PARTS * Y + 1] = 2 / gap, by_span[Y] = 0;
+        for (int q = 0; q < 3; q++)
+            rows[PARTS * Y + 2 + q] = 2 * above[q] / gap;
+        return;
+    }
+    const int end = level->pin == o->start ? DBETA0 : DBETAL;
+    for (int part = 0; part < PARTS; part++)
+        rows[PARTS * Y + part] = 2 * rows[PARTS * end + part] / values[end];
+    by_span[Y] = 2 * by_span[end] / values[end];
+}
+
+/* The numbers of the orbit, and if rows are wanted how they answer. */
+static void numbers_of(course *o, const place *at, const path *level, double length, double *values, double *rows,
+                       double *by_span)
+{
+    const ends_problem *p = o->p;
+    end_state start = {0}, far = {0};
+    double integrals[3], none[3];
+    const int64_t nearest = vary(o, rows != NULL);
+    state_at(o, 0, rows != NULL, &start, none);
+    state_at(o, length, rows != NULL, &far, integrals);
+    const double found[NUMBERS] = {p->beta0, p->betaL, start.v, far.v, integrals[0], integrals[2],
+                                   integrals[1], p->lam, p->mu, p->phi, level->y};
+    memcpy(values, found, sizeof found);
+    if (!rows)
+        return;
+    const double s = sin(p->betaL), c = cos(p->betaL);
+    const double later[NUMBERS] = {0, far.v, 0, -far.H, s, s * c, c, 0, 0, 0, 0};
+    static const int order[3] = {ALPHA, SWIRL, Z};
+    int here[2] = {BETA0, DBETA0}, there[2] = {BETAL, DBETAL};
+    double sums[3 * PARTS];
+    memset(rows, 0, sizeof(double) * NUMBERS * PARTS);
+    memcpy(by_span, later, sizeof later);
+    add_parts(&start, &start, here, rows, NULL);
+    add_parts(&start, &far, there, rows, sums);
+    for (int q = 0; q < 3; q++) {
+        for (int part = 0; part < PARTS; part++)
+            rows[PARTS * order[q] + part] = (q == 1 ? -1 : 1) * sums[PARTS * q + part];
+        rows[PARTS * (LAM + q) + 2 + q] = 1;
+    }
+    add_level(at, level, o->nodes[nearest].origin, values, rows, by_span);
+}
+
+/* The length at which the path meets beta(L). */
+static int length_of(const place *o, const path *level, const points *at, const cutting *how, double *length)
+{
+    search room = {.at = at, .how = *how};
+    double off;
+    room.how.times_only = 1;
+    const int failed = rod_excess_of(&room, o, 1, level, &off);
+    rod_panels_free(&room.room);
+    *length = off + o->p.span;
+    return failed ? failed : isfinite(*length) ? DONE : NO_ORBIT;
+}
+
+/* One equilibrium that is no helix and whose gap is no smaller than floats can express.
+
+   times, how: how panels are cut, for the length and for the orbit. values: (11,), filled; rows (11, 5), by_span (11,):
+   filled, or both NULL. length: at which the path meets beta(L). Returns DONE, NO_MEMORY, NO_ORBIT or NOT_POSSIBLE. */
+int rod_orbit_rates(const ends_problem *of, const path *level, const grid *by, const points *at, const cutting *times,
+                    const cutting *how, double *values, double *rows, double *by_span, double *length)
+{
+    place o;
+    arcs from, cut;
+    panels made = {0};
+    course on = {0};
+    const double *numbers = &of->lam;
+    for (int k = 0; k < 6; k++)
+        if (!isfinite(numbers[k]) || (k > 3 && fabs(numbers[k]) > 1e6))
+            return NOT_POSSIBLE;
+    if (at->n > NODES || at->n < 4 || !(level->y >= DEEPEST) || !isfinite(level->pin) || level->turns < 0 ||
+        level->turns > 1000000000)
+        return NOT_POSSIBLE;
+    int failed = rod_place_of(of, by, &o);
+    failed = failed ? failed : length_of(&o, level, at, times, length);
+    if (failed)
+        return failed;
+    const double gap = level->sign * exp(level->y), v2 = gap + rod_place_fall(&o, level->pin, o.start);
+    const double speed = (double)level->leaving * sqrt(larger(v2, 0));
+    const start_problem start = {of->lam, of->mu, of->phi, *length, o.start, speed};
+    failed = rod_arcs(&start, level->pin, gap, &o.found, &from);
+    if (failed || from.kind == HELIX || !from.count)
+        return failed ? failed : NOT_POSSIBLE;
+    cut = from;
+    for (int i = 0; i < cut.count; i++)
+        cut.pieces[i].base = 0;
+    failed = rod_panelled(&start, cut.pieces, cut.count, at, how, &made);
+    failed = failed ? failed : course_of(of, &from, &made, at, &on);
+    if (!failed)
+        numbers_of(&on, &o, level, *length, values, rows, by_span);
+    free_course(&on);
+    rod_panels_free(&made);
+    return failed;
+}
