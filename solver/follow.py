@@ -14,7 +14,7 @@ from .problem.case import PAIRS, Case, Ends
 from .problem.case_fields import numbers_over, unchecked_with_field, value_of, with_field
 from .problem.errors import InputError, choices, no_such
 from .problem.field_rates import fields_of
-from .problem.held_ends import held_of, reduce_held
+from .problem.held_ends import held_numbers_over, held_of, reduce_held
 from .problem.reduced import EndsProblem, reduce
 from .problem.trajectory import Trajectory
 from .solution import Solution
@@ -235,7 +235,15 @@ def _held_family(case: Case, name: str, begun: EndsProblem, bounds: "Bounds") ->
     moved = np.abs(np.append(there.values - here.values, there.span - here.span)) / abs(nudge)
     size = np.append(np.where(np.isin(here.names, ("z", "alpha", "turn")), 1.0, 1 + np.abs(here.values)), 1 + here.span)
     rate = float((moved / size).max())
-    return HeldFamily(given, begun, reach if rate * reach < 1 else 1 / rate)
+    fast = held_numbers_over(case, name)
+
+    def numbers(value: float) -> Sequence[float] | None:
+        if bounds.low <= value <= bounds.high:
+            return fast(value)
+        one = given(value)
+        return None if one is None else [*one.values.tolist(), one.span, one.ratio]
+
+    return HeldFamily(given, begun, reach if rate * reach < 1 else 1 / rate, here.names, numbers)
 
 
 def _next_index(places: "list[Place]", own: "Place") -> int:

@@ -36,7 +36,9 @@ class Family:
     @cached_property
     def steps(self) -> core.Steps | None:
         """The core's functions on these problems; None where it is missing, or the problems are not known as numbers."""
-        return core.Steps(self.numbers, self.scale, grid(), NODES, CUTTING) if available() and self.numbers else None
+        if not available() or self.numbers is None:
+            return None
+        return core.Steps(self.numbers, self.scale, grid(), NODES, (CUTTING, CUTTING))
 
     def place(self, p: float) -> LinePoint | None:
         """The problem at p with its critical points."""

@@ -1,30 +1,46 @@
 """Equilibria with held ends over a parameter, as a curve of a coordinate of the path, of angles and of loads."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
+from ..core import branches as core
+from ..core.panels import available
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
+from ..orbit.critical_points import grid
+from ..orbit.variations import POINTS
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate, path_at
 from .equilibrium_curve import AHEAD
 from .held_index import dead_index, held_index
 from .held_system import FREE, Given, rows_of, values_of
-from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, solved
+from .orbit_rates import HOW, NUMBERS, OrbitRates, orbit_numbers, orbit_rates, solved
 
 
 @dataclass(frozen=True, eq=False)
 class HeldFamily:
     """The given numbers over one parameter p, and one equilibrium, as a problem under dead loads, to begin from.
 
-    given: of p, None where there is no such problem. scale: the change of p over which the problem changes.
+    given: of p, None where there is no such problem. scale: the change of p over which the problem changes. names: of the
+    given numbers. numbers: their values, span and A/C at p; the compiled core needs them.
     """
 
     given: Callable[[float], Given | None]
     begun: EndsProblem
     scale: float
+    names: tuple[str, ...] = ()
+    numbers: Callable[[float], Sequence[float] | None] | None = None
+
+    @cached_property
+    def steps(self) -> core.Steps | None:
+        """The core's functions on these problems; None where it is missing, or the problems are not known as numbers."""
+        if not available() or self.numbers is None:
+            return None
+        held = tuple((*NUMBERS, "turn").index(name) for name in self.names)
+        return core.Steps(self.numbers, self.scale, grid(), POINTS, HOW, held)
 
     def start(self, path: Path, p: float) -> "tuple[HeldCurve, Array] | None":
         """The curve through the equilibrium to begin from, which is that at p, and its w."""

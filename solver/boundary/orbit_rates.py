@@ -34,7 +34,7 @@ from .varied_orbits import varied_orbits as varied_orbits
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
 _Y = 10
 _SAME = 1e-9  # rad: critical points that are this near are one
-_HOW = CUTTING, Cutting(LENGTH, GOAL, STRETCH, relative=True)
+HOW = CUTTING, Cutting(LENGTH, GOAL, STRETCH, relative=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,10 +140,10 @@ def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
     B = problem.size
     values, rows, by_span, span = np.empty((B, 11)), np.empty((B, 11, 5)), np.empty((B, 11)), np.empty(B)
     for i, path in enumerate(paths):
-        found = core.orbit_rates(_numbers(problem, i), path, grid(), POINTS, _HOW, True)
+        found = core.orbit_rates(_numbers(problem, i), path, grid(), POINTS, HOW, True)
         if found is None:
             one = reference_orbit_rates(problem.take(slice(i, i + 1)), [path])
-            found = one.values[0], one.rows[0], one.by_span[0], float(one.length[0])
+            found = one.values[0], one.rows[0], one.by_span[0], one.length[0]
         values[i], rows[i], by_span[i], span[i] = found
     return OrbitRates(replace(problem, span=span), values, rows, by_span)
 
@@ -256,9 +256,9 @@ def _steepening(problem: EndsProblem, saddle: float) -> Array:
 def orbit_numbers(problem: EndsProblem, path: Path) -> tuple[Array, float]:
     """The `NUMBERS` of one equilibrium that is no helix, (11,), without their rates; and the length of its path."""
     if available():
-        found = core.orbit_rates(_numbers(problem, 0), path, grid(), POINTS, _HOW, False)
+        found = core.orbit_rates(_numbers(problem, 0), path, grid(), POINTS, HOW, False)
         if found is not None:
-            return found[0], found[3]
+            return found[0], float(found[3])
     place = LinePoint(problem)
     with np.errstate(all="ignore"):
         length = place.lengths([path])

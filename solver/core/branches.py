@@ -18,9 +18,10 @@ RECORD = np.dtype(
     + [("numbers", "f8", 6)]
 )
 _FAILED = 100
+RATES = 78  # doubles of `orbit_numbers`
 _MOST = 256  # records of a call
 _PROBLEM = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, ctypes.POINTER(ctypes.c_double))
-Pair = ctypes.c_double * 2
+_UNKNOWNS, _EQUATIONS, _GIVEN = 7, 6, 5
 Numbers = Callable[[float], Sequence[float] | None]
 
 
@@ -46,9 +47,13 @@ class Grid(ctypes.Structure):
 
 
 class Point(ctypes.Structure):
-    """`point` in branch_steps.c."""
+    """`point` in branch_steps.h."""
 
-    _fields_ = [(name, Pair) for name in ("w", "jacobian", "tangent")]
+    _fields_ = [
+        ("w", ctypes.c_double * _UNKNOWNS),
+        ("jacobian", ctypes.c_double * (_EQUATIONS * _UNKNOWNS)),
+        ("tangent", ctypes.c_double * _UNKNOWNS),
+    ]
     _fields_ += [(name, ctypes.c_double) for name in ("sign", "bend", "ahead")]
     _fields_ += [("chart", Chart)]
 
@@ -60,10 +65,28 @@ def chart_of(chart: Any) -> Chart:
 
 
 class _Range(ctypes.Structure):
-    """`range` in branch_steps.c."""
+    """`range` in branch_steps.h."""
 
     _fields_ = [(name, ctypes.c_double) for name in ("scale", "low", "high", "rounding")]
     _fields_ += [("count", ctypes.c_int64), ("halts", ctypes.c_void_p)]
+
+
+class _Held(ctypes.Structure):
+    """`held_ends` in branch_steps.h."""
+
+    _fields_ = [("given", ctypes.c_int64 * _GIVEN), ("loads", ctypes.c_double)]
+
+
+class _Curve(ctypes.Structure):
+    """`curve` in branch_steps.c."""
+
+    _fields_ = [
+        ("problem", _PROBLEM),
+        ("over", ctypes.POINTER(_Range)),
+        ("held", ctypes.POINTER(_Held)),
+        ("by", Grid),
+        *((name, ctypes.c_void_p) for name in ("nodes", "times", "orbits")),
+    ]
 
 
 def _called(numbers: Numbers, raised: list[BaseException]) -> Any:
@@ -87,47 +110,80 @@ def _called(numbers: Numbers, raised: list[BaseException]) -> Any:
 class Steps:
     """Steps along branches over one parameter.
 
-    numbers: lam, mu, phi, span, beta(0) and beta(L) of the problem at p, None where there is none. scale: of p. grid, n,
-    how: as of `orbits.orbits`, for the transit times.
+    Parameters
+    ----------
+    numbers : callable
+        Of p, None where there is no problem. Under dead loads lam, mu, phi, span, beta(0) and beta(L); with held ends
+        the five given numbers, span and A/C.
+    scale : float
+        Of p.
+    grid, n, how
+        As of `orbits.orbits`; how panels are cut for the transit times, and for the orbits.
+    held : tuple of int, optional
+        The places of the given numbers among those of `orbit_rates`, with held ends.
     """
 
-    def __init__(self, numbers: Numbers, scale: float, grid: Any, n: int, how: Cutting) -> None:
+    def __init__(
+        self, numbers: Numbers, scale: float, grid: Any, n: int, how: tuple[Cutting, Cutting], held: Any = None
+    ) -> None:
         self._raised: list[BaseException] = []
-        self._problem, self._scale = _called(numbers, self._raised), scale
+        self._scale, self._held = scale, held
         angles, table = self._arrays = grid
-        self._grid = Grid(angles.size, address(angles), address(table))
-        self._told = ctypes.byref(self._grid), points(n), cut(how, True)
+        self._pointed = points(n), cut(how[0], True), cut(how[1], False)
+        told = (ctypes.cast(pointer, ctypes.c_void_p) for pointer in self._pointed)
+        self._curve = _Curve(
+            _called(numbers, self._raised), None, None, Grid(angles.size, address(angles), address(table)), *told
+        )
 
     def excess(self, chart: Chart, p: float, x: Array) -> Array | None:
         """The length at each x, at most three, less that of the rod at p; None where there is no such orbit."""
         x, off = np.ascontiguousarray(x), np.empty(x.size)
         failed = functions().rod_branch_excess(
-            self._problem, ctypes.c_double(self._scale), *self._told, ctypes.byref(chart), ctypes.c_double(p),
-            ctypes.c_int64(x.size), address(x), address(off),
+            ctypes.byref(self._curve), ctypes.byref(chart), ctypes.c_double(p), ctypes.c_int64(x.size), address(x),
+            address(off),
         )  # fmt: skip
         self._raise()
         return off if failed != _FAILED and fine(failed) else None
 
     def run(
-        self, at: Point, step: float, kept: int, first: Any, most: int, halts: Array, rounding: float
-    ) -> tuple[Any, float, int, int]:
-        """At most so many records from a point, which is replaced by the last one; the length of the next step; for
-        how many steps the coordinate is kept; and why there are no more records.
+        self, at: Point, step: float, kept: int, first: Any, most: int, halts: Array, rounding: float, loads: float
+    ) -> tuple[Any, Array, float, int, int]:
+        """At most so many records from a point, which is replaced by the last one.
 
-        first: record of the begin of the branch. halts: where to halt, rising, from the lower to the upper end of the
-        range. rounding: below which two values of p are one.
+        Parameters
+        ----------
+        at, step, kept
+            The point, the length of the next step, and for how many steps its coordinate is kept.
+        first : array of RECORD
+            The begin of the branch.
+        halts : array
+            Where to halt, rising, from the lower to the upper end of the range.
+        rounding : float
+            Below which two values of p are one.
+        loads : float
+            The scale of the loads, with held ends.
+
+        Returns
+        -------
+        tuple
+            The records; with held ends their numbers and rates, (N, `orbit_rates.RECORD`); step and kept as they are
+            then; and why there are no more.
         """
         over = _Range(self._scale, halts[0], halts[-1], rounding, halts.size, address(halts))
         out = np.empty(min(most, _MOST), RECORD)
+        rates = np.empty((out.size if self._held else 0, RATES))
         length, keep = ctypes.c_double(step), ctypes.c_int64(kept)
         count, why = ctypes.c_int64(), ctypes.c_int64()
+        self._curve.over = ctypes.pointer(over)
+        if self._held:
+            self._curve.held = ctypes.pointer(_Held((ctypes.c_int64 * _GIVEN)(*self._held), loads))
         status = functions().rod_branch_steps(
-            self._problem, ctypes.byref(over), *self._told, ctypes.byref(at), ctypes.byref(length), ctypes.byref(keep),
-            address(first), ctypes.c_int64(out.size), address(out), ctypes.byref(count), ctypes.byref(why),
+            ctypes.byref(self._curve), ctypes.byref(at), ctypes.byref(length), ctypes.byref(keep), address(first),
+            ctypes.c_int64(out.size), address(out), address(rates), ctypes.byref(count), ctypes.byref(why),
         )  # fmt: skip
         self._raise()
         fine(status)
-        return out[: count.value], length.value, keep.value, why.value
+        return out[: count.value], rates[: count.value], length.value, keep.value, why.value
 
     def _raise(self) -> None:
         if self._raised:

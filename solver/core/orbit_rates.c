@@ -1,12 +1,10 @@
 /* The numbers of one equilibrium and the linear equations between their changes: solver/boundary/orbit_rates.py. */
 
-#include "branches.h"
+#include "orbit_rates.h"
 #include "variations.h"
 
-enum { NUMBERS = 11, PARTS = 5, SHARES = 13 }; /* SHARES: the ten elements of M, and alpha, z and the swirl */
-enum { BETA0, BETAL, DBETA0, DBETAL, ALPHA, SWIRL, Z, LAM, MU, PHI, Y };
-enum { NO_ORBIT = 100 }; /* besides NO_MEMORY and NOT_POSSIBLE: no orbit of the path joins the ends */
-#define SAME 1e-9 /* rad: critical points that are this near are one */
+enum { SHARES = 13 }; /* the ten elements of M, and alpha, z and the swirl */
+#define SAME 1e-9     /* rad: critical points that are this near are one */
 
 /* The state at one end: `variations.Place`. M: from the start. */
 typedef struct {
@@ -266,42 +264,46 @@ static int length_of(const place *o, const path *level, const points *at, const 
     return failed ? failed : isfinite(*length) ? DONE : NO_ORBIT;
 }
 
-/* One equilibrium that is no helix and whose gap is no smaller than floats can express.
-
-   times, how: how panels are cut, for the length and for the orbit. values: (11,), filled; rows (11, 5), by_span (11,):
-   filled, or both NULL. length: at which the path meets beta(L). Returns DONE, NO_MEMORY, NO_ORBIT or NOT_POSSIBLE. */
-int rod_orbit_rates(const ends_problem *of, const path *level, const grid *by, const points *at, const cutting *times,
-                    const cutting *how, double *values, double *rows, double *by_span, double *length)
+int rod_orbit_numbers(const place *o, const path *level, const points *at, const cutting *times, const cutting *how,
+                      int rates, orbit_numbers *out)
 {
-    place o;
+    const ends_problem *p = &o->p;
     arcs from, cut;
     panels made = {0};
     course on = {0};
-    const double *numbers = &of->lam;
-    for (int k = 0; k < 6; k++)
-        if (!isfinite(numbers[k]) || (k > 3 && fabs(numbers[k]) > 1e6))
-            return NOT_POSSIBLE;
     if (at->n > NODES || at->n < 4 || !(level->y >= DEEPEST) || !isfinite(level->pin) || level->turns < 0 ||
         level->turns > 1000000000)
         return NOT_POSSIBLE;
-    int failed = rod_place_of(of, by, &o);
-    failed = failed ? failed : length_of(&o, level, at, times, length);
+    int failed = length_of(o, level, at, times, &out->length);
     if (failed)
         return failed;
-    const double gap = level->sign * exp(level->y), v2 = gap + rod_place_fall(&o, level->pin, o.start);
+    const double gap = level->sign * exp(level->y), v2 = gap + rod_place_fall(o, level->pin, o->start);
     const double speed = (double)level->leaving * sqrt(larger(v2, 0));
-    const start_problem start = {of->lam, of->mu, of->phi, *length, o.start, speed};
-    failed = rod_arcs(&start, level->pin, gap, &o.found, &from);
+    const start_problem start = {p->lam, p->mu, p->phi, out->length, o->start, speed};
+    failed = rod_arcs(&start, level->pin, gap, &o->found, &from);
     if (failed || from.kind == HELIX || !from.count)
         return failed ? failed : NOT_POSSIBLE;
     cut = from;
     for (int i = 0; i < cut.count; i++)
         cut.pieces[i].base = 0;
     failed = rod_panelled(&start, cut.pieces, cut.count, at, how, &made);
-    failed = failed ? failed : course_of(of, &from, &made, at, &on);
+    failed = failed ? failed : course_of(p, &from, &made, at, &on);
     if (!failed)
-        numbers_of(&on, &o, level, *length, values, rows, by_span);
+        numbers_of(&on, o, level, out->length, out->values, rates ? out->rows : NULL, out->by_span);
     free_course(&on);
     rod_panels_free(&made);
     return failed;
+}
+
+/* The same from the numbers of the problem. Returns DONE, NO_MEMORY, NO_ORBIT or NOT_POSSIBLE. */
+int rod_orbit_rates(const ends_problem *of, const path *level, const grid *by, const points *at, const cutting *times,
+                    const cutting *how, int rates, orbit_numbers *out)
+{
+    place o;
+    const double *numbers = &of->lam;
+    for (int k = 0; k < 6; k++)
+        if (!isfinite(numbers[k]) || (k > 3 && fabs(numbers[k]) > 1e6))
+            return NOT_POSSIBLE;
+    const int failed = rod_place_of(of, by, &o);
+    return failed ? failed : rod_orbit_numbers(&o, level, at, times, how, rates, out);
 }

@@ -4,6 +4,7 @@ Each dead load has a displacement that does its work: FZ the height, MZ the azim
 moment M1 at an end the angle there. An ends problem takes one of each pair; the other one is an unknown.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from .case import PAIRS, Case, Ends
+from .case_fields import unchecked_with_field
 from .reduced import EndsProblem, flat
 
 # The number (`boundary.orbit_rates`, and the rotation "turn") that each field of Ends fixes, in the order of PAIRS.
@@ -64,13 +66,32 @@ def reduce_held(case: Case) -> HeldProblem:
     g, A, rho = case.given, case.rod.bending_stiffness, case.rho
     assert isinstance(g, Ends)
     with np.errstate(all="ignore"):  # overflow is reported in the outcome
-        factor = {
-            "M10": rho / A, "M1L": rho / A, "FZ": rho * rho / A, "MZ": rho / A, "M3": rho / A, "height": 1 / rho,
-        }  # fmt: skip
+        factor = _factors(A, rho)
         given = tuple(own if getattr(g, own) is not None else partner for own, partner in PAIRS)
         columns = [flat(getattr(g, name) * factor.get(name, 1.0), case.shape) for name in given]
         span, ratio = flat(case.rod.L / rho, case.shape), flat(case.rod.stiffness_ratio, case.shape)
     return HeldProblem(given, np.stack(columns, axis=1), span, ratio)
+
+
+def held_numbers_over(case: Case, name: str) -> Callable[[float], tuple[float, ...]]:
+    """The five given numbers, L/rho and A/C of one held problem over one field: those of `reduce_held`."""
+    given = tuple(own if getattr(case.given, own) is not None else partner for own, partner in PAIRS)
+    alters_rod = not hasattr(case.given, name)
+
+    def numbers(value: float) -> tuple[float, ...]:
+        one = unchecked_with_field(case, name, value) if alters_rod else case
+        A, rho = one.rod.bending_stiffness, one.rho
+        factor = _factors(A, rho)
+        own = (value if key == name else getattr(case.given, key) for key in given)
+        values = (number * factor.get(key, 1.0) for key, number in zip(given, own, strict=True))
+        return (*values, one.rod.L / rho, one.rod.stiffness_ratio)
+
+    return numbers
+
+
+def _factors(A: Any, rho: Any) -> dict[str, Any]:
+    """What makes dimensionless numbers of the fields of `Ends`."""
+    return {"M10": rho / A, "M1L": rho / A, "FZ": rho * rho / A, "MZ": rho / A, "M3": rho / A, "height": 1 / rho}
 
 
 def under_dead_loads(case: Case, problem: EndsProblem) -> Case:

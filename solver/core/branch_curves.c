@@ -1,0 +1,332 @@
+/* A branch of equilibria as a curve: solver/boundary/equilibrium_curve.py and held_curve.py. */
+
+#include "branch_steps.h"
+
+enum { ROUNDS = 10 };
+#define QUADRATIC 1e-7 /* size of a correction by Newton's rule after which the next one would be rounding */
+
+static int place_at(family *f, double p, const place **out)
+{
+    for (int k = 0; k < KEPT; k++)
+        if (f->at[k] == p) {
+            *out = &f->known[k];
+            return DONE;
+        }
+    ends_problem of;
+    if (f->problem(p, &of.lam))
+        return FAILED;
+    const double *numbers = &of.lam;
+    for (int k = 0; k < 6; k++)
+        if (!isfinite(numbers[k]))
+            return FAILED;
+    f->newest = (f->newest + 1) % KEPT;
+    f->at[f->newest] = NAN;
+    const int failed = rod_place_of(&of, &f->by, &f->known[f->newest]);
+    if (failed)
+        return failed;
+    f->at[f->newest] = p;
+    *out = &f->known[f->newest];
+    return DONE;
+}
+
+int rod_curve_excess(family *f, const chart *c, int count, const double *x, double p, double *off)
+{
+    const place *o = NULL;
+    int failed = place_at(f, p, &o);
+    failed = failed ? failed : rod_excess_at(&f->room, o, c, count, x, off);
+    for (int i = 0; i < count && !failed; i++)
+        failed = isfinite(off[i]) ? DONE : FAILED;
+    return failed;
+}
+
+/* The derivatives of the excess by w, by differences. */
+static int jacobian_at(family *f, point *at)
+{
+    const double scale = at->chart.scale, x = at->w[0] * scale, p = at->w[1] * f->over->scale, nudge = NUDGE * scale;
+    const double three[3] = {x - nudge, x, x + nudge};
+    double ahead = at->ahead * f->over->scale, off[3], beyond;
+    int failed = rod_curve_excess(f, &at->chart, 3, three, p, off);
+    if (failed)
+        return failed;
+    if (rod_curve_excess(f, &at->chart, 1, &x, p + ahead, &beyond)) {
+        ahead = -ahead;
+        failed = rod_curve_excess(f, &at->chart, 1, &x, p + ahead, &beyond);
+    }
+    at->jacobian[0] = (off[2] - off[0]) / (2 * nudge) * scale;
+    at->jacobian[1] = (beyond - off[1]) / ahead * f->over->scale;
+    return failed;
+}
+
+/* By Broyden's method. */
+static int dead_corrected(family *f, point *at, const double *guess, const double *across, const double *jacobian)
+{
+    double a = jacobian[0], b = jacobian[1], c = across[0], d = across[1];
+    double move[2] = {0, 0}, off[2] = {0, 0}, last = INFINITY;
+    at->w[0] = guess[0], at->w[1] = guess[1];
+    for (int round = 0; round < ROUNDS; round++) {
+        const double x = at->w[0] * at->chart.scale;
+        double now[2];
+        const int failed = rod_curve_excess(f, &at->chart, 1, &x, at->w[1] * f->over->scale, &now[0]);
+        if (failed)
+            return failed;
+        now[1] = across[0] * (at->w[0] - guess[0]) + across[1] * (at->w[1] - guess[1]);
+        if (round) {
+            const double size2 = move[0] * move[0] + move[1] * move[1];
+            const double r = (now[0] - off[0] - (a * move[0] + b * move[1])) / size2;
+            const double s = (now[1] - off[1] - (c * move[0] + d * move[1])) / size2;
+            a += r * move[0], b += r * move[1], c += s * move[0], d += s * move[1];
+        }
+        const double determinant = a * d - b * c;
+        off[0] = now[0], off[1] = now[1];
+        move[0] = -(d * off[0] - b * off[1]) / determinant, move[1] = -(a * off[1] - c * off[0]) / determinant;
+        const double size = hypot(move[0], move[1]);
+        if (!(size <= larger(CONTRACTION * last, SMALL)))
+            return FAILED;
+        at->w[0] += move[0], at->w[1] += move[1];
+        if (size <= SETTLED || (size <= SMALL && size >= CONTRACTION * last))
+            return DONE;
+        last = size;
+    }
+    return last <= SMALL ? DONE : FAILED;
+}
+
+/* Row i of the matrix less a multiple of row k, from column `from` on. */
+static void subtract(int columns, double *matrix, int i, int k, int from)
+{
+    const double factor = matrix[i * columns + from] / matrix[k * columns + from];
+    for (int j = from; j < columns; j++)
+        matrix[i * columns + j] -= factor * matrix[k * columns + j];
+}
+
+int rod_eliminated(int n, int columns, double *matrix)
+{
+    int sign = 1;
+    for (int k = 0; k < n; k++) {
+        int best = k;
+        for (int i = k + 1; i < n; i++)
+            if (fabs(matrix[i * columns + k]) > fabs(matrix[best * columns + k]))
+                best = i;
+        const double pivot = matrix[best * columns + k];
+        if (!(fabs(pivot) > 0) || !isfinite(pivot))
+            return 0;
+        for (int j = 0; best != k && j < columns; j++) {
+            const double other = matrix[k * columns + j];
+            matrix[k * columns + j] = matrix[best * columns + j], matrix[best * columns + j] = other;
+        }
+        sign *= (best != k ? -1 : 1) * (pivot > 0 ? 1 : -1);
+        for (int i = k + 1; i < n; i++)
+            subtract(columns, matrix, i, k, k);
+    }
+    for (int j = n; j < columns; j++)
+        for (int k = n - 1; k >= 0; k--) {
+            double value = matrix[k * columns + j];
+            for (int i = k + 1; i < n; i++)
+                value -= matrix[k * columns + i] * matrix[i * columns + j];
+            matrix[k * columns + j] = value / matrix[k * columns + k];
+        }
+    return sign;
+}
+
+static const int free_of[GIVEN] = {BETA0, BETAL, LAM, MU, PHI}; /* the unknowns behind x and p */
+
+/* The problem under dead loads, from what is given at p and the unknowns; what is given is exactly what is given. */
+static int held_problem(family *f, const double *w, double *given, ends_problem *out)
+{
+    double number[NUMBERS] = {0};
+    if (f->problem(w[1] * f->over->scale, given))
+        return FAILED;
+    for (int k = 0; k < GIVEN; k++)
+        number[free_of[k]] = w[2 + k] * (k < 2 ? 1 : f->held->loads);
+    for (int k = 0; k < GIVEN; k++)
+        if (f->held->given[k] < NUMBERS)
+            number[f->held->given[k]] = given[k];
+    *out = (ends_problem){number[LAM], number[MU], number[PHI], given[GIVEN], number[BETA0], number[BETAL]};
+    const double *six = &out->lam;
+    for (int k = 0; k < 6; k++)
+        if (!isfinite(six[k]) || !isfinite(given[k]) || !isfinite(given[6]))
+            return FAILED;
+    return DONE;
+}
+
+static int is_free(int64_t number)
+{
+    for (int k = 0; k < GIVEN; k++)
+        if (free_of[k] == number)
+            return 1;
+    return 0;
+}
+
+int rod_curve_place(family *f, const point *at, place *o, path *here)
+{
+    double given[GIVEN + 2];
+    const place *known = NULL;
+    ends_problem of;
+    int failed = f->held ? held_problem(f, at->w, given, &of) : place_at(f, at->w[1] * f->over->scale, &known);
+    if (!failed && f->held)
+        failed = rod_place_of(&of, &f->by, o);
+    else if (!failed)
+        *o = *known;
+    return failed || (rod_path_at(o, &at->chart, at->w[0] * at->chart.scale, here) && here->turns >= 0) ? failed : FAILED;
+}
+
+/* The given numbers and the length of the orbit less what they should be, (6,). */
+static void held_off(const family *f, const double *w, const double *given, double *off)
+{
+    const orbit_numbers *on = &f->numbers;
+    for (int k = 0; k < GIVEN; k++) {
+        const int64_t which = f->held->given[k];
+        double value = which == TURN ? given[6] * on->values[MU] * on->length - on->values[SWIRL] : 0;
+        if (which != TURN)
+            value = on->values[which];
+        for (int i = 0; i < GIVEN; i++)
+            if (free_of[i] == which)
+                value = w[2 + i] * (i < 2 ? 1 : f->held->loads);
+        off[k] = value - given[k];
+    }
+    off[GIVEN] = on->length - given[GIVEN];
+}
+
+/* What the parts of a change of the orbit, and a change of its length, add to the coordinate. */
+static void coordinate_row(const chart *c, double x, const orbit_numbers *on, double *out)
+{
+    const int which = c->kind == SADDLE_OF ? Y : c->kind == START_OF ? DBETA0 : DBETAL;
+    double factor = 1;
+    if (c->kind != SADDLE_OF && c->logarithmic)
+        factor = 2 / (direction(&c->at, c->kind == END_OF) * exp(x / 2));
+    for (int k = 0; k < PARTS; k++)
+        out[k] = factor * on->rows[PARTS * which + k];
+    out[PARTS] = factor * on->by_span[which];
+}
+
+/* The parts of a change of the orbit, and of its length, by a unit of the coordinate and of each unknown behind p. */
+static int parts_of(const chart *c, double x, const orbit_numbers *on, double parts[EQUATIONS][EQUATIONS])
+{
+    enum { WIDE_ROW = 2 * EQUATIONS };
+    double matrix[EQUATIONS * WIDE_ROW] = {0}, column[EQUATIONS] = {0};
+    coordinate_row(c, x, on, matrix);
+    for (int i = 0; i < GIVEN; i++) {
+        memcpy(matrix + (i + 1) * WIDE_ROW, on->rows + PARTS * free_of[i], sizeof(double) * PARTS);
+        matrix[(i + 1) * WIDE_ROW + PARTS] = on->by_span[free_of[i]];
+    }
+    for (int k = 0; k < EQUATIONS; k++)
+        for (int i = 0; i < EQUATIONS; i++)
+            column[k] = larger(column[k], fabs(matrix[i * WIDE_ROW + k]));
+    for (int i = 0; i < EQUATIONS; i++) {
+        double most = 0;
+        for (int k = 0; k < EQUATIONS; k++)
+            matrix[i * WIDE_ROW + k] /= column[k], most = larger(most, fabs(matrix[i * WIDE_ROW + k]));
+        for (int k = 0; k < EQUATIONS; k++)
+            matrix[i * WIDE_ROW + k] /= most;
+        matrix[i * WIDE_ROW + EQUATIONS + i] = 1 / most;
+    }
+    if (!rod_eliminated(EQUATIONS, WIDE_ROW, matrix))
+        return FAILED;
+    for (int i = 0; i < EQUATIONS; i++)
+        for (int k = 0; k < EQUATIONS; k++)
+            parts[i][k] = matrix[i * WIDE_ROW + EQUATIONS + k] / column[i];
+    return DONE;
+}
+
+/* The derivatives of the equations by w, (6, 7). */
+static int held_jacobian(family *f, const point *at, const double *given, double *out)
+{
+    const orbit_numbers *on = &f->numbers;
+    double parts[EQUATIONS][EQUATIONS], beyond[GIVEN + 2], ahead = at->ahead * f->over->scale;
+    const double p = at->w[1] * f->over->scale;
+    int failed = f->problem(p + ahead, beyond);
+    if (failed) {
+        ahead = -ahead;
+        failed = f->problem(p + ahead, beyond);
+    }
+    if (failed || parts_of(&at->chart, at->w[0] * at->chart.scale, on, parts))
+        return FAILED;
+    for (int i = 0; i < EQUATIONS; i++) {
+        const int64_t which = i < GIVEN ? f->held->given[i] : -1;
+        double row[EQUATIONS] = {0}, drift = -(i < GIVEN ? beyond[i] - given[i] : beyond[GIVEN] - given[GIVEN]) / ahead;
+        for (int k = 0; k < PARTS && which >= 0; k++)
+            row[k] = which == TURN ? given[6] * on->length * on->rows[PARTS * MU + k] - on->rows[PARTS * SWIRL + k]
+                                   : on->rows[PARTS * which + k];
+        if (which == TURN) {
+            row[PARTS] = given[6] * on->values[MU] - on->by_span[SWIRL];
+            drift += (beyond[6] - given[6]) / ahead * on->values[MU] * on->length;
+        } else {
+            row[PARTS] = which < 0 ? 1 : on->by_span[which];
+        }
+        for (int j = 0; j < EQUATIONS; j++) {
+            double value = 0;
+            for (int k = 0; k < EQUATIONS; k++)
+                value += row[k] * parts[k][j];
+            out[i * UNKNOWNS + (j ? j + 1 : 0)] =
+                value * (j == 0 ? at->chart.scale : j < 3 ? 1 : f->held->loads);
+        }
+        out[i * UNKNOWNS + 1] = drift * f->over->scale;
+        for (int j = 0; j < UNKNOWNS; j++)
+            if (!isfinite(out[i * UNKNOWNS + j]))
+                return FAILED;
+    }
+    return DONE;
+}
+
+/* The equations at a point, and their derivatives. */
+static int held_equations(family *f, point *at, double *off)
+{
+    double given[GIVEN + 2];
+    ends_problem of;
+    place o;
+    path here;
+    int failed = held_problem(f, at->w, given, &of);
+    failed = failed ? failed : rod_place_of(&of, &f->by, &o);
+    if (failed || !rod_path_at(&o, &at->chart, at->w[0] * at->chart.scale, &here) || here.turns < 0)
+        return failed ? failed : FAILED;
+    failed = rod_orbit_numbers(&o, &here, f->nodes, &f->times, &f->orbits, 1, &f->numbers);
+    if (failed)
+        return failed;
+    held_off(f, at->w, given, off);
+    for (int k = 0; k < EQUATIONS; k++)
+        if (!isfinite(off[k]))
+            return FAILED;
+    return held_jacobian(f, at, given, at->jacobian);
+}
+
+/* By Newton's rule. */
+static int held_corrected(family *f, point *at, const double *guess, const double *across)
+{
+    enum { WIDE_ROW = UNKNOWNS + 1 };
+    double matrix[UNKNOWNS * WIDE_ROW], off[EQUATIONS], last = INFINITY;
+    memcpy(at->w, guess, sizeof at->w);
+    for (int round = 0; round < ROUNDS; round++) {
+        double size = 0, plane = 0;
+        const int failed = held_equations(f, at, off);
+        if (failed)
+            return failed;
+        for (int j = 0; j < UNKNOWNS; j++)
+            plane += across[j] * (at->w[j] - guess[j]);
+        for (int i = 0; i < UNKNOWNS; i++) {
+            memcpy(matrix + i * WIDE_ROW, i < EQUATIONS ? at->jacobian + i * UNKNOWNS : across, sizeof at->w);
+            matrix[i * WIDE_ROW + UNKNOWNS] = -(i < EQUATIONS ? off[i] : plane);
+        }
+        if (!rod_eliminated(UNKNOWNS, WIDE_ROW, matrix))
+            return FAILED;
+        for (int i = 0; i < UNKNOWNS; i++)
+            size += square(matrix[i * WIDE_ROW + UNKNOWNS]);
+        size = sqrt(size);
+        if (!(size <= larger(CONTRACTION * last, SMALL)))
+            return FAILED;
+        for (int i = 0; i < UNKNOWNS; i++)
+            at->w[i] += matrix[i * WIDE_ROW + UNKNOWNS];
+        if (size <= SETTLED || (round && size <= QUADRATIC && size <= 1e-2 * last) ||
+            (size <= SMALL && size >= CONTRACTION * last))
+            return DONE;
+        last = size;
+    }
+    return last <= SMALL ? DONE : FAILED;
+}
+
+int rod_curve_corrected(family *f, const point *from, const double *guess, const double *across, point *out)
+{
+    *out = *from;
+    if (f->held)
+        return held_corrected(f, out, guess, across);
+    const int failed = dead_corrected(f, out, guess, across, from->jacobian);
+    return failed ? failed : jacobian_at(f, out);
+}
