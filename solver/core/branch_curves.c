@@ -129,17 +129,23 @@ int rod_eliminated(int n, int columns, double *matrix)
 
 static const int free_of[GIVEN] = {BETA0, BETAL, LAM, MU, PHI}; /* the unknowns behind x and p */
 
-/* The problem under dead loads, from what is given at p and the unknowns; what is given is exactly what is given. */
-static int held_problem(family *f, const double *w, double *given, ends_problem *out)
+static double scale_of(const family *f, int k) { return k < 2 ? 1 : f->held->loads; }
+
+/* The problem under dead loads, from what is given at p and the unknowns, of which those that are given are set. */
+static int held_problem(family *f, double *w, double *given, ends_problem *out)
 {
     double number[NUMBERS] = {0};
     if (f->problem(w[1] * f->over->scale, given))
         return FAILED;
     for (int k = 0; k < GIVEN; k++)
-        number[free_of[k]] = w[2 + k] * (k < 2 ? 1 : f->held->loads);
+        number[free_of[k]] = w[2 + k] * scale_of(f, k);
     for (int k = 0; k < GIVEN; k++)
         if (f->held->given[k] < NUMBERS)
             number[f->held->given[k]] = given[k];
+    for (int k = 0; k < GIVEN; k++)
+        for (int i = 0; i < GIVEN; i++)
+            if (f->held->given[i] == free_of[k])
+                w[2 + k] = given[i] / scale_of(f, k);
     *out = (ends_problem){number[LAM], number[MU], number[PHI], given[GIVEN], number[BETA0], number[BETAL]};
     const double *six = &out->lam;
     for (int k = 0; k < 6; k++)
@@ -148,20 +154,13 @@ static int held_problem(family *f, const double *w, double *given, ends_problem 
     return DONE;
 }
 
-static int is_free(int64_t number)
-{
-    for (int k = 0; k < GIVEN; k++)
-        if (free_of[k] == number)
-            return 1;
-    return 0;
-}
-
 int rod_curve_place(family *f, const point *at, place *o, path *here)
 {
-    double given[GIVEN + 2];
+    double given[GIVEN + 2], w[UNKNOWNS];
     const place *known = NULL;
     ends_problem of;
-    int failed = f->held ? held_problem(f, at->w, given, &of) : place_at(f, at->w[1] * f->over->scale, &known);
+    memcpy(w, at->w, sizeof w);
+    int failed = f->held ? held_problem(f, w, given, &of) : place_at(f, at->w[1] * f->over->scale, &known);
     if (!failed && f->held)
         failed = rod_place_of(&of, &f->by, o);
     else if (!failed)
@@ -180,7 +179,7 @@ static void held_off(const family *f, const double *w, const double *given, doub
             value = on->values[which];
         for (int i = 0; i < GIVEN; i++)
             if (free_of[i] == which)
-                value = w[2 + i] * (i < 2 ? 1 : f->held->loads);
+                value = w[2 + i] * scale_of(f, i);
         off[k] = value - given[k];
     }
     off[GIVEN] = on->length - given[GIVEN];
@@ -257,7 +256,7 @@ static int held_jacobian(family *f, const point *at, const double *given, double
             for (int k = 0; k < EQUATIONS; k++)
                 value += row[k] * parts[k][j];
             out[i * UNKNOWNS + (j ? j + 1 : 0)] =
-                value * (j == 0 ? at->chart.scale : j < 3 ? 1 : f->held->loads);
+                value * (j == 0 ? at->chart.scale : scale_of(f, j - 1));
         }
         out[i * UNKNOWNS + 1] = drift * f->over->scale;
         for (int j = 0; j < UNKNOWNS; j++)
