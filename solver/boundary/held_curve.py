@@ -122,7 +122,13 @@ class HeldCurve:
         parts = solved(matrix[None], np.eye(6)[None])[0]
         rows, by_span = rows_of(rates, given.names, given.ratio)
         answers = np.vstack([np.column_stack([rows, by_span]), np.eye(6)[5]]) @ parts
-        found = np.column_stack([answers[:, 0], (there - here) / ahead, answers[:, 1:]]) * self.scales
+        drift = (there - here) / ahead
+        for k, name in enumerate(given.names):  # an unknown that is given follows p, whatever its place in w
+            if name in FREE:
+                own, others = 1 + FREE.index(name), np.arange(6) != k
+                drift[others] -= answers[others, own] * drift[k]
+                answers[others, own] = 0
+        found = np.column_stack([answers[:, 0], drift, answers[:, 1:]]) * self.scales
         self._rates.clear()
         self._rates[w.tobytes()] = rates
         return found if np.isfinite(found).all() else None

@@ -234,6 +234,33 @@ static void value_on(const read_orbits *o, int64_t b, double t, double *out)
         out[2 + k] = rod_unfolded(out[2 + k], &where, gain[k], gain[3 + k], kind == LIBRATION);
 }
 
+/* k series of the panels (P, k, n + 1) where n orbits are at t (n, stations), none of them a helix, into out
+   (n, stations, k); where that is, (n, stations) each: `phase.Phase`. */
+void rod_series_read(const read_orbits *o, int64_t n, int64_t stations, int64_t k, const double *series,
+                     const double *t, double *out, int64_t *arc, double *local, double *periods, uint8_t *second,
+                     uint8_t *mirrored)
+{
+    const int size = (int)o->coefficients;
+    for (int64_t b = 0; b < n; b++)
+        for (int64_t i = b * stations; i < (b + 1) * stations; i++) {
+            phase where;
+            double x, polynomial[NODES + 1];
+            const int64_t panel = rod_place(o, b, t[i], &where, &x);
+            polynomial[0] = 1, polynomial[1] = x;
+            for (int m = 2; m < size; m++)
+                polynomial[m] = 2 * x * polynomial[m - 1] - polynomial[m - 2];
+            for (int64_t j = 0; j < k; j++) {
+                const double *own = series + (k * panel + j) * size;
+                double total = 0;
+                for (int m = 0; m < size; m++)
+                    total += polynomial[m] * own[m];
+                out[k * i + j] = total;
+            }
+            arc[i] = 2 * b + where.second, local[i] = where.local, periods[i] = where.periods;
+            second[i] = (uint8_t)where.second, mirrored[i] = (uint8_t)where.mirrored;
+        }
+}
+
 /* beta, beta_t, alpha, z and the swirl of n orbits at t (n, stations) into out (5, n, stations). */
 void rod_orbits_read(const read_orbits *o, int64_t n, int64_t stations, const double *t, double *out)
 {

@@ -122,6 +122,22 @@ def read(orbit: Any, t: Array) -> Array:
     return out
 
 
+def read_series(orbit: Any, series: Array, t: Array) -> tuple[Array, dict[str, Array]]:
+    """Series of the panels (P, k, n + 1) where B orbits, none of them a helix, are at t (B, n), (B, n, k); and where
+    that is: the columns of `orbit.phase.Phase` that are (B, n)."""
+    t, series, (of, kept) = np.ascontiguousarray(t), np.ascontiguousarray(series), reading(orbit)
+    out = np.empty((*t.shape, series.shape[1]))
+    where: dict[str, Array] = {"arc": np.empty(t.shape, np.int64), "local": np.empty(t.shape)}
+    where |= {"periods": np.empty(t.shape), "second": np.empty(t.shape, np.bool_)}
+    where["mirrored"] = np.empty(t.shape, np.bool_)
+    functions().rod_series_read(
+        ctypes.byref(of), ctypes.c_int64(t.shape[0]), ctypes.c_int64(t.shape[1]), ctypes.c_int64(series.shape[1]),
+        address(series), address(t), address(out), *(address(a) for a in where.values()),
+    )  # fmt: skip
+    del kept
+    return out, where
+
+
 def numbers_of(problem: Any) -> Array:
     """lam, mu, phi, span, beta(0) and beta_t(0) of B start problems, (B, 6)."""
     p = problem

@@ -63,7 +63,7 @@ def functions() -> Any:
     core = library()
     if core is not None:
         core.rod_orbits.restype = ctypes.c_void_p
-        for one in (core.rod_orbits_fetch, core.rod_orbits_read, core.rod_orbits_action):
+        for one in (core.rod_orbits_fetch, core.rod_orbits_read, core.rod_orbits_action, core.rod_series_read):
             one.restype = None
         core.rod_fall.restype = ctypes.c_double
         core.rod_fall.argtypes = [ctypes.c_double] * 5 + [ctypes.c_int]

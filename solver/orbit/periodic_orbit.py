@@ -142,6 +142,15 @@ class Orbit:
         """The phases of the times t, (B, n)."""
         return located(t, self.kind, self.ahead, self.back, self.period)
 
+    def read_at(self, series: Array, t: Array) -> tuple[Array, Phase]:
+        """Series of the panels (P, k, n + 1) at t (B, n), (B, n, k), and the phases; no orbit is a helix."""
+        whole = series.shape[2] == self.panels.series.shape[2] and bool((self.count[::2] + self.count[1::2] > 0).all())
+        if available() and whole and bool(np.isfinite(t).all()):
+            values, where = core.read_series(self, series, t)
+            return values, Phase(t=t, folded=(self.kind == LIBRATION)[:, None], **where)
+        phase = self.locate(t)
+        return self.read(series, phase), phase
+
     def read(self, series: Array, phase: Phase) -> Array:
         """Series of the panels (P, k, n + 1) at the phases, (B, n, k)."""
         arc, local = phase.arc.reshape(-1), phase.local.reshape(-1)

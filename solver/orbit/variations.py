@@ -97,8 +97,8 @@ class Variations:
 
     def at(self, t: Array) -> Place:
         """The places at t (B, n), (B, n) each."""
-        orbit, phase = self.orbit, self.orbit.locate(t)
-        values = orbit.read(self.series, phase)
+        orbit = self.orbit
+        values, phase = orbit.read_at(self.series, t)
         kind, direction = orbit.arcs.kind[:, None], orbit.arcs.direction[:, None]
         sign = np.where(phase.second, -direction, direction) * np.where(phase.mirrored, -1.0, 1.0)
         ten = unfolded(values[..., 9:], phase, self.gain, kind == LIBRATION)
@@ -122,12 +122,11 @@ class Variations:
 
     def angles(self, t: Array) -> tuple[Array, Array]:
         """At t (B, n), the critical point from which beta counts, with whole turns, and beta less it, (B, n) each."""
-        orbit, phase = self.orbit, self.orbit.locate(t)
+        orbit = self.orbit
         series = np.zeros((self.base.size, 2, orbit.panels.series.shape[2]))
         series[:, 0, 0], series[:, 1] = self.base, orbit.panels.series[:, 0]
-        folded = (orbit.arcs.kind == LIBRATION)[:, None]
-        around = np.where(folded, 0.0, TAU) * orbit.arcs.direction[:, None] * phase.periods
-        values = orbit.read(series, phase)
+        values, phase = orbit.read_at(series, t)
+        around = np.where(phase.folded, 0.0, TAU) * orbit.arcs.direction[:, None] * phase.periods
         return values[..., 0] + around, values[..., 1]
 
     def on_panels(self, panel: Array, x: Array) -> tuple[Array, Place]:
@@ -146,8 +145,7 @@ class Variations:
         jump: (P, k). closing: (2 B, k). The rates do not depend on the direction of travel.
         """
         series, gain = _accumulated(self.orbit, rates, jump, closing)
-        phase = self.orbit.locate(until[:, None])
-        values = self.orbit.read(series, phase)
+        values, phase = self.orbit.read_at(series, until[:, None])
         folded = (self.orbit.arcs.kind == LIBRATION)[:, None]
         parts = [unfolded(values[..., k], phase, gain[..., k], folded)[:, 0] for k in range(rates.shape[1])]
         return np.stack(parts, axis=1)

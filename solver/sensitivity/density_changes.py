@@ -21,6 +21,8 @@ _GOAL, _ROUNDS = 1e-11, 3  # of the series of a density, relative; how often a p
 
 Density = Callable[..., Any]
 
+_GAUSS = np.polynomial.legendre.leggauss(5)
+
 
 @dataclass(frozen=True, eq=False)
 class Values:
@@ -116,7 +118,7 @@ class DensityChange:
     def difference(self, case: Array, base: Array, x: Array, speed: Array) -> Array:
         """The density at base + x (Q, m) less that at rest at base, to relative accuracy in x: Gauss' rule."""
         total, loads = np.zeros_like(x), Loads.columns(self.problem, case)
-        for node, weight in zip(*np.polynomial.legendre.leggauss(5), strict=True):
+        for node, weight in zip(*_GAUSS, strict=True):
             share = (1 + node) / 2
             beta = base + share * x
             rates = RATES[self.density](Angles(beta, share * speed, np.sin(beta), np.cos(beta)), loads)
