@@ -115,7 +115,9 @@ class EquilibriumCurve:
 
     def _excess(self, p: float, x: Array) -> Array | None:
         if self.family.steps is not None:
-            return self.family.steps.excess(core.chart_of(self.chart), p, x)
+            found = self.family.steps.excess(core.chart_of(self.chart), p, x)
+            if found is not None:
+                return found
         place = self.family.place(p)
         if place is None:
             return None

@@ -17,6 +17,16 @@ double rod_place_fall(const place *o, double pin, double beta)
 
 int rod_is_tied(const place *o) { return o->start == o->end || rod_place_fall(o, o->start, o->end) == 0; }
 
+/* The critical point next to an angle in [-pi, pi). */
+static double nearest_critical(const place *o, double angle)
+{
+    int nearest = 0;
+    for (int k = 1; k < o->found.count; k++)
+        if (fabs(apart(angle, o->found.beta[k])) < fabs(apart(angle, o->found.beta[nearest])))
+            nearest = k;
+    return o->found.beta[nearest];
+}
+
 int rod_place_of(const ends_problem *of, const grid *by, place *o)
 {
     o->p = *of;
@@ -25,12 +35,13 @@ int rod_place_of(const ends_problem *of, const grid *by, place *o)
     if (failed)
         return failed;
     const double height = 1 + fabs(p.lam) + fabs(p.mu) + fabs(p.phi);
-    if (p.beta0 == p.betaL && fabs(slope(p.lam, p.mu, p.phi, p.beta0)) <= 4e-16 * height)
-        return NOT_POSSIBLE;
+    o->helix = p.beta0 == p.betaL && fabs(slope(p.lam, p.mu, p.phi, p.beta0)) <= 4e-16 * height;
     o->rising = p.beta0 <= p.betaL;
     const double lower = o->rising ? p.beta0 : p.betaL, upper = o->rising ? p.betaL : p.beta0;
     double around[2] = {wrapped(lower), wrapped(upper)};
     int behind[2] = {-1, -1};
+    if (o->helix)
+        around[0] = around[1] = nearest_critical(o, around[0]);
     for (int i = 0; i < 2; i++) {
         const double b = around[i];
         for (int k = o->found.count - 1; k >= 0; k--)

@@ -28,12 +28,12 @@ typedef struct {
     path at;
 } chart;
 
-/* One ends problem with the critical points of its G. */
+/* One ends problem with the critical points of its G. helix: whether there is a rod that is a helix from end to end. */
 typedef struct {
     ends_problem p;
     critical found;
     double low, high, start, end;
-    int rising, whole_turns, passed;
+    int rising, whole_turns, passed, helix;
 } place;
 
 /* The grid of the search for critical points: angles (m,), table (5, 2 m). */
@@ -55,7 +55,7 @@ static inline double coordinate(const chart *c)
     return c->logarithmic ? c->at.y : direction(&c->at, c->kind == END_OF) * exp(c->at.y / 2);
 }
 
-/* The problem with its critical points. A rod that is a helix from end to end is left to the caller. */
+/* The problem with its critical points. */
 int rod_place_of(const ends_problem *, const grid *, place *);
 double rod_place_fall(const place *, double pin, double beta);
 int rod_is_tied(const place *);

@@ -15,7 +15,7 @@ typedef struct {
     search room;
 } line;
 
-/* The problem at a share of the line. */
+/* The problem at a share of the line. A rod that is a helix from end to end is left to the caller. */
 static int place_at(const line *l, double share, place *o)
 {
     const double *first = &l->first.lam, *last = &l->last.lam;
@@ -23,7 +23,8 @@ static int place_at(const line *l, double share, place *o)
     double *mixed = &p.lam;
     for (int k = 0; k < 6; k++)
         mixed[k] = share >= 1 ? last[k] : (1 - share) * first[k] + share * last[k];
-    return rod_place_of(&p, &l->by, o);
+    const int failed = rod_place_of(&p, &l->by, o);
+    return failed ? failed : o->helix ? NOT_POSSIBLE : DONE;
 }
 
 /* The root of length - span next to a guess; rate: the derivative one step before. */

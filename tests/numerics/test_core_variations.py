@@ -1,0 +1,147 @@
+"""Variations of orbits and of equilibria by the compiled core: what NumPy computes by the same rules, and a march."""
+
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from solver.boundary.branch_coordinates import Path, path_of
+from solver.boundary.orbit_rates import orbit_numbers, orbit_rates, reference_orbit_rates
+from solver.boundary.search import search
+from solver.core.panels import available
+from solver.orbit.pieces import HELIX
+from solver.orbit.variation_nodes import Nodes
+from solver.orbit.variations import (
+    Variations,
+    changed,
+    directions,
+    orbits_to_vary,
+    reference_variations,
+    variations_on,
+)
+from solver.problem.reduced import EndsProblem, StartProblem
+
+pytestmark = pytest.mark.skipif(not available(), reason="the compiled core is missing or switched off")
+SAME = 1e-12  # relative
+
+
+def both_ways(seed: int, size: int) -> tuple[Variations, Variations]:
+    """The variations of random orbits by the core and by NumPy."""
+    rng = np.random.default_rng(seed)
+    loads, ends = rng.normal(size=(3, size)) * [[2.0], [1.0], [2.0]], rng.uniform(-4, 4, size)
+    problem = StartProblem(*loads, 10 ** rng.uniform(0, 2, size), ends, 1.5 * rng.normal(size=size))
+    orbit = orbits_to_vary(problem)
+    assert not (orbit.kind == HELIX).any()
+    found = variations_on(orbit, orbit.arcs)
+    pieces = orbit.arcs.pieces
+    place = [
+        int(np.flatnonzero((pieces.arc == arc) & (pieces.rank == rank))[0])
+        for arc, rank in zip(orbit.panels.arc, orbit.panels.rank, strict=True)
+    ]
+    return found, reference_variations(orbit, found.base, pieces.local.o[place, 0])
+
+
+def apart(one: Any, other: Any) -> float:
+    """The largest difference of two arrays, each row relative to the largest of its last two axes."""
+    other = np.asarray(other)
+    axes = tuple(range(1, other.ndim))
+    size = np.abs(other).max(axis=axes, keepdims=True)
+    return float((np.abs(one - other) / np.maximum(size, 1e-6)).max())
+
+
+def test_variations_are_those_of_numpy() -> None:
+    found, reference = both_ways(1, 60)
+    for one in fields(Nodes):
+        assert apart(getattr(found.nodes, one.name), getattr(reference.nodes, one.name)) < SAME, one.name
+    for name in ("series", "gain"):
+        assert apart(getattr(found, name), getattr(reference, name)) < SAME, name
+    whole = np.abs(reference.gain).max(axis=(1, 2))[found.orbit.panels.arc // 2]
+    assert (np.abs(found.jump - reference.jump).max(axis=1) < SAME * (1 + whole)).all()
+    t = found.orbit.problem.span[:, None] * np.linspace(0, 1, 6)
+    here, there = (changed(one.start, one.at(t), *directions(one.start)) for one in (found, reference))
+    for name in ("beta", "rate", "integrals"):
+        assert apart(getattr(here, name), getattr(there, name)) < SAME, name
+
+
+def test_variations_are_those_of_a_march_of_the_variational_equation() -> None:
+    """eta'' + H' eta = -H_q, and the integrals of H_q eta, by a Runge-Kutta rule of order 8."""
+    found, _ = both_ways(2, 12)
+    p = found.orbit.problem
+    rows = np.flatnonzero(p.span < 12)[:4]
+    change = changed(found.start, found.at(p.span[:, None]), *directions(found.start))
+    assert rows.size == 4
+    for i in rows:
+        loads = float(p.lam[i]), float(p.mu[i]), float(p.phi[i])
+        marched = march(loads, float(p.beta0[i]), float(p.dbeta0[i]), float(p.span[i]))
+        own = np.column_stack([change.beta[i, 0], change.rate[i, 0], change.integrals[i, 0]])
+        assert own == pytest.approx(marched, rel=1e-8, abs=1e-8 * np.abs(marched).max())
+
+
+def march(loads: tuple[float, float, float], beta0: float, rate0: float, span: float) -> Any:
+    """At the far end, by beta(0), beta_t(0), lam, mu and phi: eta, eta_t and the integrals of H_q eta, (5, 5)."""
+    lam, mu, phi = loads
+
+    def rates(_: float, state: Any) -> Any:
+        beta, s, c = state[0], np.sin(state[0]), np.cos(state[0])
+        H = lam * c - mu * np.cos(2 * beta) - (phi + 2 * c * s * s) * s
+        slope = -lam * s + 2 * mu * np.sin(2 * beta) - phi * c - 2 * (3 * s * s * c * c - s**4)
+        by_loads = np.array([c, -np.cos(2 * beta), -s])
+        eta, eta_t = state[2:7], state[7:12]
+        forced = np.concatenate([[0, 0], by_loads])
+        return np.concatenate([[state[1], -H], eta_t, -slope * eta - forced, np.outer(eta, by_loads).ravel()])
+
+    begin = np.concatenate([[beta0, rate0], [1, 0, 0, 0, 0], [0, 1, 0, 0, 0], np.zeros(15)])
+    end = solve_ivp(rates, (0, span), begin, method="DOP853", rtol=1e-11, atol=1e-11).y[:, -1]
+    integrals = -end[12:].reshape(5, 3)  # H_lam is minus the derivative of sin(beta), and so on
+    return np.column_stack([end[2:7], end[7:12], -integrals])
+
+
+def random_equilibria(seed: int, count: int, most: int = 4) -> list[tuple[EndsProblem, Path]]:
+    rng, found = np.random.default_rng(seed), list[tuple[EndsProblem, Path]]()
+    for _ in range(count):
+        numbers = [*rng.normal(size=3) * [2, 1, 2], rng.uniform(1, 20), *rng.uniform(-4, 4, 2)]
+        problem = EndsProblem(*(np.array([number]) for number in numbers))
+        every = search(problem)
+        for i in range(0 if every is None else min(every.slope.size, most)):
+            assert every is not None
+            found.append((problem, path_of(every.path, i)))
+    return found
+
+
+def test_numbers_and_rates_of_equilibria_are_those_of_numpy() -> None:
+    cases = random_equilibria(3, 12)
+    assert len(cases) > 25
+    for problem, path in cases:
+        found, reference = orbit_rates(problem, [path]), reference_orbit_rates(problem, [path])
+        assert found.length == pytest.approx(reference.length, rel=1e-14)
+        assert found.values[0] == pytest.approx(reference.values[0], rel=SAME, abs=SAME)
+        size = np.abs(reference.rows[0]).max(axis=1, keepdims=True)
+        assert (np.abs(found.rows[0] - reference.rows[0]) <= SAME * np.maximum(size, 1e-3)).all()
+        assert found.by_span[0] == pytest.approx(reference.by_span[0], rel=SAME, abs=SAME)
+        plain, length = orbit_numbers(problem, path)
+        assert plain == pytest.approx(found.values[0], rel=1e-14, abs=1e-14)
+        assert length == pytest.approx(found.length[0], rel=1e-15)
+
+
+def test_the_numbers_change_with_the_level_as_their_rates_say() -> None:
+    """Between given ends and under given loads they answer the length of the path, by differences of sixth order."""
+    shallow = [(problem, path) for problem, path in random_equilibria(5, 8, 2) if path.y > -20]
+    assert len(shallow) > 6
+    for problem, path in shallow:
+        by_length = orbit_rates(problem, [path]).response(("beta0", "betaL", "lam", "mu", "phi"))[0, :, 5]
+        differences = level_differences(problem, path, 2e-3)
+        found = by_length * differences[-1]
+        assert found == pytest.approx(differences[:-1], rel=1e-7, abs=1e-8 * np.abs(differences).max())
+
+
+def level_differences(problem: EndsProblem, path: Path, step: float) -> Any:
+    """d/dy of the numbers and of the length of a path, (12,), by differences of sixth order."""
+    weights, total = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}, np.zeros(12)
+    for k, weight in weights.items():
+        for sign in (1, -1):
+            level = Path(path.pin, path.sign, path.y + sign * k * step, path.leaving, path.turns)
+            numbers, length = orbit_numbers(problem, level)
+            total += sign * weight / step * np.append(numbers, length)
+    return total
