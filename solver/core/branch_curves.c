@@ -15,10 +15,6 @@ static int place_at(family *f, double p, const place **out)
     ends_problem of;
     if (f->problem(p, &of.lam))
         return FAILED;
-    const double *numbers = &of.lam;
-    for (int k = 0; k < 6; k++)
-        if (!isfinite(numbers[k]))
-            return FAILED;
     f->newest = (f->newest + 1) % KEPT;
     f->at[f->newest] = NAN;
     const int failed = rod_place_of(&of, &f->by, &f->known[f->newest]);
@@ -147,9 +143,8 @@ static int held_problem(family *f, double *w, double *given, ends_problem *out)
             if (f->held->given[i] == free_of[k])
                 w[2 + k] = given[i] / scale_of(f, k);
     *out = (ends_problem){number[LAM], number[MU], number[PHI], given[GIVEN], number[BETA0], number[BETAL]};
-    const double *six = &out->lam;
-    for (int k = 0; k < 6; k++)
-        if (!isfinite(six[k]) || !isfinite(given[k]) || !isfinite(given[6]))
+    for (int k = 0; k < GIVEN + 2; k++)
+        if (!isfinite(given[k]))
             return FAILED;
     return DONE;
 }

@@ -89,15 +89,15 @@ class _Curve(ctypes.Structure):
     ]
 
 
-def _called(numbers: Numbers, raised: list[BaseException]) -> Any:
-    """The problem at a value of the parameter as the core calls it; what it raises is kept."""
+def _called(numbers: Numbers, count: int, raised: list[BaseException]) -> Any:
+    """The problem at a value of the parameter as the core calls it, so many numbers; what it raises is kept."""
 
     def at(p: float, out: Any) -> int:
         try:
             found = numbers(p)
             if found is None:
                 return 1
-            for k, number in enumerate(found):
+            for k, number in zip(range(count), found, strict=True):
                 out[k] = number
         except BaseException as error:  # it cannot pass through the core
             raised.append(error)
@@ -132,7 +132,7 @@ class Steps:
         self._pointed = points(n), cut(how[0], True), cut(how[1], False)
         told = (ctypes.cast(pointer, ctypes.c_void_p) for pointer in self._pointed)
         self._curve = _Curve(
-            _called(numbers, self._raised), None, None, Grid(angles.size, address(angles), address(table)), *told
+            _called(numbers, 7 if held else 6, self._raised), None, None, Grid(angles.size, address(angles), address(table)), *told
         )
 
     def excess(self, chart: Chart, p: float, x: Array) -> Array | None:

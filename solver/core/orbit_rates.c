@@ -300,10 +300,6 @@ int rod_orbit_rates(const ends_problem *of, const path *level, const grid *by, c
                     const cutting *how, int rates, orbit_numbers *out)
 {
     place o;
-    const double *numbers = &of->lam;
-    for (int k = 0; k < 6; k++)
-        if (!isfinite(numbers[k]) || (k > 3 && fabs(numbers[k]) > 1e6))
-            return NOT_POSSIBLE;
     const int failed = rod_place_of(of, by, &o);
     return failed ? failed : rod_orbit_numbers(&o, level, at, times, how, rates, out);
 }
