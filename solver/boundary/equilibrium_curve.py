@@ -35,7 +35,7 @@ class Family:
 
     @cached_property
     def steps(self) -> core.Steps | None:
-        """The core's functions on these problems; None where it is missing, or the problems are not known as numbers."""
+        """The core's functions on these problems; None without the core, or without `numbers`."""
         if not available() or self.numbers is None:
             return None
         return core.Steps(self.numbers, self.scale, grid(), NODES, (CUTTING, CUTTING))

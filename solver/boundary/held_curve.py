@@ -24,8 +24,8 @@ from .orbit_rates import HOW, NUMBERS, OrbitRates, orbit_numbers, orbit_rates, s
 class HeldFamily:
     """The given numbers over one parameter p, and one equilibrium, as a problem under dead loads, to begin from.
 
-    given: of p, None where there is no such problem. scale: the change of p over which the problem changes. names: of the
-    given numbers. numbers: their values, span and A/C at p; the compiled core needs them.
+    given: of p, None where there is no such problem. scale: the change of p over which the problem changes. names: of
+    the given numbers. numbers: their values, span and A/C at p; the compiled core needs them.
     """
 
     given: Callable[[float], Given | None]
@@ -36,7 +36,7 @@ class HeldFamily:
 
     @cached_property
     def steps(self) -> core.Steps | None:
-        """The core's functions on these problems; None where it is missing, or the problems are not known as numbers."""
+        """The core's functions on these problems; None without the core, or without `numbers`."""
         if not available() or self.numbers is None:
             return None
         held = tuple((*NUMBERS, "turn").index(name) for name in self.names)

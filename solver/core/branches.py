@@ -132,7 +132,11 @@ class Steps:
         self._pointed = points(n), cut(how[0], True), cut(how[1], False)
         told = (ctypes.cast(pointer, ctypes.c_void_p) for pointer in self._pointed)
         self._curve = _Curve(
-            _called(numbers, 7 if held else 6, self._raised), None, None, Grid(angles.size, address(angles), address(table)), *told
+            _called(numbers, 7 if held else 6, self._raised),
+            None,
+            None,
+            Grid(angles.size, address(angles), address(table)),
+            *told,
         )
 
     def excess(self, chart: Chart, p: float, x: Array) -> Array | None:

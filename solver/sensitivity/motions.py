@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..boundary.branch_coordinates import Path, path_of
-from ..boundary.varied_orbits import equilibrium_variations, held_directions
 from ..boundary.path_orbits import path_from_start
+from ..boundary.varied_orbits import equilibrium_variations, held_directions
 from ..numerics.arrays import Array, Integers
 from ..observe.measurement import MIDDLE
 from ..orbit import helix_variations
