@@ -60,7 +60,7 @@ def _values(sol: Solution, base: FieldRates, fields: Sequence[str], numbers: tup
     A, rho = (flat(value, shape)[:, None] for value in (case.rod.bending_stiffness, case.rho))
 
     def by(name: str) -> Array:
-        return np.array(fields) == name
+        return np.asarray(np.array(fields) == name)
 
     def own(name: str) -> Array:
         return flat(getattr(given, name), shape)[:, None]
