@@ -4,7 +4,8 @@ python benchmarks/branches.py           # with the compiled core, if it is there
 ROD_WORKBENCH_NO_CORE=1 python benchmarks/branches.py
 
 CPU milliseconds a point: Table 1's 13 equilibria under a falling load and five of them with a falling height; and for
-the load, three of them (no stable one, whose shape hugs a saddle) by a loop of `solve`, each value from the shape before, and by a loop of SciPy's `solve_bvp`.
+the load, three of them (no stable one, whose shape hugs a saddle) by a loop of `solve`, each value from the shape
+before, and by a loop of SciPy's `solve_bvp`.
 """
 
 import sys

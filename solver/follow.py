@@ -1,6 +1,5 @@
 """Follow one equilibrium while one field of its case changes."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -11,11 +10,11 @@ from numpy.typing import ArrayLike
 from .branch import Branch, BranchEnd, BranchPoint, SpecialPoint
 from .numerics.arrays import Array
 from .problem.case import PAIRS, Case, Ends
-from .problem.case_fields import numbers_over, unchecked_with_field, value_of, with_field
+from .problem.case_fields import value_of, with_field
 from .problem.errors import InputError, choices, no_such
 from .problem.field_rates import fields_of
-from .problem.held_ends import held_numbers_over, held_of, reduce_held
-from .problem.reduced import EndsProblem, reduce
+from .problem.held_ends import held_of
+from .problem.reduced import EndsProblem
 from .problem.trajectory import Trajectory
 from .solution import Solution
 from .solve import between_ends, seed_of
@@ -23,7 +22,6 @@ from .solve import between_ends, seed_of
 if TYPE_CHECKING:
     from .boundary.branch_coordinates import Path
     from .boundary.branch_states import Bounds, Place
-    from .boundary.held_curve import HeldFamily
 
 MOST = 1000
 
@@ -85,12 +83,6 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     bounds = Bounds(low, high, tuple(sorted({own, *wanted.tolist()})), int(points))
     solved = _Solver(solution.tol, solution.t[0] / solution.problem.span[0])
     return _branch(case, name, path, begun, bounds, solved)
-
-
-def _reduced(case: Case) -> EndsProblem:
-    found = reduce(case)
-    assert isinstance(found, EndsProblem)
-    return found
 
 
 def _equilibrium(solution: object) -> tuple[Case, "Path", EndsProblem]:
@@ -169,34 +161,12 @@ def solutions_of(branch: Branch, stations: int) -> Solution:
 
 def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bounds", solved: _Solver) -> Branch:
     """The branch, followed with the field falling and rising where there is room."""
+    from .boundary.branch_families import family_of
     from .boundary.branch_following import CLOSED, END, Stop, followed, own_place
     from .boundary.branch_states import Place
-    from .boundary.equilibrium_curve import Family, scale_of
-    from .boundary.held_curve import HeldFamily
 
-    own, reach = value_of(case, name), bounds.high - bounds.low
-
-    def problem(value: float) -> EndsProblem | None:
-        if bounds.low <= value <= bounds.high:  # where the fields are known to be valid
-            return _reduced(unchecked_with_field(case, name, value))
-        try:
-            return _reduced(with_field(case, name, value)) if abs(value - own) <= 2 * reach else None
-        except InputError:
-            return None
-
-    family: Family | HeldFamily
-    if held_of(case):
-        family = _held_family(case, name, begun, bounds)
-    else:
-        fast = numbers_over(case, name)
-
-        def numbers(value: float) -> Sequence[float] | None:
-            if bounds.low <= value <= bounds.high:
-                return fast(value)
-            one = problem(value)
-            return None if one is None else [float(number[0]) for number in vars(one).values()]
-
-        family = Family(problem, scale_of(problem, own, reach), numbers)
+    own = value_of(case, name)
+    family = family_of(case, name, begun, bounds)
     middle = own_place(family, path, own)
     if isinstance(middle, str):
         raise InputError(f"the equilibrium cannot be followed: {middle}")
@@ -212,38 +182,6 @@ def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bo
     return Branch(
         name, points, special, BranchEnd(float(begin.p), begin.reason), BranchEnd(float(end.p), end.reason), len(before)
     )
-
-
-def _held_family(case: Case, name: str, begun: EndsProblem, bounds: "Bounds") -> "HeldFamily":
-    """The problems with held ends over one field."""
-    from .boundary.held_curve import HeldFamily
-    from .boundary.held_system import Given
-
-    def given(value: float) -> Given | None:
-        if bounds.low <= value <= bounds.high:
-            return Given.of(reduce_held(unchecked_with_field(case, name, value)))
-        try:
-            return Given.of(reduce_held(with_field(case, name, value)))
-        except InputError:
-            return None
-
-    own, reach = value_of(case, name), bounds.high - bounds.low
-    nudge = 1e-6 * reach * (1 if own < bounds.high else -1)
-    here, there = given(own), given(own + nudge)
-    assert here is not None
-    assert there is not None
-    moved = np.abs(np.append(there.values - here.values, there.span - here.span)) / abs(nudge)
-    size = np.append(np.where(np.isin(here.names, ("z", "alpha", "turn")), 1.0, 1 + np.abs(here.values)), 1 + here.span)
-    rate = float((moved / size).max())
-    fast = held_numbers_over(case, name)
-
-    def numbers(value: float) -> Sequence[float] | None:
-        if bounds.low <= value <= bounds.high:
-            return fast(value)
-        one = given(value)
-        return None if one is None else [*one.values.tolist(), one.span, one.ratio]
-
-    return HeldFamily(given, begun, reach if rate * reach < 1 else 1 / rate, here.names, numbers)
 
 
 def _next_index(places: "list[Place]", own: "Place") -> int:
