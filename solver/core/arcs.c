@@ -157,12 +157,13 @@ static void levels(const start_problem *p, const critical *found, double pinned,
     for (int k = 1; k < found->count; k++)
         if (fabs(x[k]) < fabs(x[nearest]))
             nearest = k;
-    if (fabs(x[nearest]) < 1e-3 && x[nearest] != 0) {
-        /* next to a critical point, those of the same height must be as high as that point */
+    if (x[nearest] != 0) {
+        /* those of the same height as the nearest critical point must be as high as that point */
         const double own = drop[nearest];
         falls(p, found, found->beta[nearest], about, unused);
         for (int k = 0; k < found->count; k++)
-            drop[k] = about[k] + own;
+            if (fabs(x[nearest]) < 1e-3 || about[k] == 0)
+                drop[k] = about[k] + own;
     }
     for (int k = 0; k < found->count; k++) {
         /* within rounding of the saddle's own level either sign is as good; zero is not */

@@ -71,12 +71,13 @@ def _levels(problem: StartProblem, found: CriticalPoints, pinned: Array, gap: Ar
     drop, x = _falls(problem, found, pinned)
     nearest = np.nanargmin(np.abs(x), axis=1)
     beside = np.take_along_axis(x, nearest[:, None], axis=1)[:, 0]
-    rows = np.flatnonzero((np.abs(beside) < 1e-3) & (beside != 0))
-    if rows.size:  # next to a critical point, those of the same height must be as high as that point
+    rows = np.flatnonzero(beside != 0)
+    if rows.size:  # those of the same height as the nearest critical point must be as high as that point
         some = CriticalPoints(found.beta[rows], found.centre[rows], found.count[rows])
         close = nearest[rows]
         about, _ = _falls(problem.take(rows), some, some.beta[np.arange(rows.size), close])
-        drop[rows] = about + drop[rows, close][:, None]
+        tied = (np.abs(beside[rows]) < 1e-3)[:, None] | (about == 0)
+        drop[rows] = np.where(tied, about + drop[rows, close][:, None], drop[rows])
     level = gap[:, None] - drop
     # within rounding of the saddle's own level either sign is as good; zero is not
     floor = 2e-17 * (np.abs(gap[:, None]) + np.abs(drop)) + 1e-300
