@@ -1,0 +1,158 @@
+"""Newton's rule led away from equilibria that are known, to find other ones with the same held ends.
+
+The equations are multiplied by the product of 1 + 1/r^2 over the known equilibria, r being the distance from one of
+them in the `NUMBERS`: the product has the same zeros but these. Newton's step for the product is that for the equations
+times a number, so nothing but this number is computed.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from ..problem.reduced import EndsProblem
+from .branch_coordinates import Chart, LinePoint, charts, coordinate, path_at
+from .held_system import (
+    FREE,
+    Given,
+    State,
+    answer,
+    at_given_speeds,
+    corrected,
+    moved,
+    rows_of,
+    size_of,
+    stepped,
+    values_of,
+)
+from .orbit_rates import NUMBERS, orbit_rates, solved
+
+_ROUNDS = 30
+_REACH = 0.5  # largest size of a step
+_NEAR = 0.03  # size of a step of Newton's rule from which it converges by itself
+_HALVED = 4  # times that a step is halved where no orbit is found
+_SAME = 1e-5  # of the numbers: an equilibrium as near to a known one is that one
+_BESIDE = 1e-3  # of the numbers, over which the curvature of the equations is read
+
+
+def numbers_of(state: State) -> Array:
+    """The numbers in which distances are taken, (10,): all but the level."""
+    return np.asarray(state.rates.values[0, :-1])
+
+
+def is_known(state: State, known: list[Array]) -> bool:
+    """Whether a state is one of the known equilibria, given by their `numbers_of`."""
+    here = numbers_of(state)
+    return any(bool((np.abs(here - one) < _SAME * (1 + np.abs(one))).all()) for one in known)
+
+
+def deflated(start: State, wanted: Given, known: list[Array]) -> State | None:
+    """An equilibrium with the wanted numbers that is none of the known ones; None where the rounds lead to none.
+
+    known: the `numbers_of` each.
+    """
+    state = start
+    for _ in range(_ROUNDS):
+        values, length = state.rates.values[0], float(state.rates.length[0])
+        off = wanted.values - values_of(values, length, wanted)
+        change = answer(state.rates, wanted, off[:, None], np.array([wanted.span - length]))[:, 0]
+        if not np.isfinite(change[:-1]).all():
+            return None
+        rate = _rate(numbers_of(state), change[:-1], known)
+        following = _following(state, wanted, change, 1 / (1 - rate) if rate != 1 else np.inf)
+        if following is None:
+            return None
+        state, size = following
+        if size < _NEAR and abs(rate) < 0.5:
+            found = finished(state, wanted)
+            return None if found is None or is_known(found, known) else found
+    return None
+
+
+def finished(state: State, wanted: Given) -> State | None:
+    """The equilibrium with the wanted numbers next to a state, in whichever coordinate Newton's rule converges."""
+    for chart in charts(LinePoint(state.problem), state.path):
+        found = corrected(state.problem, wanted, chart, coordinate(chart))
+        if not isinstance(found, str):
+            return found
+    return None
+
+
+def _rate(here: Array, change: Array, known: list[Array]) -> float:
+    """The derivative of the logarithm of the product along a change."""
+    total = 0.0
+    for one in known:
+        apart = here - one
+        square = max(float(apart @ apart), 1e-30)
+        total -= 2 * float(apart @ change) / (square * (square + 1))
+    return total
+
+
+def _following(state: State, wanted: Given, change: Array, factor: float) -> tuple[State, float] | None:
+    """The state after a step, halved where no orbit is there; and the size of the step of Newton's rule itself."""
+    for chart in charts(LinePoint(state.problem), state.path)[:2]:
+        x = coordinate(chart)
+        dx = moved(chart, x, change)
+        size = size_of(state.problem, chart, dx, change)
+        if not np.isfinite(size) or size == 0:
+            continue
+        share = float(np.clip(factor, -_REACH / size, _REACH / size))
+        for _ in range(_HALVED):
+            there = _state_at(stepped(state.problem, wanted, change, share), wanted, chart, x + share * dx)
+            if there is not None:
+                return there, size
+            share /= 2
+    return None
+
+
+def _state_at(problem: EndsProblem, wanted: Given, chart: Chart, x: float) -> State | None:
+    """The state at a coordinate; None where there is no orbit."""
+    place = LinePoint(problem)
+    path = path_at(place, chart, x)
+    if path is None or path.turns < 0:
+        return None
+    problem = at_given_speeds(problem, place, path, wanted)
+    rates = orbit_rates(problem, [path])
+    known = np.isfinite(rates.values).all() and np.isfinite(rates.rows).all()
+    return State(problem, path, rates) if known else None
+
+
+def across_fold(state: State, wanted: Given) -> list[State]:
+    """Guesses of the equilibrium that meets this one at the nearest fold, on either side of it.
+
+    Along the direction of the orbit in which the equations have their smallest slope sigma, they are about
+    sigma t + b t^2, so the other zero is at t = -sigma/b.
+    """
+    rows, by_span = rows_of(state.rates, wanted.names, wanted.ratio)
+    every = state.rates.rows[0]
+    if state.path.helix or not np.isfinite(every).all():
+        return []
+    unit = solved(np.linalg.qr(every[:-1])[1][None], np.eye(5)[None])[0]  # parts that change the numbers by one
+    if not np.isfinite(unit).all():
+        return []
+    left, slopes, right = np.linalg.svd(rows @ unit)
+    change = every @ (unit @ right[-1])
+    sides = [_beside(state, change, t) for t in (0.0, _BESIDE, -_BESIDE)]
+    if any(side is None for side in sides):
+        return []
+    off = [
+        float(left[:, -1] @ (values_of(numbers_of(side), length, wanted) + by_span * (wanted.span - length)))
+        for side in sides if side is not None for length in (float(side.rates.length[0]),)
+    ]  # fmt: skip
+    bend = (off[1] + off[2] - 2 * off[0]) / (2 * _BESIDE**2)
+    if bend == 0:
+        return []
+    t = float(np.clip(-slopes[-1] / bend, -1, 1))
+    return [guess for guess in (_beside(state, change, share) for share in (t, -t)) if guess is not None]
+
+
+def _beside(state: State, change: Array, share: float) -> State | None:
+    """The state after a share of a change of the `NUMBERS`."""
+    new = {name: getattr(state.problem, name) + share * change[NUMBERS.index(name)] for name in FREE}
+    problem, free = replace(state.problem, **new), Given((), np.empty(0), float(state.problem.span[0]), 0.0)
+    for chart in charts(LinePoint(state.problem), state.path)[:2]:
+        x = coordinate(chart)
+        there = _state_at(problem, free, chart, x + share * moved(chart, x, change))
+        if there is not None:
+            return there
+    return None

@@ -1,0 +1,81 @@
+"""The ranges of the unknown loads and end angles over which equilibria with held ends are searched for."""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from ..mechanics.potential import TAU
+from ..numerics.arrays import Array
+from .held_system import FREE, Given
+
+HALF_WAVES = 4  # of a straight rod: pushed as hard as it needs to buckle into so many, or pulled as hard
+_SURFACE = 2.0  # bound of what the cylinder's curvature adds to a load
+_SAFE = 4.0  # times the load that holds a nearly straight rod
+_HARDEST = 1e6
+VALUES = {1: 61, 2: 13, 3: 6, 4: 4, 5: 3}  # of each of so many unknowns
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """The lowest and the highest value of each unknown number, by its name."""
+
+    bounds: dict[str, tuple[float, float]]
+
+    def holds(self, values: dict[str, float]) -> bool:
+        """Whether numbers lie within."""
+        return all(low - 1e-9 <= values[name] <= high + 1e-9 for name, (low, high) in self.bounds.items())
+
+    def axes(self) -> dict[str, Array]:
+        """The values of each; of a force or MZ at equal steps of its root, as half waves go with it."""
+        count = VALUES[len(self.bounds)]
+        return {name: _steps(*ends, count, name in ("phi", "lam")) for name, ends in self.bounds.items()}
+
+    def points(self) -> list[dict[str, float]]:
+        """All combinations of the values."""
+        axes = self.axes()
+        return [dict(zip(axes, values, strict=True)) for values in product(*(axis.tolist() for axis in axes.values()))]
+
+
+def ranges_of(given: Given, own: dict[str, tuple[float, float]]) -> Ranges:
+    """The ranges of the unknown numbers of a problem, those of `own` as they are there."""
+    known = dict(zip(given.names, given.values.tolist(), strict=True))
+    return Ranges({name: own.get(name) or _default(name, known, given) for name in FREE if name not in known})
+
+
+def _default(name: str, known: dict[str, float], given: Given) -> tuple[float, float]:
+    span = given.span
+    if name in ("beta0", "betaL"):
+        other = known.get("betaL" if name == "beta0" else "beta0", 0.0)
+        return other - np.pi, other + np.pi
+    if name == "mu":  # turn = ratio mu span - swirl, and |swirl| is at most span/2
+        return tuple((known["turn"] + sign * span / 2) / (given.ratio * span) for sign in (-1, 1))  # type: ignore[return-value]
+    dead = sum(abs(known.get(load, 0.0)) for load in ("phi", "lam", "mu"))
+    waves = (HALF_WAVES * np.pi / span) ** 2
+    most = float(min(waves + _SURFACE + dead + _straightening(name, known, span), _HARDEST))
+    return -most, most
+
+
+def _straightening(load: str, known: dict[str, float], span: float) -> float:
+    """The load that pulls a clamped rod to its held height or azimuth: each end falls 2 (1 - cos(b/2))/sqrt(load) short,
+    b being its angle from the pull."""
+    held = known["z" if load == "phi" else "alpha"]
+    pull = {"phi": 0.0, "lam": np.pi / 2}[load] if held >= 0 else {"phi": np.pi, "lam": -np.pi / 2}[load]
+    short = sum(2 * (1 - abs(np.cos((known[name] - pull) / 2))) for name in ("beta0", "betaL") if name in known)
+    slack = span - abs(held)
+    return float(_SAFE * (short / slack) ** 2) if slack > 1e-9 * span else 0.0
+
+
+def _steps(low: float, high: float, count: int, rooted: bool) -> Array:
+    if not rooted:
+        return np.linspace(low, high, count)
+    ends = [np.sign(end) * np.sqrt(abs(end)) for end in (low, high)]
+    root = np.linspace(*ends, count)
+    steps = np.sign(root) * root * root
+    steps[[0, -1]] = low, high
+    return np.asarray(steps)
+
+
+def within_a_turn(beta: float) -> float:
+    """The whole turns to add to an angle that lead it to [-pi, pi)."""
+    return -TAU * float(np.floor((beta + np.pi) / TAU))

@@ -1,0 +1,132 @@
+"""The search for equilibria with held ends: from dead loads, by mirror images, across folds and by deflation.
+
+No search proves that it found all of them: their number need not be finite, as a rod held at a height takes ever more
+bends under ever larger loads. The search is over stated ranges of the unknown loads and angles.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from .held_continuation import Stopped, carried
+from .held_deflation import across_fold, deflated, is_known, numbers_of
+from .held_mirrors import image_of, mirrors_of
+from .held_ranges import Ranges, ranges_of, within_a_turn
+from .held_sweep import Point, starts_of, swept
+from .held_system import FREE, Given, State
+from .held_deflation import finished
+from .orbit_rates import orbit_rates
+
+_STEPS = 60  # of each continuation
+_SEED = 14  # of the random choice of where deflation begins
+CONTINUED, MIRRORED, FOLDED, DEFLATED = "continuation", "mirror image", "across a fold", "deflation"
+
+
+@dataclass(eq=False)
+class HeldFound:
+    """Equilibria with held ends, and how they were searched for.
+
+    states, how: each equilibrium and by what it was found. ranges: of the unknowns. problems, equilibria: those under
+    dead loads that were solved. starts, failed: continuations, and those of them that led to no equilibrium. tries: of
+    deflation, the last `fruitless` of them without a new equilibrium. outside: equilibria outside the ranges, which are
+    not kept.
+    """
+
+    given: Given
+    ranges: Ranges
+    states: list[State] = field(default_factory=list)
+    how: list[str] = field(default_factory=list)
+    problems: int = 0
+    equilibria: int = 0
+    starts: int = 0
+    failed: int = 0
+    tries: int = 0
+    outside: int = 0
+    _known: list[Array] = field(default_factory=list)
+
+    def add(self, state: State, how: str) -> bool:
+        """Add an equilibrium and its mirror images; whether it was new."""
+        state = _settled(state, self.given)
+        if is_known(state, self._known):
+            return False
+        self._known.append(numbers_of(state))
+        values = {name: float(getattr(state.problem, name)[0]) for name in FREE}
+        if self.ranges.holds(values):
+            self.states.append(state)
+            self.how.append(how)
+        else:
+            self.outside += 1
+        for mirror in mirrors_of(self.given):
+            image = finished(image_of(state, mirror, self.given), self.given)
+            if image is not None:
+                self.add(image, MIRRORED)
+        return True
+
+    @property
+    def known(self) -> list[Array]:
+        """The `numbers_of` all equilibria, those outside the ranges too."""
+        return self._known
+
+
+def held_search(given: Given, own: dict[str, tuple[float, float]], most_periods: int, tries: int) -> HeldFound:
+    """The equilibria with the given numbers.
+
+    own: ranges of unknown numbers in place of the default ones. tries: deflations without a new equilibrium after which
+    the search ends.
+    """
+    found = HeldFound(given, ranges_of(given, own))
+    points = swept(given, found.ranges, most_periods)
+    found.problems, found.equilibria = len(points), sum(len(point.states) for point in points)
+    for some in starts_of(points, found.ranges):
+        found.starts += 1
+        found.failed += not _continued(found, some)
+    _across_folds(found, 0)
+    _deflate(found, points, tries)
+    return found
+
+
+def _continued(found: HeldFound, some: list[State]) -> bool:
+    """Whether one of the starts led to an equilibrium with the given numbers."""
+    for start in some:
+        state = carried(start, found.given, _STEPS)
+        if not isinstance(state, Stopped):
+            found.add(state, CONTINUED)
+            return True
+    return False
+
+
+def _across_folds(found: HeldFound, first: int) -> None:
+    """Add the partners across the nearest folds of the equilibria from the first on, and of these partners."""
+    while first < len(found.states):
+        for guess in across_fold(found.states[first], found.given):
+            state = deflated(guess, found.given, found.known)
+            if state is not None:
+                found.add(state, FOLDED)
+        first += 1
+
+
+def _deflate(found: HeldFound, points: list[Point], tries: int) -> None:
+    seeds = [state for point in points for state in point.states]
+    rng = np.random.default_rng(_SEED)
+    fruitless = 0
+    while seeds and fruitless < tries:
+        found.tries += 1
+        state = deflated(seeds[int(rng.integers(len(seeds)))], found.given, found.known)
+        before = len(found.states)
+        if state is None or not found.add(state, DEFLATED):
+            fruitless += 1
+            continue
+        fruitless = 0 if len(found.states) > before else fruitless + 1
+        _across_folds(found, before)
+
+
+def _settled(state: State, given: Given) -> State:
+    """The state with beta(0) in [-pi, pi) where no angle is given."""
+    if "beta0" in given.names or "betaL" in given.names:
+        return state
+    add = within_a_turn(float(state.problem.beta0[0]))
+    if not add:
+        return state
+    problem = replace(state.problem, beta0=state.problem.beta0 + add, betaL=state.problem.betaL + add)
+    return replace(state, problem=problem, rates=orbit_rates(problem, [state.path]))
