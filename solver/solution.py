@@ -308,9 +308,27 @@ class Solution:
 
     @property
     def begun(self) -> Any:
-        """Of held ends, from which equilibrium the continuation to them began, (*cases) of sentences; else None."""
+        """Of held ends, from which equilibrium the continuation to them began, (*cases) of sentences; else None.
+
+        Of a seed it says how far it is, and where another equilibrium is nearer (`alternatives`).
+        """
         begun = self.trajectory.begun
         return self._each(np.full(self.case.size, None, dtype=object) if begun is None else begun)
+
+    @cached_property
+    def alternatives(self) -> "tuple[Alternative, ...]":
+        """Other equilibria with the same held ends that a seed may have meant, the nearest to the seed first.
+
+        They are looked for when this is first read (about a second): across the nearest fold, by deflation from the
+        seed, and where the branch of the seed turns back and meets these ends again. There may be more. Empty for
+        several cases, without a seed and under dead loads.
+        """
+        find = self.trajectory.alternatives
+        if find is None or self.case.shape or not self.solved:
+            return ()
+        found = find(self.t)
+        shapes = ((away, Solution(self.case, *shape, self.t, self.method, self.tol)) for away, *shape in found)
+        return tuple(Alternative(away, solution) for away, solution in shapes)
 
     @property
     def error(self) -> Any:
@@ -443,3 +461,19 @@ class Solution:
     def _repr_html_(self) -> str | None:
         """A table for a notebook; None, which shows the `repr`, where the workbench cannot be imported."""
         return table_of("solution", self)
+
+
+@dataclass(frozen=True, eq=False)
+class Alternative:
+    """Another equilibrium with the same held ends.
+
+    Attributes
+    ----------
+    away : float
+        The largest difference of beta from the seed, at equal s/L [rad].
+    solution : Solution
+        Its shape.
+    """
+
+    away: float
+    solution: Solution

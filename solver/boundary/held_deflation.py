@@ -11,7 +11,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
-from .branch_coordinates import Chart, LinePoint, charts, coordinate, path_at
+from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate, path_at
 from .held_system import (
     FREE,
     Given,
@@ -25,9 +25,9 @@ from .held_system import (
     stepped,
     values_of,
 )
-from .orbit_rates import NUMBERS, orbit_rates, solved
+from .orbit_rates import NUMBERS, orbit_numbers, orbit_rates, solved
 
-_ROUNDS = 30
+_ROUNDS = 20
 _REACH = 0.5  # largest size of a step
 _NEAR = 0.03  # size of a step of Newton's rule from which it converges by itself
 _HALVED = 4  # times that a step is halved where no orbit is found
@@ -117,42 +117,50 @@ def _state_at(problem: EndsProblem, wanted: Given, chart: Chart, x: float) -> St
     return State(problem, path, rates) if known else None
 
 
-def across_fold(state: State, wanted: Given) -> list[State]:
-    """Guesses of the equilibrium that meets this one at the nearest fold, on either side of it.
+def fold_beside(state: State, wanted: Given) -> tuple[Array, float] | None:
+    """The change of the `NUMBERS` (11,), of length 1, towards the equilibrium that meets this one at the nearest fold,
+    and how much of it leads there, to second order; None where it is not known.
 
-    Along the direction of the orbit in which the equations have their smallest slope sigma, they are about
-    sigma t + b t^2, so the other zero is at t = -sigma/b.
+    Along the direction in which the equations have their smallest slope sigma, they are about sigma t + b t^2, so the
+    other zero is at t = -sigma/b.
     """
     rows, by_span = rows_of(state.rates, wanted.names, wanted.ratio)
     every = state.rates.rows[0]
     if state.path.helix or not np.isfinite(every).all():
-        return []
+        return None
     unit = solved(np.linalg.qr(every[:-1])[1][None], np.eye(5)[None])[0]  # parts that change the numbers by one
     if not np.isfinite(unit).all():
-        return []
+        return None
     left, slopes, right = np.linalg.svd(rows @ unit)
-    change = every @ (unit @ right[-1])
-    sides = [_beside(state, change, t) for t in (0.0, _BESIDE, -_BESIDE)]
-    if any(side is None for side in sides):
-        return []
-    off = [
-        float(left[:, -1] @ (values_of(numbers_of(side), length, wanted) + by_span * (wanted.span - length)))
-        for side in sides if side is not None for length in (float(side.rates.length[0]),)
-    ]  # fmt: skip
+    change = np.asarray(every @ (unit @ right[-1]))
+    off = []
+    for share in (0.0, _BESIDE, -_BESIDE):
+        beside = _beside(state, change, share)
+        if beside is None:
+            return None
+        numbers, length = orbit_numbers(*beside)
+        off.append(float(left[:, -1] @ (values_of(numbers, length, wanted) + by_span * (wanted.span - length))))
     bend = (off[1] + off[2] - 2 * off[0]) / (2 * _BESIDE**2)
-    if bend == 0:
+    return (change, float(-slopes[-1] / bend)) if np.isfinite(bend) and bend != 0 else None
+
+
+def across_fold(state: State, wanted: Given) -> list[State]:
+    """Guesses of the equilibrium that meets this one at the nearest fold, on either side of it, the likelier first."""
+    beside = fold_beside(state, wanted)
+    if beside is None:
         return []
-    t = float(np.clip(-slopes[-1] / bend, -1, 1))
-    return [guess for guess in (_beside(state, change, share) for share in (t, -t)) if guess is not None]
+    change, t = beside[0], float(np.clip(beside[1], -1, 1))
+    found = [_beside(state, change, share) for share in (t, -t)]
+    return [State(*one, orbit_rates(one[0], [one[1]])) for one in found if one is not None]
 
 
-def _beside(state: State, change: Array, share: float) -> State | None:
-    """The state after a share of a change of the `NUMBERS`."""
+def _beside(state: State, change: Array, share: float) -> tuple[EndsProblem, Path] | None:
+    """The problem and the path after a share of a change of the `NUMBERS`."""
     new = {name: getattr(state.problem, name) + share * change[NUMBERS.index(name)] for name in FREE}
-    problem, free = replace(state.problem, **new), Given((), np.empty(0), float(state.problem.span[0]), 0.0)
+    problem = replace(state.problem, **new)
     for chart in charts(LinePoint(state.problem), state.path)[:2]:
         x = coordinate(chart)
-        there = _state_at(problem, free, chart, x + share * moved(chart, x, change))
-        if there is not None:
-            return there
+        path = path_at(LinePoint(problem), chart, x + share * moved(chart, x, change))
+        if path is not None and path.turns >= 0 and np.isfinite(orbit_numbers(problem, path)[1]):
+            return problem, path
     return None

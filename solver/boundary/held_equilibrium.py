@@ -1,6 +1,7 @@
 """One equilibrium of each of B problems with held ends, as a trajectory: from a seed or a dead-load equilibrium."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from ..problem.reduced import EndsProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, verdicts
 from .branch_coordinates import LinePoint, charts, coordinate, path_at
 from .each_equilibrium import path_of_seed, together
+from .held_alternatives import alternatives_of, away
 from .held_index import dead_index, index_of
 from .held_starts import Reached, from_seed, nearest_start
 from .held_system import FREE, Given, State, corrected, parts_of, values_of
@@ -23,6 +25,7 @@ from .path_orbits import orbit_of
 
 _SLOW = 1e-3  # beta_t at a start
 _AT_REST = 1e-11  # beta_t below which a hinge is at rest
+ALTERNATIVE = "another equilibrium with the same ends"
 _STATIONS = 129  # at which the response to the given numbers is read
 
 
@@ -47,7 +50,16 @@ def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Tr
     verdict = verdicts(beta, error, condition, tol)
     known: dict[str, Any] = {"error": error, "condition": condition, "evaluations": calls, "orbit": orbit, "begun": how}
     known["held_index"] = np.array([index_of(state, wanted)])
+    if reached.seed is not None:
+        known["alternatives"] = partial(_alternatives, reached.seed, reached.state, wanted, tol)
     return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), *verdict, **known)
+
+
+def _alternatives(seed: State, found: State, wanted: Given, tol: float, t: Array) -> list[tuple[Any, ...]]:
+    """Of each other equilibrium that the seed may have meant: its distance from the seed, problem and shape."""
+    others = alternatives_of(seed, found, wanted)
+    told = [(away(seed, one), one.problem, held_trajectory(Reached(one, ALTERNATIVE), wanted, t, tol)) for one in others]
+    return sorted(told, key=lambda one: one[0])
 
 
 def _at_length(state: State, orbit: Orbit) -> Array:

@@ -15,6 +15,8 @@ from ..numerics.arrays import Array
 from .held_continuation import Stopped, carried
 from .held_system import Given, State
 from .orbit_rates import NUMBERS, OrbitRates
+from .path_orbits import orbit_of
+from .stability import jacobi_zeros
 
 _DISPLACEMENTS = ("z", "alpha", "turn")  # in the order of `OrbitRates.compliance`
 _DEAD = ("beta0", "betaL", "lam", "mu", "phi")
@@ -85,6 +87,13 @@ def index_of(state: State, wanted: Given) -> float:
     return beside[0] if beside[0] == beside[1] else np.nan
 
 
+def dead_index_of(state: State) -> float:
+    """The Morse index under dead loads between its own end angles; NaN where it is not decided."""
+    if state.path.helix:
+        return float(jacobi_zeros(orbit_of(state.problem, state.path))[0])
+    return float(dead_index(state.rates, np.array([state.path.turns]))[0])
+
+
 def _index(state: State, wanted: Given) -> float:
-    dead = dead_index(state.rates, np.array([state.path.turns]))
+    dead = np.array([dead_index_of(state)])
     return float(held_index(state.rates, np.array([wanted.ratio]), wanted.names, dead)[0])

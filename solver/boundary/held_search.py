@@ -10,17 +10,17 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from .held_continuation import Stopped, carried
-from .held_deflation import across_fold, deflated, is_known, numbers_of
+from .held_deflation import across_fold, deflated, finished, is_known, numbers_of
+from .held_helices import helices_of
 from .held_mirrors import image_of, mirrors_of
 from .held_ranges import Ranges, ranges_of, within_a_turn
 from .held_sweep import Point, starts_of, swept
 from .held_system import FREE, Given, State
-from .held_deflation import finished
 from .orbit_rates import orbit_rates
 
-_STEPS = 60  # of each continuation
+_STEPS = 30  # of each continuation
 _SEED = 14  # of the random choice of where deflation begins
-CONTINUED, MIRRORED, FOLDED, DEFLATED = "continuation", "mirror image", "across a fold", "deflation"
+CONTINUED, MIRRORED, FOLDED, DEFLATED, HELIX = "continuation", "mirror image", "across a fold", "deflation", "helix"
 
 
 @dataclass(eq=False)
@@ -30,7 +30,7 @@ class HeldFound:
     states, how: each equilibrium and by what it was found. ranges: of the unknowns. problems, equilibria: those under
     dead loads that were solved. starts, failed: continuations, and those of them that led to no equilibrium. tries: of
     deflation, the last `fruitless` of them without a new equilibrium. outside: equilibria outside the ranges, which are
-    not kept.
+    not kept. any_load: whether a helix is an equilibrium under any load.
     """
 
     given: Given
@@ -43,6 +43,7 @@ class HeldFound:
     failed: int = 0
     tries: int = 0
     outside: int = 0
+    any_load: bool = False
     _known: list[Array] = field(default_factory=list)
 
     def add(self, state: State, how: str) -> bool:
@@ -58,9 +59,10 @@ class HeldFound:
         else:
             self.outside += 1
         for mirror in mirrors_of(self.given):
-            image = finished(image_of(state, mirror, self.given), self.given)
-            if image is not None:
-                self.add(image, MIRRORED)
+            image = image_of(state, mirror, self.given)
+            whole = image if image.path.helix else finished(image, self.given)
+            if whole is not None:
+                self.add(whole, MIRRORED)
         return True
 
     @property
@@ -81,6 +83,9 @@ def held_search(given: Given, own: dict[str, tuple[float, float]], most_periods:
     for some in starts_of(points, found.ranges):
         found.starts += 1
         found.failed += not _continued(found, some)
+    helices, found.any_load = helices_of(given)
+    for state in helices:
+        found.add(state, HELIX)
     _across_folds(found, 0)
     _deflate(found, points, tries)
     return found
@@ -99,7 +104,7 @@ def _continued(found: HeldFound, some: list[State]) -> bool:
 def _across_folds(found: HeldFound, first: int) -> None:
     """Add the partners across the nearest folds of the equilibria from the first on, and of these partners."""
     while first < len(found.states):
-        for guess in across_fold(found.states[first], found.given):
+        for guess in across_fold(found.states[first], found.given)[:1]:
             state = deflated(guess, found.given, found.known)
             if state is not None:
                 found.add(state, FOLDED)

@@ -14,6 +14,7 @@ import numpy as np
 from ..problem.held_ends import HeldProblem
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import Path, path_of
+from .held_alternatives import said_of_seed
 from .held_continuation import Stopped, carried, state_of
 from .held_index import held_index, index_of
 from .held_system import FREE, Given, State
@@ -26,23 +27,24 @@ _TRIED, _REACHED = 8, 3  # starts from which continuation is tried; equilibria a
 _UNSTABLE = 0.3  # what a negative direction of a start adds to its distance
 _STEPS = 60  # from each of them
 _MOST_TURNS = 2  # of the starts
-SEED = "the seed"
 
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """An equilibrium under held ends, and what its continuation began from, in words."""
+    """An equilibrium under held ends, what its continuation began from, in words, and the seed where there is one."""
 
     state: State
     begun: str
+    seed: State | None = None
 
 
 def from_seed(wanted: Given, problem: EndsProblem, path: Path | None) -> Reached | str:
     """The equilibrium on the branch of a seed, an equilibrium of `problem`; or the outcome that says why not."""
     if path is None:
         return "failed: the seed is not a solution of its own ends problem"
-    found = carried(state_of(problem, path), wanted)
-    return told(found) if isinstance(found, Stopped) else Reached(found, SEED)
+    seed = state_of(problem, path)
+    found = carried(seed, wanted)
+    return told(found) if isinstance(found, Stopped) else Reached(found, said_of_seed(seed, found, wanted), seed)
 
 
 def told(found: Stopped) -> str:

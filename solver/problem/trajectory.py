@@ -32,6 +32,8 @@ class Trajectory:
     selection: (B,) of `selection.Selection`, how each equilibrium was selected; None for a seed or a start problem.
     begun: (B,) sentences, from which equilibrium the continuation to held ends began; None for other problems.
     held_index: (B,) of floats, the Morse index under held ends; None for other problems.
+    alternatives: a function of the stations (1, n) that finds the other equilibria that the seed of a single problem
+    with held ends may have meant: distance from the seed, problem and trajectory of each; None for other problems.
     """
 
     beta: Array
@@ -48,6 +50,7 @@ class Trajectory:
     selection: NDArray[np.object_] | None = None
     begun: NDArray[np.object_] | None = None
     held_index: Array | None = None
+    alternatives: Callable[[Array], Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,7 +39,7 @@ def test_table_1_with_a_lowered_end_has_the_known_reactions() -> None:
     found = solve(replace(TABLE, given=held), seed=start)
     A = TABLE.rod.bending_stiffness
     assert found.outcome == "solved"
-    assert found.begun == "the seed"
+    assert found.begun.startswith("the seed, 0.")
     assert pytest.approx([0.756046552, 2.711074293, 2.530586040], abs=1e-9) == [
         found.FZ / A,
         found.MZ / A,

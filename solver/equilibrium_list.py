@@ -1,0 +1,163 @@
+"""Equilibria of one case with their stability, as a list that says how complete it is."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .boundary.paths import LevelPaths
+from .problem.shown import table_of
+from .solution import Solution
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """One equilibrium of an ends problem; `equilibria` makes it.
+
+    Attributes
+    ----------
+    solution : Solution
+        Its shape.
+    index : int
+        Morse index under the ends of the case; 0: stable; -1: not known.
+    energy : float
+        Bending and twist energy minus the work of the loads and end moments that the case gives [force length].
+    dbeta0 : float
+        beta'(0) [rad/length].
+    turns : int
+        Number of bends.
+    attached : float
+        Share of the length where the cylinder pushes.
+    stray : float
+        The most that beta leaves the interval between its end angles [rad].
+    path : LevelPaths
+        Its level and its path, which identify it among the equilibria of the case.
+    dead_index : int
+        Morse index under dead loads, between its own end angles; -1: not known.
+    found_by : str
+        What the search found it by: "levels" under dead loads; "continuation", "mirror image", "across a fold",
+        "deflation" or "helix" under held ends.
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Ends, Rod, equilibria
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0)
+    >>> found = equilibria(Case(rod, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, FZ=-8.66)))
+    >>> lowest = found[0]
+    >>> print(f"index {lowest.index}, {lowest.turns} bends, energy {lowest.energy:.4f}")
+    index 0, 1 bends, energy 44.1262
+    """
+
+    solution: Solution = field(repr=False)
+    index: int
+    energy: float
+    dbeta0: float
+    turns: int
+    attached: float
+    stray: float
+    path: LevelPaths = field(repr=False)
+    dead_index: int = field(repr=False)
+    found_by: str = field(default="levels", repr=False)
+
+
+def stability(index: int) -> str:
+    """A Morse index in words."""
+    return "stable" if index == 0 else f"index {index}" if index > 0 else "index not known"
+
+
+class Equilibria(list[Equilibrium]):
+    """The equilibria of one case, lowest energy first.
+
+    complete: whether they pass the test of completeness: counted with (-1)^index they add up to 1, as they must by
+    degree, and the lowest is stable. The test detects an odd number of missing equilibria, but not a missing pair of
+    opposite signs, as a fold creates it. remark: why the list is incomplete; empty if it is complete.
+    """
+
+    def __init__(self, found: list[Equilibrium], remark: str = "") -> None:
+        super().__init__(found)
+        self.remark = remark
+
+    @property
+    def complete(self) -> bool:
+        return not self.remark
+
+    def __repr__(self) -> str:
+        count = f"{len(self)} {'equilibrium' if len(self) == 1 else 'equilibria'}"
+        lines = [f"{count}, {'complete' if self.complete else self.remark}"]
+        for i, one in enumerate(self, 1):
+            bends = f"{one.turns} {'bend' if one.turns == 1 else 'bends'}"
+            numbers = f"energy {one.energy:.6g}, {bends}, beta'(0) = {one.dbeta0:.6g}"
+            lines.append(f"{i}: {stability(one.index)}, {numbers}{self._more(one)}")
+        return "\n".join(lines)
+
+    def _more(self, one: Equilibrium) -> str:
+        """What a line of the `repr` adds."""
+        return ""
+
+    def _repr_html_(self) -> str | None:
+        """A table for a notebook; None, which shows the `repr`, where the workbench cannot be imported."""
+        return table_of("equilibria", self)
+
+
+@dataclass(frozen=True)
+class HeldSearch:
+    """How equilibria with held ends were searched for.
+
+    Attributes
+    ----------
+    within : dict
+        The lowest and the highest value of each reaction, by its name, over which the search went [units of the case].
+    most_swings : int
+        The largest number of whole periods of beta along the rods from which it began.
+    problems : int
+        Dead-load problems that were solved, with all their equilibria.
+    starts, failed : int
+        Continuations from these equilibria to the held ends, and those of them that reached none.
+    deflations : int
+        Searches from them led away from the equilibria that were known.
+    outside : int
+        Equilibria that were found outside the ranges, and are not listed.
+    """
+
+    within: dict[str, tuple[float, float]]
+    most_swings: int
+    problems: int
+    starts: int
+    failed: int
+    deflations: int
+    outside: int
+    note: str = ""
+
+    def __str__(self) -> str:
+        ranges = ", ".join(f"{name} from {low:.6g} to {high:.6g}" for name, (low, high) in self.within.items())
+        said = [
+            f"not proved complete: searched over {ranges}, from rods of at most {self.most_swings} whole periods of beta",
+            f"{self.problems} dead-load problems",
+            f"{self.starts} continuations of which {self.failed} failed",
+            f"{self.deflations} deflations",
+        ]
+        said += [f"{self.outside} equilibria outside this range are not listed"] if self.outside else []
+        return "; ".join([*said, *([self.note] if self.note else [])])
+
+
+class HeldEquilibria(Equilibria):
+    """Equilibria of one case with held ends, lowest energy first; never proved complete.
+
+    search: the ranges and the counts of the search, which the remark states.
+    """
+
+    def __init__(self, found: list[Equilibrium], search: HeldSearch) -> None:
+        super().__init__(found, str(search))
+        self.search = search
+
+    def _more(self, one: Equilibrium) -> str:
+        loads = ", ".join(f"{name} = {float(value):.6g}" for name, value in one.solution.reactions.items())
+        return f", {loads}; {stability(one.dead_index)} under dead loads"
+
+
+def in_order(found: list[Equilibrium]) -> list[Equilibrium]:
+    """Lowest energy first; of mirror images, whose energies differ only by rounding, the lower beta'(0) first."""
+    found = sorted(found, key=lambda e: e.energy)
+    energy = np.array([e.energy for e in found])
+    new = np.diff(energy, prepend=-np.inf) > 1e-9 * (1 + np.abs(energy))
+    slope = np.array([e.dbeta0 for e in found])
+    return [found[i] for i in np.lexsort((slope, np.cumsum(new)))]

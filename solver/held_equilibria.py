@@ -1,0 +1,116 @@
+"""The equilibria of one case with held ends that a search over stated ranges finds."""
+
+from typing import Any
+
+import numpy as np
+
+from .boundary.held_equilibrium import held_trajectory
+from .boundary.held_index import dead_index_of
+from .boundary.held_search import HeldFound, held_search
+from .boundary.held_starts import Reached
+from .boundary.held_system import Given, State
+from .equilibrium_list import Equilibrium, HeldEquilibria, HeldSearch, in_order
+from .observe import observe
+from .problem.case import PAIRS, Case, Ends
+from .problem.errors import InputError, choices, no_such
+from .problem.held_ends import NUMBER_OF, held_of, reduce_held
+from .problem.limits import LARGEST, SHORTEST, TOO_LARGE
+from .solution import Solution
+
+TRIES, MOST_SWINGS = 10, 8
+_OWN = {held: own for own, held in PAIRS}
+_WORK = {"height": "FZ", "azimuth": "MZ", "rotation": "M3"}
+ANY_LOAD = "a straight rod or a helix is an equilibrium under any load and is not listed"
+
+
+def held_equilibria(
+    case: Case, tol: float, stations: int, most_swings: int | None, within: dict[str, Any], tries: int
+) -> HeldEquilibria:
+    """The equilibria of a case with held ends; the parameters are those of `equilibria.equilibria`."""
+    if case.shape:
+        raise InputError(f"equilibria takes one case at a time, got a grid of shape {case.shape}")
+    if tries < 0:
+        raise InputError(f"tries must be a whole number of at least 0, got {tries!r}")
+    size = _sizes(case)
+    own = {NUMBER_OF[name]: tuple(end / size[name] for end in ends) for name, ends in _ranges(case, within).items()}
+    swings = MOST_SWINGS if most_swings is None else most_swings
+    problem = reduce_held(case)
+    numbers = np.append(problem.values[0], [problem.span[0], problem.ratio[0]])
+    if not (np.abs(numbers) < LARGEST).all() or problem.span[0] < SHORTEST:
+        return HeldEquilibria([], HeldSearch({}, swings, 0, 0, 0, 0, 0, TOO_LARGE))
+    found = held_search(Given.of(problem), own, swings, tries)
+    t = problem.span[:, None] * np.linspace(0, 1, stations)
+    listed = [_equilibrium(case, found.given, *one, t, tol) for one in zip(found.states, found.how, strict=True)]
+    return HeldEquilibria(in_order(listed), _search_of(found, size, swings))
+
+
+def _sizes(case: Case) -> dict[str, float]:
+    """The unit of each dimensionless load and angle in those of the case."""
+    A, rho = float(case.rod.bending_stiffness), float(case.rho)
+    return {"FZ": A / rho / rho, "MZ": A / rho, "M3": A / rho, "beta0": 1.0, "betaL": 1.0}
+
+
+def _ranges(case: Case, within: dict[str, Any]) -> dict[str, tuple[float, float]]:
+    """The ranges of reactions that are given."""
+    reactions = [_OWN[name] for name in held_of(case)]
+    found = {}
+    for name, ends in within.items():
+        if name not in reactions:
+            raise no_such("reaction of this case", name, reactions)
+        try:
+            low, high = (float(end) for end in ends)
+        except (TypeError, ValueError):
+            raise InputError(f"within[{name!r}] must be two numbers, the lowest and the highest, got {ends!r}") from None
+        if not (np.isfinite([low, high]).all() and low < high):
+            raise InputError(f"within[{name!r}] must be two finite rising numbers, got {ends!r}")
+        found[name] = low, high
+    return found
+
+
+def _equilibrium(case: Case, given: Given, state: State, how: str, t: Any, tol: float) -> Equilibrium:
+    """One equilibrium with its shape at stations t (1, n)."""
+    trajectory = held_trajectory(Reached(state, how), given, t, tol)
+    solution = Solution(case, state.problem, trajectory, t, "shooting", tol)
+    seen = observe(solution, ["turns", "attached", "energy", "bending_energy"])
+    held, dead = float(solution.held_index), dead_index_of(state)
+    stray = _stray(solution)
+    return Equilibrium(
+        solution,
+        int(held) if np.isfinite(held) else -1,
+        float(seen["energy"]) + _given_back(solution),
+        float(solution.dbeta[0]),
+        int(seen["turns"]),
+        float(seen["attached"]),
+        stray,
+        state.path.level_path,
+        int(dead) if np.isfinite(dead) else -1,
+        how,
+    )
+
+
+def _given_back(solution: Solution) -> float:
+    """The work of loads that are reactions, less that of the end moments that are given."""
+    ends = solution.case.given
+    assert isinstance(ends, Ends)
+    along = {"height": solution.z, "azimuth": solution.alpha, "rotation": solution.gamma}
+    work = sum(float(getattr(solution, _WORK[name]) * (values[-1] - values[0])) for name, values in along.items()
+               if name in solution.held)  # fmt: skip
+    for name, sign, beta in (("M10", -1, solution.problem.beta0), ("M1L", 1, solution.problem.betaL)):  # type: ignore[union-attr]
+        if name in solution.held:
+            work -= sign * float(getattr(ends, name)) * float(beta[0])
+    return work
+
+
+def _stray(solution: Solution) -> float:
+    """The most that beta leaves the interval between its end angles [rad]."""
+    ends = solution.beta[[0, -1]]
+    return max(float(solution.beta.max() - ends.max()), float(ends.min() - solution.beta.min()), 0.0)
+
+
+def _search_of(found: HeldFound, size: dict[str, float], swings: int) -> HeldSearch:
+    name_of = {NUMBER_OF[own]: own for own, _ in PAIRS}
+    within = {
+        name_of[name]: tuple(end * size[name_of[name]] for end in ends) for name, ends in found.ranges.bounds.items()
+    }
+    counts = found.problems, found.starts, found.failed, found.tries, found.outside
+    return HeldSearch(within, swings, *counts, ANY_LOAD if found.any_load else "")  # type: ignore[arg-type]
