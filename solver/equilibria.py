@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .boundary.selection import NEAREST, Choose, select
-from .numerics.arrays import Array
-from .problem.case import Case, Ends
 from .equilibrium_list import Equilibria, Equilibrium, in_order
 from .held_equilibria import TRIES, held_equilibria
+from .numerics.arrays import Array
+from .problem.case import Case, Ends
 from .problem.errors import InputError, choices
 from .problem.held_ends import held_of
 from .problem.reduced import EndsProblem, reduce
@@ -21,6 +21,8 @@ from .solution import Solution
 if TYPE_CHECKING:
     from .orbit.periodic_orbit import Orbit
 
+__all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
+
 MOST_SWINGS = 200
 NONE_FOUND = "incomplete: no equilibrium was found, and by degree there is always one"
 
@@ -28,6 +30,7 @@ NONE_FOUND = "incomplete: no equilibrium was found, and by degree there is alway
 def equilibria(
     case: Case, tol: float = DEFAULT_TOLERANCE, stations: int = 201, most_swings: int | None = None,
     within: Mapping[str, Sequence[float]] | None = None, tries: int = TRIES,
+    values: int | None = None,
 ) -> Equilibria:  # fmt: skip
     """All equilibria of one ends problem; of one with held ends those that a search over stated ranges finds.
 
@@ -48,6 +51,9 @@ def equilibria(
         where the held displacement needs it; end angles within half a turn of the other one.
     tries : int
         Under held ends, the number of deflations without a new equilibrium after which the search ends.
+    values : int, optional
+        Under held ends, at how many values of each reaction all equilibria under dead loads are computed. Default: 61
+        of one reaction, 13 of each of two, 6, 4 and 3 of three, four and five.
 
     Returns
     -------
@@ -76,7 +82,7 @@ def equilibria(
     from .observe.observables import OBSERVABLES
 
     if held_of(case):
-        return held_equilibria(case, tol, stations, most_swings, dict(within or {}), tries)
+        return held_equilibria(case, tol, stations, most_swings, dict(within or {}), tries, values)
     if within:
         raise InputError(f"within takes reactions of held ends, and the case holds none; got {choices(within)}")
     problem = reduce(case)

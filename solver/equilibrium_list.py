@@ -130,7 +130,8 @@ class HeldSearch:
     def __str__(self) -> str:
         ranges = ", ".join(f"{name} from {low:.6g} to {high:.6g}" for name, (low, high) in self.within.items())
         said = [
-            f"not proved complete: searched over {ranges}, from rods of at most {self.most_swings} whole periods of beta",
+            f"not proved complete: searched over {ranges}",
+            f"from rods of at most {self.most_swings} whole periods of beta",
             f"{self.problems} dead-load problems",
             f"{self.starts} continuations of which {self.failed} failed",
             f"{self.deflations} deflations",

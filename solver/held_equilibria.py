@@ -12,7 +12,7 @@ from .boundary.held_system import Given, State
 from .equilibrium_list import Equilibrium, HeldEquilibria, HeldSearch, in_order
 from .observe import observe
 from .problem.case import PAIRS, Case, Ends
-from .problem.errors import InputError, choices, no_such
+from .problem.errors import InputError, no_such
 from .problem.held_ends import NUMBER_OF, held_of, reduce_held
 from .problem.limits import LARGEST, SHORTEST, TOO_LARGE
 from .solution import Solution
@@ -24,21 +24,30 @@ ANY_LOAD = "a straight rod or a helix is an equilibrium under any load and is no
 
 
 def held_equilibria(
-    case: Case, tol: float, stations: int, most_swings: int | None, within: dict[str, Any], tries: int
+    case: Case,
+    tol: float,
+    stations: int,
+    most_swings: int | None,
+    within: dict[str, Any],
+    tries: int,
+    values: int | None,
 ) -> HeldEquilibria:
     """The equilibria of a case with held ends; the parameters are those of `equilibria.equilibria`."""
     if case.shape:
         raise InputError(f"equilibria takes one case at a time, got a grid of shape {case.shape}")
     if tries < 0:
         raise InputError(f"tries must be a whole number of at least 0, got {tries!r}")
+    if values is not None and values < 2:
+        raise InputError(f"values must be a whole number of at least 2, got {values!r}")
     size = _sizes(case)
-    own = {NUMBER_OF[name]: tuple(end / size[name] for end in ends) for name, ends in _ranges(case, within).items()}
+    ranges = _ranges(case, within)
+    own = {NUMBER_OF[name]: (low / size[name], high / size[name]) for name, (low, high) in ranges.items()}
     swings = MOST_SWINGS if most_swings is None else most_swings
     problem = reduce_held(case)
     numbers = np.append(problem.values[0], [problem.span[0], problem.ratio[0]])
     if not (np.abs(numbers) < LARGEST).all() or problem.span[0] < SHORTEST:
         return HeldEquilibria([], HeldSearch({}, swings, 0, 0, 0, 0, 0, TOO_LARGE))
-    found = held_search(Given.of(problem), own, swings, tries)
+    found = held_search(Given.of(problem), own, swings, tries, values)
     t = problem.span[:, None] * np.linspace(0, 1, stations)
     listed = [_equilibrium(case, found.given, *one, t, tol) for one in zip(found.states, found.how, strict=True)]
     return HeldEquilibria(in_order(listed), _search_of(found, size, swings))
@@ -60,7 +69,9 @@ def _ranges(case: Case, within: dict[str, Any]) -> dict[str, tuple[float, float]
         try:
             low, high = (float(end) for end in ends)
         except (TypeError, ValueError):
-            raise InputError(f"within[{name!r}] must be two numbers, the lowest and the highest, got {ends!r}") from None
+            raise InputError(
+                f"within[{name!r}] must be two numbers, the lowest and the highest, got {ends!r}"
+            ) from None
         if not (np.isfinite([low, high]).all() and low < high):
             raise InputError(f"within[{name!r}] must be two finite rising numbers, got {ends!r}")
         found[name] = low, high
@@ -71,7 +82,7 @@ def _equilibrium(case: Case, given: Given, state: State, how: str, t: Any, tol: 
     """One equilibrium with its shape at stations t (1, n)."""
     trajectory = held_trajectory(Reached(state, how), given, t, tol)
     solution = Solution(case, state.problem, trajectory, t, "shooting", tol)
-    seen = observe(solution, ["turns", "attached", "energy", "bending_energy"])
+    seen = observe(solution, ["turns", "attached", "energy"])
     held, dead = float(solution.held_index), dead_index_of(state)
     stray = _stray(solution)
     return Equilibrium(
@@ -109,8 +120,7 @@ def _stray(solution: Solution) -> float:
 
 def _search_of(found: HeldFound, size: dict[str, float], swings: int) -> HeldSearch:
     name_of = {NUMBER_OF[own]: own for own, _ in PAIRS}
-    within = {
-        name_of[name]: tuple(end * size[name_of[name]] for end in ends) for name, ends in found.ranges.bounds.items()
-    }
+    bounds = {name_of[number]: ends for number, ends in found.ranges.bounds.items()}
+    within = {name: (low * size[name], high * size[name]) for name, (low, high) in bounds.items()}
     counts = found.problems, found.starts, found.failed, found.tries, found.outside
-    return HeldSearch(within, swings, *counts, ANY_LOAD if found.any_load else "")  # type: ignore[arg-type]
+    return HeldSearch(within, swings, *counts, ANY_LOAD if found.any_load else "")

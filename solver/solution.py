@@ -326,9 +326,10 @@ class Solution:
         find = self.trajectory.alternatives
         if find is None or self.case.shape or not self.solved:
             return ()
-        found = find(self.t)
-        shapes = ((away, Solution(self.case, *shape, self.t, self.method, self.tol)) for away, *shape in found)
-        return tuple(Alternative(away, solution) for away, solution in shapes)
+        return tuple(
+            Alternative(away, Solution(self.case, problem, shape, self.t, self.method, self.tol))
+            for away, problem, shape in find(self.t)
+        )
 
     @property
     def error(self) -> Any:

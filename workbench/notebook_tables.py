@@ -8,6 +8,7 @@ import numpy as np
 
 from solver import Case, Solution
 from solver.equilibria import Equilibria
+from solver.equilibrium_list import stability
 from solver.observe.observables import observe
 from solver.problem.quantities import quantity, unit_of
 
@@ -50,8 +51,7 @@ def of_equilibria(found: Equilibria) -> str:
     head = "".join(f"<th>{escape(name)}</th>" for name in HEADINGS)
     rows = []
     for i, one in enumerate(found, 1):
-        stability = "stable" if one.index == 0 else f"index {one.index}"
-        numbers = stability, f"{one.energy:.6g}", str(one.turns), f"{one.dbeta0:.6g}", f"{one.attached:.0%}"
+        numbers = stability(one.index), f"{one.energy:.6g}", str(one.turns), f"{one.dbeta0:.6g}", f"{one.attached:.0%}"
         cells = "".join(f"<td>{labels.minus_signs(escape(number))}</td>" for number in numbers)
         rows.append(f"<tr><th>{i}</th>{cells}</tr>")
     remark = found.remark or "the list passes the test of completeness"

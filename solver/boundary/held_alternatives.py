@@ -15,13 +15,15 @@ from .branch_states import Bounds
 from .held_continuation import state_of
 from .held_curve import HeldFamily
 from .held_deflation import across_fold, deflated, fold_beside, is_known, numbers_of
-from .held_index import index_of
+from .held_index import decided_index
 from .held_system import Given, State
 from .path_orbits import orbit_of
 
+NEARER = "another equilibrium with these ends is nearer to this one than the seed is: see alternatives"
 _MOST = 150  # points of a branch in each direction
 _REACH = (-1.0, 3.0)  # shares of the way from the seed, 0, to the held ends, 1, over which its branch is followed
 _STATIONS = 129
+_ITSELF = 1e-9  # rad
 
 
 def alternatives_of(seed: State, found: State, wanted: Given) -> list[State]:
@@ -38,6 +40,9 @@ def alternatives_of(seed: State, found: State, wanted: Given) -> list[State]:
         add(deflated(guess, wanted, known))
     for state in _on_branch(seed, found, wanted):
         add(state)
+    for other in tuple(others):
+        for guess in across_fold(other, wanted)[:1]:
+            add(deflated(guess, wanted, known))
     return others
 
 
@@ -46,7 +51,9 @@ def _on_branch(seed: State, found: State, wanted: Given) -> list[State]:
     first = wanted.at(seed)
 
     def given(share: float) -> Given | None:
-        values, span = ((1 - share) * getattr(first, name) + share * getattr(wanted, name) for name in ("values", "span"))
+        values, span = (
+            (1 - share) * getattr(first, name) + share * getattr(wanted, name) for name in ("values", "span")
+        )
         return wanted if share == 1 else replace(wanted, values=values, span=span) if span > 0 else None
 
     family, bounds = HeldFamily(given, found.problem, 1.0), Bounds(*_REACH, (1.0,), _MOST)
@@ -69,14 +76,12 @@ def away(one: State, other: State) -> float:
 
 def said_of_seed(seed: State, found: State, wanted: Given) -> str:
     """How far the seed is, what differs there, and whether another equilibrium is nearer than the seed."""
-    words = f"the seed, {away(seed, found):.3g} rad away"
-    indices = index_of(seed, wanted.at(seed)), index_of(found, wanted)
+    far = away(seed, found)
+    words = f"the seed, {far:.3g} rad away" if far > _ITSELF else "the seed itself"
+    indices = decided_index(seed, wanted.at(seed)), decided_index(found, wanted)
     if np.isfinite(indices).all() and indices[0] != indices[1]:
         words += f"; the seed has index {indices[0]:.0f} and this equilibrium index {indices[1]:.0f}"
     beside = fold_beside(found, wanted)
     if beside is not None and abs(beside[1]) < np.linalg.norm(numbers_of(found) - numbers_of(seed)):
         words += f"; {NEARER}"
     return words
-
-
-NEARER = "another equilibrium with these ends is nearer to this one than the seed is: see alternatives"

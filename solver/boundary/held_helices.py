@@ -51,7 +51,9 @@ def _angles(known: dict[str, float], given: Given) -> list[float]:
 
     grid = np.linspace(-np.pi, np.pi, _SCAN) + 1e-3
     values = [pull(float(beta)) for beta in grid]
-    return [float(brentq(pull, grid[i], grid[i + 1], xtol=1e-15)) for i in range(_SCAN - 1) if values[i] * values[i + 1] < 0]
+    return [
+        float(brentq(pull, grid[i], grid[i + 1], xtol=1e-15)) for i in range(_SCAN - 1) if values[i] * values[i + 1] < 0
+    ]
 
 
 def _twist(beta: float, known: dict[str, float], given: Given) -> float:

@@ -73,7 +73,7 @@ def index_of(state: State, wanted: Given) -> float:
     A rod with a hinge at both ends rests at both, so between its own two angles beta_t is a direction of no stiffness.
     Its index is then that of two neighbours, with small moments at both ends, if they agree.
     """
-    found = _index(state, wanted)
+    found = decided_index(state, wanted)
     hinged = [k for k, name in enumerate(wanted.names) if name.startswith("dbeta")]
     if np.isfinite(found) or not hinged:
         return found
@@ -83,7 +83,7 @@ def index_of(state: State, wanted: Given) -> float:
         values[hinged] += small
         near = replace(wanted, values=values)
         moved = carried(state, near)
-        beside.append(np.nan if isinstance(moved, Stopped) else _index(moved, near))
+        beside.append(np.nan if isinstance(moved, Stopped) else decided_index(moved, near))
     return beside[0] if beside[0] == beside[1] else np.nan
 
 
@@ -94,6 +94,7 @@ def dead_index_of(state: State) -> float:
     return float(dead_index(state.rates, np.array([state.path.turns]))[0])
 
 
-def _index(state: State, wanted: Given) -> float:
+def decided_index(state: State, wanted: Given) -> float:
+    """The Morse index under the held ends by the rule alone; NaN where an eigenvalue is zero to rounding."""
     dead = np.array([dead_index_of(state)])
     return float(held_index(state.rates, np.array([wanted.ratio]), wanted.names, dead)[0])

@@ -1,8 +1,8 @@
 """The mirror images of an equilibrium that have the same held ends.
 
-beta -> -beta changes the signs of lam and mu, beta -> pi - beta those of phi and mu, and the rod may be run through from
-its far end. Each of the seven images solves a problem with other given numbers; it is another equilibrium of the same
-problem where these are the same numbers.
+beta -> -beta changes the signs of lam and mu, beta -> pi - beta those of phi and mu, and the rod may be run through
+from its far end. Each of the seven images solves a problem with other given numbers; where these are the same numbers,
+it is another equilibrium of the same problem.
 """
 
 from dataclasses import dataclass, replace
@@ -49,11 +49,8 @@ class Mirror:
             return to, self.angle(value)
         if name in ("dbeta0", "dbetaL"):
             return to, self.direction * (-value if self.backward else value)
-        return to, value * np.prod([-1.0 if on and name in odd else 1.0 for on, odd in zip(self.pair, _ODD)])
-
-    @property
-    def pair(self) -> tuple[bool, bool]:
-        return self.negated, self.turned
+        odd = sum(on and name in signs for on, signs in zip((self.negated, self.turned), _ODD, strict=True))
+        return to, -value if odd == 1 else value
 
 
 def mirrors_of(given: Given) -> list[Mirror]:

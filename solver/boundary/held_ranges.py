@@ -18,9 +18,10 @@ VALUES = {1: 61, 2: 13, 3: 6, 4: 4, 5: 3}  # of each of so many unknowns
 
 @dataclass(frozen=True)
 class Ranges:
-    """The lowest and the highest value of each unknown number, by its name."""
+    """The lowest and the highest value of each unknown number, by its name, and how many values of each are taken."""
 
     bounds: dict[str, tuple[float, float]]
+    count: int
 
     def holds(self, values: dict[str, float]) -> bool:
         """Whether numbers lie within."""
@@ -28,8 +29,7 @@ class Ranges:
 
     def axes(self) -> dict[str, Array]:
         """The values of each; of a force or MZ at equal steps of its root, as half waves go with it."""
-        count = VALUES[len(self.bounds)]
-        return {name: _steps(*ends, count, name in ("phi", "lam")) for name, ends in self.bounds.items()}
+        return {name: _steps(*ends, self.count, name in ("phi", "lam")) for name, ends in self.bounds.items()}
 
     def points(self) -> list[dict[str, float]]:
         """All combinations of the values."""
@@ -37,10 +37,11 @@ class Ranges:
         return [dict(zip(axes, values, strict=True)) for values in product(*(axis.tolist() for axis in axes.values()))]
 
 
-def ranges_of(given: Given, own: dict[str, tuple[float, float]]) -> Ranges:
-    """The ranges of the unknown numbers of a problem, those of `own` as they are there."""
+def ranges_of(given: Given, own: dict[str, tuple[float, float]], count: int | None) -> Ranges:
+    """The ranges of the unknown numbers of a problem, those of `own` as they are there, with `count` values of each."""
     known = dict(zip(given.names, given.values.tolist(), strict=True))
-    return Ranges({name: own.get(name) or _default(name, known, given) for name in FREE if name not in known})
+    bounds = {name: own.get(name) or _default(name, known, given) for name in FREE if name not in known}
+    return Ranges(bounds, VALUES[len(bounds)] if count is None else count)
 
 
 def _default(name: str, known: dict[str, float], given: Given) -> tuple[float, float]:
@@ -49,7 +50,8 @@ def _default(name: str, known: dict[str, float], given: Given) -> tuple[float, f
         other = known.get("betaL" if name == "beta0" else "beta0", 0.0)
         return other - np.pi, other + np.pi
     if name == "mu":  # turn = ratio mu span - swirl, and |swirl| is at most span/2
-        return tuple((known["turn"] + sign * span / 2) / (given.ratio * span) for sign in (-1, 1))  # type: ignore[return-value]
+        low, high = ((known["turn"] + sign * span / 2) / (given.ratio * span) for sign in (-1, 1))
+        return low, high
     dead = sum(abs(known.get(load, 0.0)) for load in ("phi", "lam", "mu"))
     waves = (HALF_WAVES * np.pi / span) ** 2
     most = float(min(waves + _SURFACE + dead + _straightening(name, known, span), _HARDEST))
@@ -57,8 +59,10 @@ def _default(name: str, known: dict[str, float], given: Given) -> tuple[float, f
 
 
 def _straightening(load: str, known: dict[str, float], span: float) -> float:
-    """The load that pulls a clamped rod to its held height or azimuth: each end falls 2 (1 - cos(b/2))/sqrt(load) short,
-    b being its angle from the pull."""
+    """The load that pulls a clamped rod to its held height or azimuth.
+
+    Each end falls 2 (1 - cos(b/2))/sqrt(load) short, b being its angle from the pull.
+    """
     held = known["z" if load == "phi" else "alpha"]
     pull = {"phi": 0.0, "lam": np.pi / 2}[load] if held >= 0 else {"phi": np.pi, "lam": -np.pi / 2}[load]
     short = sum(2 * (1 - abs(np.cos((known[name] - pull) / 2))) for name in ("beta0", "betaL") if name in known)
@@ -69,8 +73,7 @@ def _straightening(load: str, known: dict[str, float], span: float) -> float:
 def _steps(low: float, high: float, count: int, rooted: bool) -> Array:
     if not rooted:
         return np.linspace(low, high, count)
-    ends = [np.sign(end) * np.sqrt(abs(end)) for end in (low, high)]
-    root = np.linspace(*ends, count)
+    root = np.linspace(np.sign(low) * np.sqrt(abs(low)), np.sign(high) * np.sqrt(abs(high)), count)
     steps = np.sign(root) * root * root
     steps[[0, -1]] = low, high
     return np.asarray(steps)

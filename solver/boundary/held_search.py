@@ -71,13 +71,15 @@ class HeldFound:
         return self._known
 
 
-def held_search(given: Given, own: dict[str, tuple[float, float]], most_periods: int, tries: int) -> HeldFound:
+def held_search(
+    given: Given, own: dict[str, tuple[float, float]], most_periods: int, tries: int, values: int | None = None
+) -> HeldFound:
     """The equilibria with the given numbers.
 
-    own: ranges of unknown numbers in place of the default ones. tries: deflations without a new equilibrium after which
-    the search ends.
+    own: ranges of unknown numbers in place of the default ones; values: how many of each. tries: the deflations without
+    a new equilibrium after which the search ends.
     """
-    found = HeldFound(given, ranges_of(given, own))
+    found = HeldFound(given, ranges_of(given, own, values))
     points = swept(given, found.ranges, most_periods)
     found.problems, found.equilibria = len(points), sum(len(point.states) for point in points)
     for some in starts_of(points, found.ranges):

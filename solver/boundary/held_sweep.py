@@ -2,9 +2,10 @@
 
 With one unknown, equilibria at neighbouring values are joined: on each path (direction at the start, number of turning
 points) they keep the order of their levels. Where what is held passes its wanted value between two neighbours, one of
-them is a start, and both where a cubic through their values and slopes comes back to it. Equilibria that have no
-neighbour, next to a fold or where a turning point leaves the rod, are starts too. With several unknowns those are starts
-from which the first-order change of the unknowns is short, in steps of the grid.
+them is a start, and also where a cubic through their values and slopes comes back to it. Of the equilibria that have no
+neighbour, next to a fold or where a turning point leaves the rod, the nearest on either side are starts too.
+
+With several unknowns, equilibria are starts if the first-order change of the unknowns is short, in steps of the grid.
 """
 
 from collections import defaultdict
@@ -45,7 +46,9 @@ def swept(given: Given, ranges: Ranges, most_periods: int) -> list[Point]:
     found = []
     for values in ranges.points():
         numbers = {name: values.get(name, known.get(name)) for name in FREE}
-        problem = EndsProblem(**{name: np.array([value]) for name, value in numbers.items()}, span=np.array([given.span]))
+        problem = EndsProblem(
+            **{name: np.array([value]) for name, value in numbers.items()}, span=np.array([given.span])
+        )
         found.append(_point(problem, given, list(ranges.bounds), most_periods))
     return found
 
@@ -60,8 +63,8 @@ def _point(problem: EndsProblem, given: Given, unknown: list[str], most_periods:
     rates = orbit_rates(problem.take(np.zeros(len(paths), dtype=int)), paths)
     off, slope = _held(rates, given, unknown)
     states = [State(problem, path, rates.take(slice(i, i + 1))) for i, path in enumerate(paths)]
-    fine = np.isfinite(off).all(axis=1)
-    return Point([state for state, good in zip(states, fine, strict=True) if good], off[fine], slope[fine])
+    fine = np.flatnonzero(np.isfinite(off).all(axis=1))
+    return Point([states[i] for i in fine], off[fine], slope[fine])
 
 
 def _held(rates: OrbitRates, given: Given, unknown: list[str]) -> tuple[Array, Array]:
@@ -83,7 +86,9 @@ def starts_of(points: list[Point], ranges: Ranges) -> list[list[State]]:
     """The starts, each with others that may lead to the same equilibrium, the best first."""
     if len(ranges.bounds) == 1:
         (axis,) = ranges.axes().values()
-        return [some for i, (one, two) in enumerate(pairwise(points)) for some in _between(one, two, axis[i + 1] - axis[i])]
+        return [
+            some for i, (one, two) in enumerate(pairwise(points)) for some in _between(one, two, axis[i + 1] - axis[i])
+        ]
     return _nearest(points, ranges)
 
 
@@ -99,12 +104,11 @@ def _between(one: Point, two: Point, step: float) -> list[list[State]]:
         for i, j in zip(here, there, strict=True):
             a, b = float(one.off[i, 0]), float(two.off[j, 0])
             pair = [one.states[i], two.states[j]][:: 1 if abs(a) <= abs(b) else -1]
-            if a * b <= 0:
+            if a * b <= 0 or _returns(a, b, step * float(one.slope[i, 0, 0]), step * float(two.slope[j, 0, 0])):
                 starts.append(pair)
-            elif _returns(a, b, step * float(one.slope[i, 0, 0]), step * float(two.slope[j, 0, 0])):
-                starts += [[state] for state in pair]
-    if alone and min(off for off, _ in alone) < 0 < max(off for off, _ in alone):
-        starts += [[state] for _, state in alone]
+    sides = [[one for one in alone if one[0] * sign > 0] for sign in (1, -1)]
+    if all(sides):
+        starts += [[min(side, key=lambda one: abs(one[0]))[1]] for side in sides]
     return starts
 
 
@@ -129,7 +133,12 @@ def _returns(a: float, b: float, a_slope: float, b_slope: float) -> bool:
     if not np.isfinite([a_slope, b_slope]).all():
         return True
     u = np.linspace(0, 1, 21)
-    cubic = a * (1 + 2 * u) * (1 - u) ** 2 + b * u * u * (3 - 2 * u) + a_slope * u * (1 - u) ** 2 - b_slope * u * u * (1 - u)
+    cubic = (
+        a * (1 + 2 * u) * (1 - u) ** 2
+        + b * u * u * (3 - 2 * u)
+        + a_slope * u * (1 - u) ** 2
+        - b_slope * u * u * (1 - u)
+    )
     return bool((cubic * a <= 0).any())
 
 

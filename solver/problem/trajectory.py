@@ -134,7 +134,10 @@ def blanked(told: Trajectory, fit: NDArray[np.bool_], why: str) -> Trajectory:
     beta, dbeta, alpha, z = (np.where(shown, v, np.nan) for v in (told.beta, told.dbeta, told.alpha, told.z))
     return replace(
         told,
-        **{"beta": beta, "dbeta": dbeta, "alpha": alpha, "z": z},
+        beta=beta,
+        dbeta=dbeta,
+        alpha=alpha,
+        z=z,
         swirl=lambda: np.where(shown, told.swirl(), np.nan),
         solved=told.solved & fit,
         outcome=np.where(fit, told.outcome, why),

@@ -7,30 +7,28 @@ from typing import Any
 from solver import Case, Ends, InputError, solve
 from solver.equilibria import Equilibrium
 from solver.problem.errors import choices
+from solver.problem.held_ends import held_of
 from studies import Study
 
 from ..data import writing
 from ..run.case_input import field_values
 
 
-def ends_problem(study: Study) -> Case:
-    """The case of a study as an ends problem.
+def ends_problem(study: Study, held: bool = False) -> Case:
+    """The case of a study as an ends problem; held: whether its ends may hold displacements or give moments.
 
     A start problem keeps its loads; its end angles become beta(0) and beta(L) of its solution.
 
     Raises
     ------
     InputError
-        For a study with axes, or a start problem that is not solved.
+        For a study with axes, one of held ends unless `held`, or a start problem that is not solved.
     """
     if study.dimensions().each:
         raise InputError(f"{study.name} has {study.variation}: equilibria takes one case")
     case = study.case()
-    if study.held:
-        raise InputError(
-            f"equilibria lists those under dead loads and between two angles, got {choices(study.held)}: "
-            "workbench solve finds one equilibrium of held ends"
-        )
+    if not held:
+        refuse_held(case)
     if isinstance(case.given, Ends):
         return case
     sol = solve(case, tol=1e-12, stations=2)
@@ -40,11 +38,24 @@ def ends_problem(study: Study) -> Case:
     return Case(case.rod, case.cylinder, Ends(g.beta, float(sol.beta[-1]), *case.loads, g.alpha, g.gamma))
 
 
+def refuse_held(case: Case) -> None:
+    """Raise `InputError` for a case with held ends."""
+    if held := held_of(case):
+        raise InputError(
+            f"branches and folds begin from equilibria under dead loads and between two angles, got {choices(held)}: "
+            "workbench equilibria without --axis lists those of held ends"
+        )
+
+
 def row(one: Equilibrium) -> dict[str, Any]:
-    """The numbers of an equilibrium as plain data."""
+    """The numbers of an equilibrium as plain data; under held ends its reactions and both indices."""
+    held = {}
+    if one.solution.held:
+        reactions = {name: float(value) for name, value in one.solution.reactions.items()}
+        held = {"reactions": reactions, "dead_index": one.dead_index, "found_by": one.found_by}
     return {
         "dbeta0": one.dbeta0, "energy": one.energy, "turns": one.turns, "index": one.index, "stray": one.stray,
-        "attached": one.attached,
+        "attached": one.attached, **held,
         "outcome": str(one.solution.outcome), "error": float(one.solution.error),
     }  # fmt: skip
 

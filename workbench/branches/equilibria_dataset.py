@@ -9,11 +9,16 @@ import xarray as xr
 
 from solver import Case
 from solver.equilibria import Equilibrium
+from solver.equilibrium_list import HeldEquilibria
+from solver.problem.case import PAIRS
+from solver.problem.errors import choices
+from solver.problem.held_ends import held_of
 from studies import Study
 
 from ..data import cautions, dataset, schema
 
 ALONG = ("beta", "alpha", "z", "contact")
+DEAD_INDEX = {"long_name": "Morse index under dead loads, between its own end angles", "units": "1"}
 EACH = ("dbeta0", "energy", "turns", "index", "attached")
 
 
@@ -31,7 +36,8 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
 
     Returns
     -------
-    The arrays of `ALONG` over (equilibrium, u), u = s/L, and the numbers of `EACH` over (equilibrium).
+    The arrays of `ALONG` over (equilibrium, u), u = s/L, and the numbers of `EACH` over (equilibrium); under held ends
+    the reactions and the index under dead loads as well.
     """
     units = study.unit_system
     data: dict[str, Any] = {}
@@ -42,6 +48,15 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     for name in EACH:
         values = np.array([getattr(one, name) for one in found])
         data[name] = xr.Variable(("equilibrium",), values, schema.labels(name, units))
+    reactions = [one.solution.reactions for one in found]
+    for name in reactions[0] if reactions else ():
+        values = np.array([float(each[name]) for each in reactions])
+        data[name] = xr.Variable(("equilibrium",), values, schema.labels(name, units))
+    held = held_of(case)
+    if held:
+        dead = np.array([one.dead_index for one in found], dtype=np.int64)
+        data["dead_index"] = xr.Variable(("equilibrium",), dead, DEAD_INDEX)
+        data["found_by"] = xr.Variable(("equilibrium",), np.array([one.found_by for one in found], dtype=str))
     solved = np.array([bool(one.solution.solved) for one in found], dtype=bool)
     data["solved"] = xr.Variable(("equilibrium",), solved)
     data["outcome"] = xr.Variable(("equilibrium",), np.array([str(one.solution.outcome) for one in found], dtype=str))
@@ -53,7 +68,10 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
         "u": xr.Variable(("u",), u, schema.labels("u", units)),
         "s": xr.Variable(("u",), u * float(case.rod.L), schema.labels("s", units)),
     }
-    ds = xr.Dataset(data, coords, attributes(study, case, "All equilibria between two ends"))
+    title = f"Equilibria with held ends: {choices(held)}" if held else "All equilibria between two ends"
+    ds = xr.Dataset(data, coords, attributes(study, case, title))
+    if isinstance(found, HeldEquilibria):
+        ds.attrs |= {"stability": f"held ends: {choices(held)}", "remark": found.remark}
     return with_case(ds, case, units)
 
 
@@ -69,7 +87,8 @@ def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:
 
 def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: str = "") -> xr.Dataset:
     """The dataset with the numbers of the case as scalars; skip: the field that is an axis."""
-    ends = {name: getattr(case.given, name) for name in ("beta0", "betaL", "FZ", "MZ", "M3")}
+    every = {name: getattr(case.given, name) for pair in PAIRS for name in pair}
+    ends = {name: value for name, value in every.items() if value is not None}
     numbers = {**dict(case.rod.given()), "R": case.cylinder.R, "rho": case.rho, **ends}
     for name, value in numbers.items():
         if name != skip and not (name == "rho" and skip in ("R", "a")):

@@ -20,10 +20,11 @@ if TYPE_CHECKING:
 DEFAULT = "fig7_4_end_angle"
 OPTIONS_STUDY = "equilibria"  # the name of a study made of options
 MAX_COUNT = 401  # values of an axis
+ANGLES = ("beta0", "betaL")
 COLUMNS = ("dbeta0", "energy", "turns", "index", "stray", "attached")
 
 
-@takes_case(ENDS_FIELDS)
+@takes_case((*ENDS_FIELDS, *HELD))
 def equilibria(
     file: Annotated[
         Path | None, argument("FILE|STUDY", "TOML file or name of a study of one case; default: Table 1.")
@@ -41,6 +42,13 @@ def equilibria(
         str | None,
         option("NAME", "What the picture of --axis shows: an observable such as height, wraps, energy, or dbeta0."),
     ] = None,
+    within: Annotated[
+        list[str] | None,
+        option(
+            "NAME=LOW:HIGH",
+            "Range of a reaction of held ends over which to search, such as FZ=-50:10 with a held height; repeatable.",
+        ),
+    ] = None,
     plot: Annotated[
         Path | None, option("FILE", "Picture, .png, .pdf or .svg: curves and energies; with --axis branches and folds.")
     ] = None,
@@ -54,10 +62,13 @@ def equilibria(
     choose: Choose = None,
     json: Json = False,
 ) -> int:
-    """List all equilibria between two end angles under dead loads.
+    """List all equilibria between two end angles under dead loads, or those of held ends that a search finds.
 
     The list is sorted by energy, lowest first, and gives the Morse index (0: stable). Exit status 1 if there is none
     or the list is incomplete.
+
+    With --height, --azimuth, --rotation, --M10 or --M1L the ends are held. Such a list is never proved complete; the
+    command states the range of the reactions over which it searched (--within), and what it tried.
 
     With --axis the equilibria are followed while one field varies. Over height, azimuth, rotation, M10 or M1L that
     quantity is held, and the list is not proved complete.
@@ -70,13 +81,15 @@ def equilibria(
     """
     from solver import InputError
     from solver import equilibria as all_equilibria
+    from solver.problem.errors import choices
+    from solver.problem.held_ends import held_of
 
     from ..branches.equilibria import write_cases
     from ..branches.equilibria_dataset import dataset_of
     from ..data import writing
     from . import output_file
 
-    study, case = study_and_case(file, given)
+    study, case = study_and_case(file, given, held=axis is None)
     if show is not None:
         from ..branches.followed_curves import check_shown
 
@@ -85,12 +98,18 @@ def equilibria(
         check_shown(show)
     if axis is not None and export is not None:
         raise InputError("--export writes the equilibria of one case, so it excludes --axis")
+    if export is not None and held_of(case):
+        raise InputError(
+            f"--export writes cases under dead loads, got {choices(held_of(case))}; --out stores this list"
+        )
+    if axis is not None and within:
+        raise InputError(f"--within {within[0]} is a range of reactions of held ends, so it excludes --axis")
     picture = output_file.check(plot, (".png", ".pdf", ".svg"), force) if plot else None
     if out is not None and not force:
         writing.check_free(out, "equilibria")
     if axis is not None:
         return _over_axis(study, case, parse_axis(axis), picture, out, json, force, show)
-    found = all_equilibria(case)
+    found = all_equilibria(case, within=parse_within(within or []))
     _print(study, case, found, choose, _source(study, file, given), json)
     if picture or out:
         ds = dataset_of(study, case, found)
@@ -105,11 +124,23 @@ def equilibria(
         write_cases(study, case, found, export)
         if not json:
             console.say(f"{len(found)} cases in {export}")
-    return 0 if found and found.complete else 1
+    return 0 if found and (found.complete or held_of(case)) else 1
 
 
-def study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
-    """The case of a file or of Table 1 with some fields replaced, or with units that of the options alone."""
+def study_and_case(file: Path | None, given: Given, held: bool = False) -> "tuple[Study, Case]":
+    """The case of a file or of Table 1 with some fields replaced, or with units that of the options alone.
+
+    Raises `InputError` for held ends unless `held`.
+    """
+    from ..branches.equilibria import refuse_held
+
+    study, case = _study_and_case(file, given)
+    if not held:
+        refuse_held(case)
+    return study, case
+
+
+def _study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
     from solver import Ends, InputError
     from studies import load
     from studies.loader import loads
@@ -119,7 +150,7 @@ def study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
 
     if not given.units:
         study = load(DEFAULT if file is None else str(file))
-        return study, with_fields(ends_problem(study), given.values)
+        return study, with_fields(ends_problem(study, held=True), given.values)
     if file is not None:
         raise InputError(f"{file.name} states its own units: change them in the file")
     case, defaults = from_values(given.values, Ends)
@@ -141,6 +172,9 @@ def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None
 
     from solver.boundary.selection import selection
     from solver.equilibria import meant
+    from solver.equilibrium_list import HeldEquilibria
+    from solver.problem.errors import choices
+    from solver.problem.held_ends import held_of
 
     from ..branches.equilibria import row
     from ..run.case_input import field_values
@@ -151,28 +185,57 @@ def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None
     taken = meant(found, rule)
     rows = [{**row(one), "taken": one is taken} for one in found]
     how = selection(rule, np.array([one.index for one in found], dtype=int), len(found), found.complete)
+    searched = found.search if isinstance(found, HeldEquilibria) else None
     if as_json:
         console.print_json({
             "case": field_values(case), "units": study.unit_system, "selection": {**asdict(how), "rule": how.rule},
             "equilibria": rows, "complete": found.complete, "remark": found.remark,
+            **({} if searched is None else {"search": asdict(searched)}),
         })  # fmt: skip
         return
-    _print_table(study, rows)
+    _print_table(study, rows, list(searched.within) if searched else [])
     stable = sum(r["index"] == 0 for r in rows)
-    console.say(f"{len(rows)} equilibria, {stable} stable with the end angles held and dead loads")
-    if not found.complete:
+    ends = f"under held ends: {choices(held_of(case))}" if searched else "with the end angles held and dead loads"
+    console.say(f"{len(rows)} equilibria, {stable} stable {ends}")
+    if searched:
+        console.say(str(searched))
+    elif not found.complete:
         console.say(f"the list may be incomplete: {found.remark}")
     if found:
         console.say(f"* {how.rule}" if taken else f"none has index {rule}")
     console.say(f"rod: {source}")
 
 
-def _print_table(study: "Study", rows: Sequence[dict[str, Any]]) -> None:
-    units = [f"rad/{study.units.length}", f"{study.units.force} {study.units.length}", "", "", "rad", ""]
-    heads = [f"{name} ({unit})" if unit else name for name, unit in zip(COLUMNS, units, strict=True)]
+def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequence[str] = ()) -> None:
+    """The equilibria, a row each; reactions: of held ends, shown with the index under dead loads."""
+    length, force = study.units.length, study.units.force
+    units = dict(zip(COLUMNS, [f"rad/{length}", f"{force} {length}", "", "", "rad", ""], strict=True))
+    moments = dict.fromkeys(("MZ", "M3"), f"{force} {length}")
+    units |= {name: {"FZ": force, **moments}.get(name, "rad") for name in reactions}
+    shown = [*reactions, *COLUMNS[:4], *(["dead_index"] if reactions else []), *COLUMNS[4:]]
+    heads = [f"{name} ({units[name]})" if units.get(name) else name.replace("_", " ") for name in shown]
     marks = [f"{i} *" if r["taken"] else f"{i}" for i, r in enumerate(rows, 1)]
-    table = [[mark, *(r[name] for name in COLUMNS)] for mark, r in zip(marks, rows, strict=True)]
-    console.print_table(["", *heads], table)
+    every = [{**r, **r.get("reactions", {})} for r in rows]
+    console.print_table(
+        ["", *heads], [[mark, *(r[name] for name in shown)] for mark, r in zip(marks, every, strict=True)]
+    )
+
+
+def parse_within(said: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """``FZ=-50:10`` as a reaction with its range, angles in rad. Raises `InputError`."""
+    from solver import InputError
+    from solver.problem.angles import angle
+
+    found = {}
+    for text in said:
+        name, _, ends = text.partition("=")
+        try:
+            read = angle if name in ANGLES else float
+            low, high = (read(end) for end in ends.split(":"))
+        except ValueError:
+            raise InputError(f"--within takes NAME=LOW:HIGH with numbers, such as FZ=-50:10, got {text!r}") from None
+        found[name] = low, high
+    return found
 
 
 def parse_axis(text: str) -> "tuple[str, np.ndarray]":

@@ -6,6 +6,7 @@ the study names, or that the rule of `solve` selects. A search that would take m
 
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -85,7 +86,7 @@ def bare(one: Shape) -> Shape:
 def portable(one: Shape) -> Shape:
     """The same rod with its arrays alone: it can be sent to another process, and holds no other rod in memory."""
     trajectory = one.sol.trajectory
-    arrays = {name: np.array(getattr(trajectory, name)) for name in ("beta", "dbeta", "alpha", "z")}
+    arrays: dict[str, Any] = {name: np.array(getattr(trajectory, name)) for name in ("beta", "dbeta", "alpha", "z")}
     kept = replace(trajectory, **arrays, swirl=partial(np.array, trajectory.swirl()))
     return Shape(one.study, replace(one.sol, trajectory=kept))
 

@@ -1,0 +1,234 @@
+"""Equilibria with held ends: the list against a brute-force sweep, known problems and symmetries; its index and energy;
+what the list says of its search; and what is refused."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Ends, InputError, Rod, equilibria, solve
+from solver.boundary.branch_coordinates import path_of
+from solver.boundary.held_deflation import is_known
+from solver.boundary.held_mirrors import Mirror, image_of, mirrors_of
+from solver.boundary.held_search import held_search
+from solver.boundary.held_system import Given, State
+from solver.boundary.orbit_rates import NUMBERS, orbit_rates
+from solver.boundary.search import search
+from solver.equilibrium_list import HeldEquilibria
+from solver.observe import observe
+from solver.problem.held_ends import reduce_held
+from solver.problem.reduced import EndsProblem
+from tests.laws.test_held_ends import discrete_index
+
+SHORT, DRUM = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(0.75)  # rho = 1
+
+
+def clamped(**held: Any) -> Case:
+    return Case(SHORT, DRUM, Ends(**{"beta0": 0.0, "betaL": 0.0, **held}))
+
+
+def dead(numbers: dict[str, float]) -> EndsProblem:
+    return EndsProblem(**{name: np.array([value]) for name, value in numbers.items()})
+
+
+def state_of(problem: EndsProblem, i: int) -> State:
+    """Equilibrium i of a dead-load problem."""
+    every = search(problem)
+    assert every is not None
+    path = path_of(every.path, i)
+    return State(problem, path, orbit_rates(problem, [path]))
+
+
+@pytest.fixture(scope="module")
+def listed() -> HeldEquilibria:
+    """Those of a clamped rod at a held height whose force is of the size that buckles it into one or two half waves."""
+    found = equilibria(clamped(height=4.0), within={"FZ": (-90.0, -30.0)}, values=4, tries=0)
+    assert isinstance(found, HeldEquilibria)
+    return found
+
+
+def test_mirror_images_are_listed_and_each_index_is_that_of_the_constrained_second_variation(
+    listed: HeldEquilibria,
+) -> None:
+    found = listed
+    assert [one.index for one in found] == [0, 0, 1, 1]
+    for one, image in zip(found[::2], found[1::2], strict=True):
+        assert image.dbeta0 == pytest.approx(-one.dbeta0, abs=1e-10)
+        assert pytest.approx(one.solution.FZ, rel=1e-11) == image.solution.FZ
+        assert image.solution.beta == pytest.approx(-one.solution.beta, abs=1e-10)
+    for one in found:
+        orbit = one.solution.trajectory.orbit
+        assert one.solution.z[-1] == pytest.approx(4.0, abs=1e-11)
+        names = ("beta0", "betaL", "z", "lam", "mu")
+        assert one.index == discrete_index(one.solution.problem, orbit, names, 1.25)
+        assert one.dead_index == discrete_index(one.solution.problem, orbit, ("beta0", "betaL"), 1.25)
+
+
+def test_the_energy_changes_with_the_height_by_the_force(listed: HeldEquilibria) -> None:
+    """Under a held height the force does no work, and dE/d height = FZ."""
+    one, step = listed[0].solution, 1e-3
+    below, above = (solve(clamped(height=4.0 + d), seed=one, stations=5) for d in (-step, step))
+    first, middle, last = (observe(each, ["energy"])["energy"] + each.FZ * each.z[-1] for each in (below, one, above))
+    assert listed[0].energy == pytest.approx(float(middle), rel=1e-10)
+    assert (last - first) / (2 * step) == pytest.approx(one.FZ, rel=1e-5)
+
+
+def test_the_list_says_over_what_it_searched_and_that_it_is_not_proved_complete(listed: HeldEquilibria) -> None:
+    assert not listed.complete
+    assert listed.remark.startswith(
+        "not proved complete: searched over FZ from -90 to -30; from rods of at most 8 whole"
+    )
+    assert "4 dead-load problems" in listed.remark
+    assert listed.search.within == {"FZ": (-90.0, -30.0)}
+    assert listed.search.starts >= 2
+    text = repr(listed).splitlines()
+    assert text[0].startswith("4 equilibria, not proved complete")
+    assert text[1].endswith("beta'(0) = -0.669429, FZ = -36.1824; stable under dead loads")
+    assert {one.found_by for one in listed} == {"continuation", "mirror image"}
+
+
+def test_a_straight_rod_whose_rotation_is_held_is_listed_with_both_indices() -> None:
+    """Under FZ = -20 N and no MZ it is a helix, which no continuation reaches."""
+    found = equilibria(clamped(rotation=0.0, FZ=-20.0), within={"M3": (-1.0, 1.0)}, values=2, tries=0)
+    (straight,) = [one for one in found if one.found_by == "helix"]
+    assert np.abs(straight.solution.beta).max() == 0
+    assert straight.solution.outcome == "solved"
+    orbit = straight.solution.trajectory.orbit
+    names = ("beta0", "betaL", "phi", "lam", "turn")
+    assert (straight.index, straight.dead_index) == (0, 1)
+    assert straight.index == discrete_index(straight.solution.problem, orbit, names, 1.25)
+
+
+def test_a_fully_stretched_rod_is_told_to_bear_any_load() -> None:
+    found = equilibria(clamped(height=5.0), values=2, tries=0)
+    assert not found
+    assert found.remark.endswith("a straight rod or a helix is an equilibrium under any load and is not listed")
+
+
+def test_all_images_of_an_equilibrium_solve_the_problems_of_their_numbers() -> None:
+    problem = dead({"beta0": 0.4, "betaL": -0.2, "lam": 0.3, "mu": -0.5, "phi": -0.8, "span": 6.0})
+    for i in range(3):
+        state = state_of(problem, i)
+        values = dict(zip(NUMBERS, state.rates.values[0].tolist(), strict=True))
+        values["turn"] = 1.25 * values["mu"] * 6.0 - values.pop("swirl")
+        del values["y"]
+        for mirror in (Mirror(a, b, c) for a in (False, True) for b in (False, True) for c in (False, True)):
+            wanted = dict(mirror.number(name, value) for name, value in values.items())
+            given = Given(("beta0", "betaL", "z"), np.array([wanted[n] for n in ("beta0", "betaL", "z")]), 6.0, 1.25)
+            image = image_of(state, mirror, given).rates
+            got = dict(zip(NUMBERS, image.values[0].tolist(), strict=True))
+            got["turn"] = 1.25 * got["mu"] * 6.0 - got["swirl"]
+            assert {name: got[name] for name in wanted} == pytest.approx(wanted, abs=1e-10)
+            assert float(image.length[0]) == pytest.approx(6.0, abs=1e-11)
+
+
+def test_only_images_with_the_given_numbers_are_taken() -> None:
+    def images(**ends: Any) -> set[tuple[bool, bool, bool]]:
+        given = Given.of(reduce_held(Case(SHORT, DRUM, Ends(**ends))))
+        return {(one.negated, one.turned, one.backward) for one in mirrors_of(given)}
+
+    assert images(beta0=0.3, betaL=0.3, height=4.0) == {(False, False, True)}
+    assert images(beta0=0.3, betaL=-0.3, height=4.0) == {(True, False, True)}
+    assert images(beta0=0.3, M1L=0.0, height=4.0) == set()
+    assert images(M10=0.0, M1L=0.0, height=0.0) == {
+        (a, b, c) for a in (False, True) for b in (False, True) for c in (False, True) if a or b or c
+    }
+    assert images(M10=0.0, M1L=0.0, height=1.0, MZ=1.0) == {(False, False, True)}
+
+
+@pytest.mark.parametrize(("options", "said"), (
+    ({"within": {"MZ": (0, 1)}}, "MZ"),
+    ({"within": {"FZ": (1, 0)}}, "two finite rising numbers"),
+    ({"within": {"FZ": 3}}, "must be two numbers, the lowest and the highest, got 3"),
+    ({"tries": -1}, "tries must be a whole number of at least 0, got -1"),
+    ({"values": 1}, "values must be a whole number of at least 2, got 1"),
+))  # fmt: skip
+def test_what_no_search_can_take_is_refused(options: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        equilibria(clamped(height=4.0), **options)
+
+
+def test_a_grid_and_a_range_without_held_ends_are_refused() -> None:
+    with pytest.raises(InputError, match="one case at a time, got a grid of shape"):
+        equilibria(clamped(height=[4.0, 3.0]))
+    with pytest.raises(InputError, match="within takes reactions of held ends, and the case holds none; got FZ"):
+        equilibria(clamped(FZ=-3.0), within={"FZ": (0, 1)})
+
+
+def crossings(case: Case, number: str, wanted: float, low: float, high: float, count: int) -> list[float]:
+    """The values of a load at which some equilibrium has the wanted displacement, by a fine sweep under dead loads.
+
+    Equilibria at neighbouring values are joined on their paths by the order of their levels; no Newton's rule is used.
+    """
+    given = Given.of(reduce_held(case))
+    known = dict(zip(given.names, given.values.tolist(), strict=True))
+    found, before = [], None
+    for value in np.linspace(low, high, count):
+        numbers = {name: known.get(name, float(value)) for name in ("beta0", "betaL", "lam", "mu", "phi")}
+        every = search(dead({**numbers, "span": given.span}))
+        assert every is not None
+        ends = every.orbit.at(every.orbit.problem.span[:, None])
+        off = {"z": ends[3], "alpha": ends[2]}[number][:, 0] - wanted
+        now: dict[tuple[int, int], list[tuple[float, float]]] = {}
+        for i in range(off.size):
+            path = path_of(every.path, i)
+            level = float(every.slope[i] ** 2)
+            now.setdefault((path.leaving, path.turns), []).append((level, float(off[i])))
+        for kind, some in now.items():
+            past = [] if before is None else sorted(before.get(kind, []))
+            if len(past) == len(some):
+                found += [float(value) for (_, a), (_, b) in zip(past, sorted(some), strict=True) if a * b < 0]
+        before = now
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("held", "number", "load"), (
+    ({"height": 4.0}, "z", "phi"),
+    ({"height": 1.0, "MZ": 10.0}, "z", "phi"),
+    ({"azimuth": 1.0, "FZ": -20.0}, "alpha", "lam"),
+))  # fmt: skip
+def test_the_list_is_that_of_a_sweep_of_2000_loads(held: dict[str, float], number: str, load: str) -> None:
+    case = Case(SHORT, DRUM, Ends(**{"beta0": 0.35, "betaL": 0.2, **held}))
+    found = equilibria(case)
+    ((low, high),) = found.search.within.values()
+    A = case.rod.bending_stiffness
+    swept = crossings(case, number, next(iter(held.values())), low / A, high / A, 2000)
+    mine = sorted(float(getattr(one.solution.problem, load)[0]) for one in found)
+    step = (high - low) / A / 1999
+    assert len(mine) == len(swept)
+    assert np.abs(np.array(mine) - sorted(swept)).max() < step
+
+
+PAIRED = (("beta0", "dbeta0"), ("betaL", "dbetaL"), ("phi", "z"), ("lam", "alpha"), ("mu", "turn"))
+
+
+def finds_a_known_one(seed: int, count: int) -> bool:
+    """Whether the search finds a random dead-load equilibrium, `count` of whose numbers are held in place of loads."""
+    rng = np.random.default_rng(1000 * count + seed)
+    numbers = dict(zip(("beta0", "betaL"), rng.uniform(-1.5, 1.5, 2).tolist(), strict=True))
+    numbers |= dict(zip(("lam", "mu", "phi"), rng.uniform(-1, 1, 3).tolist(), strict=True))
+    numbers["span"] = float(rng.uniform(2, 12))
+    problem = dead(numbers)
+    every = search(problem)
+    assert every is not None
+    state = state_of(problem, int(rng.integers(every.slope.size)))
+    values = dict(zip(NUMBERS, state.rates.values[0].tolist(), strict=True))
+    values["turn"] = 1.25 * values["mu"] * numbers["span"] - values["swirl"]
+    which = rng.permutation(5)[:count]
+    names = tuple(pair[k in which] for k, pair in enumerate(PAIRED))
+    given = Given(names, np.array([values[name] for name in names]), numbers["span"], 1.25)
+    return is_known(state, held_search(given, {}, 8, 10).known)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, 60, 10))
+def test_known_equilibria_with_one_held_quantity_are_found(first: int) -> None:
+    assert all(finds_a_known_one(seed, 1) for seed in range(first, first + 10))
+
+
+def test_the_reactions_of_a_listed_equilibrium_hold_it(listed: HeldEquilibria) -> None:
+    for one in listed:
+        again = solve(clamped(FZ=float(one.solution.FZ)), seed=one.dbeta0)
+        assert again.z[-1] == pytest.approx(4.0, abs=1e-9)
+    assert np.diff([one.energy for one in listed]).min() > -1e-9
