@@ -127,16 +127,21 @@ class HeldSearch:
     outside: int
     note: str = ""
 
+    @property
+    def ranges(self) -> str:
+        """The ranges in words."""
+        return ", ".join(f"{name} from {low:.6g} to {high:.6g}" for name, (low, high) in self.within.items())
+
     def __str__(self) -> str:
-        ranges = ", ".join(f"{name} from {low:.6g} to {high:.6g}" for name, (low, high) in self.within.items())
         said = [
-            f"not proved complete: searched over {ranges}",
+            f"not proved complete: searched over {self.ranges}",
             f"from rods of at most {self.most_swings} whole periods of beta",
             f"{self.problems} dead-load problems",
             f"{self.starts} continuations of which {self.failed} failed",
             f"{self.deflations} deflations",
         ]
-        said += [f"{self.outside} equilibria outside this range are not listed"] if self.outside else []
+        if self.outside:
+            said.append(f"{self.outside} found outside of it {'is' if self.outside == 1 else 'are'} not listed")
         return "; ".join([*said, *([self.note] if self.note else [])])
 
 

@@ -11,7 +11,7 @@ from solver.problem.quantities import unit_of
 from solver.problem.rod import lacking
 from studies.axes import quantity_of
 from workbench import cli
-from workbench.commands.case_options import ENDS_FIELDS, FIELDS, help_of
+from workbench.commands.case_options import ENDS_FIELDS, FIELDS, HELD, help_of
 
 SECTION = ("E", "nu", "a", "L", "inner_radius", "EI", "GJ")  # of which a rod needs either pair, a and L
 PARTS = {"": (Rod, Cylinder), "start": (Start,), "ends": (Ends,)}
@@ -76,7 +76,8 @@ def test_words_have_the_choices_of_the_solver() -> None:
 
 
 @pytest.mark.parametrize(
-    "command, names", [("solve", FIELDS), ("explore", FIELDS), ("equilibria", ENDS_FIELDS), ("folds", ENDS_FIELDS)]
+    "command, names",
+    [("solve", FIELDS), ("explore", FIELDS), ("equilibria", (*ENDS_FIELDS, *HELD)), ("folds", ENDS_FIELDS)],
 )
 def test_a_command_offers_each_field_with_its_help(command: str, names) -> None:
     options = {param.opts[0]: param for param in get_command(cli.app).commands[command].params}  # type: ignore[attr-defined]

@@ -56,7 +56,33 @@ def test_the_studies_of_the_page_run_and_are_drawn(name: str, tmp_path, monkeypa
     assert (ROOT / "docs" / "figures" / f"held_{name}.png").exists()
 
 
+PYTHON = re.findall(r"```python\n(.*?)```", DOCS, re.DOTALL)
+
+
+def told_by(code: str, capsys) -> str:
+    exec(compile(code, "hold-the-ends.md", "exec"), {})  # the page's own code
+    return str(capsys.readouterr().out)
+
+
 def test_the_python_of_the_page_runs(capsys) -> None:
-    for code in re.findall(r"```python\n(.*?)```", DOCS, re.DOTALL):
-        exec(compile(code, "hold-the-ends.md", "exec"), {})  # the page's own code
-    assert capsys.readouterr().out.startswith("-2")
+    assert told_by(PYTHON[0], capsys).startswith("-2")
+
+
+@pytest.mark.slow
+def test_the_python_of_alternatives_and_of_the_search_runs(capsys) -> None:
+    lines = told_by(PYTHON[1], capsys).splitlines()
+    assert lines[0].startswith("the seed, 0.")
+    assert len(lines) > 1
+    assert all(line.endswith("rad from the seed") for line in lines[1:])
+    assert "equilibria, not proved complete: searched over FZ from -60 to 0" in told_by(PYTHON[2], capsys)
+
+
+@pytest.mark.slow
+def test_the_list_of_the_page_is_drawn(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    (line,) = [one for one in COMMANDS if "--plot held_equilibria.png" in one]
+    run(line)
+    said = capsys.readouterr().out
+    assert "8 equilibria, 2 stable under held ends: height" in said
+    assert Path("held_equilibria.png").stat().st_size > 10_000
+    assert (ROOT / "docs" / "figures" / "held_equilibria.png").exists()

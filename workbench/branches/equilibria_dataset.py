@@ -71,7 +71,12 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     title = f"Equilibria with held ends: {choices(held)}" if held else "All equilibria between two ends"
     ds = xr.Dataset(data, coords, attributes(study, case, title))
     if isinstance(found, HeldEquilibria):
-        ds.attrs |= {"stability": f"held ends: {choices(held)}", "remark": found.remark}
+        ranges = (
+            f"{name} from {low:.4g} to {high:.4g} {schema.labels(name, units)['units']}"
+            for name, (low, high) in found.search.within.items()
+        )
+        told = {"remark": found.remark, "searched": ", ".join(ranges)}
+        ds.attrs |= {"stability": f"under held ends ({choices(held)})", **told}
     return with_case(ds, case, units)
 
 

@@ -49,6 +49,14 @@ def equilibria(
             "Range of a reaction of held ends over which to search, such as FZ=-50:10 with a held height; repeatable.",
         ),
     ] = None,
+    values: Annotated[
+        int | None,
+        option("COUNT", "Values of each reaction of held ends from which to search; default: 61 of one, 13 of two."),
+    ] = None,
+    tries: Annotated[
+        int | None,
+        option("COUNT", "Deflations without a new equilibrium after which a search of held ends stops; default: 10."),
+    ] = None,
     plot: Annotated[
         Path | None, option("FILE", "Picture, .png, .pdf or .svg: curves and energies; with --axis branches and folds.")
     ] = None,
@@ -79,9 +87,7 @@ def equilibria(
 
     Angles: a number in rad, or a form like 30deg or pi/6.
     """
-    from solver import InputError
     from solver import equilibria as all_equilibria
-    from solver.problem.errors import choices
     from solver.problem.held_ends import held_of
 
     from ..branches.equilibria import write_cases
@@ -90,26 +96,14 @@ def equilibria(
     from . import output_file
 
     study, case = study_and_case(file, given, held=axis is None)
-    if show is not None:
-        from ..branches.followed_curves import check_shown
-
-        if axis is None:
-            raise InputError(f"--show {show} names what --axis shows; give --axis too")
-        check_shown(show)
-    if axis is not None and export is not None:
-        raise InputError("--export writes the equilibria of one case, so it excludes --axis")
-    if export is not None and held_of(case):
-        raise InputError(
-            f"--export writes cases under dead loads, got {choices(held_of(case))}; --out stores this list"
-        )
-    if axis is not None and within:
-        raise InputError(f"--within {within[0]} is a range of reactions of held ends, so it excludes --axis")
+    search = _search(case, axis, within, values, tries)
+    _check(case, axis, show, export)
     picture = output_file.check(plot, (".png", ".pdf", ".svg"), force) if plot else None
     if out is not None and not force:
         writing.check_free(out, "equilibria")
     if axis is not None:
         return _over_axis(study, case, parse_axis(axis), picture, out, json, force, show)
-    found = all_equilibria(case, within=parse_within(within or []))
+    found = all_equilibria(case, **search)
     _print(study, case, found, choose, _source(study, file, given), json)
     if picture or out:
         ds = dataset_of(study, case, found)
@@ -125,6 +119,42 @@ def equilibria(
         if not json:
             console.say(f"{len(found)} cases in {export}")
     return 0 if found and (found.complete or held_of(case)) else 1
+
+
+def _check(case: "Case", axis: str | None, show: str | None, export: Path | None) -> None:
+    """Raise `InputError` for options that exclude each other."""
+    from solver import InputError
+    from solver.problem.errors import choices
+    from solver.problem.held_ends import held_of
+
+    from ..branches.followed_curves import check_shown
+
+    if show is not None:
+        if axis is None:
+            raise InputError(f"--show {show} names what --axis shows; give --axis too")
+        check_shown(show)
+    if axis is not None and export is not None:
+        raise InputError("--export writes the equilibria of one case, so it excludes --axis")
+    if export is not None and held_of(case):
+        raise InputError(
+            f"--export writes cases under dead loads, got {choices(held_of(case))}; --out stores this list"
+        )
+
+
+def _search(
+    case: "Case", axis: str | None, within: list[str] | None, values: int | None, tries: int | None
+) -> dict[str, Any]:
+    """The options of the search of held ends that are given. Raises `InputError` where nothing is held."""
+    from solver import InputError
+    from solver.problem.held_ends import held_of
+
+    every = {"within": within, "values": values, "tries": tries}
+    said = {name: value for name, value in every.items() if value is not None}
+    if said and (axis is not None or not held_of(case)):
+        raise InputError(
+            f"--{next(iter(said))} belongs to the search of held ends, so it excludes dead loads and --axis"
+        )
+    return said | ({"within": parse_within(within)} if within else {})
 
 
 def study_and_case(file: Path | None, given: Given, held: bool = False) -> "tuple[Study, Case]":
@@ -182,10 +212,10 @@ def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None
 
     rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule
     assert rule is not None
-    taken = meant(found, rule)
+    searched = found.search if isinstance(found, HeldEquilibria) else None
+    taken = None if searched and choose is None else meant(found, rule)  # solve selects from no list of held ends
     rows = [{**row(one), "taken": one is taken} for one in found]
     how = selection(rule, np.array([one.index for one in found], dtype=int), len(found), found.complete)
-    searched = found.search if isinstance(found, HeldEquilibria) else None
     if as_json:
         console.print_json({
             "case": field_values(case), "units": study.unit_system, "selection": {**asdict(how), "rule": how.rule},
@@ -201,7 +231,7 @@ def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None
         console.say(str(searched))
     elif not found.complete:
         console.say(f"the list may be incomplete: {found.remark}")
-    if found:
+    if taken or (found and not (searched and choose is None)):
         console.say(f"* {how.rule}" if taken else f"none has index {rule}")
     console.say(f"rod: {source}")
 

@@ -11,8 +11,9 @@ from matplotlib.ticker import MaxNLocator
 from ..data import labels
 from . import canvas, point_numbers, shape_cell, style
 
-WIDTH, MOST = 9.6, 40  # inches; curves shown
+WIDTH, MOST = 10.0, 40  # inches; curves shown
 HIGH = 2.9  # inches of the diagram of energies
+REACTIONS = ("FZ", "MZ", "M3", "beta0", "betaL")  # of held ends
 COLUMNS = (4, 8)  # the fewest and the most panels in a row
 
 
@@ -41,7 +42,10 @@ def energies(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.margins(0.04, 0.08)
     stable = int((ds["index"] == 0).sum())
     counts = f"{ds.sizes['equilibrium']} equilibria, {stable} stable (red): {ds.attrs['stability']}"
-    ax.set_title(f"Above: developed curves, each with its own scale, its energy below it.\n{counts}", loc="left")
+    told = [f"Above: developed curves, each with its own scale, {_below(ds)} below it.", counts]
+    if "searched" in ds.attrs:
+        told.append(f"Not proved complete: searched over {labels.minus_signs(ds.attrs['searched'])}")
+    ax.set_title("\n".join(told), loc="left")
     points = [
         point_numbers.Point(float(ds["index"][k]), float(ds["energy"][k]), f"{k + 1}")
         for k in range(ds.sizes["equilibrium"])
@@ -49,6 +53,16 @@ def energies(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_xlim(*ax.get_xlim()), ax.set_ylim(*ax.get_ylim())
     point_numbers.write(ax, points, [], [], (style.inches(ax)[0], HIGH - 0.8))
     return style.with_grid(ax)
+
+
+def _reaction(ds: xr.Dataset) -> str | None:
+    """The first reaction of held ends."""
+    return next((name for name in REACTIONS if name in ds and ds[name].dims == ("equilibrium",)), None)
+
+
+def _below(ds: xr.Dataset) -> str:
+    name = _reaction(ds)
+    return "the energy" if name is None else f"{labels.symbol(ds[name])} and the energy"
 
 
 def colours(ds: xr.Dataset) -> list[Any]:
@@ -64,5 +78,6 @@ def _curve(ds: xr.Dataset, k: int) -> tuple[Any, Any]:
 
 def _draw_curve(ds: xr.Dataset, ax: Axes, k: int) -> None:
     one, unit = ds.isel(equilibrium=k), labels.unit(str(ds["z"].attrs.get("units", "1")))
-    energy = labels.value(float(one["energy"]), one["energy"])
-    shape_cell.draw(ax, _curve(ds, k), colours(ds)[k], unit, f"{k + 1}  index {int(one['index'])}", energy)
+    values = [one[name] for name in (_reaction(ds), "energy") if name is not None]
+    below = ", ".join(labels.value(float(value), value) for value in values)
+    shape_cell.draw(ax, _curve(ds, k), colours(ds)[k], unit, f"{k + 1}  index {int(one['index'])}", below)
