@@ -25,7 +25,7 @@ from .search import search
 
 _DEAD = ("beta0", "betaL", "lam", "mu", "phi")
 _STEPS_AWAY = 1.5  # of the grid: the longest first-order change from a start, with several unknowns
-_FEWEST, _MOST = 40, 150  # starts with several unknowns
+_FEWEST, _MOST = 16, 100  # starts with several unknowns
 
 
 @dataclass(frozen=True, eq=False)
