@@ -75,12 +75,6 @@ def equilibria(
     >>> found.complete, [one.index for one in found]
     (True, [0, 0, 1])
     """
-    from .boundary.search import search  # only a call needs the modules behind these
-    from .boundary.selected_equilibrium import equilibrium_trajectory
-    from .boundary.transit_times import repeated
-    from .observe.measurement import Reading
-    from .observe.observables import OBSERVABLES
-
     if held_of(case):
         return held_equilibria(case, tol, stations, most_swings, dict(within or {}), tries, values)
     if within:
@@ -90,7 +84,18 @@ def equilibria(
         raise InputError(f"equilibria needs a Case with Ends, got {type(case.given).__name__}")
     if case.shape:
         raise InputError(f"equilibria takes one case at a time, got a grid of shape {case.shape}")
-    all_of_them = search(problem, MOST_SWINGS if most_swings is None else most_swings)
+    return _under_dead_loads(case, problem, tol, stations, MOST_SWINGS if most_swings is None else most_swings)
+
+
+def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: int, most_swings: int) -> Equilibria:
+    """All equilibria of one case under dead loads, `problem` in units of rho."""
+    from .boundary.search import search  # only a call needs the modules behind these
+    from .boundary.selected_equilibrium import equilibrium_trajectory
+    from .boundary.transit_times import repeated
+    from .observe.measurement import Reading
+    from .observe.observables import OBSERVABLES
+
+    all_of_them = search(problem, most_swings)
     if all_of_them is None:
         return Equilibria([], NONE_FOUND)
     slopes, orbit, K = all_of_them.slope, all_of_them.orbit, all_of_them.slope.size
