@@ -34,7 +34,7 @@ def test_the_page_runs_as_it_stands(tmp_path, monkeypatch) -> None:
 
 def test_the_sketch_of_the_variables_is_what_its_script_draws(tmp_path) -> None:
     script = runpy.run_path(str(ROOT / "docs" / "figures" / "variables.py"))
-    script["draw"]().savefig(tmp_path / "now.png", dpi=150)
+    script["draw"]().savefig(tmp_path / "now.png", dpi=200)
     shown, now = pixels(ROOT / "docs" / "figures" / "variables.png"), pixels(tmp_path / "now.png")
     assert shown.shape == now.shape
     assert np.abs(shown - now).mean() < 0.01
