@@ -10,8 +10,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import scipy  # its parts are imported when used
 from numpy.typing import NDArray
-from scipy.special import stdtrit
 
 from .line_verdicts import FAILS, HOLDS, UNDECIDED, Verdict
 
@@ -110,7 +110,7 @@ def fitted_power(x: Array, y: Array) -> tuple[float, float, float]:
     exponent = float(((u - mean) * v).sum()) / spread
     left = v - v.mean() - exponent * (u - mean)
     free = x.size - 2
-    half = float(stdtrit(free, (1 + CONFIDENCE) / 2)) * np.sqrt(float((left**2).sum()) / free / spread)
+    half = float(scipy.special.stdtrit(free, (1 + CONFIDENCE) / 2)) * np.sqrt(float((left**2).sum()) / free / spread)
     return exponent, float(half), float(np.exp(v.mean() - exponent * mean))
 
 

@@ -207,6 +207,13 @@ def test_the_command_line_imports_what_is_heavy_only_inside_functions() -> None:
     assert tops(imports_of(cli, at_start_only=True)) & HEAVY == set()
 
 
+def test_importing_the_solver_and_the_studies_loads_no_part_of_scipy() -> None:
+    code = "import sys, solver, studies; print(*[name for name in sys.argv[1:] if name in sys.modules])"
+    words = [sys.executable, "-c", code, "scipy.optimize", "scipy.special", "scipy.linalg", "scipy.stats"]
+    ran = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert ran.stdout.split() == []
+
+
 def test_importing_the_command_line_loads_nothing_heavy_through_a_back_door() -> None:
     code = f"import sys, workbench.cli; print(*sorted({HEAVY!r} & set(sys.modules)))"
     run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)

@@ -12,7 +12,7 @@ from functools import partial
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # its parts are imported when used
 
 from ..mechanics.potential import slope
 from ..numerics.arclength import advanced
@@ -207,7 +207,7 @@ def _located(state: State, low: float, high: float, zero: Callable[[State], floa
     try:
         if zero(at(low)) * zero(at(high)) > 0:
             return None
-        distance = float(brentq(lambda one: zero(at(one)), low, high, xtol=1e-14, rtol=1e-14))
+        distance = float(scipy.optimize.brentq(lambda one: zero(at(one)), low, high, xtol=1e-14, rtol=1e-14))
         return distance, at(distance)
     except ArithmeticError:
         return None

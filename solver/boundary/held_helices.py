@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # its parts are imported when used
 
 from ..mechanics.potential import load_size, slope
 from ..problem.reduced import EndsProblem
@@ -52,7 +52,9 @@ def _angles(known: dict[str, float], given: Given) -> list[float]:
     grid = np.linspace(-np.pi, np.pi, _SCAN) + 1e-3
     values = [pull(float(beta)) for beta in grid]
     return [
-        float(brentq(pull, grid[i], grid[i + 1], xtol=1e-15)) for i in range(_SCAN - 1) if values[i] * values[i + 1] < 0
+        float(scipy.optimize.brentq(pull, grid[i], grid[i + 1], xtol=1e-15))
+        for i in range(_SCAN - 1)
+        if values[i] * values[i + 1] < 0
     ]
 
 

@@ -1,7 +1,7 @@
 """A helix followed over one parameter: where its Morse index changes, other equilibria branch off."""
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # its parts are imported when used
 
 from ..mechanics.potential import slope_higher_rates, slope_rate
 from .branch_coordinates import LinePoint
@@ -62,7 +62,7 @@ def _branching(family: Family, p: float, q: float) -> list[Place]:
     low, high = sorted((begin, end))
     found = list[Place]()
     for n in range(int(np.floor(low)) + 1, int(np.ceil(high))):
-        at = float(brentq(lambda one, n=n: waves(one) - n, p, q, xtol=1e-15 * abs(p - q), rtol=1e-15))
+        at = float(scipy.optimize.brentq(lambda one, n=n: waves(one) - n, p, q, xtol=1e-15 * abs(p - q), rtol=1e-15))
         between = (found[-1].p + at) / 2 if found else at
         place, middle = family.place(at), family.place(between)
         assert place is not None

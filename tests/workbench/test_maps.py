@@ -255,10 +255,12 @@ def test_a_strip_beside_the_map_has_the_verdict_on_each_line_and_a_line_lies_whe
     (line,) = [line for line in ax.lines if len(line.get_xdata()) == 2]
     assert set(line.get_ydata()) == {row["at"]["R"]}
     said = " ".join(text.get_text() for text in ax.texts).replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
-    assert (
-        "(a): the number of bends does not rise with E; qualified; deciding line: R = 0.7349 cm; lines: 12 hold" in said
-    )
-    assert {"line on which a law holds", "line on which a law fails", "deciding line of a law"} <= set(legend(fig))
+    assert "(a): the number of bends does not rise with E; qualified; decided at R = 0.7349 cm; lines: 12 hold" in said
+    assert {
+        "line on which a law holds",
+        "line on which a law fails",
+        "the line of the map on which the law is decided",
+    } <= set(legend(fig))
 
 
 def test_a_law_along_the_axis_upward_has_its_strip_above_the_map(regimes) -> None:
