@@ -95,8 +95,9 @@ def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelG
     above = np.argsort(over)
     above = above[over[above] > 0]
     groups: list[int] = []  # saddles of one height are one
-    for i in above:
-        if not groups or fall(problem, saddles[i], saddles[groups[-1]], True) > 0:
+    for i in above:  # higher by both measures: of two that differ by rounding, one may say that they are level
+        last = groups[-1] if groups else None
+        if last is None or (over[i] > over[last] and fall(problem, saddles[i], saddles[last], True) > 0):
             groups.append(int(i))
     pins = np.array([floor, *saddles[groups]])
     height = np.array([0.0, *over[groups]])

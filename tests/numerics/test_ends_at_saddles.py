@@ -352,3 +352,16 @@ def test_a_narrow_peak_of_the_length_at_a_shelf_of_the_potential_hides_no_pair(F
     )  # a grid of levels eight times as fine has as many; without levels at the shelf there are 29
     hidden = [one.index for one in found if one.turns == 1 and 0.14 < one.dbeta0 < 0.16]
     assert sorted(hidden) == [0, 1]
+
+
+@pytest.mark.parametrize("E", 10.0 ** np.arange(8, 14))
+@pytest.mark.parametrize("FZ", (-200.0, -0.2, 0.2))
+def test_a_stiff_rod_under_a_small_axial_force_has_a_whole_list(E: float, FZ: float) -> None:
+    """Two saddles of nearly one height: such loads come of a slip in units."""
+    hole = Cylinder(R=0.108, side="inside")
+    found = equilibria(Case(Rod(2.06 * E, 0.3, 0.0635, 60.0), hole, Ends(0.0, 0.0, FZ=FZ)))
+    assert found.complete
+    assert signed_count(found) == 1
+    slopes = np.sort([one.dbeta0 for one in found])
+    assert 0.0 in slopes
+    np.testing.assert_allclose(slopes, -slopes[::-1], rtol=1e-6, atol=1e-12 * np.abs(slopes).max())
