@@ -18,18 +18,27 @@ VALUES = {1: 61, 2: 13, 3: 6, 4: 4, 5: 3}  # of each of so many unknowns
 
 @dataclass(frozen=True)
 class Ranges:
-    """The lowest and the highest value of each unknown number, by its name, and how many values of each are taken."""
+    """The lowest and the highest value of each unknown number, by its name, and how many values of each are taken.
+
+    root: of the load under which a straight rod buckles into `HALF_WAVES`.
+    """
 
     bounds: dict[str, tuple[float, float]]
     count: int
+    root: float
 
     def holds(self, values: dict[str, float]) -> bool:
         """Whether numbers lie within."""
         return all(low - 1e-9 <= values[name] <= high + 1e-9 for name, (low, high) in self.bounds.items())
 
     def axes(self) -> dict[str, Array]:
-        """The values of each; of a force or MZ at equal steps of its root, as half waves go with it."""
-        return {name: _steps(*ends, self.count, name in ("phi", "lam")) for name, ends in self.bounds.items()}
+        """The values of each; of a force or MZ by its root, as half waves go with it.
+
+        The steps of the root are equal up to `root`, and grow in proportion to it beyond: a slender rod on a cylinder
+        buckles at loads far below those that the cylinder's curvature adds.
+        """
+        rooted = {name: self.root if name in ("phi", "lam") else None for name in self.bounds}
+        return {name: _steps(*ends, self.count, rooted[name]) for name, ends in self.bounds.items()}
 
     def points(self) -> list[dict[str, float]]:
         """All combinations of the values."""
@@ -41,7 +50,7 @@ def ranges_of(given: Given, own: dict[str, tuple[float, float]], count: int | No
     """The ranges of the unknown numbers of a problem, those of `own` as they are there, with `count` values of each."""
     known = dict(zip(given.names, given.values.tolist(), strict=True))
     bounds = {name: own.get(name) or _default(name, known, given) for name in FREE if name not in known}
-    return Ranges(bounds, VALUES[len(bounds)] if count is None else count)
+    return Ranges(bounds, VALUES[len(bounds)] if count is None else count, HALF_WAVES * np.pi / given.span)
 
 
 def _default(name: str, known: dict[str, float], given: Given) -> tuple[float, float]:
@@ -70,11 +79,12 @@ def _straightening(load: str, known: dict[str, float], span: float) -> float:
     return float(_SAFE * (short / slack) ** 2) if slack > 1e-9 * span else 0.0
 
 
-def _steps(low: float, high: float, count: int, rooted: bool) -> Array:
-    if not rooted:
+def _steps(low: float, high: float, count: int, root: float | None) -> Array:
+    if root is None:
         return np.linspace(low, high, count)
-    root = np.linspace(np.sign(low) * np.sqrt(abs(low)), np.sign(high) * np.sqrt(abs(high)), count)
-    steps = np.sign(root) * root * root
+    ends = [np.arcsinh(np.sign(end) * np.sqrt(abs(end)) / root) for end in (low, high)]
+    roots = root * np.sinh(np.linspace(*ends, count))
+    steps = np.sign(roots) * roots * roots
     steps[[0, -1]] = low, high
     return np.asarray(steps)
 

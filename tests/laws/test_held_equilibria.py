@@ -241,3 +241,15 @@ def test_the_reactions_of_a_listed_equilibrium_hold_it(listed: HeldEquilibria) -
         again = solve(clamped(FZ=float(one.solution.FZ)), seed=one.dbeta0)
         assert again.z[-1] == pytest.approx(4.0, abs=1e-9)
     assert np.diff([one.energy for one in listed]).min() > -1e-9
+
+
+@pytest.mark.slow
+def test_the_rod_that_solve_finds_in_a_long_hole_is_in_the_list() -> None:
+    """It buckles at a thousandth of the loads that the cylinder's curvature adds."""
+    rod = Rod(EI=1224.0, GJ=941.6, a=0.0635, L=30.0)
+    case = Case(rod, Cylinder(R=0.108, side="inside"), Ends(beta0=0.0, betaL=0.0, height=29.995))
+    found = equilibria(case)
+    stable = [one for one in found if one.index == 0]
+    assert len(stable) == 2
+    for one in stable:
+        assert pytest.approx(float(solve(case).FZ), rel=1e-6) == one.solution.FZ
