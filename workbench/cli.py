@@ -10,7 +10,10 @@ from collections.abc import Callable, Iterable
 from functools import wraps
 from typing import Annotated, Any
 
-import typer
+try:
+    import typer
+except ModuleNotFoundError:
+    sys.exit("workbench: the command line needs more than the solver: pip install rod-workbench, without --no-deps")
 
 from . import __version__
 from .commands import (

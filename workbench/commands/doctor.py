@@ -89,7 +89,7 @@ def _opengl() -> dict[str, Any]:
     from ..scene import opengl
 
     able, advice = opengl.probe()
-    return _finding("OpenGL", able, advice or "drew a scene off-screen")
+    return _finding("OpenGL", able, advice or "drew a scene off-screen", installed=advice != opengl.MISSING)
 
 
 def _font() -> dict[str, Any]:

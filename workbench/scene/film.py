@@ -33,7 +33,7 @@ SIZE = (1600, 1060)  # pixels at `style.DPI` of the scene in a frame
 DIGITS = 4  # of the values in a frame
 HOLD = 1.0  # seconds for which the last frame stays
 LEAST, MOST = 2, 2000  # frames
-INSTALL = "pip install 'imageio[ffmpeg]', or the extra animate"
+INSTALL = "pip install 'rod-workbench[animate]'"
 
 
 @dataclass(frozen=True)
