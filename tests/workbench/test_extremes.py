@@ -4,12 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
 from solver.methods import available
 from workbench.compare.extreme_cases import extremes, references
 from workbench.compare.extremes import INACCURATE, REFUSED, VERDICTS, attempts_at, dataset_of
 from workbench.data import writing
 from workbench.figures import canvas, robustness
+from workbench.web.report import measured_runs
 
 
 def test_every_extreme_has_a_name_of_its_own_and_a_reference_or_none_said() -> None:
@@ -51,3 +53,17 @@ def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
     assert kept[i, j] == pytest.approx(np.log10(float(one["error"]) / (1e-6 * float(one["condition"]))))
     cells = [patch for patch in robustness.figure(again).axes[0].patches if patch.get_xy() in ((j, i), (0, i))]
     assert len({cell.get_facecolor() for cell in cells}) == 2  # dop853 keeps its promise less well than orbit
+
+
+def test_a_solved_cell_whose_bound_is_wide_has_a_colour_of_its_own() -> None:
+    ds = writing.read(measured_runs.SHIPPED / "extremes.h5", study=False)
+    fig = robustness.figure(ds)
+    colours = {patch.get_xy(): to_hex(patch.get_facecolor()) for patch in fig.axes[0].patches}
+    wide = robustness.vague(ds)
+    for (i, j), here in np.ndenumerate(wide):
+        assert (colours[j, i] == robustness.COLOURS["vague"]) == here
+    saddle = ds["extreme"].values.tolist().index("turns 1e-12 before a saddle")
+    assert wide[saddle, ds["method"].values.tolist().index("euler")]
+    assert not wide[ds["extreme"].values.tolist().index("Table 1 as printed")].any()
+    ones = ds["condition"].copy(data=np.ones(ds["condition"].shape))
+    assert not robustness.vague(ds.assign(condition=ones)).any()

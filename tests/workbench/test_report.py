@@ -29,7 +29,7 @@ from workbench.run import in_memory
 from workbench.run.in_memory import StudyResult
 from workbench.scene import opengl
 from workbench.web.report import document, law_cards, measured_runs, paper, readings_table, turning
-from workbench.web.report.errata import ERRATA
+from workbench.web.report.errata import ERRATA, marked_up
 
 PAPER = [name for name in names() if name.startswith("fig")]  # the studies of the report
 PATIENCE = 600  # s that anything is waited for, on a machine with much else to do
@@ -156,7 +156,29 @@ def test_verdicts_are_words_and_colours(text, readings) -> None:
     cells = re.findall(rf'<td class="({kinds})"[^>]*><span class="mark (\w+)">([^<]+)</span>', text)
     assert len(cells) == 12 * 5
     assert all(outer == inner == document.CLASSES[word] for outer, inner, word in cells)
-    assert [word for *_, word in cells] == readings["claim_verdict"].values.ravel().tolist()
+    worst = readings["claim_verdict"].values.ravel().tolist()
+    differ = [i // 5 for i, (*_, word) in enumerate(cells) if word != worst[i]]
+    assert {list(READINGS)[i].split("/")[0] for i in differ} == {"twist-first"}  # the next test says where
+
+
+def test_a_load_that_a_reading_drops_neither_supports_nor_refutes_a_claim(readings) -> None:
+    rows = {row["name"]: row for row in law_cards.of_readings(readings)["rows"]}
+    for name, row in rows.items():
+        cell = row["cells"][4]
+        (along_f1, along_f3) = [law for law in json.loads(readings.attrs["rows"])[name] if law["claim"] == "(5)"]
+        told = "Not tested along F₁: F₁ has no effect under this reading; along F₃ it "
+        assert cell["reason"].startswith(told) == name.startswith("twist-first")
+        if name.startswith("twist-first"):
+            assert (along_f1["verdict"], along_f1["first"]) == (
+                "fails",
+                along_f1["last"],
+            )  # the law itself is untouched
+            assert cell["verdict"] == ("fails" if along_f3["verdict"] == "fails" else "not decided")
+            words = [one["verdict"] for one in row["cells"]]
+            assert ("not decided" in row["counts"]) == ("not decided" in words)
+            assert row["counts"].endswith(f"{words.count('fails')} fail")
+    assert rows["twist-first/tension/solid"]["cells"][4]["reason"].endswith("along F₃ it holds.")
+    assert rows["twist-first/compression/solid"]["cells"][4]["verdict"] == "fails"  # along F3, which this reading uses
 
 
 def test_the_paper_is_quoted_and_its_fold_named(text, results) -> None:
@@ -247,6 +269,28 @@ def test_versions_and_errata_are_told(text) -> None:
     page = Page(text).text
     for word in ("python", "numpy", "scipy", "xarray", "workbench reproduce", *(row.where for row in ERRATA)):
         assert word in page
+
+
+def test_the_formulas_of_the_errata_have_their_indices_and_powers(text) -> None:
+    section = text.partition('<section id="errata">')[2].partition("</section>")[0]
+    plain = section.replace('<span class="term">', "").replace("</span>", "")
+    row = "p<sub>k</sub> y<sub>k−1</sub> + q<sub>k</sub> y<sub>k</sub> + r<sub>k</sub> y<sub>k+1</sub>"
+    assert f"v/(hh), and {row} d<sub>k</sub></td>" in plain  # eqs. (41), (42) as printed, and with "="
+    assert f"v/(2h), and {row} = d<sub>k</sub></td>" in plain
+    assert "∂g/∂ξ<sub>c</sub>, twice" in plain
+    assert "[h − G(β)]<sup>−1/2</sup> before the brace" in plain
+    assert not re.search(r"[_^~{}]", Page(section).text)
+    assert str(marked_up("a<b_{<}")) == '<span class="term">a&lt;b<sub>&lt;</sub></span>'
+
+
+def test_the_extremes_say_what_wrong_means_and_where_that_proves_little(measured) -> None:
+    shows = measured[1].shows
+    ds = writing.read(measured_runs.SHIPPED / "extremes.h5", study=False)
+    bound = 10 * 1e-6 * np.fmax(1, ds["condition"].values)
+    wide = (ds["verdict"].values == "solved") & (bound > 0.1)
+    assert "Wrong is an error above the bound 10 tol max(1, condition), tol = 10⁻⁶" in shows
+    assert f"in {wide.sum()} solved cells (blue) the problem itself is ill-conditioned at this tolerance" in shows
+    assert f"the largest is {ds['error'].values[wide].max():.1g} rad (euler, turns 10⁻¹² before a saddle)" in shows
 
 
 def test_without_opengl_every_panel_still_turns(results, readings) -> None:
@@ -497,6 +541,24 @@ def test_in_the_dark_scheme_paper_stays_white(shown) -> None:
         assert shown.execute_script(paper_of) == "rgb(255, 255, 255)"
     finally:
         shown.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "", "features": []})
+
+
+@pytest.mark.slow
+def test_on_paper_every_figure_is_as_wide_as_the_text(shown) -> None:
+    """A diagram has letters of 8 pt on 9.6 inches: 6 pt on the 184 mm of the text of A4."""
+    widths = "return [...document.querySelectorAll('.picture img')].map(one => one.getBoundingClientRect().width)"
+    shown.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print", "features": []})
+    try:
+        page = shown.execute_script("return document.body.getBoundingClientRect().width")
+        assert shown.execute_script(widths) == pytest.approx([page] * (2 * len(PAPER) + 2), rel=0.01)
+    finally:
+        shown.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "", "features": []})
+
+
+def test_only_a_touch_screen_is_told_to_tap(text) -> None:
+    style_ = text.partition("<style>")[2].partition("</style>")[0]
+    (line,) = [line for line in style_.splitlines() if "tap to enlarge" in line]
+    assert line.startswith("@media screen and (hover: none) and (pointer: coarse) {")
 
 
 @pytest.mark.slow

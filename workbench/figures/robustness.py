@@ -1,6 +1,8 @@
 """The map of the extremes: a row an extreme, a column a method, the colour of each cell the outcome.
 
-A solved cell is the paler, the nearer its error is to what the method promises: tol max(1, condition).
+A solved cell is the paler, the nearer its error is to what the method promises: tol max(1, condition). A cell counts as
+wrong from ten times that. Where ten times that exceeds `VAGUE`, being within it proves little: the cell has a colour of
+its own.
 """
 
 from typing import Any
@@ -17,11 +19,13 @@ from ..data import labels
 from . import canvas, style
 from .sheet import Sheet
 
-COLOURS = {"refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#f3cf8a"}
+VAGUE = 0.1  # rad
+COLOURS = {"refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#f3cf8a", "vague": "#c9d8f2"}
 WORDS = {
     "refused": "refused, with a reason",
     "inaccurate": "reported as solved, but wrong",
     "non-finite": "no finite answer: overflow, or out of steps; reported",
+    "vague": f"solved; ill-conditioned at this tolerance (bound > {VAGUE:g} rad)",
 }
 SOLVED = LinearSegmentedColormap.from_list("solved", ["#7fc6a6", "#cfe8dc", "#f8f7d8"])
 LEAST, MOST = -8.0, 1.0  # log10 of error over promise, at the ends of the colours of solved cells
@@ -53,19 +57,28 @@ def figure(ds: xr.Dataset) -> Figure:
 
 def promise_kept(ds: xr.Dataset) -> Any:
     """log10 of the error over the promise tol max(1, condition) of each cell, (extremes, methods)."""
-    promised = float(ds.attrs["tolerance"]) * np.fmax(1.0, ds["condition"].values)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.log10(ds["error"].values / promised)
+        return np.log10(ds["error"].values / _promised(ds))
+
+
+def vague(ds: xr.Dataset) -> Any:
+    """Whether a cell is solved and its bound, above which an error is wrong, exceeds `VAGUE`, (extremes, methods)."""
+    return (ds["verdict"].values == "solved") & (10**MOST * _promised(ds) > VAGUE)
+
+
+def _promised(ds: xr.Dataset) -> Any:
+    return float(ds.attrs["tolerance"]) * np.fmax(1.0, ds["condition"].values)
 
 
 def panel(ds: xr.Dataset, ax: Axes) -> Axes:
     """The map on given axes."""
     names, methods = [str(v) for v in ds["extreme"].values], [str(v) for v in ds["method"].values]
     verdict, error, kept = ds["verdict"].values, ds["error"].values, promise_kept(ds)
+    kind = np.where(vague(ds), "vague", verdict.astype("<U10"))
     for i in range(len(names)):
         for j in range(len(methods)):
             share = (kept[i, j] - LEAST) / (MOST - LEAST)
-            colour = SOLVED(share) if verdict[i, j] == "solved" else COLOURS[str(verdict[i, j])]
+            colour = SOLVED(share) if kind[i, j] == "solved" else COLOURS[str(kind[i, j])]
             ax.add_patch(Rectangle((j, i), 1, 1, facecolor=colour, edgecolor="white", linewidth=1))
             _write(ax, j + 0.5, i + 0.5, _number(error[i, j]) if verdict[i, j] in ("solved", "inaccurate") else "")
         _write(ax, len(methods) + 0.5, i + 0.5, _number(_condition(ds, i)))

@@ -22,7 +22,7 @@ from ...run.in_memory import StudyResult
 from ..live.document import policy
 from ..turntable import page
 from . import case_facts, measured_runs, paper, turning
-from .errata import ERRATA
+from .errata import ERRATA, marked_up
 from .law_cards import CLASSES, claims_of, law_of, of_readings, restable, sentence
 from .measured_runs import Measured
 
@@ -79,6 +79,7 @@ def html(
         notes=list(dict.fromkeys(law["fixed_note"] for law in laws if law["fixed_note"])),
         readings=of_readings(readings),
         errata=ERRATA,
+        marked_up=marked_up,
         sources=[_source(result) for result in results],
         versions=_versions(results, readings),
         created=max(str(result.ds.attrs["created"]) for result in results),

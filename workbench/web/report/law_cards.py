@@ -13,6 +13,7 @@ from studies.law_kinds import MONOTONE
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
 from ...data import cautions, labels, law_verdicts
+from .turning import DROPPED
 
 NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
 CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
@@ -94,10 +95,11 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
     claims = [str(claim) for claim in readings["claim"].values]
     found = json.loads(readings.attrs["rows"])
     table = []
-    for reading, verdicts in zip(readings["reading"].values, readings["claim_verdict"].values, strict=True):
+    for reading in map(str, readings["reading"].values):
         cells = []
-        for claim, verdict in zip(claims, verdicts, strict=True):
-            laws = [row for row in found[str(reading)] if row["claim"] == claim]
+        for claim in claims:
+            laws = [_tested(row, reading) for row in found[reading] if row["claim"] == claim]
+            verdict = worst([row["verdict"] for row in laws])
             measured = [
                 f"{labels.symbol_of(row['observable'])} {labels.minus_signs(law_verdicts.measured(row))}"
                 for row in laws
@@ -105,15 +107,15 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
             ]
             cells.append(
                 {
-                    "verdict": str(verdict),
-                    "class": CLASSES[str(verdict)],
+                    "verdict": verdict,
+                    "class": CLASSES[verdict],
                     "measured": measured,
-                    "reason": sentence(_short(str(verdict), laws)),
+                    "reason": sentence(_short(verdict, laws)),
                     "why": labels.typeset("; ".join(f"{row['observable']}: {law_verdicts.said(row)}" for row in laws)),
                 }
             )
-        counts = reasons.counted(Counter(str(verdict) for verdict in verdicts))
-        table.append({"name": str(reading), "words": str(reading).split("/"), "cells": cells, "counts": counts})
+        counts = reasons.counted(Counter(cell["verdict"] for cell in cells))
+        table.append({"name": reading, "words": reading.split("/"), "cells": cells, "counts": counts})
     return {"claims": claims, "rows": table}
 
 
@@ -123,9 +125,24 @@ def sentence(text: str) -> str:
     return f"{typeset[0].upper() if typeset[0].isascii() else typeset[0]}{typeset[1:]}." if typeset else ""
 
 
+def _tested(row: Mapping[str, Any], reading: str) -> Mapping[str, Any]:
+    """The row of a law; not decided where the reading drops the load of its axis and the observable is constant."""
+    dropped = DROPPED.get(reading.partition("/")[0])
+    if row["axis"] != dropped or row["tau"] is not None or not row["first"] or row["first"] != row["last"]:
+        return row
+    reason = f"not tested along {dropped}: {dropped} has no effect under this reading"
+    told = {"at": {}, "lines": 1, "exceptions": [], "reason": labels.law_text(row, reason)}
+    return {**row, **told, "verdict": UNDECIDED, "inert": True}
+
+
 def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
     """Why a claim was not tested, or how it is qualified."""
-    if untested := [row["reason"] for row in laws if not row["first"]]:
-        return str(untested[0])
+    if untested := [row["reason"] for row in laws if not row["first"] or "inert" in row]:
+        others = [
+            f"along {labels.axis_symbol(row['axis'])} it {reasons.DOES[row['verdict']][0]}"
+            for row in laws
+            if row["first"] and "inert" not in row
+        ]
+        return reasons.joined([str(untested[0]), *others])
     kinds = dict.fromkeys(kind for row in laws for kind in row["qualifications"])
     return ", ".join(kinds) if verdict == QUALIFIED else ""

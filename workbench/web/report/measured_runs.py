@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from solver.methods import METHODS, available
 from solver.problem.errors import InputError
 
-from ...data import writing
+from ...data import labels, writing
 from ...figures import canvas, robustness, work_precision
 
 SHIPPED = Path(__file__).parents[2] / "compare" / "measured"  # made with benchmarks/make_measured.py
@@ -97,8 +98,25 @@ def _extremes(ds: xr.Dataset) -> str:
     ]
     wrong = int((verdict == "inaccurate").sum())
     honest = "no case reported as solved is wrong" if wrong == 0 else f"cases reported as solved but wrong: {wrong}"
-    counts = f"Solved by {', by '.join(solved)}; {honest}"
+    bound = f"{10**robustness.MOST:g} tol max(1, condition), tol = {float(ds.attrs['tolerance']):g}"
+    counts = f"Solved by {', by '.join(solved)}; {honest}{_vague(ds)}. Wrong is an error above the bound {bound}"
     left = [name for name in available() if name not in ds["method"].values]
     without = f" (not in this run: {', '.join(left)})" if left else ""
     methods = f"{ds.sizes['method']} methods{without}"
-    return f"{ds.sizes['extreme']} named extremes by {methods}. {counts}, and each unsolved case has a reason"
+    told = f"{ds.sizes['extreme']} named extremes by {methods}. {counts}. Each unsolved case has a reason"
+    return labels.typeset(told)
+
+
+def _vague(ds: xr.Dataset) -> str:
+    """The number of solved cells in which the bound for wrong is so wide that it proves little, and their errors."""
+    cells = robustness.vague(ds)
+    if not cells.any():
+        return ""
+    errors = np.where(cells, ds["error"].values, -1.0)
+    i, j = np.unravel_index(errors.argmax(), errors.shape)
+    return (
+        f", but in {int(cells.sum())} solved cells (blue) the problem itself is ill-conditioned at this tolerance: the "
+        f"bound exceeds {robustness.VAGUE:g} rad, so that the error in the cell, and not the word solved, tells how "
+        f"good the answer is; the largest is {errors[i, j]:.1g} rad ({ds['method'].values[j]}, "
+        f"{ds['extreme'].values[i]})"
+    )
