@@ -114,7 +114,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
                     "why": labels.typeset("; ".join(f"{row['observable']}: {law_verdicts.said(row)}" for row in laws)),
                 }
             )
-        counts = reasons.counted(Counter(cell["verdict"] for cell in cells))
+        counts = reasons.counted(Counter(str(cell["verdict"]) for cell in cells))
         table.append({"name": reading, "words": reading.split("/"), "cells": cells, "counts": counts})
     return {"claims": claims, "rows": table}
 
