@@ -138,6 +138,47 @@ def test_numbers_cover_neither_each_other_nor_a_point() -> None:
         assert not any(box.contains(point.x, point.y) for point in points)
 
 
+def unclear(ax) -> list[str]:
+    """The numbers without a line to their point that are not nearest to it; all distances in pixels."""
+    ax.figure.draw_without_rendering()
+    places = ax.transData.transform([text.xy for text in ax.texts])
+    found = []
+    for k, text in enumerate(ax.texts):
+        box = Text.get_window_extent(text)
+        low, high = np.array([box.x0, box.y0]), np.array([box.x1, box.y1])
+        gaps = np.linalg.norm(np.maximum(np.maximum(low - places, places - high), 0), axis=1)
+        if text.arrow_patch is None and (np.delete(gaps, k) <= gaps[k]).any():
+            found.append(text.get_text())
+    return found
+
+
+CLOSE = {
+    "column": [(3.0, 0.4 + 0.29 * (k // 2) + 0.16 * (k % 2)) for k in range(10)],
+    "cluster": [(3.0, 1.5), (3.05, 1.49), (3.1, 1.48), (2.7, 1.52)],
+    "steep pair": [(3.0, 1.5), (3.03, 1.36)],
+}
+
+
+@pytest.mark.parametrize("name", CLOSE)
+def test_a_number_is_nearest_to_its_own_point_or_has_a_line_to_it(name) -> None:
+    ax = Figure(figsize=(6, 3)).add_axes((0, 0, 1, 1))
+    ax.set(xlim=(0, 6), ylim=(0, 3))  # inches
+    points = [Point(x, y, str(k + 5)) for k, (x, y) in enumerate(CLOSE[name])]
+    point_numbers.write(ax, points, [], [], (6.0, 3.0))
+    assert len(ax.texts) == len(points)
+    assert unclear(ax) == []
+    for text in ax.texts:  # and the line can be seen
+        if text.arrow_patch is not None:
+            x, y = text.arrow_patch.get_path().get_extents().size / 100
+            assert np.hypot(x, y) > 0.05
+
+
+@pytest.mark.parametrize("which", ["dead", "held"])
+def test_no_number_of_a_diagram_of_branches_is_nearer_to_another_point(which, drawn) -> None:
+    for ax in drawn[which].axes[:2]:
+        assert unclear(ax) == []
+
+
 @pytest.mark.parametrize("wide, tall", [(10.0, 3.0), (0.2, 7.0), (5.0, 0.0)])
 def test_a_shape_fills_its_frame_and_the_bar_has_its_scale(wide, tall) -> None:
     ax = Figure(figsize=(2, 2)).add_axes((0, 0, 1, 1))

@@ -1,4 +1,7 @@
-"""Numbers beside points of a diagram: each is placed where it covers no other number, no point and few lines."""
+"""Numbers beside points of a diagram: each is placed where it covers no other number, no point and few lines.
+
+A number is nearer to its own point than to any other, or a thin line leads from it to its point.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +17,8 @@ from . import style
 
 SAME = 0.03  # inches: nearer points have one text
 AWAY = (0.13, 0.2, 0.28, 0.38, 0.5, 0.64)  # inches from a point to the middle of its number
-FAR = 0.17  # inches: a number that is farther away has a line to its point
+FAR, SEEN = 0.12, 0.1  # inches: numbers farther away have a line to their point; the least length of such a line
+CLEAR = 0.8  # a number is nearer to its point by this factor than to any other, or has a line to its point
 WAYS = np.radians([60, 120, 300, 240, 90, 270, 0, 180, 30, 150, 330, 210])
 STEP = 0.03  # inches between the places of a line that are looked at
 
@@ -28,6 +32,17 @@ class Point:
     x: float
     y: float
     name: str
+
+
+@dataclass(frozen=True)
+class _Others:
+    """What stands in a diagram, in inches: places along its lines, its points, its size, and the numbers so far."""
+
+    lines: Values
+    dots: Values
+    inches: Values
+    boxes: list[Values]
+    leaders: list[Values]
 
 
 def write(
@@ -53,20 +68,22 @@ def write(
     dots = np.array([[point.x, point.y] for point in points]).reshape(-1, 2)
     places = (dots - low) * per
     covered = np.concatenate([np.empty((0, 2)), *(_along((np.asarray(line) - low) * per) for line in lines)])
-    kept = [places, *((np.asarray(mark, dtype=float)[None] - low) * per for mark in marks)]
-    taken: list[Values] = []
+    dots_of = np.concatenate([places, *((np.asarray(mark, dtype=float)[None] - low) * per for mark in marks)])
+    others = _Others(covered, dots_of, np.array(inches), [], [])
     for group in _groups(places):
-        text = joined([points[i].name for i in group])
+        text, place = joined([points[i].name for i in group]), places[group[0]]
         size = np.array([style.width_of(text, style.small()) + 0.03, style.small() * 1.15 / 72])
-        middle = _best(places[group[0]], size, (covered, np.concatenate(kept), taken), np.array(inches))
-        taken.append(np.stack([middle - size / 2, middle + size / 2]))
-        shift = middle - places[group[0]]
-        far = np.linalg.norm(shift) > FAR
-        ax.annotate(text, dots[group[0]], 72 * shift, textcoords="offset points", ha="center", va="center",
+        middle = _best(place, size, others)
+        box = np.stack([middle - size / 2, middle + size / 2])
+        led = _is_led(place, box, others.dots)
+        others.boxes.append(box)
+        if led:
+            others.leaders.append(_along(np.stack([place, middle])))
+        ax.annotate(text, dots[group[0]], 72 * (middle - place), textcoords="offset points", ha="center", va="center",
                     size=style.small(), color=style.INK, zorder=20, annotation_clip=False,
                     path_effects=[withStroke(linewidth=2.0, foreground="white", alpha=0.9)],
-                    arrowprops={"arrowstyle": "-", "color": style.INK, "linewidth": 0.5, "shrinkA": 1,
-                                "shrinkB": 2} if far else None)  # fmt: skip
+                    arrowprops={"arrowstyle": "-", "color": style.INK, "linewidth": 0.5, "shrinkA": 0,
+                                "shrinkB": 1} if led else None)  # fmt: skip
 
 
 def joined(names: Sequence[str]) -> str:
@@ -95,19 +112,42 @@ def _groups(places: Values) -> list[list[int]]:
     return groups
 
 
-def _best(place: Values, size: Values, others: tuple[Values, Values, list[Values]], inches: Values) -> Values:
+def _best(place: Values, size: Values, others: _Others) -> Values:
     """The middle of a text of that size near a place: of those that cover least, the nearest."""
-    lines, dots, taken = others
     best, least = place, np.inf
     for away, way in product(AWAY, WAYS):
         middle = place + (away + np.array([size[0] / 2 - 0.05, 0]) * abs(np.cos(way))) * [np.cos(way), np.sin(way)]
         box = np.stack([middle - size / 2, middle + size / 2])
-        cost = 6 * away + 1.2 * _inside(lines, box).sum() + 40 * _inside(dots, box, 0.04).sum()
-        cost += 40 * sum(bool((box[0] < other[1]).all() and (box[1] > other[0]).all()) for other in taken)
-        cost += 40 * bool((box[0] < 0).any() or (box[1] > inches).any())
+        cost = 6 * away + 1.2 * _inside(others.lines, box).sum() + 40 * _inside(others.dots, box, 0.04).sum()
+        cost += 40 * sum(bool((box[0] < other[1]).all() and (box[1] > other[0]).all()) for other in others.boxes)
+        cost += 40 * sum(bool(_inside(line, box, 0.02).any()) for line in others.leaders)
+        cost += 40 * bool((box[0] < 0).any() or (box[1] > others.inches).any())
+        if _is_led(place, box, others.dots):
+            cost += _cost_of_leader(place, box, others)
         if cost < least:
             best, least = middle, float(cost)
     return best
+
+
+def _is_led(place: Values, box: Values, dots: Values) -> bool:
+    """Whether a number in a box needs a line to its place: it is far away, or as near to another point."""
+    own, apart = float(_gaps(box, place[None])[0]), dots[np.linalg.norm(dots - place, axis=1) >= SAME]
+    return own > FAR or bool((own > CLEAR * _gaps(box, apart)).any())
+
+
+def _cost_of_leader(place: Values, box: Values, others: _Others) -> float:
+    """A line that is too short to see, passes another point or a number, or crosses another line says less."""
+    line = _along(np.stack([place, box.mean(axis=0)]))
+    apart = others.dots[np.linalg.norm(others.dots - place, axis=1) >= SAME]
+    passed = np.linalg.norm(apart[:, None] - line, axis=2).min(axis=1) < 0.04
+    crossed = [np.linalg.norm(line[1:, None] - other[1:], axis=2).min() < STEP for other in others.leaders]
+    covered = [_inside(line, other).any() for other in others.boxes]
+    return float(5 + 20 * (_gaps(box, place[None])[0] < SEEN) + 15 * passed.sum() + 15 * sum(crossed) + 30 * sum(covered))
+
+
+def _gaps(box: Values, some: Values) -> Values:
+    """The distance of each point from a box."""
+    return np.asarray(np.linalg.norm(np.maximum(np.maximum(box[0] - some, some - box[1]), 0), axis=1))
 
 
 def _inside(some: Values, box: Values, margin: float = 0.0) -> NDArray[np.bool_]:
