@@ -17,7 +17,7 @@ from solver.core import build
 from solver.problem.quantities import QUANTITIES
 from studies.readings import READINGS
 
-from ...data import push_colours
+from ...data import labels, push_colours
 from ...data.escaping import finite
 from . import page_shape
 from .page_model import study_of
@@ -91,7 +91,7 @@ def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
 
 
 def _short(words: str) -> str:
-    return words.partition(" (")[0]
+    return labels.typeset(words.partition(" (")[0])
 
 
 def _begun(preset: Preset) -> dict[str, Any]:

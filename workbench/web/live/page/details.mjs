@@ -16,7 +16,8 @@ export function showRows(rows, told, quantities, units) {
     const [symbol, words, dimension] = quantities[quantityOf(name)];
     const [row, term, letter, amount] = ["div", "dt", "b", "dd"].map((tag) => document.createElement(tag));
     letter.textContent = symbol;
-    term.append(letter, ` ${words}`);
+    const isSaid = `${words} `.startsWith(`${symbol} `); // the words begin with the symbol
+    term.append(letter, isSaid ? words.slice(symbol.length) : ` ${words}`);
     amount.textContent = withUnit(number(dimension === "rad" ? value / DEGREE : value), unitText(dimension, units));
     amount.id = `o-${name}`;
     row.append(term, amount);

@@ -8,6 +8,7 @@ import { rowOf, showList } from "./equilibria_list.mjs";
 import { copyText, saveFile, savePicture, showStudy } from "./files.mjs";
 import { observables, warnings } from "./numbers.mjs";
 import { Refused, caseOf, heldState, isEnds, isState } from "./rod_case.mjs";
+import { makePrint } from "./print.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
 import { post, unpacked } from "./server.mjs";
@@ -51,6 +52,7 @@ let core = null,
 const theme = makeTheme();
 const view = makeView(element("scene"), element("mark"), data.colours, () => still.matches);
 const diagrams = makeDiagrams(element("diagrams"), data.colours, theme, setCursor);
+makePrint(element("scene"), view, diagrams);
 const context = {
   span: (name) => spanOf(name, me.centre[name], (presetOf() || {}).spans?.[name]),
   value: (name) => me.state.base[name],

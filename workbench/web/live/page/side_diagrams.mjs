@@ -8,7 +8,8 @@ const HEIGHT = 165;
 export function makeDiagrams(box, code, theme, pointed) {
   let shown = [],
     shape = null,
-    at = null;
+    at = null,
+    fine = 1;
 
   function build(specs) {
     box.replaceChildren();
@@ -45,7 +46,7 @@ export function makeDiagrams(box, code, theme, pointed) {
 
   function paint() {
     if (!shape) return;
-    const ratio = window.devicePixelRatio || 1,
+    const ratio = Math.max(window.devicePixelRatio || 1, fine),
       here = at === null ? null : valuesAt(shape, at);
     for (const one of shown) {
       const wide = one.canvas.clientWidth || 370,
@@ -90,6 +91,11 @@ export function makeDiagrams(box, code, theme, pointed) {
     paint,
     setCursor: (s) => {
       at = s;
+      paint();
+    },
+    /* At least so many pixels for one of the page. */
+    setFine: (least) => {
+      fine = least;
       paint();
     },
   };
