@@ -68,3 +68,8 @@ def emulate(driver: Any, **media: str) -> None:
     """Media features of the page, such as prefers_color_scheme="dark"."""
     features = [{"name": name.replace("_", "-"), "value": value} for name, value in media.items()]
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+
+
+def medium(driver: Any, name: str) -> None:
+    """The medium that the page is laid out for, "print" or "" for the screen."""
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": name})

@@ -108,6 +108,16 @@ def test_dashed_lines_that_coincide_are_drawn_once(dead) -> None:
         )
 
 
+def test_a_legend_that_names_laws_stands_in_a_picture_that_says_them(dead) -> None:
+    case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.4, FZ=-0.5))
+    judged = branch_dataset.sweep(load("fig7_4_end_angle"), case, "betaL", np.linspace(0.2, 0.5, 2), lambda text: None)
+    for ds, laws in ((judged, True), (dead, False)):
+        fig = bifurcation.figure(ds)
+        named = any("law" in text.get_text() for text in fig.axes[0].get_legend().get_texts())
+        said = "the number of bends does not fall and mean κ rises with β(L)" in fig.get_supxlabel()
+        assert (named, said) == (laws, laws)
+
+
 def test_one_branch_alone_has_a_row_of_shapes(held) -> None:
     assert len(branch_dataset.branches(held)) == 1
     assert held.sizes["shape"] == 8

@@ -1,6 +1,8 @@
 """The live page in a real browser."""
 
+import base64
 import json
+import re
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -435,6 +437,42 @@ def test_the_saved_page_solves_every_rod_without_a_server(page, driver, saved) -
     page.click("csv")
     path = driver.folder / "table1 (1).csv"
     page.until(lambda: any(one.stat().st_size for one in driver.folder.glob("table1*.csv")), str(path))
+
+
+def test_on_paper_the_rod_is_a_copy_and_the_diagrams_keep_their_proportions(page) -> None:
+    share = "const c = document.getElementById('scene'), p = document.querySelector('.printed');"
+    page("window.dispatchEvent(new Event('beforeprint'))")
+    found, wanted, hues = page(f"""{share} const bytes = p.getContext('2d').getImageData(0, 0, p.width, p.height).data;
+        const seen = new Set();
+        for (let i = 0; i < bytes.length; i += 400) seen.add(bytes.slice(i, i + 4).join());
+        return [p.width / p.height, c.clientWidth / c.clientHeight, seen.size];""")
+    assert found == pytest.approx(wanted, rel=2e-3)
+    assert hues > 100
+    browser.medium(page.driver, "print")
+    shapes = page("""return [...document.querySelectorAll('.diagram canvas')].map(
+        (one) => [one.width / one.height, one.clientWidth / one.clientHeight, one.width / one.clientWidth])""")
+    browser.medium(page.driver, "")
+    assert len(shapes) == 4
+    for drawn, shown, fine in shapes:
+        assert shown == pytest.approx(drawn, rel=0.02)
+        assert fine > 2
+    page("window.dispatchEvent(new Event('afterprint'))")
+    assert page(f"{share} return p === null")
+
+
+@pytest.mark.slow
+def test_the_printed_page_holds_a_picture_of_the_rod(page) -> None:
+    pdf = base64.b64decode(page.driver.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})["data"])
+    sizes = re.findall(rb"/Subtype /Image\s+/Width (\d+)\s+/Height (\d+)", pdf)
+    assert any(int(wide) == 1600 and int(high) > 400 for wide, high in sizes)
+    page.until(lambda: page("return document.querySelector('.printed') === null"), "its look on a screen")
+
+
+def test_no_words_repeat_their_symbol_or_spell_a_letter(page) -> None:
+    page.until(lambda: page("return document.getElementById('o-twist_energy')"), "its observables")
+    told = page("return [...document.querySelectorAll('#numbers dt')].map((one) => one.innerText)")
+    assert {"bending energy", "twist energy", "wraps about the axis"} <= set(told)
+    assert not [words for words in told if re.search("beta|kappa", words)]
 
 
 @pytest.fixture(scope="module")

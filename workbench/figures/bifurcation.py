@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from studies.laws import HOLDS, QUALIFIED
+from studies.line_verdicts import DIRECTIONS
 
 from ..branches.branch_dataset import branches
 from ..data import labels
@@ -32,13 +33,15 @@ def figure(ds: xr.Dataset) -> Figure:
     """The shown quantity and the energy against the axis, and the developed curves of the branches.
 
     Stable branches are solid and thick, unstable ones dashed; a shape of each has a number, and its point has the same.
-    Folds and other special points are marked. Where laws were judged, the branches on which none fails have a colour.
+    Folds and other special points are marked. Where laws were judged, the branches on which none fails have a colour,
+    and a note says the laws.
     """
     names = [name for name in dict.fromkeys((str(ds.attrs["shown"]), "energy")) if f"curve_{name}" in ds]
     count = min(ds.sizes.get("shape", 0), MOST)
     rows = -(-count // ROW)
 
     def draw(fig: Figure) -> None:
+        notes = _laws(ds)
         grid = fig.add_gridspec(
             len(names) + bool(rows), 1, height_ratios=[*PANEL[: len(names)], *[STRIP * rows] * bool(rows)]
         )
@@ -50,10 +53,11 @@ def figure(ds: xr.Dataset) -> Figure:
             cells = grid[len(names)].subgridspec(rows, ROW)
             _shapes(ds, fig, cells, count)
             some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
-            fig.supxlabel(f"Developed curves at the numbered points, each with its own scale{some}.", x=0.01, ha="left",
-                          size=style.small(), color=style.SOFT)  # fmt: skip
+            notes.append("Developed curves at the numbered points, each with its own scale" + some + ".")
+        if notes:
+            fig.supxlabel("\n".join(notes), x=0.01, ha="left", size=style.small(), color=style.SOFT)
 
-    return canvas.figure((WIDTH, sum(PANEL[: len(names)]) + STRIP * rows + 0.8), draw, ds)
+    return canvas.figure((WIDTH, sum(PANEL[: len(names)]) + STRIP * rows + 0.8 + 0.2 * len(_laws(ds))), draw, ds)
 
 
 def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = PANEL[0]) -> Axes:
@@ -137,6 +141,16 @@ def _mark_dead_folds(ds: xr.Dataset, ax: Axes, on: Any, along: Any, height: Any)
     if middle:
         ax.plot(*zip(*middle, strict=True), "^", color=style.INK, markersize=5.5, markerfacecolor="white", zorder=6,
                 linestyle="none", label="fold under dead loads: the rod snaps through")  # fmt: skip
+
+
+def _laws(ds: xr.Dataset) -> list[str]:
+    """The sentence that says which laws the branches of that colour are judged by; none without a law."""
+    rows = branches(ds)
+    told = [key.split(" ") for key in (rows[0] if rows else {}) if " " in key]
+    if not told:
+        return []
+    words = " and ".join(f"{labels.noun_of(one)} {DIRECTIONS[direction].does}" for one, direction in told)
+    return [f"Laws of the study: {words} with {labels.symbol(ds[str(ds.attrs['axis'])])}."]
 
 
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:

@@ -148,7 +148,7 @@ function columns(ctx, spec, { px, py, x0, x1, w }, code) {
       y = spec.y[i] + u * (spec.y[i + 1] - spec.y[i]);
     const tone = y < 0 ? -1 : Math.round((TONES * y) / most);
     ctx.fillStyle = tones[tone] ??= css(pushColour(code, tone, TONES));
-    ctx.fillRect(px(x) - 0.5, Math.min(py(y), zero), 1, Math.abs(py(y) - zero));
+    ctx.fillRect(px(x) - 0.5, Math.min(py(y), zero), 1.5, Math.abs(py(y) - zero)); // no gap between two in print
   }
 }
 
