@@ -110,7 +110,7 @@ def test_dashed_lines_that_coincide_are_drawn_once(dead) -> None:
 
 def test_a_legend_that_names_laws_stands_in_a_picture_that_says_them(dead) -> None:
     case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.4, FZ=-0.5))
-    judged = branch_dataset.sweep(load("fig7_4_end_angle"), case, "betaL", np.linspace(0.2, 0.5, 2), lambda text: None)
+    judged = branch_dataset.sweep(load("fig7_4_end_angle"), case, "betaL", np.linspace(0.2, 0.5, 3), lambda text: None)
     for ds, laws in ((judged, True), (dead, False)):
         fig = bifurcation.figure(ds)
         named = any("law" in text.get_text() for text in fig.axes[0].get_legend().get_texts())

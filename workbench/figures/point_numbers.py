@@ -17,8 +17,9 @@ from . import style
 
 SAME = 0.03  # inches: nearer points have one text
 AWAY = (0.13, 0.2, 0.28, 0.38, 0.5, 0.64)  # inches from a point to the middle of its number
+NEXT = 0.08  # inches: numbers nearer to each other are taken for one
 FAR, SEEN = 0.12, 0.1  # inches: numbers farther away have a line to their point; the least length of such a line
-CLEAR = 0.8  # a number is nearer to its point by this factor than to any other, or has a line to its point
+CLEAR = 0.7  # a number is nearer to its point by this factor than to any other, or has a line to its point
 WAYS = np.radians([60, 120, 300, 240, 90, 270, 0, 180, 30, 150, 330, 210])
 STEP = 0.03  # inches between the places of a line that are looked at
 
@@ -120,6 +121,8 @@ def _best(place: Values, size: Values, others: _Others) -> Values:
         box = np.stack([middle - size / 2, middle + size / 2])
         cost = 6 * away + 1.2 * _inside(others.lines, box).sum() + 40 * _inside(others.dots, box, 0.04).sum()
         cost += 40 * sum(bool((box[0] < other[1]).all() and (box[1] > other[0]).all()) for other in others.boxes)
+        cost += 4 * sum(bool((np.maximum(box[0] - other[1], other[0] - box[1]) < NEXT).all()) for other in others.boxes)
+        cost += 10 * max(_share(place, box, others.dots) - 0.3, 0)
         cost += 40 * sum(bool(_inside(line, box, 0.02).any()) for line in others.leaders)
         cost += 40 * bool((box[0] < 0).any() or (box[1] > others.inches).any())
         if _is_led(place, box, others.dots):
@@ -131,18 +134,25 @@ def _best(place: Values, size: Values, others: _Others) -> Values:
 
 def _is_led(place: Values, box: Values, dots: Values) -> bool:
     """Whether a number in a box needs a line to its place: it is far away, or as near to another point."""
+    return bool(_gaps(box, place[None])[0] > FAR or _share(place, box, dots) > CLEAR)
+
+
+def _share(place: Values, box: Values, dots: Values) -> float:
+    """The distance of a box from its own place over that from the nearest other point, 2 at most."""
     own, apart = float(_gaps(box, place[None])[0]), dots[np.linalg.norm(dots - place, axis=1) >= SAME]
-    return own > FAR or bool((own > CLEAR * _gaps(box, apart)).any())
+    return min(own / max(float(_gaps(box, apart).min(initial=np.inf)), 1e-9), 2.0)
 
 
 def _cost_of_leader(place: Values, box: Values, others: _Others) -> float:
     """A line that is too short to see, passes another point or a number, or crosses another line says less."""
     line = _along(np.stack([place, box.mean(axis=0)]))
     apart = others.dots[np.linalg.norm(others.dots - place, axis=1) >= SAME]
-    passed = np.linalg.norm(apart[:, None] - line, axis=2).min(axis=1) < 0.04
+    passed = np.linalg.norm(apart[:, None] - line, axis=2).min(axis=1) < 0.06
     crossed = [np.linalg.norm(line[1:, None] - other[1:], axis=2).min() < STEP for other in others.leaders]
     covered = [_inside(line, other).any() for other in others.boxes]
-    return float(5 + 20 * (_gaps(box, place[None])[0] < SEEN) + 15 * passed.sum() + 15 * sum(crossed) + 30 * sum(covered))
+    return float(
+        5 + 20 * (_gaps(box, place[None])[0] < SEEN) + 15 * passed.sum() + 15 * sum(crossed) + 30 * sum(covered)
+    )
 
 
 def _gaps(box: Values, some: Values) -> Values:
