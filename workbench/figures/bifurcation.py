@@ -144,19 +144,24 @@ def _mark_dead_folds(ds: xr.Dataset, ax: Axes, on: Any, along: Any, height: Any)
 
 
 def _laws(ds: xr.Dataset) -> list[str]:
-    """The sentence that says which laws the branches of that colour are judged by; none without a law."""
+    """The sentence that says the laws of the legend; none where no branch has their colour."""
     rows = branches(ds)
-    told = [key.split(" ") for key in (rows[0] if rows else {}) if " " in key]
-    if not told:
+    if "member" not in ds.sizes or not any(_holds(row) for row in rows):
         return []
+    told = [key.split(" ") for key in rows[0] if " " in key]
     words = " and ".join(f"{labels.noun_of(one)} {DIRECTIONS[direction].does}" for one, direction in told)
     return [f"Laws of the study: {words} with {labels.symbol(ds[str(ds.attrs['axis'])])}."]
 
 
+def _holds(row: dict[str, Any]) -> bool:
+    """Whether laws were judged on a branch and none fails."""
+    verdicts = [v for key, v in row.items() if " " in key]
+    return bool(verdicts) and all(str(v).startswith((HOLDS, QUALIFIED)) for v in verdicts)
+
+
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     """The look of a branch, and its entry in the legend."""
-    verdicts = [v for key, v in row.items() if " " in key]
-    holds = bool(verdicts) and all(str(v).startswith((HOLDS, QUALIFIED)) for v in verdicts)
+    holds = _holds(row)
     stable = row["index"] == 0
     colour = style.PUSHED if holds else style.STABLE if stable else style.SOFT
     look: dict[str, Any] = {
