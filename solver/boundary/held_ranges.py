@@ -82,8 +82,8 @@ def _straightening(load: str, known: dict[str, float], span: float) -> float:
 def _steps(low: float, high: float, count: int, root: float | None) -> Array:
     if root is None:
         return np.linspace(low, high, count)
-    ends = [np.arcsinh(np.sign(end) * np.sqrt(abs(end)) / root) for end in (low, high)]
-    roots = root * np.sinh(np.linspace(*ends, count))
+    first, last = (float(np.arcsinh(np.sign(end) * np.sqrt(abs(end)) / root)) for end in (low, high))
+    roots = root * np.sinh(np.linspace(first, last, count))
     steps = np.sign(roots) * roots * roots
     steps[[0, -1]] = low, high
     return np.asarray(steps)
