@@ -88,7 +88,7 @@ def test_the_dask_page_solves_the_same_file_on_a_cluster(tmp_path, monkeypatch) 
 def workflow(tmp_path: Path) -> Path:
     """The files of the page on Snakemake, each named by its first line."""
     pytest.importorskip("snakemake", reason="Snakemake is not installed")
-    for language in ("toml", "python", "snakemake"):
+    for language in ("text", "python"):
         for text in blocks("use-snakemake.md", language):
             if name := re.match(r"# (\w+(\.\w+)?)\n", text):
                 (tmp_path / name[1]).write_text(text, encoding="utf-8")
