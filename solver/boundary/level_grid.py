@@ -26,7 +26,7 @@ from .transit_times import repeated as repeated
 _ON = 1e-110  # an end this near to a saddle lies on it
 _ROUNDING = 4e-16  # of H, in units of the size of G
 _SCAN = np.linspace(-np.pi, np.pi, 181)  # H' is a sum of harmonics up to the fourth
-_LOWEST = -575.0  # log of the smallest gap that a float can hold with what is made of it
+LOWEST = -575.0  # log of the smallest gap that a float can hold with what is made of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ def boundary_of(problem: EndsProblem) -> Boundary:
     whole_turns = round((max(ends) - min(ends) - rest) / TAU)
     behind = [int(np.count_nonzero(angles <= b)) - 1 for b in (low, high)]
     passed = behind[1] - behind[0] + (angles.size if high < low else 0)
-    return Boundary(problem, found, low, high, whole_turns, passed, rising, np.empty(0), np.empty((0, 2)), _LOWEST)
+    return Boundary(problem, found, low, high, whole_turns, passed, rising, np.empty(0), np.empty((0, 2)), LOWEST)
 
 
 def helix_of(problem: EndsProblem, found: CriticalPoints) -> tuple[float, float] | None:
@@ -114,7 +114,7 @@ def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelG
         reach = abs(float(problem.betaL[0] - problem.beta0[0])) / float(problem.span[0])
         tops.append(np.log((2 * reach) ** 2 + 1e-3 * height_scale(problem)))
     lowest = min([*tops, *(f for some in features for f in some)])
-    deepest = max(_LOWEST, lowest - (80 if at_end else 40))
+    deepest = max(LOWEST, lowest - (80 if at_end else 40))
     boundary = replace(blank, pins=pins, falls=falls, deepest=deepest)
     shelves = [[_beside(sign * gap, size, step) for sign in (1, -1)] for gap in gaps]
     return boundary, _levels_between(tops, features, shelves, deepest, step, len(groups), at_end)
@@ -234,4 +234,4 @@ def _features(problem: EndsProblem, pin: float, angles: Array, ends: tuple[float
         reach = min(bend / max(second, 1e-300), np.sqrt(bend / max(third, 1e-300)), 1.0)
         apart.append(bend * reach**2)
     apart = [a for a in apart if a > 0]
-    return np.maximum(np.log(apart), _LOWEST + 40)
+    return np.maximum(np.log(apart), LOWEST + 40)

@@ -11,16 +11,19 @@ from ..orbit.pieces import HELIX
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import LinePoint, Path
 from .end_conditioning import end_response
+from .level_grid import LOWEST
 from .paths import DOWN, UP, LevelPaths, Levels, Paths
 from .saddle_panels import with_saddle_panels
 from .transit_times import STRETCH, Boundary, repeated, transit_times
 
 _TIGHT = 1e-13  # tolerance of the orbits
+_DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
 
 
 def solved_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, lengthens: Array) -> tuple[Orbit, Array]:
     """The orbits and their levels eta, (K,)."""
     K = path.y.size
+    boundary = replace(boundary, deepest=max(LOWEST, boundary.deepest - _DEEPER))
     moves = ~path.helix
     pin = np.array([int(np.argmin(np.abs(boundary.pins - p))) for p in path.pin[moves]], dtype=int)
     gap, slope, excess = np.zeros(K), np.zeros(K), np.zeros(K)

@@ -37,6 +37,24 @@ def force(b: np.ndarray, lam: float, mu: float, phi: float) -> np.ndarray:
     return lam * c - mu * np.cos(2 * b) - (phi + 2 * c * s * s) * s
 
 
+@pytest.mark.parametrize("L", (100.0, 163.0, 400.0))
+def test_the_rod_nears_the_saddle_in_its_middle_as_exactly_as_told(L: float) -> None:
+    """Beyond the place where 1e-7 rad is left to the saddle, what is left falls as exp(-r s), to 1e-7 of itself."""
+    rod = case(L, 1.35, 0.25, FZ=0.0765, MZ=0.0778)
+    (found,) = equilibria(rod, stations=801)
+    solution, problem = found.solution, reduce(rod)
+    saddle = float(solution.beta[400])
+    lam, mu, phi = (float(v) for v in (problem.lam[0], problem.mu[0], problem.phi[0]))
+    assert abs(float(force(np.array(saddle), lam, mu, phi))) < 1e-15
+    step = 1e-6
+    rate = np.sqrt(np.diff(-force(saddle + step * np.array([-1.0, 1.0]), lam, mu, phi))[0] / (2 * step))
+    left = solution.beta - saddle
+    for far, s in ((left[:400], solution.s[:400]), (left[:400:-1], solution.s[-1] - solution.s[:400:-1])):
+        one = int(np.argmax(np.abs(far) < 1e-7))
+        expected = far[one] * np.exp(-rate * (s[one:] - s[one]))
+        assert np.abs(far[one:] - expected).max() < float(solution.error) + 2e-14
+
+
 def signed_count(found) -> int:
     return sum((-1) ** one.index for one in found)
 
