@@ -25,6 +25,13 @@ def slow(session: nox.Session) -> None:
     session.run("pytest", "-n", "auto", "--dist", "loadfile", "-m", "slow", *session.posargs)
 
 
+@nox.session(default=False)
+def coverage(session: nox.Session) -> None:
+    """The default tests, with the share of lines that they run; not counted is what other processes run."""
+    session.install(*PINNED, "-e", ".[test]", "pytest-cov>=6")
+    session.run("pytest", "-n", "auto", "--dist", "loadfile", "--cov", *session.posargs)
+
+
 @nox.session
 def checks(session: nox.Session) -> None:
     """Style and types."""
