@@ -9,10 +9,12 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from solver.problem import angles
 from solver.problem.errors import InputError, choices, near
 
-from . import paired
+from . import angle_notices, paired
 from .axes import Axis, Base, Misplaced, Units, Which
+from .dimensions import Values
 from .law import Law
 from .model import Study
 from .paired import Table
@@ -147,10 +149,34 @@ def loads(
     (1, 20.0)
     """
     try:
-        return _study(text, default_name, context or {})
+        data = _tables(text)
+        study = _study(data, text, default_name, context or {})
     except _Refused as error:
         where = _line(_lines(text), error.where) if error.where else ""
         raise InputError(_plain(f"{label}{where}{':' if error.of_a_key else ''} {error}")) from None
+    cases = study.samples.fields if study.table and study.samples else None
+    for sentence in _notices(data, text, label, cases):
+        angles.warn(sentence)
+    return study
+
+
+def notices(text: str, label: str = "study") -> list[str]:
+    """The notices about the numbers of a study that are read in rad but look like degrees, with file and line.
+
+    `loads` and `load` issue each as an `AngleWarning`.
+    """
+    try:
+        return _notices(_tables(text), text, label)
+    except _Refused:
+        return []
+
+
+def _notices(
+    data: Mapping[str, Any], text: str, label: str, cases: Mapping[str, Values] | None = None
+) -> list[str]:
+    found = angle_notices.of_study(data, cases)
+    lines = _lines(text) if found else {}
+    return [_plain(f"{label}{_line(lines, where)}: {sentence}") for where, sentence in found]
 
 
 class _Refused(Exception):
@@ -161,8 +187,7 @@ class _Refused(Exception):
         self.where, self.of_a_key = where, of_a_key
 
 
-def _study(text: str, default_name: str, context: Mapping[str, Any]) -> Study:
-    data = _tables(text)
+def _study(data: dict[str, Any], text: str, default_name: str, context: Mapping[str, Any]) -> Study:
     data.setdefault("name", default_name)
     cases = context.get("cases")
     if cases is not None:

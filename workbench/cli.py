@@ -6,6 +6,7 @@ The modules of the commands import heavy libraries inside their functions, so th
 
 import re
 import sys
+import warnings
 from collections.abc import Callable, Iterable
 from functools import wraps
 from typing import Annotated, Any
@@ -44,6 +45,7 @@ from .commands import (
 from .data import escaping
 
 OF_SCENE = ("pyvista", "trimesh", "vtkmodules")  # packages of the extra scene
+NOTICE = r".* is read as .* rad = "  # the warnings of `solver.problem.angles`, which --help does not import
 INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 
 COMMANDS: dict[str, Callable[..., int]] = {  # in the order of --help; each returns the exit status
@@ -114,8 +116,27 @@ for _name, _command in COMMANDS.items():
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the command line and exit; an error is one sentence on stderr."""
+    """Run the command line and exit; an error is one sentence on stderr, and so is a notice."""
     words = (sys.argv[1:] if args is None else args) or ["--help"]
+    with warnings.catch_warnings():
+        warnings.filterwarnings("once", NOTICE)
+        warnings.showwarning = _shown_by(warnings.showwarning)
+        _run(words)
+
+
+def _shown_by(others: Callable[..., None]) -> Callable[..., None]:
+    """What shows a warning: a notice as one sentence, any other as before."""
+
+    def show(message: Warning | str, *where: Any, **more: Any) -> None:
+        if re.match(NOTICE, str(message)):
+            print(f"workbench: notice: {escaping.line(str(message))}", file=sys.stderr)
+        else:
+            others(message, *where, **more)
+
+    return show
+
+
+def _run(words: list[str]) -> None:
     try:
         sys.exit(app(words, prog_name="workbench", standalone_mode=False))
     except typer.TyperException as error:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .angles import FORMS, angle
+from .angles import FORMS, angle, doubt, given_by_a_program, warn
 from .errors import InputError
 
 # the fields that may be text, read by `angles.angle`
@@ -62,4 +62,16 @@ def check_numbers(self: Any, skip: tuple[str, ...] = ()) -> None:
         value = getattr(self, field.name)
         optional = field.default is None
         if field.name not in skip and not (optional and value is None):
-            object.__setattr__(self, field.name, _numbers(type(self).__name__, field.name, value))
+            read = _numbers(type(self).__name__, field.name, value)
+            object.__setattr__(self, field.name, read)
+            if field.name in ANGLES:
+                _notice(field.name, value, read)
+
+
+def _notice(field: str, value: Any, read: NDArray[np.float64] | float) -> None:
+    """Warn of an angle that a program gives without a unit if it may be meant in degrees."""
+    large = np.abs(read) > np.pi
+    if np.any(large) and given_by_a_program():
+        numbers = value[large] if isinstance(value, np.ndarray) and value.dtype.kind in "if" else value
+        if sentence := doubt(field, numbers):
+            warn(sentence)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import wraps
 from typing import Annotated, Any
 
-from .options import angle, numbered, option
+from .options import angle_of, numbered, option
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def _type(field: CaseField, whole: bool) -> Any:
     if field.choices:
         return Annotated[str | None, option("|".join(field.choices), help, flag, **group)]
     if field.unit == "rad":
-        return Annotated[float | None, option("ANGLE", help, flag, parser=angle, **group)]
+        return Annotated[float | None, option("ANGLE", help, flag, parser=angle_of(flag), **group)]
     return Annotated[float | None, numbered(help, flag, *also, **group)]
 
 

@@ -16,10 +16,16 @@ def check(file: File, json: Json = False) -> int:
 
     Exit status 1 if a case is unsolved, or if a law fails, is not decided or is qualified.
     """
+    from solver.problem import angles
+    from studies.loader import notices
+
     from ..data import file_checks, reading
 
     with reading.opened(file) as ds, file_checks.refusing(file):
         found = _found_in(ds, file)
+        text = str(ds.attrs.get("study", ""))
+    for sentence in notices(text, f"{file.name}, its study"):
+        angles.warn(sentence)
     return print_result(found, json)
 
 

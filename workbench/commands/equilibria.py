@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .case_options import ENDS_FIELDS, FIELDS, HELD, Given, takes_case
-from .options import Choose, Json, argument, flag, option
+from .options import Choose, Json, angle_of, argument, flag, option
 from .solve import parse_choose
 
 if TYPE_CHECKING:
@@ -254,13 +254,12 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
 def parse_within(said: Sequence[str]) -> dict[str, tuple[float, float]]:
     """``FZ=-50:10`` as a reaction with its range, angles in rad. Raises `InputError`."""
     from solver import InputError
-    from solver.problem.angles import angle
 
     found = {}
     for text in said:
         name, _, ends = text.partition("=")
         try:
-            read = angle if name in ANGLES else float
+            read = angle_of(f"--within {name}") if name in ANGLES else float
             low, high = (read(end) for end in ends.split(":"))
         except ValueError:
             raise InputError(f"--within takes NAME=LOW:HIGH with numbers, such as FZ=-50:10, got {text!r}") from None
@@ -273,7 +272,6 @@ def parse_axis(text: str) -> "tuple[str, np.ndarray]":
     import numpy as np
 
     from solver import InputError
-    from solver.problem.angles import angle
     from solver.problem.errors import no_such
 
     name, equals, said = text.partition("=")
@@ -284,7 +282,7 @@ def parse_axis(text: str) -> "tuple[str, np.ndarray]":
     if not equals or len(parts) != 3:
         raise InputError(f"--axis takes NAME=FROM:TO:COUNT, got {text!r}")
     try:
-        ends = [(angle if FIELDS[name].unit == "rad" else float)(part) for part in parts[:2]]
+        ends = [(angle_of(f"--axis {name}") if FIELDS[name].unit == "rad" else float)(part) for part in parts[:2]]
         count = int(parts[2])
     except ValueError:
         raise InputError(f"--axis takes NAME=FROM:TO:COUNT with numbers, got {text!r}") from None

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from . import console
 from .case_options import ENDS_FIELDS, FIELDS, Given, takes_case
 from .equilibria import study_and_case
-from .options import ForceOutput, Json, argument, flag, numbered, option
+from .options import ForceOutput, Json, angle_of, argument, flag, numbered, option
 
 if TYPE_CHECKING:
     from solver.region_map import RegionMap
@@ -86,7 +86,6 @@ def folds(
 def parse_range(text: str) -> tuple[str, tuple[float, float]]:
     """``betaL=-90deg:60deg`` as a field and its range, angles in rad. Raises `InputError`."""
     from solver import InputError
-    from solver.problem.angles import angle
     from solver.problem.errors import no_such
 
     name, equals, said = text.partition("=")
@@ -97,7 +96,7 @@ def parse_range(text: str) -> tuple[str, tuple[float, float]]:
     if not equals or len(parts) != 2:
         raise InputError(f"--axis takes NAME=FROM:TO, got {text!r}")
     try:
-        low, high = ((angle if FIELDS[name].unit == "rad" else float)(part) for part in parts)
+        low, high = ((angle_of(f"--axis {name}") if FIELDS[name].unit == "rad" else float)(part) for part in parts)
     except ValueError:
         raise InputError(f"--axis takes NAME=FROM:TO with numbers, got {text!r}") from None
     return name, (low, high)

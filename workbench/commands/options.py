@@ -1,5 +1,6 @@
 """The types of the options that several commands share; the fields of a case are in `case_options`."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,14 +15,21 @@ def number(text: str) -> float:
         raise typer.BadParameter(f"{text!r} is not a number") from None
 
 
-def angle(text: str) -> float:
-    """An angle [rad] from the command line; the error names the text and the accepted forms."""
-    from solver.problem.angles import angle as read
+def angle_of(name: str) -> Callable[[str], float]:
+    """What reads the angle of an option of that name [rad]; its error names the text and the accepted forms."""
 
-    try:
-        return read(text)
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from None
+    def angle(text: str) -> float:
+        from solver.problem import angles
+
+        try:
+            value = angles.angle(text)
+        except ValueError as error:
+            raise typer.BadParameter(str(error)) from None
+        if sentence := angles.doubt(name, text):
+            angles.warn(sentence)
+        return value
+
+    return angle
 
 
 def option(metavar: str, help: str, *names: str, **settings: Any) -> Any:

@@ -1,5 +1,6 @@
 """The command solve: one case from a file, from options or from Table 1."""
 
+import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -120,8 +121,6 @@ def _found(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, 
 
 def _indices(sol: "Solution") -> dict[str, int]:
     """The Morse index under held ends and under dead loads; empty unless both are decided."""
-    import math
-
     from solver.observe.observables import observe
 
     if not sol.held or not sol.solved or not math.isfinite(sol.held_index):
@@ -141,7 +140,9 @@ def _print(found: dict[str, Any]) -> None:
     rows = []
     for name, value in found["case"].items():
         row = None if isinstance(value, str) else quantity_of(name)
-        rows.append([name, value, _unit(row.name, found) if row else "", row.long_name if row else ""])
+        unit = _unit(row.name, found) if row else ""
+        degrees = f" ({math.degrees(value):.6g} deg)" if unit == "rad" and value else ""
+        rows.append([name, value, unit, f"{row.long_name}{degrees}" if row else ""])
     console.print_table(["given", "value", "unit", ""], rows)
     results = {**found["loads"], **found["reactions"], **found["observables"]}
     console.say("")
