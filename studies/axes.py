@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from solver import Cylinder, Ends, Rod, Start
 from solver.problem.angles import angle
-from solver.problem.errors import choices
+from solver.problem.errors import choices, near
 from solver.problem.quantities import QUANTITIES, Quantity, quantity
 
 STRICT = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
@@ -89,7 +89,7 @@ class Units(BaseModel):
 
 def _unit(kind: str, value: str, known: tuple[str, ...]) -> str:
     if value not in known:
-        raise ValueError(f"{value!r} is not a unit of {kind}; choose from {choices(known)}")
+        raise ValueError(f"{value!r} is not a unit of {kind}{near(value, known)}; choose from {choices(known)}")
     return value
 
 

@@ -37,6 +37,7 @@ _MODELS: dict[str, type[BaseModel]] = {
     "equilibrium": Which, "refine": Refine,
 }  # fmt: skip
 _HEADER = re.compile(r"^\s*(\[\[?)([^\[\]]+)\]")
+_QUANTITY = re.compile(r"\s*[-+]?\.?\d")
 _PART = re.compile(r"""[\w-]+|"[^"]*"|'[^']*'""")
 _DEEP_KEY = re.compile(rf"""(?<![\w"'-])(?:[\w"'-]++\s*+\.\s*+){{{MOST_PARTS}}}""")
 _REPR = reprlib.Repr()
@@ -288,6 +289,9 @@ def _sentence(error: ValidationError) -> tuple[Where, str]:
         return where[:-1], f"{owner} needs the key {where[-1]!r}"
     if kind == "string_pattern_mismatch":
         return where, f"{_told(where)} must be letters, digits, - and _ only, got {_shown(value)}"
+    if kind == "float_type" and isinstance(value, str) and _QUANTITY.match(value):
+        alone = "write the number alone; the table units says in which units all numbers are"
+        return where, f"{_told(where)} must be a number without a unit, got {_shown(value)}: {alone}"
     said = first["msg"].replace("Input should", "must", 1)
     if kind in ("model_type", "dict_type"):
         said = "must be a table"

@@ -12,7 +12,7 @@ from pydantic import BaseModel, Field, PrivateAttr, ValidationInfo, field_valida
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case import PAIRS, from_fields
-from solver.problem.errors import choices
+from solver.problem.errors import choices, near
 from solver.problem.quantities import unit_of
 from solver.problem.rod import DIRECT
 from solver.problem.tolerance import DEFAULT_TOLERANCE
@@ -130,7 +130,7 @@ class Study(BaseModel):
         for name in self.base.given:
             if name not in fields:
                 why = "Table 1 prints no" if self.reading else f"a study of {self.kind.__name__} has no field"
-                raise Misplaced(f"{why} {name!r}; choose from {choices(fields)}", "base", name)
+                raise Misplaced(f"{why} {name!r}{near(name, fields)}; choose from {choices(fields)}", "base", name)
         return self
 
     @model_validator(mode="after")
@@ -141,7 +141,7 @@ class Study(BaseModel):
             if name in self.base.given and axis is not self.follow:
                 raise Misplaced(f"{name} is given in base and as an axis: remove one of them", "axes", name)
             if name not in numeric and axis is not self.follow:
-                raise Misplaced(f"no axis {name!r}; choose from {choices(numeric)}", "axes", name)
+                raise Misplaced(f"no axis {name!r}{near(name, numeric)}; choose from {choices(numeric)}", "axes", name)
             self._check_unit(axis, "axes", name)
             if axis.size > parts.MAX_COUNT:
                 raise Misplaced(f"{axis.size} values, more than the limit of {parts.MAX_COUNT}", "axes", name)
@@ -200,7 +200,8 @@ class Study(BaseModel):
                 why = f"{is_drawn}samples have no order in which an observable rises or falls"
                 raise Misplaced(f"{why}: a law needs an axis, such as [axes.{sampled[0]}]", "laws", i, "axis")
             if law.axis not in self.axes:
-                raise Misplaced(f"no axis {law.axis!r}; choose from {choices(self.axes)}", "laws", i, "axis")
+                meant = near(law.axis, self.axes)
+                raise Misplaced(f"no axis {law.axis!r}{meant}; choose from {choices(self.axes)}", "laws", i, "axis")
             for name in law.at:
                 if name not in lines or name == law.axis:
                     named = choices(axis for axis in lines if axis != law.axis)
@@ -441,7 +442,7 @@ def _known(kind: str, names: list[str], known: Any) -> list[str]:
     """The names, if all are known and none is repeated; raises `ValueError`."""
     for name in names:
         if name not in known:
-            raise ValueError(f"no {kind} {name!r}; choose from {choices(known)}")
+            raise ValueError(f"no {kind} {name!r}{near(name, known)}; choose from {choices(known)}")
     if twice := [name for name in names if names.count(name) > 1]:
         raise ValueError(f"the {kind} {twice[0]!r} is given twice")
     return names

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from solver import Case, Cylinder, InputError, Rod, Start
-from solver.problem.errors import choices
+from solver.problem.errors import choices, near
 
 # Table 1, in cm and N; the length from the text below eq. (47). F1 is F10, F3 is F30; a prime is a leading d.
 TABLE_1: dict[str, float] = {
@@ -89,7 +89,7 @@ class Reading:
         printed = dict(printed or {})
         for name in printed:
             if name not in TABLE_1:
-                raise InputError(f"Table 1 prints no {name!r}; choose from {choices(TABLE_1)}")
+                raise InputError(f"Table 1 prints no {name!r}{near(name, TABLE_1)}; choose from {choices(TABLE_1)}")
         p: dict[str, Any] = {**TABLE_1, **printed}
         sign = 1.0 if self.load == "tension" else -1.0
         given: dict[str, Any] = {"F3": sign * np.asarray(p["F3"])}

@@ -119,19 +119,22 @@ def main(args: list[str] | None = None) -> None:
     """Run the command line and exit; an error is one sentence on stderr, and so is a notice."""
     words = (sys.argv[1:] if args is None else args) or ["--help"]
     with warnings.catch_warnings():
-        warnings.filterwarnings("once", NOTICE)
+        warnings.filterwarnings("always", NOTICE)
         warnings.showwarning = _shown_by(warnings.showwarning)
         _run(words)
 
 
 def _shown_by(others: Callable[..., None]) -> Callable[..., None]:
-    """What shows a warning: a notice as one sentence, any other as before."""
+    """What shows a warning: a notice as one sentence, and only once; any other as before."""
+    said = set()
 
     def show(message: Warning | str, *where: Any, **more: Any) -> None:
-        if re.match(NOTICE, str(message)):
-            print(f"workbench: notice: {escaping.line(str(message))}", file=sys.stderr)
-        else:
+        sentence = str(message)
+        if not re.match(NOTICE, sentence):
             others(message, *where, **more)
+        elif sentence not in said:
+            said.add(sentence)
+            print(f"workbench: notice: {escaping.line(sentence)}", file=sys.stderr)
 
     return show
 
@@ -169,8 +172,9 @@ def _sentence(error: typer.TyperException) -> str:
         known = list(command.commands)
         return f"{message.partition('. Did')[0]}{_near(message, known)}; choose from {', '.join(known)}"
     if command and message.startswith("No such option"):
-        options = [name for param in command.params for name in param.opts if name.startswith("-")]
-        return f"{message.partition(' (')[0]}{_near(message, options)}; choose from {', '.join(options)}"
+        spelt = [[name for name in param.opts if name.startswith("-")] for param in command.params]
+        each = [max(names, key=lambda name: name.startswith("--")) for names in spelt if names]  # of two spellings one
+        return f"{message.partition(' (')[0]}{_near(message, each)}; choose from {', '.join(each)}"
     return message
 
 

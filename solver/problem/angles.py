@@ -42,6 +42,7 @@ def angle(text: str) -> float:
 # A number of rad above this size with at most so many decimals may be meant in degrees. Computed angles have more
 # decimals, also an angle that was given in degrees and converted.
 _DOUBTED = ((math.pi, 1), (13.0, 4))  # a half turn; a little more than two turns
+_MOST = 1e6  # nobody writes as many degrees
 _OWN = ("solver", "studies", "workbench", "dataclasses")
 _MAKERS = ("solver.problem.angles", "solver.problem.field_values", "solver.problem.case", "dataclasses")
 
@@ -87,7 +88,7 @@ def _numbers(value: object) -> Iterator[float]:
 
 
 def _looks_like_degrees(number: float) -> bool:
-    return any(abs(number) > size and round(number, decimals) == number for size, decimals in _DOUBTED)
+    return abs(number) < _MOST and any(abs(number) > size and round(number, decimals) == number for size, decimals in _DOUBTED)
 
 
 def warn(sentence: str) -> None:

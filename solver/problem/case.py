@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import InputError, choices, no_such
+from .errors import InputError, choices, near, no_such
 from .field_values import ANGLES as ANGLES
 from .field_values import check_numbers, refuse
 from .rod import STIFFNESS as STIFFNESS
@@ -322,7 +322,7 @@ def from_fields(kind: type, values: dict[str, Any]) -> Any:
     known = {field.name: field for field in fields(kind)}
     for name in values:
         if name not in known:
-            raise InputError(f"no field {name!r} in {kind.__name__}; choose from {', '.join(known)}")
+            raise InputError(f"no field {name!r} in {kind.__name__}{near(name, known)}; choose from {choices(known)}")
     missing = [n for n, f in known.items() if f.default is MISSING and n not in values]
     if missing:
         raise InputError(f"{kind.__name__} needs {', '.join(missing)}; got {', '.join(values) or 'nothing'}")

@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from .case import Case
-from .errors import InputError, choices
+from .errors import InputError, choices, near
 from .field_rates import fields_of
 
 _FIELD = {"alpha0": "alpha", "gamma0": "gamma"}  # the fields of `Ends` whose quantity has another name
@@ -18,7 +18,8 @@ def with_field(case: Case, name: str, value: Any) -> Case:
         owner = getattr(case, part)
         if hasattr(owner, name):
             return replace(case, **{part: replace(owner, **{name: value})})
-    raise InputError(f"no field {name!r} in this case; choose from {choices(fields_of(case))}")
+    known = fields_of(case)
+    raise InputError(f"no field {name!r} in this case{near(name, known)}; choose from {choices(known)}")
 
 
 def unchecked_with_field(case: Case, name: str, value: float) -> Case:

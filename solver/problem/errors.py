@@ -3,6 +3,15 @@
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+# word -> the symbols of the fields that it may mean, in the order in which a message names them
+SYMBOLS = {
+    "modulus": ("E",), "young": ("E",), "poisson": ("nu",), "inner": ("inner_radius",), "radius": ("R", "a"),
+    "diameter": ("R", "a"), "length": ("L",), "bending_stiffness": ("EI",), "torsional_stiffness": ("GJ",),
+    "tension": ("FZ", "F3"), "axial": ("FZ",), "force": ("FZ", "F3"), "torque": ("M3", "MZ"),
+    "moment": ("M3", "MZ"), "twist": ("M3", "dgamma"), "theta": ("beta", "beta0", "betaL"),
+    "angle": ("beta", "beta0", "betaL"),
+}  # fmt: skip
+
 
 class InputError(ValueError):
     """An invalid value; the message names the value and, if there are any, the choices.
@@ -30,6 +39,32 @@ def no_such(kind: str, name: object, names: Iterable[object]) -> InputError:
 
 
 def near(name: object, known: Iterable[object]) -> str:
-    """``, did you mean 'sobol'`` where a known name is close to this one; else nothing."""
-    close = get_close_matches(str(name)[:60], [str(one) for one in known], 1)
-    return f", did you mean {close[0]!r}" if close else ""
+    """``, did you mean 'sobol'`` where known names are close to this one or are its symbols; else nothing."""
+    text, names = str(name)[:60], [str(one) for one in known]
+    found = [one for one in names if one.lower() == text.lower()] or get_close_matches(text, names, 1, 0.9)
+    found = found or _symbols(text, names) or _begun(text, names)
+    found = found or get_close_matches(text, names, 1) or _one_letter_off(text, names)
+    return f", did you mean {' or '.join(map(repr, found))}" if found else ""
+
+
+def _symbols(text: str, names: list[str]) -> list[str]:
+    """The names that are symbols of a word in the text: those of ``youngs_modulus`` are E."""
+    word = next((word for word in SYMBOLS if word in text.lower()), "")
+    found = [one for one in SYMBOLS.get(word, ()) if one in names]
+    return found and [*found, *_begun(text, names)]
+
+
+def _begun(text: str, names: list[str]) -> list[str]:
+    """The names, one to three, of which the text is the beginning: beta0 and betaL for ``beta``."""
+    found = [one for one in names if len(text) > 3 and one.startswith(text)]
+    return found if len(found) < 4 else []
+
+
+def _one_letter_off(text: str, names: list[str]) -> list[str]:
+    """The first short name that differs in one letter: FZ for FX; not F1 for F2."""
+
+    def alike(one: str) -> bool:
+        apart = [a + b for a, b in zip(one, text, strict=True) if a != b]
+        return len(apart) == 1 and apart[0].isalpha()
+
+    return [one for one in names if 1 < len(one) == len(text) < 4 and alike(one)][:1]

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from .case import Case, Ends
-from .errors import InputError, choices
+from .errors import InputError, choices, near
 from .reduced import flat
 from .rod import fourth_powers
 
@@ -62,7 +62,7 @@ def checked_fields(case: Case, names: Any) -> tuple[str, ...]:
     known = fields_of(case)
     for name in fields:
         if name not in known:
-            raise InputError(f"no field {name!r} in this case; choose from {choices(known)}")
+            raise InputError(f"no field {name!r} in this case{near(name, known)}; choose from {choices(known)}")
     if not fields or len(set(fields)) < len(fields):
         raise InputError(f"fields must be one or several different names, got {choices(fields) or 'none'}")
     return fields

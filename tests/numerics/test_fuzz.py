@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, Start, solve
 from solver.methods import available
 from solver.orbit.panels import MOST
+from solver.problem.angles import AngleWarning
 from solver.problem.case import TWISTS
 from solver.problem.limits import OUT_OF_RANGE
 from tests.cases import in_units_of_rho
@@ -82,6 +83,7 @@ def attack(batch: Batch) -> Solution | None:
     """The call, every property read; None where it was refused."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.simplefilter("ignore", AngleWarning)  # of an angle such as 4.0, which is in rad here
         try:
             case = Case(Rod(**batch.rod), Cylinder(**batch.cylinder), Start(**batch.start))
             sol = solve(case, method=batch.method, stations=batch.stations, tol=batch.tol)

@@ -114,7 +114,7 @@ REFUSED = {
     ),
     "an unknown field": (
         HEAD + "[base]\nyoung = 1",
-        "line 7: no key 'young' in base; choose from E, nu, a, L",
+        "line 7: no key 'young' in base, did you mean 'E'; choose from E, nu, a, L",
     ),
     "a field the table does not print": (
         HEAD + "[base]\nF2 = 1.0",
@@ -157,7 +157,7 @@ REFUSED = {
     ),
     "an axis that is no field": (
         HEAD + "[axes.young]\nvalues = [1]",
-        "line 6: no axis 'young'; choose from E",
+        "line 6: no axis 'young', did you mean 'E'; choose from E",
     ),
     "an axis of words": (HEAD + "[axes.side]\nvalues = [1]", "line 6: no axis 'side'; choose from"),
     "an axis with a path in it": (
@@ -183,7 +183,7 @@ REFUSED = {
     ),
     "an unknown observable": (
         'observables = ["turn"]\n' + HEAD,
-        "line 1: no observable 'turn'; choose from turns",
+        "line 1: no observable 'turn', did you mean 'turns'; choose from turns",
     ),
     "an unknown output": ('outputs = ["x"]\n' + HEAD, "line 1: no output 'x'; choose from beta"),
     "one station": ("stations = 1\n" + HEAD, "line 1: stations must be greater than or equal to 2, got 1"),

@@ -227,7 +227,8 @@ def faults(words: list[str], out: Path) -> list[str]:
         return [f"ended in {error!r:.300}"]
     finally:
         console.out().file, console.err().file = before
-    found, sentence = [], said.getvalue()
+    lines = said.getvalue().splitlines(keepends=True)
+    found, sentence = [], "".join(line for line in lines if not line.startswith("workbench: notice: "))
     obeyed = {one for one in told.getvalue() + sentence if not one.isprintable() and one not in "\n\t"}
     if obeyed:
         found.append(f"printed {obeyed}")

@@ -12,7 +12,8 @@ def number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise typer.BadParameter(f"{text!r} is not a number") from None
+        hint = "; write the number without a unit, which --help says" if text[:1].isdigit() else ""
+        raise typer.BadParameter(f"{text!r} is not a number{hint}") from None
 
 
 def angle_of(name: str) -> Callable[[str], float]:

@@ -71,9 +71,11 @@ def plot(
 
     ds = writing.read(file)
     page = sheet(style, width, not no_title, panel)
+    given = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
+    ds, kind, given = _kind(ds, kind, given)
     path = output_file.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
     table = output_file.check(data, (".csv",), force) if data else None
-    drawn = _figure(ds, kind, {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}, page)
+    drawn = _figure(ds, kind, given, page)
     canvas.save(drawn, path, dpi)
     for note in notes.kept(drawn):
         console.say(note)
@@ -85,12 +87,14 @@ def plot(
     return 0
 
 
-def _figure(ds: "xr.Dataset", kind: str | None, given: dict[str, Any], page: "Sheet") -> "Figure":
-    """The figure of that kind. Raises `InputError` for an option that the kind does not have."""
-    from ..figures import drawn_rods, study_pictures, thumbnails
+def _kind(
+    ds: "xr.Dataset", kind: str | None, options: dict[str, Any]
+) -> "tuple[xr.Dataset, str, dict[str, Any]]":
+    """What is drawn, the kind of picture, and its given options. Raises `InputError` for one that does not fit."""
+    from ..figures import drawn_rods, study_pictures
     from . import at_option
 
-    given = {name: value for name, value in given.items() if value}
+    given = {name: value for name, value in options.items() if value}
     if given and kind is None:
         kind = "map"
     kind = study_pictures.kind_of(ds, kind)
@@ -99,6 +103,13 @@ def _figure(ds: "xr.Dataset", kind: str | None, given: dict[str, Any], page: "Sh
         ds = drawn_rods.gridded(ds)
     if "at" in given:
         given["at"] = at_option.values(ds, given["at"])
+    return ds, kind, given
+
+
+def _figure(ds: "xr.Dataset", kind: str, given: dict[str, Any], page: "Sheet") -> "Figure":
+    """The figure of that kind."""
+    from ..figures import study_pictures, thumbnails
+
     if "show" in given:
         given["show"] = [name.strip() for text in given["show"] for name in text.split(",")]
     if "shapes" in given:
