@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from .numerics.arrays import Array, Integers
 from .problem.case import Case
 from .problem.errors import InputError
 from .problem.reduced import EndsProblem, reduce
+from .problem.shown import made
 from .solution import Solution
 
 FOLD = "fold"  # the kind of a special point
@@ -178,7 +178,7 @@ class Branch:
             The field, energy, height, azimuth, wraps, Morse index, number of bends and beta'(0) over `point`; beta,
             alpha and z over (point, u), u = s/L; `special`, the kind of each special point, else empty. Needs xarray.
         """
-        return import_module(DATASET).dataset_of(self, stations, units)
+        return made(DATASET, "dataset_of", self, stations, units)
 
     def __repr__(self) -> str:
         kinds = [f"{one.kind} at {one.value:.6g}" for one in self.special]

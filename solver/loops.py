@@ -1,7 +1,6 @@
 """Closed rods on the cylinder: loops that close in position and direction without axial force and twist."""
 
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +8,7 @@ import numpy as np
 from .problem.case import Case, Cylinder, Rod, Start
 from .problem.errors import InputError
 from .problem.reduced import reduce
+from .problem.shown import made
 from .solution import SHOWN, Solution
 from .solve import solve
 
@@ -96,7 +96,7 @@ class Loops(list[Loop]):
         **units : str
             ``length`` and ``force``, the units of the rod; default: cm and N.
         """
-        return import_module(SHOWN).dataset_of_loops(self, units)
+        return made(SHOWN, "dataset_of_loops", self, units)
 
 
 def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations: int = 401) -> Loops:

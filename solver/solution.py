@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from .numerics.arrays import Array
 from .problem.case import PAIRS, Case
 from .problem.held_ends import held_of, loads_of
 from .problem.reduced import EndsProblem, StartProblem, flat
-from .problem.shown import table_of
+from .problem.shown import made, table_of
 from .problem.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -421,7 +420,7 @@ class Solution:
         >>> dict(ds.beta.sizes), ds.z.units
         ({'E': 2, 'u': 201}, 'cm')
         """
-        return import_module(SHOWN).dataset_of(self, units)
+        return made(SHOWN, "dataset_of", self, units)
 
     def plot(self, **units: str) -> Any:
         """Draw the solution; a notebook shows it inline.
@@ -437,7 +436,7 @@ class Solution:
             One case: its angle, push and developed curve; several cases: their developed curves. ``save("rod.pdf")``
             writes it, ``figure`` is the Matplotlib figure.
         """
-        return import_module(SHOWN).plot_solution(self, units)
+        return made(SHOWN, "plot_solution", self, units)
 
     def scene(self, **units: str) -> Any:
         """The rod on its cylinder; a notebook shows it inline, and a reader turns it.
@@ -457,7 +456,7 @@ class Solution:
         InputError
             Where no case has a shape.
         """
-        return import_module(SHOWN).scene_solution(self, units)
+        return made(SHOWN, "scene_solution", self, units)
 
     def _repr_html_(self) -> str | None:
         """A table for a notebook; None, which shows the `repr`, where the workbench cannot be imported."""

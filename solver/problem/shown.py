@@ -1,4 +1,4 @@
-"""The table by which a notebook shows a value of the solver; the workbench makes it, where it is installed."""
+"""What the workbench makes of a value of the solver, where it is installed: datasets, pictures, tables of a notebook."""
 
 from importlib import import_module
 from typing import Any
@@ -13,3 +13,19 @@ def table_of(kind: str, value: Any) -> str | None:
     except ImportError:
         return None
     return str(getattr(tables, f"of_{kind}")(value))
+
+
+def made(module: str, function: str, *values: Any) -> Any:
+    """What a function of the workbench makes of the values.
+
+    Raises `ModuleNotFoundError` with the command that installs what is missing.
+    """
+    try:
+        return getattr(import_module(module), function)(*values)
+    except ModuleNotFoundError as error:
+        package = str(error.name).partition(".")[0]
+        raise ModuleNotFoundError(
+            f"datasets and pictures of a solution need the package {package}, which is not installed; an installation "
+            "of the solver alone does not have it: pip install rod-workbench, without --no-deps",
+            name=error.name,
+        ) from None

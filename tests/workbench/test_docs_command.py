@@ -36,3 +36,13 @@ def test_the_first_site_that_is_there_is_opened_or_its_address_printed(tmp_path:
     assert ran("docs") == 0
     assert opened == [page.as_uri()]
     assert capsys.readouterr().out == ""
+
+
+def test_the_wheels_of_a_release_are_made_after_the_site_and_tried_with_it() -> None:
+    """The hosted workflow puts the site where hatch_build.py looks for it, and the wheel that lacks it fails."""
+    flow = (docs.ROOT / ".github" / "workflows" / "wheels.yml").read_text(encoding="utf-8")
+    wheel = flow[flow.index("\n  wheel:") : flow.index("\n  sdist:")]
+    assert "python -m docs.build" in flow[: flow.index("\n  wheel:")]
+    assert "needs: site" in wheel
+    assert wheel.index("path: build/docs/html") < wheel.index("cibuildwheel")
+    assert "workbench docs --print" in wheel

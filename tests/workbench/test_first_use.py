@@ -1,6 +1,9 @@
 """What a new user types first: wrong names, numbers with units, degrees; each is answered by one clear sentence."""
 
 import re
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -15,6 +18,7 @@ from workbench import cli
 from workbench.commands.case_options import FIELDS
 from workbench.run import in_memory
 
+ROOT = Path(__file__).parents[2]
 HEAD = 'title = "One rod"\nunits = { length = "cm", force = "N" }\n[base]\nE = 1e4\nnu = 0.25\na = 0.25\nL = 20.0\n'
 ENDS = "R = 0.75\nbeta0 = 0.5\nbetaL = 0.5\n"
 
@@ -109,3 +113,18 @@ def test_a_notice_on_degrees_is_one_line_and_said_once(told, tmp_path) -> None:
     status, out, said = told("solve", "--table1", "--beta", "45")
     assert (status, said.startswith("workbench: notice: --beta = 45 is read as 45 rad")) == (0, True)
     assert told("solve", "--table1", "--beta", "45 deg")[2] == ""
+
+
+@pytest.mark.parametrize("missing", ["xarray", pytest.param("matplotlib", marks=pytest.mark.slow)])
+def test_an_installation_of_the_solver_alone_says_what_a_picture_needs(missing) -> None:
+    """A process in which the package cannot be imported, as after pip install --no-deps."""
+    code = (
+        f"import sys; sys.modules[{missing!r}] = None\n"
+        "from solver import Case, Cylinder, Rod, Start, solve\n"
+        "sol = solve(Case(Rod(E=1e4, nu=.25, a=.25, L=5.), Cylinder(R=.75), Start(beta=.5, dbeta=.5, M3=0.)))\n"
+        "assert sol._repr_html_() is None or sol.solved\n"
+        "try:\n    sol.plot()\nexcept ImportError as error:\n    print(error)\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert f"a solution need the package {missing}, which is not installed" in run.stdout
+    assert "pip install rod-workbench, without --no-deps" in run.stdout
