@@ -28,7 +28,7 @@ class Equilibrium:
     attached : float
         Share of the length where the cylinder pushes.
     stray : float
-        The most that beta leaves the interval between its end angles [rad].
+        The most that beta goes beyond its end angles, above the larger or below the smaller one [rad].
     path : LevelPaths
         Its level and its path, which identify it among the equilibria of the case.
     dead_index : int
@@ -85,7 +85,8 @@ class Equilibria(list[Equilibrium]):
         lines = [f"{count}, {'complete' if self.complete else self.remark}"]
         for i, one in enumerate(self, 1):
             bends = f"{one.turns} {'bend' if one.turns == 1 else 'bends'}"
-            numbers = f"energy {one.energy:.6g}, {bends}, beta'(0) = {one.dbeta0:.6g}"
+            name = "held energy" if one.solution.held else "energy"
+            numbers = f"{name} {one.energy:.6g}, {bends}, beta'(0) = {one.dbeta0:.6g}"
             lines.append(f"{i}: {stability(one.index)}, {numbers}{self._more(one)}")
         return "\n".join(lines)
 
@@ -135,13 +136,14 @@ class HeldSearch:
     def __str__(self) -> str:
         said = [
             f"not proved complete: searched over {self.ranges}",
-            f"from rods of at most {self.most_swings} whole periods of beta",
-            f"{self.problems} dead-load problems",
-            f"{self.starts} continuations of which {self.failed} failed",
+            f"it began from {self.problems} problems under dead loads, "
+            f"from rods with at most {self.most_swings} whole periods of beta",
+            f"{self.starts} continuations, {self.failed} of which failed",
             f"{self.deflations} deflations",
         ]
         if self.outside:
-            said.append(f"{self.outside} found outside of it {'is' if self.outside == 1 else 'are'} not listed")
+            are = "equilibrium was" if self.outside == 1 else "equilibria were"
+            said.append(f"{self.outside} more {are} found outside these ranges, which the list leaves out")
         return "; ".join([*said, *([self.note] if self.note else [])])
 
 

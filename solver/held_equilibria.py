@@ -82,13 +82,13 @@ def _equilibrium(case: Case, given: Given, state: State, how: str, t: Any, tol: 
     """One equilibrium with its shape at stations t (1, n)."""
     trajectory = held_trajectory(Reached(state, how), given, t, tol)
     solution = Solution(case, state.problem, trajectory, t, "shooting", tol)
-    seen = observe(solution, ["turns", "attached", "energy"])
+    seen = observe(solution, ["turns", "attached"])
     held, dead = float(solution.held_index), dead_index_of(state)
     stray = _stray(solution)
     return Equilibrium(
         solution,
         int(held) if np.isfinite(held) else -1,
-        float(seen["energy"]) + _given_back(solution),
+        held_energy(solution),
         float(solution.dbeta[0]),
         int(seen["turns"]),
         float(seen["attached"]),
@@ -97,6 +97,15 @@ def _equilibrium(case: Case, given: Given, state: State, how: str, t: Any, tol: 
         int(dead) if np.isfinite(dead) else -1,
         how,
     )
+
+
+def held_energy(solution: Solution) -> float:
+    """The bending and twist energy of one rod minus the work of the loads and end moments that its case gives.
+
+    The observable `energy` subtracts the work of FZ, MZ and M3, also where they are reactions. A reaction does no work
+    when neighbouring shapes with the same held ends are compared, so their order is that of this number.
+    """
+    return float(observe(solution, ["energy"])["energy"]) + _given_back(solution)
 
 
 def _given_back(solution: Solution) -> float:
@@ -113,7 +122,7 @@ def _given_back(solution: Solution) -> float:
 
 
 def _stray(solution: Solution) -> float:
-    """The most that beta leaves the interval between its end angles [rad]."""
+    """The most that beta goes beyond its end angles, above the larger or below the smaller one [rad]."""
     ends = solution.beta[[0, -1]]
     return max(float(solution.beta.max() - ends.max()), float(ends.min() - solution.beta.min()), 0.0)
 

@@ -15,7 +15,7 @@ from .problem.case import PAIRS, Case
 from .problem.held_ends import held_of, loads_of
 from .problem.reduced import EndsProblem, StartProblem, flat
 from .problem.shown import made, table_of
-from .problem.trajectory import Trajectory
+from .problem.trajectory import DeadStart, Trajectory
 
 if TYPE_CHECKING:
     from .sensitivity import Sensitivity
@@ -312,11 +312,15 @@ class Solution:
         Of a seed it says how far it is, and where another equilibrium is nearer (`alternatives`).
         """
         begun = self.trajectory.begun
-        return self._each(np.full(self.case.size, None, dtype=object) if begun is None else begun)
+        said = np.full(self.case.size, None, dtype=object)
+        scales = np.broadcast_arrays(self.case.rod.bending_stiffness, self.case.rho, np.empty(self.case.shape))[:2]
+        for i, (one, A, rho) in enumerate(zip(() if begun is None else begun, *map(np.ravel, scales), strict=False)):
+            said[i] = one.said(float(A), float(rho)) if isinstance(one, DeadStart) else one
+        return self._each(said)
 
     @cached_property
     def alternatives(self) -> "tuple[Alternative, ...]":
-        """Other equilibria with the same held ends that a seed may have meant, the nearest to the seed first.
+        """Other equilibria with the same held ends, the nearest to the seed first.
 
         They are looked for when this is first read (about a second): across the nearest fold, by deflation from the
         seed, and where the branch of the seed turns back and meets these ends again. There may be more. Empty for

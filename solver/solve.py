@@ -48,8 +48,8 @@ def solve(
         under dead loads, carried to them; `Solution.begun` says which.
     choose : {"nearest", "lowest"} or int
         For an ends problem without a seed, which of its equilibria. "nearest": of the stable ones (of all, if none is
-        stable) the one whose beta leaves the interval between its end angles least. "lowest": the one of
-        lowest energy. A number K: among those of Morse index K the one whose beta leaves that interval least.
+        stable) the one whose beta goes least beyond its end angles. "lowest": the one of
+        lowest energy. A number K: among those of Morse index K the one whose beta goes least beyond them.
     **knobs
         The knobs of a method given by its name: ``solve(case, method="verlet", steps=400)``.
 
@@ -71,7 +71,7 @@ def solve(
     >>> print(solution.beta.round(4))
     [ 0.5     5.9763 10.5736 15.1074 19.8569]
     >>> print(solve(Case(rod, cylinder, Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1))).selection)
-    17 equilibria, 3 stable; taken: the stable one whose beta leaves the interval between its end angles least
+    17 equilibria, 3 stable; taken: the stable one whose beta goes least beyond its end angles
     """
     from .methods.automatic import chosen_method  # only a call of `solve` loads the methods
 

@@ -136,8 +136,8 @@ class Base(BaseModel):
 class Which(BaseModel):
     """Which equilibrium of an ends problem: by a rule, by its Morse index, or by beta'(0) and energy.
 
-    choose: a rule of `solve`. index: a Morse index; of its equilibria the one whose beta leaves the interval between
-    its end angles least. dbeta0 [rad/length] and energy [force length]: the equilibrium nearest to both.
+    choose: a rule of `solve`. index: a Morse index; of its equilibria the one whose beta goes least beyond its end
+    angles. dbeta0 [rad/length] and energy [force length]: the equilibrium nearest to both.
     """
 
     model_config = STRICT

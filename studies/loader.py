@@ -172,9 +172,7 @@ def notices(text: str, label: str = "study") -> list[str]:
         return []
 
 
-def _notices(
-    data: Mapping[str, Any], text: str, label: str, cases: Mapping[str, Values] | None = None
-) -> list[str]:
+def _notices(data: Mapping[str, Any], text: str, label: str, cases: Mapping[str, Values] | None = None) -> list[str]:
     found = angle_notices.of_study(data, cases)
     lines = _lines(text) if found else {}
     return [_plain(f"{label}{_line(lines, where)}: {sentence}") for where, sentence in found]

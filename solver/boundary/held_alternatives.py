@@ -1,4 +1,4 @@
-"""Other equilibria with the same held ends that a seed may have meant.
+"""Other equilibria with the same held ends, near the one that a seed leads to.
 
 An equilibrium is carried from a seed along its branch. Where a fold is near, another equilibrium with the same ends may
 be as near to the seed. They are looked for across the nearest fold, by deflation from the seed, and on the branch

@@ -56,7 +56,7 @@ def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Tr
 
 
 def _alternatives(seed: State, found: State, wanted: Given, tol: float, t: Array) -> list[tuple[Any, ...]]:
-    """Of each other equilibrium that the seed may have meant: its distance from the seed, problem and shape."""
+    """Of each other equilibrium near that of the seed: its distance from the seed, problem and shape."""
     others = alternatives_of(seed, found, wanted)
     told = [
         (away(seed, one), one.problem, held_trajectory(Reached(one, ALTERNATIVE), wanted, t, tol)) for one in others

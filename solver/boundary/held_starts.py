@@ -13,6 +13,7 @@ import numpy as np
 
 from ..problem.held_ends import HeldProblem
 from ..problem.reduced import EndsProblem
+from ..problem.trajectory import DeadStart
 from .branch_coordinates import Path, path_of
 from .held_alternatives import said_of_seed
 from .held_continuation import Stopped, carried, state_of
@@ -31,10 +32,10 @@ _MOST_TURNS = 2  # of the starts
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """An equilibrium under held ends, what its continuation began from, in words, and the seed where there is one."""
+    """An equilibrium under held ends, what its continuation began from, and the seed where there is one."""
 
     state: State
-    begun: str
+    begun: str | DeadStart
     seed: State | None = None
 
 
@@ -59,13 +60,13 @@ def nearest_start(wanted: Given, problem: HeldProblem) -> Reached | str:
     """The equilibrium reached from the nearest dead-load equilibria; or the outcome that says why there is none."""
     starts = _starts(wanted, problem)
     reached: list[Reached] = []
-    why = "failed: no dead-load equilibrium was found to start from"
+    why = "failed: no equilibrium under dead loads was found to start from"
     for start in starts[:_TRIED]:
         found = carried(start, wanted, _STEPS)
         if isinstance(found, Stopped):
             why = why if not why.endswith("start from") else told(found)
             continue
-        reached.append(Reached(found, _said(start)))
+        reached.append(Reached(found, _dead(start)))
         if index_of(found, wanted) == 0:
             return reached[-1]
         if len(reached) == _REACHED:
@@ -73,14 +74,10 @@ def nearest_start(wanted: Given, problem: HeldProblem) -> Reached | str:
     return reached[0] if reached else f"{why}; {min(len(starts), _TRIED)} starts were tried, a seed may help"
 
 
-def _said(start: State) -> str:
-    """The start in words, in units of rho."""
+def _dead(start: State) -> DeadStart:
     p = start.problem
-    numbers = {"FZ rho^2/A": p.phi, "MZ rho/A": p.lam, "M3 rho/A": p.mu, "beta(0)": p.beta0, "beta(L)": p.betaL}
     index = int(jacobi_zeros(orbit_of(p, start.path))[0])
-    return f"the dead-load equilibrium of index {index} with " + ", ".join(
-        f"{name} = {float(value[0]):.6g}" for name, value in numbers.items()
-    )
+    return DeadStart(index, *(float(value[0]) for value in (p.phi, p.lam, p.mu, p.beta0, p.betaL)))
 
 
 def _starts(wanted: Given, problem: HeldProblem) -> list[State]:

@@ -2,7 +2,7 @@
 
 Under dead loads the equilibrium of lowest energy of a long compressed rod points backwards: beta passes pi, which
 lets the load do more work. A user mostly means the stable equilibrium that stays near its end angles. So the default
-is: among the stable equilibria the one whose beta leaves the interval between its two end angles least; among equal
+is: among the stable equilibria the one whose beta goes least beyond its two end angles; among equal
 ones the one of lower energy, then the one with positive beta'(0). If none is stable, all equilibria are compared.
 """
 
@@ -46,7 +46,7 @@ class Selection:
         """Which equilibrium the rule takes, in words."""
         if self.choose == LOWEST:
             return "taken: the one of lowest energy"
-        least = "one whose beta leaves the interval between its end angles least"
+        least = "one whose beta goes least beyond its end angles"
         if self.choose == NEAREST:
             return f"taken: the {'stable ' if self.stable else ''}{least}"
         return f"taken: among those of index {self.choose} the {least}"
@@ -64,7 +64,7 @@ def checked(choose: Any) -> Choose:
 def select(choose: Choose, index: Array, energy: Array, strays: Array, slope: Array) -> int | None:
     """Which of K equilibria the rule takes; None where no equilibrium has the index asked for, or K is 0.
 
-    index: Morse indices. energy: in any unit. strays: how far beta leaves the interval between its two end angles.
+    index: Morse indices. energy: in any unit. strays: how far beta goes beyond its two end angles.
     slope: beta'(0), in any unit. (K,) each.
     """
     if choose == LOWEST:

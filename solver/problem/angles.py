@@ -88,7 +88,9 @@ def _numbers(value: object) -> Iterator[float]:
 
 
 def _looks_like_degrees(number: float) -> bool:
-    return abs(number) < _MOST and any(abs(number) > size and round(number, decimals) == number for size, decimals in _DOUBTED)
+    return abs(number) < _MOST and any(
+        abs(number) > size and round(number, decimals) == number for size, decimals in _DOUBTED
+    )
 
 
 def warn(sentence: str) -> None:

@@ -117,6 +117,7 @@ _ROWS = (
     Quantity("bending_stress_max", "max σ", (-2, 1), "largest bending stress, E a kappa", estimated=True),
     Quantity("overlaps", "overlaps", _NUMBER, "1 where the rod intersects itself, else 0"),
     Quantity("energy", "energy", _MOMENT, "bending and twist energy minus the work of FZ, MZ and M3", estimated=True),
+    Quantity("held_energy", "held energy", _MOMENT, "bending and twist energy minus the work of the given loads alone"),
     Quantity("bending_energy", "bending energy", _MOMENT, "bending energy", estimated=True),
     Quantity("twist_energy", "twist energy", _MOMENT, "twist energy", estimated=True),
     Quantity("index", "index", _NUMBER, "Morse index (0: stable)"),

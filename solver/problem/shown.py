@@ -1,4 +1,4 @@
-"""What the workbench makes of a value of the solver, where it is installed: datasets, pictures, tables of a notebook."""
+"""What the workbench makes of a value of the solver: datasets, pictures, and tables of a notebook."""
 
 from importlib import import_module
 from typing import Any

@@ -21,6 +21,29 @@ _SHAPELESS = 0.1  # rad: with a larger error the shape is another one, whatever 
 P = TypeVar("P", bound=Reduced)
 
 
+@dataclass(frozen=True)
+class DeadStart:
+    """An equilibrium under dead loads, from which a continuation to held ends began.
+
+    index: its Morse index. FZ [A/rho^2], MZ and M3 [A/rho]: its loads. beta0, betaL [rad].
+    """
+
+    index: int
+    FZ: float
+    MZ: float
+    M3: float
+    beta0: float
+    betaL: float
+
+    def said(self, A: float, rho: float) -> str:
+        """The equilibrium in words, for a rod of bending stiffness A at the distance rho from the axis."""
+        return (
+            f"an equilibrium under dead loads, which has FZ = {self.FZ * A / rho**2:.6g}, "
+            f"MZ = {self.MZ * A / rho:.6g}, M3 = {self.M3 * A / rho:.6g}, beta0 = {self.beta0:.6g} rad, betaL = {self.betaL:.6g} rad "
+            f"and the index {self.index}"
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """The answer to B problems at n stations, in units of rho.
@@ -30,10 +53,11 @@ class Trajectory:
     condition, evaluations: (B,).
     orbit: the periodic orbit if the method knows it (`orbit.periodic_orbit`), else None.
     selection: (B,) of `selection.Selection`, how each equilibrium was selected; None for a seed or a start problem.
-    begun: (B,) sentences, from which equilibrium the continuation to held ends began; None for other problems.
+    begun: (B,) phrases or values of `DeadStart`, from which equilibrium the continuation to held ends began; None for
+    other problems.
     held_index: (B,) of floats, the Morse index under held ends; None for other problems.
-    alternatives: a function of the stations (1, n) that finds the other equilibria that the seed of a single problem
-    with held ends may have meant: distance from the seed, problem and trajectory of each; None for other problems.
+    alternatives: a function of the stations (1, n) that finds other equilibria with the held ends of a single problem,
+    near its seed: distance from the seed, problem and trajectory of each; None for other problems.
     """
 
     beta: Array

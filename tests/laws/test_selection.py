@@ -20,7 +20,7 @@ def pipe(L: float, FZ: float) -> Case:
 
 
 def strays_densely(sol: object) -> float:
-    """How far beta leaves the interval between its ends, from the stations alone."""
+    """How far beta goes beyond its end angles, from the stations alone."""
     beta = sol.beta  # type: ignore[attr-defined]
     low, high = sorted(beta[[0, -1]])
     return max(beta.max() - high, low - beta.min(), 0.0)

@@ -32,7 +32,8 @@ def test_what_looks_like_degrees_is_doubted(value) -> None:
 
 
 @pytest.mark.parametrize(
-    "value", [0, 1, 3, -3.1, math.pi, 3.14, 6.28, 2 * math.pi, math.radians(390), "5 rad", "5deg", "7pi/2", None, math.inf]
+    "value",
+    [0, 1, 3, -3.1, math.pi, 3.14, 6.28, 2 * math.pi, math.radians(390), "5 rad", "5deg", "7pi/2", None, math.inf],
 )
 def test_what_may_well_be_radians_or_has_a_unit_is_not_doubted(value) -> None:
     assert doubt("beta", value) == ""

@@ -54,7 +54,9 @@ def test_a_wrong_key_or_option_names_what_may_be_meant(typed, told) -> None:
 @pytest.mark.parametrize("known", [[*Base.model_fields], [*Units.model_fields], [*Study.model_fields], [*FIELDS]])
 def test_every_key_is_found_from_a_slip(known) -> None:
     for name in known:
-        for slip in {name.swapcase(), *({name + "s", name[1:], name[0] + name[2:]} if len(name) > 4 else ())} - {*known}:
+        for slip in {name.swapcase(), *({name + "s", name[1:], name[0] + name[2:]} if len(name) > 4 else ())} - {
+            *known
+        }:
             assert f"'{name}'" in near(slip, known), slip
 
 
@@ -128,3 +130,37 @@ def test_an_installation_of_the_solver_alone_says_what_a_picture_needs(missing) 
     run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert f"a solution need the package {missing}, which is not installed" in run.stdout
     assert "pip install rod-workbench, without --no-deps" in run.stdout
+
+
+BAR = ("--E", "1e4", "--nu", ".25", "--a", ".25", "--L", "5", "--R", "50", "--beta0", ".5", "--betaL", ".5")
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("solve", *BAR), "units: lengths in cm, forces in N, angles in rad; --length-unit and --force-unit would"),
+        (
+            ("solve", *BAR, "--length-unit", "mm"),
+            "units: lengths in mm, forces in N, angles in rad; --force-unit would",
+        ),
+        (
+            ("solve", "--length-unit", "m", "--force-unit", "kN", *BAR),
+            "units: lengths in m, forces in kN, angles in rad\n",
+        ),
+        (("equilibria", "--force-unit", "kN", *BAR), "units: lengths in cm, forces in kN, angles in rad\n"),
+        (("loops", "--folds", "2"), "units: lengths in cm, forces in N, angles in rad\n"),
+    ],
+)
+def test_a_command_says_in_which_units_it_took_its_numbers(told, words, line) -> None:
+    status, said, _ = told(*words)
+    assert (status, line in said) == (0, True), said
+
+
+def test_the_help_of_each_number_names_its_unit(told) -> None:
+    for command in ("solve", "equilibria", "loops", "fit"):
+        said = " ".join(told(command, "--help")[1].split())
+        options = dict(re.findall(r"--(\w+) (?:NUMBER|ANGLE) (.{0,200})", said))
+        for name in FIELDS.keys() & options.keys():
+            assert FIELDS[name].unit == "1" or f"[{FIELDS[name].unit}]" in options[name], (command, name)
+        assert "default: cm" in said
+        assert "default: N" in said

@@ -1,12 +1,14 @@
 """The command equilibria with held ends: its table, its file and picture, and what it refuses."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from solver import Case, Cylinder, Ends, Rod, solve
 from workbench import cli
 
 ROD = "--length-unit cm --force-unit N --E 1.07e4 --nu 0.25 --a 0.25 --L 5 --R 0.75 --beta0 0 --betaL 0 --height 4"
@@ -27,14 +29,14 @@ def test_the_table_names_the_held_ends_the_reactions_both_indices_and_the_search
     run(f"{ROD} {QUICK}")
     said = capsys.readouterr().out
     assert said.split("\n")[0].split() == [
-        "FZ", "(N)", "dbeta0", "(rad/cm)", "energy", "(N", "cm)", "turns", "index", "dead", "index", "stray", "(rad)",
-        "attached",
+        "FZ", "(N)", "dbeta0", "(rad/cm)", "held", "energy", "(N", "cm)", "turns", "index", "dead", "index", "stray",
+        "(rad)", "attached",
     ]  # fmt: skip
     assert "1  -36.1824" in said
     assert "*" not in said  # solve begins from the nearest dead-load equilibrium, and selects from no list
     assert "4 equilibria, 2 stable under held ends: height" in said
     assert "not proved complete: searched over FZ from -90 to -30;" in said
-    assert "3 dead-load problems" in said
+    assert "began from 3 problems under dead loads, from rods with at most 8 whole periods of beta" in said
 
 
 def test_a_study_file_json_and_the_stored_file_hold_the_same(tmp_path, monkeypatch, capsys) -> None:
@@ -49,6 +51,8 @@ def test_a_study_file_json_and_the_stored_file_hold_the_same(tmp_path, monkeypat
         np.testing.assert_array_equal(ds["dead_index"], [one["dead_index"] for one in told["equilibria"]])
         np.testing.assert_allclose(ds["z"][:, -1], 4.0, atol=1e-10)
         assert float(ds["height"]) == 4.0
+        np.testing.assert_array_equal(ds["energy"], [one["held_energy"] for one in told["equilibria"]])
+        assert "minus the work of the given loads alone" in ds["energy"].attrs["long_name"]
         assert ds.attrs["stability"] == "under held ends (height)"
         assert ds.attrs["remark"] == told["remark"]
 
@@ -72,3 +76,28 @@ def test_what_cannot_be_searched_is_refused_in_one_sentence(
     assert said in error
     assert "Traceback" not in error
     assert not list(tmp_path.iterdir())
+
+
+def test_solve_prints_the_energy_of_the_list_beside_the_observable(capsys) -> None:
+    """14.56 and 124.95 N cm: they differ by the work of the reaction, FZ (z(L) - z(0))."""
+    with pytest.raises(SystemExit):
+        cli.main(["solve", *ROD.replace("beta0 0 --betaL 0", "beta0 20deg --betaL 20deg").split(), "--json"])
+    told = json.loads(capsys.readouterr().out)
+    energy, held = (told["observables"][name] for name in ("energy", "held_energy"))
+    assert held == pytest.approx(told["observables"]["bending_energy"], rel=1e-9)  # M3 = MZ = 0 do no work
+    assert energy == pytest.approx(held - told["reactions"]["FZ"] * 4.0, rel=1e-9)
+
+
+def test_the_start_of_a_held_solution_is_told_in_the_units_of_the_case() -> None:
+    """The same rod in mm: the same force, ten times the moments."""
+    solutions = [
+        solve(Case(Rod(E=1.07e4 / k**2, nu=0.25, a=0.25 * k, L=5.0 * k), Cylinder(R=0.75 * k),
+                   Ends(0.2, 0.3, azimuth=-1.0, FZ=-20.0)))
+        for k in (1, 10)
+    ]  # fmt: skip
+    begun = [dict(re.findall(r"(\w+) = (\S+?),? ", f"{sol.begun} ")) for sol in solutions]
+    assert "under dead loads" in solutions[0].begun
+    cm, mm = ({name: float(value) for name, value in one.items()} for one in begun)
+    assert (cm["FZ"], cm["beta0"], cm["betaL"]) == pytest.approx((mm["FZ"], mm["beta0"], mm["betaL"]), rel=1e-5)
+    assert mm["MZ"] == pytest.approx(10 * cm["MZ"], rel=1e-4)
+    assert cm["FZ"] == pytest.approx(-20.0, rel=1e-5)  # it is given, and is so from the start

@@ -48,13 +48,14 @@ def refuse_held(case: Case) -> None:
 
 
 def row(one: Equilibrium) -> dict[str, Any]:
-    """The numbers of an equilibrium as plain data; under held ends its reactions and both indices."""
-    held = {}
+    """The numbers of an equilibrium as plain data; under held ends `held_energy`, reactions and both indices."""
+    held: dict[str, Any] = {}
+    energy = "held_energy" if one.solution.held else "energy"
     if one.solution.held:
         reactions = {name: float(value) for name, value in one.solution.reactions.items()}
         held = {"reactions": reactions, "dead_index": one.dead_index, "found_by": one.found_by}
     return {
-        "dbeta0": one.dbeta0, "energy": one.energy, "turns": one.turns, "index": one.index, "stray": one.stray,
+        "dbeta0": one.dbeta0, energy: one.energy, "turns": one.turns, "index": one.index, "stray": one.stray,
         "attached": one.attached, **held,
         "outcome": str(one.solution.outcome), "error": float(one.solution.error),
     }  # fmt: skip

@@ -47,7 +47,8 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
         data[name] = xr.Variable(("equilibrium", "u"), values, schema.labels(name, units))
     for name in EACH:
         values = np.array([getattr(one, name) for one in found])
-        data[name] = xr.Variable(("equilibrium",), values, schema.labels(name, units))
+        of = "held_energy" if name == "energy" and held_of(case) else name  # what the number is; the name stays
+        data[name] = xr.Variable(("equilibrium",), values, schema.labels(of, units))
     reactions = [one.solution.reactions for one in found]
     for name in reactions[0] if reactions else ():
         values = np.array([float(each[name]) for each in reactions])

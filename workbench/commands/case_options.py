@@ -121,7 +121,8 @@ def takes_case(names: Sequence[str] = tuple(FIELDS)) -> Callable[[Callable[..., 
 
 def _options(names: Sequence[str], whole: bool) -> list[inspect.Parameter]:
     """The parameters of the units and the fields; whole: of both problems, so that the help names the problem."""
-    notes = ("default: cm", "default: N") if whole else ("with a unit, no value comes from Table 1",) * 2
+    also = "" if whole else "; if a unit is given, no value comes from Table 1"
+    notes = [f"default: {unit}{also}" for unit in ("cm", "N")]
     types: dict[str, Any] = {
         f"{kind}_unit": Annotated[
             str | None, option("UNIT", f"Unit of {kind} of the options below; {note}.", rich_help_panel="Units")
@@ -155,7 +156,7 @@ def _heading(field: CaseField, whole: bool) -> str:
 
 def help_of(field: CaseField, whole: bool) -> str:
     """The help of a field's option: ``Rate of the angle at the start [rad/length].``"""
-    unit = "" if field.unit in ("", "1", "rad") else f" [{field.unit}]"
+    unit = "" if field.unit in ("", "1") else f" [{field.unit}]"
     default = f"default: {field.default:g}" if isinstance(field.default, float) else f"default: {field.default}"
     parts = [field.words + unit, field.note if whole else "", default if whole and field.default is not None else ""]
     said = "; ".join(part for part in parts if part)

@@ -3,7 +3,7 @@
 import json
 import re
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -47,6 +47,13 @@ def say(text: str) -> None:
 def warn(sentence: str) -> None:
     """Print one sentence on stderr, behind the name of the program."""
     err().print(at_words(f"workbench: {escaping.line(sentence)}", err()), markup=False)
+
+
+def say_units(units: Mapping[str, str], assumed: Collection[str] = ()) -> None:
+    """Print in which units a command took its numbers. assumed: what it assumed, "unit of length" perhaps among it."""
+    chosen = [f"--{kind}-unit" for kind in ("length", "force") if f"unit of {kind}" in assumed]
+    hint = f"; {' and '.join(chosen)} would change that" if chosen else ""
+    say(f"units: lengths in {units['length']}, forces in {units['force']}, angles in rad{hint}")
 
 
 def at_words(text: str, console: "Console") -> str:

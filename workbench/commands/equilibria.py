@@ -35,7 +35,8 @@ def equilibria(
         str | None,
         option(
             "NAME=FROM:TO:COUNT",
-            "Follow all equilibria while one field varies, such as betaL=-90deg:60deg:41, and print the branches.",
+            "Follow all equilibria while one field varies, such as betaL=-90deg:60deg:41, and print the branches. "
+            "In the units of the case; angles in rad or with deg.",
         ),
     ] = None,
     show: Annotated[
@@ -46,7 +47,8 @@ def equilibria(
         list[str] | None,
         option(
             "NAME=LOW:HIGH",
-            "Range of a reaction of held ends over which to search, such as FZ=-50:10 with a held height; repeatable.",
+            "Range of a reaction of held ends over which to search, such as FZ=-50:10 with a held height, in the units of "
+            "the case; repeatable.",
         ),
     ] = None,
     values: Annotated[
@@ -191,7 +193,7 @@ def _study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
 
 def _source(study: "Study", file: Path | None, given: Given) -> str:
     if given.units:
-        return f"the options, in {study.units.length} and {study.units.force}"
+        return "the options"
     changed = f", except {', '.join(given.values)}" if given.values else ""
     return f"{study.title if file else 'Table 1, held at the angle at which its own rod ends'}{changed}"
 
@@ -234,6 +236,7 @@ def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None
     if taken or (found and not (searched and choose is None)):
         console.say(f"* {how.rule}" if taken else f"none has index {rule}")
     console.say(f"rod: {source}")
+    console.say_units(study.unit_system)
 
 
 def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequence[str] = ()) -> None:
@@ -242,8 +245,11 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     units = dict(zip(COLUMNS, [f"rad/{length}", f"{force} {length}", "", "", "rad", ""], strict=True))
     moments = dict.fromkeys(("MZ", "M3"), f"{force} {length}")
     units |= {name: {"FZ": force, **moments}.get(name, "rad") for name in reactions}
+    units["held_energy"] = units["energy"]
     shown = [*reactions, *COLUMNS[:4], *(["dead_index"] if reactions else []), *COLUMNS[4:]]
-    heads = [f"{name} ({units[name]})" if units.get(name) else name.replace("_", " ") for name in shown]
+    if reactions:
+        shown[shown.index("energy")] = "held_energy"
+    heads = [name.replace("_", " ") + (f" ({units[name]})" if units.get(name) else "") for name in shown]
     marks = [f"{i} *" if r["taken"] else f"{i}" for i, r in enumerate(rows, 1)]
     every = [{**r, **r.get("reactions", {})} for r in rows]
     console.print_table(
@@ -325,6 +331,7 @@ def _over_axis(
         console.print_table(heads, [[r["branch"] + 1, *list(r.values())[1:]] for r in rows])
         some = f"{len(rows)} branch{'es' * (len(rows) != 1)}, {len(folds)} fold{'s' * (len(folds) != 1)}"
         console.say(f"{some} over {values.size} values of {name}")
+        console.say_units(study.unit_system)
         for remark in branch_dataset.remarks(ds):
             console.say(f"a branch stops at {remark}")
     return 0 if rows else 1

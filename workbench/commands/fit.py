@@ -20,15 +20,20 @@ Study = Annotated[
     Path | None, argument("FILE|STUDY", "TOML file or name of a study; default: Table 1, or the options alone.")
 ]
 Target = Annotated[
-    list[str] | None, option("NAME=VALUE", "Wanted value of an observable, such as height=10; repeatable.")
+    list[str] | None,
+    option("NAME=VALUE", "Wanted value of an observable, such as height=10, in the units of the case; repeatable."),
 ]
 Points = Annotated[
     Path | None,
-    option("FILE", "Measured points, .csv or .parquet: columns alpha and z; s, beta and sigma_NAME are optional."),
+    option(
+        "FILE",
+        "Measured points, .csv or .parquet: columns alpha [rad] and z [length]; s, beta and sigma_NAME are optional.",
+    ),
 ]
 Vary = Annotated[list[str] | None, option("NAMES", "Fields that are fitted, separated by commas, such as E,M3.")]
 Bounds = Annotated[
-    list[str] | None, option("NAME=LOW:HIGH", "Bounds of a field of --vary, such as F1=1:9; repeatable.")
+    list[str] | None,
+    option("NAME=LOW:HIGH", "Bounds of a field of --vary, such as F1=1:9, in the units of the case; repeatable."),
 ]
 Sigma = Annotated[
     list[str] | None,

@@ -21,6 +21,7 @@ def say(found: "Fit", asked: "CaseInput", taken: dict[str, float]) -> None:
     """Print a fit for people; angles in degrees."""
     where = ", ".join(f"{name} = {_text(name, value)}" for name, value in taken.items())
     console.say(f"rod: {asked.source}{f', at {where}' if where else ''}")
+    console.say_units(asked.units, asked.assumed)
     if asked.assumed:
         console.say(f"assumed: {', '.join(f'{name} = {value}' for name, value in asked.assumed.items())}")
     console.say("")

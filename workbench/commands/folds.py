@@ -23,7 +23,11 @@ def folds(
     *,
     given: Given,
     axis: Annotated[
-        list[str] | None, option("NAME=FROM:TO", "A field that varies, such as betaL=-90deg:90deg; give two of them.")
+        list[str] | None,
+        option(
+            "NAME=FROM:TO",
+            "A field that varies, such as betaL=-90deg:90deg or FZ=4:12, in the units of the case; give two of them.",
+        ),
     ] = None,
     lattice: Annotated[
         int, option("COUNT", "Points along each field between which curves are searched for, 2 to 101.")
@@ -80,6 +84,8 @@ def folds(
 
             canvas.save(region_figure.figure(ds, page), picture, dpi)
     _print(found, points, wrong, json)
+    if not json:
+        console.say_units(study.unit_system)
     return 1 if found.remark or wrong else 0
 
 
@@ -127,7 +133,7 @@ def _print(found: "RegionMap", points: int, wrong: list[str], as_json: bool) -> 
         if rows:
             console.print_table(list(rows[0]), [list(row.values()) for row in rows])
     cusps_found = sum(one.cusps.shape[0] for one in folds.curves)
-    console.say(f"{len(curves)} curves, {cusps_found} cusps, {len(regions)} regions; angles in rad")
+    console.say(f"{len(curves)} curves, {cusps_found} cusps, {len(regions)} regions")
     if points:
         console.say(f"checked at {points} random points: {len(wrong)} differ from the map")
         for sentence in wrong[:10]:

@@ -138,6 +138,7 @@ def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str], compl
         console.say(f"number {numbers}: the push is negative somewhere; a rod that is free to unbind lifts off there")
     for remark in remarks:
         console.say(remark)
+    console.say_units(units)
 
 
 def row(one: "Loop") -> dict[str, Any]:

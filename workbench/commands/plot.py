@@ -87,9 +87,7 @@ def plot(
     return 0
 
 
-def _kind(
-    ds: "xr.Dataset", kind: str | None, options: dict[str, Any]
-) -> "tuple[xr.Dataset, str, dict[str, Any]]":
+def _kind(ds: "xr.Dataset", kind: str | None, options: dict[str, Any]) -> "tuple[xr.Dataset, str, dict[str, Any]]":
     """What is drawn, the kind of picture, and its given options. Raises `InputError` for one that does not fit."""
     from ..figures import drawn_rods, study_pictures
     from . import at_option

@@ -37,8 +37,8 @@ def solve(
     problem also needs beta0 and betaL, or M10 and M1L (0: a hinge) in their place; height, azimuth and rotation hold
     the far end in place of FZ, MZ and M3. What holds the ends is found.
 
-    An ends problem has many equilibria: --choose selects one, by default the stable equilibrium whose beta leaves the
-    interval between its end angles least. The command equilibria lists all.
+    An ends problem has many equilibria: --choose selects one, by default the stable equilibrium whose beta goes least
+    beyond its end angles. The command equilibria lists all.
 
     Angles: a number in rad, or a form like 30deg or pi/6. Exit status 1 if the case is unsolved.
     """
@@ -114,9 +114,17 @@ def _found(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, 
         "reactions": {name: float(value) for name, value in sol.reactions.items()},
         "begun": sol.begun or "",
         "indices": _indices(sol),
-        "observables": {name: np.asarray(value).item() for name, value in seen.items()},
+        "observables": {name: np.asarray(value).item() for name, value in seen.items()}
+        | _held_energy(sol, "energy" in seen),
         "along": {name: getattr(sol, name).tolist() for name in level.along},
     }
+
+
+def _held_energy(sol: "Solution", wanted: bool) -> dict[str, float]:
+    """The energy by which the equilibria of held ends are listed; empty under dead loads."""
+    from solver.held_equilibria import held_energy
+
+    return {"held_energy": held_energy(sol)} if wanted and sol.held and sol.solved else {}
 
 
 def _indices(sol: "Solution") -> dict[str, int]:
@@ -134,6 +142,7 @@ def _print(found: dict[str, Any]) -> None:
     from studies.axes import quantity_of
 
     console.say(f"rod: {found['source']}")
+    console.say_units(found["units"], found["assumed"])
     if found["assumed"]:
         console.say(f"assumed: {', '.join(f'{name} = {value}' for name, value in found['assumed'].items())}")
     console.say("")

@@ -7,7 +7,7 @@ from typing import Any
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.problem.case import PAIRS, TWISTS, from_fields
-from solver.problem.errors import choices, near, no_such
+from solver.problem.errors import choices, no_such
 from solver.problem.rod import DIRECT, ELASTIC, lacking
 from studies import Study, load
 from studies.axes import FORCES, LENGTHS
@@ -212,7 +212,7 @@ def _check_known(problem: type, values: Mapping[str, Any]) -> None:
     known = [f.name for f in fields(problem)]
     for name in values:
         if name not in known:
-            raise InputError(f"this case is {_named(problem)}, which has no {name}{near(name, known)}; choose from {choices(known)}")
+            raise InputError(f"this case is {_named(problem)}, which has no {name}; choose from {choices(known)}")
 
 
 def _named(problem: type) -> str:

@@ -23,8 +23,8 @@ def room(work: Plan, folder: Path, kept: int) -> str:
         return (
             f"{grid}, at most {work.study.refine.budget} in all{new and f', {work.size} of them already stored'}{going}"
         )
-    room = f"a file of at most {_bytes(final)}, and {_bytes(parts)} more while it runs"
-    return f"{work.size} case{'s' * (work.size != 1)}{new}{going}: {room}"
+    room = f"the file needs at most {_bytes(final)}, and the run another {_bytes(parts)} until it ends"
+    return f"{work.size} case{'s' * (work.size != 1)}{new}{going}; {room}"
 
 
 def _bytes(count: int) -> str:
