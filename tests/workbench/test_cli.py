@@ -277,7 +277,10 @@ REFUSED = {
     ),
     "F1 without slope": (["solve", "--table1", "--dbeta", "0"], "F1 cannot determine the twist at dbeta = 0"),
     "no length": (["solve", "--table1", "--L", "0"], "Rod.L must be positive and finite, got 0.0"),
-    "an unknown field": (["solve", "--young", "1"], "No such option: --young; choose from --table1, --reading"),
+    "an unknown field": (
+        ["solve", "--young", "1"],
+        "No such option: --young, did you mean '--E'; choose from --table1, --reading",
+    ),
     "an unknown stiffness": (
         ["solve", "--table1", "--stiffness", "soft"],
         "no stiffness 'soft'; choose from solid, paper",

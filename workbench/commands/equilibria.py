@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .case_options import ENDS_FIELDS, FIELDS, HELD, Given, takes_case
-from .options import Choose, Json, angle_of, argument, flag, option
+from .options import Choose, Json, argument, flag, option, read_angle
 from .solve import parse_choose
 
 if TYPE_CHECKING:
@@ -265,7 +266,7 @@ def parse_within(said: Sequence[str]) -> dict[str, tuple[float, float]]:
     for text in said:
         name, _, ends = text.partition("=")
         try:
-            read = angle_of(f"--within {name}") if name in ANGLES else float
+            read = partial(read_angle, f"--within {name}") if name in ANGLES else float
             low, high = (read(end) for end in ends.split(":"))
         except ValueError:
             raise InputError(f"--within takes NAME=LOW:HIGH with numbers, such as FZ=-50:10, got {text!r}") from None
@@ -288,7 +289,9 @@ def parse_axis(text: str) -> "tuple[str, np.ndarray]":
     if not equals or len(parts) != 3:
         raise InputError(f"--axis takes NAME=FROM:TO:COUNT, got {text!r}")
     try:
-        ends = [(angle_of(f"--axis {name}") if FIELDS[name].unit == "rad" else float)(part) for part in parts[:2]]
+        ends = [
+            (partial(read_angle, f"--axis {name}") if FIELDS[name].unit == "rad" else float)(part) for part in parts[:2]
+        ]
         count = int(parts[2])
     except ValueError:
         raise InputError(f"--axis takes NAME=FROM:TO:COUNT with numbers, got {text!r}") from None

@@ -1,12 +1,13 @@
 """The command folds: fold curves over two fields of an ends problem, and the equilibria in the regions between them."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .case_options import ENDS_FIELDS, FIELDS, Given, takes_case
 from .equilibria import study_and_case
-from .options import ForceOutput, Json, angle_of, argument, flag, numbered, option
+from .options import ForceOutput, Json, argument, flag, numbered, option, read_angle
 
 if TYPE_CHECKING:
     from solver.region_map import RegionMap
@@ -102,7 +103,9 @@ def parse_range(text: str) -> tuple[str, tuple[float, float]]:
     if not equals or len(parts) != 2:
         raise InputError(f"--axis takes NAME=FROM:TO, got {text!r}")
     try:
-        low, high = ((angle_of(f"--axis {name}") if FIELDS[name].unit == "rad" else float)(part) for part in parts)
+        low, high = (
+            (partial(read_angle, f"--axis {name}") if FIELDS[name].unit == "rad" else float)(part) for part in parts
+        )
     except ValueError:
         raise InputError(f"--axis takes NAME=FROM:TO with numbers, got {text!r}") from None
     return name, (low, high)

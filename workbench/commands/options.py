@@ -16,19 +16,24 @@ def number(text: str) -> float:
         raise typer.BadParameter(f"{text!r} is not a number{hint}") from None
 
 
+def read_angle(name: str, text: str) -> float:
+    """The angle of an option of that name [rad], with a notice if it looks like degrees. Raises `ValueError`."""
+    from solver.problem import angles
+
+    value = angles.angle(text)
+    if sentence := angles.doubt(name, text):
+        angles.warn(sentence)
+    return value
+
+
 def angle_of(name: str) -> Callable[[str], float]:
-    """What reads the angle of an option of that name [rad]; its error names the text and the accepted forms."""
+    """The parser of an option of that name; its error names the text and the accepted forms."""
 
     def angle(text: str) -> float:
-        from solver.problem import angles
-
         try:
-            value = angles.angle(text)
+            return read_angle(name, text)
         except ValueError as error:
             raise typer.BadParameter(str(error)) from None
-        if sentence := angles.doubt(name, text):
-            angles.warn(sentence)
-        return value
 
     return angle
 
