@@ -37,11 +37,10 @@ class DeadStart:
 
     def said(self, A: float, rho: float) -> str:
         """The equilibrium in words, for a rod of bending stiffness A at the distance rho from the axis."""
-        return (
-            f"an equilibrium under dead loads, which has FZ = {self.FZ * A / rho**2:.6g}, "
-            f"MZ = {self.MZ * A / rho:.6g}, M3 = {self.M3 * A / rho:.6g}, beta0 = {self.beta0:.6g} rad, betaL = {self.betaL:.6g} rad "
-            f"and the index {self.index}"
-        )
+        loads = {"FZ": self.FZ * A / rho**2, "MZ": self.MZ * A / rho, "M3": self.M3 * A / rho}
+        told = ", ".join(f"{name} = {value:.6g}" for name, value in loads.items())
+        angles = f"beta0 = {self.beta0:.6g} rad, betaL = {self.betaL:.6g} rad"
+        return f"an equilibrium under dead loads, which has {told}, {angles} and the index {self.index}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,8 +36,8 @@ def equilibria(
         str | None,
         option(
             "NAME=FROM:TO:COUNT",
-            "Follow all equilibria while one field varies, such as betaL=-90deg:60deg:41, and print the branches. "
-            "In the units of the case; angles in rad or with deg.",
+            "Follow all equilibria while one field varies, such as betaL=-90deg:60deg:41 or FZ=4:12:41, in the units "
+            "of the case, and print the branches.",
         ),
     ] = None,
     show: Annotated[
@@ -48,8 +48,8 @@ def equilibria(
         list[str] | None,
         option(
             "NAME=LOW:HIGH",
-            "Range of a reaction of held ends over which to search, such as FZ=-50:10 with a held height, in the units of "
-            "the case; repeatable.",
+            "Range of a reaction of held ends over which to search, such as FZ=-50:10 with a held height, in the units "
+            "of the case; repeatable.",
         ),
     ] = None,
     values: Annotated[
@@ -81,12 +81,12 @@ def equilibria(
     With --height, --azimuth, --rotation, --M10 or --M1L the ends are held. Such a list is never proved complete; the
     command states the range of the reactions over which it searched (--within), and what it tried.
 
-    With --axis the equilibria are followed while one field varies. Over height, azimuth, rotation, M10 or M1L that
-    quantity is held, and the list is not proved complete.
+    With --axis the equilibria are followed while one field varies. If this field is height, azimuth, rotation, M10 or
+    M1L, it is held, and the list is not proved complete.
 
     Without --length-unit and --force-unit, omitted fields come from Table 1 (cm, N; read force-first/tension/paper):
-    beta(0), the loads, and beta(L), the angle at which that rod ends. With one of them the options describe the whole
-    rod: E, nu, a, L, R, beta0 and betaL are required, and omitted loads are 0.
+    its beta(0), its loads, and for beta(L) the angle at which its rod ends. If one of the two is given, the options
+    describe the whole rod: E, nu, a, L, R, beta0 and betaL are required, and omitted loads are 0.
 
     Angles: a number in rad, or a form like 30deg or pi/6.
     """

@@ -40,9 +40,9 @@ def loops(
 ) -> int:
     """List the shapes of a closed rod on the cylinder.
 
-    The rod closes in position and direction, without axial force and twist: it makes some turns about the axis, and its
-    angle oscillates so often (folds) about pi/2 while it does. It must be longer than the ring, L > 2 pi rho wraps.
-    The list gives the axial moment that it carries (lam = MZ rho/A), its bending energy, the Morse index of the
+    A closed rod comes back to its start in position and direction, and carries no axial force and no twist. It goes
+    round the axis --wraps times, and on its way its angle oscillates --folds times about pi/2. It must be longer than
+    the ring: L > 2 pi rho wraps. The list gives the axial moment that it carries (lam = MZ rho/A), its bending energy, the Morse index of the
     closed rod on the surface (0: stable), and the push: where it is negative, a rod that is free to unbind lifts off.
 
     Without --length-unit and --force-unit, omitted fields come from Table 1 (cm, N). Exit status 1 if a loop of the

@@ -33,9 +33,9 @@ def solve(
     """Solve one case and print it.
 
     The case comes from a TOML file, from Table 1 (--table1, --reading, or no option at all), or from options alone.
-    Options alone need E, nu, a, L and R. A start problem also needs beta, dbeta and one of F1, dgamma and M3; an ends
-    problem also needs beta0 and betaL, or M10 and M1L (0: a hinge) in their place; height, azimuth and rotation hold
-    the far end in place of FZ, MZ and M3. What holds the ends is found.
+    Options alone must give E, nu, a, L and R; for a start problem also beta, dbeta and one of F1, dgamma and M3; for an
+    ends problem also beta0 or M10, and betaL or M1L (a moment of 0 is a hinge). In an ends problem height, azimuth and
+    rotation can hold the far end in place of the loads FZ, MZ and M3; the command then finds these loads.
 
     An ends problem has many equilibria: --choose selects one, by default the stable equilibrium whose beta goes least
     beyond its end angles. The command equilibria lists all.
