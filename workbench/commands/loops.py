@@ -42,8 +42,9 @@ def loops(
 
     A closed rod comes back to its start in position and direction, and carries no axial force and no twist. It goes
     round the axis --wraps times, and on its way its angle oscillates --folds times about pi/2. It must be longer than
-    the ring: L > 2 pi rho wraps. The list gives the axial moment that it carries (lam = MZ rho/A), its bending energy, the Morse index of the
-    closed rod on the surface (0: stable), and the push: where it is negative, a rod that is free to unbind lifts off.
+    the ring: L > 2 pi rho wraps. The list gives the axial moment that it carries (lam = MZ rho/A), its bending energy,
+    the Morse index of the closed rod on the surface (0: stable), and the push: where it is negative, a rod that is free
+    to unbind lifts off.
 
     Without --length-unit and --force-unit, omitted fields come from Table 1 (cm, N). Exit status 1 if a loop of the
     numbers given was not found.
