@@ -9,10 +9,12 @@ from numpy.typing import ArrayLike
 
 from .branch import Branch, BranchEnd, BranchPoint, SpecialPoint
 from .numerics.arrays import Array
-from .problem.case import PAIRS, Case, Ends
+from .problem.angles import doubt, given_by_a_program, warn
+from .problem.case import ANGLES, PAIRS, Case, Ends
 from .problem.case_fields import value_of, with_field
 from .problem.errors import InputError, choices, no_such
 from .problem.field_rates import fields_of
+from .problem.field_values import in_rad
 from .problem.held_ends import held_of
 from .problem.reduced import EndsProblem
 from .problem.trajectory import Trajectory
@@ -41,7 +43,7 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
         The largest number of points in each direction.
     **field : float or array
         One numeric field of the rod, the cylinder or the ends, with the value or the values that the branch should
-        pass: ``FZ=-300.0``, ``L=[10, 20, 40]``. Angles in rad. A displacement or an end moment that the case does not
+        pass: ``FZ=-300.0``, ``L=[10, 20, 40]``. An angle in rad, or text: "30deg". A displacement or an end moment that the case does not
         hold is held from then on, in place of its partner: under ``height=4.0`` FZ is found. Likewise a load or an end
         angle in place of what is held.
 
@@ -116,11 +118,14 @@ def _field_and_values(case: Case, field: dict[str, ArrayLike]) -> tuple[str, Arr
     if name not in known:
         raise no_such("field", name, known)
     try:
-        found = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
+        read = in_rad(np.array(values, dtype=object)) if name in ANGLES else values
+        found = np.atleast_1d(np.asarray(read, dtype=float)).ravel()
     except (TypeError, ValueError):
         raise InputError(f"{name} must be a number or an array of numbers, got {values!r}") from None
     if not found.size or not np.isfinite(found).all():
         raise InputError(f"{name} must be one or several finite numbers, got {values!r}")
+    if name in ANGLES and given_by_a_program() and (sentence := doubt(name, values)):
+        warn(sentence)
     return name, found
 
 

@@ -44,7 +44,13 @@ def angle(text: str) -> float:
 _DOUBTED = ((math.pi, 1), (13.0, 4))  # a half turn; a little more than two turns
 _MOST = 1e6  # nobody writes as many degrees
 _OWN = ("solver", "studies", "workbench", "dataclasses")
-_MAKERS = ("solver.problem.angles", "solver.problem.field_values", "solver.problem.case", "dataclasses")
+_MAKERS = (
+    "solver.problem.angles",
+    "solver.problem.field_values",
+    "solver.problem.case",
+    "solver.follow",
+    "dataclasses",
+)
 
 
 class AngleWarning(UserWarning):
@@ -104,7 +110,7 @@ def warn(sentence: str) -> None:
 
 
 def given_by_a_program() -> bool:
-    """Whether the part of a case that is being made is made by a program of the user, not by this package."""
+    """Whether a program of the user calls what makes or varies a case, not this package."""
     maker = next((name for name in _callers() if name not in _MAKERS), "")
     return maker.partition(".")[0] not in _OWN
 

@@ -18,7 +18,7 @@ def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
     try:
         array = np.asarray(value)
         if field in ANGLES and array.dtype.kind in "UO":
-            array = _in_rad(np.array(value, dtype=object))
+            array = in_rad(np.array(value, dtype=object))
         if not _only_numbers(array):
             raise TypeError
         array = np.array(array, dtype=float)
@@ -34,7 +34,7 @@ def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
     return array
 
 
-def _in_rad(values: NDArray[Any]) -> NDArray[Any]:
+def in_rad(values: NDArray[Any]) -> NDArray[Any]:
     """An array of objects with each text replaced by its angle. Raises `ValueError`."""
     read = [angle(one) if isinstance(one, str) else one for one in values.flat]
     return np.array(read, dtype=object).reshape(values.shape)

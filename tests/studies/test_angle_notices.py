@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 
-from solver import Ends, Start
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, follow, solve
 from solver.problem.angles import AngleWarning, doubt
 from studies import load
 from studies.loader import loads, notices
@@ -45,6 +45,17 @@ def test_a_case_in_python_says_how_a_large_angle_is_read() -> None:
         "286.48", "3437.75").replace('"5', '"60')]  # fmt: skip
     assert len(said(lambda: Start(beta=30.0, dbeta=0.1, M3=0.0))) == 1
     assert said(lambda: dataclasses.replace(Ends("5 rad", "30 deg"), betaL=0.2)) != []  # the text is gone by then
+
+
+def test_follow_says_it_too_and_solving_says_nothing_more() -> None:
+    case = Case(Rod(E=325.95, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.5))
+    solution = solve(case)
+    with pytest.warns(AngleWarning, match="betaL = 5 is read as 5 rad") as found, pytest.raises(InputError):
+        follow(solution, betaL=[0.5, 5], points=0)
+    assert len(found) == 1
+    assert found[0].filename == __file__
+    branch = follow(solution, betaL="30 deg")  # as the notice advises
+    assert branch.values[-1] == math.pi / 6
 
 
 def test_the_warning_is_at_the_line_of_the_program() -> None:
