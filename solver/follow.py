@@ -43,9 +43,9 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
         The largest number of points in each direction.
     **field : float or array
         One numeric field of the rod, the cylinder or the ends, with the value or the values that the branch should
-        pass: ``FZ=-300.0``, ``L=[10, 20, 40]``. An angle in rad, or text: "30deg". A displacement or an end moment that the case does not
-        hold is held from then on, in place of its partner: under ``height=4.0`` FZ is found. Likewise a load or an end
-        angle in place of what is held.
+        pass: ``FZ=-300.0``, ``L=[10, 20, 40]``; an angle in rad, or text such as ``"30deg"``. A displacement or an end
+        moment that the case does not hold is held from then on, in place of its partner: under ``height=4.0`` FZ is
+        found. Likewise a load or an end angle in place of what is held.
 
     Returns
     -------
