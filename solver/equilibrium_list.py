@@ -136,8 +136,8 @@ class HeldSearch:
     def __str__(self) -> str:
         said = [
             f"not proved complete: searched over {self.ranges}",
-            f"it began from {self.problems} problems under dead loads, "
-            f"from rods with at most {self.most_swings} whole periods of beta",
+            f"it began from the equilibria of {self.problems} problems under dead loads "
+            f"that have at most {self.most_swings} whole periods of beta",
             f"{self.starts} continuations, {self.failed} of which failed",
             f"{self.deflations} deflations",
         ]

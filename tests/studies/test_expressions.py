@@ -124,7 +124,7 @@ def test_an_observable_of_the_study_and_of_a_law_may_be_an_expression() -> None:
         'lift = "attached < 0.9"', HEAD.replace("stations", 'observables = ["turns", "lift"]\nstations') + AXES + law
     )
     assert one.wanted == ["turns", "lift"]
-    with pytest.raises(InputError, match=r"no observable 'lft'; choose from turns, .*, lift"):
+    with pytest.raises(InputError, match=r"no observable 'lft', did you mean 'lift'; choose from turns, .*, lift"):
         study('lift = "attached < 0.9"', HEAD + AXES + law.replace("'lift'", "'lft'"))
 
 

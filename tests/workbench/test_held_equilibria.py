@@ -36,7 +36,7 @@ def test_the_table_names_the_held_ends_the_reactions_both_indices_and_the_search
     assert "*" not in said  # solve begins from the nearest dead-load equilibrium, and selects from no list
     assert "4 equilibria, 2 stable under held ends: height" in said
     assert "not proved complete: searched over FZ from -90 to -30;" in said
-    assert "began from 3 problems under dead loads, from rods with at most 8 whole periods of beta" in said
+    assert "began from the equilibria of 3 problems under dead loads that have at most 8 whole periods of beta" in said
 
 
 def test_a_study_file_json_and_the_stored_file_hold_the_same(tmp_path, monkeypatch, capsys) -> None:
