@@ -241,7 +241,7 @@ def test_a_branch_is_a_dataset() -> None:
     [
         ({}, "follow takes one field with its values, got none"),
         ({"FZ": 1.0, "MZ": 2.0}, "got FZ, MZ"),
-        ({"FY": 1.0}, "no field 'FY'; choose from E, nu, a, L, R, beta0"),
+        ({"FY": 1.0}, "no field 'FY', did you mean 'FZ'; choose from E, nu, a, L, R, beta0"),
         ({"FZ": np.nan}, "FZ must be one or several finite numbers"),
         ({"FZ": "much"}, "FZ must be a number or an array of numbers"),
         ({"L": -1.0}, "Rod.L must be positive"),

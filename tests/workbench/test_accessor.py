@@ -153,7 +153,7 @@ def test_values_are_found_to_nine_digits_and_refused_with_the_axis(full) -> None
             ds.rod.sel(**values)
     with pytest.raises(InputError, match="E is selected already: it is 10000"):
         ds.rod.sel(E=1e4).rod.sel(E=2e4)
-    with pytest.raises(InputError, match="no field 'young'; choose from E, nu, R"):
+    with pytest.raises(InputError, match="no field 'young', did you mean 'E'; choose from E, nu, R"):
         ds.rod.at(young=1.0)
     with pytest.raises(InputError, match="E must be a finite number, got None"):
         ds.rod.at(E=None)
