@@ -48,7 +48,8 @@ def of_case(case: Case) -> str:
 
 def of_equilibria(found: Equilibria) -> str:
     """A row for each equilibrium."""
-    head = "".join(f"<th>{escape(name)}</th>" for name in HEADINGS)
+    held = "held " if found and found[0].solution.held else ""
+    head = "".join(f"<th>{escape(f'{held}{name}' if name.startswith('energy') else name)}</th>" for name in HEADINGS)
     rows = []
     for i, one in enumerate(found, 1):
         numbers = stability(one.index), f"{one.energy:.6g}", str(one.turns), f"{one.dbeta0:.6g}", f"{one.attached:.0%}"
