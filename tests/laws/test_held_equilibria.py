@@ -74,6 +74,14 @@ def test_the_energy_changes_with_the_height_by_the_force(listed: HeldEquilibria)
     assert (last - first) / (2 * step) == pytest.approx(one.FZ, rel=1e-5)
 
 
+def test_how_far_beta_goes_beyond_its_end_angles_is_told() -> None:
+    found = equilibria(clamped(beta0=0.3, betaL=0.2, height=4.0), within={"FZ": (-60.0, -30.0)}, values=2, tries=0)
+    assert found
+    for one in found:
+        beta = one.solution.beta
+        assert one.stray == pytest.approx(max(beta.max() - 0.3, 0.2 - beta.min()), abs=1e-12)
+
+
 def test_the_list_says_over_what_it_searched_and_that_it_is_not_proved_complete(listed: HeldEquilibria) -> None:
     assert not listed.complete
     assert listed.remark.startswith(

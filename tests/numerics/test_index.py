@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Case, equilibria, solve
-from solver.boundary.stability import jacobi_end, jacobi_zeros, morse_index
+from solver.boundary.stability import index_at_stations, jacobi_end, jacobi_zeros, morse_index
 from solver.mechanics.potential import slope_rate
 from solver.observe.observables import observe
 from solver.orbit.periodic_orbit import solve_orbit
@@ -89,6 +89,13 @@ def test_a_march_counts_by_its_stations_and_says_when_they_are_too_few(method: s
     case = table_1("force-first", "tension", "paper")
     assert index_of(case, method=method, tol=1e-6, stations=401) == index_of(case) == 6
     assert np.isnan(index_of(case, method=method, tol=1e-6, stations=21))
+
+
+def test_stations_alone_count_the_many_short_waves_of_a_rod_under_a_large_load() -> None:
+    """Along the axis under a push of 400: half waves of length pi/20."""
+    problem = reduce(in_units_of_rho(0.0, 0.0, -400.0, 20.0, 0.0, 0.0))
+    t = np.linspace(0, 20, 1001)[None]
+    assert index_at_stations(problem, t, 0 * t, 0 * t)[0] == np.ceil(20 * 20 / np.pi) - 1
 
 
 def test_a_rod_that_is_not_solved_has_no_index() -> None:

@@ -1,6 +1,7 @@
 """The command equilibria: what it lists, stores, draws and writes, and its diagram over an axis."""
 
 import json
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -307,6 +308,13 @@ def test_the_nearest_is_told_by_slope_and_energy_together() -> None:
         assert nearest(found, one.dbeta0, one.energy) is one
     with pytest.raises(InputError, match="no equilibrium"):
         nearest([], 0.0, 0.0)
+
+
+@pytest.mark.parametrize("unit", (1e-3, 1.0, 1e3))
+def test_the_nearest_is_the_same_in_every_unit_of_force(unit: float) -> None:
+    one = equilibria(ends_in_units_of_rho(*MANY, 40.0, np.pi / 6, np.pi / 6))[0]
+    near = replace(one, dbeta0=0.0, energy=0.0)
+    assert nearest([replace(one, dbeta0=1.0, energy=unit), near], 0.1, 0.6 * unit) is near  # 0.1 + 0.6 of the spreads
 
 
 def test_ends_given_as_ends_are_taken_as_they_are(tmp_path) -> None:
