@@ -98,6 +98,13 @@ def test_stations_alone_count_the_many_short_waves_of_a_rod_under_a_large_load()
     assert index_at_stations(problem, t, 0 * t, 0 * t)[0] == np.ceil(20 * 20 / np.pi) - 1
 
 
+def test_a_straight_rod_answers_to_its_far_angle_as_sin_over_sin() -> None:
+    """Under a push of a quarter beta moves by sin(t/2)/sin(span/2) where beta(L) moves by one."""
+    found = equilibria(ends_in_units_of_rho(0.0, 0.0, -0.25, 8.0, 0.0, 0.0))
+    (straight,) = [one for one in found if not one.solution.beta.any()]
+    assert float(straight.solution.condition) == pytest.approx(1 / abs(np.sin(4.0)), rel=1e-12)
+
+
 def test_a_rod_that_is_not_solved_has_no_index() -> None:
     case = in_units_of_rho(helix_moment(0.4, -0.3, 0.1), -0.3, 0.1, 400.0, 0.4, 0.0)
     sol = solve(case)
