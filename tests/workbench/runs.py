@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from tests.workbench import forked
+
 ROOT = Path(__file__).parents[2]
 HEAD = """
 title = "many"
@@ -48,20 +50,23 @@ def grid(E: int, F1: int) -> dict[str, list[float]]:
 
 
 def start(folder: Path, *args: object, before: str = "", **more: bool) -> subprocess.Popen[str]:
-    """`workbench run ...` in a process of its own, in that folder."""
-    main = folder / "main.py"
-    if before or not main.exists():
-        main.write_text(MAIN.format(before=before))
+    """`workbench run ...` in a new process, in that folder."""
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, str(main), "run", *map(str, args)]
+    command = [sys.executable, str(_main(folder, before)), "run", *map(str, args)]
     return subprocess.Popen(command, cwd=folder, env=env, stdout=-1, stderr=-1, text=True, **more)
 
 
 def run(folder: Path, *args: object, before: str = "", limit: float = 600) -> subprocess.CompletedProcess[str]:
-    """The same, to its end, or to so many seconds."""
-    with start(folder, *args, before=before) as process:
-        out, err = process.communicate(timeout=limit)
-    return subprocess.CompletedProcess(process.args, process.returncode, out, err)
+    """The same in a forked process, to its end, or to so many seconds."""
+    return forked.run(_main(folder, before), "run", *args, cwd=folder, timeout=limit)
+
+
+def _main(folder: Path, before: str) -> Path:
+    """The script that such a process runs; without lines of its own, that of the last one in the folder."""
+    main = folder / "main.py"
+    if before or not main.exists():
+        main.write_text(MAIN.format(before=before))
+    return main
 
 
 def contents(path: Path) -> dict[str, bytes]:

@@ -20,7 +20,7 @@ import xarray as xr
 from solver import InputError
 from studies import names
 from tests.test_layers import HEAVY
-from tests.workbench import small
+from tests.workbench import forked, small
 from workbench import cli
 from workbench.commands import at_option, scene
 from workbench.data import writing
@@ -31,6 +31,10 @@ ROOT = Path(__file__).parents[2]
 
 
 def workbench(*args: object, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    return forked.run("-m", "workbench", *args, cwd=cwd)
+
+
+def new_process(*args: object, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-m", "workbench.cli", *map(str, args)]
     return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, timeout=600, check=False)
@@ -61,7 +65,7 @@ def here(capsys) -> Callable[..., Any]:
 
 
 def test_help_lists_the_commands_and_each_has_help_of_its_own() -> None:
-    shown = workbench("--help")
+    shown = new_process("--help")
     assert shown.returncode == 0
     for command in ("reproduce", "list", "run", "check", "plot", "scene", "solve", "doctor"):
         assert f"\n  {command} " in shown.stdout
@@ -464,7 +468,7 @@ def test_what_cannot_be_stored_is_refused_before_any_work(case, crowded, monkeyp
 @pytest.mark.parametrize("case", ["no room inside", "an unknown command", "half a file"])
 def test_a_refusal_is_the_same_in_a_process_of_its_own(case, crowded) -> None:
     args, sentence = REFUSED[case]
-    run = workbench(*args, cwd=crowded)
+    run = new_process(*args, cwd=crowded)
     assert (run.returncode, run.stdout) == (2, "")
     assert sentence in run.stderr
     assert len(run.stderr.splitlines()) == 1

@@ -4,8 +4,6 @@ import json
 import os
 import re
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable, Collection
 from io import BytesIO
 from pathlib import Path
@@ -21,7 +19,7 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
 from studies import load
 from studies.loader import loads
-from tests.workbench import runs, small
+from tests.workbench import forked, runs, small
 from workbench import cli
 from workbench.data import escaping, reading, schema, writing
 from workbench.figures import canvas, study_figure
@@ -53,8 +51,7 @@ def told(commands: tuple[str, ...], folder: Path, tmp_path: Path) -> list[dict[s
     """What the commands say of every file in the folder."""
     good, out = stored(tmp_path / "good.h5", "[3e4]"), tmp_path / "out"
     out.mkdir()
-    words = [sys.executable, "-m", "tests.workbench.hostile", str(folder), str(good), str(out), *commands]
-    run = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+    run = forked.run("-m", "tests.workbench.hostile", folder, good, out, *commands)
     assert run.returncode == 0, run.stderr
     return [json.loads(line) for line in run.stdout.splitlines()]
 
@@ -335,8 +332,7 @@ def altered_files_end_in_a_sentence(base: str, stride: int, tmp_path: Path, *com
     paths = tmp_path / "base.h5", tmp_path / "good.h5"
     for path, study in zip(paths, (BASES[base], small.study(ONE_AXIS.format("[3e4]"), HEAD)), strict=True):
         writing.write(in_memory.run(study), path)
-    words = [sys.executable, "-m", "tests.workbench.altered", *map(str, (*paths, tmp_path)), str(stride), "0"]
-    run = subprocess.run([*words, *commands], cwd=ROOT, capture_output=True, text=True, check=False)
+    run = forked.run("-m", "tests.workbench.altered", *paths, tmp_path, stride, 0, *commands)
     assert run.returncode == 0, run.stderr[-2000:]
     assert [json.loads(line) for line in run.stdout.splitlines()] == []
 
@@ -497,8 +493,8 @@ def test_a_file_that_may_not_be_read_is_refused_as_such(whole: bytes, tmp_path: 
     for name, mode in (("mine.h5", 0o600), ("secret.h5", 0)):
         (tmp_path / name).write_bytes(whole)
         (tmp_path / name).chmod(mode)
-    words = [sys.executable, "-c", AS_NOBODY, str(tmp_path / "mine.h5"), str(tmp_path / "secret.h5")]
-    run = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+    (tmp_path / "main.py").write_text(AS_NOBODY)
+    run = forked.run(tmp_path / "main.py", tmp_path / "mine.h5", tmp_path / "secret.h5")
     assert run.returncode == 2, run.stderr
     assert run.stderr == f"workbench: cannot read {tmp_path / 'secret.h5'}: permission denied\n"
 

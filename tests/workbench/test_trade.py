@@ -1,9 +1,7 @@
 """The command trade, its dataset and its diagrams; and the dial of fidelities."""
 
 import json
-import os
 import subprocess
-import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -14,7 +12,7 @@ import xarray as xr
 from solver import InputError
 from solver.benchmark import ladders, measure, offered
 from solver.observe.observables import OBSERVABLES
-from tests.workbench import small
+from tests.workbench import forked, small
 from workbench import cli
 from workbench.commands import trade
 from workbench.compare.trade import advice
@@ -33,9 +31,7 @@ NUMBERS = (
 
 
 def workbench(*args: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "workbench.cli", *map(str, args)]
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    return subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, timeout=600, check=False)
+    return forked.run("-m", "workbench", *args)
 
 
 @pytest.fixture(scope="module")

@@ -1,13 +1,11 @@
 """On a machine without OpenGL everything but the rendered pictures is done, and what is missing is said once."""
 
-import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from tests.workbench import small
+from tests.workbench import forked, small
 from workbench import cli
 from workbench.scene import opengl
 
@@ -80,12 +78,12 @@ def test_without_the_extra_scene_all_else_is_done_and_the_extra_is_named(tmp_pat
         "summary mine.h5",
     ]
     refused = ["export mine.h5 --at E=4e4 -o rod.glb", "export mine.h5 --at E=4e4 -o rod.stl"]
-    words = [sys.executable, "-c", WITHOUT_VTK, *done, "scene mine.h5", *refused]
-    env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-    ran = subprocess.run(words, cwd=tmp_path, env=env, capture_output=True, text=True, check=True)
+    (tmp_path / "main.py").write_text(WITHOUT_VTK)
+    ran = forked.run("main.py", *done, "scene mine.h5", *refused, cwd=tmp_path)
+    assert ran.returncode == 0
     statuses = [line for line in ran.stdout.splitlines() if line[:3] in ("0: ", "1: ", "2: ")]
     told = [*(f"0: {words}" for words in done), "1: scene mine.h5", *(f"2: {words}" for words in refused)]
     assert statuses == told
     assert ran.stderr.count("pip install 'rod-workbench[scene]'") == 1 + len(refused)
     assert "Traceback" not in ran.stderr
-    assert {path.name for path in tmp_path.iterdir()} == {"mine.toml", "mine.h5", "mine.png", "mine.html"}
+    assert {path.name for path in tmp_path.iterdir()} == {"main.py", "mine.toml", "mine.h5", "mine.png", "mine.html"}

@@ -2,17 +2,14 @@
 
 import os
 import signal
-import subprocess
-import sys
 import warnings
-from pathlib import Path
 
 import h5py
 import pytest
 import xarray as xr
 
 from solver import InputError
-from tests.workbench import small
+from tests.workbench import forked, small
 from workbench.data import writing
 from workbench.run import in_memory
 
@@ -135,8 +132,8 @@ writing.write(ds, sys.argv[1])
 def test_a_killed_run_leaves_the_good_file_whole(ds, tmp_path) -> None:
     path = writing.write(ds, tmp_path / "small.h5")
     before = path.read_bytes()
-    root = Path(__file__).parents[2]
-    run = subprocess.run([sys.executable, "-c", KILLED, str(path)], cwd=root, capture_output=True, check=False)
+    (tmp_path / "main.py").write_text(KILLED)
+    run = forked.run(tmp_path / "main.py", path)
     assert run.returncode == -signal.SIGKILL, run.stderr
     assert path.read_bytes() == before
     xr.testing.assert_identical(writing.read(path), ds)
