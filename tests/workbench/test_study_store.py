@@ -138,12 +138,15 @@ def test_a_finished_study_is_answered_at_once(whole, monkeypatch) -> None:
 
 
 def test_a_finished_study_is_answered_without_xarray(whole) -> None:
-    told = runs.run(whole.parent, whole.with_suffix(".toml"), before="import atexit, sys\n"
-                    "from workbench.run import plan; plan.BLOCK = 64\n"
-                    "atexit.register(lambda: print('xarray' in sys.modules))")  # fmt: skip
-    assert told.returncode == 0, told.stderr
-    assert "already complete; use --restart to solve again" in told.stdout
-    assert told.stdout.splitlines()[-1] == "False"
+    before = (
+        "import atexit, sys\nfrom workbench.run import plan; plan.BLOCK = 64\n"
+        "atexit.register(lambda: print('xarray' in sys.modules))"
+    )
+    with runs.start(whole.parent, whole.with_suffix(".toml"), before=before) as told:
+        out, err = told.communicate(timeout=600)
+    assert told.returncode == 0, err
+    assert "already complete; use --restart to solve again" in out
+    assert out.splitlines()[-1] == "False"
 
 
 def test_restart_solves_a_finished_study_again(tmp_path, monkeypatch) -> None:

@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from ..figures.style import LIFTED, PUSHED
-from ..scene.colours import linear
 from .base import METRES, Format, Rod
 from .surfaces import near, tube
 
@@ -19,6 +17,9 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
     The format has y up: the cylinder's axis is y.
     """
     import trimesh
+
+    from ..figures.style import LIFTED, PUSHED  # they load Matplotlib
+    from ..scene.colours import linear
 
     mesh, s = tube(rod.line, rod.tolerance)
     lifted = np.interp(s, rod.line.s, rod.line.push(rod.line.s))[:, None] < 0

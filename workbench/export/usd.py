@@ -7,9 +7,7 @@ import numpy as np
 
 from solver.mechanics import frames
 
-from ..figures.style import LIFTED, PUSHED
 from ..geometry.centreline import Array
-from ..scene.colours import linear
 from .base import METRES, Format, Rod
 
 HEAD = """#usda 1.0
@@ -38,6 +36,9 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
 
     The numbers are in the unit of length of the dataset, which `metersPerUnit` states. The axis of the cylinder is z.
     """
+    from ..figures.style import LIFTED, PUSHED  # they load Matplotlib
+    from ..scene.colours import linear
+
     line = rod.line
     points = bezier(line.s, frames.position(line.rho, line.alpha, line.z), frames.tangent(line.alpha, line.beta))
     push = line.push(line.s)

@@ -8,10 +8,9 @@ from typing import Any
 import h5netcdf
 import h5py
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from ..data import atomic, branch_numbers, cautions, dataset, grid_io, law_verdicts, refined, schema, writing
+from ..data import atomic, branch_numbers, cautions, dataset, grid_io, law_verdicts, opening, refined, schema, writing
 from ..data.schema import Columns
 from . import shards
 from .plan import Plan, bytes_a_case, bytes_of_file, first_of
@@ -53,7 +52,7 @@ def assemble(plan: Plan, folder: Path, output: Path, there: StoredRun | None, ta
 
 def _statistics(path: Path, tally: Tally) -> dict[str, Any]:
     """The statistics of the file, from which `run` reports without reading its cases again."""
-    with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
+    with opening.opened(path) as ds:
         verdicts, first = law_verdicts.verdicts(ds), str(ds.attrs.get("equilibria", ""))
         sampling = {name: str(ds.attrs[name]) for name in schema.SAMPLING if name in ds.attrs}
     branches = branch_numbers.sentence(tally["branch"]) if tally["branch"] else ""

@@ -19,7 +19,7 @@ from studies.loader import loads
 from studies.paired import SOURCES
 from studies.writer import dumps, dumps_paired, dumps_table, told
 
-from ..data import atomic, cautions, concatenation, law_verdicts, reading, schema, writing
+from ..data import atomic, cautions, concatenation, law_verdicts, opening, reading, schema, writing
 from ..data.selection import SAME
 from . import stored_case, summary
 from .recipe import axis_line
@@ -179,7 +179,7 @@ def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
 
 def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
     """Judge the laws of the merged file, and store the recipe and the statistics in it as a run does."""
-    with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
+    with opening.opened(path) as ds:
         outcomes, verdicts = summary.counted(ds["outcome"], ds["solved"]), law_verdicts.verdicts(ds)
         texts, unsolved = summary.counted(ds["caution"]), summary.unsolved(ds)
     caution = cautions.told(texts)
