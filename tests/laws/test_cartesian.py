@@ -26,7 +26,10 @@ NAMES = (
     "inside, twisted",
     "going round backwards",
 )
-cases = pytest.mark.parametrize("name", NAMES)
+ALIKE = NAMES[2:4] + NAMES[7:]  # the others are as twisted, compressed and solid
+cases = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in ALIKE else ()) for name in NAMES]
+)
 EZ = np.array([0.0, 0.0, 1.0])
 
 

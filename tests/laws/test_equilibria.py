@@ -78,7 +78,7 @@ def test_they_come_with_the_lowest_energy_first(name: str) -> None:
     assert (np.diff(energies) > -1e-8).all()  # mirror images have one energy but for rounding
 
 
-@both
+@pytest.mark.parametrize("name", ["table 1", pytest.param("many", marks=pytest.mark.slow)])
 def test_the_index_is_the_number_of_conjugate_points(name: str) -> None:
     """eta'' + H' eta = 0, eta(0) = 0: its zeros inside, by a march of its own, where a march is in reach."""
     case = PROBLEMS[name]()

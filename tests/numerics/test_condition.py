@@ -1,10 +1,13 @@
 """The condition number and the error estimate: whether they say how much can be trusted."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.methods import METHODS, available
+from solver.problem.reduced import StartProblem
 from tests.cases import START, Named, helix_moment, in_units_of_rho, start_of
 from tests.extreme_cases import KINDS
 from tests.helix_cases import NEAR, problems
@@ -165,12 +168,18 @@ def test_condition_numbers_of_long_rods_are_within_a_factor_of_three(kind: str, 
     checked(kind, 60, 3, method, longer=30.0)
 
 
-def checked(kind: str, n: int, seed: int, method: str, longer: float = 1.0) -> None:
-    """Within a factor of three of a march of order 8, and no rod refused because of a false condition number."""
+@cache
+def marched(kind: str, n: int, seed: int, longer: float) -> tuple[StartProblem, np.ndarray]:
+    """The problems, whose rods are so many times longer, and their condition numbers by a march."""
     p = problems(kind, n, seed)
     p.span[:] *= longer
+    return p, growth(p.lam, p.mu, p.phi, p.span, p.beta0, p.dbeta0)
+
+
+def checked(kind: str, n: int, seed: int, method: str, longer: float = 1.0) -> None:
+    """Within a factor of three of a march of order 8, and no rod refused because of a false condition number."""
+    p, true = marched(kind, n, seed, longer)
     told = METHODS[method]().run(p, p.span[:, None] * np.linspace(0, 1, 9), 1e-8)
-    true = growth(p.lam, p.mu, p.phi, p.span, p.beta0, p.dbeta0)
     sure = true < SURE
     ratio = told.condition / true
     off = np.flatnonzero(sure & ~((ratio < 3) & (ratio > 1 / 3)))

@@ -95,7 +95,12 @@ def guesses(numbers: tuple[float, ...], nodes: int, rng: np.random.Generator) ->
     return out + list((b + (last - b[-1]) * u[:, None]).T)
 
 
-@every
+# the others are as long again, each
+SHORT = ("no loads", "pulled", "all the way round")
+searched = [pytest.param(name, marks=() if name in SHORT else pytest.mark.slow) for name in PROBLEMS]
+
+
+@pytest.mark.parametrize("name", searched)
 def test_a_search_by_deflation_from_many_seeds_finds_no_further_one(name: str) -> None:
     numbers, nodes = PROBLEMS[name], 601
     rng = np.random.default_rng(7)

@@ -1,5 +1,6 @@
 """The look of figures: colours, sizes of letters, Matplotlib's settings."""
 
+import functools
 import re
 from typing import Any
 
@@ -126,6 +127,7 @@ def fitted(text: str, room: float, size: float | None = None, bold: bool = False
     return "\n".join([*lines, line] if line else lines)
 
 
+@functools.lru_cache(maxsize=10_000)  # `fitted` asks for each line again with a word more
 def width_of(text: str, size: float, bold: bool = False) -> float:
     """The width of a line of text in inches, for a font of that size in points."""
     font = FontProperties(family=RC["font.family"], size=size, weight="bold" if bold else "normal")

@@ -34,7 +34,7 @@ def assemble(plan: Plan, folder: Path, output: Path, there: StoredRun | None, ta
         if plan.refinement is not None:
             frame = frame.assign_attrs(refined.attributes(plan.study, plan.refinement))
         shards.reserve(aside, bytes_of_file(plan))
-        frame.to_netcdf(aside, engine="h5netcdf", encoding=writing.encoding(frame), invalid_netcdf=False)
+        opening.write(frame, aside, writing.encoding(frame))
         shards.reserve(aside, bytes_of_file(plan))
         with h5netcdf.File(aside, "a") as file:
             _write_cases(file, plan, _rows(plan, folder, output, there), tally)

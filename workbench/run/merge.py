@@ -51,7 +51,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
             writing.check_free(out, attrs["study_name"])
         frame, varying = concatenation.layout(opened, union, schema.axes_of(opened[0]))
         with atomic.refusing(out), atomic.replacing(out) as aside:
-            frame.assign_attrs(attrs).to_netcdf(aside, engine="h5netcdf", encoding=writing.encoding(frame))
+            opening.write(frame.assign_attrs(attrs), aside, writing.encoding(frame))
             with h5netcdf.File(aside, "a") as file:
                 concatenation.stream(file, varying, union, names)
             result = _judged(aside, _recipe(opened, schema.field_of(studies[0], union.axis), union))
