@@ -1,5 +1,6 @@
 """On a machine without OpenGL everything but the rendered pictures is done, and what is missing is said once."""
 
+import shutil
 import sys
 from pathlib import Path
 
@@ -7,13 +8,24 @@ import pytest
 
 from tests.workbench import forked, small
 from workbench import cli
+from workbench.data import writing
+from workbench.run import in_memory
 from workbench.scene import opengl
 
 SAID = "libegl1 libgl1-mesa-dri"
 
 
+STUDY = small.study("[axes.E]\nvalues = [2e4, 4e4]\n")
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory) -> Path:
+    ds = in_memory.run(STUDY.model_copy(update={"stations": 201}))
+    return writing.write(ds, tmp_path_factory.mktemp("stored") / "mine.h5")
+
+
 @pytest.fixture
-def bare(tmp_path, monkeypatch) -> Path:
+def bare(stored, tmp_path, monkeypatch) -> Path:
     """A folder on such a machine, with a study stored in it; drawing would end the process there, and fails here."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(opengl, "COMMAND", (sys.executable, "-c", "import os; os.abort()"))
@@ -21,8 +33,8 @@ def bare(tmp_path, monkeypatch) -> Path:
     for name in ("workbench.scene.layout", "workbench.scene.rendering"):
         monkeypatch.setitem(sys.modules, name, None)
     opengl.probe.cache_clear()
-    Path("mine.toml").write_text(small.study("[axes.E]\nvalues = [2e4, 4e4]\n").text)
-    assert status("run", "mine.toml", "--out", "mine.h5", "--stations", "201") == 0
+    Path("mine.toml").write_text(STUDY.text)
+    shutil.copy(stored, "mine.h5")
     yield tmp_path
     opengl.probe.cache_clear()
 
@@ -36,7 +48,14 @@ def status(*args: str) -> int:
 def test_all_but_the_scenes_is_done(bare, capsys) -> None:
     kinds = ("stl", "glb", "vtp", "csv")
     exports = (f"export mine.h5 --at E=4e4 -o rod.{kind}" for kind in kinds)
-    for words in ("check mine.h5", "summary mine.h5", "plot mine.h5", "plot mine.h5 --out mine.svg", *exports):
+    for words in (
+        "run mine.toml --out again.h5",
+        "check mine.h5",
+        "summary mine.h5",
+        "plot mine.h5",
+        "plot mine.h5 --out mine.svg",
+        *exports,
+    ):
         assert status(*words.split()) == 0, words
         assert SAID not in capsys.readouterr().err  # nothing was missing
     assert all((bare / name).stat().st_size > 500 for name in ("mine.png", "mine.svg", *(f"rod.{k}" for k in kinds)))
@@ -70,7 +89,7 @@ for words in sys.argv[1:]:
 
 
 def test_without_the_extra_scene_all_else_is_done_and_the_extra_is_named(tmp_path) -> None:
-    (tmp_path / "mine.toml").write_text(small.study("[axes.E]\nvalues = [2e4, 4e4]\n").text)
+    (tmp_path / "mine.toml").write_text(STUDY.text)
     done = [
         "run mine.toml --out mine.h5 --stations 201",
         "plot mine.h5",
