@@ -76,7 +76,7 @@ def across(folds: FoldCurves, curve: FoldCurve, i: int, far: float) -> list[list
     return [sorted(one.index for one in equilibria(folds.case_at(values), stations=2)) for values in steps]
 
 
-@pytest.mark.parametrize("made", [small, straight])
+@pytest.mark.parametrize("made", [small, pytest.param(straight, marks=pytest.mark.slow)])
 def test_two_equilibria_of_neighbouring_index_appear_across_a_curve(made) -> None:
     folds = made().folds
     for curve in folds.curves:

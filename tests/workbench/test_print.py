@@ -118,7 +118,7 @@ def two() -> xr.Dataset:
     return in_memory.run(small.grid())
 
 
-@pytest.mark.parametrize("width", (89, 183))
+@pytest.mark.parametrize("width", (89, pytest.param(183, marks=pytest.mark.slow)))
 def test_a_figure_for_print_has_its_width_and_letters_of_seven_and_eight_points(width, two, tmp_path) -> None:
     page = sheet("paper", width, titled=False)
     for name, fig in {"lines": study_figure.figure(two, sheet=page), "map": map_figure.figure(two, sheet=page)}.items():

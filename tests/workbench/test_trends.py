@@ -226,7 +226,10 @@ def of_user(kind: str) -> xr.Dataset:
     return ds
 
 
-@pytest.mark.parametrize("kind", ["one value", "large numbers", "wide verdict", "thin beside a law", "flat"])
+@pytest.mark.parametrize(
+    "kind",
+    ["one value", "large numbers", "wide verdict", "thin beside a law", pytest.param("flat", marks=pytest.mark.slow)],
+)
 def test_whatever_a_study_asks_for_no_word_is_cut_off_and_no_two_ticks_meet(kind: str, tmp_path) -> None:
     fig = study_figure.figure(of_user(kind))
     canvas.save(fig, tmp_path / "figure.png")
