@@ -4,7 +4,6 @@ import os
 import signal
 import warnings
 from pathlib import Path
-from typing import Any
 
 import h5py
 import pytest
@@ -12,7 +11,7 @@ import xarray as xr
 
 from solver import InputError
 from tests.workbench import forked, small
-from workbench.data import opening, writing
+from workbench.data import writing
 from workbench.run import in_memory
 
 
@@ -95,28 +94,6 @@ def test_a_result_replaces_one_of_the_same_study_and_nothing_else(ds, tmp_path) 
     assert (tmp_path / "notes.txt").read_text() == "mine"
     writing.write(ds, tmp_path / "notes.txt", force=True)
     xr.testing.assert_identical(writing.read(tmp_path / "notes.txt"), ds)
-
-
-def layout(path: Path) -> list[Any]:
-    """How each array of a file is stored, in the order of the file."""
-    with h5py.File(path) as file:
-        return [
-            (name, one.shape, one.dtype, one.chunks, one.compression, one.shuffle, repr(one.fillvalue), one.is_scale,
-             [[scale.name for scale in dim.values()] for dim in one.dims], list(one.attrs))
-            for name, one in file.items()
-        ]  # fmt: skip
-
-
-def test_files_are_written_and_opened_as_xarray_does_it_by_itself(ds, tmp_path) -> None:
-    own, ours = tmp_path / "own.h5", tmp_path / "ours.h5"
-    ds.to_netcdf(own, engine="h5netcdf", encoding=writing.encoding(ds), invalid_netcdf=False)
-    opening.write(ds, ours, writing.encoding(ds))
-    assert layout(own) == layout(ours)
-    with xr.open_dataset(own, engine="h5netcdf", cache=False) as wanted, opening.opened(ours) as found:
-        for name, variable in wanted.variables.items():
-            told, said = (repr(sorted((one.encoding | {"source": ""}).items())) for one in (found[name], variable))
-            assert told == said  # by their text: NaN is no NaN
-        xr.testing.assert_identical(wanted, found)
 
 
 def test_whoever_reads_the_old_file_while_it_is_replaced_reads_it_whole(ds, tmp_path) -> None:

@@ -13,7 +13,7 @@ from studies.axes import FIELDS
 from studies.dimensions import SAMPLE
 from studies.law import Law
 
-from . import escaping, opening, refined, value_checks
+from . import escaping, refined, value_checks
 from .file_checks import refusing, shown, validated
 from .schema import CURVES, FORMAT, INNER, dimension, sampled_fields
 
@@ -49,7 +49,7 @@ def raw(path: str | Path) -> xr.Dataset:
         pass
     with refusing(path), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of xarray, on files that are refused below
-        return opening.opened(path)
+        return xr.open_dataset(path, engine="h5netcdf", phony_dims="access", cache=False, decode_times=False)
 
 
 def _check_study(ds: xr.Dataset, path: str | Path) -> None:

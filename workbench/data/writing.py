@@ -8,7 +8,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from . import atomic, file_checks, opening, reading, schema, value_checks
+from . import atomic, file_checks, reading, schema, value_checks
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
@@ -22,7 +22,9 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
     ds = ds.assign_attrs(Conventions=schema.CONVENTIONS)
     if not force:
         check_free(path, str(ds.attrs["study_name"]))
-    return atomic.write(path, lambda aside: opening.write(ds, aside, encoding(ds)))
+    return atomic.write(
+        path, lambda aside: ds.to_netcdf(aside, engine="h5netcdf", encoding=encoding(ds), invalid_netcdf=False)
+    )
 
 
 def read(path: str | Path, study: bool = True) -> xr.Dataset:

@@ -19,7 +19,7 @@ from studies.loader import loads
 from studies.paired import SOURCES
 from studies.writer import dumps, dumps_paired, dumps_table, told
 
-from ..data import atomic, cautions, concatenation, law_verdicts, opening, reading, schema, writing
+from ..data import atomic, cautions, concatenation, law_verdicts, reading, schema, writing
 from ..data.selection import SAME
 from . import stored_case, summary
 from .recipe import axis_line
@@ -51,7 +51,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
             writing.check_free(out, attrs["study_name"])
         frame, varying = concatenation.layout(opened, union, schema.axes_of(opened[0]))
         with atomic.refusing(out), atomic.replacing(out) as aside:
-            opening.write(frame.assign_attrs(attrs), aside, writing.encoding(frame))
+            frame.assign_attrs(attrs).to_netcdf(aside, engine="h5netcdf", encoding=writing.encoding(frame))
             with h5netcdf.File(aside, "a") as file:
                 concatenation.stream(file, varying, union, names)
             result = _judged(aside, _recipe(opened, schema.field_of(studies[0], union.axis), union))
@@ -179,7 +179,7 @@ def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
 
 def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
     """Judge the laws of the merged file, and store the recipe and the statistics in it as a run does."""
-    with opening.opened(path) as ds:
+    with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
         outcomes, verdicts = summary.counted(ds["outcome"], ds["solved"]), law_verdicts.verdicts(ds)
         texts, unsolved = summary.counted(ds["caution"]), summary.unsolved(ds)
     caution = cautions.told(texts)
