@@ -3,7 +3,6 @@
 import os
 import signal
 import warnings
-from pathlib import Path
 
 import h5py
 import pytest
