@@ -35,6 +35,8 @@ TWISTS = ("force-first", "twist-first", "shear")
 LOADS = ("tension", "compression")
 STIFFNESSES = ("paper", "solid")
 
+DROPPED = {"force-first": "dgamma", "twist-first": "F1"}  # source of the twist -> the printed value without an effect
+
 # The meaning of a printed value that is not simply the field of its name.
 MEANING = {
     ("force-first", "dgamma"): "printed in Table 1, not used in this reading",

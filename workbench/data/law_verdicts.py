@@ -8,7 +8,8 @@ import numpy as np
 from studies import reasons
 from studies.dimensions import SAMPLE
 from studies.law import Law
-from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, by_line, decide
+from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, by_line, decide, refused
+from studies.readings import DROPPED
 
 from . import law_numbers, refined, schema
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None" = None) -> list[dict[str, Any]]:
     """The verdicts on the laws of a dataset. A refined study is judged on its coarse grid.
+
+    A law along an axis that the reading of Table 1 drops is not tested: it is not decided.
 
     Parameters
     ----------
@@ -49,8 +52,23 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
         observed = {name: ds[name].values for name in law.observables if name in ds}
         steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
         counts = [name for name in observed if schema.is_count(ds[name])]
-        rows.append(decide(law, observed, axes, steps, counts, law_numbers.of_law(ds, law)))
+        row = decide(law, observed, axes, steps, counts, law_numbers.of_law(ds, law))
+        rows.append(_untested(law, row) if _is_inert(ds, law) else row)
     return rows
+
+
+def _is_inert(ds: "xr.Dataset", law: Law) -> bool:
+    """Whether the reading of Table 1 drops the axis of a law, so that no case depends on it."""
+    return DROPPED.get(str(ds.attrs.get("reading", "")).partition("/")[0]) == law.axis
+
+
+def _untested(law: Law, row: Mapping[str, Any]) -> dict[str, Any]:
+    """The row of a law that is not tested, with the values that were measured."""
+    told = refused(law, f"not tested along {law.axis}: {law.axis} has no effect under this reading")
+    also = [
+        {**new, "first": old["first"], "last": old["last"]} for new, old in zip(told["also"], row["also"], strict=True)
+    ]
+    return {**told, "first": row["first"], "last": row["last"], "also": also}
 
 
 def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
@@ -59,6 +77,9 @@ def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
 
     axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
     others = [dim for dim in axes if dim != law.axis]
+    if _is_inert(ds, law):
+        found = np.full([ds.sizes[dim] for dim in others], UNDECIDED)
+        return xr.DataArray(found, {dim: ds[dim] for dim in others}, others)
     observed = ds[law.observable].transpose(*axes)
     counts = [law.observable] if schema.is_count(observed) else []
     known = law_numbers.of_law(ds, law)

@@ -1,7 +1,6 @@
 """The report: one self-contained HTML file, made from stored datasets and their pictures."""
 
 import base64
-import json
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from io import BytesIO
@@ -21,9 +20,10 @@ from ...figures import style
 from ...run.in_memory import StudyResult
 from ..live.document import policy
 from ..turntable import page
-from . import case_facts, measured_runs, paper, turning
+from . import case_facts, measured_runs, paper, sources, turning
 from .errata import ERRATA, marked_up
-from .law_cards import CLASSES, claims_of, law_of, of_readings, restable, sentence
+from .formulas import bound
+from .law_cards import CLASSES, claims_of, in_degrees, law_of, of_readings, restable, sentence
 from .measured_runs import Measured
 
 NAME = "report.html"
@@ -61,11 +61,14 @@ def html(
     """The report as text, with every picture, a turntable for each panel and the compiled core inside it."""
     if not results:
         raise InputError("a report needs at least one study")
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=bound
+    )
     template = environment.from_string(_text(TEMPLATE))
     figures = {f"turn-{result.ds.attrs['study_name']}": turning.figure_of(result.ds) for result in results}
     figures = {name: figure for name, figure in figures.items() if figure is not None}
     sections = [_section(result, figures) for result in results]
+    datasets = [*(result.ds for result in results), *([] if readings is None else [readings])]
     laws = [row for section in sections for row in section["laws"]]
     verdicts = "".join(f" --{CLASSES[name]}: {colour};" for name, colour in style.VERDICT_COLOURS.items())
     style_ = f":root {{{verdicts} }}\n{page.look()}{_text('report.css')}"
@@ -80,13 +83,13 @@ def html(
         readings=of_readings(readings),
         errata=ERRATA,
         marked_up=marked_up,
-        sources=[_source(result) for result in results],
-        versions=_versions(results, readings),
+        sources=[sources.row(result) for result in results],
+        versions=sources.versions(datasets),
         created=max(str(result.ds.attrs["created"]) for result in results),
-        refusals=[labels.typeset(refusal) for refusal in refusals],
+        refusals=[labels.typeset(in_degrees(refusal)) for refusal in refusals],
         paper=paper.citation(),
         table_1=paper.table_1(str(results[0].ds.attrs["reading"])),
-        version=json.loads(results[0].ds.attrs["versions"]).get("rod-workbench", ""),
+        version=sources.version(datasets),
         turntable=page.figure,
         captions=CAPTIONS,
         style=style_,
@@ -129,30 +132,6 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
 def _of(ds: xr.Dataset, name: str) -> str:
     axis = name.removeprefix("scene").strip()
     return f"the rod along {labels.axis_label(axis, ds[axis])}" if axis in ds.dims else "the rod on its cylinder"
-
-
-def _source(result: StudyResult) -> dict[str, Any]:
-    """The file of a study, its method and its errors."""
-    ds = result.ds
-    error, condition = (np.asarray(ds[name].values, dtype=float) for name in ("error", "condition"))
-    return {
-        "name": str(ds.attrs["study_name"]),
-        "file": result.path.name if result.path else "",
-        "cases": int(ds["outcome"].size),
-        "unsolved": law_verdicts.unsolved(ds),
-        "method": str(ds.attrs["method"]),
-        "tolerance": labels.typeset(f"{float(ds.attrs['tolerance']):g}"),
-        "error": labels.typeset(f"{np.nanmax(error):.1e}") if np.isfinite(error).any() else "–",
-        "condition": labels.typeset(f"{np.nanmax(condition):.3g}") if np.isfinite(condition).any() else "–",
-    }
-
-
-def _versions(results: Sequence[StudyResult], readings: xr.Dataset | None) -> list[tuple[str, str]]:
-    """Every package version that the datasets name."""
-    found: dict[str, str] = {}
-    for ds in [*(result.ds for result in results), *([readings] if readings is not None else [])]:
-        found |= json.loads(ds.attrs["versions"])
-    return list(found.items())
 
 
 def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, str]:

@@ -22,14 +22,14 @@ class Erratum(NamedTuple):
 ERRATA = (
     Erratum(
         "eq. (13), row 2, column 2",
-        "−sin~α~sin~γ −~cos~β~cos~α~cos~γ",
-        "−sin~α~sin~γ +~cos~β~cos~α~cos~γ",
+        "−sin~α~sin~γ~−~cos~β~cos~α~cos~γ",
+        "−sin~α~sin~γ~+~cos~β~cos~α~cos~γ",
         "the columns are unit vectors at right angles; with the printed sign the second is neither",
     ),
     Erratum(
         "eq. (14), row 1",
-        "α′ +~β′~cos~γ",
-        "α′~sin~β~sin~γ +~β′~cos~γ",
+        "α′~+~β′~cos~γ",
+        "α′~sin~β~sin~γ~+~β′~cos~γ",
         "a component of the rotation rate; without the factor it does not vanish with sin β",
     ),
     Erratum("eq. (15), row 3", "dξ/ds", "dζ/ds", "the third row is the axial coordinate"),
@@ -41,7 +41,7 @@ ERRATA = (
     ),
     Erratum(
         "eq. (20)",
-        "A = B =~(π/16)~E~a⁴",
+        "A~=~B~=~(π/16)~E~a⁴",
         "(π/4)~E~a⁴",
         "the second moment of a solid circular section of radius a; the ratio C/A is right. The workbench has both, as "
         "stiffness “paper” and “solid”",
@@ -74,8 +74,8 @@ ERRATA = (
     ),
     Erratum(
         "eqs. (41), (42)",
-        "v/(hh), and p_{k}~y_{k−1} +~q_{k}~y_{k} +~r_{k}~y_{k+1}~d_{k}",
-        "v/(2h), and p_{k}~y_{k−1} +~q_{k}~y_{k} +~r_{k}~y_{k+1} =~d_{k}",
+        "v/(hh), and p_{k}~y_{k−1}~+~q_{k}~y_{k}~+~r_{k}~y_{k+1}~d_{k}",
+        "v/(2h), and p_{k}~y_{k−1}~+~q_{k}~y_{k}~+~r_{k}~y_{k+1}~=~d_{k}",
         "the central difference (40); without “=” the row is no equation",
     ),
     Erratum(
@@ -89,11 +89,11 @@ ERRATA = (
 
 
 def marked_up(text: str) -> str:
-    """A text of `ERRATA` as HTML; no line ends within a term of a formula."""
+    """A text of `ERRATA` as HTML; no line ends within a formula."""
     return " ".join(_term(escape(word)) for word in text.split(" "))
 
 
 def _term(word: str) -> str:
-    """A word, or a term of a formula, whose spaces are written as `~`."""
+    """A word, or a formula, whose spaces are written as `~`."""
     raised = re.sub(r"([_^])\{([^}]*)\}", lambda found: f"<{RAISED[found[1]]}>{found[2]}</{RAISED[found[1]]}>", word)
     return f'<span class="term">{raised.replace("~", " ")}</span>' if re.search(r"[~_^/]", word) else raised

@@ -1,6 +1,7 @@
 """The laws in the report: sentences, verdicts with their reasons, the claims, and the table of all readings."""
 
 import json
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -13,7 +14,6 @@ from studies.law_kinds import MONOTONE
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
 from ...data import cautions, labels, law_verdicts
-from .turning import DROPPED
 
 NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
 CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
@@ -98,7 +98,7 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
     for reading in map(str, readings["reading"].values):
         cells = []
         for claim in claims:
-            laws = [_tested(row, reading) for row in found[reading] if row["claim"] == claim]
+            laws = [row for row in found[reading] if row["claim"] == claim]
             verdict = worst([row["verdict"] for row in laws])
             measured = [
                 f"{labels.symbol_of(row['observable'])} {labels.minus_signs(law_verdicts.measured(row))}"
@@ -111,7 +111,9 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
                     "class": CLASSES[verdict],
                     "measured": measured,
                     "reason": sentence(_short(verdict, laws)),
-                    "why": labels.typeset("; ".join(f"{row['observable']}: {law_verdicts.said(row)}" for row in laws)),
+                    "why": labels.typeset(
+                        in_degrees("; ".join(f"{row['observable']}: {law_verdicts.said(row)}" for row in laws))
+                    ),
                 }
             )
         counts = reasons.counted(Counter(str(cell["verdict"]) for cell in cells))
@@ -121,28 +123,28 @@ def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
 
 def sentence(text: str) -> str:
     """A remark as a sentence; a Greek letter at its beginning is kept."""
-    typeset = labels.typeset(text)
+    typeset = labels.typeset(in_degrees(text))
     return f"{typeset[0].upper() if typeset[0].isascii() else typeset[0]}{typeset[1:]}." if typeset else ""
 
 
-def _tested(row: Mapping[str, Any], reading: str) -> Mapping[str, Any]:
-    """The row of a law; not decided where the reading drops the load of its axis and the observable is constant."""
-    dropped = DROPPED.get(reading.partition("/")[0])
-    if row["axis"] != dropped or row["tau"] is not None or not row["first"] or row["first"] != row["last"]:
-        return row
-    reason = f"not tested along {dropped}: {dropped} has no effect under this reading"
-    told = {"at": {}, "lines": 1, "exceptions": [], "reason": labels.law_text(row, reason)}
-    return {**row, **told, "verdict": UNDECIDED, "inert": True}
+def in_degrees(text: str) -> str:
+    """The text with its angles in degrees: ``0.6 rad (34.38 deg)`` as ``34.38 deg``; a rate in rad per length stays."""
+    return re.sub(
+        r"(?<![\w.])([-−]?\d[\d.]*(?:e[-+]?\d+)?) rad\b(?!/)(?: \([^)]*deg\))?",
+        lambda found: f"{np.degrees(float(found[1].replace('−', '-'))):.4g} deg",
+        text,
+    )
 
 
 def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
     """Why a claim was not tested, or how it is qualified."""
-    if untested := [row["reason"] for row in laws if not row["first"] or "inert" in row]:
+    if untested := [row for row in laws if not row["lines"]]:
         others = [
             f"along {labels.axis_symbol(row['axis'])} it {reasons.DOES[row['verdict']][0]}"
             for row in laws
-            if row["first"] and "inert" not in row
+            if row["lines"]
         ]
-        return reasons.joined([str(untested[0]), *others])
+        first = labels.law_text(untested[0], untested[0]["reason"])
+        return reasons.joined([first, *others])
     kinds = dict.fromkeys(kind for row in laws for kind in row["qualifications"])
     return ", ".join(kinds) if verdict == QUALIFIED else ""

@@ -38,8 +38,8 @@ class Measured:
 
 
 def both(folder: Path) -> list[Measured]:
-    """Trade and extremes, of the runs stored in the folder; default: of those that are shipped."""
-    return [one(folder, "trade", _draw_trade, _trade), one(folder, "extremes", robustness.figure, _extremes)]
+    """Extremes and trade, of the runs stored in the folder; default: of those that are shipped."""
+    return [one(folder, "extremes", robustness.figure, _extremes), one(folder, "trade", _draw_trade, _trade)]
 
 
 def one(folder: Path, name: str, draw: Callable[[xr.Dataset], Figure], shows: Callable[[xr.Dataset], str]) -> Measured:

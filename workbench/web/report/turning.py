@@ -9,7 +9,7 @@ import xarray as xr
 from solver.core import build
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
-from studies.readings import TABLE_1, Reading
+from studies.readings import DROPPED, TABLE_1, Reading
 
 from ...data import labels
 from ...data.schema import axes_of
@@ -18,7 +18,6 @@ from ..turntable.stored import stored
 from . import case_facts
 
 MOST_BYTES = 400_000  # of the stations of a panel
-DROPPED = {"force-first": "dgamma", "twist-first": "F1"}  # the field that a reading does not use
 FIELDS = ("E", "R", "beta", "F1", "dgamma", "F3")  # those that the reading uses get a slider
 
 
