@@ -264,7 +264,8 @@ def test_the_cursor_is_one_in_all_diagrams_and_on_the_rod(page) -> None:
     page("document.getElementById('mark').hidden")
     page("const c = document.getElementById('cursor'); c.value = 500; c.dispatchEvent(new Event('input'))")
     assert page("return page.cursor") == pytest.approx(10.0)
-    assert "s = 10 cm" in page("return document.getElementById('here').innerText")
+    here = "return document.getElementById('here').innerText.replaceAll('\\u00a0', ' ')"
+    assert "s = 10 cm · β" in page(here)
     assert not page("return document.getElementById('mark').hidden")
     box = page("const b = document.getElementById('d-push').getBoundingClientRect(); return [b.left, b.top, b.width]")
     page(
@@ -275,7 +276,7 @@ def test_the_cursor_is_one_in_all_diagrams_and_on_the_rod(page) -> None:
     )
     s = page("return page.cursor")
     assert 10 < s < 13
-    assert f"s = {s:.4g}"[:6] in page("return document.getElementById('here').innerText")
+    assert f"s = {s:.4g}"[:6] in page(here)
 
 
 def test_the_rod_under_the_pointer_or_a_finger_is_marked_and_a_drag_turns_it(page) -> None:
@@ -464,6 +465,26 @@ def test_on_paper_the_rod_is_a_copy_and_the_diagrams_keep_their_proportions(page
     assert page(f"{share} return p === null")
 
 
+def test_in_the_dark_scheme_paper_stays_light(page) -> None:
+    """A pixel of the ink of the labels is dark on paper, and light again afterwards."""
+    lightness = """const c = document.getElementById('d-beta'), x = c.getContext('2d');
+        const bytes = x.getImageData(0, 0, c.width, c.height).data; let [sum, ink] = [0, 0];
+        for (let i = 0; i < bytes.length; i += 4) { sum += bytes[i + 1] * bytes[i + 3]; ink += bytes[i + 3]; }
+        return sum / ink;"""
+    browser.emulate(page.driver, prefers_color_scheme="light")
+    light = page(lightness)
+    browser.emulate(page.driver, prefers_color_scheme="dark")
+    page.until(lambda: page("return getComputedStyle(document.body).backgroundColor") == "rgb(20, 24, 30)", "the dark")
+    page.until(lambda: page(lightness) != light, "diagrams in the dark scheme")
+    dark = page(lightness)
+    page("window.dispatchEvent(new Event('beforeprint'))")
+    assert page(lightness) == pytest.approx(light, rel=0.03)
+    assert page("return getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    page("window.dispatchEvent(new Event('afterprint'))")
+    assert page(lightness) == pytest.approx(dark)
+    browser.emulate(page.driver, prefers_color_scheme="light")
+
+
 @pytest.mark.slow
 def test_the_printed_page_holds_a_picture_of_the_rod(page) -> None:
     pdf = base64.b64decode(page.driver.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})["data"])
@@ -506,6 +527,13 @@ def test_on_a_phone_the_rod_comes_first_and_stays_and_the_controls_are_large(pag
         assert page(top) < 20
         page("window.scrollTo(0, 900)")
         assert abs(page(top)) < 20
+        stays = page(
+            "return Math.max(...[...document.querySelectorAll('#page *')].filter((one) => one.offsetParent &&"
+            "getComputedStyle(one).position === 'sticky').map((one) => one.getBoundingClientRect().bottom))"
+        )
+        assert 0.25 < stays / 844 < 0.35
+        assert min(page.frame()) > 0.1
+        assert max(page.frame()) > 0.8  # the rod fills what is left
         small = page(
             "const low = (one) => one.offsetParent && one.getBoundingClientRect().height < 44;"
             "return [...document.querySelectorAll('button, select, input')].filter(low).map((one) => one.id)"

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from solver import Case, Cylinder, Ends, Rod, Start, solve
 from solver.mechanics import frames
@@ -15,6 +16,7 @@ from studies.loader import loads
 from studies.readings import READINGS
 from tests.workbench.node import needs_node, run
 from workbench.data import labels, push_colours
+from workbench.figures import single_rod
 from workbench.web.live import page_model, page_shape
 from workbench.web.live.presets import PRESETS
 
@@ -317,6 +319,9 @@ def test_numbers_and_units_are_written_as_in_the_figures() -> None:
         "−3.25e−6",
         "not known",
     ]
+    plain = ["2.5e−10", "1e6", "9.58", "−3.25e−6"]
+    printed = run("answer(given.map((v) => text.powers(v)));", plain, ("text",))
+    assert printed == [labels.minus_signs(labels.powers_of_ten(one.replace("−", "-"))) for one in plain]
     units = {"length": "cm", "force": "N"}
     rows = {name: row.dimension for name, row in QUANTITIES.items()}
     told = run(
@@ -372,6 +377,29 @@ def test_a_line_keeps_its_peaks_however_many_points_fall_on_one_pixel() -> None:
     assert last[0] == 4999 / 25
 
 
+def test_stretches_of_push_and_pull_end_where_the_push_is_zero() -> None:
+    x, push = [0.0, 1.0, 2.0, 3.0, 4.0], [-1.0, -3.0, 1.0, 2.0, -2.0]
+    found = run("answer(diagram.stretches(given[0], given[1]));", [x, push], ("diagram",))
+    assert [(one["from"], one["to"], one["pulls"]) for one in found] == [
+        (0, 1.75, True),
+        (1.75, 3.5, False),
+        (3.5, 4, True),
+    ]
+    assert (
+        run("answer(diagram.stretches([0, 1], [1, 2]));", None, ("diagram",)) == []
+    )  # as the figures, nothing to tell apart
+
+
+def test_push_and_pull_are_shaded_as_in_the_figures() -> None:
+    ds = solve(case_of(state()), stations=401).to_dataset()
+    ax = Figure().add_subplot()
+    single_rod.contact(ds, ax)
+    bands, areas = [one.get_facecolor()[0] for one in ax.collections if one.get_label().startswith("the cylinder")]
+    band, area, stop = run("answer([diagram.BAND, diagram.AREA, diagram.AREA_STOP]);", None, ("diagram",))
+    np.testing.assert_allclose(bands, [*np.array(push_colours.PULL) / 255, band])
+    np.testing.assert_allclose(areas, [*np.array(push_colours.STOPS[stop][1]) / 255, area])
+
+
 def test_unequal_scales_are_told_and_equal_ones_are_equal() -> None:
     script = """
     const equal = (x, y) => Math.max(x[1], y[1]) <= 6 * Math.min(x[1], y[1]);
@@ -411,7 +439,9 @@ def test_the_potential_and_the_level_are_the_solvers() -> None:
         y, potential(sol.problem, np.radians(x)) / float(sol.case.rho) ** 2, rtol=1e-12, atol=1e-12
     )
     assert level == pytest.approx(float(sol.h[0]), rel=1e-9)
-    assert len(ranges) == 2  # it passes 180 degrees
+    assert len(ranges) == 1  # it passes 180 degrees, and is drawn as one range within one rotation
+    np.testing.assert_allclose(ranges[0], np.degrees([sol.beta.min(), sol.beta.max()]), atol=0.5)
+    assert x[0] < ranges[0][0] < ranges[0][1] < x[-1] == pytest.approx(x[0] + 360)
     allowed = np.interp(np.concatenate(ranges), x, y)
     assert (allowed <= level + 0.01 * np.ptp(y)).all()
 

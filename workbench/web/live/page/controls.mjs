@@ -139,6 +139,8 @@ export function hereText(at, units) {
       `${at.push < 0 ? "pull" : "push"} ${unit(number(Math.abs(at.push)), `${force}/${length}`)}`,
       `κ = ${unit(number(at.kappa), `1/${length}`)}`,
       `F₃ = ${unit(number(at.tension), force)}`,
-    ].join(" · "),
+    ]
+      .map((part) => part.replaceAll(" ", "\u00a0")) // no line ends inside one
+      .join("\u00a0· "),
   );
 }

@@ -5,6 +5,7 @@ import { intervalOf } from "./rod_shape.mjs";
 
 const DEGREE = 180 / Math.PI;
 const ANGLES = 721; // points of the potential
+const known = new WeakMap(); // beta -> its `visited`
 const FLAT = 6; // how many times longer than wide a developed curve is drawn with equal scales
 
 export function diagrams(shape, units) {
@@ -25,6 +26,7 @@ export function diagrams(shape, units) {
       least: 1e-6 * one.L,
       ...scales(across, z),
       dot: true,
+      push,
     },
     {
       key: "beta",
@@ -44,18 +46,20 @@ export function diagrams(shape, units) {
       xlabel: `s [${length}]`,
       ylabel: `push [${force}/${length}]`,
       zero: true,
-      coloured: true,
+      shaded: true,
+      push,
       rising: true,
     },
     well(shape, length),
   ];
 }
 
-/* Potential and level over one rotation of beta, and the angles that occur. */
+/* Potential and level over one rotation of beta about the angles that occur, so that these are one range. */
 function well(shape, length) {
   const { one, problem, beta } = shape,
-    scale = 1 / one.rho ** 2;
-  const x = Float64Array.from({ length: ANGLES }, (_, i) => -180 + (360 * i) / (ANGLES - 1));
+    scale = 1 / one.rho ** 2,
+    { low, high, first } = visited(beta);
+  const x = Float64Array.from({ length: ANGLES }, (_, i) => first + (360 * i) / (ANGLES - 1));
   const y = x.map((v) => scale * potential(problem, v / DEGREE));
   const level = scale * (problem.dbeta0 ** 2 + potential(problem, problem.beta0));
   return {
@@ -66,7 +70,7 @@ function well(shape, length) {
     xlabel: "β [°]",
     ylabel: `G [1/${length}²]`,
     level,
-    ranges: visited(beta),
+    ranges: [high - low >= 360 ? [first, first + 360] : [low, high]],
     rising: true,
   };
 }
@@ -86,24 +90,20 @@ function scales(x, y) {
   return { equal: Math.max(wide, tall) <= FLAT * Math.max(Math.min(wide, tall), 1e-9 * Math.max(wide, tall)) };
 }
 
-/* The intervals of beta along the rod, within one rotation [degrees]. */
+/* The angles of beta along the rod, and where the rotation about them begins [degrees]; within -180 to 180 if they are. */
 export function visited(beta) {
+  if (known.has(beta)) return known.get(beta);
   let low = Infinity,
     high = -Infinity;
   for (const b of beta) {
     low = Math.min(low, b * DEGREE);
     high = Math.max(high, b * DEGREE);
   }
-  if (high - low >= 360) return [[-180, 180]];
-  const shift = 360 * Math.floor((low + 180) / 360);
-  low -= shift;
-  high -= shift;
-  return high <= 180
-    ? [[low, high]]
-    : [
-        [low, 180],
-        [-180, high - 360],
-      ];
+  const middle = (low + high) / 2,
+    isWithin = low >= -180 && high <= 180,
+    found = { low, high, first: isWithin || high - low >= 360 ? -180 : middle - 180 };
+  known.set(beta, found);
+  return found;
 }
 
 /* The values of a shape at s, by straight lines between its stations. */
@@ -124,5 +124,6 @@ export function cursorIn(key, shape, at) {
   if (key === "developed") return [one.rho * (at.alpha - alpha[0]), at.z];
   if (key === "beta") return [at.s, degrees];
   if (key === "push") return [at.s, at.push];
-  return [degrees - 360 * Math.floor((degrees + 180) / 360), potential(problem, at.beta) / one.rho ** 2];
+  const { first } = visited(shape.beta);
+  return [degrees - 360 * Math.floor((degrees - first) / 360), potential(problem, at.beta) / one.rho ** 2];
 }

@@ -1,7 +1,7 @@
 // The observables and warnings below the rod, and the small parts that other modules of the page share.
 
 import { DEGREE, quantityOf } from "./rod_case.mjs";
-import { number, unitText, withUnit } from "./text.mjs";
+import { number, powers, unitText, withUnit } from "./text.mjs";
 
 export const element = (id) => document.getElementById(id);
 
@@ -32,8 +32,8 @@ export function showRows(rows, told, quantities, units) {
 export function solvedText({ outcome, method }, { error, condition, s }) {
   const told = [
     outcome || "solved",
-    error > 0 ? `estimated error ${number(error, 2)}` : "",
-    Number.isFinite(condition) ? `condition number ${number(condition, 3)}` : "",
+    error > 0 ? `estimated error ${powers(number(error, 2))}` : "",
+    Number.isFinite(condition) ? `condition number ${powers(number(condition, 3))}` : "",
     `${s.length} stations`,
   ];
   return `${told.filter(Boolean).join(", ")} (${method}).`;
@@ -47,5 +47,11 @@ export function makeTheme() {
     const style = getComputedStyle(document.documentElement);
     return Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
   };
-  return Object.assign(() => (known ??= read()), { forget: () => (known = null) });
+  const forget = () => (known = null);
+  /* On paper the colours are the light ones, whatever the scheme of the screen. */
+  const onPaper = (on) => {
+    document.documentElement.toggleAttribute("data-paper", on);
+    forget();
+  };
+  return Object.assign(() => (known ??= read()), { forget, onPaper });
 }

@@ -13,6 +13,10 @@ const LETTER = 11,
   LEAST_RANGE = 5,
   TONES = 128,
   NEAR = 0.7; // pixels
+// as in the figures: opacity of the bands of pull and of the areas of push, and the stop of the colours of the latter
+export const BAND = 0.28,
+  AREA = 0.25,
+  AREA_STOP = 3;
 
 /* The scales of a diagram in a box of so many pixels. */
 export function frameOf(spec, width, height) {
@@ -66,15 +70,18 @@ export function extent(values, more = [], least = 0) {
   return [low, high];
 }
 
-/* The points of a line in pixels. Over x: in each column of pixels the first, and its lowest and highest where they lie
+/* The points of a line in pixels. */
+export const thinned = (xs, ys, rising) => kept(xs, ys, rising).map((i) => [xs[i], ys[i]]);
+
+/* Which points of a line are drawn. Over x: in each column of pixels the first, and its lowest and highest where they lie
    between its ends; of another curve those a pixel's part apart. */
-export function thinned(xs, ys, rising) {
+function kept(xs, ys, rising) {
   const found = [],
     last = xs.length - 1;
   if (!rising) {
     xs.forEach((x, i) => {
       const before = found[found.length - 1];
-      if (!before || i === last || Math.hypot(x - before[0], ys[i] - before[1]) > NEAR) found.push([x, ys[i]]);
+      if (before === undefined || i === last || Math.hypot(x - xs[before], ys[i] - ys[before]) > NEAR) found.push(i);
     });
     return found;
   }
@@ -86,7 +93,7 @@ export function thinned(xs, ys, rising) {
       if (ys[j] > ys[high]) high = j;
     }
     const inner = [low, high].filter((k) => k > i && k < j).sort((a, b) => a - b);
-    for (const k of [i, ...inner, ...(j === last && j > i ? [j] : [])]) found.push([xs[k], ys[k]]);
+    found.push(i, ...inner, ...(j === last && j > i ? [j] : []));
     i = j + 1;
   }
   return found;
@@ -96,13 +103,16 @@ export function paintDiagram(ctx, spec, frame, theme, code) {
   const { w, h, px, py } = frame;
   ctx.clearRect(0, 0, frame.width, frame.height);
   ctx.font = `${LETTER}px ${theme.font}`;
-  const points = thinned(Array.from(spec.x, px), Array.from(spec.y, py), spec.rising);
+  const xs = Array.from(spec.x, px),
+    ys = Array.from(spec.y, py),
+    chosen = kept(xs, ys, spec.rising),
+    points = chosen.map((i) => [xs[i], ys[i]]);
   gridOf(ctx, frame, theme);
   ctx.save();
   ctx.beginPath();
   ctx.rect(LEFT, TOP, w, h);
   ctx.clip();
-  if (spec.coloured) columns(ctx, spec, frame, code);
+  if (spec.shaded) for (const one of stretches(spec.x, spec.y)) shade(ctx, one, spec, frame, code);
   if (spec.zero)
     line(
       ctx,
@@ -113,7 +123,8 @@ export function paintDiagram(ctx, spec, frame, theme, code) {
       theme.soft,
       1,
     );
-  line(ctx, points, spec.coloured ? theme.ink : theme.line, spec.coloured ? 1.2 : 1.8);
+  if (spec.push) pushLine(ctx, points, spec.push, chosen, theme, code);
+  else line(ctx, points, theme.line, 1.8);
   if (spec.level !== undefined) levelOf(ctx, spec, frame, theme);
   if (spec.dot) spot(ctx, points[0], 3.5, theme.ink);
   ctx.restore();
@@ -135,20 +146,47 @@ export function paintCursor(ctx, frame, [x, y], vertical, theme) {
   spot(ctx, [frame.px(x), frame.py(y)], 4.5, theme.mark);
 }
 
-/* The stretches of push and pull between the line and zero, column by column, in the colours of the rod. */
-function columns(ctx, spec, { px, py, x0, x1, w }, code) {
-  const most = Math.max(range(spec.y)[1], 1e-300),
-    zero = py(0),
-    step = (x1 - x0) / w,
-    tones = {};
-  for (let k = 0, i = 0; k < w; k++) {
-    const x = x0 + (k + 0.5) * step;
-    while (i < spec.x.length - 2 && spec.x[i + 1] < x) i++;
-    const u = (x - spec.x[i]) / (spec.x[i + 1] - spec.x[i] || 1),
-      y = spec.y[i] + u * (spec.y[i + 1] - spec.y[i]);
-    const tone = y < 0 ? -1 : Math.round((TONES * y) / most);
-    ctx.fillStyle = tones[tone] ??= css(pushColour(code, tone, TONES));
-    ctx.fillRect(px(x) - 0.5, Math.min(py(y), zero), 1.5, Math.abs(py(y) - zero)); // no gap between two in print
+/* The stretches of a row of pushes with one sign: from, to, whether they are pulls; none where there is no pull. */
+export function stretches(x, push) {
+  const found = [];
+  if (!push.some((v) => v < 0)) return found;
+  let from = x[0];
+  for (let i = 1; i <= x.length; i++) {
+    const pulls = push[i - 1] < 0;
+    if (i < x.length && push[i] < 0 === pulls) continue;
+    const to = i < x.length ? x[i - 1] + ((x[i] - x[i - 1]) * push[i - 1]) / (push[i - 1] - push[i]) : x[i - 1];
+    found.push({ from, to, pulls });
+    from = to;
+  }
+  return found;
+}
+
+/* As in the figures: a band of orange where the cylinder would have to pull, and blue below the line where it pushes. */
+function shade(ctx, { from, to, pulls }, spec, { px, py, h }, code) {
+  ctx.globalAlpha = pulls ? BAND : AREA;
+  ctx.fillStyle = css(pulls ? code.pull : code.stops[AREA_STOP][1]);
+  if (pulls) ctx.fillRect(px(from), TOP, px(to) - px(from), h);
+  else {
+    ctx.beginPath();
+    ctx.lineTo(px(from), py(0));
+    spec.x.forEach((x, i) => x >= from && x <= to && ctx.lineTo(px(x), py(spec.y[i])));
+    ctx.lineTo(px(to), py(0));
+    ctx.fill();
+  }
+  ctx.globalAlpha = 1;
+}
+
+/* A line in the colours of the push at its points, on a casing that is seen on every paper. */
+function pushLine(ctx, points, push, chosen, theme, code) {
+  const most = Math.max(range(push)[1], 1e-300),
+    toneOf = (v) => (v < 0 ? -1 : Math.round((TONES * v) / most));
+  line(ctx, points, theme.soft, 2.7);
+  for (let i = 1, from = 0; i < points.length; i++) {
+    const tone = toneOf((push[chosen[i - 1]] + push[chosen[i]]) / 2),
+      next = i + 1 < points.length ? toneOf((push[chosen[i]] + push[chosen[i + 1]]) / 2) : NaN;
+    if (tone === next) continue;
+    line(ctx, points.slice(from, i + 1), css(pushColour(code, tone, TONES)), 1.8);
+    from = i;
   }
 }
 

@@ -52,7 +52,7 @@ let core = null,
 const theme = makeTheme();
 const view = makeView(element("scene"), element("mark"), data.colours, () => still.matches);
 const diagrams = makeDiagrams(element("diagrams"), data.colours, theme, setCursor);
-makePrint(element("scene"), view, diagrams);
+makePrint(element("scene"), view, diagrams, theme);
 const context = {
   span: (name) => spanOf(name, me.centre[name], (presetOf() || {}).spans?.[name]),
   value: (name) => me.state.base[name],

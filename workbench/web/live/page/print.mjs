@@ -4,11 +4,12 @@ const FINE = 3, // pixels for one of the page
   WIDE = 1600; // pixels of the copy
 
 /* Have a copy of the rod before its canvas while the page is printed. */
-export function makePrint(canvas, view, diagrams) {
+export function makePrint(canvas, view, diagrams, theme) {
   let copy = null;
 
   function before() {
     if (copy || !view.shape) return;
+    theme.onPaper(true);
     diagrams.setFine(FINE);
     if (!view.scene || view.scene.isLost()) return;
     const [w, h] = [WIDE, Math.round((WIDE * Math.max(canvas.clientHeight, 1)) / Math.max(canvas.clientWidth, 1))];
@@ -19,6 +20,7 @@ export function makePrint(canvas, view, diagrams) {
   }
 
   function after() {
+    theme.onPaper(false);
     diagrams.setFine(1);
     if (copy) copy.remove();
     copy = null;

@@ -1,5 +1,6 @@
 // Numbers, units and the ticks of an axis as text.
 
+const RAISED = Object.fromEntries([..."−0123456789"].map((one, k) => [one, "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"[k]]));
 const HIGH = { 2: "²", 3: "³", 4: "⁴" };
 
 /* A number with at most so many digits: "10910", "0.625", "2e6". */
@@ -11,6 +12,13 @@ export function number(value, digits = 4) {
   const text = power < -4 || power > 5 ? rounded.toExponential().replace("e+", "e") : String(rounded);
   return minus(text);
 }
+
+/* Powers of ten as in print: "2.5e−10" as "2.5·10⁻¹⁰", "1e6" as "10⁶". */
+export const powers = (text) =>
+  text.replace(
+    /(\d[\d.]*)e([−\d]+)/g,
+    (_, digits, power) => `${digits === "1" ? "" : `${digits}·`}10${[...power].map((one) => RAISED[one]).join("")}`,
+  );
 
 export const minus = (text) => text.replaceAll("-", "−");
 
