@@ -54,6 +54,7 @@ sphinx_gallery_conf = {
     "min_reported_time": 1000,
     "within_subsection_order": "FileNameSortKey",
     "plot_gallery": True,
+    "thumbnail_size": (640, 448),
     "remove_config_comments": True,
 }
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from PIL import Image
 
+ROOT = Path(__file__).resolve().parents[2]
 WIDEST = 1500  # pixels of a picture on the site
 ROOT_PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 PICTURE = re.compile(r"((?:figures|scenes)/[\w-]+)\.png(?=[)\"])")
@@ -28,6 +29,10 @@ MADE = {
     ),
     "Explanation": ("Project", (("Read me", "readme"), ("Changes", "changelog"), ("Contributing", "contributing"))),
 }
+KINDS = (
+    "The pages are of four kinds. A tutorial teaches by doing. A how-to page solves one task. A reference page lists "
+    "facts. An explanation page says why."
+)
 ON_THE_SITE = """## On this site
 
 - [Gallery](gallery/index.rst): ten short scripts, each with its picture and its check.
@@ -39,6 +44,8 @@ ON_THE_SITE = """## On this site
 
 ## Tutorial
 """
+
+HERO = re.compile(r'<img src="docs/([^"]+)" width="[^"]*" alt="([^"]*)">')
 
 Entries = tuple[tuple[str, str], ...]  # title and page
 
@@ -66,7 +73,7 @@ def copy(root: Path, folder: Path) -> None:
 def add_contents(folder: Path) -> None:
     """Add what was made to the first page, and the tables of contents: the lists of that page, and what was made."""
     index = folder / "index.md"
-    text = index.read_text(encoding="utf-8")
+    text = _first_page(index.read_text(encoding="utf-8"))
     parts = re.split(r"^## (.*)$", text, flags=re.MULTILINE)
     tables = []
     for heading, body in zip(parts[1::2], parts[2::2], strict=True):
@@ -74,6 +81,17 @@ def add_contents(folder: Path) -> None:
         if heading in MADE:
             tables.append(_contents(*MADE[heading]))
     index.write_text(text.replace("## Tutorial\n", ON_THE_SITE) + "".join(tables), encoding="utf-8")
+
+
+def _first_page(text: str) -> str:
+    """The first page of docs with the beginning of the README, its pictures and its question, above its lists."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8").partition("\n## ")[0]
+    heading, *paragraphs = readme.split("\n\n")
+    pictures = " ".join(f'<img class="hero" src="{src}" alt="{alt}">' for src, alt in HERO.findall(readme))
+    words = [one for one in paragraphs if not one.startswith("<img")]
+    lists = text.partition("## Tutorial\n")
+    pictures = PICTURE.sub(r"\1.webp", pictures)  # as `_put` writes them
+    return "\n\n".join([heading, pictures, *words, f"{KINDS}\n\n"]) + "".join(lists[1:])
 
 
 def _contents(caption: str, entries: Entries) -> str:

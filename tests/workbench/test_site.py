@@ -5,6 +5,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from docs.website import api_pages, command_pages, dataset_page, sources, study_page
 from studies import Study
@@ -35,6 +36,24 @@ def test_what_was_made_is_also_linked_on_the_first_page(index: str) -> None:
     made = {page for caption, entries in sources.MADE.values() if caption != "Project" for _, page in entries}
     assert linked == made
     assert index.count("## On this site") == 1
+
+
+def test_the_first_page_begins_with_the_question_and_the_pictures_of_the_readme(index: str) -> None:
+    top = index.partition("## On this site")[0]
+    assert top.startswith("# Rod workbench\n")
+    assert "What shape does an elastic rod take on a cylinder" in top
+    assert re.findall(r'<img class="hero" src="([^"]+)" alt="[^"]{40,}">', top) == [
+        "figures/hero_sweep.webp",
+        "figures/hero_page.webp",
+    ]
+    assert "python -m docs.build" not in index  # who reads the site has it
+
+
+def test_the_pictures_of_the_examples_are_as_large_as_the_gallery_has_them() -> None:
+    size = re.search(r'"thumbnail_size": \((\d+), (\d+)\)', (ROOT / "docs/website/conf.py").read_text(encoding="utf-8"))
+    for path in (ROOT / "docs/website/static/thumbnails").glob("*.png"):
+        with Image.open(path) as picture:
+            assert picture.size == (int(size[1]), int(size[2])) >= (600, 400)
 
 
 def test_each_command_has_a_page_with_every_option(tmp_path: Path) -> None:

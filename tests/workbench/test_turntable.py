@@ -3,6 +3,7 @@
 import base64
 import json
 import re
+import time
 from dataclasses import replace
 from html import unescape
 from io import BytesIO
@@ -98,6 +99,32 @@ def test_a_scene_fits_its_frame_in_a_notebook(ds: xr.Dataset, wide: int, tmp_pat
         )
     assert high <= notebook.HEIGHT  # no bar to scroll
     assert view > 0.38 * notebook.HEIGHT
+
+
+def test_a_scene_without_a_still_picture_knows_of_paper(ds: xr.Dataset) -> None:
+    text = page.html(ds)
+    assert '<div class="still">' not in text
+    assert '"beforeprint"' in text
+    assert re.search(r"@media print \{[^@]*\.turntable \.printed \{ display: block", text)
+
+
+@pytest.mark.slow
+def test_on_paper_a_scene_shows_its_rod(ds: xr.Dataset, tmp_path: Path) -> None:
+    """A browser prints no WebGL: a copy of the rod takes its place, and goes away afterwards."""
+    file = tmp_path / "x.html"
+    file.write_text(page.html(ds), encoding="utf-8")
+    with browser.chromium(tmp_path / "chromium", "1366,1000") as driver:
+        driver.get(file.as_uri())
+        there = "document.querySelector('figure').view"
+        wait = f"const done = arguments[0], look = () => {there} ? done() : setTimeout(look, 50); look()"
+        driver.execute_async_script(wait)
+        pdf = base64.b64decode(driver.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})["data"])
+        copies = "return document.querySelectorAll('.printed').length"
+        end = time.monotonic() + 60
+        while driver.execute_script(copies):
+            assert time.monotonic() < end
+    sizes = re.findall(rb"/Subtype /Image\s+/Width (\d+)\s+/Height (\d+)", pdf)
+    assert any(int(wide) == 1600 and int(high) > 400 for wide, high in sizes)
 
 
 @node.needs_node

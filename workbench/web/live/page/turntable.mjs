@@ -1,6 +1,7 @@
 // A turntable: a rod in a figure, with sliders, a colour bar and a triad.
 
 import { css, ramp } from "./colours.mjs";
+import { makePrint } from "./print.mjs";
 import { solvedSource, storedSource } from "./rod_sources.mjs";
 import { makeView } from "./rod_view.mjs";
 import { minus, tickText, ticks } from "./text.mjs";
@@ -10,6 +11,7 @@ const LAP = 12, // s of one turn
   REST = 150; // ms until what is slower is computed
 const TICKS = 4,
   CROWDED = 0.16; // ticks of the bar, about; share of it that the tick at its end keeps free
+const NO_DIAGRAMS = { setFine() {}, onPaper() {} };
 
 /* Make a figure turn. core: the compiled core, where the figure solves. */
 export function turntable(figure, data, code, core, calm) {
@@ -86,6 +88,7 @@ export function turntable(figure, data, code, core, calm) {
   };
   for (const [name, act] of Object.entries(acts)) part(name)?.addEventListener("click", act);
   canvas.addEventListener("pointerdown", () => spin(false));
+  if (!part("still")) makePrint(canvas, view, NO_DIAGRAMS, NO_DIAGRAMS); // else paper gets the still picture
   view.moved = (camera) => drawTriad(part("triad"), camera);
   scrollsPast(canvas);
   show({ fresh: true });
