@@ -498,6 +498,10 @@ def test_no_words_repeat_their_symbol_or_spell_a_letter(page) -> None:
     told = page("return [...document.querySelectorAll('#numbers dt')].map((one) => one.innerText)")
     assert {"bending energy", "twist energy", "wraps about the axis"} <= set(told)
     assert not [words for words in told if re.search("beta|kappa", words)]
+    page.until(lambda: page("return document.getElementById('o-overlaps')"), "the observables of the server")
+    told = page("return [...document.querySelectorAll('#numbers dt')].map((one) => one.innerText)")
+    assert "overlaps whether the rod passes through itself" in told
+    assert page("return document.getElementById('o-overlaps').innerText") == "yes"
 
 
 @pytest.fixture(scope="module")

@@ -375,6 +375,8 @@ def test_a_line_keeps_its_peaks_however_many_points_fall_on_one_pixel() -> None:
     assert (high, low) == (3, -2)
     assert first == [0, 0]
     assert last[0] == 4999 / 25
+    ends = "answer(diagram.thinned([0, 0.3, 0.9, 1.2], [0, 1, 5, 2], true));"  # the highest is the last of its column
+    assert run(ends, None, ("diagram",)) == [[0, 0], [0.9, 5], [1.2, 2]]
 
 
 def test_stretches_of_push_and_pull_end_where_the_push_is_zero() -> None:

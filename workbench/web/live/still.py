@@ -19,8 +19,8 @@ RATIO = 2  # pixels of the picture per CSS pixel
 STYLE = """
 .controls, .facts, .legend, .tools, .diagram:not(:has(#d-beta, #d-push)) { display: none; }
 #page { display: grid; grid-template: "stage diagrams" 100vh / 170px 1fr; }
-.stage { position: static; padding: 6px; border: 0; }
-.view { height: 100%; }
+.stage { display: block; position: static; padding: 6px; border: 0; }
+.view { position: relative; height: 100%; border-width: 1px; border-radius: 6px; }
 .diagrams { border: 0; padding: 0 4px; display: block; overflow: hidden; }
 """
 SETTLED = 8000  # ms of the page's own clock, after which it has drawn everything at rest

@@ -13,12 +13,15 @@ export function set(box, text) {
 export function showRows(rows, told, quantities, units) {
   const list = document.createDocumentFragment();
   for (const [name, value] of rows) {
-    const [symbol, words, dimension] = quantities[quantityOf(name)];
+    const [symbol, long, dimension] = quantities[quantityOf(name)],
+      isAnswer = name === "overlaps",
+      words = isAnswer ? "whether the rod passes through itself" : long;
     const [row, term, letter, amount] = ["div", "dt", "b", "dd"].map((tag) => document.createElement(tag));
     letter.textContent = symbol;
     const isSaid = `${words} `.startsWith(`${symbol} `); // the words begin with the symbol
     term.append(letter, isSaid ? words.slice(symbol.length) : ` ${words}`);
-    amount.textContent = withUnit(number(dimension === "rad" ? value / DEGREE : value), unitText(dimension, units));
+    if (isAnswer) amount.textContent = value ? "yes" : "no";
+    else amount.textContent = withUnit(number(dimension === "rad" ? value / DEGREE : value), unitText(dimension, units));
     amount.id = `o-${name}`;
     row.append(term, amount);
     list.append(row);

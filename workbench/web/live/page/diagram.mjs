@@ -11,7 +11,8 @@ const LEFT = 58,
 const LETTER = 11,
   LEAST_SCALES = 1.05,
   LEAST_RANGE = 5,
-  TONES = 128,
+  TONES = 32,
+  FINER = 4, // columns of a coloured line in a pixel, as its colour may change within one
   NEAR = 0.7; // pixels
 // as in the figures: opacity of the bands of pull and of the areas of push, and the stop of the colours of the latter
 export const BAND = 0.28,
@@ -73,8 +74,8 @@ export function extent(values, more = [], least = 0) {
 /* The points of a line in pixels. */
 export const thinned = (xs, ys, rising) => kept(xs, ys, rising).map((i) => [xs[i], ys[i]]);
 
-/* Which points of a line are drawn. Over x: in each column of pixels the first, and its lowest and highest where they lie
-   between its ends; of another curve those a pixel's part apart. */
+/* Which points of a line are drawn. Over x: in each column of pixels the first, the lowest and the highest; of another
+   curve those a pixel's part apart. */
 function kept(xs, ys, rising) {
   const found = [],
     last = xs.length - 1;
@@ -92,8 +93,8 @@ function kept(xs, ys, rising) {
       if (ys[j] < ys[low]) low = j;
       if (ys[j] > ys[high]) high = j;
     }
-    const inner = [low, high].filter((k) => k > i && k < j).sort((a, b) => a - b);
-    found.push(i, ...inner, ...(j === last && j > i ? [j] : []));
+    const chosen = new Set([i, low, high, ...(j === last ? [j] : [])]);
+    found.push(...[...chosen].sort((a, b) => a - b));
     i = j + 1;
   }
   return found;
@@ -105,7 +106,7 @@ export function paintDiagram(ctx, spec, frame, theme, code) {
   ctx.font = `${LETTER}px ${theme.font}`;
   const xs = Array.from(spec.x, px),
     ys = Array.from(spec.y, py),
-    chosen = kept(xs, ys, spec.rising),
+    chosen = kept(spec.push && spec.rising ? xs.map((x) => FINER * x) : xs, ys, spec.rising),
     points = chosen.map((i) => [xs[i], ys[i]]);
   gridOf(ctx, frame, theme);
   ctx.save();
