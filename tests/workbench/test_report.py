@@ -282,7 +282,7 @@ def test_an_angle_is_told_in_degrees_and_a_rate_as_it_is(text, said) -> None:
 
 def test_no_line_ends_inside_a_formula(text) -> None:
     assert bound("at F₃ = 10, κ a > 1; 8 → 5; 0.5 rad; eq. (47), tau −0.94: as said") == (
-        "at F₃ = 10, κ a > 1; 8 → 5; 0.5 rad; eq. (47), tau −0.94: as said".replace(" ", "\u00a0")
+        "at F₃_=_10, κ_a_>_1; 8_→_5; 0.5_rad; eq._(47), tau_−0.94: as said".replace("_", "\u00a0")
     )
     shown = re.sub(r"<style>.*?</style>|<script.*?</script>", "", text, flags=re.DOTALL)
     assert "F₃\u00a0=\u00a010" in shown
