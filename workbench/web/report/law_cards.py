@@ -35,7 +35,7 @@ def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
                 "stated": labels.long_name(ds[also["observable"]]),
                 "name": also["observable"],
                 "role": "alternative:" if also["alternative"] else "for information:",
-                **_verdict(also, ds[also["observable"]]),
+                **_verdict({**also, "axis": row["axis"]}, ds[also["observable"]]),
             }
             for also in row["also"]
         ],
