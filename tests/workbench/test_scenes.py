@@ -28,9 +28,9 @@ from workbench.geometry.centreline import Centreline
 from workbench.run import in_memory
 from workbench.scene import body as rods
 from workbench.scene import camera as cameras
-from workbench.scene import captions, colours, footer, hidden, kinds, long_rod, marks, opengl, shading
+from workbench.scene import captions, colours, footer, hidden, kinds, long_rod, marks, opengl, overlays, shading
 from workbench.scene import measure as measured
-from workbench.scene.arrangement import EDGE, arrange
+from workbench.scene.arrangement import EDGE, Box, arrange
 from workbench.scene.cells import Cell
 from workbench.scene.kinds import KINDS, kind_of
 from workbench.scene.pixels import put, save
@@ -392,7 +392,7 @@ def test_the_cylinder_is_as_wide_as_the_scale_bar_says() -> None:
     camera = replace(camera, per_unit=0.9 * camera.per_unit)
     low, high = View([rod], Cell("")).cylinder
     view = View([rod], Cell(""), ends=(low - 1.0, high + 1.0))
-    picture, _ = render([Placed(view, (150.0, 300.0))], camera, (300, 600), 0.5)
+    picture, *_ = render([Placed(view, (150.0, 300.0))], camera, (300, 600), 0.5)
     first = np.argmax(picture.min(axis=(1, 2)) < 250) + 3
     top = picture[first : first + 15].min(axis=-1) < 250  # only the cylinder reaches up there
     assert top.sum(axis=1).max() == pytest.approx(2 * 0.75 * camera.per_unit, abs=2)  # a pixel on either side
@@ -665,6 +665,63 @@ def test_self_intersections_are_ringed_in_the_first_view_and_said_once(fig6) -> 
     assert all(box.x < x < box.x + box.width and box.y < y < box.y + box.height for x, y in taken.rings)
     assert [text for _, text in taken.words.legend] == ["the rod passes through itself"]
     assert "the rod passes through itself" not in taken.notes
+
+
+@draws
+def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6) -> None:
+    from workbench.scene import composition, layout
+
+    ds = dataset(axes="[axes.F3]\nvalues = [1.0, 10.0, 40.0]\n")
+    taken = layout.compose(ds, None, "grid", ["F3"], settings=composition.Settings(2.0, 50)).page
+    (row,) = taken.cells
+    inside = [[x for x, y in taken.rings if box.x <= x <= box.x + box.width and 0 <= y - box.y <= box.height]
+              for box in row]  # fmt: skip
+    assert sum(map(len, inside)) == len(taken.rings)
+    through = ["overlaps" in str(caution) for caution in ds["caution"].values]
+    assert sorted(set(through)) == [False, True]
+    assert [bool(found) for found in inside] == through
+    assert footer.RING in [colour for colour, _ in taken.words.legend]
+    assert f"{sum(through)} of 3 pass through themselves" in taken.notes
+    bare = layout.compose(ds, None, "grid", ["F3"], settings=composition.Settings(2.0, 50, bare=True)).page
+    assert not bare.rings
+
+
+def test_rings_of_a_view_drawn_twice_as_large_stand_twice_as_far_apart(fig6) -> None:
+    rod = body(fig6)
+    camera = before_it([rod], 300, 600)
+    found = {}
+    for larger in (1.0, 2.0):
+        view = View([rod], Cell(""), larger=larger)
+        found[larger] = overlays.rings([(view, Box(Cell(""), 0.0, 0.0, 300.0, 900.0))], camera, 10.0)
+    gaps = [np.diff(np.sort([y for _, y in places])) for places, _ in found.values()]
+    assert len(gaps[0]) >= 4
+    np.testing.assert_allclose(gaps[1], 2 * gaps[0])
+    seen, out_of_sight = View([rod], Cell("")).crossings(camera)
+    assert len(seen) == len(found[1.0][0])
+    assert out_of_sight == 0
+    assert View([rod], Cell(""), turned=np.pi).crossings(camera)[1] == len(seen)  # behind the cylinder
+    radius = [radius for _, radius in found.values()]
+    assert radius == [overlays.SMALLEST, pytest.approx(max(0.75 * 0.25 * 20.0, overlays.SMALLEST))]
+
+
+@draws
+@pytest.mark.parametrize("camera, outlined", [("front", False), ("180,0", True)])
+def test_the_legend_says_what_outlines_are_where_there_are_some(fig6, camera, outlined) -> None:
+    from workbench.scene import composition, layout
+
+    taken = layout.compose(fig6, settings=composition.Settings(2.0, 50, camera=camera)).page
+    assert ((footer.OUTLINE, "a stretch behind the cylinder") in taken.words.legend) == outlined
+
+
+@pytest.mark.parametrize(
+    "toward, words",
+    [((1, 0, 0), ""), ((0, -1, 0), ""), ((0.6, 0.8, 0), "seen from\nα = 53°"), ((-0.8, -0.6, 0), "α = −143°"),
+     ((0.48, 0.64, 0.6), "")],
+)  # fmt: skip
+def test_where_x_and_y_lie_in_one_line_the_side_from_which_a_scene_is_seen_is_said(toward, words) -> None:
+    said = footer.slant(np.array(toward, dtype=float))
+    assert said.endswith(words)
+    assert bool(said) == bool(words)
 
 
 def test_labels_of_rods_that_end_in_one_place_stand_apart_on_the_page_and_off_the_rods() -> None:

@@ -20,6 +20,7 @@ from ..data import cautions, dataset, schema
 ALONG = ("beta", "alpha", "z", "contact")
 DEAD_INDEX = {"long_name": "Morse index under dead loads, between its own end angles", "units": "1"}
 EACH = ("dbeta0", "energy", "turns", "index", "attached")
+DEAD_LOADS = "both end angles held, dead loads FZ, MZ and M3 at the far end, which is free to move"
 
 
 def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dataset:
@@ -69,7 +70,7 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
         "u": xr.Variable(("u",), u, schema.labels("u", units)),
         "s": xr.Variable(("u",), u * float(case.rod.L), schema.labels("s", units)),
     }
-    title = f"Equilibria with held ends: {choices(held)}" if held else "All equilibria between two ends"
+    title = f"Equilibria with held ends: {choices(held)}" if held else "All equilibria with both end angles held"
     ds = xr.Dataset(data, coords, attributes(study, case, title))
     if isinstance(found, HeldEquilibria):
         ranges = (
@@ -87,7 +88,7 @@ def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:
         "title": title, "study_name": "equilibria", "study": study.text, "reading": study.reading or "",
         "side": case.cylinder.side, "stiffness": case.rod.section, "length_unit": study.units.length,
         "force_unit": study.units.force, "laws": json.dumps([]), "versions": json.dumps(dataset.versions()),
-        "stability": "both end angles held, FZ, MZ and M3 dead loads, the ends free to move",
+        "stability": DEAD_LOADS,
     }  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from solver.problem.held_ends import held_of
 from studies.axes import quantity_of
 
 from ..data import schema
+from .equilibria_dataset import DEAD_LOADS
 
 ALONG = ("beta", "alpha", "z")
 EACH = ("energy", "height", "wraps", "turns", "amplitude", "kappa_max", "push_min", "push_max")
@@ -58,7 +59,7 @@ def stability(case: Case) -> str:
     """Under which ends the Morse index is meant."""
     held = held_of(case)
     if not held:
-        return "both end angles held, FZ, MZ and M3 dead loads, the ends free to move"
+        return DEAD_LOADS
     return f"{', '.join(held)} held; what is not held is given: the other end angles, and dead loads"
 
 

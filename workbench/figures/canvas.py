@@ -30,17 +30,19 @@ def figure(
     dpi: float = DPI,
     layout: Any = "constrained",
     sheet: Sheet = SCREEN,
+    said: str = "",
 ) -> Figure:
     """A figure of a size in inches with what `draw` draws on it.
 
-    ds: the dataset whose title is written above it, where the sheet has one.
+    ds: the dataset whose title is written above it, where the sheet has one. said: what is written below the title,
+    after the reading of the dataset.
     """
     with rc_context(RC | sheet.settings()):
         fig = Figure(figsize=size, dpi=dpi, layout=layout)
         FigureCanvasAgg(fig)
         draw(fig)
         if ds is not None and sheet.titled:
-            _set_title(fig, ds)
+            _set_title(fig, " · ".join(text for text in (labels.reading(ds), said) if text), str(ds.attrs["title"]))
     return fig
 
 
@@ -87,17 +89,16 @@ def save(
             atomic.write(file, lambda aside: fig.savefig(aside, dpi=dpi, **more))
 
 
-def _set_title(fig: Figure, ds: xr.Dataset) -> None:
-    """The study's title and its reading above a constrained layout; the figure grows by the lines of a long title, and
+def _set_title(fig: Figure, below: str, title: str) -> None:
+    """A title, and a line below it, above a constrained layout; the figure grows by the lines of a long title, and
     shrinks without one."""
     size = style.large()
-    title = style.fitted(str(ds.attrs["title"]), fig.get_figwidth() - 0.3, size, bold=True)
+    title = style.fitted(title, fig.get_figwidth() - 0.3, size, bold=True)
     more = 0.2 * title.count("\n") if title else -0.26  # inches
     fig.set_figheight(fig.get_figheight() + more)
     inch = 1 / fig.get_figheight()
-    reading = labels.reading(ds)
     engine = fig.get_layout_engine()
     assert isinstance(engine, ConstrainedLayoutEngine)
-    engine.set(rect=(0, 0, 1, 1 - ((0.62 if reading else 0.4) + more) * inch), w_pad=0.1, h_pad=0.08)
+    engine.set(rect=(0, 0, 1, 1 - ((0.62 if below else 0.4) + more) * inch), w_pad=0.1, h_pad=0.08)
     fig.text(0.012, 1 - 0.1 * inch, title, va="top", weight="bold", size=size)
-    fig.text(0.012, 1 - (0.36 + more) * inch, reading, va="top", color=SOFT)
+    fig.text(0.012, 1 - (0.36 + more) * inch, below, va="top", color=SOFT)

@@ -23,6 +23,8 @@ def figure(ds: xr.Dataset) -> Figure:
     columns = int(np.clip(np.ceil(np.sqrt(1.9 * count)), *COLUMNS))
     rows, cell = max(-(-count // columns), 1), WIDTH / columns + 0.3
 
+    said = f"Developed curves, each with its own scale, {_below(ds)} below it"
+
     def draw(fig: Figure) -> None:
         grid = fig.add_gridspec(2, 1, height_ratios=[rows * cell, HIGH])
         cells = grid[0].subgridspec(rows, columns)
@@ -30,7 +32,7 @@ def figure(ds: xr.Dataset) -> Figure:
             _draw_curve(ds, fig.add_subplot(cells[k // columns, k % columns]), k)
         energies(ds, fig.add_subplot(grid[1]))
 
-    return canvas.figure((WIDTH, rows * cell + 3.6), draw, ds)
+    return canvas.figure((WIDTH, rows * cell + 3.6), draw, ds, said=said)
 
 
 def energies(ds: xr.Dataset, ax: Axes) -> Axes:
@@ -42,7 +44,7 @@ def energies(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.margins(0.04, 0.08)
     stable = int((ds["index"] == 0).sum())
     counts = f"{ds.sizes['equilibrium']} equilibria, {stable} stable (red): {ds.attrs['stability']}"
-    told = [f"Above: developed curves, each with its own scale, {_below(ds)} below it.", counts]
+    told = [counts]
     if "searched" in ds.attrs:
         told.append(f"Not proved complete: searched over {labels.minus_signs(ds.attrs['searched'])}")
     ax.set_title("\n".join(told), loc="left")

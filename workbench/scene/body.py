@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline
 from solver.problem.errors import InputError
 
 from ..data.schema import SECTION
-from ..geometry import centreline, tube
+from ..geometry import centreline, self_contact, tube
 from ..geometry.centreline import Array, Centreline
 from ..geometry.lines import TALLEST
 from ..geometry.refinement import Rings, rings
@@ -128,6 +128,12 @@ class Body:
     def dense(self) -> Array:
         """The centreline where it is drawn, four places for each station, (n, 3) [length]."""
         return self.places(np.linspace(*self.span, 4 * self.alpha.size))
+
+    @cached_property
+    def crossings(self) -> list[Array]:
+        """Where the rod passes through itself, (3,) each [length]; heights are from where the drawing begins."""
+        begins = self.line.at(np.array(self.span[:1]))[2][0]
+        return [place - [0, 0, begins] for place in self_contact.places(self.line, self.span)]
 
     def rings(self, tolerance: float, colour_length: float) -> Rings:
         """Rings and sides for a tolerance [length]; colours are true on intervals longer than `colour_length`."""

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from .colours import Bar
 
 ITSELF = "the rod passes through itself"
+UNSEEN = "\n(no ring where the cylinder hides it)"
+BEHIND = "a stretch behind the cylinder"
 ASKED = 6  # digits of a value with which --at finds its case again
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -76,7 +77,7 @@ class Scene:
     gutter, pitch
         As of `arrangement.arrange`.
     ringed
-        Whether self-intersections are ringed.
+        The views in which self-intersections are ringed.
     labels
         Of the rods of the first view, beside them.
     """
@@ -95,12 +96,20 @@ class Scene:
     heads: Sequence[str] = ()
     gutter: float = 0.0
     pitch: float = 0.0
-    ringed: bool = False
+    ringed: Literal["none", "first", "all"] = "none"
     labels: Sequence[str] = ()
 
     @property
     def bodies(self) -> list[Body]:
-        return [body for row in self.rows for view in row for body in view.bodies]
+        return [body for view in self.views for body in view.bodies]
+
+    @property
+    def views(self) -> list[View]:
+        return [view for row in self.rows for view in row]
+
+    @property
+    def ringed_views(self) -> list[View]:
+        return {"none": [], "first": self.views[:1], "all": self.views}[self.ringed]
 
     @property
     def axes(self) -> Array:
@@ -116,12 +125,12 @@ def composed(scene: Scene) -> Picture:
     arranged = arrange(scene.rows, scene.camera, room(scene, words), scene.gutter, scene.pitch)
     camera = replace(scene.camera, per_unit=arranged.per_unit * finer)
     _check_width(scene, camera)
-    largest = max((view.larger for row in scene.rows for view in row), default=1.0)
+    largest = max((view.larger for view in scene.views), default=1.0)
     n, stations = _stations(scene.bodies, settings.pixel_error / camera.per_unit / largest)
     if settings.strict and stations > n:
         raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
     size = int(np.ceil(arranged.size[0] * finer)), int(np.ceil(arranged.size[1] * finer))
-    pixels, error = render(
+    pixels, error, outlined = render(
         _placed(scene, arranged, camera, size), camera, size, settings.pixel_error, settings.transparent,
         max(LINE * finer, 0.8),
     )  # fmt: skip
@@ -129,11 +138,11 @@ def composed(scene: Scene) -> Picture:
         raise TooFewStations(_too_few(n, stations, error, settings), stations)
     if error > settings.pixel_error * (1 + 1e-9):
         words = replace(words, notes=[*words.notes, f"drawn to within {error:.1f} pixels"])
+    boxes = [box for row in arranged.rows for box in row]
+    rings, radius = overlays.rings(list(zip(scene.ringed_views, boxes, strict=False)), camera, arranged.per_unit)
+    legend = [entry for entry in words.legend if outlined or entry[0] != footer.OUTLINE]
+    words = replace(words, legend=legend, radius=radius)
     first = scene.rows[0][0], arranged.rows[0][0], camera, arranged.per_unit
-    rings = overlays.rings(*first) if scene.ringed else []
-    if rings:
-        notes = [note for note in words.notes if note != captions.ITSELF]
-        words = replace(words, legend=[*words.legend, (footer.RING, captions.ITSELF)], notes=notes)
     labelled = overlays.names(*first, scene.labels, arranged.size) if scene.labels else []
     wide, high = page_size(scene)
     if settings.bare and not settings.size:
@@ -173,7 +182,7 @@ def room(scene: Scene, words: Words | None = None) -> tuple[float, float]:
 def _bare(scene: Scene) -> Scene:
     """The scene without words beside its views."""
     rows = [[replace(view, cell=Cell("")) for view in row] for row in scene.rows]
-    return replace(scene, rows=rows, columns=(), heads=(), gutter=0.0, labels=(), ringed=False)
+    return replace(scene, rows=rows, columns=(), heads=(), gutter=0.0, labels=(), ringed="none")
 
 
 def _coloured(scene: Scene) -> Scene:
@@ -195,11 +204,18 @@ def _words(scene: Scene) -> Words:
     ds = scene.ds
     inside = "inside the cylinder, cut open" if ds.attrs["side"] == "inside" else ""
     subtitle = " · ".join(fact for fact in (scene.case, labels.reading(ds), inside) if fact)
-    notes = list(scene.notes)
+    legend, notes = list(scene.kind.legend(scene.context)), list(scene.notes)
     if scene.kind.cells != "together":
         notes += captions.impossible(scene.bodies)
-    return Words(str(ds.attrs["title"]), subtitle, str(ds.attrs["length_unit"]), scene.kind.legend(scene.context),
-                 notes, scene.bar, scene.columns, scene.heads, scene.kind.own_scales)  # fmt: skip
+    crossings = [view.crossings(scene.camera) for view in scene.ringed_views]
+    if any(seen for seen, _ in crossings):
+        some = any(hidden for _, hidden in crossings)
+        legend.append((footer.RING, captions.ITSELF + (captions.UNSEEN if some else "")))
+        notes = [note for note in notes if note != captions.ITSELF]
+    if any(view.hides(body, scene.camera) for view in scene.views for body in view.bodies):
+        legend.append((footer.OUTLINE, captions.BEHIND))
+    return Words(str(ds.attrs["title"]), subtitle, str(ds.attrs["length_unit"]), legend, notes, scene.bar,
+                 scene.columns, scene.heads, scene.kind.own_scales)  # fmt: skip
 
 
 def _check_width(scene: Scene, camera: Camera) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Rectangle
+from matplotlib.patches import Circle, Polygon, Rectangle
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
@@ -20,14 +20,15 @@ from numpy.typing import NDArray
 from ..data import labels
 from ..figures import style
 from . import measure
-from .colours import Bar
+from .colours import SURFACE, Bar
 
 TRIAD = 46.0  # an arrow of the axes
+FLAT = 0.08  # an axis that is seen shorter points along the sight; all of it is 1
 BAR = (330.0, 20.0)  # the colour bar
 SCALE, SMALL_SCALE = 200.0, 110.0  # the longest scale bar, and that of a cell
-APART, LINE = 50.0, 20.0  # between blocks of a line, and between lines
+APART, LINE = 34.0, 20.0  # between blocks of a line, and between lines
 PATCH = 26.0  # a colour of the legend
-RING = "ring"  # in place of a colour: an open circle
+RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 SMALL: dict[str, Any] = {"size": style.SMALL}
 HALO: dict[str, Any] = {
     "weight": "bold", "size": style.SMALL, "path_effects": [withStroke(linewidth=2.5, foreground="white")],
@@ -50,6 +51,7 @@ def blocks(
     legend: Sequence[tuple[str, str]],
     notes: Sequence[str],
     room: float,
+    radius: float = PATCH / 2,
 ) -> list[Block]:
     """All blocks in order.
 
@@ -60,11 +62,13 @@ def blocks(
     scale
         Pixels per length, the unit of length, and the share of a length along the axis that is seen; default:
         no scale bar.
+    radius
+        Of the rings.
     """
     found = [_triad(axes), *([_scale_bar(*scale)] if scale else [])]
     if bar:
         found.append(colour_bar(bar))
-    found += [entry(colour, text) for colour, text in legend]
+    found += [entry(colour, text, radius) for colour, text in legend]
     if notes:
         found.append(_words("\n".join(measure.wrapped(note, 0.45 * room, style.SMALL) for note in notes)))
     return found
@@ -96,22 +100,66 @@ def draw(fig: Figure, lines: Sequence[Sequence[Block]], x: float, y: float) -> N
 
 
 def _triad(axes: NDArray[np.float64]) -> Block:
-    """The axes x, y, z as the camera sees them; one that points at the viewer is a dot."""
+    """The axes x, y, z as the camera sees them: an arrow each, as short as it is seen, or a circle along the sight.
+
+    The circle has a dot for an axis that points at the viewer and a cross for one that points away. Where x and y are
+    slanted, and so lie in one line, the azimuth from which the camera looks is said beside them.
+    """
     low, high = np.minimum(axes.min(axis=0), 0), np.maximum(axes.max(axis=0), 0)
     size = TRIAD * (high - low) + 30
+    toward = np.cross(axes[:, 0], axes[:, 1])
+    words = slant(toward)
 
     def draw(fig: Figure, x: float, y: float) -> None:
-        origin = np.array([x, y]) + 15 - TRIAD * low
-        for name, way in zip("xyz", axes, strict=True):
+        origin = np.array([x, y]) + 15 - TRIAD * low + [0, (max(size[1], 86.0) - size[1]) / 2]
+        along = int(np.argmax(np.abs(toward)))
+        for k, (name, way) in enumerate(zip("xyz", axes, strict=True)):
             seen = float(np.hypot(*way))
-            if seen > 0.08:
+            if seen > FLAT:
                 line(fig, origin, origin + TRIAD * way, color=style.INK, linewidth=1.4)
-            side = way / max(seen, 0.3) if seen > 0.08 else _free_side(axes)
-            x, y = origin + TRIAD * way * (seen > 0.08) + 13 * side
-            text(fig, x, y, name, ha="center", va="center", **SMALL)
-        fig.add_artist(_circle(fig, origin[0], origin[1], 3.5, facecolor=style.INK, linewidth=0))
+                _head(fig, origin + TRIAD * way, way / seen)
+            side = way / max(seen, 0.3) if seen > FLAT else 1.4 * _free_side(axes)
+            place = origin + TRIAD * way * (seen > FLAT) + (13 if k != along else 14) * side
+            text(fig, place[0], place[1], name, ha="center", va="center", **SMALL)
+        if np.hypot(*axes[along]) <= FLAT:
+            _along_sight(fig, origin, toward[along] > 0)
+        else:
+            fig.add_artist(_circle(fig, origin[0], origin[1], 3.5, facecolor=style.INK, linewidth=0))
+        if words:
+            text(fig, x + size[0] + 14, y + max(size[1], 86.0) / 2, words, color=style.SOFT, va="center", **SMALL)
 
-    return Block(float(size[0]), float(max(size[1], 86.0)), draw)
+    wide = 14 + measure.width(words, style.SMALL) if words else 0.0
+    return Block(float(size[0]) + wide, float(max(size[1], 86.0)), draw)
+
+
+def slant(toward: NDArray[np.float64]) -> str:
+    """From where the camera looks, where it looks across the axis z but neither along x nor along y; else nothing.
+
+    toward: the direction to the viewer, (3,).
+    """
+    if abs(toward[2]) > 1e-9 or np.abs(toward[:2]).min() <= FLAT:
+        return ""
+    azimuth = labels.minus_signs(f"{np.degrees(np.arctan2(toward[1], toward[0])):.0f}")
+    return f"seen from\n\N{GREEK SMALL LETTER ALPHA} = {azimuth}°"
+
+
+def _head(fig: Figure, tip: NDArray[np.float64], way: NDArray[np.float64]) -> None:
+    """The head of an arrow; way: its direction, of length 1."""
+    across = np.array([-way[1], way[0]])
+    corners = [tip + 5 * way, tip - 6 * way + 5 * across, tip - 6 * way - 5 * across]
+    fig.add_artist(Polygon(corners, transform=_pixels(fig), facecolor=style.INK, linewidth=0))
+
+
+def _along_sight(fig: Figure, middle: NDArray[np.float64], at_viewer: bool) -> None:
+    """A circle with a dot for an arrow that points at the viewer, with a cross for one that points away."""
+    fig.add_artist(_circle(fig, middle[0], middle[1], 9.0, facecolor="white", edgecolor=style.INK, linewidth=1.2,
+                           zorder=3))  # fmt: skip
+    if at_viewer:
+        spot(fig, middle[0], middle[1], 3.5, style.INK)
+        return
+    for up in (-1, 1):
+        arm = 9.0 * np.sqrt(0.5) * np.array([1, up])
+        line(fig, middle - arm, middle + arm, color=style.INK, linewidth=1.2, zorder=4)
 
 
 def _free_side(axes: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -172,19 +220,22 @@ def colour_bar(bar: Bar) -> Block:
     return Block(max(BAR[0], measure.width(label, style.SMALL)) + 12, 34 + BAR[1] + words, draw)
 
 
-def entry(colour: str, words: str) -> Block:
-    """A colour of the legend and its meaning."""
+def entry(colour: str, words: str, radius: float = PATCH / 2) -> Block:
+    """A colour of the legend and its meaning; radius: of a ring."""
     words = measure.wrapped(words, 420.0, style.SMALL)
     high = max(measure.height(words, style.SMALL), PATCH)
 
     def draw(fig: Figure, x: float, y: float) -> None:
         middle = y + high / 2
         if colour == RING:
-            ring(fig, x + PATCH / 2, middle)
+            ring(fig, x + PATCH / 2, middle, radius)
         else:
             size = fig.get_size_inches() * style.DPI
+            look = {"facecolor": colour, "linewidth": 0.0}
+            if colour == OUTLINE:
+                look = {"facecolor": SURFACE, "edgecolor": style.SOFT, "linewidth": 0.6}
             fig.add_artist(Rectangle((x / size[0], (middle - 8) / size[1]), PATCH / size[0], 16 / size[1],
-                                     facecolor=colour, linewidth=0, transform=fig.transFigure))  # fmt: skip
+                                     transform=fig.transFigure, **look))  # fmt: skip
         text(fig, x + PATCH + 12, middle, words, va="center", **SMALL)
 
     return Block(PATCH + 12 + measure.width(words, style.SMALL), high, draw)
@@ -198,10 +249,11 @@ def _words(words: str) -> Block:
     )  # fmt: skip
 
 
-def ring(fig: Figure, x: float, y: float) -> None:
+def ring(fig: Figure, x: float, y: float, radius: float) -> None:
     """Draw an open circle in ink with a white edge, seen on every colour; everywhere as large as in the legend."""
+    thin = min(1.0, radius / (PATCH / 2)) ** 0.5
     for colour, wide in (("white", 3.0), (style.INK, 1.4)):
-        fig.add_artist(_circle(fig, x, y, PATCH / 2, fill=False, edgecolor=colour, linewidth=wide))
+        fig.add_artist(_circle(fig, x, y, radius, fill=False, edgecolor=colour, linewidth=wide * thin))
 
 
 def spot(fig: Figure, x: float, y: float, radius: float, colour: str) -> None:

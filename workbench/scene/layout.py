@@ -136,7 +136,7 @@ def _one(ds: xr.Dataset, kind: Kind, where: dict[str, int], along: str | None, s
     if long_rod.is_long(context):
         return _in_lines(ds, kind, body, context, case, settings, notes)
     rows, camera = _from_sides([body], context, settings)
-    return composed(Scene(ds, kind, rows, context, case, camera, settings, notes, ringed=True))
+    return composed(Scene(ds, kind, rows, context, case, camera, settings, notes, ringed="first"))
 
 
 def _from_sides(bodies: Sequence[Body], context: Sequence[Body], settings: Settings) -> tuple[list[list[View]], Camera]:

@@ -1,4 +1,4 @@
-"""What is drawn over the first view: rings where a rod passes through itself, and the names of rods. No OpenGL.
+"""What is drawn over views: rings where a rod passes through itself, and the names of rods. No OpenGL.
 
 Lengths are in pixels at `style.DPI`, from the upper left of the picture.
 """
@@ -7,17 +7,31 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..geometry import self_contact
 from ..geometry.centreline import Array
 from . import marks
 from .arrangement import EDGE, Box
 from .camera import Camera
 from .views import View
 
+SMALLEST, LARGEST = 6.0, 13.0  # radius of a ring
+RING = 0.75  # radius of a ring in radii of its rod
 
-def rings(view: View, box: Box, camera: Camera, per_unit: float) -> list[tuple[float, float]]:
-    """Where the rods of a view pass through themselves in sight: x and y of each place."""
-    return [_on_page(view, box, camera, per_unit, camera.page @ place) for place in _seen(view, camera)]
+
+def rings(
+    views: Sequence[tuple[View, Box]], camera: Camera, per_unit: float
+) -> tuple[list[tuple[float, float]], float]:
+    """Where the rods of views pass through themselves in sight: x and y of each place, and the radius of all rings.
+
+    per_unit: pixels per length of a view that is not enlarged.
+    """
+    found, radius = [], LARGEST
+    for view, box in views:
+        seen, _ = view.crossings(camera)
+        found += [_on_page(view, box, camera, per_unit, camera.page @ place) for place in seen]
+        if seen:
+            thinnest = RING * min(body.a for body in view.bodies) * per_unit * view.larger
+            radius = min(radius, max(thinnest, SMALLEST))
+    return found, radius
 
 
 def names(
@@ -36,22 +50,9 @@ def names(
     return [(x, y, text, c) for (x, y), text, c in zip(found, texts, colour, strict=True)]
 
 
-def _seen(view: View, camera: Camera) -> list[Array]:
-    """The places, (3,) each [length], where the rods pass through themselves and the cylinder does not hide it."""
-    found = []
-    across = np.cross(camera.toward, [0.0, 0.0, 1.0])
-    for body in view.bodies:
-        begins = body.line.at(np.array(body.span[:1]))[2][0]
-        for place in self_contact.places(body.line, body.span):
-            at = view.turn @ (place - [0, 0, begins])
-            behind = at[:2] @ camera.toward[:2] < 0 and abs(across @ at) < body.R
-            if not behind or body.side == "inside":
-                found.append(at)
-    return found
-
-
 def _on_page(view: View, box: Box, camera: Camera, per_unit: float, place: Array) -> tuple[float, float]:
     """A place of a view, (2,) [length], in the picture."""
     low, high = view.box(camera)
+    per_unit *= view.larger
     x, up = (place - (low + high) / 2) * per_unit
     return float(box.x + box.width / 2 + x), float(box.y + box.height - EDGE - (high - low)[1] / 2 * per_unit - up)

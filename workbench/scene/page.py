@@ -27,11 +27,13 @@ class Words:
     Attributes
     ----------
     legend
-        Colours and their meaning; `footer.RING` for a ring.
+        Colours and their meaning; `footer.RING` for a ring, `footer.OUTLINE` for a hidden stretch.
     columns, rows
         Headings of a table: its quantity, then the values. Default: none.
     own_scales
         Each cell has a scale bar, so there is no other.
+    radius
+        Of the rings.
     """
 
     title: str
@@ -43,6 +45,7 @@ class Words:
     columns: Sequence[str] = ()
     rows: Sequence[str] = ()
     own_scales: bool = False
+    radius: float = footer.PATCH / 2
 
     @property
     def heads(self) -> tuple[float, float]:
@@ -120,7 +123,7 @@ def feet(
     """The lines below the views on a page of that width."""
     room = width - 2 * MARGIN
     scale = None if words.own_scales else (per_unit, words.length_unit, along_axis)
-    return footer.lines_of(footer.blocks(axes, scale, words.bar, words.legend, words.notes, room), room)
+    return footer.lines_of(footer.blocks(axes, scale, words.bar, words.legend, words.notes, room, words.radius), room)
 
 
 def above(words: Words, width: float) -> float:
@@ -156,7 +159,7 @@ def figure(page: Page) -> Figure:
             _cells(fig, page, left, bottom + high)
             _headings(fig, page, left, bottom + high)
             for x, y in page.rings:
-                footer.ring(fig, left + x, bottom + high - y)
+                footer.ring(fig, left + x, bottom + high - y, page.words.radius)
             for x, y, text, colour in page.marks:
                 footer.text(fig, left + x, bottom + high - y, text, color=colour, va="center", **footer.HALO)
 

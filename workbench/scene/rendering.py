@@ -37,7 +37,7 @@ def render(
     pixel_error: float,
     transparent: bool = False,
     line: float = 1.0,
-) -> tuple[NDArray[np.uint8], float]:
+) -> tuple[NDArray[np.uint8], float, bool]:
     """Render all views into one picture.
 
     Parameters
@@ -52,14 +52,14 @@ def render(
     Returns
     -------
     tuple
-        The pixels, (height, width, 3 or 4), and the error of the drawn surface in pixels: at most `pixel_error` where
-        the stations allow it.
+        The pixels, (height, width, 3 or 4); the error of the drawn surface in pixels: at most `pixel_error` where the
+        stations allow it; whether hidden stretches are drawn in outline.
     """
     drawn = [one for one in placed if one.view.bodies]
     background = np.full((size[1], size[0], 4), 255, dtype=np.uint8)
     if not drawn:
         background[..., 3] = 0
-        return background if transparent else background[..., :3], 0.0
+        return background if transparent else background[..., :3], 0.0, False
     block = sampling.block_for(size)
     plotter: Any = pv.Plotter(off_screen=True, window_size=[block * n for n in size], lighting="none")
     try:
@@ -77,31 +77,21 @@ def render(
             walls += _place(plotter, one, made[same], own, size, line * block)
         depth = _set_camera(plotter, drawn, camera, size)
         outline = _drawn(drawn, camera, depth, block, line)
-        pixels, alpha = sampling.mean(sampling.Window(plotter, size, block), walls, outline, transparent)
+        pixels, alpha, outlined = sampling.mean(sampling.Window(plotter, size, block), walls, outline, transparent)
     finally:
         plotter.close()
     error = max(one.error for one in made.values())
-    return (np.concatenate([pixels, alpha], axis=-1) if transparent else pixels), error
+    return (np.concatenate([pixels, alpha], axis=-1) if transparent else pixels), error, outlined
 
 
 def _drawn(placed: Sequence[Placed], camera: Camera, depth: float, block: int, line: float) -> hidden.Drawn | None:
     """How the hidden stretches are drawn; None where nothing is hidden, or too thin for an outline."""
     bodies = [(one.view, body) for one in placed for body in one.view.bodies]
     thick = max(2 * body.a * view.larger for view, body in bodies) * camera.per_unit
-    if thick < THIN or not any(_hides(view, body, camera) for view, body in bodies):
+    if thick < THIN or not any(view.hides(body, camera) for view, body in bodies):
         return None
     edge = 0.6 * min(body.a * view.larger for view, body in bodies)
     return hidden.Drawn(edge / depth, 0.7 * edge * camera.per_unit * block, max(line * block, 1.0))
-
-
-def _hides(view: View, body: Body, camera: Camera) -> bool:
-    """Whether the cylinder hides a part of a rod."""
-    if body.side == "inside":
-        return False
-    place = view.places(body)
-    across = np.cross(camera.toward, [0.0, 0.0, 1.0])
-    near = np.abs(place @ across) < np.linalg.norm(across) * (body.R + 0.6 * body.a)
-    return bool((near & (place[:, :2] @ camera.toward[:2] < 0)).any())
 
 
 def _set_camera(plotter: Any, placed: Sequence[Placed], camera: Camera, size: tuple[int, int]) -> float:

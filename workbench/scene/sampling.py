@@ -81,8 +81,10 @@ def block_for(size: tuple[int, int]) -> int:
 
 def mean(
     window: Window, walls: Sequence[Any], drawn: hidden.Drawn | None, transparent: bool
-) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+) -> tuple[NDArray[np.uint8], NDArray[np.uint8], bool]:
     """The mean of all samples of each pixel: colours, (height, width, 3), and what is covered, (height, width, 1).
+
+    The third value is whether an outline of a hidden stretch is drawn.
 
     walls: what hides stretches of the rods. drawn: how these are drawn; default: not at all.
     """
@@ -108,7 +110,7 @@ def mean(
         share = np.maximum(covered, 1) / samples
         pixels = np.where(covered > 0, (pixels - 255 * (1 - share)) / share, 255)
     alpha = np.round(covered * (255 / samples)).astype(np.uint8)
-    return (np.clip(pixels, 0, 255) + np.float32(0.5)).astype(np.uint8)[::-1], alpha[::-1]
+    return (np.clip(pixels, 0, 255) + np.float32(0.5)).astype(np.uint8)[::-1], alpha[::-1], bool(line.any())
 
 
 def _show(actors: Sequence[Any], shown: bool) -> None:

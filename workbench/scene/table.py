@@ -47,7 +47,8 @@ def several(
     held = {k: i for k, i in cases[0][0].items() if k not in names}
     shown = [] if table else [labels.axis_label(n, ds[n]) for n in names if n != "equilibrium"]
     case = ", ".join([*shown, *captions.values(ds, held)])
-    scene = Scene(ds, kind, rows, bodies, case, camera, settings, _notes(ds, kind, names, cases, line, bodies), size)
+    scene = Scene(ds, kind, rows, bodies, case, camera, settings, _notes(ds, kind, names, cases, line, bodies), size,
+                  ringed="all")  # fmt: skip
     if table:
         heads = [captions.headings(ds, names[0], cases[0]), captions.headings(ds, names[1], [row[0] for row in cases])]
         scene = replace(scene, columns=heads[0], heads=heads[1])

@@ -51,6 +51,28 @@ class View:
         """The centreline of a rod as it is turned, (n, 3) [length]."""
         return body.dense @ self.turn.T
 
+    def hides(self, body: Body, camera: Camera) -> bool:
+        """Whether the cylinder hides a part of a rod."""
+        if body.side == "inside":
+            return False
+        place = self.places(body)
+        across = np.cross(camera.toward, [0.0, 0.0, 1.0])
+        near = np.abs(place @ across) < np.linalg.norm(across) * (body.R + 0.6 * body.a)
+        return bool((near & (place[:, :2] @ camera.toward[:2] < 0)).any())
+
+    def crossings(self, camera: Camera) -> tuple[list[Array], int]:
+        """The places, (3,) each [length], where rods pass through themselves in sight; how many the cylinder hides."""
+        across = np.cross(camera.toward, [0.0, 0.0, 1.0])
+        seen, hidden = [], 0
+        for body in self.bodies:
+            for at in (self.turn @ place for place in body.crossings):
+                behind = at[:2] @ camera.toward[:2] < 0 and abs(across @ at) < body.R
+                if behind and body.side != "inside":
+                    hidden += 1
+                else:
+                    seen.append(at)
+        return seen, hidden
+
     @property
     def cylinder(self) -> tuple[float, float]:
         """The heights between which the cylinder stands [length]."""
