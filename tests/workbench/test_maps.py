@@ -29,6 +29,7 @@ from workbench.figures import (
     style,
 )
 from workbench.figures import thumbnails as thumbs
+from workbench.figures.sheet import Sheet
 from workbench.run import in_memory
 
 THREE = """
@@ -121,6 +122,7 @@ def test_values_in_any_order_are_drawn_in_rising_order_and_angles_in_degrees() -
 @pytest.mark.parametrize(
     ("low", "high", "most", "expected"),
     [(4.8e3, 4.2e4, 9, [5e3, 1e4, 2e4]), (0.9, 1100, 6, [1, 10, 100, 1000]), (4.8e3, 4.2e4, 2, [5e3, 2e4]),
+     (0.5 * (1 + 1e-15), 2 * (1 - 1e-15), 4, [0.5, 1, 2]),
      (0.9, 1.1e6, 4, [1, 100, 1e4, 1e6])],
 )  # fmt: skip
 def test_a_logarithmic_axis_has_as_many_round_ticks_as_have_room(low, high, most, expected) -> None:
@@ -197,7 +199,7 @@ def test_many_counts_are_drawn_in_classes(regimes) -> None:
     rows = np.arange(regimes.sizes["E"])[:, None] // 4 * 100 + np.zeros(regimes.sizes["R"])
     ax = maps(map_figure.figure(regimes.assign(turns=regimes["turns"].copy(data=rows)), show=["turns"]))[0]
     texts = [text.get_text() for text in ax.texts if text.get_text()[0].isdigit()]
-    assert texts == ["0–49", "100–149", "200–249", "300–349", "400–449", "500–549"]
+    assert texts == ["0–49", "100–149", "200–249", "300–349", "400–449", "500–549", "600–649"]
 
 
 def test_cells_that_lift_off_are_hatched_and_cells_without_a_solution_or_a_number_have_their_own_colours(
@@ -315,6 +317,42 @@ def test_shapes_are_developed_curves_at_one_scale_each_in_its_cell(regimes, tmp_
         np.testing.assert_array_equal(drawn, one["z"])
     np.testing.assert_allclose(inches, inches[0][0], rtol=1e-6)  # pixels per length, to the right and up
     assert {"the cylinder pushes", "the cylinder would have to pull"} <= set(legend(fig))
+
+
+def test_a_region_too_small_for_its_number_has_it_beside_it_with_a_line_that_ends_in_it(regimes) -> None:
+    counts = np.full(regimes["turns"].shape, 2)
+    counts[:, :9] = 1
+    counts[7, 4] = 5  # one cell
+    ds = regimes.assign(turns=regimes["turns"].copy(data=counts))
+    fig = map_figure.figure(ds, show=["turns"], sheet=Sheet(3.6))
+    ax = maps(fig)[0]
+    numbers = [text for text in ax.texts if text.get_text().isdigit()]
+    assert sorted(text.get_text() for text in numbers) == ["1", "2", "5"]
+    (five,) = [text for text in numbers if text.get_text() == "5"]
+    (line,) = [line for line in ax.lines if line.get_gid() == "leader"]
+    fig.canvas.draw()
+    start, end = line.get_transform().transform(line.get_xydata())
+    E, R = ax.transData.inverted().transform(end)
+    assert ds["turns"].sel(E=E, R=R, method="nearest") == 5
+    box = five.get_window_extent()
+    assert np.hypot(*(start - [(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2])) < box.height
+    assert not box.contains(*end)
+
+
+def test_in_the_panel_of_shapes_each_count_stands_in_its_region_and_none_is_left_out(regimes) -> None:
+    fig = map_figure.figure(regimes, show=["turns"], shapes=thumbs.Shapes(4, 3))
+    panel = maps(fig)[-1]
+    fig.canvas.draw()
+    numbers = [text for text in panel.texts if text.get_text().isdigit()]
+    assert {text.get_text() for text in numbers} == {str(n) for n in range(8)}
+    led = [line for line in panel.lines if line.get_gid() == "leader"]
+    inside = 0
+    for text in numbers:
+        box = text.get_window_extent()
+        corners = panel.transData.inverted().transform([[x, y] for x in (box.x0, box.x1) for y in (box.y0, box.y1)])
+        found = {int(regimes["turns"].sel(E=E, R=R, method="nearest")) for E, R in corners}
+        inside += found == {int(text.get_text())}
+    assert inside == len(numbers) - len(led)
 
 
 def test_shapes_of_very_different_pushes_have_a_logarithmic_scale_with_a_bar_that_says_so(regimes) -> None:

@@ -155,7 +155,11 @@ class _Maps:
         self._label(ax)
         held = "".join(f", {self._value(axis, i)}" for axis, i in self.places[0].items()) if self.choice.along else ""
         ax.set_title(f"developed shapes over the {labels.long_name(self.ds[name])}{held}", loc="left")
-        self.more += thumbnails.draw(ax, column, shapes, self.of_shapes, name)
+        regions, texts = map_panel.regions_of(column, name, self.colours[name])
+        free = map_panel.room_on(column, regions, self.of_shapes)
+        notes, said = thumbnails.draw(ax, column, shapes, free, name)
+        map_panel.name_regions(ax, free, texts, said)
+        self.more += notes
         self.entries += thumbnails.entries(column)
 
     def notes(self) -> list[str]:

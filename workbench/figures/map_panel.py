@@ -1,5 +1,6 @@
 """One map: an observable in colours over two axes, the regions of a count, hatching, and cells without a number."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,8 @@ from studies.laws import NOISE
 from ..data import cautions, labels, observed
 from . import regions, style
 from .map_cells import Cells
+from .room import Place, Room, name_beside, size_of, write
+from .room import room as room_of
 from .scales import Ticks
 
 Values = NDArray[np.float64]
@@ -161,15 +164,61 @@ def _draw_borders(ax: Axes, cells: Cells, classes: Values) -> None:
 
 
 def _number_regions(ax: Axes, cells: Cells, classes: Values, step: int, inches: tuple[float, float]) -> None:
-    """The count of each region that has room for it, or the first and the last count of its class."""
+    """The count of each region, or the first and the last count of its class: in it, or beside it with a line to it.
+
+    Of several regions of one count that are too small, one has the line.
+    """
     x, y = cells.x.values, cells.y.values
     halo = withStroke(linewidth=2.2, foreground="white", alpha=0.75)
-    known = classes[np.isfinite(classes)]
-    texts = {
-        n: labels.tick(n) if step == 1 else f"{labels.tick(n)}–{labels.tick(n + step - 1)}" for n in np.unique(known)
-    }
+    texts = _texts(classes, step)
     letters = max(map(len, texts.values()), default=1)
     room = 0.5 * style.small() / 72 + AROUND, 0.5 * letters * style.small() * style.LETTER + AROUND
+    free = room_on(cells, classes, inches)
+    left = dict(texts)
     for number, j, i in regions.places(classes, (inches[1] / y.size, inches[0] / x.size), room):
         ax.text(x[i], y[j], texts[number], ha="center", va="center", size=style.small(), color=style.INK,
                 path_effects=[halo], zorder=5)  # fmt: skip
+        free.take((cells.y.share(y[j]) * inches[1], cells.x.share(x[i]) * inches[0]), (2 * room[0], 2 * room[1]))
+        left.pop(number, None)
+    for number, text in left.items():
+        name_beside(ax, free, number, text)
+
+
+def name_regions(ax: Axes, free: Room, texts: dict[float, str], said: Sequence[Place]) -> None:
+    """Write the count of each area of a map that has room and has none yet, and of each count that is written nowhere.
+
+    said: where counts are written, each in its region.
+    """
+    for number, text in texts.items():
+        size, written = size_of(text), any(free.region(place) == number for place in said)
+        for area in free.areas(number):
+            if any(free.holds(area, place) for place in said):
+                continue
+            middle = free.inside(area, size)
+            if middle is not None:
+                written = True
+                write(ax, text, middle, free.inches)
+                free.take(middle, size)
+        if not written:
+            name_beside(ax, free, number, text)
+
+
+def regions_of(cells: Cells, name: str, colours: Colours) -> tuple[Values, dict[float, str]]:
+    """The regions of a map of an observable, and the counts of each; of what is no count all cells, and none."""
+    values = cells.values(name)
+    if not colours.count:
+        return np.zeros(values.shape), {}
+    classes, step = _classes(values, colours)
+    return classes, _texts(classes, step)
+
+
+def _texts(classes: Values, step: int) -> dict[float, str]:
+    """The count of each class, or its first and its last count."""
+    known = np.unique(classes[np.isfinite(classes)])
+    return {n: labels.tick(n) if step == 1 else f"{labels.tick(n)}–{labels.tick(n + step - 1)}" for n in known}
+
+
+def room_on(cells: Cells, classes: Values, inches: tuple[float, float]) -> Room:
+    """The room for words on a map of that width and height."""
+    up, across = ([scale.share(float(edge)) for edge in scale.edges] for scale in (cells.y, cells.x))
+    return room_of(classes, up, across, (inches[1], inches[0]))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from . import style
+from .room import name_beside, room
 
 SHAPE, SMALL_SHAPE = 0.62, 0.4  # inches, the height of a shape, and that on a narrow map; its room is as wide
 NARROW = 4.0  # inches of a map
@@ -20,14 +21,16 @@ PAD = 0.05  # inches around a text
 def placed(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], texts: list[str]) -> tuple[list[str], list[int]]:
     """Write the texts into their regions, with the stable shapes below each where they fit.
 
-    Returns notes, and the regions that are too narrow for their text.
+    Returns notes, and the regions for whose text there is no room.
 
-    inches: width and height of the map. A text that does not fit stands in two lines, or is left out.
+    inches: width and height of the map. A text that does not fit stands in two lines, or beside its region with a line
+    to it.
     """
     numbers = ds["region_at"].values
     cell = inches[1] / numbers.shape[0], inches[0] / numbers.shape[1]
     largest, side = _largest(ds), SHAPE if inches[0] > NARROW else SMALL_SHAPE
     left_out, fewer, drawn = list[int](), False, False
+    free = room(numbers, np.linspace(0, 1, numbers.shape[0] + 1), np.linspace(0, 1, numbers.shape[1] + 1), inches[::-1])
     for k, text in enumerate(texts):
         stable = int(ds["count_stable"].values[k])
         lines = text.replace(", ", ",\n")
@@ -40,10 +43,13 @@ def placed(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], texts: list[st
             if place is not None:
                 fewer |= 0 < shapes < stable
                 drawn |= shapes > 0
-                _write(ds, ax, (place[0] * cell[0], place[1] * cell[1]), inches, said, (k, shapes), (largest, side))
+                middle = place[0] * cell[0], place[1] * cell[1]
+                _write(ds, ax, middle, inches, said, (k, shapes), (largest, side))
+                free.take(middle, (height, width))
                 break
         else:
             left_out.append(k)
+    left_out = [k for k in left_out if not (numbers == k).any() or not name_beside(ax, free, k, texts[k])]
     some = "; where there is not room for all, those of lowest energy" if fewer else ""
     notes = [f"Shapes: developed curves of the stable equilibria, ρα to the right and z up, all at one scale{some}."]
     return notes if drawn else [], left_out

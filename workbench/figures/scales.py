@@ -19,6 +19,7 @@ Values = NDArray[np.float64]
 WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
 EVEN = 1e-6  # share by which the steps of a geometric axis may differ
 MOST, APART = 8, 0.16  # ticks of an axis; inches between two numbers, one above the other
+ROUNDING = 1e-9  # share of the range by which a tick may lie outside it
 FEW, SUBS = 3, ((1, 2, 5), (1,))  # ticks that a logarithmic axis has at least; their digits
 
 
@@ -113,6 +114,7 @@ def written(value: float) -> str:
 def ticks(low: float, high: float, logarithmic: bool, most: int) -> list[float]:
     """At most so many round numbers from low to high: on a logarithmic axis at 1, 2 and 5 times powers of ten, or over
     several decades at powers of ten alone; evenly spaced ones where `FEW` such numbers do not lie in the range."""
+    low, high = low - (high - low) * ROUNDING, high + (high - low) * ROUNDING
     if logarithmic:
         powers = range(floor(log10(low)), ceil(log10(high)) + 1)
         found = [[digit * 10.0**power for power in powers for digit in digits] for digits in SUBS]

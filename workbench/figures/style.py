@@ -33,7 +33,7 @@ MAP_ENDS = (0.0, 0.88)
 # Maps: the same ramp mixed with white, so that ink (numbers, hatching, lines) stands out from every colour of it
 WHITE_OF_MAP = 0.42
 UNSOLVED, UNKNOWN = INK, "#ffffff"  # a cell without a solution, darker than every colour of a map; one without a number
-HATCHES = {"pulled": "////", "overlaps": "\\\\\\\\"}  # key of `cautions.TOLD` -> how its cells are hatched
+HATCHES = {"pulled": "///", "overlaps": "\\\\\\"}  # key of `cautions.TOLD` -> how its cells are hatched
 
 DPI = 200
 SMALL, NORMAL, LARGE = 8.0, 9.5, 12.0  # points
@@ -63,7 +63,7 @@ RC: Any = {
     "savefig.facecolor": "white",
     "figure.dpi": DPI,
     "savefig.dpi": DPI,
-    "hatch.linewidth": 0.7,
+    "hatch.linewidth": 0.45,
     "pdf.fonttype": 42,
     "mathtext.default": "regular",
     "text.parse_math": False,  # a title may come from anyone, and has its $ as they are
@@ -109,13 +109,13 @@ def wrapped(text: str, ax: Axes, size: float | None = None, bold: bool = False, 
 def fitted(text: str, room: float, size: float | None = None, bold: bool = False) -> str:
     """The text in lines that are no longer than so many inches, for a font of that size in points.
 
-    A word that is longer than a line is cut.
+    A word that is longer than a line is cut; a product such as ``5 x 4`` is one word.
     """
     size = size or normal()
     room = max(room, 12 * size * LETTER)
     lines: list[str] = []
     line = ""
-    for gap, word in re.findall(r"([ \t\n]*)([^ \t\n]+)", text):
+    for gap, word in re.findall(r"([ \t\n]*)((?:\d+ x )*[^ \t\n]+)", text):
         longer = f"{line}{gap.replace(chr(10), ' ')}{word}" if line else word
         if line and width_of(longer, size, bold) > room:
             lines, line = [*lines, line], word

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ..figures import style
 from . import hidden, sampling, surfaces
-from .body import Body
 from .camera import Camera
 from .views import View
 
