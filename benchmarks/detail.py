@@ -197,7 +197,7 @@ def draw(path: Path) -> None:
             s = rings(body.line, body.span, pixel_error / per_unit).s
             ax.plot((s[1:] + s[:-1]) / 2, 1 / np.diff(s), drawstyle="steps-mid", color=colour,
                     label=f"rings per cm, {pixel_error:g} pixels allowed")  # fmt: skip
-        ax.set(xlabel="arc length s [cm]", yscale="log")
+        ax.set(xlabel="arc length s [cm]", ylabel="curvature or rings [1/cm]", yscale="log")
         ax.yaxis.set_major_formatter(labels.power_of_ten)
         ax.xaxis.set_major_formatter(Ticks())
         ax.set_title("Where the rings of the rod of Table 1 stand", loc="left", weight="bold", pad=24)

@@ -62,7 +62,9 @@ def cylinder(ax: Axes) -> None:
     ax.plot(*project([[0, 0, 0], [0, 0, HEIGHT + 0.35]]).T, color=SOFT, linewidth=0.9, linestyle=(0, (8, 3, 2, 3)))
     arrow(ax, (0, 0, HEIGHT + 0.3), (0, 0, 0.55), "z", INK, (9, -2))
     way = AZIMUTH + 2.6
-    arrow(ax, (0, 0, HEIGHT), (R * np.cos(way), R * np.sin(way), 0), "R", SOFT, (14, 9), 1.1)
+    arrow(ax, (0, 0, HEIGHT), (R * np.cos(way), R * np.sin(way), 0), "", SOFT, (0, 0), 1.1)
+    middle = project([0.55 * R * np.cos(way), 0.55 * R * np.sin(way), HEIGHT])
+    ax.annotate("R", middle, (-2, 9), textcoords="offset points", color=SOFT, ha="center", va="center")
 
 
 def rod(ax: Axes) -> None:
@@ -76,9 +78,12 @@ def rod(ax: Axes) -> None:
     start = project(centreline(0))
     ax.plot(*start, "o", color=INK, markersize=5, zorder=6)
     ax.annotate("s = 0", start, (-4, -13), textcoords="offset points", ha="center")
-    ax.annotate("s", project(centreline(1.1)), (20, -16), textcoords="offset points", ha="center", color=ROD)
-    side = project(centreline([0.75, 1.25])) + np.array([0.13, -0.11])
-    ax.annotate("", side[1], side[0], arrowprops={"arrowstyle": "->", "color": ROD})
+    along = project(centreline(np.linspace(0.9, 1.7, 40)))  # beside the rod, as curved as it is
+    way = np.gradient(along, axis=0)
+    beside = along + 0.13 * np.column_stack([way[:, 1], -way[:, 0]]) / np.hypot(*way.T)[:, None]
+    ax.plot(*beside.T, color=ROD, linewidth=1.3)
+    ax.annotate("", beside[-1], beside[-4], arrowprops={"arrowstyle": "-|>", "color": ROD, "shrinkA": 0, "shrinkB": 0})
+    ax.annotate("s", beside[20], (8, -7), textcoords="offset points", ha="center", va="center", color=ROD)
 
 
 def section(ax: Axes) -> None:
@@ -124,7 +129,8 @@ def draw() -> Figure:
     ax.set_axis_off()
     ax.set_xlim(-1.9, 2.5)
     ax.set_ylim(-1.0, 5.2)
-    ax.text(0.99, 0.0, "N: towards the axis\nB = T × N: in the surface, across the rod\nT: tangent, at β from the axis",
+    ax.text(0.99, 0.0, "N: towards the axis\nB = T × N: in the surface, across the rod\n"
+            "T: tangent, at β from the axis\npale: the rod behind the cylinder",
             transform=ax.transAxes, ha="right", color=SOFT, size=9)  # fmt: skip
     return fig
 

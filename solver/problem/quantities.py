@@ -74,7 +74,7 @@ _ROWS = (
     Quantity("h", "h", (-2, 0), "first integral of the angle"),
     # observables
     Quantity("turns", "bends", _NUMBER, "number of bends (interior extrema of beta)"),
-    Quantity("bend_number", "bend number", _NUMBER, "number of half periods of beta along the rod", estimated=True),
+    Quantity("bend_number", "half periods", _NUMBER, "number of half periods of beta along the rod", estimated=True),
     Quantity("loops", "loops", _NUMBER, "full turns of beta"),
     Quantity("amplitude", "amplitude of β", "rad", "largest beta minus smallest beta", estimated=True),
     Quantity("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature", estimated=True),

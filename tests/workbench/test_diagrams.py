@@ -95,6 +95,16 @@ def test_the_values_of_the_axis_stand_at_the_same_height_in_every_panel_of_a_rid
     assert [text.get_text() for text in fig.axes[0].get_yticklabels()] == ["5000", "10000", "20000", "40000"]
 
 
+def test_filled_curves_of_a_ridge_hardly_overlap_and_plain_ones_may(ds) -> None:
+    fig = ridge.figure(ds.isel(E=[0, 1, 2, 3]))
+    assert max(ridge.OVERLAP.values()) > 1
+    push = next(ax for ax in fig.axes if ax.get_title(loc="left").startswith("push"))
+    lines = push.get_yticks()
+    assert np.ptp(np.diff(lines)) < 1e-9 * lines[-1]
+    ranges = np.array([float(np.ptp(np.append(one, 0.0))) for one in ds["contact"].values])
+    assert np.quantile(ranges, 0.9) <= (lines[1] - lines[0]) * (1 + 1e-9)
+
+
 def test_a_ridge_of_sixty_values_names_as_many_as_have_room() -> None:
     many = in_memory.run(study("[axes.E]\nfrom = 5e3\nto = 4e4\ncount = 61\n"))
     fig = ridge.figure(many)

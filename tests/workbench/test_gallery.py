@@ -29,11 +29,12 @@ def run(*words: str) -> int:
 
 
 def moduli(count: int):
-    """The dataset of so many values of E."""
+    """The dataset of so many values of E, evenly chosen."""
     from workbench.commands import gallery
 
     study = load(gallery.STUDY)
-    axis = type(study.axes["E"]).model_validate(gallery.MODULI | {"count": count})
+    values = gallery.MODULI[:: (len(gallery.MODULI) - 1) // (count - 1)]
+    axis = type(study.axes["E"]).model_validate({"values": values})
     return in_memory.run(study.model_copy(update={"axes": {"E": axis}, "laws": []}))
 
 
@@ -87,6 +88,17 @@ def test_an_unknown_picture_is_answered_with_those_that_there_are(tmp_path, caps
 def test_a_sweep_of_one_case_is_refused() -> None:
     with pytest.raises(InputError, match="two solved cases along E, got 1"):
         sweep.frames(moduli(2).isel(E=[0]), "E")
+
+
+def test_a_sweep_slows_down_where_its_loop_begins_again() -> None:
+    from workbench.commands import gallery
+
+    steps = np.diff(np.log(gallery.MODULI))
+    assert len(gallery.MODULI) == 31  # there and back without the two ends twice: 60 frames
+    assert [gallery.MODULI[0], gallery.MODULI[-1]] == [5e3, 4e4]
+    np.testing.assert_allclose(steps, steps[::-1], rtol=1e-9)
+    assert (np.diff(steps[:15]) > 0).all()
+    assert steps[0] < 0.1 * steps.max()
 
 
 @draws

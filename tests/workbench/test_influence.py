@@ -397,3 +397,17 @@ def test_the_bars_of_a_study_have_a_panel_for_each_observable(stored: Path, tmp_
     assert len(fig.axes) == 2
     assert all(ax.get_xlim() == fig.axes[0].get_xlim() for ax in fig.axes)
     canvas.save(fig, tmp_path / "bars.pdf")
+
+
+def test_the_bars_say_why_an_index_is_negative_or_a_total_below_that_of_first_order(stored: Path) -> None:
+    found = sobol(xr.open_dataset(stored))
+    exact = found.assign(first=abs(found["first"]), total=abs(found["first"]) + 0.1)
+
+    def note(ds: xr.Dataset) -> str:
+        return " ".join(index_bars.figure(ds).legends[0].get_title().get_text().split())
+
+    assert "sampling error" not in note(exact)
+    low = exact.assign(first=-exact["first"])
+    assert note(low).endswith("The samples give estimates: by their sampling error an index can be below 0.")
+    swapped = exact.assign(total=exact["first"] / 2)
+    assert note(swapped).endswith("by their sampling error a total index can be below that of first order.")

@@ -157,6 +157,15 @@ def test_a_panel_shows_the_formula_the_bounds_the_fit_and_the_boundary(ds: xr.Da
     assert "at most" in words(drawn["equals"])
 
 
+def test_a_band_that_the_line_hides_is_named_so(ds: xr.Dataset) -> None:
+    (row,) = [row for row in law_verdicts.verdicts(ds) if row["kind"] == "equals"]
+    for relative, hidden in ((1e-4, True), (0.3, False)):
+        ax = panel(ds, Figure().add_subplot(), {**row, "rule": {**row["rule"], "relative": relative}})
+        named = [text.get_text() for text in ax.get_legend().get_texts()]
+        assert ("what the law allows (hardly wider than the line)" in named) == hidden
+        assert ("what the law allows" in named) == (not hidden)
+
+
 def test_a_panel_marks_the_cases_outside(ds: xr.Dataset) -> None:
     rule = "kind = 'bounded'\nobservable = 'kappa_max'\nmost = 2.0\n"
     bad = in_memory.run(study(f"[[laws]]\nclaim = 'a'\naxis = 'R'\nsource = 's'\n{rule}"))

@@ -77,7 +77,7 @@ def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
     from workbench.scene import composition, layout
 
     pages, sizes = [], []
-    for dpi in (50, 75, 110):
+    for dpi in (60, 75, 110):  # with fewer, letters of five pixels differ
         path = tmp_path / f"{dpi}.png"
         layout.render(ds, path, kind="plain", settings=composition.Settings(1.0, dpi))
         with Image.open(path) as picture:
@@ -87,7 +87,7 @@ def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
     np.testing.assert_allclose(sizes, [sizes[0]] * 3, atol=0.04)  # two pixels of the coarsest
     assert sizes[0][0] == 8
     # the same picture, but for edges that fall elsewhere between pixels
-    assert (np.abs(pages[0] - pages[2]) > 40).mean() < 0.03
+    assert (np.abs(pages[0] - pages[2]) > 40).mean() < 0.025
 
 
 @draws

@@ -147,6 +147,16 @@ def test_a_diagram_needs_no_more_than_the_file(ds, tmp_path) -> None:
         work_precision.panel(ds, None, "long")  # type: ignore[arg-type]
 
 
+def test_each_panel_of_a_trade_has_the_numbers_of_its_cost(ds) -> None:
+    names = [f"case {k}" for k in range(5)]
+    five = ds.isel(case=[0] * 5).assign_coords(case=names)
+    fig = work_precision.figure(five, "seconds")
+    fig.draw_without_rendering()
+    assert len(fig.axes) == 5
+    for ax in fig.axes:
+        assert any(text.get_visible() and text.get_text() for text in ax.get_xticklabels())
+
+
 @pytest.mark.parametrize(
     "args, sentence",
     [

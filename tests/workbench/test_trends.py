@@ -15,7 +15,7 @@ from studies import load, names
 from studies.reasons import DOES
 from tests.workbench.pictures import pixels, share_of_ink
 from tests.workbench.small import grid, study
-from workbench.data import labels, law_verdicts, selection
+from workbench.data import labels, law_verdicts, observed, selection
 from workbench.figures import canvas, single_rod, study_figure, style
 from workbench.figures.developed import developed, stretch
 from workbench.figures.law_panel import panel
@@ -44,6 +44,28 @@ def panels(ds: xr.Dataset) -> list:
 
 def said(ax) -> str:
     return " ".join([ax.get_title(loc="left"), *(text.get_text() for text in ax.texts)]).replace("\n", " ")
+
+
+def test_developed_curves_end_at_the_right_edge_and_begin_with_a_dot(angles) -> None:
+    fig = study_figure.figure(angles, [])
+    fig.draw_without_rendering()
+    strip = next(ax for ax in fig.axes if ax.get_title(loc="left").startswith("Developed curves"))
+    right = [ax.get_position().x1 for ax in fig.axes]
+    assert strip.get_position().x1 == pytest.approx(max(right), abs=0.01)
+    dots = [line for line in strip.lines if line.get_marker() == "o"]
+    cases = selection.spread(selection.line(angles, "beta0"), 9)
+    assert [float(dot.get_ydata()[0]) for dot in dots] == [float(angles["z"].isel(case)[0]) for case in cases]
+    assert "black dot: s = 0" in " ".join(strip.get_title(loc="left").split())
+
+
+def test_curves_alone_fill_their_figure() -> None:
+    ds = in_memory.run(study("[axes.E]\nfrom = 5e3\nto = 4e4\ncount = 9\n"))
+    fig = study_figure.figure(ds.drop_vars(observed.observables(ds)), [])
+    fig.draw_without_rendering()
+    (strip,) = fig.axes
+    box = strip.get_position()
+    assert box.width > 0.85
+    assert box.height * fig.get_figheight() > fig.get_figheight() - 2  # inches of title, numbers and labels
 
 
 QUICK = ("fig7_1_modulus", "regimes")  # the report draws those of the paper, and the pages of the docs the others

@@ -61,7 +61,7 @@ def animate(
     ] = None,
     fps: Annotated[float, numbered("Frames per second; each stored case is one frame.")] = 3.0,
     pixel_error: PixelError = 0.5,
-    dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 120 gives 1488 x 636 pixels.")] = 120,
+    dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 150 gives 1488 x 636 pixels.")] = 150,
     force: ForceOutput = False,
 ) -> int:
     """Make a film of the cases along an axis.

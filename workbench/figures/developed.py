@@ -96,6 +96,7 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str, sheet: Sheet = SCREEN) -> Axe
             look: dict[str, Any] = {"linewidth": 1.7, "solid_capstyle": "round"}
             if too_coarse(ds, where):  # a line would show bends that are not there
                 coarse, look = True, {"linestyle": "none", "marker": ".", "markersize": 3}
+            ax.plot(line, found[1][0], "o", color=style.INK, markersize=3, zorder=4)
             ax.plot(line + found[0], found[1], color=colour, label=f"{labels.axis_symbol(axis)} = {value}", **look)
     middles = _middles(lines, curves)
     ax.set_xticks(middles, values)
@@ -111,8 +112,8 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str, sheet: Sheet = SCREEN) -> Axe
     ax.set_xlabel(texts["\n" in texts[0]], loc="left")  # the short label where the long one needs two lines
     ax.set_ylabel(f"z [{labels.unit(str(ds.attrs['length_unit']))}]{larger(factor, 'ρα')}{larger(1 / factor)}")
     scale = "at one scale" if factor == 1 else "at two scales"
-    dots = f"; dots: {ds.sizes['u']} stations miss bends" if coarse else ""
-    title = f"Developed curves: ρα to the right, z up, {scale}{dots}"
+    dots = f"; other dots: {ds.sizes['u']} stations miss bends" if coarse else ""
+    title = f"Developed curves: ρα to the right, z up, {scale}; black dot: s = 0{dots}"
     if sheet.titled:
         ax.set_title(style.wrapped(title, ax), loc="left")
     else:
@@ -128,7 +129,7 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str, sheet: Sheet = SCREEN) -> Axe
 def strip_height(ds: xr.Dataset, axis: str, page: float) -> float:
     """The height in inches of the curves along an axis with their labels, on a page of that many inches."""
     cases, lines, curves, width = _side_by_side(ds, axis)
-    room = page - 0.9, STRIP[1]
+    room = page - 0.4, STRIP[1]  # what is too high is cut by `canvas.close_gaps`
     tall = 1.1 * _height(curves)
     least = min(STRIP[0], 0.25 * page)
     high = float(np.clip(room[0] * tall / (width * _factor(curves, width, room)), least, STRIP[1]))

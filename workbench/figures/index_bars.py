@@ -26,7 +26,8 @@ def figure(ds: xr.Dataset, sheet: Sheet | None = None) -> Figure:
             Patch(color=FIRST, label="first order: the field alone"),
             Patch(color=TOTAL, label="total: with interactions"),
         ]
-        legend.below(fig, entries, [f"Shares of the variance; lines: {share} intervals."], sheet or SCREEN)
+        notes = [f"Shares of the variance; lines: {share} intervals.", *_estimated(ds)]
+        legend.below(fig, entries, notes, sheet or SCREEN)
 
     return bars.figure(ds, names, 2 * ds.sizes["field"], lambda ax, name: panel(ds, ax, name, limits), below, sheet)
 
@@ -58,6 +59,16 @@ def panel(ds: xr.Dataset, ax: Axes, name: str, limits: tuple[float, float]) -> A
         lost = f"{100 * float(row['lost']):.2g} % of the blocks left out"
         ax.set_title(lost, loc="right", pad=4, size=style.small(), color=style.SOFT)
     return ax
+
+
+def _estimated(ds: xr.Dataset) -> list[str]:
+    """Why an index is negative, or a total index is less than that of first order, where this is so."""
+    found = {
+        "an index can be below 0": bool((ds["first"] < 0).any() or (ds["total"] < 0).any()),
+        "a total index can be below that of first order": bool((ds["total"] < ds["first"]).any()),
+    }
+    said = " and ".join(words for words, is_so in found.items() if is_so)
+    return [f"The samples give estimates: by their sampling error {said}."] if said else []
 
 
 def _limits(ds: xr.Dataset) -> tuple[float, float]:

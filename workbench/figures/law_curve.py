@@ -14,6 +14,7 @@ from ..data import labels, law_numbers, selection
 from . import law_words, style
 
 DASHED = (0, (4, 2))
+SEEN = 4.0  # points across, from which a band is seen beside a line
 
 
 def curve(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
@@ -37,8 +38,9 @@ def _equals(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: A
     array = ds[law.observable]
     half = labels.in_label_unit(array, law.absolute) if law.relative is None else law.relative * np.abs(formula)
     _line(ax, along, formula, law_words.formula(ds, law.formula, array))
+    thin = 2 * np.median(half) * style.inches(ax)[1] * 72 < SEEN * np.ptp(ax.get_ylim())
     ax.fill_between(along, formula - half, formula + half, color=style.INK, alpha=0.12, linewidth=0, zorder=0,
-                    label="what the law allows")  # fmt: skip
+                    label=f"what the law allows{' (hardly wider than the line)' if thin else ''}")  # fmt: skip
 
 
 def _bounded(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:

@@ -13,6 +13,8 @@ from . import style
 from .sheet import SCREEN, Sheet
 from .style import SOFT
 
+# The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points
+PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
 HANDLE = 0.45  # inches of an entry beside its label
 
 
@@ -21,7 +23,7 @@ def add(ax: Axes, **where: Any) -> None:
     handles, labels = ax.get_legend_handles_labels()
     once = dict(zip(labels, handles, strict=True))
     if once:
-        ax.legend(list(once.values()), list(once), **{"loc": "best", **where})
+        ax.legend(list(once.values()), list(once), **{"loc": "best", **PADDED, **where})
 
 
 def below(fig: Figure, entries: Sequence[Artist], notes: Sequence[str] = (), sheet: Sheet = SCREEN) -> None:

@@ -23,7 +23,8 @@ from .sheet import SCREEN, Sheet
 
 PANELS = {"beta": "angle β", "kappa": "curvature κ", "push": "push"}  # name -> title
 MOST = 60
-OVERLAP = 1.6  # the range of a curve in steps from one curve to the next, where there are many of them
+# the range of a curve in steps from one curve to the next, where there are many of them; filled curves do not overlap
+OVERLAP = {"beta": 1.6, "kappa": 1.6, "push": 1.0}
 EACH, TALL = 0.3, (2.6, 7.2)  # inches of one curve, and of a panel
 LINE = 1.45  # heights of a letter from one line of text to the next
 
@@ -99,7 +100,7 @@ class Ridge:
     @property
     def size(self) -> float:
         """What the step was made from: the range of nearly every curve."""
-        return self.step * min(OVERLAP, 0.5 + 0.2 * len(self.curves))
+        return self.step * _overlap(self.name, len(self.curves))
 
 
 def _ridge(found: DrawnRods, name: str) -> Ridge:
@@ -112,7 +113,12 @@ def _ridge(found: DrawnRods, name: str) -> Ridge:
     foot = float(low) if far and high - low > NOISE * max(abs(low), abs(high)) else 0.0
     sizes = [max(curve.max(), foot) - min(curve.min(), foot) for curve in drawn]
     size = float(np.quantile(sizes, 0.9)) or 1.0
-    return Ridge(name, curves, foot, size / min(OVERLAP, 0.5 + 0.2 * len(curves)))
+    return Ridge(name, curves, foot, size / _overlap(name, len(curves)))
+
+
+def _overlap(name: str, count: int) -> float:
+    """The range of a curve in steps from one of so many curves to the next."""
+    return min(OVERLAP[name], 0.5 + 0.2 * count)
 
 
 def _panel(ax: Axes, found: DrawnRods, ridge: Ridge, ends: tuple[float, float], tall: float, labelled: bool) -> None:

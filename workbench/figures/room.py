@@ -168,7 +168,7 @@ def name_beside(ax: Axes, found: Room, number: float, said: str) -> bool:
     halo = [withStroke(linewidth=2.0, foreground="white", alpha=0.85)]
     look: dict[str, Any] = {"color": style.INK, "transform": ax.transAxes, "path_effects": halo, "clip_on": False}
     ax.plot(*np.transpose([start, to]), linewidth=0.7, zorder=18, gid="leader", **look)
-    ax.plot(*to, "o", markersize=2.4, zorder=19, **look)
+    ax.plot(*to, "o", markersize=2.4, zorder=19, gid="end of a leader", **look)
     write(ax, said, middle, found.inches)
     found.take(middle, (size[0] + 2 * PAD, size[1] + 2 * PAD))
     return True

@@ -13,7 +13,7 @@ from studies.dimensions import SAMPLE
 
 from ..data import labels, law_verdicts, observed, refined, schema
 from . import canvas, legend, scatter, single_rod
-from .developed import developed, has_curve, strip_height
+from .developed import STRIP, developed, has_curve, strip_height
 from .law_panel import panel
 from .sheet import SCREEN, Sheet
 from .trends import trend
@@ -64,7 +64,9 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
         raise InputError("nothing to draw: the dataset has neither observables nor the arrays alpha and z")
     strips, rows, plain, sampled = _only(sheet.panel, strips, rows, plain, sampled)
     count, width = len(rows or plain), sheet.width
-    beside = count <= len(strips) and all(strip_height(curves, axis, width * BESIDE) > LEAST_BESIDE for axis in strips)
+    beside = 0 < count <= len(strips) and all(
+        strip_height(curves, axis, width * BESIDE) > LEAST_BESIDE for axis in strips
+    )
     beside = beside and not sampled and not sheet.narrow
     across = 1 if sheet.narrow else 3 if len(plain) == 3 and not rows else 2
     law_height = min(LAW_HEIGHT, max(0.9 * width / across, LEAST_LAW))
@@ -98,7 +100,7 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
     drawn: list[Axes] = []
     fig = canvas.figure((width, 0.7 * sheet.titled + 0.3 * sampled + sum(heights)), draw, ds, sheet=sheet)
     if not beside:
-        canvas.close_gaps(fig, drawn)
+        canvas.close_gaps(fig, drawn, STRIP[1])
     return fig
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
 LOST = 1.0  # an error of this size and more has no correct digit
 FLOOR, TOP = 1e-16, 1e1  # the range of errors that is shown; an error of 0 is drawn at its lower end
-COLUMNS, PANEL = 3, (3.2, 1.8)  # inches
+COLUMNS, PANEL = 3, (3.6, 2.2)  # inches
 
 
 def figure(ds: xr.Dataset, cost: str) -> Figure:
@@ -42,8 +42,8 @@ def figure(ds: xr.Dataset, cost: str) -> Figure:
             panel(ds, ax, case, cost)
         for ax in axes.flat[len(cases) :]:
             ax.remove()
-        for i, ax in enumerate(axes.flat[: len(cases)]):
-            ax.tick_params(labelbottom=i + columns >= len(cases))
+        for ax in axes.flat[: len(cases)]:
+            ax.tick_params(labelbottom=True)
         fig.supxlabel(COSTS[cost], size=style.normal(), color=style.INK)
         error = "error achieved: of angle [rad], or of position over max(ρ, L)"
         fig.supylabel(error if lines > 2 else fill(error, 34), size=style.normal())

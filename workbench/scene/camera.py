@@ -90,11 +90,3 @@ def facing(bodies: Sequence["Body"], elevation: float = 0.0, lying: bool = False
     toward = np.cos(above) * out + np.sin(above) * axis
     flat = np.cos(above) * axis - np.sin(above) * out
     return Camera(toward, np.cross(toward, flat) if lying else flat)
-
-
-def side_on(bodies: Sequence["Body"], lying: bool = True) -> Camera:
-    """The camera at right angles to the axis that looks along x or along y, whichever faces the rods more."""
-    front = facing(bodies).toward
-    out = np.sign(front) * (np.abs(front) == np.abs(front).max())
-    axis = np.array([0.0, 0.0, 1.0])
-    return Camera(out, np.cross(out, axis) if lying else axis)

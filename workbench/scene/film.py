@@ -28,8 +28,8 @@ from .page import Page, Words
 from .pixels import Pixels
 
 SUFFIXES = (".mp4", ".gif")
-DIAGRAM = 4.4  # inches of width
-SIZE = (1600, 1060)  # pixels at `style.DPI` of the scene in a frame
+DIAGRAM = 3.52  # inches of width
+SIZE = (1280, 848)  # pixels at `style.DPI` of the scene in a frame
 DIGITS = 4  # of the values in a frame
 HOLD = 1.0  # seconds for which the last frame stays
 LEAST, MOST = 2, 2000  # frames
@@ -59,7 +59,7 @@ class Film:
     observable: str
     kind: str = "contact"
     pixel_error: float = 0.5
-    dpi: int = 120
+    dpi: int = 150
 
 
 def observable_of(ds: xr.Dataset, axis: str, name: str | None = None) -> str:

@@ -27,7 +27,7 @@ FLAT = 0.08  # an axis that is seen shorter points along the sight; all of it is
 BAR = (330.0, 20.0)  # the colour bar
 SCALE, SMALL_SCALE = 200.0, 110.0  # the longest scale bar, and that of a cell
 APART, LINE = 34.0, 20.0  # between blocks of a line, and between lines
-PATCH = 26.0  # a colour of the legend
+PATCH, STACK = 26.0, 18.0  # a colour of the legend, and between two entries one below the other
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 SMALL: dict[str, Any] = {"size": style.SMALL}
 HALO: dict[str, Any] = {
@@ -68,7 +68,8 @@ def blocks(
     found = [_triad(axes), *([_scale_bar(*scale)] if scale else [])]
     if bar:
         found.append(colour_bar(bar))
-    found += [entry(colour, text, radius) for colour, text in legend]
+    if legend:
+        found.append(stacked([entry(colour, text, radius) for colour, text in legend]))
     if notes:
         found.append(_words("\n".join(measure.wrapped(note, 0.45 * room, style.SMALL) for note in notes)))
     return found
@@ -119,6 +120,8 @@ def _triad(axes: NDArray[np.float64]) -> Block:
                 line(fig, origin, origin + TRIAD * way, color=style.INK, linewidth=1.4)
                 _head(fig, origin + TRIAD * way, way / seen)
             side = way / max(seen, 0.3) if seen > FLAT else 1.4 * _free_side(axes)
+            if seen > FLAT and any(_along(way, other) and np.hypot(*other) > seen for other in axes):
+                side = np.array([-way[1], way[0]]) / seen  # beside the longer arrow over it
             place = origin + TRIAD * way * (seen > FLAT) + (13 if k != along else 14) * side
             text(fig, place[0], place[1], name, ha="center", va="center", **SMALL)
         if np.hypot(*axes[along]) <= FLAT:
@@ -130,6 +133,11 @@ def _triad(axes: NDArray[np.float64]) -> Block:
 
     wide = 14 + measure.width(words, style.SMALL) if words else 0.0
     return Block(float(size[0]) + wide, float(max(size[1], 86.0)), draw)
+
+
+def _along(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+    """Whether two arrows lie over each other."""
+    return bool(one @ other > 0.95 * np.hypot(*one) * np.hypot(*other))
 
 
 def slant(toward: NDArray[np.float64]) -> str:
@@ -239,6 +247,19 @@ def entry(colour: str, words: str, radius: float = PATCH / 2) -> Block:
         text(fig, x + PATCH + 12, middle, words, va="center", **SMALL)
 
     return Block(PATCH + 12 + measure.width(words, style.SMALL), high, draw)
+
+
+def stacked(found: Sequence[Block]) -> Block:
+    """Blocks one below the other, on a common left edge."""
+    high = sum(block.height for block in found) + STACK * (len(found) - 1)
+
+    def draw(fig: Figure, x: float, y: float) -> None:
+        top = y + high
+        for block in found:
+            block.draw(fig, x, top - block.height)
+            top -= block.height + STACK
+
+    return Block(max(block.width for block in found), high, draw)
 
 
 def _words(words: str) -> Block:

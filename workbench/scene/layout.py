@@ -166,7 +166,7 @@ def _in_lines(
             f"a rod this long is set in lines, seen at right angles to its axis: --camera {settings.camera} has an "
             f"elevation of {elevation:g} degrees; draw a part of the rod with --from and --to"
         )
-    camera, turned = cameras.side_on(context), -np.radians(azimuth)
+    camera, turned = cameras.facing(context, lying=True), -np.radians(azimuth)
     scene = Scene(ds, kind, [[View([body], Cell(""))]], context, case, camera, settings, notes, gutter=GUTTER)
     wide, high = room(scene)
     lines = long_rod.lines_for(context, (int(wide - GUTTER - 2 * EDGE), int(high)))

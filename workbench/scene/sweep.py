@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
 
 from ..data import atomic, labels, selection
 from ..figures import canvas, style
+from ..figures.scales import WIDE
 from . import body as rods
 from . import camera as cameras
 from . import footer, kinds, pixels
@@ -101,6 +103,13 @@ def _frame(ds: xr.Dataset, axis: str, i: int, body: Body, context: Sequence[Body
     return pixels.drawn(canvas.figure((SIZE[0] / style.DPI, SIZE[1] / style.DPI), draw, dpi=dpi, layout=None))
 
 
+def _share(values: NDArray[np.float64], i: int) -> float:
+    """Where the i-th of rising values stands between the first and the last; by their ratios over a wide range."""
+    wide = values[0] > 0 and values[-1] > WIDE * values[0]
+    first, here, last = np.log(values[[0, i, -1]]) if wide else values[[0, i, -1]]
+    return float((here - first) / (last - first))
+
+
 def _axis(fig: Figure, array: xr.DataArray, axis: str, i: int) -> None:
     """The i-th value in words, and where it stands among the values of the axis."""
     y = SIZE[1] - 0.7 * MARGIN
@@ -108,7 +117,7 @@ def _axis(fig: Figure, array: xr.DataArray, axis: str, i: int) -> None:
     name = labels.long_name(array)
     footer.text(fig, MARGIN, y, said, size=style.LARGE, va="top", weight="bold")
     footer.text(fig, SIZE[0] - MARGIN, y - 4, name[:1].upper() + name[1:], color=style.SOFT, va="top", ha="right")
-    share = i / max(array.size - 1, 1)
+    share = _share(array.values, i)
     y, left, right = y - 62, float(MARGIN), float(SIZE[0] - MARGIN)
     footer.line(fig, (left, y), (right, y), color=style.FAINT, linewidth=2.5)
     footer.line(fig, (left, y), (left + share * (right - left), y), color=style.PUSHED, linewidth=2.5)
