@@ -28,7 +28,7 @@ from workbench.geometry.centreline import Centreline
 from workbench.run import in_memory
 from workbench.scene import body as rods
 from workbench.scene import camera as cameras
-from workbench.scene import captions, colours, footer, hidden, kinds, long_rod, marks, opengl, overlays, shading
+from workbench.scene import captions, colours, footer, hidden, kinds, long_rod, marks, opengl, overlays, shading, triad
 from workbench.scene import measure as measured
 from workbench.scene.arrangement import EDGE, Box, arrange
 from workbench.scene.cells import Cell
@@ -719,7 +719,7 @@ def test_the_legend_says_what_outlines_are_where_there_are_some(fig6, camera, ou
      ((0.48, 0.64, 0.6), "")],
 )  # fmt: skip
 def test_where_x_and_y_lie_in_one_line_the_side_from_which_a_scene_is_seen_is_said(toward, words) -> None:
-    said = footer.slant(np.array(toward, dtype=float))
+    said = triad.slant(np.array(toward, dtype=float))
     assert said.endswith(words)
     assert bool(said) == bool(words)
 
@@ -747,6 +747,19 @@ def test_labels_of_rods_that_end_in_one_place_stand_apart_on_the_page_and_off_th
         for other in boxes[:k]:
             gap = max(left - other[2], other[0] - right, top - other[3], other[1] - bottom)
             assert gap > high
+
+
+@draws
+def test_the_legend_of_several_rods_names_each_and_a_label_is_nearest_to_its_own() -> None:
+    from workbench.scene import composition, layout
+
+    ds = dataset(axes="[axes.E]\nvalues = [5e3, 14e3, 4e4]\n")
+    taken = layout.compose(ds, kind="ghosts", settings=composition.Settings(2.0, 50)).page
+    named = [(colour, text) for colour, text in taken.words.legend if text.startswith("E = ")]
+    assert [text for _, text in named] == ["E = 5000 N/cm²", "E = 14000 N/cm²", "E = 40000 N/cm²"]
+    assert [colour for colour, _ in named] == list(colours.SEVERAL)
+    assert set(taken.marks) <= {(x, y, text, colour) for x, y, _, _ in taken.marks for colour, text in named}
+    assert marks.gap((10.0, 5.0), "E = 1", np.array([[0.0, 5.0], [-30.0, 5.0]])) == 10.0
 
 
 def test_a_view_drawn_twice_as_large_takes_twice_the_room() -> None:

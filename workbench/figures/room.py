@@ -178,4 +178,4 @@ def _edge(middle: Place, size: tuple[float, float], place: Place) -> Place:
     """Where the line from a place to the middle of words meets the edge of their box."""
     way = np.array(place) - middle
     share = float(np.min(np.array(size) / 2 / np.maximum(np.abs(way), 1e-12)))
-    return tuple(np.array(middle) + way * min(share, 1.0))  # type: ignore[return-value]
+    return tuple(np.array(middle) + way * min(share, 1.0))

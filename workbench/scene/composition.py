@@ -205,6 +205,8 @@ def _words(scene: Scene) -> Words:
     inside = "inside the cylinder, cut open" if ds.attrs["side"] == "inside" else ""
     subtitle = " · ".join(fact for fact in (scene.case, labels.reading(ds), inside) if fact)
     legend, notes = list(scene.kind.legend(scene.context)), list(scene.notes)
+    if scene.labels:
+        legend += [(body.paint.colour, text) for body, text in zip(scene.views[0].bodies, scene.labels, strict=True)]
     if scene.kind.cells != "together":
         notes += captions.impossible(scene.bodies)
     crossings = [view.crossings(scene.camera) for view in scene.ringed_views]

@@ -53,6 +53,13 @@ def beside(
     return [(box[0], (box[1] + box[3]) / 2) for box in placed]
 
 
+def gap(place: tuple[float, float], text: str, curve: Array) -> float:
+    """The least distance from a label, of which the left edge and the middle line are given, to a curve."""
+    wide, high = measure.width(text, style.SMALL, bold=True), measure.height("1", style.SMALL)
+    inside = np.clip(curve, [place[0], place[1] - high / 2], [place[0] + wide, place[1] + high / 2])
+    return float(np.hypot(*(curve - inside).T).min())
+
+
 def _around(anchor: Array, label: tuple[float, float], away: float) -> list[Box]:
     """The boxes of a label around a place."""
     found, (wide, high) = [], label

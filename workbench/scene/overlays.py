@@ -14,6 +14,7 @@ from .camera import Camera
 from .views import View
 
 SMALLEST, LARGEST = 6.0, 13.0  # radius of a ring
+NEARER = 0.7  # of the distance of a name to any other rod it is at most from its own
 RING = 0.75  # radius of a ring in radii of its rod
 
 
@@ -37,7 +38,10 @@ def rings(
 def names(
     view: View, box: Box, camera: Camera, per_unit: float, texts: Sequence[str], size: tuple[float, float]
 ) -> list[tuple[float, float, str, str]]:
-    """The names of the rods of a view beside them: left edge, middle line, text and colour of each."""
+    """The names of the rods of a view beside them: left edge, middle line, text and colour of each.
+
+    A name that would stand as near to another rod as to its own is left out; the legend has all of them.
+    """
     curves, places = [], []
     for body in view.bodies:
         at = view.places(body)
@@ -46,8 +50,12 @@ def names(
         curves.append(curve)
         places.append(curve[seen] if seen.any() else curve)
     found = marks.beside(places, texts, curves, size, view.bodies[0].a * per_unit)
-    colour = [body.paint.colour for body in view.bodies]
-    return [(x, y, text, c) for (x, y), text, c in zip(found, texts, colour, strict=True)]
+    named = []
+    for k, ((x, y), text, body) in enumerate(zip(found, texts, view.bodies, strict=True)):
+        away = [marks.gap((x, y), text, curve) for curve in curves]
+        if all(away[k] < NEARER * gap for j, gap in enumerate(away) if j != k):
+            named.append((x, y, text, body.paint.colour))
+    return named
 
 
 def _on_page(view: View, box: Box, camera: Camera, per_unit: float, place: Array) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..figures import canvas, style
-from . import footer, measure, pixels
+from . import drawing, footer, measure, pixels
 from .arrangement import BELOW, DOT, Arrangement, Box
 from .colours import Bar
 
@@ -45,7 +45,7 @@ class Words:
     columns: Sequence[str] = ()
     rows: Sequence[str] = ()
     own_scales: bool = False
-    radius: float = footer.PATCH / 2
+    radius: float = drawing.PATCH / 2
 
     @property
     def heads(self) -> tuple[float, float]:
@@ -103,7 +103,7 @@ class Page:
         return fitted(self.words, self.width)
 
     @cached_property
-    def foot(self) -> list[list[footer.Block]]:
+    def foot(self) -> list[list[drawing.Block]]:
         """The blocks below the views; without views none."""
         if not self.arrangement.rows:
             return []
@@ -119,7 +119,7 @@ def fitted(words: Words, width: float) -> tuple[str, str]:
 
 def feet(
     words: Words, axes: NDArray[np.float64], per_unit: float, along_axis: float, width: float
-) -> list[list[footer.Block]]:
+) -> list[list[drawing.Block]]:
     """The lines below the views on a page of that width."""
     room = width - 2 * MARGIN
     scale = None if words.own_scales else (per_unit, words.length_unit, along_axis)
@@ -133,7 +133,7 @@ def above(words: Words, width: float) -> float:
     return 0.7 * MARGIN + high + AFTER
 
 
-def below(lines: Sequence[Sequence[footer.Block]]) -> float:
+def below(lines: Sequence[Sequence[drawing.Block]]) -> float:
     """The height of the footer with the gaps around it."""
     return AFTER + footer.height(lines) + 0.7 * MARGIN
 
@@ -159,9 +159,9 @@ def figure(page: Page) -> Figure:
             _cells(fig, page, left, bottom + high)
             _headings(fig, page, left, bottom + high)
             for x, y in page.rings:
-                footer.ring(fig, left + x, bottom + high - y, page.words.radius)
+                drawing.ring(fig, left + x, bottom + high - y, page.words.radius)
             for x, y, text, colour in page.marks:
-                footer.text(fig, left + x, bottom + high - y, text, color=colour, va="center", **footer.HALO)
+                drawing.text(fig, left + x, bottom + high - y, text, color=colour, va="center", **drawing.HALO)
 
     made = canvas.figure((page.width / style.DPI, height / style.DPI), draw, dpi=page.dpi, layout=None)
     if page.pixels.shape[2] == 4:
@@ -172,9 +172,9 @@ def figure(page: Page) -> Figure:
 def _title(fig: Figure, page: Page, height: float) -> None:
     title, subtitle = page.head
     y = height - 0.7 * MARGIN
-    footer.text(fig, MARGIN, y, title, size=style.LARGE, va="top", weight="bold")
+    drawing.text(fig, MARGIN, y, title, size=style.LARGE, va="top", weight="bold")
     y -= measure.height(title, style.LARGE) + TITLE
-    footer.text(fig, MARGIN, y, subtitle, color=style.SOFT, va="top")
+    drawing.text(fig, MARGIN, y, subtitle, color=style.SOFT, va="top")
 
 
 def _cells(fig: Figure, page: Page, left: float, top: float) -> None:
@@ -184,22 +184,22 @@ def _cells(fig: Figure, page: Page, left: float, top: float) -> None:
             y = top - box.y - box.height - BELOW
             lines = cell.caption.split("\n")
             shift = DOT / 2 if cell.number is not None else 0.0
-            footer.text(fig, middle + shift, y, lines[0], ha="center", va="top")
+            drawing.text(fig, middle + shift, y, lines[0], ha="center", va="top")
             for k, line in enumerate(lines[1:], start=1):
-                footer.text(fig, middle, y - measure.step() * k, line, ha="center", va="top")
+                drawing.text(fig, middle, y - measure.step() * k, line, ha="center", va="top")
             if cell.number is not None:
                 x = middle + shift - measure.width(lines[0]) / 2 - DOT / 2 - 3
-                footer.dot(fig, x, y - measure.height("1") / 2, str(cell.number), cell.stable)
+                drawing.dot(fig, x, y - measure.height("1") / 2, str(cell.number), cell.stable)
             if cell.before:
-                footer.text(fig, left + box.x - 8, top - box.y - box.height / 2, cell.before, ha="right", va="center",
-                            **footer.SMALL)  # fmt: skip
+                drawing.text(fig, left + box.x - 8, top - box.y - box.height / 2, cell.before, ha="right", va="center",
+                            **drawing.SMALL)  # fmt: skip
             if cell.larger:
                 per_unit, below = page.arrangement.per_unit * cell.larger, y - measure.height(cell.caption)
                 footer.small_scale(fig, middle, below, per_unit, page.words.length_unit)
             if cell.why_empty:
                 reason = measure.wrapped(cell.why_empty, box.width, style.SMALL)
-                footer.text(fig, middle, top - box.y - box.height / 2, reason, color=style.SOFT, ha="center",
-                            va="center", **footer.SMALL)  # fmt: skip
+                drawing.text(fig, middle, top - box.y - box.height / 2, reason, color=style.SOFT, ha="center",
+                            va="center", **drawing.SMALL)  # fmt: skip
 
 
 def _headings(fig: Figure, page: Page, left: float, top: float) -> None:
@@ -208,12 +208,12 @@ def _headings(fig: Figure, page: Page, left: float, top: float) -> None:
     if words.columns:
         y, (first, last) = top + SIDE, (boxes[0][0], boxes[0][-1])
         for box, value in zip(boxes[0], words.columns[1:], strict=True):
-            footer.text(fig, left + box.x + box.width / 2, y, value, ha="center", va="bottom")
+            drawing.text(fig, left + box.x + box.width / 2, y, value, ha="center", va="bottom")
         middle = left + (first.x + last.x + last.width) / 2
-        footer.text(fig, middle, y + HEAD, words.columns[0], ha="center", va="bottom")
+        drawing.text(fig, middle, y + HEAD, words.columns[0], ha="center", va="bottom")
     if words.rows:
         for row, value in zip(boxes, words.rows[1:], strict=True):
             y = top - row[0].y - row[0].height / 2
-            footer.text(fig, left + row[0].x - SIDE, y, value, ha="right", va="center")
+            drawing.text(fig, left + row[0].x - SIDE, y, value, ha="right", va="center")
         y = top - (boxes[0][0].y + boxes[-1][0].y + boxes[-1][0].height) / 2
-        footer.text(fig, left - words.heads[0] + HEAD / 2, y, words.rows[0], ha="center", va="center", rotation=90)
+        drawing.text(fig, left - words.heads[0] + HEAD / 2, y, words.rows[0], ha="center", va="center", rotation=90)

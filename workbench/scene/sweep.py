@@ -20,7 +20,7 @@ from ..figures import canvas, style
 from ..figures.scales import WIDE
 from . import body as rods
 from . import camera as cameras
-from . import footer, kinds, pixels
+from . import drawing, footer, kinds, pixels
 from .body import Body
 from .cells import Cell
 from .page import MARGIN
@@ -115,10 +115,10 @@ def _axis(fig: Figure, array: xr.DataArray, axis: str, i: int) -> None:
     y = SIZE[1] - 0.7 * MARGIN
     said = f"{labels.axis_symbol(axis)} = {labels.value(float(array[i]), array, DIGITS)}"
     name = labels.long_name(array)
-    footer.text(fig, MARGIN, y, said, size=style.LARGE, va="top", weight="bold")
-    footer.text(fig, SIZE[0] - MARGIN, y - 4, name[:1].upper() + name[1:], color=style.SOFT, va="top", ha="right")
+    drawing.text(fig, MARGIN, y, said, size=style.LARGE, va="top", weight="bold")
+    drawing.text(fig, SIZE[0] - MARGIN, y - 4, name[:1].upper() + name[1:], color=style.SOFT, va="top", ha="right")
     share = _share(array.values, i)
     y, left, right = y - 62, float(MARGIN), float(SIZE[0] - MARGIN)
-    footer.line(fig, (left, y), (right, y), color=style.FAINT, linewidth=2.5)
-    footer.line(fig, (left, y), (left + share * (right - left), y), color=style.PUSHED, linewidth=2.5)
-    footer.spot(fig, left + share * (right - left), y, 9.0, style.PUSHED)
+    drawing.line(fig, (left, y), (right, y), color=style.FAINT, linewidth=2.5)
+    drawing.line(fig, (left, y), (left + share * (right - left), y), color=style.PUSHED, linewidth=2.5)
+    drawing.spot(fig, left + share * (right - left), y, 9.0, style.PUSHED)
