@@ -18,7 +18,7 @@ from workbench.run import in_memory
 from workbench.scene import film, opengl
 
 draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
-DPI, SIZE = 50, (400, 265)  # of a scene in a frame
+DPI, SIZE = 50, (320, 212)  # of a scene in a frame
 AXIS = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n"
 
 
@@ -51,10 +51,10 @@ def test_a_still_is_the_scene_of_its_case_along_the_axis(ds, made, tmp_path) -> 
 @draws
 def test_the_cylinder_stands_still_and_the_curve_grows_to_the_right(made) -> None:
     assert len({frame.shape for frame in made}) == 1
-    cylinder = [frame[:, :400].min(axis=-1) for frame in made]
+    cylinder = [frame[:, : SIZE[0]].min(axis=-1) for frame in made]
     assert (np.abs(cylinder[0].astype(int) - cylinder[2]) < 24).mean() > 0.7
     blue = (255 * np.array(to_rgb(style.PUSHED))).round()
-    dots = [np.argwhere(np.abs(frame[:, 400:] - blue).max(axis=-1) < 30)[:, 1].mean() for frame in made]
+    dots = [np.argwhere(np.abs(frame[:, SIZE[0] :] - blue).max(axis=-1) < 30)[:, 1].mean() for frame in made]
     assert dots[0] < dots[1] < dots[2]
 
 
@@ -63,7 +63,7 @@ def test_a_case_without_a_shape_is_a_frame_that_says_so(ds, made) -> None:
     lost = small.with_outcomes(ds, ["solved", "no solution", "solved"]).assign(height=("E", [1.0, np.nan, 2.0]))
     frames = list(film.frames(lost, shown()))
     assert {frame.shape for frame in frames} == {made[0].shape}
-    assert (frames[1][60:240, :400] == 255).all()
+    assert (frames[1][60:200, : SIZE[0]] == 255).all()
 
 
 def test_both_kinds_of_film_are_read_by_others_with_a_frame_a_case(tmp_path) -> None:

@@ -59,7 +59,7 @@ def test_developed_curves_end_at_the_right_edge_and_begin_with_a_dot(angles) -> 
 
 
 def test_curves_alone_fill_their_figure() -> None:
-    ds = in_memory.run(study("[axes.E]\nfrom = 5e3\nto = 4e4\ncount = 9\n"))
+    ds = in_memory.run(load("fig7_1_modulus"))
     fig = study_figure.figure(ds.drop_vars(observed.observables(ds)), [])
     fig.draw_without_rendering()
     (strip,) = fig.axes

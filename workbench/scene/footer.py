@@ -23,7 +23,7 @@ from .triad import triad
 BAR = (330.0, 20.0)  # the colour bar
 SCALE, SMALL_SCALE = 200.0, 110.0  # the longest scale bar, and that of a cell
 APART, LINE = 34.0, 20.0  # between blocks of a line, and between lines
-STACK = 18.0  # between two entries of the legend, one below the other
+STACK = 24.0  # between two entries of the legend, one below the other
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 
 
