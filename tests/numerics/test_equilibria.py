@@ -231,6 +231,17 @@ def test_a_rod_that_starts_or_ends_at_rest_is_found_once(numbers, slope: float) 
         np.testing.assert_allclose(shape if solutions is there else shape[::-1], sol.beta, atol=1e-8)
 
 
+def test_ten_billion_radii_of_rod_lose_no_equilibrium_to_rounding() -> None:
+    """The length itself is then known to 1e-6 radii only, and beta(L) with it: the estimated errors say so."""
+    listed = [
+        equilibria(ends_in_units_of_rho(*MANY, span, 0.5, 0.6), stations=3, most_swings=20) for span in (1e6, 1e10)
+    ]
+    assert len(listed[0]) == len(listed[1]) == 244
+    for found, allowed in zip(listed, (1e-8, 1e-4), strict=True):
+        for one in found:
+            assert abs(one.solution.beta[-1] - 0.6) <= float(one.solution.error) < allowed
+
+
 def test_rods_that_turn_agree_with_a_march() -> None:
     """Random ends up to two turns apart, short and hence fast rods: each start slope, marched, ends where it should."""
     rng = np.random.default_rng(3)

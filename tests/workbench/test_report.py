@@ -434,6 +434,15 @@ def test_a_drawing_is_packed_without_loss(tmp_path) -> None:
     np.testing.assert_array_equal(image.imread(BytesIO(base64.b64decode(packed)), format="webp")[..., :3], dots)
 
 
+def test_a_picture_keeps_a_narrow_white_margin(tmp_path) -> None:
+    pixels = np.ones((200, 300, 3))
+    pixels[80:90, 120:140] = 0
+    image.imsave(tmp_path / "dot.png", pixels)
+    packed = document._picture(tmp_path / "dot.png", "dot", document.DRAWING)["src"].partition(",")[2]
+    found = image.imread(BytesIO(base64.b64decode(packed)), format="webp")[..., 0]
+    np.testing.assert_array_equal(found == 0, np.pad(np.ones((10, 20), bool), document.MARGIN))
+
+
 @node.needs_node
 def test_the_page_solves_the_stored_rod_of_table_1(results) -> None:
     (ds,) = [result.ds for result in results if result.study.name == "fig6"]
