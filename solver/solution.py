@@ -291,7 +291,7 @@ class Solution:
     def selection(self) -> Any:
         """The number of equilibria and the rule that selected this one, (*cases) of `selection.Selection`.
 
-        None for a start problem, and for an ends problem solved from a seed.
+        None for a start problem, for an ends problem solved from a seed, and where floats cannot hold the problem.
         """
         found = self.trajectory.selection
         return self._each(np.full(self.case.size, None, dtype=object) if found is None else found)

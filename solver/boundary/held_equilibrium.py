@@ -8,6 +8,7 @@ import numpy as np
 
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
+from ..orbit.panels import EPS
 from ..orbit.periodic_orbit import Orbit
 from ..orbit.variations import changed
 from ..problem.held_ends import HeldProblem
@@ -26,6 +27,10 @@ from .path_orbits import orbit_of
 _SLOW = 1e-3  # beta_t at a start
 _AT_REST = 1e-11  # beta_t below which a hinge is at rest
 ALTERNATIVE = "another equilibrium with the same ends"
+STRAIGHT = (
+    "failed: the far end is held at a height of L or -L, where the rod can only be straight along the axis, and then "
+    "its axial force is not determined"
+)
 _STATIONS = 129  # at which the response to the given numbers is read
 
 
@@ -146,6 +151,9 @@ def _reached(one: HeldProblem, seed: Seed | None) -> Reached | str:
     numbers = np.append(one.values[0], [one.span[0], one.ratio[0]])
     if not (np.abs(numbers) < LARGEST).all() or one.span[0] < SHORTEST:
         return TOO_LARGE
+    height = one.known("z")
+    if height is not None and abs(height[0]) > one.span[0] * (1 - 4 * EPS):
+        return STRAIGHT
     wanted = Given.of(one)
     if seed is None:
         return nearest_start(wanted, one)

@@ -51,7 +51,8 @@ class Trajectory:
     cos(beta), (B, n). solved: (B,) of bool. outcome: (B,) sentences, "solved" or the reason of a failure. error,
     condition, evaluations: (B,).
     orbit: the periodic orbit if the method knows it (`orbit.periodic_orbit`), else None.
-    selection: (B,) of `selection.Selection`, how each equilibrium was selected; None for a seed or a start problem.
+    selection: (B,) of `selection.Selection`, how each equilibrium was selected; None for a seed, for a
+    start problem, and where floats cannot hold the problem.
     begun: (B,) phrases or values of `DeadStart`, from which equilibrium the continuation to held ends began; None for
     other problems.
     held_index: (B,) of floats, the Morse index under held ends; None for other problems.
@@ -167,4 +168,6 @@ def blanked(told: Trajectory, fit: NDArray[np.bool_], why: str) -> Trajectory:
         error=np.where(fit, told.error, np.inf),
         condition=np.where(fit, told.condition, np.inf),
         evaluations=np.where(fit, told.evaluations, 0),
+        selection=None if told.selection is None else np.where(fit, told.selection, np.array(None)),
+        held_index=None if told.held_index is None else np.where(fit, told.held_index, np.nan),
     )

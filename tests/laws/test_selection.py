@@ -147,6 +147,13 @@ def test_a_grid_says_of_each_case_how_it_was_taken() -> None:
     assert [one.stable for one in sol.selection] == [1, 4] or sol.selection[0].count < sol.selection[1].count
 
 
+def test_nothing_is_selected_where_a_load_is_too_large_for_floats() -> None:
+    sol = solve(pipe(20.0, np.array([-1.0, -1e300])))  # type: ignore[arg-type]
+    assert sol.solved.tolist() == [True, False]
+    assert [one is None for one in sol.selection] == [False, True]
+    assert solve(pipe(20.0, -1e300)).selection is None
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("FZ", np.linspace(-300.0, -50.0, 6))
 def test_the_long_pipe_lies_in_lubinskis_helix(FZ: float) -> None:
