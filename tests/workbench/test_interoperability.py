@@ -20,6 +20,7 @@ from workbench import cli
 from workbench.data import writing
 from workbench.export.base import Options
 from workbench.export.stored_rod import export
+from workbench.geometry import centreline
 from workbench.run import in_memory
 
 UNSOLVED = "failed: on purpose"
@@ -230,12 +231,57 @@ def test_a_usd_curve_between_the_stations_is_the_solvers(tmp_path) -> None:
     np.testing.assert_allclose(numbers(text, "primvars:push"), solution.push[::2], rtol=1e-5, atol=1e-4)
 
 
+@pytest.mark.parametrize("stations", [15, 21, 41, 201])
+def test_the_cubics_of_usd_leave_the_solvers_rod_by_no_more_than_they_say(stations) -> None:
+    ds = in_memory.run(small.study("[axes.E]\nvalues = [2e4]\n").at_stations(stations))
+    line = centreline.read(ds, {"E": 0})
+    s = np.linspace(0, 20, 1001)
+    start = Start(beta=np.pi / 6, F1=5.0, F3=10.0, dbeta=0.5)
+    solution = solve(Case(Rod(2e4, 0.25, 0.25, 20.0, "paper"), Cylinder(0.75), start), tol=1e-12, stations=s)
+    missed = np.linalg.norm(line.cubic(s) - solution.position, axis=-1).max()
+    assert missed <= line.cubic_error * (1 + 1e-6)
+    assert line.cubic_error < 10 * missed  # an estimate that says anything at all
+
+
+def test_too_few_stations_for_the_cubics_of_usd_are_refused_and_the_number_named_is_enough(tmp_path) -> None:
+    study = small.study("[axes.E]\nvalues = [2e4]\n")
+    coarse = in_memory.run(study.at_stations(8))
+    for tolerance in (None, 1e-3, 0.1):
+        with pytest.raises(InputError, match=r"8 stations fix the rod between them to \S+ cm only, and") as told:
+            export(coarse, tmp_path / "rod.usda", Options(tolerance=tolerance))
+        assert f"is needed for a tolerance of {tolerance or 2.5e-4:g} cm: store about" in str(told.value)
+        more = int(re.search(r"store about (\d+)", str(told.value))[1])
+        done = export(in_memory.run(study.at_stations(more)), tmp_path / f"{more}.usda", Options(tolerance=tolerance))
+        assert done.facts["tolerance"] == (tolerance or 2.5e-4)
+    assert not (tmp_path / "rod.usda").exists()
+
+
+def test_the_command_tells_the_radius_of_the_cylinder_that_no_file_holds(ds, tmp_path, capsys) -> None:
+    writing.write(ds, tmp_path / "small.h5")
+    for suffix, radius in (
+        (".usda", "unit cm, without the cylinder of radius 1"),
+        (".glb", "unit m, without the cylinder of radius 0.01"),
+    ):
+        with pytest.raises(SystemExit) as end:
+            cli.main(["export", str(tmp_path / "small.h5"), "--at", "R=1", "--at", "E=2e4", "--tolerance", "0.1",
+                      "-o", str(tmp_path / f"rod{suffix}")])  # fmt: skip
+        assert end.value.code in (None, 0, 1)  # 1: the surface of this rod passes through itself
+        assert capsys.readouterr().out.strip().endswith(f"tolerance 0.1 cm, {radius}")
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".vtp", ".pvd"])
+def test_a_tolerance_is_refused_by_formats_that_hold_the_stations_as_they_are(ds, tmp_path, suffix) -> None:
+    with pytest.raises(InputError, match=rf"--tolerance is for \.step, .*, \.usda; \{suffix} holds the stations"):
+        export(ds, tmp_path / f"rod{suffix}", Options({"E": 1e4}, tolerance=1.0))
+    assert not list(tmp_path.iterdir())
+
+
 def test_usd_reads_the_curve_and_its_validators_find_nothing(ds, tmp_path) -> None:
     usd = pytest.importorskip("pxr", reason="usd-core is not installed")
     from pxr import Usd, UsdGeom, UsdValidation
 
     assert usd
-    export(ds, tmp_path / "rod.usda", Options({"E": 1e4, "R": 1.0}))
+    export(ds, tmp_path / "rod.usda", Options({"E": 1e4, "R": 1.0}, tolerance=1.0))
     stage = Usd.Stage.Open(str(tmp_path / "rod.usda"))
     assert UsdGeom.GetStageMetersPerUnit(stage) == 0.01
     assert UsdGeom.GetStageUpAxis(stage) == "Z"

@@ -1,10 +1,10 @@
 """The command export: one stored rod as a file for other programs."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from . import console
-from .options import At, File, ForceOutput, Json, flag, numbered, option
+from .options import AT, File, ForceOutput, Json, flag, numbered, option
 
 
 def export_file(
@@ -28,10 +28,16 @@ def export_file(
         console.print_json(data)
         return status
     where = ", ".join(f"{name}={value:g}" for name, value in done.at.items())
-    facts = ", ".join(f"{key} {value:g}" if isinstance(value, float) else f"{key} {value}"
-                      for key, value in done.facts.items())  # fmt: skip
+    facts = ", ".join(_told(key, value, str(ds.attrs["length_unit"])) for key, value in done.facts.items())
     console.say(f"{done.path}{f' at {where}' if where else ''}: {facts}")
     return status
+
+
+def _told(name: str, value: Any, unit: str) -> str:
+    """A number about a file in words; unit: that of length in the study, which is that of the tolerance."""
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    words = {"tolerance": f"tolerance {text} {unit}", "R": f"without the cylinder of radius {text}"}
+    return words.get(name, f"{name} {text}")
 
 
 def export(
@@ -40,11 +46,17 @@ def export(
         Path,
         option("FILE", "File to write: .step .stl .obj .glb .gltf .usda .vtp .pvd .csv.", "--out", "-o"),
     ],
-    at: At = None,
+    at: Annotated[
+        list[str] | None,
+        option("AXIS=VALUE", AT + " Default: the value at which the laws of the study are decided, else that nearest "
+               "to Table 1 if the study has a reading, else the middle of the axis; .pvd writes all values of the axis "
+               "that is not named."),
+    ] = None,
     tolerance: Annotated[
         float | None,
         numbered("Largest distance between the shape in the file and the rod [length]; default for .step: 1e-6 of the "
-                 "distance from the axis of the cylinder to the centreline; for meshes: 1e-3 of the rod's radius."),
+                 "distance from the axis of the cylinder to the centreline; for meshes and .usda: 1e-3 of the rod's "
+                 "radius. The formats .vtp, .pvd and .csv hold the stored stations and take no tolerance."),
     ] = None,
     centreline: Annotated[
         bool, flag("Write the centreline to STEP, without a solid.", "--centreline")

@@ -92,14 +92,11 @@ Choose = Annotated[
         "Which equilibrium of an ends problem: nearest, lowest, or a Morse index (0, 1, 2, ...); default: nearest.",
     ),
 ]
-At = Annotated[
-    list[str] | None,
-    option(
-        "AXIS=VALUE",
-        "Stored value of an axis, such as E=10905 or beta=30deg. It may be rounded if only one stored value rounds to "
-        "it. Give --at once for each axis.",
-    ),
-]
+AT = (
+    "Stored value of an axis, such as E=10905 or beta=30deg. It may be rounded if only one stored value rounds to it. "
+    "Give --at once for each axis."
+)
+At = Annotated[list[str] | None, option("AXIS=VALUE", AT)]
 Style = Annotated[str, option("STYLE", "screen, or paper: letters of 8 points, 183 mm wide.", rich_help_panel="Print")]
 Width = Annotated[
     float | None,

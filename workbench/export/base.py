@@ -70,6 +70,8 @@ class Format:
         The default tolerance of a rod [length]; None: the stations are written as they are.
     curve_share
         The share of the tolerance that the curve between stations may miss.
+    cubic
+        Whether the file holds the cubics between the stations, `Centreline.cubic`, in place of that curve.
     unit
         The unit of length in the file; default: the dataset's.
     has_centreline
@@ -81,6 +83,7 @@ class Format:
     body: Literal["solid", "surface", "curve"] = "curve"
     tolerance: Callable[[Centreline], float] | None = None
     curve_share: float = 0.1
+    cubic: bool = False
     unit: str = ""
     has_centreline: bool = False
     series: bool = False

@@ -13,7 +13,7 @@ from solver.problem.errors import InputError, choices
 from ..data import atomic, selection, writing
 from ..geometry import centreline, self_contact
 from . import pvd, series
-from .base import Format, Options, Rod
+from .base import METRES, Format, Options, Rod
 from .formats import FORMATS, format_of
 
 DEFAULT = Options()
@@ -71,6 +71,9 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
     if options.centreline and not format.has_centreline:
         able = [suffix for suffix, one in FORMATS.items() if one.has_centreline]
         raise InputError(f"--centreline is for {choices(able)}, got {path.name!r}")
+    if options.tolerance is not None and format.tolerance is None:
+        able = [suffix for suffix, one in FORMATS.items() if one.tolerance is not None]
+        raise InputError(f"--tolerance is for {choices(able)}; {path.suffix} holds the stations as they are stored")
     if options.tolerance is not None and not 0 < options.tolerance < np.inf:
         raise InputError(f"--tolerance must be positive and finite, got {options.tolerance:g}")
     if format.series:
@@ -84,8 +87,10 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
     facts: dict[str, Any] = {}
     if format.tolerance is not None:
         tolerance = options.tolerance or format.tolerance(rod.line)
-        rod.line.check(format.curve_share * tolerance)
-        rod, facts = replace(rod, tolerance=tolerance), {"tolerance": tolerance, "unit": format.unit or rod.unit}
+        rod.line.check(tolerance, format.curve_share, format.cubic)
+        unit = format.unit or rod.unit
+        rod, facts = replace(rod, tolerance=tolerance), {"tolerance": tolerance, "unit": unit}
+        facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * METRES[rod.unit] / METRES[unit]
     written: dict[str, Any] = {}
     put(path, lambda aside: written.update(format.write(aside, rod)), force)
     return Exported(path, at, {**written, **facts}, [finding.sentence for finding in found])

@@ -5,10 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from solver.mechanics import frames
-
 from ..geometry.centreline import Array
 from .base import METRES, Format, Rod
+from .surfaces import near
 
 HEAD = """#usda 1.0
 (
@@ -40,7 +39,7 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
     from ..scene.colours import linear
 
     line = rod.line
-    points = bezier(line.s, frames.position(line.rho, line.alpha, line.z), frames.tangent(line.alpha, line.beta))
+    points = np.concatenate([np.swapaxes(line.cubic.c[:3], 0, 1).reshape(-1, 3), line.cubic.c[3, -1:]])
     push = line.push(line.s)
     colours = np.where(push[:, None] < 0, linear(LIFTED), linear(PUSHED))
     low, high = points.min(axis=0) - line.a, points.max(axis=0) + line.a
@@ -57,15 +56,7 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
     head = HEAD.format(title=title, metres=METRES[rod.unit], count=len(points))
     body = "".join(f"        {name} = {value}\n" for name, value in rows.items())
     path.write_text(f"{head}{body}    }}\n}}\n", encoding="utf-8")
-    return {"stations": line.s.size, "points": len(points), "unit": rod.unit}
-
-
-def bezier(s: Array, places: Array, tangents: Array) -> Array:
-    """The control points of cubic curves through places (n, 3) at arc lengths s (n,), (3 n - 2, 3)."""
-    third = np.diff(s)[:, None] / 3
-    before, after = places[:-1] + third * tangents[:-1], places[1:] - third * tangents[1:]
-    segments = np.stack([places[:-1], before, after], axis=1).reshape(-1, 3)
-    return np.concatenate([segments, places[-1:]])
+    return {"stations": line.s.size, "points": len(points)}
 
 
 def _numbers(values: Array) -> str:
@@ -80,4 +71,4 @@ def _varying(text: str) -> str:
     return f'{text} (\n            interpolation = "varying"\n        )'
 
 
-FORMAT = Format((".usda",), write)
+FORMAT = Format((".usda",), write, tolerance=near, curve_share=1.0, cubic=True)

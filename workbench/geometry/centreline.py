@@ -26,7 +26,9 @@ Array = NDArray[np.float64]
 NEEDED = ("beta", "alpha", "z", "R", "a", "rho", "L", "FZ", "MZ", "M3")
 GAUSS, WEIGHT = (0.5 * (v + k) for v, k in zip(np.polynomial.legendre.leggauss(5), (1.0, 0.0), strict=True))
 ROUNDS = 6  # each reduces the error of beta' by a factor of some (step x largest frequency)^2 / 10
-ORDER = 6  # of the error of the curve between stations, in their distance
+ORDER, CUBIC_ORDER = 6, 4  # of the errors of the curve and of the cubics between stations, in their distance
+PARTS = 4  # of an interval, for a better number of stations
+SHARES = np.linspace(0, 1, 17)[1:-1]  # of an interval: where the cubic is compared with the curve
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +36,7 @@ class Centreline:
     """A rod's centreline r(s), 0 <= s <= L, in the dataset's own units.
 
     s, alpha, beta, dbeta, z: at the stations, (n,). A: bending stiffness; l, m, p: MZ/A, M3/A, FZ/A. bore: inner radius
-    of a tube, 0 of a solid section.
+    of a tube, 0 of a solid section. unit: that of length, for messages.
     """
 
     s: Array
@@ -51,6 +53,7 @@ class Centreline:
     p: float
     side: str
     bore: float = 0.0
+    unit: str = ""
 
     @property
     def L(self) -> float:
@@ -112,18 +115,49 @@ class Centreline:
         up = np.diff(self.z) - (h * np.cos(beta)) @ WEIGHT
         return float(np.hypot(across, up).max())
 
-    def stations_for(self, tolerance: float) -> int:
-        """About how many stations are needed for an `error` within the tolerance [length]."""
-        n = self.s.size - 1
-        return int(np.ceil(1.1 * n * max(self.error / tolerance, 1.0) ** (1 / ORDER))) + 1
+    @cached_property
+    def cubic(self) -> Any:
+        """Cubic curves in space from station to station, with the exact tangents there; its `c`: control points."""
+        place = frames.position(self.rho, self.alpha, self.z)
+        return through(self.s, np.stack([place, frames.tangent(self.alpha, self.beta)], axis=1))
 
-    def check(self, tolerance: float) -> None:
-        """Raise `InputError`, with the number of stations that are needed, where `error` is above the tolerance."""
-        if self.error > tolerance:
-            more = self.stations_for(tolerance)
+    @cached_property
+    def cubic_error(self) -> float:
+        """The largest distance of `cubic` from the rod at the same s [length]: from the curve, and that curve's."""
+        return self._missed(self.cubic) + self.error
+
+    def _missed(self, cubic: Any) -> float:
+        """The largest distance of cubics from the curve at the same s [length]."""
+        s = (cubic.x[:-1, None] + np.diff(cubic.x)[:, None] * SHARES).ravel()
+        return float(np.linalg.norm(cubic(s) - self.frame(s)[0], axis=-1).max())
+
+    def stations_for(self, tolerance: float, cubic: bool = False) -> int:
+        """About how many stations are needed for an `error`, or a `cubic_error`, within the tolerance [length].
+
+        The errors go with powers of the distance of stations. That of the cubics is extrapolated from cubics over parts
+        of the intervals. Half of the tolerance is for the cubics, half for the curve.
+        """
+        n, allowed = self.s.size - 1, tolerance / 2 if cubic else tolerance
+        more = n * max(self.error / allowed, 1.0) ** (1 / ORDER)
+        if cubic:
+            s = np.interp(np.arange(PARTS * n + 1) / PARTS, np.arange(n + 1), self.s)
+            place, tangent, _, _ = self.frame(s)
+            missed = self._missed(through(s, np.stack([place, tangent], axis=1)))
+            more = max(more, PARTS * n * (missed / allowed) ** (1 / CUBIC_ORDER))
+        return int(np.ceil(1.1 * more)) + 1
+
+    def check(self, tolerance: float, share: float = 1.0, cubic: bool = False) -> None:
+        """Raise `InputError`, with the stations that are needed, where the error is above that share of the tolerance.
+
+        The error is `error`, or `cubic_error` for a file of cubics.
+        """
+        error, needed = self.cubic_error if cubic else self.error, share * tolerance
+        if error > needed:
+            more = self.stations_for(needed, cubic)
             raise InputError(
-                f"{self.s.size} stations fix the rod between them to {self.error:.1e} only, and {tolerance:.1e} is "
-                f"needed: store about {more} (stations = {more} in the study), or give a larger --tolerance"
+                f"{self.s.size} stations fix the rod between them to {error:.1e} {self.unit} only, and "
+                f"{needed:.1e} {self.unit} is needed for a tolerance of {tolerance:g} {self.unit}: store about {more} "
+                f"(stations = {more} in the study), or give a larger --tolerance"
             )
 
 
@@ -151,9 +185,9 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
         dbeta = _slopes(s, along["beta"], number["rho"], *loads)
     R, a, rho = (number[name] for name in ("R", "a", "rho"))
     l, m, p = loads
-    side = str(ds.attrs["side"])
+    side, unit = str(ds.attrs["side"]), str(ds.attrs["length_unit"])
     bore = number.get("inner_radius", 0.0)
-    return Centreline(s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side, bore)
+    return Centreline(s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side, bore, unit)
 
 
 def through(s: Array, known: Array) -> Any:
