@@ -73,13 +73,20 @@ def parse(text: str) -> Formula:
             warnings.simplefilter("ignore")
             tree = ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
-        at = f" at character {error.offset}" if error.offset else ""
-        raise InputError(f"{text!r} is not a formula: invalid syntax{at}") from None
+        raise InputError(f"{text!r} is not a formula: {_why(error, text.strip())}") from None
     except (ValueError, RecursionError, MemoryError):
         raise InputError(f"{text[:60]!r} is not a formula") from None
     names = dict.fromkeys(_names(tree, text, 1))
     whole = isinstance(tree, ast.Compare | ast.BoolOp) or (isinstance(tree, ast.UnaryOp) and is_not(tree))
     return Formula(text, tree, tuple(name for name in names if name not in CONSTANTS), whole)
+
+
+def _why(error: SyntaxError, text: str) -> str:
+    """What is wrong with the text by Python, and the place."""
+    said = error.msg.partition(".")[0]
+    if not error.offset or error.offset > len(text):
+        return f"{said} at the end, where a number, a name or a function is missing"
+    return f"{said} at character {error.offset}, {text[error.offset - 1 :][:20]!r}"
 
 
 def _names(node: ast.AST, text: str, depth: int) -> Iterator[str]:

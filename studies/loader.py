@@ -93,6 +93,9 @@ def load(study: str | Path, cases: Path | None = None, draw: bool = True) -> Stu
     text = str(study)
     path = Path(text)
     if path.suffix != ".toml":
+        if path.suffix == ".h5":
+            reads = "the commands check, summary, plot, scene and export read it"
+            raise InputError(f"no study {text!r}: a file .h5 holds stored results, and {reads}; give a .toml file")
         if text not in names():
             known = f"choose from {choices(names())}, or give a .toml file"
             raise InputError(f"no study {text!r}{near(text, names())}; {known}")
@@ -234,7 +237,7 @@ def _tables(text: str) -> dict[str, Any]:
     except RecursionError:
         raise _Refused("is nested too deeply for a study", of_a_key=False) from None
     except ValueError as error:  # a TOML error, or Python's for a number of thousands of digits
-        raise _Refused(f"is not valid TOML: {error}", of_a_key=False) from None
+        raise _Refused(f"is not valid TOML: {error}{_repeated(text, str(error))}", of_a_key=False) from None
     tables: list[Any] = [data]
     while tables:
         table = tables.pop()
@@ -243,6 +246,19 @@ def _tables(text: str) -> dict[str, Any]:
             raise _Refused(f"has a table of {len(inner)} entries; the limit is {MOST_KEYS}", of_a_key=False)
         tables += [one for one in inner if isinstance(one, (dict, list))]
     return data
+
+
+def _repeated(text: str, message: str) -> str:
+    """The key that is given twice, and the line, if the message of the TOML error is about such a key."""
+    if not message.startswith("Cannot overwrite a value"):
+        return ""
+    lines = text.rstrip().split("\n")
+    found = re.search(r"at line (\d+)", message)
+    number = int(found.group(1)) if found else len(lines)
+    line = lines[number - 1] if number <= len(lines) else ""
+    key, header = _KEY.match(line), _HEADER.match(line)
+    name = key.group(1) if key else header.group(2) if header else ""
+    return f": line {number} gives {f'the key {name.strip()}' if name else 'a key'} again"
 
 
 def _plain(text: str) -> str:

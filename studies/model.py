@@ -92,6 +92,11 @@ class Study(BaseModel):
     @field_validator("outputs")
     @classmethod
     def _known_outputs(cls, value: list[str]) -> list[str]:
+        if "push" in value:
+            raise ValueError(
+                "no output 'push', did you mean 'contact': it is positive outward, so the push is contact outside and "
+                f"-contact inside; ds.rod.push computes it from the stored arrays; choose from {choices(OUTPUTS)}"
+            )
         return _known("output", value, OUTPUTS)
 
     @field_validator("axes", mode="before")

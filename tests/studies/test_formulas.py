@@ -70,6 +70,9 @@ def test_a_formula_that_is_too_long_or_too_deep_is_refused() -> None:
         ("max(1)", "max in .* needs two values or more, got 1"),
         ("sqrt(1, 2)", "sqrt in .* needs one value, got 2"),
         ("2 pi", "is not a formula: invalid syntax at character"),
+        ("FZ**2*", "is not a formula: invalid syntax at the end, where a number, a name or a function is missing"),
+        ("  FZ + * 2", r"invalid syntax at character 6, '\* 2'"),
+        ("(FZ", "'\\(' was never closed"),
         ("height.real", r"a formula cannot hold 'height\.real'; it has numbers, names"),
     ],
 )

@@ -280,7 +280,16 @@ REFUSED = {
         HEAD + "[base]\nE = 1e4\n[axes.E]\nvalues = [1e4, 2e4]",
         "line 8: E is given in base and as an axis: remove one of them",
     ),
+    "the push as an output": (
+        'outputs = ["beta", "push"]\n' + HEAD,
+        "line 1: no output 'push', did you mean 'contact': it is positive outward, .* ds.rod.push .*from beta",
+    ),
     "no TOML": ("title = ", "study is not valid TOML: Invalid value"),
+    "a key given twice": (
+        "stations = 5\n[base]\nE = 1\nE = 2\nnu = 3\n",
+        r"Cannot overwrite a value \(at line 4, column \d+\): line 4 gives the key E again",
+    ),
+    "a key given twice at the end": ("stations = 5\n\nstations = 6\n", "line 3 gives the key stations again"),
 }
 
 
@@ -294,6 +303,11 @@ def test_a_study_is_refused_for(text: str, sentence: str) -> None:
 def test_an_unknown_study_is_refused_with_the_nearest_and_the_choices() -> None:
     with pytest.raises(InputError, match="'fig7_1', did you mean 'fig7_1_modulus'; choose from fig6, "):
         load("fig7_1")
+
+
+def test_a_stored_file_is_no_study_and_the_commands_that_read_it_are_named() -> None:
+    with pytest.raises(InputError, match=r"no study 'modulus.h5': a file .h5 holds .* check, summary, plot, .*read it"):
+        load("modulus.h5")
 
 
 def test_a_study_that_cannot_be_read_is_refused(tmp_path) -> None:

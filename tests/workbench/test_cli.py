@@ -126,6 +126,13 @@ def test_what_no_real_rod_could_do_is_said_when_a_study_is_run_and_when_it_is_ch
     assert here("check", stored, "--json")["caution"] == said
 
 
+def test_plot_takes_its_output_file_as_export_and_scene_do(stored, tmp_path) -> None:
+    done = workbench("plot", stored, "-o", tmp_path / "lines.txt")
+    assert done.returncode == 2
+    assert "lines.txt" in done.stderr  # refused for its ending: it was taken as the picture
+    assert ".svg" in done.stderr
+
+
 def test_check_tells_a_law_that_holds_from_one_that_fails_by_its_status(stored, tmp_path) -> None:
     good = workbench("check", stored, "--json")
     assert (good.returncode, json.loads(good.stdout)["laws"][0]["verdict"]) == (0, "holds")

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from solver import InputError, solve
 from studies import load
+from studies.loader import loads
 from studies.model import OUTPUTS
 from tests.workbench import runs
 from workbench.data import grid_io, schema
@@ -135,6 +136,28 @@ def test_a_finished_study_is_answered_at_once(whole, monkeypatch) -> None:
     ran = run_to_file(load(whole.with_suffix(".toml")), whole)
     assert (ran.finished_before, ran.solved, sum(ran.statistics["outcomes"].values())) == (True, 0, 150)
     assert whole.read_bytes() == before
+
+
+@pytest.mark.parametrize("follow", [False, True])
+def test_other_results_of_the_same_study_are_replaced_with_a_line_that_says_what_differs(tmp_path, follow) -> None:
+    ends = "beta0 = 0.1, betaL = 0.2, MZ = 0.0" if follow else "beta = 0.1, dbeta = 0.0, F3 = 2.0, M3 = 0.0"
+    text = (
+        'title = "one"\nunits = { length = "mm", force = "N" }\nstations = 5\ntol = 1e-8\n'
+        f"base = {{ E = 206000, nu = 0.3, a = 5, L = 200, R = 50, {ends} }}\n"
+    )
+    if follow:
+        text += "[axes.FZ]\nfollow = true\nfrom = 1\nto = 2\ncount = 3\n"
+    told: list[str] = []
+    for changed in (text, text, text.replace("206000", "210000").replace("1e-8", "1e-9")):
+        run_to_file(loads(changed, default_name="one"), tmp_path / "one.h5", Options(workers=1), told.append)
+    (line,) = [line for line in told if "replaces" in line]
+    assert line == (
+        f"replaces the results in {tmp_path / 'one.h5'}, which differ: base.E was 206000.0, now 210000.0; "
+        "tol was 1e-08, now 1e-09"
+    )
+    told.clear()
+    run_to_file(loads(text, default_name="one"), tmp_path / "one.h5", Options(workers=1, restart=True), told.append)
+    assert not [line for line in told if "replaces" in line]
 
 
 def test_a_finished_study_is_answered_without_xarray(whole) -> None:

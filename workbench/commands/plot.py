@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 def plot(
     file: File,
     out: Annotated[
-        Path | None, option("FILE", "Picture, .png, .pdf or .svg; default: FILE with the ending .png.")
+        Path | None,
+        option("FILE", "Picture, .png, .pdf or .svg; default: FILE with the ending .png.", "--out", "-o"),
     ] = None,
     kind: Annotated[
         str | None,

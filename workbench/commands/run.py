@@ -38,6 +38,8 @@ def run(
     """Solve and store every case of a study and judge its laws.
 
     An interrupted run is resumed. If values were added to an axis of a complete study, only the new cases are solved.
+    If anything else in the study has changed, all cases are solved again, the results in the file are replaced, and a
+    line says what differs.
 
     Exit status 1 if a case is unsolved, or if a law fails, is not decided or is qualified.
     """

@@ -18,6 +18,7 @@ from ..data.schema import FORMAT, dimension
 from .plan import Plan
 from .recipe import axis_line, differences, recipe
 
+MOST_TOLD = 5  # differences in one line
 _ROUNDING = 8 * 2.0**-52  # relative; values of an axis that differ by less are the same
 
 
@@ -60,6 +61,18 @@ def _read(file: h5py.File) -> StoredRun | None:
 def is_finished(there: StoredRun, plan: Plan) -> bool:
     """Whether the file is what the plan would make."""
     return not differences(there.recipe, _plain(recipe(plan)))
+
+
+def replaced(there: StoredRun | None, plan: Plan, path: Path) -> str | None:
+    """The line that a run replaces other results of the same study, with what has changed; None where it does not.
+
+    ``replaces the results in rod.h5, which differ: base.E was 206000, now 210000``
+    """
+    if there is None or there.name != plan.study.name:
+        return None
+    told = differences(there.recipe, _plain(recipe(plan)))
+    more = f"; and {len(told) - MOST_TOLD} more" if len(told) > MOST_TOLD else ""
+    return f"replaces the results in {path}, which differ: {'; '.join(told[:MOST_TOLD])}{more}" if told else None
 
 
 def grown(there: StoredRun, plan: Plan) -> Plan | None:

@@ -17,7 +17,7 @@ from .block import unsolved
 from .plan import Plan, plan
 from .progress import Meter, Progress, unshown
 from .recipe import recipe
-from .resume import StoredRun, grown, is_finished, look
+from .resume import StoredRun, grown, is_finished, look, replaced
 from .room import room
 from .rounds import Rounds
 from .shards import Damaged, decode, encode
@@ -113,6 +113,8 @@ def run_to_file(
         _tidy(work, output)
         return finished
     if study.follow is not None:
+        if told := replaced(_stored(output, options), work, output):
+            say(told)
         return _follow(work, output)
     if options.scheduler is None and _workers(work, work.todo, options) > 1:
         worker_processes.get_ready()  # while this process reads xarray
@@ -125,6 +127,8 @@ def run_to_file(
             if (finished := _finished(work, output, options)) is not None:  # by the run that held the lock
                 return finished
             there, work = _growing(work, output, options)
+            if there is None and (told := replaced(_stored(output, options), work, output)):
+                say(told)
             if options.restart:
                 shards.clear(folder, keep_lock=True)
             shards.clear_asides(folder)
@@ -152,8 +156,13 @@ def _follow(work: Plan, output: Path) -> Ran:
     return Ran(statistics, ds["outcome"].size, time.monotonic() - began)
 
 
+def _stored(output: Path, options: Options) -> StoredRun | None:
+    """The run that stored the existing file, unless its results are to be discarded."""
+    return None if options.restart else look(output)
+
+
 def _finished(work: Plan, output: Path, options: Options) -> Ran | None:
-    there = None if options.restart else look(output)
+    there = _stored(output, options)
     if there is None:
         return None
     work = grown(there, work) or work
@@ -172,7 +181,7 @@ def _tidy(work: Plan, output: Path) -> None:
 
 def _growing(work: Plan, output: Path, options: Options) -> tuple[StoredRun | None, Plan]:
     """The existing file that the study extends, if any, and the plan of the remaining cases."""
-    there = None if options.restart else look(output)
+    there = _stored(output, options)
     larger = grown(there, work) if there is not None else None
     return (there, larger) if larger is not None and larger.new is not None else (None, work)
 
