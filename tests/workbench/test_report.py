@@ -189,6 +189,36 @@ def test_the_card_of_a_claim_and_the_table_of_readings_have_one_verdict(readings
     assert law_verdicts.refuted(0, result.verdicts)
 
 
+CLAIMS = (Path(__file__).parents[2] / "docs" / "explanation" / "claims.md").read_text(encoding="utf-8")
+TOLD = [[cell.strip(" `") for cell in row.strip("|").split("|")] for row in CLAIMS.splitlines() if row.startswith("|")]
+
+
+def test_the_page_on_the_claims_has_the_verdict_of_each_reading(readings) -> None:
+    table = {row[0]: row[1:] for row in TOLD if row[0] in READINGS}
+    assert table == dict(zip(READINGS, readings["claim_verdict"].values.tolist(), strict=True))
+    failing = [claim for claim, *column in zip("12345", *table.values(), strict=True) if "fails" in column]
+    assert failing == [*"1345"]  # every claim except (2), as the page says
+
+
+def test_the_page_on_the_claims_has_the_measured_numbers_of_each_law(results) -> None:
+    own = [result for result in results if result.verdicts]
+    laws = [row for result in own for row in result.verdicts]
+    words = (law_verdicts.stated, law_verdicts.measured, law_verdicts.said)
+    assert [row for row in TOLD[1:] if len(row) == 4][2:] == [[row["claim"], *(f(row) for f in words)] for row in laws]
+    worst = {c: law_cards.worst([row["verdict"] for row in laws if row["claim"] == c]) for c in ("(3)", "(4)")}
+    both = "(3), (4)", ", ".join(f"{claim} {verdict}" for claim, verdict in worst.items())
+    sentences = {row[1]: (row[0], row[2]) for row in TOLD if len(row) == 3}
+    for row in laws:
+        claim = row["claim"]
+        alone = claim, law_cards.worst([one["verdict"] for one in laws if one["claim"] == claim])
+        assert sentences[row["source"]] == (both if claim in worst else alone)
+    rods = sum(result.ds["outcome"].size for result in own)
+    assert sum(int(re.findall(r"(\d+) would lift off", result.ds.attrs["caution"])[0]) for result in own) == rods
+    through = sum(int(result.ds["overlaps"].sum()) for result in own)
+    told = f"of the {rods} rods of the five panels all would lift off where the cylinder has to pull, and {through} pass"
+    assert told in " ".join(CLAIMS.split())
+
+
 def test_the_paper_is_quoted_and_its_fold_named(text, results) -> None:
     page = Page(text).text
     for result in results:
