@@ -117,6 +117,10 @@ class HeldSearch:
         Searches from them led away from the equilibria that were known.
     outside : int
         Equilibria that were found outside the ranges, and are not listed.
+    note : str
+        A sentence on equilibria that are not listed, or "".
+    narrower : dict
+        Where the equilibria lie in a small part of a default range, a range around them, by the name of the reaction.
     """
 
     within: dict[str, tuple[float, float]]
@@ -127,6 +131,7 @@ class HeldSearch:
     deflations: int
     outside: int
     note: str = ""
+    narrower: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def ranges(self) -> str:
@@ -137,13 +142,16 @@ class HeldSearch:
         said = [
             f"not proved complete: searched over {self.ranges}",
             f"it began from the equilibria of {self.problems} problems under dead loads "
-            f"that have at most {self.most_swings} whole periods of beta",
+            f"that have at most {self.most_swings} whole periods of beta (most_swings in Python)",
             f"{self.starts} continuations, {self.failed} of which failed",
             f"{self.deflations} deflations",
         ]
         if self.outside:
             are = "equilibrium was" if self.outside == 1 else "equilibria were"
             said.append(f"{self.outside} more {are} found outside these ranges, which the list leaves out")
+        if self.narrower:
+            ranges = " ".join(f"--within {name}={low:g}:{high:g}" for name, (low, high) in self.narrower.items())
+            said.append(f"all listed lie in a small part of the range: {ranges} (in Python within) searches it more finely")
         return "; ".join([*said, *([self.note] if self.note else [])])
 
 

@@ -1,5 +1,7 @@
 """The equilibria of one case with held ends that a search over stated ranges finds."""
 
+from collections.abc import Collection
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +20,7 @@ from .problem.limits import LARGEST, SHORTEST, TOO_LARGE
 from .solution import Solution
 
 TRIES, MOST_SWINGS = 10, 8
+_FAR_WIDER = 2.5  # times the range around the equilibria that were found
 _OWN = {held: own for own, held in PAIRS}
 _WORK = {"height": "FZ", "azimuth": "MZ", "rotation": "M3"}
 ANY_LOAD = "a straight rod or a helix is an equilibrium under any load and is not listed"
@@ -50,7 +53,8 @@ def held_equilibria(
     found = held_search(Given.of(problem), own, swings, tries, values)
     t = problem.span[:, None] * np.linspace(0, 1, stations)
     listed = [_equilibrium(case, found.given, *one, t, tol) for one in zip(found.states, found.how, strict=True)]
-    return HeldEquilibria(in_order(listed), _search_of(found, size, swings))
+    search = _search_of(found, size, swings)
+    return HeldEquilibria(in_order(listed), replace(search, narrower=_narrower(listed, search, ranges)))
 
 
 def _sizes(case: Case) -> dict[str, float]:
@@ -125,6 +129,22 @@ def _stray(solution: Solution) -> float:
     """The most that beta goes beyond its end angles, above the larger or below the smaller one [rad]."""
     ends = solution.beta[[0, -1]]
     return max(float(solution.beta.max() - ends.max()), float(ends.min() - solution.beta.min()), 0.0)
+
+
+def _narrower(
+    listed: list[Equilibrium], search: HeldSearch, given: Collection[str]
+) -> dict[str, tuple[float, float]]:
+    """A range around the reactions that were found, for each reaction whose default range is far wider."""
+    found = {}
+    for name, (low, high) in search.within.items():
+        if name in given or not listed:
+            continue
+        values = [float(one.solution.reactions[name]) for one in listed]
+        margin = max(0.5 * max(map(abs, values)), 0.02 * (high - low))
+        ends = max(min(values) - margin, low), min(max(values) + margin, high)
+        if high - low > _FAR_WIDER * (ends[1] - ends[0]):
+            found[name] = float(f"{ends[0]:.2g}"), float(f"{ends[1]:.2g}")
+    return found
 
 
 def _search_of(found: HeldFound, size: dict[str, float], swings: int) -> HeldSearch:

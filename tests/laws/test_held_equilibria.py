@@ -86,7 +86,7 @@ def test_the_list_says_over_what_it_searched_and_that_it_is_not_proved_complete(
     assert not listed.complete
     assert listed.remark.startswith(
         "not proved complete: searched over FZ from -90 to -30; it began from the equilibria of 4 problems under dead "
-        "loads that have at most 8 whole periods"
+        "loads that have at most 8 whole periods of beta (most_swings in Python)"
     )
     assert listed.search.within == {"FZ": (-90.0, -30.0)}
     assert listed.search.starts >= 2
@@ -95,6 +95,19 @@ def test_the_list_says_over_what_it_searched_and_that_it_is_not_proved_complete(
     assert ", held energy " in text[1]
     assert text[1].endswith("beta'(0) = -0.669429, FZ = -36.1824; stable under dead loads")
     assert {one.found_by for one in listed} == {"continuation", "mirror image"}
+
+
+def test_a_default_range_far_wider_than_the_list_comes_with_a_narrower_one_to_search() -> None:
+    wide = equilibria(clamped(beta0=0.3, betaL=0.2, rotation=1.0), values=5, tries=0)
+    ((low, high),) = wide.search.narrower.values()
+    assert f"--within M3={low:g}:{high:g} (in Python within) searches it more finely" in wide.remark
+    outer = wide.search.within["M3"]
+    assert 2.5 * (high - low) < outer[1] - outer[0]
+    again = equilibria(clamped(beta0=0.3, betaL=0.2, rotation=1.0), within=wide.search.narrower, values=5, tries=0)
+    forces = [float(one.solution.reactions["M3"]) for one in wide]
+    assert forces
+    np.testing.assert_allclose([float(one.solution.reactions["M3"]) for one in again], forces, rtol=1e-9)
+    assert "--within" not in again.remark  # the range was given
 
 
 def test_a_straight_rod_whose_rotation_is_held_is_listed_with_both_indices() -> None:

@@ -1,11 +1,13 @@
 """`workbench summary`: what the file holds, told from its numbers, however it is cut into blocks."""
 
 import json
+import re
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from studies.loader import loads
 from tests.workbench import small
 from workbench import cli
 from workbench.data import concatenation, labels, writing
@@ -77,6 +79,26 @@ def test_many_kinds_of_failure_are_told_together(file, tmp_path, monkeypatch) ->
 def test_a_single_case_is_told_too(tmp_path) -> None:
     told = summary.summary(writing.write(in_memory.run(small.study()), tmp_path / "one.h5"))
     assert (told["axes"], told["cases"], told["worst"][0]["at"]) == ([], 1, {})
+
+
+HELD = (
+    'title = "held"\nobservables = ["wraps", "FZ", "M1L"]\nstations = 11\n[units]\nlength = "cm"\nforce = "N"\n[base]\n'
+    "E = 1.07e4\nnu = 0.25\na = 0.25\nL = 5.0\nR = 0.75\nbeta0 = 0.1\nbetaL = 0.2\n[axes.height]\nvalues = [4.4, 4.5]\n"
+)
+
+
+def test_reactions_that_a_study_names_and_the_index_of_held_ends_are_listed(tmp_path, capsys) -> None:
+    ds = in_memory.run(loads(HELD, "held.toml"))
+    path = writing.write(ds, tmp_path / "held.h5")
+    rows = {row["name"]: row for row in summary.summary(path)["observables"]}
+    assert [*rows] == ["wraps", "FZ", "M1L", "held_index"]  # MZ and M3 are stored too, but nobody named them
+    for name, row in rows.items():
+        assert (row["min"], row["max"]) == (float(ds[name].min()), float(ds[name].max()))
+    assert (rows["FZ"]["units"], rows["M1L"]["units"]) == ("N", "N cm")
+    told = CliRunner().invoke(cli.app, ["summary", str(path)]).stdout
+    assert re.search(r"^held_index +0 +0 +0", told, re.MULTILINE)
+    nameless = writing.write(ds.assign_attrs(study=""), tmp_path / "nameless.h5")
+    assert "FZ" not in [row["name"] for row in summary.summary(nameless)["observables"]]
 
 
 def test_the_command_prints_it_for_people_and_for_programs(file) -> None:

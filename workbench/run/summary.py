@@ -9,11 +9,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from solver.observe.observables import OBSERVABLES
+from solver.problem.errors import InputError
 from studies.dimensions import SAMPLE
 
-from ..data import branch_numbers, file_checks, labels, law_verdicts, reading, refined, schema
+from ..data import branch_numbers, file_checks, labels, law_verdicts, observed, reading, refined, schema
 from ..data.boundary import boundary, boundary_of_law
 from ..data.concatenation import blocks
+from .stored_case import study_of
 
 BLOCK = 100_000  # cases that are read at a time
 DISTINCT = 100  # texts that are counted apart
@@ -44,11 +47,22 @@ def summary(path: Path) -> dict[str, Any]:
         outcomes = counted(ds["outcome"], ds["solved"])
         told["unsolved"] = unsolved(ds)
         told["outcomes"] = dict(outcomes.most_common())
-        told["observables"] = [_spread(ds[name]) for name in schema.observables_of(ds)]
+        told["observables"] = [_spread(ds[name]) for name in _observables(ds)]
         told["worst"] = [_worst(ds, name) for name in ("error", "condition")]
         rows = law_verdicts.verdicts(ds)
         told |= {"verdicts": law_verdicts.tally(rows), "laws": [_law(row) for row in rows]}
     return told
+
+
+def _observables(ds: xr.Dataset) -> list[str]:
+    """The observables, with the loads and end moments that the study names, and the index under held ends."""
+    try:
+        wanted = study_of(ds).wanted
+    except InputError:  # a file without the text of its study
+        wanted = []
+    asked = [name for name in OBSERVABLES if name in wanted and OBSERVABLES[name].holds]
+    known = [name for name in (*asked, observed.HELD_INDEX) if name in ds.data_vars]
+    return [*schema.observables_of(ds), *known]
 
 
 def _boundaries(ds: xr.Dataset) -> list[dict[str, Any]]:
