@@ -151,7 +151,8 @@ class HeldSearch:
             said.append(f"{self.outside} more {are} found outside these ranges, which the list leaves out")
         if self.narrower:
             ranges = " ".join(f"--within {name}={low:g}:{high:g}" for name, (low, high) in self.narrower.items())
-            said.append(f"all listed lie in a small part of the range: {ranges} (in Python within) searches it more finely")
+            finer = f"{ranges} (in Python within) searches it more finely"
+            said.append(f"all listed equilibria lie in a small part of the range: {finer}")
         return "; ".join([*said, *([self.note] if self.note else [])])
 
 

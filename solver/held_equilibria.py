@@ -131,9 +131,7 @@ def _stray(solution: Solution) -> float:
     return max(float(solution.beta.max() - ends.max()), float(ends.min() - solution.beta.min()), 0.0)
 
 
-def _narrower(
-    listed: list[Equilibrium], search: HeldSearch, given: Collection[str]
-) -> dict[str, tuple[float, float]]:
+def _narrower(listed: list[Equilibrium], search: HeldSearch, given: Collection[str]) -> dict[str, tuple[float, float]]:
     """A range around the reactions that were found, for each reaction whose default range is far wider."""
     found = {}
     for name, (low, high) in search.within.items():

@@ -25,7 +25,7 @@ def run(line: str) -> None:
 def test_the_command_of_the_page_names_the_loading_of_each_index(capsys) -> None:
     run(COMMANDS[0])
     said = capsys.readouterr().out
-    assert "held: height; continued from an equilibrium under dead loads, which has FZ = " in said
+    assert "held: height; the search began at an equilibrium under dead loads, which has FZ = " in said
     assert "index 0 under held ends, 0 under dead loads" in said
 
 

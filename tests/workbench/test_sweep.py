@@ -92,7 +92,7 @@ def test_a_sweep_keeps_its_branch_and_says_how_its_first_case_was_taken(line) ->
     assert (line["branch"] == 0).all()
     assert line["branch"].dtype.kind == "i"
     assert (line["outcome"] == "solved").all()
-    assert line.attrs["equilibria"].startswith("the first case, FZ = -50: ")
+    assert line.attrs["equilibria"].startswith("the case from which the others continue, FZ = -50: ")
     assert line.attrs["equilibria"].endswith("the stable one whose beta goes least beyond its end angles")
 
 
@@ -218,7 +218,7 @@ def test_run_check_and_summary_say_how_many_branches_there_are(tmp_path, capsys)
         shown = capsys.readouterr().out
         assert end.value.code == 0
         assert "all cases continue one branch of equilibria" in shown
-        assert "the first case, FZ = -50: " in shown
+        assert "the case from which the others continue, FZ = -50: " in shown
 
 
 def test_two_sweeps_are_not_joined(tmp_path) -> None:

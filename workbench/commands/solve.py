@@ -167,7 +167,7 @@ def _print(found: dict[str, Any]) -> None:
     if found["which"]:
         console.say(found["which"])
     if found["begun"]:
-        console.say(f"held: {', '.join(found['held'])}; continued from {found['begun']}")
+        console.say(f"held: {', '.join(found['held'])}; the search began at {found['begun']}")
     if found["indices"]:
         console.say("index " + ", ".join(f"{index} under {loading}" for loading, index in found["indices"].items()))
     if found["caution"]:

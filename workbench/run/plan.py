@@ -30,6 +30,8 @@ MOST_BLOCKS, MOST_BYTES = 8, 32 * 2**20  # of a chunk: what the death of a worke
 TEXT_BYTES = 200  # of outcome and caution in the file: references, and texts with a remark
 SPARE = 4 * 2**20  # bytes for coordinates, attributes, half-filled packets and the lists of an HDF5 file
 
+FIRST = "the case from which the others continue"
+
 
 @dataclass(frozen=True, eq=False)
 class Plan:
@@ -151,11 +153,11 @@ def first_of(plan: Plan) -> str:
     at = ", ".join(sweep.told(name, float(values[i])) for (name, values), i in row)
     which = plan.study.equilibrium
     if first.begun:
-        return f"the first case, {at}: continued from {first.begun}"
+        return f"{FIRST}, {at}: its search began at {first.begun}"
     slope = None if which is None else which.dbeta0
     named = slope is not None and first.solved
     how = first.selection or (f"taken: the one next to beta'(0) = {slope:g}" if named else first.outcome)
-    return f"the first case, {at}: {how}"
+    return f"{FIRST}, {at}: {how}"
 
 
 def bytes_a_case(study: Study) -> int:
