@@ -1,6 +1,7 @@
 """Films along an axis: what each frame shows, and what is refused before anything is drawn."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from matplotlib.colors import to_rgb
 from PIL import Image
 
 from solver.problem.errors import InputError
+from studies.loader import loads
 from tests.workbench import small
 from tests.workbench.pictures import pixels
 from workbench.commands import animate, console
@@ -154,3 +156,23 @@ def test_a_gif_has_no_bands_where_a_colour_changes_smoothly(tmp_path) -> None:
     # means over areas of 10 x 10 pixels; without dots one is off by 8
     blocks = (seen - frame).reshape(20, 10, 32, 10, 3).mean(axis=(1, 3))
     assert np.abs(blocks).max() < 5
+
+
+@draws
+def test_the_scale_of_all_frames_is_one_whatever_their_legends_say() -> None:
+    from workbench.scene import composition, layout
+
+    ds = in_memory.run(loads(small.HEAD + "[axes.E]\nvalues = [5e3, 2e4]\n", default_name="soft"))
+    settings = composition.Settings(2.0, DPI, size=SIZE, digits=4)
+
+    def page(E: float, along: str | None) -> Any:
+        return layout.compose(ds, {"E": E}, "plain", (), along, settings).page
+
+    alone = [page(E, None) for E in (5e3, 2e4)]
+    assert alone[0].words.legend != alone[1].words.legend  # only the soft rod passes through itself in sight
+    made = [page(E, "E") for E in (5e3, 2e4)]
+    assert made[0].arrangement.per_unit == made[1].arrangement.per_unit
+    assert made[0].arrangement.size == made[1].arrangement.size
+    assert made[0].reserved == made[1].reserved > (0.0, 0.0)  # so the views stand at one place of the page
+    assert made[0].words.legend == made[1].words.legend == [*alone[0].words.legend, *alone[1].words.legend]
+    assert [one.cells[0][0].cell.caption for one in (alone[0], *made)] == ["facing the rod", *["seen from α = 27°"] * 2]

@@ -26,7 +26,7 @@ def impossible(bodies: Sequence["Body"]) -> list[str]:
     found = []
     for key, one, more in (
         ("overlaps", ITSELF, "pass through themselves"),
-        ("too tight", "bent tighter than it is thick", "bent tighter than thick"),
+        ("too tight", "bent tighter than its own radius (κa > 1)", "bent tighter than their own radius (κa > 1)"),
     ):
         count = sum(key in caution for caution in each)
         if count:

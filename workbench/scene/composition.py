@@ -10,10 +10,9 @@ import xarray as xr
 from solver.problem.errors import InputError
 from studies.model import MAX_STATIONS
 
-from ..data import labels
 from ..geometry.centreline import Array
 from ..geometry.refinement import stations_for
-from . import captions, colours, footer, long_rod, overlays, page
+from . import captions, colours, footer, long_rod, overlays, page, wording
 from .arrangement import EDGE, Arrangement, arrange
 from .body import Body
 from .camera import Camera
@@ -80,6 +79,8 @@ class Scene:
         The views in which self-intersections are ringed.
     labels
         Of the rods of the first view, beside them.
+    frames
+        The scenes of all frames of the film of which this scene is one: they share legend and room.
     """
 
     ds: xr.Dataset
@@ -98,6 +99,7 @@ class Scene:
     pitch: float = 0.0
     ringed: Literal["none", "first", "all"] = "none"
     labels: Sequence[str] = ()
+    frames: Sequence["Scene"] = ()
 
     @property
     def bodies(self) -> list[Body]:
@@ -121,7 +123,7 @@ def composed(scene: Scene) -> Picture:
     """Colour the rods, render them, and set the page. Raises `InputError`, `TooFewStations`."""
     scene = _coloured(_bare(scene) if scene.settings.bare else scene)
     settings, finer = scene.settings, scene.settings.finer
-    words = _words(scene)
+    words = wording.words(scene)
     arranged = arrange(scene.rows, scene.camera, room(scene, words), scene.gutter, scene.pitch)
     camera = replace(scene.camera, per_unit=arranged.per_unit * finer)
     _check_width(scene, camera)
@@ -140,7 +142,7 @@ def composed(scene: Scene) -> Picture:
         words = replace(words, notes=[*words.notes, f"drawn to within {error:.1f} pixels"])
     boxes = [box for row in arranged.rows for box in row]
     rings, radius = overlays.rings(list(zip(scene.ringed_views, boxes, strict=False)), camera, arranged.per_unit)
-    legend = [entry for entry in words.legend if outlined or entry[0] != footer.OUTLINE]
+    legend = [entry for entry in words.legend if outlined or scene.frames or entry[0] != footer.OUTLINE]
     words = replace(words, legend=legend, radius=radius)
     first = scene.rows[0][0], arranged.rows[0][0], camera, arranged.per_unit
     labelled = overlays.names(*first, scene.labels, arranged.size) if scene.labels else []
@@ -150,7 +152,7 @@ def composed(scene: Scene) -> Picture:
     elif not settings.size:
         wide = min(wide, max(NARROWEST, arranged.size[0] + words.heads[0] + 2 * page.MARGIN))
     made = Page(words, pixels, arranged, scene.axes, wide, high, settings.dpi, rings, labelled,
-                settings.bare)  # fmt: skip
+                settings.bare, _reserved(scene) if scene.frames else (0.0, 0.0))  # fmt: skip
     return Picture(made, error, stations)
 
 
@@ -163,20 +165,33 @@ def page_size(scene: Scene) -> tuple[float, float]:
 
 def room(scene: Scene, words: Words | None = None) -> tuple[float, float]:
     """The room of the views on the page, in pixels at `style.DPI`."""
-    words = words or _words(scene)
+    words = words or wording.words(scene)
     wide, high = page_size(scene)
     high = high or float(scene.size[1])
     if scene.settings.bare:
         return wide, high
     left, top = words.heads
-    foot = page.below(page.feet(words, scene.axes, 1.0, scene.camera.along_axis, wide))
-    inside = wide - 2 * page.MARGIN - left, high - page.above(words, wide) - foot - top
+    head, foot = np.maximum(_around(scene, words), _reserved(scene))
+    inside = wide - 2 * page.MARGIN - left, float(high - head - foot - top)
     if min(inside) < 60:
         raise InputError(
             f"--size {wide * scene.settings.finer:.0f}x{high * scene.settings.finer:.0f} leaves no room for the views "
             f"beside the words at {scene.settings.dpi} dots per inch: give a larger size, fewer --dpi, or --bare"
         )
     return inside
+
+
+def _around(scene: Scene, words: Words) -> tuple[float, float]:
+    """The heights of the words above and below the views."""
+    wide = page_size(scene)[0]
+    return page.above(words, wide), page.below(page.feet(words, scene.axes, 1.0, scene.camera.along_axis, wide))
+
+
+def _reserved(scene: Scene) -> tuple[float, float]:
+    """The largest of these heights in the frames of a film; 0 for a scene alone."""
+    each = [_around(frame, wording.words(replace(frame, frames=scene.frames))) for frame in scene.frames]
+    above, below = zip(*each, strict=True) if each else ((0.0,), (0.0,))
+    return max(above), max(below)
 
 
 def _bare(scene: Scene) -> Scene:
@@ -189,35 +204,16 @@ def _coloured(scene: Scene) -> Scene:
     """The scene with the colours of its kind on all rods."""
     if scene.kind.cells == "together":
         return scene
-    (paint, bar), notes = scene.kind.paint(scene.ds, scene.context), list(scene.notes)
+    (paint, bar), notes = scene.kind.paint(scene.ds, scene.context), list[str]()
     if chosen := scene.settings.color_range:
         if scene.kind.value is None:
             raise InputError(f"a scene of kind {scene.kind.name} has no colour bar, so it takes no --color-range")
         paint, bar = colours.ranged(paint, bar, chosen)
-        notes += captions.beyond(scene.context, bar, chosen)
+        notes = captions.beyond(scene.context, bar, chosen)
     painted = {body: replace(body, paint=paint) for body in scene.bodies}
     rows = [[replace(view, bodies=[painted[body] for body in view.bodies]) for view in row] for row in scene.rows]
-    return replace(scene, rows=rows, bar=bar, notes=notes)
-
-
-def _words(scene: Scene) -> Words:
-    ds = scene.ds
-    inside = "inside the cylinder, cut open" if ds.attrs["side"] == "inside" else ""
-    subtitle = " · ".join(fact for fact in (scene.case, labels.reading(ds), inside) if fact)
-    legend, notes = list(scene.kind.legend(scene.context)), list(scene.notes)
-    if scene.labels:
-        legend += [(body.paint.colour, text) for body, text in zip(scene.views[0].bodies, scene.labels, strict=True)]
-    if scene.kind.cells != "together":
-        notes += captions.impossible(scene.bodies)
-    crossings = [view.crossings(scene.camera) for view in scene.ringed_views]
-    if any(seen for seen, _ in crossings):
-        some = any(hidden for _, hidden in crossings)
-        legend.append((footer.RING, captions.ITSELF + (captions.UNSEEN if some else "")))
-        notes = [note for note in notes if note != captions.ITSELF]
-    if any(view.hides(body, scene.camera) for view in scene.views for body in view.bodies):
-        legend.append((footer.OUTLINE, captions.BEHIND))
-    return Words(str(ds.attrs["title"]), subtitle, str(ds.attrs["length_unit"]), legend, notes, scene.bar,
-                 scene.columns, scene.heads, scene.kind.own_scales)  # fmt: skip
+    frames = [replace(frame, bar=bar, notes=[*frame.notes, *notes]) for frame in scene.frames]
+    return replace(scene, rows=rows, bar=bar, notes=[*scene.notes, *notes], frames=frames)
 
 
 def _check_width(scene: Scene, camera: Camera) -> None:

@@ -19,7 +19,7 @@ from ..data.schema import axes_of
 from ..figures import canvas
 from . import body as rods
 from . import camera as cameras
-from . import captions, colours, long_rod, page, pixels, table
+from . import captions, colours, long_rod, page, pixels, table, triad
 from .arrangement import EDGE
 from .body import Body
 from .camera import Camera
@@ -127,16 +127,25 @@ def _one(ds: xr.Dataset, kind: Kind, where: dict[str, int], along: str | None, s
     body, why = rods.of_case(ds, where, kind, settings.span)
     if body is None:
         raise InputError(f"nothing to draw{f' at {case}' if case else ''}: {why}")
-    context = [body]
+    film: list[tuple[str, Body]] = []
     if along:
         at = {name: float(ds[name].values[i]) for name, i in where.items() if name != along}
-        cases = selection.line(ds, along, at)
-        context = [found for each in cases if (found := rods.of_case(ds, each, kind, settings.span)[0])]
-    notes = captions.part_drawn([body], str(ds.attrs["length_unit"]))
+        film = [
+            (captions.case_values(ds, each, settings.digits), found)
+            for each in selection.line(ds, along, at)
+            if (found := rods.of_case(ds, each, kind, settings.span)[0])
+        ]
+    context = [found for _, found in film] or [body]
     if long_rod.is_long(context):
+        notes = captions.part_drawn([body], str(ds.attrs["length_unit"]))
         return _in_lines(ds, kind, body, context, case, settings, notes)
-    rows, camera = _from_sides([body], context, settings)
-    return composed(Scene(ds, kind, rows, context, case, camera, settings, notes, ringed="first"))
+
+    def scene(case: str, body: Body) -> Scene:
+        rows, camera = _from_sides([body], context, settings)
+        notes = captions.part_drawn([body], str(ds.attrs["length_unit"]))
+        return Scene(ds, kind, rows, context, case, camera, settings, notes, ringed="first")
+
+    return composed(replace(scene(case, body), frames=[scene(*each) for each in film]))
 
 
 def _from_sides(bodies: Sequence[Body], context: Sequence[Body], settings: Settings) -> tuple[list[list[View]], Camera]:
@@ -144,14 +153,15 @@ def _from_sides(bodies: Sequence[Body], context: Sequence[Body], settings: Setti
     ends = ends_of(context)
     lying = bool(np.ptp(ends) > LYING * 2 * max(body.reach for body in context))
     sides = cameras.views_of(settings.camera)
-    views = [View(bodies, Cell(_side(*side, len(bodies))), -np.radians(side[0]), ends, context) for side in sides]
     camera = cameras.facing(context, sides[0][1], lying)
+    faced = f"facing the rod{'s'[: len(bodies) - 1]}" if set(context) <= set(bodies) else triad.seen_from(camera.toward)
+    views = [View(bodies, Cell(_side(*side, faced)), -np.radians(side[0]), ends, context) for side in sides]
     return ([[view] for view in views] if lying else [views]), camera
 
 
-def _side(azimuth: float, elevation: float, rods: int) -> str:
-    """In words from which side a view shows rods."""
-    text = f"turned by {labels.number(azimuth)}° about the axis" if azimuth else f"facing the rod{'s'[: rods - 1]}"
+def _side(azimuth: float, elevation: float, faced: str) -> str:
+    """In words from which side a view shows rods; faced: those for the side to which the others are turned."""
+    text = f"turned by {labels.number(azimuth)}° about the axis" if azimuth else faced
     from_where = f", from {labels.number(abs(elevation))}° {'above' if elevation > 0 else 'below'}"
     return labels.minus_signs(text + (from_where if elevation else ""))
 

@@ -76,6 +76,8 @@ class Page:
         Words beside places, each with x, y and colour.
     bare
         Without words, bars and rings.
+    reserved
+        The least heights above and below the views: what any frame of a film needs.
     """
 
     words: Words
@@ -88,6 +90,7 @@ class Page:
     rings: Sequence[tuple[float, float]] = field(default_factory=list)
     marks: Sequence[tuple[float, float, str, str]] = field(default_factory=list)
     bare: bool = False
+    reserved: tuple[float, float] = (0.0, 0.0)
 
     @property
     def notes(self) -> Sequence[str]:
@@ -143,7 +146,8 @@ def figure(page: Page) -> Figure:
     finer = page.dpi / style.DPI
     high, wide = (n / finer for n in page.pixels.shape[:2])
     heads = page.words.heads
-    top, foot = (0.0, 0.0) if page.bare else (above(page.words, page.width), below(page.foot))
+    least = np.maximum((above(page.words, page.width), below(page.foot)), page.reserved)
+    top, foot = (0.0, 0.0) if page.bare else (float(least[0]), float(least[1]))
     if page.bare:
         heads = 0.0, 0.0
     height = page.height or top + heads[1] + high + foot
@@ -151,7 +155,7 @@ def figure(page: Page) -> Figure:
     def draw(fig: Figure) -> None:
         if not page.bare:
             _title(fig, page, height)
-            footer.draw(fig, page.foot, MARGIN, 0.7 * MARGIN)
+            footer.draw(fig, page.foot, MARGIN, 0.7 * MARGIN + foot - below(page.foot))
         left = (page.width - wide - heads[0]) / 2 + heads[0]
         bottom = foot + max(height - top - heads[1] - high - foot, 0.0) / 2
         pixels.put(fig, page.pixels, round(left * finer), round(bottom * finer))

@@ -61,8 +61,13 @@ def slant(toward: NDArray[np.float64]) -> str:
     """
     if abs(toward[2]) > 1e-9 or np.abs(toward[:2]).min() <= FLAT:
         return ""
+    return seen_from(toward).replace("from ", "from\n")
+
+
+def seen_from(toward: NDArray[np.float64]) -> str:
+    """From which azimuth the camera looks; toward: the direction to the viewer, (3,)."""
     azimuth = labels.minus_signs(f"{np.degrees(np.arctan2(toward[1], toward[0])):.0f}")
-    return f"seen from\n\N{GREEK SMALL LETTER ALPHA} = {azimuth}°"
+    return f"seen from \N{GREEK SMALL LETTER ALPHA} = {azimuth}°"
 
 
 def _head(fig: Figure, tip: NDArray[np.float64], way: NDArray[np.float64]) -> None:
