@@ -34,6 +34,7 @@ CAPTIONS = {
 }
 TITLES = {"trade": "Accuracy against cost", "extremes": "The extremes"}
 SCENE, DRAWING = {"quality": 90}, {"lossless": True}  # options of WebP
+FILL = 1.29  # heights of the pictures of a panel over the width of the text, up to which a page of A4 holds all of it
 WHITE, MARGIN = 0.995, 16  # from which a pixel counts as blank; pixels of margin that a picture keeps
 
 
@@ -112,6 +113,8 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
     others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
     laws = [law_of(ds, row) for row in result.verdicts]
     name, title = str(ds.attrs["study_name"]), str(ds.attrs["title"])
+    pictures = [_picture(path, f"{title}: {_of(ds, part)}", SCENE) for part, path in scenes]
+    diagrams = [_picture(path, f"{title}: curves and laws", DRAWING) for _, path in others]
     return {
         "id": name,
         "title": title,
@@ -124,8 +127,9 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
         "caution": labels.typeset(str(ds.attrs.get("caution", ""))),
         "unsolved": law_verdicts.unsolved(ds),
         "cases": int(ds["outcome"].size),
-        "scenes": [_picture(path, f"{title}: {_of(ds, part)}", SCENE) for part, path in scenes],
-        "others": [_picture(path, f"{title}: curves and laws", DRAWING) for _, path in others],
+        "scenes": pictures,
+        "others": diagrams,
+        "spread": sum(one["ratio"] for one in [*pictures, *diagrams]) > FILL,
     }
 
 
@@ -134,11 +138,12 @@ def _of(ds: xr.Dataset, name: str) -> str:
     return f"the rod along {labels.axis_label(axis, ds[axis])}" if axis in ds.dims else "the rod on its cylinder"
 
 
-def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, str]:
-    """A PNG as a data URL of WebP, a fifth of the size."""
-    packed = BytesIO()
-    image.imsave(packed, _trimmed(image.imread(file)), format="webp", pil_kwargs=how)
-    return {"src": f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}", "alt": alt}
+def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, Any]:
+    """A PNG as a data URL of WebP, a fifth of the size; ratio: of its height to its width."""
+    packed, pixels = BytesIO(), _trimmed(image.imread(file))
+    image.imsave(packed, pixels, format="webp", pil_kwargs=how)
+    return {"src": f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}", "alt": alt,
+            "ratio": pixels.shape[0] / pixels.shape[1]}  # fmt: skip
 
 
 def _trimmed(pixels: Any) -> Any:
