@@ -95,12 +95,17 @@ def noun_of(name: str) -> str:
 
 def long_name(array: xr.DataArray) -> str:
     """The long name of a stored variable, without what stands in brackets."""
-    return typeset(str(array.attrs.get("long_name", array.name)).partition(" (")[0])
+    return quantity_name(str(array.attrs.get("long_name", array.name)))
+
+
+def quantity_name(words: str) -> str:
+    """A long name without what stands in brackets, with the symbols of loads: ``M3`` as ``M₃``."""
+    return re.sub(r"\b(FZ|MZ|M3)\b", lambda load: axis_symbol(load[0]), typeset(words.partition(" (")[0]))
 
 
 def typeset(text: str) -> str:
-    """Plain text with the letters of physics: ``beta'(0) = -1e-05 rad (5 deg)`` as ``β′(0) = −10⁻⁵ rad (5°)``."""
-    for plain, letters in ((r"\bbeta'", "β′"), (r"\bbeta\b", "β"), (r"\bkappa\b", "κ"), (r"(?<=\d) deg\b", "°")):
+    """Plain text with the letters of physics: ``beta'(0) = -1e-05 rad (5 deg)`` as ``β₀′ = −10⁻⁵ rad (5°)``."""
+    for plain, letters in ((r"\bbeta'\(0\)", "β₀′"), (r"\bbeta'", "β′"), (r"\bbeta\b", "β"), (r"\bkappa\b", "κ"), (r"(?<=\d) deg\b", "°")):
         text = re.sub(plain, letters, text)
     return minus_signs(powers_of_ten(re.sub(r"(?<=\d)\.\.(?=[-\d])", " to ", text)))
 

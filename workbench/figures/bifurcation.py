@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from studies.laws import HOLDS, QUALIFIED
+from studies.laws import FAILS, HOLDS, QUALIFIED
 from studies.line_verdicts import DIRECTIONS
 
 from ..branches.branch_dataset import branches
@@ -53,7 +53,7 @@ def figure(ds: xr.Dataset) -> Figure:
             cells = grid[len(names)].subgridspec(rows, ROW)
             _shapes(ds, fig, cells, count)
             some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
-            notes.append("Developed curves at the numbered points, each with its own scale" + some + ".")
+            notes.append("Developed curves at the numbered points, each with its own scale" + some + "; black dot: s = 0.")
         if notes:
             fig.supxlabel("\n".join(notes), x=0.01, ha="left", size=style.small(), color=style.SOFT)
 
@@ -155,8 +155,21 @@ def _laws(ds: xr.Dataset) -> list[str]:
 
 def _holds(row: dict[str, Any]) -> bool:
     """Whether laws were judged on a branch and none fails."""
-    verdicts = [v for key, v in row.items() if " " in key]
-    return bool(verdicts) and all(str(v).startswith((HOLDS, QUALIFIED)) for v in verdicts)
+    return bool(_verdicts(row)) and all(verdict.startswith((HOLDS, QUALIFIED)) for verdict in _verdicts(row))
+
+
+def _verdicts(row: dict[str, Any]) -> list[str]:
+    """The verdicts of laws on a branch."""
+    return [str(verdict) for key, verdict in row.items() if " " in key]
+
+
+def _judged(row: dict[str, Any]) -> str:
+    """What the legend says of the laws of the study on a branch; nothing where none was judged."""
+    if not _verdicts(row):
+        return ""
+    if _holds(row):
+        return ", no law of the study fails"
+    return ", a law fails" if any(one.startswith(FAILS) for one in _verdicts(row)) else ", a law is not decided"
 
 
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
@@ -170,7 +183,7 @@ def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
         "zorder": 4 if stable else 3 if holds else 2,
     }
     look["linestyle"] = "-" if stable else (0, (4, 1.6))
-    return look, ("stable" if stable else "unstable") + (", no law of the study fails" if holds else "")
+    return look, ("stable" if stable else "unstable") + _judged(row)
 
 
 def _colour_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> Any:

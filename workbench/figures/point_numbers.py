@@ -21,6 +21,7 @@ NEXT = 0.08  # inches: numbers nearer to each other are taken for one
 FAR, SEEN = 0.12, 0.1  # inches: numbers farther away have a line to their point; the least length of such a line
 CLEAR = 0.7  # a number is nearer to its point by this factor than to any other, or has a line to its point
 WAYS = np.radians([60, 120, 300, 240, 90, 270, 0, 180, 30, 150, 330, 210])
+HALO = 0.02  # inches around a number that are white
 STEP = 0.03  # inches between the places of a line that are looked at
 
 Values = NDArray[np.float64]
@@ -119,7 +120,7 @@ def _best(place: Values, size: Values, others: _Others) -> Values:
     for away, way in product(AWAY, WAYS):
         middle = place + (away + np.array([size[0] / 2 - 0.05, 0]) * abs(np.cos(way))) * [np.cos(way), np.sin(way)]
         box = np.stack([middle - size / 2, middle + size / 2])
-        cost = 6 * away + 1.2 * _inside(others.lines, box).sum() + 40 * _inside(others.dots, box, 0.04).sum()
+        cost = 6 * away + 1.2 * _inside(others.lines, box, HALO).sum() + 40 * _inside(others.dots, box, 0.04).sum()
         cost += 40 * sum(bool((box[0] < other[1]).all() and (box[1] > other[0]).all()) for other in others.boxes)
         cost += 4 * sum(bool((np.maximum(box[0] - other[1], other[0] - box[1]) < NEXT).all()) for other in others.boxes)
         cost += 10 * max(_share(place, box, others.dots) - 0.3, 0)

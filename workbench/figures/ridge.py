@@ -69,9 +69,11 @@ def figure(
             ax = fig.add_subplot(grid[i, 0] if sheet.narrow else grid[0, i])
             _panel(ax, found, ridge, ends, tall, labelled=sheet.narrow or i == 0)
         pulled = "push" in names and any(push_scale.pulls(rod["push"]) for rod in found.solved)
-        entries = [Patch(color=push_scale.PULL, label="the cylinder would have to pull: the rod would lift off")]
+        entries = [Patch(color=style.PUSHED, label="the cylinder pushes")] if "push" in names else []
+        if pulled:
+            entries.append(Patch(color=push_scale.PULL, label="the cylinder would have to pull: the rod would lift off"))
         said = found.said()
-        legend.below(fig, entries if pulled else [], [*said, *found.notes], sheet)
+        legend.below(fig, entries, [*said, *found.notes], sheet)
 
     height = rows * (tall + 0.75) + 0.5 + 0.7 * sheet.titled
     return canvas.figure((sheet.width, height), draw, found.source, sheet=sheet)

@@ -124,7 +124,7 @@ def _legends(ds: xr.Dataset) -> list[tuple[str, list[Any]]]:
     plain: dict[str, Any] = {"color": style.SOFT, "linestyle": ""}
     lost = Line2D([], [], marker="x", markersize=4, label="failed, or no correct digit", **plain)
     more = Line2D(
-        [], [], marker=">", markersize=7, markerfacecolor="none", label="its next rung takes too long", **plain
+        [], [], marker=">", markersize=7, markerfacecolor="none", label="its next finer setting takes too long", **plain
     )
     handed = Line2D([], [], marker="h", markersize=4, markerfacecolor="white", label="handed over to another method",
                     color=style.SOFT)  # fmt: skip

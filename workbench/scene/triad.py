@@ -30,12 +30,13 @@ def triad(axes: NDArray[np.float64]) -> Block:
         along = int(np.argmax(np.abs(toward)))
         for k, (name, way) in enumerate(zip("xyz", axes, strict=True)):
             seen = float(np.hypot(*way))
+            over = seen > FLAT and any(_along(way, other) and np.hypot(*other) > seen for other in axes)
             if seen > FLAT:
                 line(fig, origin, origin + TRIAD * way, color=style.INK, linewidth=1.4)
-                _head(fig, origin + TRIAD * way, way / seen)
+                (_tick if over else _head)(fig, origin + TRIAD * way, way / seen)
             side = way / max(seen, 0.3) if seen > FLAT else 1.4 * _free_side(axes)
-            if seen > FLAT and any(_along(way, other) and np.hypot(*other) > seen for other in axes):
-                side = np.array([-way[1], way[0]]) / seen  # beside the longer arrow over it
+            if over:
+                side = 1.3 * np.array([-way[1], way[0]]) / seen  # beside the longer arrow over it
             place = origin + TRIAD * way * (seen > FLAT) + (13 if k != along else 14) * side
             text(fig, place[0], place[1], name, ha="center", va="center", **SMALL)
         if np.hypot(*axes[along]) <= FLAT:
@@ -75,6 +76,11 @@ def _head(fig: Figure, tip: NDArray[np.float64], way: NDArray[np.float64]) -> No
     across = np.array([-way[1], way[0]])
     corners = [tip + 5 * way, tip - 6 * way + 5 * across, tip - 6 * way - 5 * across]
     fig.add_artist(Polygon(corners, transform=pixels(fig), facecolor=style.INK, linewidth=0))
+
+
+def _tick(fig: Figure, tip: NDArray[np.float64], way: NDArray[np.float64]) -> None:
+    """The end of an arrow that lies over a longer one: a stroke across it, on the side of its letter."""
+    line(fig, tip, tip + 7 * np.array([-way[1], way[0]]), color=style.INK, linewidth=1.4)
 
 
 def _along_sight(fig: Figure, middle: NDArray[np.float64], at_viewer: bool) -> None:

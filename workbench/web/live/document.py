@@ -84,14 +84,12 @@ def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
         "served": served,
         "presets": [asdict(preset) | ({} if served else _begun(preset)) for preset in presets],
         "readings": list(READINGS),
-        "quantities": {name: [row.symbol, _short(row.long_name), row.dimension] for name, row in QUANTITIES.items()},
+        "quantities": {
+            name: [row.symbol, labels.quantity_name(row.long_name), row.dimension] for name, row in QUANTITIES.items()
+        },
         "colours": {"stops": push_colours.STOPS, "pull": push_colours.PULL},
         "core": base64.b64encode((build.HERE / build.WASM).read_bytes()).decode(),
     }
-
-
-def _short(words: str) -> str:
-    return labels.typeset(words.partition(" (")[0])
 
 
 def _begun(preset: Preset) -> dict[str, Any]:

@@ -86,7 +86,8 @@ function legend(ctx, code, x, right, y, most, { length, force }, squeeze) {
   ctx.fillRect(x, y + 102, 40, 40);
   ctx.fillStyle = INK;
   ctx.textAlign = "left";
-  ctx.fillText("the cylinder would have to pull", x + 56, y + 132);
+  ctx.fillText("the cylinder would have to pull:", x + 56, y + 132);
+  ctx.fillText("the rod would lift off", x + 56, y + 168);
   if (squeeze < 1) ctx.fillText(`axis compressed 1 : ${(1 / squeeze).toPrecision(3)}`, x, y - 24);
 }
 
