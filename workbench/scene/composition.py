@@ -79,6 +79,8 @@ class Scene:
         The views in which self-intersections are ringed.
     labels
         Of the rods of the first view, beside them.
+    outlined
+        Hidden stretches are drawn in outline.
     frames
         The scenes of all frames of the film of which this scene is one: they share legend and room.
     """
@@ -99,6 +101,7 @@ class Scene:
     pitch: float = 0.0
     ringed: Literal["none", "first", "all"] = "none"
     labels: Sequence[str] = ()
+    outlined: bool = True
     frames: Sequence["Scene"] = ()
 
     @property
@@ -134,7 +137,7 @@ def composed(scene: Scene) -> Picture:
     size = int(np.ceil(arranged.size[0] * finer)), int(np.ceil(arranged.size[1] * finer))
     pixels, error, outlined = render(
         _placed(scene, arranged, camera, size), camera, size, settings.pixel_error, settings.transparent,
-        max(LINE * finer, 0.8),
+        max(LINE * finer, 0.8), scene.outlined,
     )  # fmt: skip
     if error > COARSEST:
         raise TooFewStations(_too_few(n, stations, error, settings), stations)

@@ -36,6 +36,7 @@ def render(
     pixel_error: float,
     transparent: bool = False,
     line: float = 1.0,
+    outlined: bool = True,
 ) -> tuple[NDArray[np.uint8], float, bool]:
     """Render all views into one picture.
 
@@ -47,6 +48,8 @@ def render(
         The picture has no background: a fourth channel holds how much of each pixel is covered.
     line
         Width of lines in pixels.
+    outlined
+        Hidden stretches are drawn in outline, where they are thick enough.
 
     Returns
     -------
@@ -75,7 +78,7 @@ def render(
                 made[same] = _made(view, own.per_unit, pixel_error)
             walls += _place(plotter, one, made[same], own, size, line * block)
         depth = _set_camera(plotter, drawn, camera, size)
-        outline = _drawn(drawn, camera, depth, block, line)
+        outline = _drawn(drawn, camera, depth, block, line) if outlined else None
         pixels, alpha, outlined = sampling.mean(sampling.Window(plotter, size, block), walls, outline, transparent)
     finally:
         plotter.close()

@@ -82,7 +82,8 @@ def _frame(ds: xr.Dataset, axis: str, i: int, body: Body, context: Sequence[Body
     settings = Settings(dpi=dpi, bare=True, size=(round(room[0] * finer), round(room[1] * finer)))
     kind, camera, ends = kinds.kind_of("contact"), cameras.facing(context, lying=True), ends_of(context)
     rows = [[View([body], Cell(""), -np.radians(side), ends, context)] for side in SIDES]
-    page = composition.composed(composition.Scene(ds, kind, rows, context, "", camera, settings)).page
+    scene = composition.Scene(ds, kind, rows, context, "", camera, settings, outlined=False)  # the legend has no room
+    page = composition.composed(scene).page
     bar = kind.paint(ds, context)[1]
 
     def draw(fig: Figure) -> None:
