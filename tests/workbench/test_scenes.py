@@ -543,8 +543,14 @@ def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
 
 def test_what_no_real_rod_could_do_is_said_of_one_rod_or_counted() -> None:
     rods = [SimpleNamespace(line=object(), caution=text) for text in ("too tight, overlaps, pulled", "overlaps", "")]
-    assert captions.impossible(rods[:1]) == ["the rod passes through itself", "bent tighter than its own radius (κa > 1)"]
-    assert captions.impossible([*rods, rods[0]]) == ["2 of 3 pass through themselves", "1 of 3 bent tighter than their own radius (κa > 1)"]
+    assert captions.impossible(rods[:1]) == [
+        "the rod passes through itself",
+        "bent tighter than its own radius (κa > 1)",
+    ]
+    assert captions.impossible([*rods, rods[0]]) == [
+        "2 of 3 pass through themselves",
+        "1 of 3 bent tighter than their own radius (κa > 1)",
+    ]
     assert captions.impossible(rods[2:]) == []
 
 

@@ -105,7 +105,13 @@ def quantity_name(words: str) -> str:
 
 def typeset(text: str) -> str:
     """Plain text with the letters of physics: ``beta'(0) = -1e-05 rad (5 deg)`` as ``β₀′ = −10⁻⁵ rad (5°)``."""
-    for plain, letters in ((r"\bbeta'\(0\)", "β₀′"), (r"\bbeta'", "β′"), (r"\bbeta\b", "β"), (r"\bkappa\b", "κ"), (r"(?<=\d) deg\b", "°")):
+    for plain, letters in (
+        (r"\bbeta'\(0\)", "β₀′"),
+        (r"\bbeta'", "β′"),
+        (r"\bbeta\b", "β"),
+        (r"\bkappa\b", "κ"),
+        (r"(?<=\d) deg\b", "°"),
+    ):
         text = re.sub(plain, letters, text)
     return minus_signs(powers_of_ten(re.sub(r"(?<=\d)\.\.(?=[-\d])", " to ", text)))
 

@@ -71,7 +71,9 @@ def figure(
         pulled = "push" in names and any(push_scale.pulls(rod["push"]) for rod in found.solved)
         entries = [Patch(color=style.PUSHED, label="the cylinder pushes")] if "push" in names else []
         if pulled:
-            entries.append(Patch(color=push_scale.PULL, label="the cylinder would have to pull: the rod would lift off"))
+            entries.append(
+                Patch(color=push_scale.PULL, label="the cylinder would have to pull: the rod would lift off")
+            )
         said = found.said()
         legend.below(fig, entries, [*said, *found.notes], sheet)
 

@@ -84,8 +84,8 @@ def _draw_trade(ds: xr.Dataset) -> Figure:
 def _trade(ds: xr.Dataset) -> str:
     shown = min(ds.sizes["case"], len(CASES))
     return (
-        f"{ds.sizes['ladder']} methods and variants on {ds.sizes['case']} rods, {shown} of them shown: the error that is "
-        "achieved against the seconds of the whole call, from the coarsest to the finest setting of each"
+        f"{ds.sizes['ladder']} methods and variants on {ds.sizes['case']} rods, {shown} of them shown: the error "
+        "that is achieved against the seconds of the whole call, from the coarsest to the finest setting of each"
     )
 
 
