@@ -230,7 +230,7 @@ def test_the_paper_is_quoted_and_its_fold_named(text, results) -> None:
     (note,) = [result.ds.attrs["fold_note"] for result in results if "fold_note" in result.ds.attrs]
     value = re.search(r"beta\(L\) = ([\d.]+) rad \(([\d.]+) deg\)", note)
     assert float(value[2]) == pytest.approx(np.degrees(float(value[1])), rel=1e-3)
-    assert f"The equilibrium ceases to exist at β(L) = {value[2]}°, where β′(0) = " in page
+    assert f"The equilibrium ceases to exist at β(L) = {value[2]}°, where β₀′ = " in page
 
 
 def test_each_claim_stands_on_top_with_the_words_and_values_of_its_laws(text, results) -> None:
