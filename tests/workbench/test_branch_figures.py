@@ -125,6 +125,15 @@ def test_one_branch_alone_has_a_row_of_shapes(held) -> None:
     assert set(held["shape_branch"].values) == {0}
 
 
+def test_the_shapes_of_a_branch_that_goes_on_beyond_a_short_axis_lie_on_the_axis() -> None:
+    ds = swept(Ends(beta0=0.5, betaL=0.5, FZ=-0.5), "height", np.array([3.9, 4.1]))
+    assert np.ptp(ds["curve_height"].values) > 1.0
+    assert ((ds["shape_height"] > 3.8) & (ds["shape_height"] < 4.2)).all()
+    fig = bifurcation.figure(ds)
+    fig.draw_without_rendering()  # a number far outside leaves no room for the panel
+    assert len(numbers(fig, 0)) == ds.sizes["shape"] > 1
+
+
 def test_every_equilibrium_has_its_number_beside_its_energy() -> None:
     case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.5, FZ=-2.0))
     ds = dataset_of(load("fig6"), case, all_equilibria(case))

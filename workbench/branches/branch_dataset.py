@@ -71,7 +71,9 @@ def sweep(
     data["outcome"] = xr.Variable(dims, np.array(outcome, dtype=str).reshape(len(found), most))
     chosen = shown_by_default(name) if show is None else show
     shown = (chosen,) if held else (chosen, "energy")
-    data |= special_points(seen, name, units, shown) | followed_curves(seen, name, units, shown)
+    data |= special_points(seen, name, units, shown) | followed_curves(
+        seen, name, units, shown, (values[0], values[-1])
+    )
     ds = xr.Dataset(data, {name: xr.Variable((name,), values, schema.labels(quantity_of(name).name, units))})
     every = "Equilibria with a held" if held else "All equilibria over"
     ds.attrs = attributes(study, case, f"{every} {quantity_of(name).symbol}")

@@ -77,10 +77,13 @@ def _numbers(sol: Solution, keys: Sequence[str]) -> dict[str, Any]:
     return observe(sol, [key for key in keys if key not in own]) | {key: own[key]() for key in keys if key in own}
 
 
-def followed_curves(seen: Traced, name: str, units: Mapping[str, str], shown: Sequence[str]) -> dict[str, Any]:
+def followed_curves(
+    seen: Traced, name: str, units: Mapping[str, str], shown: Sequence[str], ends: tuple[float, float]
+) -> dict[str, Any]:
     """The points of the branches over `curve_point`, and the shape in the middle of each over (shape, u).
 
-    Of one or two branches several shapes are kept; `shape_branch` says whose they are.
+    Of one or two branches several shapes are kept; `shape_branch` says whose they are. ends: of the axis, between which
+    shapes are kept; branches may go on beyond.
     """
     solved = [solutions_of(curve, STATIONS) for curve in seen.curves]
     keys = list(dict.fromkeys(shown))
@@ -99,7 +102,7 @@ def followed_curves(seen: Traced, name: str, units: Mapping[str, str], shown: Se
     data["curve_branch"] = xr.Variable(dims, _joined(which).astype(np.int64), {"long_name": "number of the branch"})
     for key in ("index", "dead_index"):
         data[f"curve_{key}"] = xr.Variable(dims, _joined([numbers[p.curve][key][at] for p, at in parts]), INDICES[key])
-    middles = [(piece, at) for piece in seen.pieces for at in _places(seen, piece)]
+    middles = [(piece, at) for piece in seen.pieces for at in _places(seen, piece, ends)]
     for key in ("alpha", "z"):
         rows = [getattr(solved[piece.curve], key)[at] for piece, at in middles]
         values = np.array(rows).reshape(len(rows), STATIONS)
@@ -119,10 +122,11 @@ def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
     return np.concatenate([np.asarray(part, dtype=float) for part in parts]) if parts else np.empty(0)
 
 
-def _places(seen: Traced, piece: Piece) -> list[int]:
+def _places(seen: Traced, piece: Piece, ends: tuple[float, float]) -> list[int]:
     """The points of a piece whose shapes are kept: the one in the middle of its values; of few pieces more of each."""
     values = seen.curves[piece.curve].values[piece.first : piece.last + 1]
+    low, high = (float(np.clip(end, values.min(), values.max())) for end in ends)
     count = max(FEW_SHAPES // len(seen.pieces), 1)
     shares = (np.arange(count) + 0.5) / count
-    wanted = values.min() + shares * np.ptp(values)
+    wanted = low + shares * (high - low)
     return sorted({piece.first + int(np.argmin(np.abs(values - one))) for one in wanted})

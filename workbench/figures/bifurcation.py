@@ -224,15 +224,19 @@ def _names(ds: xr.Dataset) -> list[str]:
 
 
 def _number_points(ds: xr.Dataset, ax: Axes, key: str, inches: tuple[float, float]) -> None:
-    """A dot with its number at the point of each shape that is drawn."""
+    """A dot with its number at the point of each shape that is drawn, where the axis reaches it."""
     name, rows = str(ds.attrs["axis"]), {row["branch"]: row for row in branches(ds)}
     if f"shape_{key}" not in ds:
         return
     x, y = (_values(ds, f"shape_{one}")[:MOST] for one in (name, key))
-    for k, branch in enumerate(shape_branches(ds)[:MOST]):
+    (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
+    inside = (x >= left) & (x <= right) & (y >= low) & (y <= high)
+    of, names = shape_branches(ds), _names(ds)
+    for k in map(int, np.flatnonzero(inside)):
+        branch = of[k]
         ax.plot(x[k], y[k], "o", color=_colour_of_shape(ds, name, rows[int(branch)], k), markersize=4.2, zorder=7,
                 markeredgecolor="white", markeredgewidth=0.7)  # fmt: skip
-    points = [point_numbers.Point(*one) for one in zip(x, y, _names(ds)[:MOST], strict=True)]
+    points = [point_numbers.Point(x[k], y[k], names[k]) for k in map(int, np.flatnonzero(inside))]
     dots = [one for kind in MARKS for one in np.transpose(_special(ds, name, key, kind))]
     lines = [line.get_xydata() for line in ax.lines if np.size(line.get_xdata()) > 1]
     point_numbers.write(ax, points, lines, dots, inches)
