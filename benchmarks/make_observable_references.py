@@ -13,7 +13,7 @@ from typing import Any
 import mpmath as mp
 
 ORDER, DIGITS, STEP = 30, 50, "1e-13"
-NAMES = ("pitch", "push_middle", "lift_off_at", "F3_size_max", "bending_stress_max")
+NAMES = ("pitch", "push_middle", "lift_off_at", "F3_size_max", "bending_stress_max", "push_max_at")
 FIELDS = ("E", "nu", "a", "L", "R", "beta0", "dbeta0", "F1", "F2", "F3")
 CASES = {
     "lifts off at its start": ["outside", 1.07e4, 0.25, 0.25, 9.0, 0.75, 0.5, 0.5, 5.0, 1.0, 10.0],
@@ -83,6 +83,15 @@ class Rod:
         s, c = mp.sin(b), mp.cos(b)
         return -(self.lam * c - self.mu * mp.cos(2 * b) - (self.phi + 2 * c * s * s) * s) + 2 * s**3 * c
 
+    def push_rate(self, t: Any) -> Any:
+        """Of the push, without its factor beta_t."""
+        b, v = self.at(t)[:2]
+        s, c, cos2 = mp.sin(b), mp.cos(b), mp.cos(2 * b)
+        H = self.lam * c - self.mu * cos2 - (self.phi + 2 * c * s * s) * s
+        H_beta = -self.lam * s + 2 * self.mu * mp.sin(2 * b) - self.phi * c - 6 * s * s * c * c + 2 * s**4
+        across = c * (self.lam - self.mu * c - s**3) + s * (self.mu * s - 3 * s * s * c)
+        return self.sign * (across + H_beta * (3 * s * c - self.mu) + 9 * H * cos2 + 6 * v * v * mp.sin(2 * b))
+
     def tension(self, t: Any) -> Any:
         b = self.at(t)[0]
         s, c = mp.sin(b), mp.cos(b)
@@ -115,11 +124,14 @@ def observables(n: Numbers) -> list[Any]:
     zeros = [t for t in rod.zeros(rod.push, mp.mpf(0), rod.span) if rod.push(t + mp.mpf("1e-6")) < 0]
     first = mp.mpf(0) if rod.push(mp.mpf(0)) < 0 else min([*zeros, rod.span])
     force = max(abs(rod.tension(t)) for t in rod.extremes(rod.tension_rate))
+    peaks = [(rod.push(t), t) for t in rod.extremes(rod.push_rate)]
+    least = max(peaks)[0] - mp.mpf(10) ** (-DIGITS // 2)
+    place = min(t for push, t in peaks if push > least)  # of equal ones the first
     states = [rod.at(t) for t in rod.extremes(rod.kappa_rate)]
     kappa = max(mp.sqrt(v * v + mp.sin(b) ** 4) for b, v, _, _ in states) / rod.rho
     return [
         2 * mp.pi * rod.rho * (z2 - z1) / abs(alpha2 - alpha1), 3 * pushed * rod.A / (rod.rho**3 * rod.span),
-        first * rod.rho, force * rod.A / rod.rho**2, n["E"] * n["a"] * kappa,
+        first * rod.rho, force * rod.A / rod.rho**2, n["E"] * n["a"] * kappa, place * rod.rho,
     ]  # fmt: skip
 
 

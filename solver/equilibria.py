@@ -13,6 +13,7 @@ from .numerics.arrays import Array
 from .problem.case import Case, Ends
 from .problem.errors import InputError, choices
 from .problem.held_ends import held_of
+from .problem.limits import OUT_OF_RANGE, TOO_LARGE, beyond, dimensionless, representable
 from .problem.reduced import EndsProblem, reduce
 from .problem.tolerance import DEFAULT_TOLERANCE
 from .problem.trajectory import Trajectory
@@ -95,6 +96,9 @@ def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: in
     from .observe.measurement import Reading
     from .observe.observables import OBSERVABLES
 
+    for fine, why in ((representable(case, problem), OUT_OF_RANGE), (dimensionless(problem), TOO_LARGE)):
+        if not fine.all():
+            return Equilibria([], str(beyond(why, case)[0]).removeprefix("failed: "))
     all_of_them = search(problem, most_swings)
     if all_of_them is None:
         return Equilibria([], NONE_FOUND)

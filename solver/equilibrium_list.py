@@ -139,6 +139,8 @@ class HeldSearch:
         return ", ".join(f"{name} from {low:.6g} to {high:.6g}" for name, (low, high) in self.within.items())
 
     def __str__(self) -> str:
+        if not self.within:
+            return f"not proved complete: {self.note}"
         said = [
             f"not proved complete: searched over {self.ranges}",
             f"it began from the equilibria of {self.problems} problems under dead loads "

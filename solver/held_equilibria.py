@@ -16,7 +16,7 @@ from .observe import observe
 from .problem.case import PAIRS, Case, Ends
 from .problem.errors import InputError, no_such
 from .problem.held_ends import NUMBER_OF, held_of, reduce_held
-from .problem.limits import LARGEST, SHORTEST, TOO_LARGE
+from .problem.limits import LARGEST, SHORTEST, TOO_LARGE, beyond
 from .solution import Solution
 
 TRIES, MOST_SWINGS = 10, 8
@@ -49,7 +49,9 @@ def held_equilibria(
     problem = reduce_held(case)
     numbers = np.append(problem.values[0], [problem.span[0], problem.ratio[0]])
     if not (np.abs(numbers) < LARGEST).all() or problem.span[0] < SHORTEST:
-        return HeldEquilibria([], HeldSearch({}, swings, 0, 0, 0, 0, 0, TOO_LARGE))
+        return HeldEquilibria(
+            [], HeldSearch({}, swings, 0, 0, 0, 0, 0, str(beyond(TOO_LARGE, case)[0]).removeprefix("failed: "))
+        )
     found = held_search(Given.of(problem), own, swings, tries, values)
     t = problem.span[:, None] * np.linspace(0, 1, stations)
     listed = [_equilibrium(case, found.given, *one, t, tol) for one in zip(found.states, found.how, strict=True)]

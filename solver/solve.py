@@ -10,7 +10,7 @@ from .numerics.arrays import Array
 from .problem.case import Case
 from .problem.errors import InputError, choices
 from .problem.held_ends import HeldProblem, held_of, reduce_held
-from .problem.limits import OUT_OF_RANGE, TOO_LARGE, dimensionless, ordinary, representable, units_held
+from .problem.limits import OUT_OF_RANGE, TOO_LARGE, beyond, dimensionless, ordinary, representable, units_held
 from .problem.reduced import EndsProblem, Reduced, StartProblem, flat, reduce
 from .problem.tolerance import DEFAULT_TOLERANCE, checked_tolerance
 from .problem.trajectory import Seed, Trajectory, blanked, stood_in
@@ -115,8 +115,11 @@ def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose:
     with np.errstate(all="ignore"):
         fit = np.asarray(np.isfinite(t)).all(axis=1, keepdims=True)
         told, found = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, start)
+        lost = told.outcome == TOO_LARGE
+        if lost.any():
+            told = blanked(told, ~lost, beyond(TOO_LARGE, case))
         for fine, why in ((representable(case, found), OUT_OF_RANGE), (units_held(case), OUT_OF_RANGE)):
-            told = blanked(told, fine, why)
+            told = told if fine.all() else blanked(told, fine, beyond(why, case))
     return Solution(case, found, told, t, method.name, tol)
 
 
@@ -139,7 +142,7 @@ def _run(
         slope = np.where(np.isfinite(told.dbeta[:, 0]), told.dbeta[:, 0], 0.0)  # beta'(0) is known only now
         held &= ~fit | representable(case, problem.started(slope))
     for fine, why in ((held, OUT_OF_RANGE), (finite, TOO_LARGE), (units_held(case), OUT_OF_RANGE)):
-        told = blanked(told, fine, why)
+        told = told if fine.all() else blanked(told, fine, beyond(why, case))
     return told
 
 

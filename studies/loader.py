@@ -98,6 +98,8 @@ def load(study: str | Path, cases: Path | None = None, draw: bool = True) -> Stu
             raise InputError(f"no study {text!r}: a file .h5 holds stored results, and {reads}; give a .toml file")
         if text not in names():
             known = f"choose from {choices(names())}, or give a .toml file"
+            if path.is_dir():
+                raise InputError(f"{text} is a folder, not a study; {known}")
             raise InputError(f"no study {text!r}{near(text, names())}; {known}")
         path = SHIPPED / f"{text}.toml"
     try:

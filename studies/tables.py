@@ -42,7 +42,7 @@ def read(
         For a file that cannot be read, a missing or repeated column, no rows, or a cell without a finite number.
     """
     if path.suffix.lower() not in SUFFIXES:
-        raise InputError(f"a table of cases is a file that ends in {choices(SUFFIXES)}, got {path.name!r}")
+        raise InputError(f"a table is a file that ends in {choices(SUFFIXES)}, got {path.name!r}")
     _check_file(path)
     if path.suffix.lower() == ".csv":
         return _csv(path, columns, known, of, row)

@@ -8,7 +8,7 @@ import re
 import sys
 import warnings
 from collections.abc import Callable, Iterable
-from functools import wraps
+from functools import cache, wraps
 from typing import Annotated, Any
 
 try:
@@ -139,9 +139,15 @@ def _shown_by(others: Callable[..., None]) -> Callable[..., None]:
     return show
 
 
+@cache
+def _parser() -> Any:
+    """The commands as the parser reads them; a process that runs many makes them once."""
+    return typer.main.get_command(app)
+
+
 def _run(words: list[str]) -> None:
     try:
-        sys.exit(app(words, prog_name="workbench", standalone_mode=False))
+        sys.exit(_parser()(words, prog_name="workbench", standalone_mode=False))
     except typer.TyperException as error:
         _fail(_sentence(error), error.exit_code)
     except (KeyboardInterrupt, typer.Abort):  # before the command begins

@@ -37,7 +37,12 @@ _EASY_BEND = 0.05  # distance from the predictor, as a share of the step, that t
 _LEAP = 1.0  # of the parameter's scale: the line whose shares `continuation_steps.LEAPS` are leapt
 _BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix
 _BESIDE_HELD_HELIX, _HELD_LEAP = 1e-3, 0.05  # the same with held ends; of p's scale, the way past a helix
+_CREEPS, _LITTLE = 60, 0.01  # points in a row that do not advance p; the share of the way that a leap must pass
 _STEEP = 0.2  # dp along the branch, in scales, above which a step may end at a given p
+_CREEPING = (
+    "the rod is next to a helix, as beside a pitchfork, and the range ends so near that the steps became too small; "
+    "choose a range that ends farther on"
+)
 END, CLOSED = "the end of the range", "the branch is closed"
 _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
 
@@ -101,12 +106,14 @@ def _limit(bounds: Bounds) -> str:
 
 def _followed(state: State, places: list[Place], bounds: Bounds) -> tuple[list[Place], Stop]:
     """The places before, and those after a state."""
-    first, step, kept = state.recorded(), FIRST, 0
+    first, step, kept, creeps = state.recorded(), FIRST, 0, 0
     ordinary = ordinary_steps(state.curve.family, bounds, first)
     while len(places) < bounds.most:
         if ordinary is not None:
+            begin = state
             found, state, step, kept, why = ordinary.after(state, step, kept, bounds.most - len(places))
             places += found
+            creeps = creeps + len(found) if _creeps(begin, state, bounds, False) else 0
             if why in (AT_END, IS_CLOSED):
                 return places, Stop(END if why == AT_END else CLOSED, places[-1].p)
             if len(places) >= bounds.most:
@@ -114,6 +121,9 @@ def _followed(state: State, places: list[Place], bounds: Bounds) -> tuple[list[P
         state, kept = recharted(state, step, keep=kept > 0), kept - 1
         past = _leap(state, bounds) if _is_near_helix(state) else None
         if past is not None:
+            creeps = creeps + 1 if _creeps(state, past, bounds, True) else 0
+            if creeps > _CREEPS:
+                return places, Stop(_CREEPING, state.p)
             state = past
             places.append(state.recorded())
             continue
@@ -131,10 +141,14 @@ def _followed(state: State, places: list[Place], bounds: Bounds) -> tuple[list[P
                 continue
             if leap is None:
                 return places, Stop(f"the step became too small: {there}", state.p)
+            creeps = creeps + 1 if _creeps(state, leap, bounds, True) else 0
             there, passed, step = leap, [leap.recorded()], FIRST
         else:
+            creeps = creeps + 1 if _creeps(state, there, bounds, False) else 0
             bend = max(there.node.bend, 1e-6)
             step = min(LONGEST, step * float(np.clip(np.sqrt(_EASY_BEND / bend), 0.3, 2.0)))
+        if creeps > _CREEPS:
+            return places, Stop(_CREEPING, state.p)
         for place in passed:
             places.append(replace(place, p=bounds.snapped(place.p)))
             if _is_same(place, first):
@@ -211,6 +225,12 @@ def _located(state: State, low: float, high: float, zero: Callable[[State], floa
         return distance, at(distance)
     except ArithmeticError:
         return None
+
+
+def _creeps(state: State, there: State, bounds: Bounds, leap: bool) -> bool:
+    """Whether p changes by rounding, or in a leap by little of the way to the next value at which to halt."""
+    ahead = abs(bounds.next(state.p, state.rises > 0) - state.p) if leap else 0.0
+    return abs(there.p - state.p) < max(_LITTLE * ahead, 100 * bounds.rounding)
 
 
 def _is_near_helix(state: State) -> bool:

@@ -163,7 +163,7 @@ def _told(searched: Searched, curve: Curve) -> FoldCurve:
     line, more = curve.dense()
     slopes, cusps, turned = [], [], []
     for trace in curve.stretches:
-        slope = [trace.system.slopes(point.x)[0] for point in trace.points]
+        slope = [trace.system.start_rate(point.x) for point in trace.points]
         fine = np.arange(PIECES * (len(slope) - 1) + 1) / PIECES
         slopes.append(np.interp(fine, np.arange(len(slope)), slope))
         cusps += [trace.points[i].shares for i in trace.cusps]

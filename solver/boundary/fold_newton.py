@@ -59,8 +59,8 @@ class CurveSystem(Protocol):
         """Whether other equations suit the curve better from x on."""
         ...
 
-    def slopes(self, x: Array) -> list[float]:
-        """beta_t(0) at x, the likeliest first."""
+    def start_rate(self, x: Array) -> float:
+        """beta_t(0) at x."""
         ...
 
 
@@ -138,8 +138,8 @@ class FoldSystem:
     def leaves(self, x: Array) -> bool:
         return is_deep(self.plane, float(x[0]) * self.scale, x[1:3])
 
-    def slopes(self, x: Array) -> list[float]:
-        return [float(x[0]) * self.scale]
+    def start_rate(self, x: Array) -> float:
+        return float(x[0]) * self.scale
 
     def has_index(self, point: CurvePoint, lower: int) -> bool:
         """Whether two equilibria of index lower and lower + 1 meet in the point of a fold: at turning points of beta

@@ -7,7 +7,6 @@ import numpy as np
 from ..numerics.arrays import Array
 from .fold_newton import CurvePoint, CurveSystem, FoldSystem, corrected
 from .fold_tracing import CLOSED, LEFT, STOPPED, Trace, one_way, stretch
-from .parameter_plane import ParameterPlane
 from .separatrix_folds import SeparatrixSystem, deep_system
 
 _MOST = 12  # stretches of a curve
@@ -51,42 +50,27 @@ def _turned(trace: Trace) -> Trace:
 def _handed_over(system: CurveSystem, last: CurvePoint, lower: int) -> tuple[CurveSystem, CurvePoint] | None:
     """The other equations of the curve and its point there, with its tangent in the same direction."""
     if isinstance(system, FoldSystem):
-        slope = float(last.x[0]) * system.scale
-        return deep_point(system.plane, system.scale, last.shares, slope, lower + 1, system.kind, last)
+        found = deep_system(system.plane, system.scale, last.shares, system.start_rate(last.x), lower + 1, system.kind)
+        point = None if found is None else _on(*found, last)
+        return None if found is None or point is None else (found[0], point)
     assert isinstance(system, SeparatrixSystem)
     same = system.moved(last.x) if system.leaves(last.x) else None
     if same is not None:
         return same, last
     following = FoldSystem(system.plane, system.kind, system.scale)
-    for slope in system.slopes(last.x):
-        x = np.concatenate([[slope / system.scale], last.shares, np.zeros(following.size - 3)])
-        point = _on(following, x, last)
-        if point is not None and following.is_true(point) and following.has_index(point, lower):
-            return following, point
-    return None
-
-
-def deep_point(
-    plane: ParameterPlane, scale: float, shares: Array, slope: float, turns: int, kind: str, near: CurvePoint | None
-) -> tuple[CurveSystem, CurvePoint] | None:
-    """The point next to a separatrix of the curve near some shares, and its system."""
-    found = deep_system(plane, scale, shares, slope, turns, kind)
-    if found is None:
+    x = np.concatenate([[system.start_rate(last.x) / system.scale], last.shares, np.zeros(following.size - 3)])
+    point = _on(following, x, last)
+    if point is None or not following.is_true(point) or not following.has_index(point, lower):
         return None
-    system, x = found
-    point = _on(system, x, near)
-    return None if point is None else (system, point)
+    return following, point
 
 
-def _on(system: CurveSystem, x: Array, near: CurvePoint | None) -> CurvePoint | None:
+def _on(system: CurveSystem, x: Array, near: CurvePoint) -> CurvePoint | None:
     """The point of the curve near x, its tangent in the direction of that of `near`."""
-    rows = np.eye(x.size)[1:3]
-    if near is not None:
-        rows = rows[np.argsort(-np.abs(near.tangent[1:3]))]
-    for row in rows:
+    for row in np.eye(x.size)[1:3][np.argsort(-np.abs(near.tangent[1:3]))]:
         point = corrected(system, x, row, float(row @ x))
         if point is not None and np.abs(point.shares - x[1:3]).max() < 0.02:
-            if near is not None and point.tangent[1:3] @ near.tangent[1:3] < 0:
+            if point.tangent[1:3] @ near.tangent[1:3] < 0:
                 point = replace(point, tangent=-point.tangent)
             return point
     return None

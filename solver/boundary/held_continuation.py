@@ -113,14 +113,14 @@ def _past_a_helix(
     along = (share - share_1) / (share_1 - share_0)
     guess = {name: getattr(two.problem, name) + along * (getattr(two.problem, name) - getattr(one.problem, name))
              for name in (*FREE, "span")}  # fmt: skip
-    problem, v = EndsProblem(**guess), float(v_1[0] + along * (v_1[0] - v_0[0]))
-    place = LinePoint(problem)
-    path = Path(place.start, 1.0, 2 * float(np.log(abs(v))), -two.path.leaving, two.path.turns)
-    ahead = first.towards(wanted, share)
-    for chart in charts(place, path):
-        found = corrected(problem, ahead, chart, coordinate(chart), _ROUGH)
-        if not isinstance(found, str):
-            return found, share - share_1
+    problem, speeds = EndsProblem(**guess), np.abs(v_1 + along * (v_1 - v_0))
+    place, ahead = LinePoint(problem), first.towards(wanted, share)
+    for speed, angle in sorted(zip(speeds, (place.start, place.end), strict=True)):
+        path = Path(angle, 1.0, 2 * float(np.log(speed)), -two.path.leaving, two.path.turns)
+        for chart in charts(place, path):
+            found = corrected(problem, ahead, chart, coordinate(chart), _ROUGH)
+            if not isinstance(found, str):
+                return found, share - share_1
     return None
 
 

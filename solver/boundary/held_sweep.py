@@ -3,7 +3,8 @@
 With one unknown, equilibria at neighbouring values are joined: on each path (direction at the start, number of turning
 points) they keep the order of their levels. Where what is held passes its wanted value between two neighbours, one of
 them is a start, and also where a cubic through their values and slopes comes back to it. Of the equilibria that have no
-neighbour, next to a fold or where a turning point leaves the rod, the nearest on either side are starts too.
+neighbour, next to a fold or where a turning point leaves the rod, the nearest on either side are starts too, and those
+that a tangent takes to the wanted value between the two neighbours or a little beyond.
 
 With several unknowns, equilibria are starts if the first-order change of the unknowns is short, in steps of the grid.
 """
@@ -24,7 +25,7 @@ from .orbit_rates import NUMBERS, OrbitRates, orbit_rates
 from .search import search
 
 _DEAD = ("beta0", "betaL", "lam", "mu", "phi")
-_STEPS_AWAY = 1.5  # of the grid: the longest first-order change from a start, with several unknowns
+_STEPS_AWAY = 1.5  # of the grid: the longest first-order change from a start
 _FEWEST, _MOST = 16, 100  # starts with several unknowns
 
 
@@ -94,12 +95,17 @@ def starts_of(points: list[Point], ranges: Ranges) -> list[list[State]]:
 
 def _between(one: Point, two: Point, step: float) -> list[list[State]]:
     """Starts between two neighbouring values of one unknown."""
-    starts, alone = [], list[tuple[float, State]]()
+    starts, alone = list[list[State]](), list[tuple[float, State]]()
     first, second = _classes(one), _classes(two)
     for kind in first.keys() | second.keys():
         here, there = first[kind], second[kind]
         if len(here) != len(there):
-            alone += [(float(p.off[i, 0]), p.states[i]) for p, some in ((one, here), (two, there)) for i in some]
+            for point, some, inward in ((one, here, step), (two, there, -step)):
+                for i in some:
+                    off, slope = float(point.off[i, 0]), float(point.slope[i, 0, 0])
+                    alone.append((off, point.states[i]))
+                    if 0 < -off / (slope * inward or np.inf) <= _STEPS_AWAY:
+                        starts.append([point.states[i]])
             continue
         for i, j in zip(here, there, strict=True):
             a, b = float(one.off[i, 0]), float(two.off[j, 0])

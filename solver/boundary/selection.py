@@ -19,6 +19,8 @@ RULES = (NEAREST, LOWEST)
 
 Choose = str | int  # "nearest", "lowest", or a Morse index
 
+INCOMPLETE = "selected from a list of equilibria that may be incomplete"  # the remark on a solved case
+
 _EQUAL = 1e-9  # relative difference below which two strays or energies count as equal: mirror images differ by rounding
 _FINEST = 1e-12  # rad: the same for strays next to zero
 

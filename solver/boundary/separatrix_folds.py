@@ -1,8 +1,8 @@
 """Folds next to a separatrix: an end of the rod lies at a turning point, on the level of a saddle that the rod nears.
 
 Long rods lose their stable equilibria there. With g the gap between the level and the saddle's height, n/(2 r) what a
-unit of log g adds to the length T, and x = beta_t at that end (0 at the turning point), T = T0(log g) + kappa x, where
-kappa = 2/|H| for each of the two ends that lies there, and x^2 = g - D, D = G(end) - G(saddle). So
+unit of log g adds to the length T, and x = beta_t at that end towards the turning point, T = T0(log g) + kappa x, where
+kappa = 1/|H| for each of the two ends that lies there, and x^2 = g - D, D = G(end) - G(saddle). So
 
     dT/dx = 0:  x = -kappa g/(2 dT0/dlog g),     T0 + kappa x = L/rho,     D = g - x^2,
 
@@ -78,7 +78,7 @@ class SeparatrixSystem:
         rate = (time[2] - time[0]) / (2 * _STEP)
         if not rate < 0:
             return np.full(3, np.nan)
-        kappa = self.weight * 2 / abs(float(slope(place.problem, np.array([angle]))[0]))
+        kappa = self.weight / abs(float(slope(place.problem, np.array([angle]))[0]))
         rest = -kappa * gap / (2 * rate)
         height = -place.fall(saddle, angle)
         return np.array([height - gap + rest**2, time[1] + kappa * rest - place.problem.span[0], rest])
@@ -98,29 +98,27 @@ class SeparatrixSystem:
             boundary = replace(base, falls=falls, deepest=min(base.deepest, -600.0))
             levels = Levels(np.zeros(1, dtype=np.int64), np.array([self.sign]), np.array([max(float(one), -600.0)]))
             seen = transit_times(boundary, levels)
-            upper = float(slope(place.problem, np.array([angle]))[0]) > 0
             time = seen.time.copy()
-            time[1 if upper else 2] = 0.0
+            time[2 if _rises(place, angle) else 1] = 0.0
             arriving = self.leaving if self.turns % 2 == 0 else -self.leaving
             path = Paths(np.array([self.leaving]), np.array([arriving]), np.array([self.turns // 2]))
             out[k] = float(path.counts(boundary.rising)[0] @ time[:, 0])
         return out
 
     def has_index(self, x: Array, lower: int) -> bool:
-        """Whether the path is that of a fold at which equilibria of index lower and lower + 1 meet.
+        """Whether equilibria of index lower and lower + 1 meet there: such a rod passes lower + 1 turning points.
 
-        Such a path has lower + 1 turning points. It passes the one at its end where the gap is positive, as the length
-        then falls with x^2 and must rise with x.
+        At a fold it passes the one at its end where the gap is positive, as the length then falls with x^2 and must
+        rise with x. At a pitchfork it passes that of one of the two ends.
         """
-        if self.weight != 1:
-            return True
         place, _ = self.saddle_at(x[1:3])
         arriving = self.leaving if self.turns % 2 == 0 else -self.leaving
-        starts = self.end == "start"
-        rises = float(slope(place.problem, np.array([place.start if starts else place.end]))[0]) < 0
-        # the turning point lies below an end at which beta is accelerated upward
-        passes = (self.leaving < 0) == rises if starts else (arriving > 0) == rises
-        return self.turns - passes == (lower if self.sign > 0 else lower + 1)
+        passed = {
+            "start": (self.leaving < 0) == _rises(place, place.start),
+            "end": (arriving > 0) == _rises(place, place.end),
+        }
+        inner = self.turns - (passed[self.end] if self.weight == 1 else sum(passed.values()))
+        return inner + (1 if self.weight == 0 else self.weight * (self.sign > 0)) == lower + 1
 
     def leaves(self, x: Array) -> bool:
         return bool(x[0] * UNIT > SHALLOW) or abs(_apart(self.saddle_at(x[1:3])[1], self.saddle)) > _FOLLOWED
@@ -136,16 +134,19 @@ class SeparatrixSystem:
         saddle = self.saddle_at(x[1:3])[1]
         return None if x[0] * UNIT > SHALLOW or np.isnan(saddle) else replace(self, saddle=saddle)
 
-    def slopes(self, x: Array) -> list[float]:
-        """beta_t(0) of the equilibrium, with both signs where they are not known."""
+    def start_rate(self, x: Array) -> float:
         y, shares = float(x[0]) * UNIT, x[1:3]
         place, saddle = self.saddle_at(shares)
-        gap = self.sign * np.exp(max(y, -600.0))
         if self.end == "start" or self.weight != 1:
-            rest = float(self._three(y, shares)[2])
-            return [rest, -rest]
-        speed = float(np.sqrt(max(gap + place.fall(saddle, place.start), 0.0)))
-        return [self.leaving * speed, -self.leaving * speed]
+            passing = float(self._three(y, shares)[2])  # beta_t towards the turning point
+            return -passing if _rises(place, place.start) else passing
+        gap = self.sign * np.exp(max(y, -600.0))
+        return self.leaving * float(np.sqrt(max(gap + place.fall(saddle, place.start), 0.0)))
+
+
+def _rises(place: LinePoint, angle: float) -> bool:
+    """Whether beta accelerates upward at an angle: a turning point there is the lower one of the orbit."""
+    return float(slope(place.problem, np.array([angle]))[0]) < 0
 
 
 def _apart(angle: Any, other: float) -> Any:

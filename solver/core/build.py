@@ -35,10 +35,14 @@ def digest(names: Sequence[str] = ()) -> str:
 
 
 def compiler() -> list[str]:
-    """The command of the machine's C compiler; empty where there is none."""
+    """The command of the machine's C compiler; empty where there is none.
+
+    On Windows only that of the variable CC: there GCC does not align the stack for AVX (its bug 54412), and Clang
+    exports no function. The package `ziglang` does both.
+    """
     import shutil  # the loader, which imports this module, has no need of it
 
-    for name in (os.environ.get("CC", ""), "cc", "gcc", "clang"):
+    for name in (os.environ.get("CC", ""), *(() if sys.platform == "win32" else ("cc", "gcc", "clang"))):
         if name and shutil.which(name.split()[0]):
             return name.split()
     return []

@@ -527,11 +527,13 @@ static TARGET int NAME(run)(const problems *all, orbit *orbits, const task *work
 {
     static const double idle[PROBLEM] = {0, 0, 0, 1, 0.5, 0};
     room *rooms = malloc(W * sizeof(room));
-    NAME(lanes) *p = aligned_alloc(64, (sizeof(NAME(lanes)) + 63) / 64 * 64);
-    if (!rooms || !p) {
-        free(rooms), free(p);
+    /* aligned by hand: Windows has no aligned_alloc */
+    char *memory = malloc(sizeof(NAME(lanes)) + 63);
+    if (!rooms || !memory) {
+        free(rooms), free(memory);
         return 1;
     }
+    NAME(lanes) *p = (NAME(lanes) *)(((uintptr_t)memory + 63) & ~(uintptr_t)63);
     int64_t next = 0;
     int busy = 0, end[W];
     double late[W], at[W];
@@ -571,7 +573,7 @@ static TARGET int NAME(run)(const problems *all, orbit *orbits, const task *work
                 settle(work, all, rod, o, rooms + i);
         }
     }
-    free(rooms), free(p);
+    free(rooms), free(memory);
     return 0;
 }
 

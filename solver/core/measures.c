@@ -3,9 +3,9 @@
 
 #include "stretches.h"
 
-enum { ANGLES, CURVATURES, BENDINGS, POTENTIALS, PUSHES, PUSH_ALONE, LIFT_OFFS, TENSIONS, DIRECTIONS }; /* GROUPS */
+enum { ANGLES, CURVATURES, BENDINGS, POTENTIALS, PUSHES, PUSH_ALONE, LIFT_OFFS, TENSIONS, DIRECTIONS, PEAKS };
 enum { LOW, HIGH, CURVED, TIGHTEST, BENT, POTENTIAL_ENERGY, PUSHED, PULLED, SHARE, LEAST, GREATEST, PUSHED_ALONE, LIFTS,
-       LARGEST_TENSION, TURNED, RISEN, NUMBERS };
+       LARGEST_TENSION, TURNED, RISEN, PEAK, NUMBERS };
 #define BARELY (64 * EPS)   /* of the size of its terms: a push below this is rounding */
 #define SURELY 1e4          /* times that: a push beyond this is none by the series of either */
 
@@ -190,7 +190,7 @@ static int measured(workspace *w, int64_t b, numbers *out)
         integrated(w, error, &out->value[CURVED], &out->error[CURVED]);
         out->value[TIGHTEST] = rod_largest(w, 1), out->error[TIGHTEST] = worst_of(w, error, 0);
     }
-    if (groups & (1 << PUSHES | 1 << PUSH_ALONE | 1 << LIFT_OFFS)) {
+    if (groups & (1 << PUSHES | 1 << PUSH_ALONE | 1 << LIFT_OFFS | 1 << PEAKS)) {
         if (rod_resolved(w, b, OUTWARD, SIGNS, all->goal, &loads))
             return NO_MEMORY;
         if (groups & (1 << PUSHES | 1 << PUSH_ALONE))
@@ -201,6 +201,9 @@ static int measured(workspace *w, int64_t b, numbers *out)
         }
         if (groups >> LIFT_OFFS & 1)
             lift_offs_of(w, error, all->span[b], out);
+        if (groups >> PEAKS & 1 &&
+            rod_first_peak(w, worst_of(w, error, 1), all->span[b], BARELY, &out->value[PEAK], &out->error[PEAK]))
+            return NO_MEMORY;
     }
     if (groups >> TENSIONS & 1) {
         if (rod_resolved(w, b, TENSION, EXTREMES, all->goal, &loads))

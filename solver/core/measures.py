@@ -14,7 +14,7 @@ from .panels import fine
 NODES, LONGEST = 24, 64  # of each piece; most coefficients of a series
 NUMBERS = (  # in the order of measures.c
     "low", "high", "curvature", "tightest", "bending", "potential", "pushed", "pulled", "share", "least", "most",
-    "push", "lifts", "tension", "turned", "risen",
+    "push", "lifts", "tension", "turned", "risen", "peak",
 )  # fmt: skip
 _COUNTS = ("coefficients", "monotone", "groups")
 _PIECES, _RODS = ("low", "high", "time", "count", "begin"), ("lam", "mu", "phi", "span", "beta0", "sign", "error")

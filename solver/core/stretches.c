@@ -5,7 +5,8 @@
 enum { PATIENCE = 3, MOST = 1 << 19 }; /* halvings that may fail to shorten a series; parts of the pieces of a rod */
 #define ROUNDING (64 * EPS) /* of the terms of a density, and of beta: a series cannot end below that */
 
-static int roomy(void **array, int64_t *room, int64_t wanted, size_t size)
+/* Makes room for so many elements. Returns DONE or NO_MEMORY. */
+int rod_roomy(void **array, int64_t *room, int64_t wanted, size_t size)
 {
     if (wanted <= *room)
         return DONE;
@@ -95,7 +96,7 @@ workspace *rod_workspace(const rods *all, int lanes)
 void rod_workspace_free(workspace *w)
 {
     if (w)
-        free(w->angles), free(w->parts);
+        free(w->angles), free(w->parts), free(w->maxima);
     free(w);
 }
 
@@ -104,7 +105,7 @@ int rod_angles(workspace *w, int64_t b)
 {
     const rods *all = w->all;
     const int64_t pieces = all->first[b + 1] - all->first[b];
-    if (roomy((void **)&w->angles, &w->angle_room, pieces, sizeof(node_angles)))
+    if (rod_roomy((void **)&w->angles, &w->angle_room, pieces, sizeof(node_angles)))
         return NO_MEMORY;
     for (int64_t i = 0; i < pieces; i++) {
         const int64_t j = all->first[b] + i;
@@ -171,7 +172,7 @@ static int refined(workspace *w, const wanted *goal, const rod_loads *loads, con
             }
             continue;
         }
-        if (roomy((void **)&w->parts, &w->room, w->count + 1, sizeof(stretch)))
+        if (rod_roomy((void **)&w->parts, &w->room, w->count + 1, sizeof(stretch)))
             return NO_MEMORY;
         w->parts[w->count++] = one.part;
     }
@@ -185,7 +186,7 @@ int rod_resolved(workspace *w, int64_t b, int kind, int precision, double allowe
     const int64_t pieces = all->first[b + 1] - all->first[b];
     wanted goal = {kind, precision, allowed, 0, -INFINITY, larger(1, fabs(all->beta0[b]))};
     w->count = 0;
-    if (roomy((void **)&w->parts, &w->room, pieces, sizeof(stretch)))
+    if (rod_roomy((void **)&w->parts, &w->room, pieces, sizeof(stretch)))
         return NO_MEMORY;
     for (int64_t i = 0; i < pieces; i++) {
         const int64_t j = all->first[b] + i;
@@ -233,13 +234,23 @@ double rod_series_value(const double *c, double x)
     return value;
 }
 
-/* Where the derivative of a series, times `sign` rising through zero between two places, is zero. */
-static double turning_place(const double *c, double sign, double low, double high)
+/* The series of the derivative. */
+void rod_derivative(const double *c, double *out)
 {
     double slopes[AT + 1] = {0};
     for (int k = AT - 1; k > 0; k--)
-        slopes[k - 1] = (k + 1 < AT ? slopes[k + 1] : 0) + 2 * k * sign * c[k];
+        slopes[k - 1] = slopes[k + 1] + 2 * k * c[k];
     slopes[0] /= 2;
+    memcpy(out, slopes, AT * sizeof(double));
+}
+
+/* Where the derivative of a series, times `sign` rising through zero between two places, is zero. */
+double rod_turning_place(const double *c, double sign, double low, double high)
+{
+    double slopes[AT];
+    rod_derivative(c, slopes);
+    for (int k = 0; k < AT; k++)
+        slopes[k] *= sign;
     return rod_bracketed(rod_series_and_rate, slopes, low, high, (low + high) / 2);
 }
 
@@ -266,7 +277,7 @@ double rod_largest(const workspace *w, double sign)
                 continue;
             const double v0 = sign * p->of.values[k], v1 = sign * p->of.values[k + 1];
             if (larger(v0 + r0 * width, v1 - r1 * width) > best)
-                keep_larger(&best, sign * rod_series_value(p->series, turning_place(p->series, -sign, nodes[k], nodes[k + 1])));
+                keep_larger(&best, sign * rod_series_value(p->series, rod_turning_place(p->series, -sign, nodes[k], nodes[k + 1])));
         }
     }
     return best;
@@ -298,7 +309,7 @@ void rod_changes(const workspace *w, const double *values, const double *c, sign
             continue;
         if (!(v0 + r0 * (b - a) < 0 || v1 - r1 * (b - a) < 0))
             continue;
-        const double x = turning_place(c, sign, a, b);
+        const double x = rod_turning_place(c, sign, a, b);
         if (!(sign * rod_series_value(c, x) < 0))
             continue;
         if (sign > 0)

@@ -42,14 +42,21 @@ typedef struct {
     void (*through)(const double *values, const double *linear, double *out);
 } kernels;
 
+/* A local maximum of a density on a part of a rod, its ends included. x: in [-1, 1]. */
+typedef struct {
+    const stretch *part;
+    double x, t, value;
+} maximum;
+
 /* What a call needs: room for the angles of the pieces of a rod, and for the stretches of a density. */
 typedef struct {
     const rods *all;
     rule by;
     kernels use;
-    int64_t angle_room, room, count;
+    int64_t angle_room, room, count, maximum_room;
     node_angles *angles;
     stretch *parts;
+    maximum *maxima;
     candidate waiting[2 * ROUNDS + 4];
 } workspace;
 
@@ -97,11 +104,17 @@ typedef struct {
 /* stretches.c */
 workspace *rod_workspace(const rods *, int lanes);
 void rod_workspace_free(workspace *);
+int rod_roomy(void **array, int64_t *room, int64_t wanted, size_t size);
 int rod_angles(workspace *, int64_t b);
 int rod_resolved(workspace *, int64_t b, int kind, int precision, double allowed, const rod_loads *);
 double rod_largest(const workspace *, double sign);
 void rod_changes(const workspace *, const double *values, const double *series, sign_changes *);
 void rod_series_and_rate(const void *series, double x, double *value, double *rate);
 double rod_series_value(const double *series, double x);
+void rod_derivative(const double *series, double *out);
+double rod_turning_place(const double *series, double sign, double low, double high);
+
+/* peaks.c */
+int rod_first_peak(workspace *, double doubt, double span, double barely, double *value, double *error);
 
 #endif

@@ -21,9 +21,10 @@ from ..problem.errors import InputError
 from ..problem.reduced import flat
 from ..solution import Solution
 from . import densities
+from .peaks import first_peak
 from .quadrature import EPS, Resolved, resolve
 from .rod_pieces import Pieces
-from .solution_pieces import blocks, pieces_of, resolved
+from .solution_pieces import blocks, off_between, pieces_of, resolved
 
 _FINEST = 1e-14  # relative: smallest goal of a series
 SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test
@@ -108,6 +109,13 @@ def _lift_offs(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[s
     return {"lifts": (first, np.maximum(late - first, first - early) + 8 * EPS * span)}
 
 
+def _peaks(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
+    """The least t at which the push is largest."""
+    push, doubt = _resolved_push(pieces, sign, error, goal)
+    same = push.most(BARELY * push.size.max(axis=1) + 4 * push.tail)
+    return {"peak": first_peak(push, _worst(push, doubt), same)}
+
+
 def _directions(pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
     found = {}
     for name, density in (("turned", densities.across), ("risen", densities.along)):
@@ -148,6 +156,7 @@ def _worst(found: Resolved, doubt: Array) -> Array:
     return found.most(doubt.max(axis=1) + 2 * found.tail + EPS * found.size.max(axis=1))
 
 
+PEAK = Group(("peak",), _peaks)
 GROUPS = (
     Group(("low", "high"), _angles),
     Group(("curvature", "tightest"), _curvatures),
@@ -158,6 +167,7 @@ GROUPS = (
     Group(("lifts",), _lift_offs),
     Group(("tension",), _tensions),
     Group(("turned", "risen"), _directions),
+    PEAK,
 )
 MIDDLE = (1 / 3, 2 / 3)  # the middle third of the length
 
@@ -214,6 +224,9 @@ class Reading:
         for some in blocks(sol):
             measured = _of_groups(groups, pieces_of(sol, some, until), sign[some], error[some], goal)
             if sol.trajectory.orbit is None:
+                if PEAK in groups:  # at each bend the maximum is off by another amount
+                    wide = error[some] + off_between(sol, some)
+                    measured |= _of_groups([PEAK], pieces_of(sol, some, until), sign[some], wide, goal)
                 fewer = pieces_of(sol, some, until, 2)
                 coarse = _of_groups(groups, fewer, sign[some], error[some], goal)
                 dense = resolved(sol)[some]

@@ -202,6 +202,14 @@ def push_max(read: Reading) -> Pair:
     return read.scaled("most", read.A / read.rho**3)
 
 
+def push_max_at(read: Reading) -> Pair:
+    """The first s at which the push is largest [length], to within the error of `push_max`; 0 where it is constant.
+
+    Its error is the distance to the farthest s at which the push may be larger, by the error of `push_max`.
+    """
+    return read.scaled("peak", read.rho)
+
+
 def attached(read: Reading) -> Pair:
     """Share of the length on which the cylinder pushes.
 
@@ -319,6 +327,7 @@ OBSERVABLES: dict[str, Observable] = {
     "pull_mean": Observable(pull_mean, ("pulled",)),
     "push_min": Observable(push_min, ("least",)),
     "push_max": Observable(push_max, ("most",)),
+    "push_max_at": Observable(push_max_at, ("peak",)),
     "push_middle": Observable(push_middle, ("middle push",)),
     "attached": Observable(attached, ("share",)),
     "lift_off_at": Observable(lift_off_at, ("lifts",)),

@@ -70,23 +70,23 @@ class Resolved:
         return -self._largest(-1.0)
 
     def _largest(self, sign: float) -> Array:
-        values, rate = sign * self.values, sign * self._rate
+        values, rate = sign * self.values, sign * self.rates
         best = self.most(values.max(axis=1))
         width = np.diff(_basis().nodes)
         reach = np.maximum(values[:, :-1] + rate[:, :-1] * width, values[:, 1:] - rate[:, 1:] * width)
         turns = (rate[:, :-1] > 0) & (rate[:, 1:] < 0) & (reach > best[self.pieces.case, None])
         q, cell = np.nonzero(turns)
         if q.size:
-            x = self._turn(q, cell, -sign)
+            x = self.turning(q, cell, -sign)
             np.fmax.at(best, self.pieces.case[q], sign * series_at(self.coefficients[q], x))
         return best
 
     @cached_property
-    def _rate(self) -> Array:
+    def rates(self) -> Array:
         """Derivative with respect to the place in [-1, 1] at the nodes, (Q, m)."""
         return through(self.coefficients, _basis().differentiate)
 
-    def _turn(self, q: Array, cell: Array, sign: float) -> Array:
+    def turning(self, q: Array, cell: Array, sign: float) -> Array:
         """Where the derivative, times `sign` rising through zero in the cells (C,) of pieces q, is zero, (C,)."""
         nodes = _basis().nodes
         slopes = sign * self.coefficients[q] @ derivative(NODES)
@@ -133,7 +133,7 @@ class Resolved:
 
         Returns pieces, places where it is negative, places where it is positive, and whether it rises, (2 C,) each.
         """
-        v, rate, nodes = sign * self.values, sign * self._rate, _basis().nodes
+        v, rate, nodes = sign * self.values, sign * self.rates, _basis().nodes
         same = (self.values > 0) == (sign > 0)  # zero counts as negative
         width = np.diff(nodes)
         dips = same[:, 1:] & same[:, :-1] & (rate[:, :-1] < 0) & (rate[:, 1:] > 0)
@@ -141,7 +141,7 @@ class Resolved:
         q, cell = np.nonzero(dips)
         if not q.size:
             return q, np.empty(0), np.empty(0), np.empty(0, dtype=bool)
-        x = self._turn(q, cell, sign)
+        x = self.turning(q, cell, sign)
         crosses = sign * series_at(self.coefficients[q], x) < 0
         q, cell, x = q[crosses], cell[crosses], x[crosses]
         a, b = nodes[cell], nodes[cell + 1]

@@ -15,7 +15,7 @@ from numpy.polynomial import chebyshev as C
 
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array, Booleans
-from ..numerics.chebyshev import through
+from ..numerics.chebyshev import series_at, through
 from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION
 from ..problem.reduced import Reduced
@@ -182,6 +182,22 @@ def of_stations(sol: Solution, some: slice, step: int = 1, until: float = 1.0) -
         return found
     points = _still(replace(problem, beta0=beta[:, 0]), short, until * problem.span[short], rate[short, 0])
     return joined_pieces([found, points], problem)
+
+
+def off_between(sol: Solution, some: slice) -> Array:
+    """How far beta between the stations may be off, (b,): as far as it is at every other station without that one."""
+    n = sol.t.shape[1]
+    t, beta = sol.t[some], sol.trajectory.beta[some]
+    off = np.zeros(t.shape[0])
+    if n < 3:
+        return off
+    fewer, many = of_stations(sol, some, 2), n // 2  # intervals of a case
+    fewer = fewer.take((fewer.row < t.shape[0] * many) & (2 * (fewer.row % many) + 1 < n - 1))
+    left_out = fewer.case, 2 * (fewer.row % many) + 1
+    x = 2 * (t[left_out] - fewer.begin) / fewer.time - 1
+    found = series_at(fewer.series[fewer.row, 0], np.clip(x, -1, 1))
+    np.fmax.at(off, fewer.case, np.abs(found - beta[left_out]))
+    return off
 
 
 _ENDS = (slice(None, -1), slice(1, None))

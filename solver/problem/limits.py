@@ -21,6 +21,22 @@ def dimensionless(problem: Reduced) -> NDArray[np.bool_]:
         return np.asarray((np.abs(numbers) < LARGEST).all(axis=0) & (problem.span > SHORTEST))
 
 
+def farthest(case: Case) -> tuple[NDArray[np.str_], NDArray[np.float64]]:
+    """The field of each case whose value is farthest from 1 by its decades, by name, and this value, (B,) each."""
+    named = [(name, flat(value, case.shape)) for _, name, value in case._numeric()]
+    values = np.stack([value for _, value in named])
+    with np.errstate(divide="ignore"):
+        decades = np.where(values == 0, 0, np.abs(np.log10(np.abs(values))))
+    which = np.argmax(decades, axis=0)
+    return np.array([name for name, _ in named])[which], values[which, np.arange(which.size)]
+
+
+def beyond(why: str, case: Case) -> NDArray[np.str_]:
+    """The outcomes of cases out of range, (B,): why, and the field that is farthest from 1."""
+    pairs = zip(*(part.tolist() for part in farthest(case)), strict=True)
+    return np.array([f"{why}; the most extreme field is {name} = {value:g}" for name, value in pairs])
+
+
 def units_held(case: Case) -> NDArray[np.bool_]:
     """Whether A and the square of rho are neither denormal nor infinite, (B,)."""
     with np.errstate(all="ignore"):

@@ -103,6 +103,7 @@ _ROWS = (
         estimated=True,
     ),
     Quantity("push_max", "max push", (-1, 1), "largest push of the cylinder per length", estimated=True),
+    Quantity("push_max_at", "max push at s", _LENGTH, "first s of the largest push", estimated=True),
     Quantity(
         "push_middle",
         "push in the middle",

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ..numerics.arrays import Array, Integers
+from ..numerics.arrays import Array, Booleans, Integers
 from ..orbit.pieces import LIBRATION
 from ..orbit.variations import Variations
 from .density_changes import DensityChange, Values, first_of, zeros_between
@@ -22,7 +22,8 @@ class Candidates:
     """Places of rods that an extreme may have: their ends, where a density is stationary, and where panels meet.
 
     case, t, values: (N,), t of the first pass. size: (N,), the sum of the sizes of the terms of a value. slopes,
-    moved: (N, F), the derivatives of the values, and the sizes of the terms of these.
+    moved: (N, F), the derivatives of the values, and the sizes of the terms of these. panel, x: (N,), the panel and the
+    place on it in [-1, 1], of the panels `DensityChange.refined`; panel -1 at the two ends of the rod.
     """
 
     case: Integers
@@ -31,6 +32,8 @@ class Candidates:
     size: Array
     slopes: Array
     moved: Array
+    panel: Integers
+    x: Array
 
     @property
     def faint(self) -> Array:
@@ -43,12 +46,18 @@ def extreme(rods: DensityChange, which: str) -> Array:
 
     which: LARGEST, SMALLEST or LARGEST_SIZE.
     """
-    found = candidates(rods)
+    found = candidates(rods.refined())
     if which == LARGEST_SIZE:
         found = _either_sign(found)
     turn = -1.0 if which == SMALLEST else 1.0
-    case, values, slopes = found.case, turn * found.values, found.slopes
-    best = np.full(rods.problem.size, -np.inf)
+    return slope_of_largest(replace(found, values=turn * found.values), rods.problem.size)[1]
+
+
+def slope_of_largest(found: Candidates, size: int) -> tuple[Booleans, Array]:
+    """Which candidates have the largest value of their rod, (N,), and its derivative, (b, F); NaN where these have
+    unequal ones."""
+    case, values, slopes = found.case, found.values, found.slopes
+    best = np.full(size, -np.inf)
     np.fmax.at(best, case, values)
     top = values >= (best - _SAME * np.maximum(np.abs(best), 1e-300))[case]
     chosen = np.zeros((best.size, slopes.shape[1]))
@@ -56,7 +65,7 @@ def extreme(rods: DensityChange, which: str) -> Array:
     off = np.abs(slopes - chosen[case]) > _APART * (np.abs(slopes) + np.abs(chosen[case])) + found.faint
     unequal = np.zeros_like(chosen, dtype=bool)
     np.logical_or.at(unequal, case[top], off[top])
-    return np.where(unequal, np.nan, chosen)
+    return top, np.where(unequal, np.nan, chosen)
 
 
 def _either_sign(found: Candidates) -> Candidates:
@@ -66,12 +75,11 @@ def _either_sign(found: Candidates) -> Candidates:
     return replace(Candidates(**twice), values=sign * twice["values"], slopes=sign[:, None] * twice["slopes"])
 
 
-def candidates(rods: DensityChange) -> Candidates:
-    """The candidates of b rods."""
-    found = rods.refined()
+def candidates(found: DensityChange) -> Candidates:
+    """The candidates of b rods, whose panels are refined."""
     pace = found.nodes.pace
     q, _, x = zeros_between(pace)
-    most = np.zeros(rods.problem.size)
+    most = np.zeros(found.problem.size)
     np.maximum.at(most, found.case, np.abs(pace).max(axis=1))
     edges = np.abs(pace[:, [0, -1]]) <= _EDGE * most[found.case, None]
     edge, side = np.nonzero(edges)
@@ -81,12 +89,16 @@ def candidates(rods: DensityChange) -> Candidates:
     beta, place = found.varied.on_panels(q, x[:, None])
     at = first_of(found.at(found.case[q], beta, place))
     case = found.case[q]
-    rows, (begin, until) = np.arange(rods.problem.size), rods.times
-    parts = [Candidates(case, t, at.values, at.size, _along(at, rods.e[case]), _along(at, rods.e[case], np.abs))]
-    for one, when, along in zip(rods.ends, (begin, until), (rods.a0, rods.a + rods.later), strict=True):
+    rows, (begin, until) = np.arange(found.problem.size), found.times
+    none = np.full_like(rows, -1)
+    parts = [
+        Candidates(case, t, at.values, at.size, _along(at, found.e[case]), _along(at, found.e[case], np.abs), q, x)
+    ]
+    for one, when, along in zip(found.ends, (begin, until), (found.a0, found.a + found.later), strict=True):
         shifted = along * one.pace[:, None]
-        moved = _along(one, rods.e, np.abs) + np.abs(shifted)
-        parts.append(Candidates(rows, when, one.values, one.size, _along(one, rods.e) + shifted, moved))
+        moved = _along(one, found.e, np.abs) + np.abs(shifted)
+        slopes = _along(one, found.e) + shifted
+        parts.append(Candidates(rows, when, one.values, one.size, slopes, moved, none, 0.0 * when))
     names = (one.name for one in fields(Candidates))
     return Candidates(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 

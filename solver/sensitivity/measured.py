@@ -13,6 +13,6 @@ EXTREMES = {
 }
 INTEGRALS = {"curvature": densities.curvature, "bending": densities.bending, "potential": densities.potential}
 PUSHES = ("pushed", "pulled", "share")
-MIDDLE_PUSH, LIFTS = "middle push", "lifts"
+MIDDLE_PUSH, LIFTS, PEAK = "middle push", "lifts", "peak"
 MIDDLE_GAINS = ("middle turned", "middle risen")
-MEASURED = (*EXTREMES, *INTEGRALS, *PUSHES, MIDDLE_PUSH, LIFTS, *MIDDLE_GAINS)
+MEASURED = (*EXTREMES, *INTEGRALS, *PUSHES, MIDDLE_PUSH, LIFTS, PEAK, *MIDDLE_GAINS)

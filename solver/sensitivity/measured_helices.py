@@ -14,8 +14,8 @@ from ..observe.measurement import BARELY
 from ..observe.rod_pieces import Angles
 from ..orbit.variation_nodes import slopes_by_loads
 from ..problem.reduced import StartProblem
-from .extremes import LARGEST_SIZE
-from .measured import EXTREMES, INTEGRALS, LIFTS, MIDDLE_PUSH, PUSHES
+from .extremes import LARGEST, LARGEST_SIZE
+from .measured import EXTREMES, INTEGRALS, LIFTS, MIDDLE_PUSH, PEAK, PUSHES
 from .motions import MARKS, Motion
 
 _STEADY = 1e-10  # relative: a change that is the same all along a helix
@@ -30,6 +30,8 @@ def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: s
             found[name] = rods.extreme(*EXTREMES[name])
         elif name in INTEGRALS:
             found[name] = rods.integral(INTEGRALS[name])[:, 2]
+    if PEAK in wanted:  # it stays at the start of a rod that remains a helix
+        found[PEAK] = 0 * rods.extreme(densities.outward, LARGEST)
     if wanted & {*PUSHES, MIDDLE_PUSH, LIFTS}:
         found |= {name: value for name, value in rods.pushes().items() if name in wanted}
     return found

@@ -11,14 +11,18 @@ from .density_changes import DensityChange
 from .extremes import extreme
 from .integrals import integral, parts, positive_between
 from .lift_off import first_below
-from .measured import EXTREMES, INTEGRALS, LIFTS, MIDDLE_PUSH, PUSHES
+from .measured import EXTREMES, INTEGRALS, LIFTS, MIDDLE_PUSH, PEAK, PUSHES
 from .motions import Motion
+from .peaks import first_peak
 
 
-def of_orbits(motion: Motion, unit: Array, later: Array, sign: Array, wanted: set[str]) -> dict[str, Array]:
+def of_orbits(
+    motion: Motion, unit: Array, later: Array, sign: Array, wanted: set[str], peak: Array
+) -> dict[str, Array]:
     """The derivatives of what is measured, and of half a period, (b, F) each.
 
     unit: (b, 5, F), of `along.amounts`. later: (b, F), the change of the length in t. sign: (b,), of `Case.outward`.
+    peak: (b,), the t of the largest push that is observed; read where it is wanted.
     """
     orbits = motion.orbits
     assert orbits is not None
@@ -44,4 +48,6 @@ def of_orbits(motion: Motion, unit: Array, later: Array, sign: Array, wanted: se
         found[MIDDLE_PUSH] = positive_between(push, *MIDDLE)
     if LIFTS in wanted:
         found[LIFTS] = first_below(push)
+    if PEAK in wanted:
+        found[PEAK] = first_peak(push, peak)
     return found

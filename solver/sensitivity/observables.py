@@ -21,7 +21,7 @@ from ..problem.reduced import flat
 from ..solution import Solution
 from .along import amounts
 from .dual import Dual
-from .measured import EXTREMES, MEASURED
+from .measured import EXTREMES, MEASURED, PEAK
 from .measured_helices import of_helices
 from .measured_orbits import of_orbits
 from .motions import MARKS, Motion, marks_of
@@ -31,6 +31,7 @@ NO_ORBIT = "no derivative: the method knows no orbit, so it has no period"
 STRAIGHT = "no derivative: the rod is straight, or has no such period, where the value is not smooth"
 NO_TURN = "no derivative: the rod does not turn about the axis in its middle third"
 TOUCHES = "no derivative: the push touches zero without a change of sign, where a change makes lift-off jump"
+PLACES = "no derivative: several places of the rod have the largest push, or the place may leave an end of the rod"
 SIZE = f"{SEVERAL}; or there is no force along the tangent"
 
 
@@ -65,8 +66,9 @@ class Moving(Reading):
         """Differentiate what is measured on the cases of a motion; rates: of these cases."""
         unit = amounts(self.sol, motion, rates)
         sign = flat(self.sol.case.outward, self.sol.case.shape)[motion.rows]
-        measured = of_helices if motion.orbits is None else of_orbits
-        found = measured(motion, unit, rates.span, sign, self._wanted)
+        given = motion, unit, rates.span, sign, self._wanted
+        peak = self.plain.value(PEAK)[motion.rows] if PEAK in self._wanted else np.zeros_like(sign)
+        found = of_helices(*given) if motion.orbits is None else of_orbits(*given, peak)
         turned, risen = _gains(motion, unit, rates.span)
         found |= {"alpha": turned[:, 2], "z": risen[:, 2]}
         found |= {"middle turned": turned[:, 1] - turned[:, 0], "middle risen": risen[:, 1] - risen[:, 0]}
@@ -172,7 +174,7 @@ def _pitch(read: Moving) -> Any:
 
 # Observables whose formula distinguishes cases.
 _OWN: dict[str, Callable[[Moving], Any]] = {"amplitude": _amplitude, "bend_number": _bend_number, "pitch": _pitch}
-_WHY = {"pitch": NO_TURN, "lift_off_at": TOUCHES, "F3_size_max": SIZE}
+_WHY = {"pitch": NO_TURN, "lift_off_at": TOUCHES, "push_max_at": PLACES, "F3_size_max": SIZE}
 
 
 def derivative_of(name: str, read: Moving) -> Array:

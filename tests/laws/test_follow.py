@@ -11,6 +11,7 @@ from scipy.optimize import minimize_scalar
 from solver import Branch, Case, Cylinder, Ends, InputError, Rod, Solution, equilibria, follow, solve
 from solver.boundary.path_orbits import orbit_of
 from solver.boundary.stability import jacobi_zeros
+from solver.core.library import library
 from solver.equilibria import Equilibrium
 from solver.problem.case_fields import with_field
 from solver.problem.reduced import reduce
@@ -95,6 +96,20 @@ def test_a_buckled_branch_passes_the_pitchfork_to_its_mirror_image() -> None:
     assert turn.kind == "pitchfork"
     assert turn.value == pytest.approx(first, rel=1e-9)
     np.testing.assert_allclose(branch.points[-1].solution.beta, -buckled.solution.beta, atol=1e-9)
+
+
+def test_a_rod_between_opposite_angles_branches_where_both_its_ends_are_turning_points() -> None:
+    """-0.5 to 0.5 rad with H odd: the rod with beta(s) = -beta(L - s) loses two others there, which are not so."""
+    case = ends_in_units_of_rho(0.0, 0.0, -3.0, 5.0, -0.5, 0.5)
+    odd = next(one for one in equilibria(case) if one.index == 1 and one.dbeta0 < 0)
+    branch = follow(odd.solution, FZ=-0.2)
+    assert branch.end.reason == END
+    assert [point.kind for point in branch.special] == ["fold", "fold", "pitchfork"]
+    pitchfork = branch.special[-1]
+    there = with_field(case, "FZ", pitchfork.value)
+    assert far_angle(there, 0.0) == pytest.approx(0.5, abs=1e-9)
+    counts = [len(equilibria(with_field(case, "FZ", pitchfork.value + change))) for change in (-1e-6, 1e-6)]
+    assert sorted(np.abs(np.diff(counts))) == [2]
 
 
 def test_the_way_back_is_the_way_there() -> None:
@@ -286,3 +301,16 @@ def test_a_branch_passes_a_helix_without_a_fold() -> None:
     assert branch.end.reason == END
     assert not branch.special
     assert len(branch) < 120
+
+
+@pytest.mark.skipif(library() is None, reason="takes 7 s without the core")
+def test_a_branch_that_creeps_to_a_pitchfork_at_the_end_of_its_range_says_so() -> None:
+    """A range of 1e-4 of Euler's load that ends there: leaps over ever less of the way."""
+    first = -((np.pi / 10) ** 2)
+    pipe = Case(rod_of_unit_stiffness(10.0, 0.01), Cylinder(1 - 0.01), Ends(0.0, 0.0, FZ=(1 + 1e-4) * first))
+    buckled = next(one for one in equilibria(pipe) if one.index == 0)
+    branch = follow(buckled.solution, FZ=first)
+    assert len(branch.points) < 200  # was 1001
+    assert "next to a helix, as beside a pitchfork" in branch.end.reason
+    assert "choose a range that ends farther on" in branch.end.reason
+    assert branch.end.value == pytest.approx(first, rel=1e-6)

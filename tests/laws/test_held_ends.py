@@ -176,6 +176,9 @@ def test_hinged_at_both_ends_is_half_a_period_of_the_elastica(angle: float) -> N
     assert found.reactions["betaL"] == pytest.approx(-angle, rel=1e-7)
     height = solve(Case(rod, flat, Ends(M10=0.0, M1L=0.0, height=float(found.z[-1]))), seed=seed)
     assert height.reactions["FZ"] == pytest.approx(-p, rel=1e-8)
+    for one, name in ((found, "phi"), (height, "z")):
+        mesh = discrete_index(one.problem, one.trajectory.orbit, ("dbeta0", "dbetaL", "lam", "mu", name), 1.25, 80)
+        assert one.held_index == mesh
 
 
 def discrete_index(problem: EndsProblem, orbit: Any, names: tuple[str, ...], ratio: float, n: int = 240) -> int:

@@ -97,6 +97,28 @@ def test_the_list_says_over_what_it_searched_and_that_it_is_not_proved_complete(
     assert {one.found_by for one in listed} == {"continuation", "mirror image"}
 
 
+def test_deflation_finds_what_a_sweep_of_two_loads_misses(listed: HeldEquilibria) -> None:
+    def forces(tries: int) -> list[float]:
+        found = equilibria(clamped(height=4.0), within={"FZ": (-120.0, -25.0)}, values=2, tries=tries)
+        return [float(one.solution.FZ) for one in found]
+
+    every = [float(one.solution.FZ) for one in listed]
+    few = forces(0)
+    assert len(few) == 2
+    assert all(pytest.approx(one, rel=1e-9) in every for one in few)
+    assert forces(6) == pytest.approx(every, rel=1e-9)
+
+
+def test_with_two_displacements_held_the_search_over_both_loads_finds_the_known_ones() -> None:
+    own = {"FZ": -20.0, "MZ": 3.0}
+    known = solve(Case(SHORT, DRUM, Ends(0.3, -0.2, M3=5.0, **own)), choose="lowest")
+    height, azimuth = float(known.z[-1]), float(known.alpha[-1] - known.alpha[0])
+    case = Case(SHORT, DRUM, Ends(0.3, -0.2, M3=5.0, height=height, azimuth=azimuth))
+    (one,) = equilibria(case, within={"FZ": (-40.0, 0.0), "MZ": (-10.0, 10.0)}, values=2, tries=0)
+    assert {name: float(load) for name, load in one.solution.reactions.items()} == pytest.approx(own, abs=1e-6)
+    np.testing.assert_allclose(np.interp(one.solution.s, known.s, known.beta), one.solution.beta, atol=1e-3)
+
+
 def test_a_default_range_far_wider_than_the_list_comes_with_a_narrower_one_to_search() -> None:
     wide = equilibria(clamped(beta0=0.3, betaL=0.2, rotation=1.0), values=5, tries=0)
     ((low, high),) = wide.search.narrower.values()
@@ -256,6 +278,10 @@ def finds_a_known_one(seed: int, count: int) -> bool:
 @pytest.mark.parametrize("first", range(0, 60, 10))
 def test_known_equilibria_with_one_held_quantity_are_found(first: int) -> None:
     assert all(finds_a_known_one(seed, 1) for seed in range(first, first + 10))
+
+
+def test_two_equilibria_between_a_value_of_the_sweep_and_a_fold_are_found() -> None:
+    assert finds_a_known_one(4, 1)
 
 
 def test_the_reactions_of_a_listed_equilibrium_hold_it(listed: HeldEquilibria) -> None:

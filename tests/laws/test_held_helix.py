@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
-from solver import Case, Ends, Solution, equilibria, follow, solve
+from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
+from solver.boundary.held_helices import helices_of
+from solver.boundary.held_system import Given
 from solver.problem.case_fields import value_of, with_field
-from tests.cases import ends_in_units_of_rho
+from solver.problem.held_ends import reduce_held
+from tests.cases import ends_in_units_of_rho, start_of
 
 HELICES = {  # lam, mu, L, beta; phi follows from them
     "about a saddle": (0.1, -0.2, 9.0, 0.6),
@@ -53,6 +56,23 @@ def test_a_helix_bends_as_its_derivatives_say(name: str, field: str) -> None:
         assert 0 < np.ptp(bent.beta) < 0.05
 
 
+@pytest.mark.parametrize("end", ["beta0", "betaL"])
+@pytest.mark.parametrize("name", HELICES)
+def test_a_branch_under_held_ends_passes_a_helix_whichever_end_turns(name: str, end: str) -> None:
+    """With its height held a rod is the helix only where both end angles are that of the helix.
+
+    Beyond it the rod is that which the helix itself bends to; beta_t at its two ends differs by up to a factor of ten.
+    """
+    sol = helix(name)
+    case = held(sol, "height")
+    own = value_of(case, end)
+    before = solve(with_field(case, end, own - 0.1), seed=sol)
+    beyond = solve(with_field(case, end, own + 0.1), seed=before)
+    assert beyond.outcome == "solved"
+    assert float(beyond.z[-1]) == pytest.approx(float(sol.z[-1]), abs=1e-9)
+    np.testing.assert_allclose(beyond.beta, solve(with_field(case, end, own + 0.1), seed=sol).beta, atol=1e-9)
+
+
 def test_a_branch_under_held_ends_begins_at_a_helix() -> None:
     sol = helix("about a saddle")
     own = float(sol.z[-1])
@@ -80,3 +100,45 @@ def test_a_straight_rod_of_held_height_says_why_it_is_no_start() -> None:
     assert bent.outcome.startswith(
         "failed: the branch of the start could not be followed to the held ends: the start is a"
     )
+
+
+# both ends hinged: the numbers that are held, and how many helices have them
+HINGED: dict[str, tuple[dict[str, float], int]] = {
+    "height": ({"height": 3.0, "M3": 5.0, "MZ": 2.0}, 2),
+    "azimuth": ({"azimuth": 3.0, "M3": 5.0, "FZ": -20.0}, 2),
+    "rotation": ({"rotation": 1.0, "MZ": 3.0, "FZ": -20.0}, 4),
+    "height and rotation": ({"height": 3.0, "rotation": 1.0}, 2),
+    "a height and an azimuth of no helix": ({"height": 3.0, "azimuth": 3.0}, 0),
+}
+
+
+@pytest.mark.parametrize("name", HINGED)
+def test_the_helices_between_two_hinges_have_the_displacements_that_are_held(name: str) -> None:
+    """Each is solved again from its start, as a rod under its own loads."""
+    held_, count = HINGED[name]
+    rod, drum = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(0.75)  # rho = 1
+    given = Given.of(reduce_held(Case(rod, drum, Ends(M10=0.0, M1L=0.0, **held_))))
+    states, any_load = helices_of(given)
+    assert len(states) == count
+    assert not any_load
+    for state in states:
+        p = state.problem
+        beta, lam, mu, phi = (float(value[0]) for value in (p.beta0, p.lam, p.mu, p.phi))
+        alone = solve(Case(rod, drum, start_of(rod, 1.0, lam, mu, phi, beta, 0.0)), tol=1e-12)
+        np.testing.assert_allclose(alone.beta, beta, atol=1e-10)
+        found = {
+            "height": alone.z[-1], "azimuth": alone.alpha[-1], "rotation": alone.gamma[-1] - alone.gamma[0],
+            "FZ": alone.FZ, "MZ": alone.MZ, "M3": alone.loads[2],
+        }  # fmt: skip
+        assert {key: float(found[key]) for key in held_} == pytest.approx(held_, abs=1e-8)
+
+
+def test_a_helix_whose_height_and_azimuth_are_held_bears_any_load() -> None:
+    case = Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(0.75), Ends(M10=0.0, M1L=0.0, height=3.0, azimuth=4.0))
+    assert helices_of(Given.of(reduce_held(case))) == ([], True)
+
+
+@pytest.mark.parametrize("ends", [{"M10": 1.0, "M1L": 0.0}, {"beta0": 0.3, "betaL": 0.4}, {"beta0": 0.3, "betaL": 0.3}])
+def test_with_a_moment_or_other_angles_no_helix_has_the_height(ends: dict[str, float]) -> None:
+    case = Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(0.75), Ends(**ends, height=3.0))
+    assert helices_of(Given.of(reduce_held(case))) == ([], False)

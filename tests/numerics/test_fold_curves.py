@@ -35,10 +35,11 @@ def straight() -> RegionMap:
     return region_map(case, FZ=(-80, -10), L=(2.0, 4.5), lattice=3)
 
 
-def marched(v: float, FZ: float, L: float) -> tuple[float, float, float]:
+def marched(v: float, FZ: float, L: float, case: Case = CASE) -> tuple[float, float, float]:
     """beta(L) less the given one, and its first and second derivative by beta_t(0), by DOP853 of the equations written
     anew (rho = 1)."""
-    lam, mu, phi = 0.0, 5.0 * RHO / A, FZ * RHO**2 / A
+    ends = case.given
+    lam, mu, phi = 0.0, float(ends.M3) * RHO / A, FZ * RHO**2 / A
 
     def flow(t: float, y: np.ndarray) -> list[float]:
         b, rate, eta, eta_t, zeta, zeta_t = y
@@ -48,9 +49,9 @@ def marched(v: float, FZ: float, L: float) -> tuple[float, float, float]:
         H2 = -lam * c + 4 * mu * np.cos(2 * b) + phi * s - 12 * s * c**3 + 20 * s**3 * c
         return [rate, -H, eta_t, -H1 * eta, zeta_t, -H1 * zeta - H2 * eta * eta]
 
-    start = [0.5, v, 0.0, 1.0, 0.0, 0.0]
+    start = [float(ends.beta0), v, 0.0, 1.0, 0.0, 0.0]
     end = solve_ivp(flow, (0, L / RHO), start, "DOP853", rtol=1e-13, atol=1e-13).y[:, -1]
-    return end[0] - 0.8, end[2], end[4]
+    return end[0] - float(ends.betaL), end[2], end[4]
 
 
 def test_on_a_curve_beta_and_the_jacobi_field_reach_the_far_end_as_they_must() -> None:
@@ -100,6 +101,17 @@ def test_the_straight_rod_buckles_where_euler_says() -> None:
     assert [curve.lower for curve in pitchforks] == [mode - 1 for mode in modes]
 
 
+def test_the_numbers_of_the_map_change_across_the_first_and_the_last_piece_of_each_curve() -> None:
+    folds = straight().folds
+    for curve in folds.curves:
+        both = 1 if curve.kind == "pitchfork" else 2  # the mirror image folds at the same point
+        for i in (0, -2):
+            middle = (curve.values[i] + curve.values[i + 1]) / 2
+            step = 1e-4 * curve.more[i] / np.linalg.norm(curve.more[i]) * (folds.high - folds.low)
+            fewer, more = (folds.indices_at(middle + sign * step) for sign in (-1, 1))
+            assert more - fewer == {curve.lower: both, curve.lower + 1: both}
+
+
 @pytest.mark.parametrize("made", [small, straight])
 def test_the_numbers_of_the_map_are_those_of_all_equilibria_at_ten_random_points(made) -> None:
     assert made().remark == ""
@@ -131,15 +143,87 @@ def test_scaling_the_stiffness_and_the_loads_leaves_the_curves() -> None:
 LONG = Case(Rod(1.07e4, 0.25, 0.25, 20.0), CASE.cylinder, Ends("30deg", "50deg", M3=8.0))
 
 
-def test_a_fold_of_a_stable_equilibrium_next_to_a_separatrix_is_exact() -> None:
-    plane = parameter_plane(LONG, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
-    system = SeparatrixSystem(plane, "fold", 1.0, saddle=2.65, end="start", sign=-1.0, leaving=1, turns=1, weight=1)
+# beta0, betaL, the end at the turning point, the sign of the gap, how the rod leaves, the turning points it passes,
+# and the lower index of the equilibria that meet
+AT_REST = {
+    "a stable one, at the start": ("30deg", "50deg", "start", -1.0, 1, 1, 0),
+    "one more bend": ("30deg", "50deg", "start", -1.0, 1, 2, 1),
+    "a stable one, at the far end": ("50deg", "30deg", "end", -1.0, 1, 1, 0),
+    "over the saddle": ("30deg", "209deg", "start", 1.0, 1, 0, 0),
+    "over the saddle after a turning point": ("30deg", "209deg", "start", 1.0, -1, 2, 1),
+    "over the saddle to the far end": ("209deg", "30deg", "end", 1.0, -1, 0, 0),
+}
+
+
+@pytest.mark.parametrize("which", AT_REST)
+def test_a_fold_next_to_a_separatrix_is_exact(which: str) -> None:
+    """Two equilibria more within 1e-8 of the ranges on one side, of the indices that the path of the rod tells."""
+    beta0, betaL, end, sign, leaving, turns, lower = AT_REST[which]
+    case = Case(LONG.rod, LONG.cylinder, Ends(beta0, betaL, M3=8.0))
+    plane = parameter_plane(case, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
+    system = SeparatrixSystem(plane, "fold", 1.0, 2.65, end, sign, leaving, turns, weight=1)
     point = corrected(system, np.array([-17 / UNIT, 0.18, 0.0]), np.array([0.0, 0.0, 1.0]), 0.0)
     assert point is not None
-    assert point.x[0] * UNIT == pytest.approx(-17.44, abs=0.01)  # log of the gap
+    if which == "a stable one, at the start":
+        assert point.x[0] * UNIT == pytest.approx(-17.44, abs=0.01)  # log of the gap
     toward = 1e-8 * point.more / np.linalg.norm(point.more)
     fewer, more = (census(plane.problems(point.shares + sign * toward)).indices for sign in (-1, 1))
-    assert more - fewer == {0: 1, 1: 1}
+    assert more - fewer == {lower: 1, lower + 1: 1}
+    assert [index for index in range(4) if system.has_index(point.x, index)] == [lower]
+
+
+@pytest.mark.parametrize(
+    ("kind", "leaving", "turns", "lower"), [("fold", 1, 1, 0), ("fold", -1, 2, 0), ("pitchfork", -1, 2, 1)]
+)
+def test_with_equal_ends_a_fold_and_a_pitchfork_lie_next_to_a_separatrix(kind, leaving, turns, lower) -> None:
+    """They are closer than 1e-8 of the ranges: both are crossed."""
+    case = Case(LONG.rod, LONG.cylinder, Ends("30deg", "30deg", M3=8.0))
+    plane = parameter_plane(case, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
+    weight = 2 if kind == "fold" else 0
+    system = SeparatrixSystem(plane, kind, 1.0, 2.65, "start", -1.0, leaving, turns, weight)
+    point = corrected(system, np.array([-17 / UNIT, 0.18, 0.0]), np.array([0.0, 0.0, 1.0]), 0.0)
+    assert point is not None
+    toward = 1e-8 * point.more / np.linalg.norm(point.more)
+    fewer, more = (census(plane.problems(point.shares + sign * toward)).indices for sign in (-1, 1))
+    assert more - fewer == {0: 1, 1: 2, 2: 1}
+    assert [index for index in range(4) if system.has_index(point.x, index)] == [lower]
+
+
+# the level of a fold nears that of a saddle as L grows: the end at a turning point, ranges of FZ and L, and the curves
+NEARING = {
+    "the start": ("30deg", "50deg", (3.996, 4.2), (6, 12), [("fold", 0)]),
+    "the far end": ("50deg", "30deg", (3.996, 4.2), (6, 12), [("fold", 0)]),
+    "both ends": ("30deg", "30deg", (4.0052, 4.01), (12.2, 13), [("fold", 0), ("pitchfork", 1)]),
+}
+
+
+@cache
+def nearing(end: str) -> FoldCurves:
+    beta0, betaL, FZ, L, _ = NEARING[end]
+    return fold_curves(Case(LONG.rod, LONG.cylinder, Ends(beta0, betaL, M3=8.0)), lattice=2, FZ=FZ, L=L)
+
+
+@pytest.mark.parametrize("end", NEARING)
+def test_a_curve_is_whole_and_exact_where_it_comes_next_to_a_separatrix(end: str) -> None:
+    folds = nearing(end)
+    assert folds.remark == ""
+    assert sorted((curve.kind, curve.lower) for curve in folds.curves) == NEARING[end][4]
+    for curve in folds.curves:
+        assert curve.ends == ("border", "border")
+        for i in np.flatnonzero(curve.exact)[::3]:
+            off, eta, _ = marched(curve.dbeta0[i] * RHO, *curve.values[i], folds.case)
+            assert abs(off) < 1e-6  # next to the separatrix: the square of the gap
+            assert abs(eta) < 1e-3  # of the size of the next derivative times the error of beta_t(0)
+
+
+@pytest.mark.parametrize("end", NEARING)
+def test_the_equilibria_that_meet_next_to_a_separatrix_have_the_indices_of_the_curve(end: str) -> None:
+    folds = nearing(end)
+    for curve in folds.curves:
+        at = np.flatnonzero(curve.exact)
+        fewer, more = across(folds, curve, int(at[np.abs(curve.values[at, 1] - 12.0).argmin()]), 1e-6)
+        # at a pitchfork two equilibria of one index take the place of one of the next, or the other way round
+        assert sorted([*fewer, curve.lower, curve.lower + 1]) == more
 
 
 def beside_a_separatrix(**ranges: tuple[float, float]) -> FoldCurves:

@@ -65,7 +65,7 @@ def compare(case: Case, method: str) -> None:
 
 @pytest.mark.parametrize("method", BOTH[-1:])
 def test_observables_of_random_rods_are_right_to_their_own_error(method: str) -> None:
-    compare(random_rods(8, 1, 12.0), method)
+    compare(random_rods(4, 1, 12.0), method)
 
 
 @pytest.mark.slow

@@ -106,7 +106,7 @@ def test_derivatives_by_every_field_agree_with_differences(given: Start, side: s
 def test_derivatives_of_observables_agree_with_differences(given: Start) -> None:
     case = Case(TABLE.rod, TABLE.cylinder, given)
     names = ["kappa_mean", "kappa_max", "wraps", "height", "push_mean", "pull_mean", "push_min", "push_max", "attached",
-             "energy", "bending_energy", "twist_energy", "amplitude", "bend_number", "contact_size_mean",
+             "push_max_at", "energy", "bending_energy", "twist_energy", "amplitude", "bend_number", "contact_size_mean",
              "bending_moment_max", "pitch", "push_middle", "lift_off_at", "F3_size_max",
              "bending_stress_max", "FZ", "MZ", "M3", "M10", "M1L"]  # fmt: skip
     found = solve(case).sensitivity(["E", "R", "beta0"], names)

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from solver import InputError, Solution, benchmark, solve
+from solver import Case, InputError, Solution, benchmark, solve
 from solver.benchmark import Row, achieved, cheapest, drift, measure
 from solver.methods import METHODS, available
 from solver.methods.ladder import Ladder, tens
@@ -254,3 +254,16 @@ def test_the_cheapest_is_solved_meets_the_level_and_takes_least(rows) -> None:
     assert cheapest(some, 1e-3)[rows[0].case].ladder == "a"
     assert cheapest(some, 1e-6)[rows[0].case].ladder == "slow"
     assert cheapest(some, 1e-12) == {rows[0].case: None}
+
+
+def test_errors_and_drifts_do_not_depend_on_the_units() -> None:
+    """Lengths four times and forces twice as large: powers of two, so the numbers are the same but for rounding."""
+    case, known, _ = asked("force-first/tension")["force-first/tension"]
+    rod, given = case.rod, case.given
+    larger = replace(rod, E=rod.E / 8, a=4 * rod.a, L=4 * rod.L)
+    loads = replace(given, dbeta=given.dbeta / 4, F1=2 * given.F1, F2=2 * given.F2, F3=2 * given.F3)
+    other = Case(larger, replace(case.cylinder, R=4 * case.cylinder.R), loads)
+    mine, theirs = (solve(one, method="rk4", steps=1, stations=201) for one in (case, other))
+    assert min(drift(mine).values()) > 0
+    assert drift(theirs) == pytest.approx(drift(mine), rel=1e-6, abs=0)
+    assert achieved(theirs, known) == pytest.approx(achieved(mine, known), rel=1e-6, abs=0)

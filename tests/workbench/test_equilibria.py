@@ -273,7 +273,7 @@ def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
         ),
         (("--axis", "betaL=1:2"), "NAME=FROM:TO:COUNT"),
         (("--axis", "betaL=1:x:3"), "with numbers"),
-        (("--axis", "betaL=1:1:3"), "two different ends"),
+        (("--axis", "betaL=1:1:3"), "two different finite ends"),
         (("--axis", "betaL=1:2:1"), "count from 2"),
         (("--axis", "L=-1:2:3"), "Rod.L must be positive"),
         (("--axis", "height=-30:3:3"), "Ends.height must be from -L to L, and L is 20, got -30.0"),

@@ -103,7 +103,7 @@ def port() -> Iterator[int]:
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory) -> Iterator[Any]:
     folder = tmp_path_factory.mktemp("downloads")
-    with browser.chromium(tmp_path_factory.mktemp("chromium"), "1500,1100", folder) as driver:
+    with browser.chromium(tmp_path_factory.mktemp("chromium"), "1300,900", folder) as driver:
         driver.folder = folder
         yield driver
 
@@ -183,6 +183,14 @@ def test_the_rod_stays_in_its_frame_whatever_is_chosen(page) -> None:
     page.slide("R", 900)
     page.until(lambda: page("return page.shape.one.R") > 600, "a drum of 650 mm")
     within()
+
+
+def test_a_fresh_rod_is_seen_from_its_front_although_the_camera_was_still_moving(page) -> None:
+    camera = "const { azimuth, half, x, y } = page.view.camera; return [azimuth, half, x, y]"
+    front = page(camera)
+    page("const { view } = page; view.turn(1, 0.2); view.fit(); view.show(view.shape, { fresh: true })")
+    page.driver.execute_async_script("setTimeout(arguments[0], 500)")  # ms; the camera moves for 240
+    assert page(camera) == pytest.approx(front)
 
 
 def test_who_has_zoomed_is_left_alone_until_the_view_is_fitted(page) -> None:

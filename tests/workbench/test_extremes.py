@@ -44,14 +44,15 @@ def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
     assert not (again["verdict"].sel({"extreme": "L/ρ = 1e-6"}) == INACCURATE).any()
     assert (again["verdict"].sel({"extreme": "L/ρ = 1e-6", "method": "orbit"}) == "solved").all()
     assert (again["verdict"].sel({"extreme": "R = 1e9 a", "method": "euler"}) == REFUSED).all()
-    canvas.save(robustness.figure(again), tmp_path / "map.png")
+    fig = robustness.figure(again)
+    canvas.save(fig, tmp_path / "map.png")
     assert (tmp_path / "map.png").stat().st_size > 10_000
     kept = robustness.promise_kept(again)
     here = {"extreme": "R = 1e9 a", "method": "dop853"}
     i, j = list(again["extreme"].values).index(here["extreme"]), list(again["method"].values).index(here["method"])
     one = again.sel(here)
     assert kept[i, j] == pytest.approx(np.log10(float(one["error"]) / (1e-6 * float(one["condition"]))))
-    cells = [patch for patch in robustness.figure(again).axes[0].patches if patch.get_xy() in ((j, i), (0, i))]
+    cells = [patch for patch in fig.axes[0].patches if patch.get_xy() in ((j, i), (0, i))]
     assert len({cell.get_facecolor() for cell in cells}) == 2  # dop853 keeps its promise less well than orbit
 
 

@@ -55,6 +55,12 @@ def test_the_cases_before_the_fold_are_one_branch_and_those_beyond_say_where_it_
     assert np.isnan(ds["height"].values[~before]).all()
 
 
+def test_one_selected_case_has_the_arrays_along_the_rod_of_all() -> None:
+    ds = falling()
+    one = ds.isel(FZ=[2])
+    np.testing.assert_array_equal(one.rod.along("contact"), ds.rod.along("contact").isel(FZ=[2]))
+
+
 def test_without_following_the_same_cases_go_on_on_another_branch() -> None:
     ds = in_memory.run(study(FALLING.replace("follow = true\n", "")))
     assert ds["solved"].all()

@@ -29,8 +29,8 @@ def test_the_table_names_the_held_ends_the_reactions_both_indices_and_the_search
     run(f"{ROD} {QUICK}")
     said = capsys.readouterr().out
     assert said.split("\n")[0].split() == [
-        "FZ", "(N)", "dbeta0", "(rad/cm)", "held", "energy", "(N", "cm)", "turns", "index", "dead", "index", "stray",
-        "(rad)", "attached",
+        "FZ", "(N)", "dbeta0", "(rad/cm)", "held", "energy", "(N", "cm)", "bending", "energy", "(N", "cm)", "turns",
+        "index", "dead", "index", "stray", "(rad)", "attached",
     ]  # fmt: skip
     assert "1  -36.1824" in said
     assert "*" not in said  # solve begins from the nearest dead-load equilibrium, and selects from no list

@@ -4,13 +4,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import h5py
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from solver import InputError
 from studies import READINGS
+from tests.workbench import runs
 from workbench.cli import app
 from workbench.commands.reproduce import reproduce
 from workbench.commands.run import run
@@ -32,26 +31,6 @@ def fast(monkeypatch: pytest.MonkeyPatch) -> Any:
     opengl.probe.cache_clear()
 
 
-def content(path: Path) -> dict[str, Any]:
-    """Everything in a file but when it was made: each variable's bytes, kind, chunks, packing, and every attribute."""
-    held: dict[str, Any] = {}
-
-    def look(name: str, item: Any) -> None:
-        for key, value in item.attrs.items():
-            if not isinstance(value, (np.ndarray, h5py.Reference)):
-                held[f"{name}@{key}"] = value if isinstance(value, str) else np.asarray(value).tobytes()
-        if isinstance(item, h5py.Dataset):
-            text = h5py.check_string_dtype(item.dtype)
-            held[name] = item.asstr()[...].tolist() if text else item[...].tobytes()
-            held[f"{name}#"] = item.dtype, item.shape, item.chunks, item.compression, item.shuffle
-
-    with h5py.File(path) as file:
-        look("", file)
-        file.visititems(look)
-    del held["@created"]
-    return held
-
-
 def ran(study: str, path: Path) -> str:
     told = CliRunner().invoke(app, ["run", study, "--out", str(path)])
     assert told.exit_code in (0, 1), told.output
@@ -69,7 +48,7 @@ def test_reproduce_and_run_store_the_very_same_file_and_know_each_others(fast: A
     assert (folder / "fig6.h5").stat().st_mtime_ns == stored  # complete already, and not solved again
     for name in STUDIES:
         ran(name, alone / f"{name}.h5")
-        assert content(alone / f"{name}.h5") == content(folder / f"{name}.h5"), name
+        assert runs.contents(alone / f"{name}.h5") == runs.contents(folder / f"{name}.h5"), name
         assert "already complete" in ran(name, folder / f"{name}.h5")
 
 

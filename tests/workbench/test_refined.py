@@ -405,6 +405,17 @@ def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_p
     assert "law (1)" in capsys.readouterr().out
 
 
+def test_a_law_changes_its_verdict_between_the_two_lines_that_its_boundary_names() -> None:
+    """The two lines alone, solved as a study of their own, have the two verdicts."""
+    ds = in_memory.run(study(PLANE + LAW, '[refine]\nlaws = ["(1)"]\ntolerance = 0.1\n'))
+    (found,) = (pair for _, pair in boundary_of_law(ds, "(1)").groupby("pair"))
+    lines = [float((found["R"] + sign * found["R_half_width"]).item()) for sign in (-1, 1)]
+    alone = in_memory.run(study(PLANE.partition("[axes.R]")[0] + f"[axes.R]\nvalues = {lines}\n" + LAW, ""))
+    (law,) = law_verdicts.laws(alone)
+    verdicts = list(law_verdicts.verdicts_of_lines(alone, law).values)
+    assert verdicts == [found["before"].item(), found["after"].item()] == ["holds", "fails"]
+
+
 def test_the_coarse_grid_of_a_refined_study_is_the_study_without_refinement(stored: Path) -> None:
     with xr.open_dataset(stored) as ds:
         found, plain = refined.coarse(ds.load()), in_memory.run(study(PLANE + LAW).coarse())

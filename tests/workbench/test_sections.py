@@ -111,14 +111,15 @@ def test_what_reads_a_file_uses_the_stiffness_of_its_section(stored: xr.Dataset)
 
 def test_a_file_whose_section_contradicts_itself_is_refused(tmp_path: Path) -> None:
     whole, tube = solved(DIRECT), solved(TUBE)
-    cases = {
-        "stiffness is 'given', which excludes E": whole.assign(E=1.0),
-        "stiffness is 'solid', which excludes EI": whole.assign_attrs(stiffness="solid"),
-        "stiffness is 'paper', which excludes inner_radius": tube.assign_attrs(stiffness="paper"),
-        "inner_radius is not less than a": tube.assign(a=0.05, rho=0.158),
-        "GJ must be from 1e-50 to 1e+50, got -1": whole.assign(GJ=-1.0),
-    }
-    for message, ds in cases.items():
+    cases = [
+        ("stiffness is 'given', which excludes E", whole.assign(E=1.0)),
+        ("stiffness is 'solid', which excludes EI", whole.assign_attrs(stiffness="solid")),
+        ("stiffness is 'paper', which excludes inner_radius", tube.assign_attrs(stiffness="paper")),
+        ("inner_radius is not less than a", tube.assign(a=0.05, rho=0.158)),
+        ("inner_radius is not less than a", tube.assign(a=tube["inner_radius"].max())),  # a tube without a wall
+        ("GJ must be from 1e-50 to 1e+50, got -1", whole.assign(GJ=-1.0)),
+    ]
+    for message, ds in cases:
         with pytest.raises(InputError, match=re.escape(message)):
             value_checks.fields(ds, "s.h5")
     writing.write(whole.assign(E=1.0), tmp_path / "s.h5")

@@ -304,7 +304,7 @@ def test_more_than_memory_holds_is_refused_in_memory() -> None:
 
 
 def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path) -> None:
-    path = runs.study(tmp_path, {"E": [1e4, 2e4], "beta": [0.5]}, method="euler")
+    path = runs.study(tmp_path, {"E": [1e4], "beta": [0.5]}, method="euler")
     path.write_text(path.read_text().replace("stations", "tol = 1e-15\nstations"))
     run_to_file(load(path), tmp_path / "many.h5")
     with xr.open_dataset(whole) as good, xr.open_dataset(tmp_path / "many.h5") as bad:

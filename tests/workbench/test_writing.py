@@ -1,16 +1,21 @@
 """Through HDF5 and back, and never half."""
 
 import os
+import shutil
 import signal
+import stat
+import sys
 import warnings
+from contextlib import ExitStack
 
 import h5py
+import numpy as np
 import pytest
 import xarray as xr
 
 from solver import InputError
-from tests.workbench import forked, small
-from workbench.data import writing
+from tests.workbench import forked, runs, small
+from workbench.data import netcdf, writing
 from workbench.run import in_memory
 
 
@@ -22,6 +27,26 @@ def ds() -> xr.Dataset:
 def test_what_is_stored_is_what_is_read(ds, tmp_path) -> None:
     path = writing.write(ds, tmp_path / "small.h5")
     xr.testing.assert_identical(writing.read(path), ds)
+
+
+def test_a_file_is_written_and_opened_as_xarray_alone_does(ds, tmp_path) -> None:
+    ds.to_netcdf(tmp_path / "theirs.h5", engine="h5netcdf", encoding=writing.encoding(ds))
+    netcdf.write(ds, tmp_path / "ours.h5", writing.encoding(ds))
+    assert runs.contents(tmp_path / "ours.h5") == runs.contents(tmp_path / "theirs.h5")
+    with netcdf.opened(tmp_path / "ours.h5") as ours, xr.open_dataset(tmp_path / "ours.h5") as theirs:
+        xr.testing.assert_identical(ours, theirs)
+        for name, variable in ours.variables.items():
+            assert str(variable.encoding) == str(theirs[name].encoding)
+
+
+def test_of_many_opened_files_those_closed_meanwhile_are_opened_again(ds, tmp_path) -> None:
+    path = writing.write(ds, tmp_path / "small.h5")
+    with ExitStack() as stack:
+        copies = [tmp_path / f"{k}.h5" for k in range(4)]
+        opened = [stack.enter_context(netcdf.opened(shutil.copy(path, copy))) for copy in copies]
+        with xr.set_options(file_cache_maxsize=2):
+            for one in (*opened, opened[0]):
+                np.testing.assert_array_equal(one["beta"], ds["beta"])
 
 
 def test_a_single_case_goes_through_too(tmp_path) -> None:
@@ -116,6 +141,24 @@ def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monk
         writing.write(ds.assign_attrs(title="new"), path)
     assert path.read_bytes() == before
     assert [p.name for p in tmp_path.iterdir()] == ["small.h5"]
+
+
+@pytest.mark.parametrize("system, folders", (("linux", 1), ("win32", 0)))
+def test_windows_flushes_files_that_are_open_for_writing_and_no_folder(
+    ds, tmp_path, monkeypatch, system, folders
+) -> None:
+    fcntl = pytest.importorskip("fcntl", reason="no fcntl on this system")
+    flushed = []
+
+    def watched(handle: int) -> None:
+        writable = fcntl.fcntl(handle, fcntl.F_GETFL) & os.O_ACCMODE != os.O_RDONLY
+        flushed.append((stat.S_ISDIR(os.fstat(handle).st_mode), writable))
+
+    monkeypatch.setattr(os, "fsync", watched)
+    monkeypatch.setattr(sys, "platform", system)
+    writing.write(ds, tmp_path / "small.h5")
+    assert flushed.count((True, False)) == folders
+    assert [writable for folder, writable in flushed if not folder] == [True]
 
 
 KILLED = """

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from solver import Case, Ends, InputError, solve
+from solver import Case, Ends, InputError, Solution, observe, solve
 from solver.equilibria import Equilibrium
 from solver.problem.errors import choices
 from solver.problem.held_ends import held_of
@@ -12,6 +12,8 @@ from studies import Study
 
 from ..data import writing
 from ..run.case_input import field_values
+
+ELASTIC = ("bending_energy", "twist_energy")
 
 
 def ends_problem(study: Study, held: bool = False) -> Case:
@@ -55,10 +57,15 @@ def row(one: Equilibrium) -> dict[str, Any]:
         reactions = {name: float(value) for name, value in one.solution.reactions.items()}
         held = {"reactions": reactions, "dead_index": one.dead_index, "found_by": one.found_by}
     return {
-        "dbeta0": one.dbeta0, energy: one.energy, "turns": one.turns, "index": one.index, "stray": one.stray,
-        "attached": one.attached, **held,
+        "dbeta0": one.dbeta0, energy: one.energy, **elastic(one.solution), "turns": one.turns,
+        "index": one.index, "stray": one.stray, "attached": one.attached, **held,
         "outcome": str(one.solution.outcome), "error": float(one.solution.error),
     }  # fmt: skip
+
+
+def elastic(sol: Solution) -> dict[str, float]:
+    """The elastic energy of a shape in its two parts [force length]; the energy of a list is less the work of loads."""
+    return {name: float(value) for name, value in observe(sol, ELASTIC).items()}
 
 
 def study_text(title: str, units: Mapping[str, str], values: Mapping[str, Any]) -> str:

@@ -16,6 +16,7 @@ from solver.problem.held_ends import held_of
 from studies import Study
 
 from ..data import cautions, dataset, schema
+from .equilibria import ELASTIC, elastic
 
 ALONG = ("beta", "alpha", "z", "contact")
 DEAD_INDEX = {"long_name": "Morse index under dead loads, between its own end angles", "units": "1"}
@@ -37,8 +38,8 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
 
     Returns
     -------
-    The arrays of `ALONG` over (equilibrium, u), u = s/L, and the numbers of `EACH` over (equilibrium); under held ends
-    the reactions and the index under dead loads as well.
+    The arrays of `ALONG` over (equilibrium, u), u = s/L, and the numbers of `EACH` and `ELASTIC` over (equilibrium);
+    under held ends the reactions and the index under dead loads as well.
     """
     units = study.unit_system
     data: dict[str, Any] = {}
@@ -50,6 +51,9 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
         values = np.array([getattr(one, name) for one in found])
         of = "held_energy" if name == "energy" and held_of(case) else name  # what the number is; the name stays
         data[name] = xr.Variable(("equilibrium",), values, schema.labels(of, units))
+    parts = [elastic(one.solution) for one in found]
+    for name in ELASTIC:
+        data[name] = xr.Variable(("equilibrium",), np.array([part[name] for part in parts]), schema.labels(name, units))
     reactions = [one.solution.reactions for one in found]
     for name in reactions[0] if reactions else ():
         values = np.array([float(each[name]) for each in reactions])
@@ -97,7 +101,8 @@ def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: str = "")
     every = {name: getattr(case.given, name) for pair in PAIRS for name in pair}
     ends = {name: value for name, value in every.items() if value is not None}
     numbers = {**dict(case.rod.given()), "R": case.cylinder.R, "rho": case.rho, **ends}
-    for name, value in numbers.items():
-        if name != skip and not (name == "rho" and skip in ("R", "a")):
-            ds[name] = xr.Variable((), float(value), schema.labels(name, units))
-    return ds
+    return ds.assign({
+        name: xr.Variable((), float(value), schema.labels(name, units))
+        for name, value in numbers.items()
+        if name != skip and not (name == "rho" and skip in ("R", "a"))
+    })  # fmt: skip

@@ -22,7 +22,7 @@ DEFAULT = "fig7_4_end_angle"
 OPTIONS_STUDY = "equilibria"  # the name of a study made of options
 MAX_COUNT = 401  # values of an axis
 ANGLES = ("beta0", "betaL")
-COLUMNS = ("dbeta0", "energy", "turns", "index", "stray", "attached")
+COLUMNS = ("dbeta0", "energy", "bending_energy", "turns", "index", "stray", "attached")
 
 
 @takes_case((*ENDS_FIELDS, *HELD))
@@ -102,8 +102,12 @@ def equilibria(
     search = _search(case, axis, within, values, tries)
     _check(case, axis, show, export)
     picture = output_file.check(plot, (".png", ".pdf", ".svg"), force) if plot else None
-    if out is not None and not force:
-        writing.check_free(out, "equilibria")
+    if out is not None:
+        writing.check_parent(out)
+        if not force:
+            writing.check_free(out, "equilibria")
+    if export is not None:
+        writing.check_folder(export)
     if axis is not None:
         return _over_axis(study, case, parse_axis(axis), picture, out, json, force, show)
     found = all_equilibria(case, **search)
@@ -210,7 +214,7 @@ def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None
     from solver.problem.held_ends import held_of
 
     from ..branches.equilibria import row
-    from ..run.case_input import field_values
+    from ..run.case_input import field_values, with_unit
     from ..run.sweep import rule_of
 
     rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule
@@ -219,21 +223,25 @@ def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None
     taken = None if searched and choose is None else meant(found, rule)  # solve selects from no list of held ends
     rows = [{**row(one), "taken": one is taken} for one in found]
     how = selection(rule, np.array([one.index for one in found], dtype=int), len(found), found.complete)
+    remark = with_unit(found.remark, case, study.unit_system)
     if as_json:
         console.print_json({
             "case": field_values(case), "units": study.unit_system, "selection": {**asdict(how), "rule": how.rule},
-            "equilibria": rows, "complete": found.complete, "remark": found.remark,
+            "equilibria": rows, "complete": found.complete, "remark": remark,
             **({} if searched is None else {"search": asdict(searched)}),
         })  # fmt: skip
         return
     _print_table(study, rows, list(searched.within) if searched else [])
+    if rows:
+        console.say(_energy_in_words(rows, list(found[0].solution.held), f"{study.units.force} {study.units.length}"))
     stable = sum(r["index"] == 0 for r in rows)
     ends = f"under held ends: {choices(held_of(case))}" if searched else "with the end angles held and dead loads"
-    console.say(f"{len(rows)} equilibria, {stable} stable {ends}")
+    noun = "equilibrium" if len(rows) == 1 else "equilibria"
+    console.say(f"{len(rows)} {noun}, {stable} stable {ends}")
     if searched:
-        console.say(str(searched))
+        console.say(remark)
     elif not found.complete:
-        console.say(f"the list may be incomplete: {found.remark}")
+        console.say(f"the list may be incomplete: {remark}")
     if taken or (found and not (searched and choose is None)):
         console.say(f"* {how.rule}" if taken else f"none has index {rule}")
     console.say(f"rod: {source}")
@@ -243,11 +251,11 @@ def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None
 def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequence[str] = ()) -> None:
     """The equilibria, a row each; reactions: of held ends, shown with the index under dead loads."""
     length, force = study.units.length, study.units.force
-    units = dict(zip(COLUMNS, [f"rad/{length}", f"{force} {length}", "", "", "rad", ""], strict=True))
+    units = dict(zip(COLUMNS, [f"rad/{length}", *2 * [f"{force} {length}"], "", "", "rad", ""], strict=True))
     moments = dict.fromkeys(("MZ", "M3"), f"{force} {length}")
     units |= {name: {"FZ": force, **moments}.get(name, "rad") for name in reactions}
     units["held_energy"] = units["energy"]
-    shown = [*reactions, *COLUMNS[:4], *(["dead_index"] if reactions else []), *COLUMNS[4:]]
+    shown = [*reactions, *COLUMNS[:5], *(["dead_index"] if reactions else []), *COLUMNS[5:]]
     if reactions:
         shown[shown.index("energy")] = "held_energy"
     heads = [name.replace("_", " ") + (f" ({units[name]})" if units.get(name) else "") for name in shown]
@@ -256,6 +264,16 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     console.print_table(
         ["", *heads], [[mark, *(r[name] for name in shown)] for mark, r in zip(marks, every, strict=True)]
     )
+
+
+def _energy_in_words(rows: Sequence[dict[str, Any]], held: Sequence[str], unit: str) -> str:
+    """What the energy of a list consists of; held: the ends that are held, whose reactions do no work."""
+    twist = [row["twist_energy"] for row in rows]
+    same = max(twist) - min(twist) <= 1e-9 * max(twist)
+    number = f" ({twist[0]:.6g} {unit}{' in each' if len(rows) > 1 else ''})"
+    part = f"twist energy{number if same else ''}"
+    loads = "the given loads and end moments" if held else "FZ, MZ and M3"
+    return f"{'held ' if held else ''}energy = bending energy + {part} - work of {loads}"
 
 
 def parse_within(said: Sequence[str]) -> dict[str, tuple[float, float]]:
@@ -296,7 +314,7 @@ def parse_axis(text: str) -> "tuple[str, np.ndarray]":
     except ValueError:
         raise InputError(f"--axis takes NAME=FROM:TO:COUNT with numbers, got {text!r}") from None
     if not 2 <= count <= MAX_COUNT or ends[0] == ends[1] or not np.isfinite(ends).all():
-        raise InputError(f"--axis needs two different ends and a count from 2 to {MAX_COUNT}, got {text!r}")
+        raise InputError(f"--axis needs two different finite ends and a count from 2 to {MAX_COUNT}, got {text!r}")
     return name, np.linspace(min(ends), max(ends), count)
 
 

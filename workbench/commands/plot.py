@@ -35,7 +35,8 @@ def plot(
     ] = None,
     y: Annotated[str | None, option("AXIS", "Axis of a map upward; default: the study's next.", "--y")] = None,
     show: Annotated[
-        list[str] | None, option("NAMES", "Observables of a map, separated by commas; default: all that are stored.")
+        list[str] | None,
+        option("NAMES", "Observables of a map, separated by commas; default: the first twelve stored."),
     ] = None,
     at: At = None,
     shapes: Annotated[

@@ -97,14 +97,14 @@ def _found(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, 
 
     from solver.observe.observables import observe
 
-    from ..run.case_input import field_values
+    from ..run.case_input import field_values, with_unit
 
     seen = observe(sol, level.observables(sol.case.rod))
     return {
         "case": field_values(sol.case),
         "given": type(sol.case.given).__name__,
         "units": units,
-        "outcome": str(sol.outcome),
+        "outcome": with_unit(str(sol.outcome), sol.case, units),
         "method": sol.method,
         "tolerance": sol.tol,
         "error": float(sol.error),

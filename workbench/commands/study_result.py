@@ -42,17 +42,36 @@ def print_sampling(found: Mapping[str, Any]) -> None:
 
 
 def print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
-    """Print how often each outcome occurs but the plain one; of cases with fewer digits also which is the worst."""
+    """Print how often each outcome occurs but the plain one; of cases with fewer digits also which is the worst.
+
+    How many cases were selected from a list that may be incomplete is said on stderr.
+    """
+    from solver.boundary.selection import INCOMPLETE
     from solver.problem.trajectory import FEWER
 
     fewer = 0
     for text, count in sorted(outcomes.items()):
+        if text == f"solved; {INCOMPLETE}":
+            continue
         if FEWER in text:
             fewer += count
         elif text != "solved":
             console.say(f"  {count} x {text}")
     if fewer:
         console.say(f"  {_fewer_digits(fewer, file)}")
+    warn_of_incomplete(outcomes, file)
+
+
+def warn_of_incomplete(outcomes: Mapping[str, int], file: Path) -> None:
+    """Say on stderr in how many cases the list of equilibria may be incomplete, and where this is stored."""
+    from solver.boundary.selection import INCOMPLETE
+
+    count = sum(cases for text, cases in outcomes.items() if INCOMPLETE in text)
+    if count:
+        console.warn(
+            f"in {count} of {sum(outcomes.values())} cases the equilibrium was {INCOMPLETE}, so the number of "
+            f"equilibria there is a lower bound; the outcome of each of these cases in {file} says so"
+        )
 
 
 def _fewer_digits(count: int, file: Path) -> str:
@@ -90,6 +109,7 @@ def print_result(found: dict[str, Any], as_json: bool, ran: "Ran | None" = None)
         named |= {name: found[name] for name in TOLD if found.get(name)}
         laws = {"verdicts": law_verdicts.tally(found["laws"]), "laws": found["laws"]}
         console.print_json({**named, **counts, **run, **laws, "status": status})
+        warn_of_incomplete(outcomes, Path(found["file"]))
         return status
     console.say(f"{found['title']}, {found['reading']}" if found["reading"] else found["title"])
     if found["laws"]:

@@ -4,7 +4,6 @@ import json
 import platform
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
@@ -31,6 +30,7 @@ from .schema import (
     labels_in,
     laws_text,
 )
+from .versions import version_of
 
 PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")
 # How exact the observables are, in words.
@@ -79,11 +79,12 @@ def make(study: Study, over: Dimensions, columns: Columns, first: str = "", case
     over: its samples and axes. first: how the equilibrium of a sweep's first case was taken.
     case: the grid as one case, where the study does not know it.
     """
-    ds = frame(study, over, first, case)
+    data = {}
     for row in stored(study, over):
         values = columns[row.column]
         values = values.reshape((*over.shape, *values.shape[1:]))
-        ds[row.name] = xr.Variable(row.dims, values, labels_in(study, row.row))
+        data[row.name] = xr.Variable(row.dims, values, labels_in(study, row.row))
+    ds = frame(study, over, first, case).assign(data)  # all at once: xarray aligns at each assignment
     return ds.assign_attrs(caution=cautions.sentence(ds))
 
 
@@ -130,13 +131,7 @@ def _coordinates(study: Study, over: Dimensions) -> dict[str, Any]:
 
 def versions() -> dict[str, str]:
     """Python and the packages that numbers and files depend on."""
-    found = {"python": platform.python_version()}
-    for package in PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found
+    return {"python": platform.python_version(), **{package: version_of(package) for package in PACKAGES}}
 
 
 def _axis_labels(study: Study, name: str) -> dict[str, str]:

@@ -13,7 +13,7 @@ from studies.axes import FIELDS
 from studies.dimensions import SAMPLE
 from studies.law import Law
 
-from . import escaping, refined, value_checks
+from . import escaping, netcdf, refined, value_checks
 from .file_checks import refusing, shown, validated
 from .schema import CURVES, FORMAT, INNER, dimension, sampled_fields
 
@@ -49,7 +49,7 @@ def raw(path: str | Path) -> xr.Dataset:
         pass
     with refusing(path), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of xarray, on files that are refused below
-        return xr.open_dataset(path, engine="h5netcdf", phony_dims="access", cache=False, decode_times=False)
+        return netcdf.opened(path, decode_times=False)
 
 
 def _check_study(ds: xr.Dataset, path: str | Path) -> None:
@@ -85,6 +85,10 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
 
 def _check_format(ds: xr.Dataset, path: str | Path) -> None:
     """Only the format of this version is read; a study is cheap to solve again."""
+    if "equilibrium" in ds.dims:
+        raise InputError(
+            f"{path} is a list of equilibria, which scene reads; this command reads the results of a study"
+        )
     found = np.asarray(ds.attrs.get("format", 1))
     if found.size != 1 or found.dtype.kind not in "iu":
         raise InputError(f"{path}: the attribute format must be a whole number, got {shown(ds.attrs['format'])}")

@@ -8,7 +8,7 @@ import xarray as xr
 
 from solver.problem.errors import InputError
 
-from . import atomic, file_checks, reading, schema, value_checks
+from . import atomic, file_checks, netcdf, reading, schema, value_checks
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
@@ -22,9 +22,7 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
     ds = ds.assign_attrs(Conventions=schema.CONVENTIONS)
     if not force:
         check_free(path, str(ds.attrs["study_name"]))
-    return atomic.write(
-        path, lambda aside: ds.to_netcdf(aside, engine="h5netcdf", encoding=encoding(ds), invalid_netcdf=False)
-    )
+    return atomic.write(path, lambda aside: netcdf.write(ds, aside, encoding(ds)))
 
 
 def read(path: str | Path, study: bool = True) -> xr.Dataset:
@@ -60,8 +58,8 @@ def check_free(path: str | Path, study_name: str) -> None:
     if not path.exists():
         return
     try:
-        with reading.raw(path) as ds:
-            there = ds.attrs.get("study_name")
+        with file_checks.validated(path) as file:
+            there = file.attrs.get("study_name")
     except InputError:
         there = None
     if there is None:
@@ -81,6 +79,8 @@ def check_parent(path: str | Path) -> None:
 def check_folder(folder: str | Path) -> Path:
     """The folder, made if need be; `InputError` where it cannot be written."""
     folder = Path(folder)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"cannot write into the folder {folder}: it is a file")
     probe = folder / f".probe.{os.getpid()}"
     try:
         folder.mkdir(parents=True, exist_ok=True)

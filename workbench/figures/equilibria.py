@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from ..data import labels
 from . import canvas, point_numbers, shape_cell, style
 
-WIDTH, MOST = 10.0, 40  # inches; curves shown
+WIDTH, MOST = 9.6, 40  # inches; curves shown
 HIGH = 2.9  # inches of the diagram of energies
 REACTIONS = ("FZ", "MZ", "M3", "beta0", "betaL")  # of held ends
 COLUMNS = (4, 8)  # the fewest and the most panels in a row
@@ -42,8 +42,11 @@ def energies(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.set_ylabel(labels.label(ds["energy"]))
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.margins(0.04, 0.08)
+    if ds.sizes["equilibrium"] and int(ds["index"].min()) == int(ds["index"].max()):
+        ax.set_xlim(int(ds["index"].min()) - 0.5, int(ds["index"].max()) + 0.5)
     stable = int((ds["index"] == 0).sum())
-    counts = f"{ds.sizes['equilibrium']} equilibria, {stable} stable (red): {ds.attrs['stability']}"
+    noun = "equilibrium" if ds.sizes["equilibrium"] == 1 else "equilibria"
+    counts = f"{ds.sizes['equilibrium']} {noun}, {stable} stable (red): {ds.attrs['stability']}"
     told = [counts]
     if "searched" in ds.attrs:
         told.append(f"Not proved complete: searched over {labels.minus_signs(ds.attrs['searched'])}")

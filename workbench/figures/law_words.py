@@ -12,6 +12,7 @@ from ..data import labels
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 LETTERS = {"pi": "π", "bending_stiffness": "EI", "torsional_stiffness": "GJ"}  # as a study names them
+LONGEST = 60  # letters of a formula beside a curve
 
 
 def sentence(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
@@ -48,14 +49,21 @@ def bounds(ds: xr.Dataset, rule: Mapping[str, Any], array: xr.DataArray) -> str:
 
 
 def formula(ds: xr.Dataset, value: Any, array: xr.DataArray) -> str:
-    """A formula in symbols, or a number with the unit of a variable; an expression by its own formula.
+    """A formula in symbols, or a number with the unit of a variable; an expression by its own formula, or by its name.
 
-    ``FZ**2*rho/(4*bending_stiffness)`` is ``FZ²·ρ/(4·EI)``.
+    ``FZ**2*rho/(4*bending_stiffness)`` is ``FZ²·ρ/(4·EI)``. A formula of more than `LONGEST` letters leaves no room for
+    the curves: then an expression is named, and any other formula is cut off with "…".
     """
     if not isinstance(value, str):
         return _number(value, array)
     if value in ds and "expression" in ds[value].attrs:
-        value = str(ds[value].attrs["expression"])
+        whole = _in_symbols(ds, str(ds[value].attrs["expression"]))
+        return whole if len(whole) <= LONGEST else _symbol(ds, value)
+    whole = _in_symbols(ds, value)
+    return whole if len(whole) <= LONGEST else f"{whole[: LONGEST - 1].rstrip()}…"
+
+
+def _in_symbols(ds: xr.Dataset, value: str) -> str:
     text = re.sub(r"[A-Za-z_]\w*", lambda found: _symbol(ds, found[0]), value)
     text = re.sub(r"\*\*\s*(?:\((-?[\d.]+)\)|(-?[\d.]+))", lambda found: _exponent(found[1] or found[2]), text)
     return re.sub(r"\s*\*\s*", "·", text.replace("**", "^"))

@@ -5,7 +5,7 @@ A number is nearer to its own point than to any other, or a thin line leads from
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise, product
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -117,10 +117,13 @@ def _groups(places: Values) -> list[list[int]]:
 def _best(place: Values, size: Values, others: _Others) -> Values:
     """The middle of a text of that size near a place: of those that cover least, the nearest."""
     best, least = place, np.inf
+    near = others.lines[_inside(others.lines, np.stack([place, place]), AWAY[-1] + size.max())]
     for away, way in product(AWAY, WAYS):
+        if 6 * away >= least:
+            break  # what is covered adds to this
         middle = place + (away + np.array([size[0] / 2 - 0.05, 0]) * abs(np.cos(way))) * [np.cos(way), np.sin(way)]
         box = np.stack([middle - size / 2, middle + size / 2])
-        cost = 6 * away + 1.2 * _inside(others.lines, box, HALO).sum() + 40 * _inside(others.dots, box, 0.04).sum()
+        cost = 6 * away + 1.2 * _inside(near, box, HALO).sum() + 40 * _inside(others.dots, box, 0.04).sum()
         cost += 40 * sum(bool((box[0] < other[1]).all() and (box[1] > other[0]).all()) for other in others.boxes)
         cost += 4 * sum(bool((np.maximum(box[0] - other[1], other[0] - box[1]) < NEXT).all()) for other in others.boxes)
         cost += 10 * max(_share(place, box, others.dots) - 0.3, 0)
@@ -162,12 +165,17 @@ def _gaps(box: Values, some: Values) -> Values:
 
 
 def _inside(some: Values, box: Values, margin: float = 0.0) -> NDArray[np.bool_]:
-    return np.asarray(((some > box[0] - margin) & (some < box[1] + margin)).all(axis=1))
+    (left, low), (right, high) = box[0] - margin, box[1] + margin
+    x, y = some.T
+    return np.asarray((x > left) & (x < right) & (y > low) & (y < high))
 
 
 def _along(line: Values) -> Values:
     """Places along a line, `STEP` apart at most."""
     if len(line) < 2:
         return line
-    parts = [a + (b - a) * np.linspace(0, 1, 2 + int(np.linalg.norm(b - a) / STEP))[:, None] for a, b in pairwise(line)]
-    return np.concatenate(parts)
+    steps = np.diff(line, axis=0)
+    counts = 2 + (np.linalg.norm(steps, axis=1) / STEP).astype(int)
+    ends = counts.cumsum()
+    shares = (np.arange(ends[-1]) - (ends - counts).repeat(counts)) / (counts - 1).repeat(counts)
+    return np.asarray(line[:-1].repeat(counts, axis=0) + steps.repeat(counts, axis=0) * shares[:, None])

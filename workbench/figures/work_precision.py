@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
 LOST = 1.0  # an error of this size and more has no correct digit
 FLOOR, TOP = 1e-16, 1e1  # the range of errors that is shown; an error of 0 is drawn at its lower end
-COLUMNS, PANEL = 3, (3.6, 2.2)  # inches
+COLUMNS, PANEL = 3, (3.2, 2.1)  # inches
 
 
 def figure(ds: xr.Dataset, cost: str) -> Figure:

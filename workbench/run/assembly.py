@@ -5,13 +5,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import h5netcdf
 import h5py
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from ..data import atomic, branch_numbers, cautions, dataset, grid_io, law_verdicts, refined, schema, writing
+from ..data import atomic, branch_numbers, cautions, dataset, grid_io, law_verdicts, netcdf, refined, schema, writing
 from ..data.schema import Columns
 from . import shards
 from .plan import Plan, bytes_a_case, bytes_of_file, first_of
@@ -35,9 +33,9 @@ def assemble(plan: Plan, folder: Path, output: Path, there: StoredRun | None, ta
         if plan.refinement is not None:
             frame = frame.assign_attrs(refined.attributes(plan.study, plan.refinement))
         shards.reserve(aside, bytes_of_file(plan))
-        frame.to_netcdf(aside, engine="h5netcdf", encoding=writing.encoding(frame), invalid_netcdf=False)
+        netcdf.write(frame, aside, writing.encoding(frame))
         shards.reserve(aside, bytes_of_file(plan))
-        with h5netcdf.File(aside, "a") as file:
+        with netcdf.file(aside, "a") as file:
             _write_cases(file, plan, _rows(plan, folder, output, there), tally)
         statistics = _statistics(aside, tally)
         with h5py.File(aside, "a") as file:
@@ -53,7 +51,7 @@ def assemble(plan: Plan, folder: Path, output: Path, there: StoredRun | None, ta
 
 def _statistics(path: Path, tally: Tally) -> dict[str, Any]:
     """The statistics of the file, from which `run` reports without reading its cases again."""
-    with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
+    with netcdf.opened(path) as ds:
         verdicts, first = law_verdicts.verdicts(ds), str(ds.attrs.get("equilibria", ""))
         sampling = {name: str(ds.attrs[name]) for name in schema.SAMPLING if name in ds.attrs}
     branches = branch_numbers.sentence(tally["branch"]) if tally["branch"] else ""

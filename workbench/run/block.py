@@ -7,14 +7,14 @@ number of whole blocks; whichever process solves it, the bits are the same.
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Solution, equilibria, solve
-from solver.boundary.selection import NEAREST
+from solver.boundary.selection import INCOMPLETE, NEAREST
 from solver.equilibria import nearest
 from studies import Study, expressions
 from studies.axes import Which
@@ -26,7 +26,7 @@ from .shards import encode
 from .sweep import State, grid_of, walked
 from .sweep_solutions import shown
 
-_NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?")
+_NUMBER = re.compile(r"(?<![A-Za-z\d.])\d[\d.]*(?:e[+-]?\d+)?")  # not the digit of a name such as F3
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +40,9 @@ class Chunk:
     start: int
     stop: int
     values: Mapping[str, NDArray[np.float64]]
-    deaths: int = 0
-    shape: tuple[int, ...] = ()
-    states: Mapping[int, State] = field(default_factory=dict)
+    deaths: int
+    shape: tuple[int, ...]
+    states: Mapping[int, State]
 
     @property
     def cases(self) -> int:
@@ -110,7 +110,8 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
     for name in study.recorded:
         found[name] = _where(mine, np.asarray(observed[name]).reshape(-1))
     found["solved"] = mine
-    found["outcome"] = _remarked(np.asarray(sol.outcome).astype(str).reshape(-1), np.where(mine, remarks, ""))
+    outcomes = _remarked(np.asarray(sol.outcome).astype(str).reshape(-1), np.where(mine, remarks, ""))
+    found["outcome"] = _remarked(outcomes, np.where(mine, _incomplete(sol), ""))
     caution = cautions.of_cases(sol, observed)
     found["caution"] = np.asarray(caution).reshape(-1)
     for name in ("error", "condition", *(name for name in LOADS if name not in study.varied)):
@@ -118,6 +119,12 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
     for name in study.reactions:
         found[name] = np.asarray(sol.held_index if name == "held_index" else sol.reactions[name], float).reshape(-1)
     return found
+
+
+def _incomplete(sol: Solution) -> NDArray[Any]:
+    """A remark on each case whose equilibrium was selected from a list that may be incomplete, (cases,)."""
+    lists = np.full(sol.case.size, None) if sol.selection is None else np.asarray(sol.selection).reshape(-1)
+    return np.array([INCOMPLETE if one is not None and not one.complete else "" for one in lists.tolist()])
 
 
 def _remarked(outcomes: NDArray[Any], remarks: NDArray[Any]) -> NDArray[Any]:

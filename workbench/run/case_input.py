@@ -8,9 +8,11 @@ from typing import Any
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.problem.case import PAIRS, TWISTS, from_fields
 from solver.problem.errors import choices, no_such
+from solver.problem.limits import farthest
+from solver.problem.quantities import unit_of
 from solver.problem.rod import DIRECT, ELASTIC, lacking
 from studies import Study, load
-from studies.axes import FORCES, LENGTHS
+from studies.axes import FORCES, LENGTHS, quantity_of
 from studies.readings import DEFAULT, parse
 
 START_ONLY = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
@@ -170,6 +172,13 @@ def field_values(case: Case) -> dict[str, Any]:
     if case.rod.EI is not None:
         del values["stiffness"]
     return {name: v if isinstance(v, str) else float(v) for name, v in values.items() if v is not None}
+
+
+def with_unit(sentence: str, case: Case, units: Mapping[str, str]) -> str:
+    """A sentence of the solver on one case, with the unit behind the value that is too large or too small."""
+    name, value = (part[0] for part in farthest(case))
+    unit, said = unit_of(quantity_of(name).name, units), f"{name} = {value:g}"
+    return sentence if unit == "1" else sentence.replace(said, f"{said} {unit}")
 
 
 def _of_other_section(changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -29,13 +29,12 @@ def run_followed(study: Study, tol: float, method: str) -> xr.Dataset:
     as_run = study.model_copy(update={"tol": tol, "method": sol.method})
     ds = dataset.make(as_run, Dimensions.of({field: branch.values}), columns(study, sol), case=branch.ends)
     units = study.unit_system
-    ds["dbeta0"] = xr.Variable((schema.dimension(field),), branch.dbeta0, schema.labels("dbeta0", units))
+    data = {"dbeta0": xr.Variable((schema.dimension(field),), branch.dbeta0, schema.labels("dbeta0", units))}
     for key, row, value in (("fold", name, branch.fold), ("fold_dbeta0", "dbeta0", branch.fold_dbeta0)):
         labels = schema.labels(row, units)
         labels["long_name"] += " where the equilibrium ceases to exist"
-        ds[key] = xr.Variable((), np.nan if value is None else value, labels)
-    ds.attrs["fold_note"] = _note(study, branch, axis.limit)
-    return ds
+        data[key] = xr.Variable((), np.nan if value is None else value, labels)
+    return ds.assign(data).assign_attrs(fold_note=_note(study, branch, axis.limit))
 
 
 def _note(study: Study, branch: EndAngleBranch, limit: float) -> str:

@@ -7,7 +7,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-import h5netcdf
 import h5py
 import numpy as np
 import xarray as xr
@@ -19,7 +18,7 @@ from studies.loader import loads
 from studies.paired import SOURCES
 from studies.writer import dumps, dumps_paired, dumps_table, told
 
-from ..data import atomic, cautions, concatenation, law_verdicts, reading, schema, writing
+from ..data import atomic, cautions, concatenation, law_verdicts, netcdf, reading, schema, writing
 from ..data.selection import SAME
 from . import stored_case, summary
 from .recipe import axis_line
@@ -51,8 +50,8 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
             writing.check_free(out, attrs["study_name"])
         frame, varying = concatenation.layout(opened, union, schema.axes_of(opened[0]))
         with atomic.refusing(out), atomic.replacing(out) as aside:
-            frame.assign_attrs(attrs).to_netcdf(aside, engine="h5netcdf", encoding=writing.encoding(frame))
-            with h5netcdf.File(aside, "a") as file:
+            netcdf.write(frame.assign_attrs(attrs), aside, writing.encoding(frame))
+            with netcdf.file(aside, "a") as file:
                 concatenation.stream(file, varying, union, names)
             result = _judged(aside, _recipe(opened, schema.field_of(studies[0], union.axis), union))
     return {"file": str(out), "axis": union.axis, "values": int(union.values.size), **result}
@@ -179,7 +178,7 @@ def _together(versions: Sequence[Mapping[str, str]]) -> dict[str, str]:
 
 def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
     """Judge the laws of the merged file, and store the recipe and the statistics in it as a run does."""
-    with xr.open_dataset(path, engine="h5netcdf", cache=False) as ds:
+    with netcdf.opened(path) as ds:
         outcomes, verdicts = summary.counted(ds["outcome"], ds["solved"]), law_verdicts.verdicts(ds)
         texts, unsolved = summary.counted(ds["caution"]), summary.unsolved(ds)
     caution = cautions.told(texts)

@@ -3,7 +3,6 @@
 import hashlib
 from collections.abc import Mapping
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,8 @@ from solver.problem.errors import InputError
 from studies import Study
 from studies.law import Law
 from studies.refine import lattice
+
+from ..data.versions import version_of
 
 if TYPE_CHECKING:
     from .plan import Plan
@@ -43,7 +44,7 @@ def recipe(plan: "Plan") -> dict[str, Any]:
         "method": study.method,
         "block": plan.block,
         "code": code_version(),
-        **{package: _version(package) for package in ("numpy", "scipy", *_required(study.method))},
+        **{package: version_of(package) for package in ("numpy", "scipy", *_required(study.method))},
     }
 
 
@@ -65,7 +66,7 @@ def code_version() -> str:
     own, language = Path(solver.__file__).parent, Path(studies.__file__).parent
     sources = [*own.rglob("*.py"), *own.rglob("*.[ch]"), *language.glob("*.py")]
     content = b"".join(path.name.encode() + path.read_bytes() for path in sorted(sources))
-    return f"{_version('rod-workbench')}+{_digest(content)}"
+    return f"{version_of('rod-workbench')}+{_digest(content)}"
 
 
 def check_worker(study: Study, code: str) -> None:
@@ -79,13 +80,6 @@ def check_worker(study: Study, code: str) -> None:
 def _required(method: str) -> list[str]:
     """The package whose version decides the last bits of a method, if there is one."""
     return [package] if (package := METHODS[method].requires) else []
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "not installed"
 
 
 def _digest(content: bytes) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Solution, equilibria, solve
-from solver.boundary.selection import NEAREST, Choose
+from solver.boundary.selection import INCOMPLETE, NEAREST, Choose
 from solver.equilibria import nearest
 from solver.observe.observables import observe
 from studies import Study
@@ -163,6 +163,8 @@ def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str
     here = float(sol.held_index if sol.held else observe(light, ["index"])["index"]) == 0
     if stable and not here:
         remark = LOST
+    if sol.selection is not None and not sol.selection.complete:
+        remark = f"{remark}; {INCOMPLETE}" if remark else INCOMPLETE
     return State(light, branch, here if stable is None else stable, remark)
 
 

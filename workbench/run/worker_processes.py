@@ -107,9 +107,10 @@ def process(target: Callable[..., None], *args: Any) -> tuple[BaseProcess, Conne
     try:
         with _one_thread(), _interrupts_held():
             made.start()
-    except (EOFError, OSError) as error:  # EOFError: the server process is gone
-        why = getattr(error, "strerror", None) or "the process from which it is forked has ended"
-        raise InputError(f"a worker process cannot start: {why}") from None
+    except (EOFError, ConnectionError):  # which of them depends on when it ended
+        raise InputError("a worker process cannot start: the process from which it is forked has ended") from None
+    except OSError as error:
+        raise InputError(f"a worker process cannot start: {error.strerror or error}") from None
     theirs.close()
     return made, ours
 

@@ -45,7 +45,7 @@ export function makeView(canvas, mark, code, calm) {
     const bounds = seen(me.camera, drawn.points, shape.one.a),
       mustFit = fresh || refit || !me.camera.half;
     if (mustFit) me.touched = false;
-    if (!me.camera.half || fresh) me.camera = me.target = fitted(me.camera, bounds, aspect());
+    if (!me.camera.half || fresh) jump(fitted(me.camera, bounds, aspect()));
     else if (mustFit || (!me.touched && needsFit(me.target, bounds, aspect())))
       ease(fitted(me.camera, bounds, aspect()));
     if (!scene) return;
@@ -118,9 +118,13 @@ export function makeView(canvas, mark, code, calm) {
     easing = requestAnimationFrame(step);
   }
 
-  const moveTo = (camera) => {
+  /* At once; a change of the camera that is under way ends. */
+  const jump = (camera) => {
     cancelAnimationFrame(easing);
     me.camera = me.target = camera;
+  };
+  const moveTo = (camera) => {
+    jump(camera);
     paint(false);
     later();
   };
@@ -211,7 +215,7 @@ export function makeView(canvas, mark, code, calm) {
   if (scene) hands(canvas, { turn, zoom, shift, fit, picked: (x, y) => me.picked(x === null ? null : sAt(x, y)) });
   new ResizeObserver(() => {
     if (me.shape) {
-      if (!me.touched) me.camera = me.target = fitted(me.camera, bounds(me.camera), aspect());
+      if (!me.touched) jump(fitted(me.camera, bounds(me.camera), aspect()));
       paint(false);
       later();
     }

@@ -1,0 +1,113 @@
+/* Where the density is largest along a rod: solver/observe/peaks.py. */
+
+#include "stretches.h"
+
+enum { MOST_ON_A_PART = AT + 1 };
+
+static double begin_of(const workspace *w)
+{
+    double begin = INFINITY;
+    for (int64_t i = 0; i < w->count; i++)
+        begin = smaller(begin, w->parts[i].begin);
+    return begin;
+}
+
+static double equal_below(const workspace *w, double barely)
+{
+    double same = -INFINITY;
+    for (int64_t i = 0; i < w->count; i++)
+        keep_larger(&same, barely * highest(w->parts[i].of.size) + 4 * w->parts[i].tail);
+    return same;
+}
+
+static double least_of(const workspace *w)
+{
+    double least = INFINITY;
+    for (int64_t i = 0; i < w->count; i++)
+        for (int k = 0; k < AT; k++)
+            least = smaller(least, w->parts[i].of.values[k]);
+    return least;
+}
+
+/* Adds the local maxima of a part; returns their number. */
+static int maxima_on(const workspace *w, const stretch *p, double begin, maximum *out)
+{
+    const double *nodes = w->all->at.nodes;
+    double rate[AT], x[MOST_ON_A_PART];
+    int count = 0;
+    w->use.through(p->series, w->all->at.differentiate, rate);
+    for (int k = 0; k + 1 < AT; k++)
+        if (rate[k] > 0 && rate[k + 1] <= 0)
+            x[count++] = rod_turning_place(p->series, -1, nodes[k], nodes[k + 1]);
+    if (rate[0] <= 0 || p->begin <= begin)
+        x[count++] = -1;
+    if (rate[AT - 1] >= 0)
+        x[count++] = 1;
+    for (int k = 0; k < count; k++)
+        out[k] = (maximum){p, x[k], p->begin + (1 + x[k]) / 2 * p->time, rod_series_value(p->series, x[k])};
+    return count;
+}
+
+/* How far from a place the density falls by twice its doubt. noise: how much of the rounding of the derivatives is taken
+   off them. */
+static double width_at(const maximum *m, double doubt, double noise)
+{
+    const stretch *p = m->part;
+    double slopes[AT], slope, bend;
+    const double rounding = noise * AT * AT * (EPS * highest(p->of.size) + p->tail);
+    rod_derivative(p->series, slopes);
+    rod_series_and_rate(slopes, m->x, &slope, &bend);
+    slope = larger(fabs(slope) - rounding, 0), bend = larger(fabs(bend) - AT * AT * rounding, 0);
+    return fmin(sqrt(4 * doubt / bend), 2 * doubt / slope) * p->time / 2;
+}
+
+/* The place of the largest value among n local maxima, the first within `doubt`, and its error. */
+static void first_of(const maximum *m, int64_t n, double doubt, double same, double *place, double *error)
+{
+    double best = -INFINITY, first = INFINITY, width = -INFINITY, there = -INFINITY, far = 0;
+    for (int64_t i = 0; i < n; i++)
+        keep_larger(&best, m[i].value);
+    for (int64_t i = 0; i < n; i++)
+        if (m[i].value >= best - doubt && m[i].t < first)
+            first = m[i].t;
+    for (int64_t i = 0; i < n; i++)
+        if (m[i].value >= best - doubt && m[i].t == first)
+            keep_larger(&width, width_at(&m[i], doubt, 0));
+    for (int64_t i = 0; i < n; i++) /* the end of a part may be next to the maximum */
+        if (m[i].t >= first && m[i].t <= first + width)
+            keep_larger(&there, m[i].value);
+    *place = INFINITY;
+    for (int64_t i = 0; i < n; i++)
+        if (m[i].t >= first && m[i].t <= first + width && m[i].value == there && m[i].t < *place)
+            *place = m[i].t;
+    for (int64_t i = 0; i < n; i++) {
+        if (m[i].value >= best - 2 * doubt && fabs(m[i].value - there) > same)
+            keep_larger(&far, fabs(m[i].t - *place));
+        if (m[i].t == *place && m[i].value == there)
+            keep_larger(&far, width_at(&m[i], doubt, 1));
+    }
+    *error = far;
+}
+
+/* The first t at which the density is largest within `doubt`, and the error of that t. Returns DONE or NO_MEMORY. */
+int rod_first_peak(workspace *w, double doubt, double span, double barely, double *value, double *error)
+{
+    const double top = rod_largest(w, 1), begin = begin_of(w), same = equal_below(w, barely), varies = top - least_of(w);
+    double place = 0, far = 0;
+    int64_t count = 0;
+    doubt = isnan(doubt) ? 0 : doubt;
+    for (int64_t i = 0; i < w->count && !(varies <= same); i++) {
+        const stretch *p = &w->parts[i];
+        if (p->series[0] + range_of(p->series) < top - 4 * doubt - same)
+            continue;
+        if (rod_roomy((void **)&w->maxima, &w->maximum_room, count + MOST_ON_A_PART, sizeof(maximum)))
+            return NO_MEMORY;
+        count += maxima_on(w, p, begin, w->maxima + count);
+    }
+    if (!(varies <= same))
+        first_of(w->maxima, count, doubt, same, &place, &far);
+    if (varies <= doubt)
+        place = 0;
+    *value = isfinite(place) ? place : NAN, *error = smaller(far, span) + 8 * EPS * span;
+    return DONE;
+}

@@ -1,0 +1,39 @@
+"""The sources of the compiled core can be compiled for every system for which there are wheels."""
+
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from solver.core import build
+
+SYSTEMS = ("x86_64-windows-gnu", "aarch64-macos", "x86_64-macos", "aarch64-linux-gnu", "x86_64-linux-gnu.2.28")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(find_spec("ziglang") is None, reason="the package ziglang is not installed")
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_the_core_compiles_for(tmp_path: Path, system: str) -> None:
+    for source in sorted(build.HERE.glob("*.c")):
+        out = ["-O0", "-c", str(source), "-o", str(tmp_path / "one.o")]
+        command = [sys.executable, "-m", "ziglang", "cc", "-target", system, *build.FLAGS, *out]
+        run = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert run.returncode == 0, run.stderr
+
+
+@pytest.mark.parametrize("system, found", (("linux", ["gcc"]), ("darwin", ["gcc"]), ("win32", [])))
+def test_on_windows_only_the_compiler_that_the_user_names_is_taken(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, system: str, found: list[str]
+) -> None:
+    for name in ("gcc", "gcc.exe", "mycc"):
+        (tmp_path / name).write_text("#!/bin/sh\n")
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setattr("shutil.which", lambda name: name if (tmp_path / name).exists() else None)
+    monkeypatch.setattr("sys.platform", system)
+    assert build.compiler() == found
+    monkeypatch.setenv("CC", "mycc -m64")
+    assert build.compiler() == ["mycc", "-m64"]

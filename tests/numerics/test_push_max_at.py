@@ -1,0 +1,204 @@
+"""The place of the largest push: by a march in 25 digits, on helices, where places are equal, and its derivative."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.polynomial.polynomial import polyval
+from scipy.integrate import solve_ivp
+from scipy.optimize import minimize_scalar
+
+from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
+from solver.methods import available
+from tests.cases import EXACT, START, in_units_of_rho
+from tests.numerics.test_measurement import random_rods
+from tests.numerics.test_sensitivity import differences
+from tests.observed import push_and_curvature, steps
+
+METHODS = [name for name in ("orbit", "swing", "dop853") if name in available()]
+NAMES = ["push_max_at", "push_max"]
+
+
+def seen(case: Case, **more: Any) -> dict[str, Any]:
+    found: dict[str, Any] = observe(solve(case, **more), NAMES, errors=True)
+    return found
+
+
+def first_top(values: Any) -> int:
+    """The first local maximum that is the largest to 1e-5; stations meet no maximum exactly."""
+    top = np.flatnonzero(values > values.max() - 1e-5 * np.ptp(values))
+    return int(top[0] + np.argmax(values[top[0] : top[0] + 20]))
+
+
+def marched(case: Case) -> list[tuple[float, float]]:
+    """The place of the largest push, in units of rho, and that push in A/rho^3, of each rod; steps of 25 digits."""
+    problem = solve(case, stations=2).problem
+    turn = np.broadcast_to(case.outward, case.shape).reshape(-1)
+    rows = np.stack([problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, problem.dbeta0], axis=1)
+    found = []
+    for row, sign, way in zip(rows, turn, steps(rows), strict=True):
+        begin, best = 0.0, (0.0, -1e300)
+        for series, h in way:
+
+            def push(x: Any, series: Any = series, row: Any = row, sign: Any = sign) -> Any:
+                return sign * push_and_curvature(row, np.stack([polyval(x, one) for one in series]))[0]
+
+            x = np.linspace(0, h, 101)
+            m = int(np.argmax(push(x)))
+            beside = x[max(m - 1, 0)], x[min(m + 1, 100)]
+            near = minimize_scalar(lambda y, f=push: -f(y), bounds=beside, method="bounded", options={"xatol": 1e-13})
+            inside = 0 < m < 100
+            for y in (near.x,) if inside else (x[m], near.x):
+                if push(y) > best[1] + 1e-9 * abs(best[1]):  # of equal ones the first
+                    best = begin + y, float(push(y))
+            begin += h
+        found.append(best)
+    return found
+
+
+def test_the_place_is_that_of_the_formula_of_the_push_on_a_shape_of_scipy() -> None:
+    row = np.array([0.4, -0.2, -0.9, 14.0, 0.7, 0.5])
+    lam, mu, phi, span, beta, v = row
+    got = seen(in_units_of_rho(*row))
+
+    def rate(_: float, y: Any) -> Any:
+        s, c = np.sin(y[0]), np.cos(y[0])
+        return [y[1], -(lam * c - mu * np.cos(2 * y[0]) - phi * s - 2 * s**3 * c)]
+
+    way = solve_ivp(rate, (0, span), [beta, v], method="DOP853", rtol=1e-12, atol=1e-13, dense_output=True).sol
+
+    def push(t: Any) -> Any:
+        b, rate = way(t)
+        return push_and_curvature(row, np.stack([b, rate, np.sin(b), np.cos(b)]))[0]
+
+    t = np.linspace(0, span, 20001)
+    m = first_top(push(t))
+    assert 0 < m < t.size - 1
+    best = minimize_scalar(lambda y: -push(y), bounds=(t[m - 1], t[m + 1]), method="bounded", options={"xatol": 1e-12})
+    assert got["push_max_at"] == pytest.approx(best.x, abs=1e-6)  # where the push changes by rounding
+    assert got["push_max"] == pytest.approx(-best.fun, rel=1e-10)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", METHODS)
+def test_the_place_is_that_of_a_march_in_25_digits(method: str) -> None:
+    case = random_rods(30, 17, 6.0)
+    got = seen(case, tol=1e-10, method=method, stations=2001)
+    rho = np.broadcast_to(case.rho, case.shape)
+    for i, (place, push) in enumerate(marched(case)):
+        off, error = abs(got["push_max_at"][i] / rho[i] - place), got["push_max_at_error"][i] / rho[i]
+        assert off <= error + 1e-7, i  # the search of the reference ends where the push changes by rounding
+        A = np.broadcast_to(case.rod.bending_stiffness, case.shape)[i]
+        assert got["push_max"][i] == pytest.approx(push * A / rho[i] ** 3, rel=1e-7, abs=1e-7 * A / rho[i] ** 3)
+
+
+@pytest.mark.parametrize("side", ["inside", "outside"])
+def test_no_station_has_a_larger_push_and_the_one_at_the_place_has_it(side: str) -> None:
+    given = Start(0.6, 0.3, F1=2.0, F2=1.0, F3=np.linspace(-20, 10, 7))
+    case = Case(Rod(1.07e4, 0.25, 0.25, 9.0), Cylinder(1.25, side), given)
+    got = seen(case, tol=1e-12)
+    for i, force in enumerate(given.F3):
+        place = float(got["push_max_at"][i])
+        one = solve(
+            replace(case, given=replace(given, F3=force)), tol=1e-12, stations=np.sort([*np.linspace(0, 9, 999), place])
+        )
+        assert one.push.max() == pytest.approx(got["push_max"][i], rel=1e-11)
+        assert np.interp(place, one.s, one.push) == pytest.approx(got["push_max"][i], rel=1e-11)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_constant_push_has_its_place_at_the_start(method: str) -> None:
+    got = seen(EXACT["buckled pipe 30 deg"].case, method=method)
+    assert got["push_max_at"] == 0
+
+
+def test_of_equal_places_the_first_counts_and_the_error_says_how_far_the_others_are() -> None:
+    """Without MZ and M3 the push is the same at beta and at -beta: at both turning points."""
+    case = in_units_of_rho(0.0, 0.0, -0.5, 60.0, 0.0, 0.6)
+    sol = solve(case, tol=1e-11, stations=6001)
+    highest = (np.diff(sol.push)[:-1] > 0) & (np.diff(sol.push)[1:] <= 0) & (sol.push[1:-1] > sol.push.max() - 1e-4)
+    places = sol.s[1:-1][highest]
+    assert len(places) > 10
+    for method in METHODS:
+        got = seen(case, method=method, stations=2001)
+        assert got["push_max_at"] == pytest.approx(places[0], abs=0.02), method
+    assert seen(case, method="dop853", stations=2001)["push_max_at_error"] > places[1] - places[0] - 0.05
+
+
+def test_the_place_between_two_ends_is_that_of_the_shape() -> None:
+    case = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Ends(0.5, 0.8, FZ=-8.66, MZ=1.3, M3=6.1))
+    sol = solve(case, tol=1e-11, stations=4001)
+    got = observe(sol, NAMES)
+    assert abs(got["push_max_at"] - sol.s[first_top(sol.push)]) <= 0.005
+    assert 0 <= got["push_max"] - sol.push.max() <= 1e-4 * got["push_max"]
+
+
+@pytest.mark.slow
+def test_the_place_of_equilibria_and_held_rods_is_that_of_their_shapes() -> None:
+    rod, cylinder = Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75)
+    for ends in (Ends(0.5, 0.8, FZ=-8.66, MZ=1.3, M3=6.1), Ends(0.5, 0.8, height=14.0, MZ=1.3, M3=6.1)):
+        found = equilibria(Case(rod, cylinder, ends))
+        assert len(found)
+        for one in found:
+            got = observe(one.solution, NAMES)
+            length, place = float(rod.L), float(got["push_max_at"])
+            stations = np.sort([*np.linspace(0, length, 2001), place])
+            dense = solve(replace(one.solution.case), seed=one.solution, stations=stations)
+            assert dense.push[stations == place].max() == pytest.approx(dense.push.max(), rel=1e-8)
+            assert got["push_max"] == pytest.approx(dense.push.max(), rel=1e-8)
+
+
+def test_a_failed_case_alone_has_no_place() -> None:
+    case = Case(
+        Rod(1.07e4, 0.25, 0.25, 8.0), Cylinder(0.75), Start(0.5, 0.5, F1=5.0, F2=0.0, F3=np.array([10.0, 1e300]))
+    )
+    sol = solve(case)
+    assert list(np.isnan(observe(sol, ["push_max_at"])["push_max_at"])) == list(~sol.solved) == [False, True]
+
+
+def test_derivatives_agree_with_differences() -> None:
+    inner, far = judged(6, ["R", "L", "dbeta0"])
+    assert inner > 0
+    assert far > 0
+
+
+@pytest.mark.slow
+def test_derivatives_of_many_rods_agree_with_differences() -> None:
+    inner, far = judged(60, ["E", "R", "L", "beta0", "dbeta0", "F3", "M3"])
+    assert inner > 15
+    assert far > 5
+
+
+def judged(count: int, fields: list[str]) -> tuple[int, int]:
+    """How many places of random rods lie inside and at the far end, where each derivative is that of differences."""
+    rng, inner, far = np.random.default_rng(8), 0, 0
+
+    def read(sol: Any) -> Any:
+        return np.array([observe(sol, NAMES[:1])[NAMES[0]]])
+
+    while inner + far < count:
+        given = Start(rng.uniform(-3, 3), rng.normal(), F2=9 * rng.normal(), F3=9 * rng.normal(), M3=9 * rng.normal())
+        case = Case(Rod(1.07e4, 0.25, 0.25, 4.0), Cylinder(0.75, str(rng.choice(["inside", "outside"]))), given)
+        got = seen(case, tol=1e-12)
+        if got["push_max_at_error"] > 1e-4 or got["push_max_at"] == 0:
+            continue  # another place has nearly the same push
+        found = solve(case).sensitivity(fields, NAMES[:1])
+        for k, field in enumerate(fields):
+            exact = differences(case, field, read, 1e-4, stations=3, method="orbit")[0]
+            assert found.observables["push_max_at"][k] == pytest.approx(exact, rel=1e-5, abs=1e-6), field
+        inner, far = inner + (got["push_max_at"] < 4), far + (got["push_max_at"] == 4)
+    return inner, far
+
+
+def test_no_derivative_where_the_place_may_leave_an_end_or_places_part() -> None:
+    turned = Case(Rod(1.07e4, 0.25, 0.25, 1.0), Cylinder(0.75, "inside"), Start(1.4, 0.0, F2=1.0, F3=5.0, M3=1.0))
+    at = float(seen(turned)["push_max_at"])
+    found = solve(turned).sensitivity(["E", "dbeta0", "beta0"], ["push_max_at"])
+    assert at == 0
+    assert found.observables["push_max_at"][[0, 2]] == pytest.approx([0, 0], abs=1e-9)
+    assert np.isnan(found.observables["push_max_at"][1])
+    helix = solve(START["helix at a centre"].case).sensitivity(["L", "beta0"], ["push_max_at"])
+    assert helix.observables["push_max_at"][0] == 0
+    assert np.isnan(helix.observables["push_max_at"][1])
+    assert "several places" in helix.remarks["push_max_at"]

@@ -1,0 +1,162 @@
+"""What someone who uses the commands for the first time comes upon: values too large, incomplete lists, mistakes."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.integrate import simpson
+from scipy.interpolate import CubicSpline
+
+from solver import Rod
+from studies.loader import loads
+from tests.workbench import small
+from workbench import cli
+from workbench.figures import law_words
+from workbench.run import in_memory
+
+UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
+ROD = f"{UNITS}[base]\nE = 1.07e4\nnu = 0.25\na = 0.25\nL = 5.0\nR = 0.75\n"
+STUDY = f'title = "far"\n{ROD}beta = 0.5\ndbeta = 0.5\nF1 = 5.0\n[axes.F3]\nvalues = [1.0, 1e200, 1e300]\n'
+
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def ran(tmp_path, monkeypatch, capsys) -> Run:
+    """Runs a command in this process, in an empty folder: exit status, stdout and stderr, each on one line."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*args: object) -> tuple[int, str, str]:
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as end:
+            cli.main([str(arg) for arg in args])
+        out, err = (" ".join(text.split()) for text in capsys.readouterr())
+        return int(end.value.code or 0), out, err
+
+    return run
+
+
+@pytest.mark.parametrize(("args", "said"), [
+    ("solve --table1 --F3 1e300", "the most extreme field is F3 = 1e+300 N "),
+    ("solve --table1 --E 1e300", "the most extreme field is E = 1e+300 N/cm^2 "),
+    ("equilibria --FZ 1e300", "the most extreme field is FZ = 1e+300 N "),
+    ("equilibria --height 3 --MZ 1e300", "the most extreme field is MZ = 1e+300 N cm "),
+    ("run far.toml", "2 x failed: loads"),
+])  # fmt: skip
+def test_a_value_too_large_for_floats_is_shown_with_its_field_and_unit(args: str, said: str, ran: Run) -> None:
+    Path("far.toml").write_text(STUDY)
+    status, text, _ = ran(*args.split())
+    assert status == 1
+    assert said in text
+    if args.startswith("run"):
+        assert "the most extreme field is F3 = ..." in text
+
+
+CASE = f'title = "ends"\n{ROD}beta0 = 0.5\nbetaL = 0.8\nFZ = -8.66\n'
+
+
+@pytest.mark.parametrize(("args", "said"), [
+    ("run folder", "folder is a folder, not a study; choose from fig6"),
+    ("fit case.toml --vary E --points folder", "a table is a file that ends in .csv, .parquet, got 'folder'"),
+    ("equilibria case.toml --out none/all.h5", "cannot write none/all.h5: folder not found: none"),
+    ("equilibria case.toml --export case.toml", "cannot write into the folder case.toml: it is a file"),
+    ("equilibria case.toml --axis FZ=nan:1:5", "--axis needs two different finite ends and a count from 2 to 401"),
+])  # fmt: skip
+def test_a_mistake_ends_with_a_sentence_before_anything_is_computed(args: str, said: str, ran: Run) -> None:
+    Path("folder").mkdir()
+    Path("case.toml").write_text(CASE)
+    status, out, err = ran(*args.split())
+    assert (status, out) == (2, "")
+    assert said in err
+    assert {path.name for path in Path().iterdir()} == {"folder", "case.toml"}
+    assert Path("case.toml").read_text() == CASE
+
+
+FAR = ROD.replace("L = 5.0", "L = 1.0e4")
+LONG = f'title = "long"\nobservables = ["height"]\nstations = 2\n{FAR}beta0 = 0.3\nbetaL = 0.4\n'
+SWEPT, DRAWN = (
+    "[axes.FZ]\nvalues = [-9.0, -8.9]\n",
+    "[sample]\nsize = 2\nseed = 1\n[sample.FZ]\nfrom = -9.0\nto = -8.0\n",
+)
+
+
+@pytest.mark.parametrize(("text", "count"), [(SWEPT, 1), (DRAWN, 2)])
+def test_a_run_says_on_stderr_where_the_list_of_equilibria_may_be_incomplete(text: str, count: int, ran: Run) -> None:
+    Path("long.toml").write_text(LONG + text)
+    status, out, err = ran("run", "long.toml")
+    assert status == 0, err
+    assert f"in {count} of 2 cases the equilibrium was selected from a list of equilibria that may be incomplete" in err
+    assert "long.h5" in err
+    with xr.open_dataset("long.h5", engine="h5netcdf") as ds:
+        assert ds["solved"].all()
+        assert int(ds["outcome"].str.endswith("a list of equilibria that may be incomplete").sum()) == count
+    status, out, err = ran("summary", "long.h5")
+    assert f"{count} x solved; selected from a list of equilibria that may be incomplete" in out
+    status, out, err = ran("run", "long.toml", "--json")
+    assert status == 0
+    assert json.loads(out)["status"] == 0
+    assert f"in {count} of 2 cases" in err
+
+
+def test_a_run_with_complete_lists_is_silent(ran: Run) -> None:
+    Path("short.toml").write_text(LONG.replace("1.0e4\nR", "10.0\nR") + SWEPT)
+    status, _, err = ran("run", "short.toml")
+    assert (status, err) == (0, "")
+
+
+@pytest.mark.parametrize("held", ["", pytest.param("--height 5 --within FZ=-20:20", marks=pytest.mark.slow)])
+def test_a_list_of_equilibria_shows_which_part_of_the_energy_is_elastic(held: str, ran: Run) -> None:
+    """Bending: Simpson's rule on the stored shape. The rest: the work of the loads on its displacements."""
+    options = f"--L 6 {held} --out all.h5".split()
+    status, out, err = ran("equilibria", *options, "--json")
+    assert status == 0, err
+    told = json.loads(out)
+    with xr.open_dataset("all.h5", engine="h5netcdf") as ds:
+        rod = Rod(**{name: float(ds[name]) for name in ("E", "nu", "a", "L")}, stiffness=ds.attrs["stiffness"])
+        A, C, rho = rod.bending_stiffness, rod.torsional_stiffness, float(ds["rho"])
+        for i, row in enumerate(told["equilibria"]):
+            beta, s = ds["beta"].values[i], ds["s"].values
+            kappa = np.hypot(CubicSpline(s, beta)(s, 1), np.sin(beta) ** 2 / rho)
+            loads = {name: float(np.ravel(ds[name].values)[i if ds[name].ndim else 0]) for name in ("FZ", "MZ", "M3")}
+            twist = loads["M3"] ** 2 * rod.L / (2 * C)
+            turned = loads["M3"] * rod.L / C - simpson(np.sin(beta) * np.cos(beta), x=s) / rho
+            work = loads["MZ"] * np.ptp(ds["alpha"].values[i][[0, -1]]) * np.sign(ds["alpha"].values[i][-1])
+            work += loads["M3"] * turned + (0 if held else loads["FZ"] * ds["z"].values[i][-1])
+            bending = simpson(A * kappa**2 / 2, x=s)
+            assert row["bending_energy"] == pytest.approx(bending, rel=2e-3)
+            assert row["twist_energy"] == pytest.approx(twist, rel=1e-12)
+            energy = row["held_energy" if held else "energy"]
+            assert energy == pytest.approx(bending + twist - work, abs=2e-3 * bending)
+            assert float(ds["bending_energy"][i]) == row["bending_energy"]
+            assert float(ds["twist_energy"][i]) == row["twist_energy"]
+    _, out, _ = ran("equilibria", *options, "--force")
+    name, loads_said = ("held energy", "the given loads and end moments") if held else ("energy", "FZ, MZ and M3")
+    assert f"{name} (N cm) bending energy (N cm) turns" in out
+    assert f"{name} = bending energy + twist energy ({twist:.6g} N cm" in out
+    assert f"- work of {loads_said}" in out
+
+
+def test_a_long_formula_leaves_room_for_the_curves() -> None:
+    long = "+".join(["sin(beta)**2"] * 12)
+    law = '[[laws]]\nclaim = "c"\naxis = "E"\nsource = "s"\nobservable = "kappa_max"\nkind = "equals"\nabsolute = 1.0\n'
+    text = small.HEAD + f'[axes.E]\nvalues = [1e4, 2e4]\n[expressions]\nbowed = "{long}"\n{law}formula = "bowed/cm"\n'
+    ds = in_memory.run(loads(text))
+    kappa = ds["kappa_max"]
+    assert law_words.formula(ds, "bowed", kappa) == "bowed"
+    cut = law_words.formula(ds, long, kappa)
+    assert len(cut) == law_words.LONGEST
+    assert cut.endswith("…")
+
+
+def test_one_equilibrium_is_one_and_its_file_is_no_study(ran: Run) -> None:
+    words = "equilibria --length-unit cm --force-unit N --E 1.07e4 --nu 0.25 --a 0.25 --L 5 --R 0.75 --beta0 20deg"
+    status, out, _ = ran(*words.split(), "--betaL", "20deg", "--out", "one.h5", "--plot", "one.png")
+    assert status == 0
+    assert "1 equilibrium, 1 stable with" in out
+    status, _, err = ran("summary", "one.h5")
+    assert status == 2
+    assert "one.h5 is a list of equilibria, which scene reads; this command reads the results of a study" in err
