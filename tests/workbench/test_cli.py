@@ -210,7 +210,23 @@ def test_solve_reads_a_case_from_a_file_and_options_change_it(tmp_path) -> None:
 def test_a_case_that_is_not_solved_gives_status_1() -> None:
     run = workbench("solve", "--method", "dop853", "--tol", "1e-15", "--json")
     assert run.returncode == 1, run.stderr
-    assert json.loads(run.stdout)["outcome"].startswith("failed")
+    told = json.loads(run.stdout)
+    assert told["outcome"].startswith("failed")
+    assert told["solved"] is False
+
+
+def test_of_an_unsolved_case_what_is_known_is_printed_and_no_nan() -> None:
+    ends = ("--E", "1e4", "--nu", "0.25", "--a", "0.25", "--L", "20", "--R", "0.75", "--beta0", "10deg", "--betaL", "20deg")
+    run = workbench("solve", *ends, "--MZ", "1", "--M3", "0", "--height", "19.99999999")
+    assert run.returncode == 1
+    assert not re.search(r"\b(nan|inf)\b", run.stdout)
+    assert "height     19.99999999   cm " in run.stdout
+    assert "kappa_max" not in run.stdout
+    assert "failed: the branch of the start could not be followed" in run.stdout
+    run = workbench("solve", "--table1", "--tol", "1e-30")  # solved, but not so accurately
+    assert run.returncode == 1
+    assert "kappa_max" in run.stdout
+    assert not re.search(r"\bnan\b", run.stdout)
 
 
 REFUSED = {

@@ -104,6 +104,7 @@ def _found(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, 
         "case": field_values(sol.case),
         "given": type(sol.case.given).__name__,
         "units": units,
+        "solved": bool(sol.solved),
         "outcome": with_unit(str(sol.outcome), sol.case, units),
         "method": sol.method,
         "tolerance": sol.tol,
@@ -151,19 +152,18 @@ def _print(found: dict[str, Any]) -> None:
         row = None if isinstance(value, str) else quantity_of(name)
         unit = _unit(row.name, found) if row else ""
         degrees = f" ({math.degrees(value):.6g} deg)" if unit == "rad" and value else ""
-        rows.append([name, value, unit, f"{row.long_name}{degrees}" if row else ""])
+        shown = f"{value:.10g}" if isinstance(value, float) else value
+        rows.append([name, shown, unit, f"{row.long_name}{degrees}" if row else ""])
     console.print_table(["given", "value", "unit", ""], rows)
-    results = {**found["loads"], **found["reactions"], **found["observables"]}
     console.say("")
-    console.print_table(
-        ["found", "value", "unit", ""],
-        [[name, value, _unit(name, found), quantity(name).long_name] for name, value in results.items()],
-    )
-    console.say("")
-    console.say(
-        f"{found['outcome']} ({found['method']}, tolerance {found['tolerance']:g}: "
-        f"error {found['error']:.1e}, condition {found['condition']:.3g})"
-    )
+    if results := _results(found):
+        console.print_table(
+            ["found", "value", "unit", ""],
+            [[name, value, _unit(name, found), quantity(name).long_name] for name, value in results.items()],
+        )
+        console.say("")
+    accuracy = f": error {found['error']:.1e}, condition {found['condition']:.3g}" if math.isfinite(found["error"]) else ""
+    console.say(f"{found['outcome']} ({found['method']}, tolerance {found['tolerance']:g}{accuracy})")
     if found["which"]:
         console.say(found["which"])
     if found["begun"]:
@@ -172,6 +172,15 @@ def _print(found: dict[str, Any]) -> None:
         console.say("index " + ", ".join(f"{index} under {loading}" for loading, index in found["indices"].items()))
     if found["caution"]:
         console.say(f"caution: {found['caution']}")
+
+
+def _results(found: dict[str, Any]) -> dict[str, float]:
+    """Loads, reactions and observables; of an unsolved case those that are known, or none if no observable is known."""
+    results = {**found["loads"], **found["reactions"], **found["observables"]}
+    if found["solved"]:
+        return results
+    known = {name: value for name, value in results.items() if not math.isnan(value)}
+    return known if known.keys() & found["observables"].keys() else {}
 
 
 def _unit(name: str, found: dict[str, Any]) -> str:
