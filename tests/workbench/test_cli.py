@@ -216,7 +216,22 @@ def test_a_case_that_is_not_solved_gives_status_1() -> None:
 
 
 def test_of_an_unsolved_case_what_is_known_is_printed_and_no_nan() -> None:
-    ends = ("--E", "1e4", "--nu", "0.25", "--a", "0.25", "--L", "20", "--R", "0.75", "--beta0", "10deg", "--betaL", "20deg")
+    ends = (
+        "--E",
+        "1e4",
+        "--nu",
+        "0.25",
+        "--a",
+        "0.25",
+        "--L",
+        "20",
+        "--R",
+        "0.75",
+        "--beta0",
+        "10deg",
+        "--betaL",
+        "20deg",
+    )
     run = workbench("solve", *ends, "--MZ", "1", "--M3", "0", "--height", "19.99999999")
     assert run.returncode == 1
     assert not re.search(r"\b(nan|inf)\b", run.stdout)

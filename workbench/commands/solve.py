@@ -162,7 +162,9 @@ def _print(found: dict[str, Any]) -> None:
             [[name, value, _unit(name, found), quantity(name).long_name] for name, value in results.items()],
         )
         console.say("")
-    accuracy = f": error {found['error']:.1e}, condition {found['condition']:.3g}" if math.isfinite(found["error"]) else ""
+    accuracy = (
+        f": error {found['error']:.1e}, condition {found['condition']:.3g}" if math.isfinite(found["error"]) else ""
+    )
     console.say(f"{found['outcome']} ({found['method']}, tolerance {found['tolerance']:g}{accuracy})")
     if found["which"]:
         console.say(found["which"])

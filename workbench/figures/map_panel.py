@@ -12,7 +12,7 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import BoundaryNorm, Colormap, LogNorm, Normalize
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import LogLocator, MaxNLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 from numpy.typing import NDArray
 
 from studies.laws import NOISE
@@ -39,6 +39,8 @@ class Colours:
         self.count = observed.is_count(ds, name)
         known = values[np.isfinite(values)]
         self.low, self.high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
+        size = max(abs(self.low), abs(self.high))
+        self.constant = not self.count and self.high - self.low <= NOISE * size  # rounding is no news
         self.cmap: Colormap = style.map_colours()
         self.norm = self._norm()
 
@@ -51,9 +53,9 @@ class Colours:
             return LogNorm(self.low, self.high)
         if self.count:
             return Normalize(self.low - 0.5, self.high + 0.5)
-        size = max(abs(self.low), abs(self.high))
-        if self.high - self.low <= NOISE * size:  # rounding is no news
-            return Normalize(self.low - (0.1 * size or 1), self.high + (0.1 * size or 1))
+        if self.constant:
+            self.cmap = style.map_colours(1)
+            return Normalize(self.low - 1, self.high + 1)
         return Normalize(self.low, self.high)
 
     def bar(self, mesh: Any, axes: list[Axes], inches: float) -> Colorbar:
@@ -65,12 +67,16 @@ class Colours:
         if self.count:
             bar.set_ticks([v for v in MaxNLocator(8, integer=True).tick_values(self.low, self.high)
                            if self.low <= v <= self.high])  # fmt: skip
+        elif self.constant:
+            bar.set_ticks([self.low])
         elif isinstance(self.norm, LogNorm):
             bar.locator = LogLocator(numticks=6)
         else:
             bar.locator = MaxNLocator(6)
         if isinstance(self.norm, LogNorm):
             bar.formatter = labels.power_of_ten  # type: ignore[assignment]
+        elif self.constant:
+            bar.formatter = FuncFormatter(lambda value, _: labels.minus_signs(labels.number(value)))
         else:
             bar.formatter = Ticks()
         bar.ax.tick_params(length=2)
