@@ -1,5 +1,6 @@
 """Equilibria of one case with their stability, as a list that says how complete it is."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -119,6 +120,8 @@ class HeldSearch:
         Equilibria that were found outside the ranges, and are not listed.
     note : str
         A sentence on equilibria that are not listed, or "".
+    beyond : dict
+        The lowest and the highest value of each reaction of the equilibria outside the ranges, by its name.
     narrower : dict
         Where the equilibria lie in a small part of a default range, a range around them, by the name of the reaction.
     """
@@ -131,12 +134,13 @@ class HeldSearch:
     deflations: int
     outside: int
     note: str = ""
+    beyond: dict[str, tuple[float, float]] = field(default_factory=dict)
     narrower: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def ranges(self) -> str:
         """The ranges in words."""
-        return ", ".join(f"{name} from {low:.6g} to {high:.6g}" for name, (low, high) in self.within.items())
+        return _in_words(self.within)
 
     def __str__(self) -> str:
         if not self.within:
@@ -150,12 +154,23 @@ class HeldSearch:
         ]
         if self.outside:
             are = "equilibrium was" if self.outside == 1 else "equilibria were"
-            said.append(f"{self.outside} more {are} found outside these ranges, which the list leaves out")
+            said.append(
+                f"{self.outside} more {are} found outside these ranges and not listed ({_in_words(self.beyond)})"
+            )
         if self.narrower:
             ranges = " ".join(f"--within {name}={low:g}:{high:g}" for name, (low, high) in self.narrower.items())
             finer = f"{ranges} (in Python within) searches it more finely"
             said.append(f"all listed equilibria lie in a small part of the range: {finer}")
         return "; ".join([*said, *([self.note] if self.note else [])])
+
+
+def _in_words(ranges: Mapping[str, tuple[float, float]]) -> str:
+    """``FZ from -3 to 4, MZ = 1``, for the lowest and the highest value of each number."""
+    said = []
+    for name, (low, high) in ranges.items():
+        first, last = f"{low:.6g}", f"{high:.6g}"
+        said.append(f"{name} = {first}" if first == last else f"{name} from {first} to {last}")
+    return ", ".join(said)
 
 
 class HeldEquilibria(Equilibria):

@@ -151,5 +151,10 @@ def _search_of(found: HeldFound, size: dict[str, float], swings: int) -> HeldSea
     name_of = {NUMBER_OF[own]: own for own, _ in PAIRS}
     bounds = {name_of[number]: ends for number, ends in found.ranges.bounds.items()}
     within = {name: (low * size[name], high * size[name]) for name, (low, high) in bounds.items()}
-    counts = found.problems, found.starts, found.failed, found.tries, found.outside
-    return HeldSearch(within, swings, *counts, ANY_LOAD if found.any_load else "")
+    outside = {
+        name_of[number]: (min(values) * size[name_of[number]], max(values) * size[name_of[number]])
+        for number in found.ranges.bounds
+        if (values := [one[number] for one in found.outside])
+    }
+    counts = found.problems, found.starts, found.failed, found.tries, len(found.outside)
+    return HeldSearch(within, swings, *counts, ANY_LOAD if found.any_load else "", outside)

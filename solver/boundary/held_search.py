@@ -29,8 +29,8 @@ class HeldFound:
 
     states, how: each equilibrium and by what it was found. ranges: of the unknowns. problems, equilibria: those under
     dead loads that were solved. starts, failed: continuations, and those of them that led to no equilibrium. tries: of
-    deflation, the last `fruitless` of them without a new equilibrium. outside: equilibria outside the ranges, which are
-    not kept. any_load: whether a helix is an equilibrium under any load.
+    deflation, the last `fruitless` of them without a new equilibrium. outside: the unknowns of each equilibrium outside
+    the ranges, which is not kept. any_load: whether a helix is an equilibrium under any load.
     """
 
     given: Given
@@ -42,7 +42,7 @@ class HeldFound:
     starts: int = 0
     failed: int = 0
     tries: int = 0
-    outside: int = 0
+    outside: list[dict[str, float]] = field(default_factory=list)
     any_load: bool = False
     _known: list[Array] = field(default_factory=list)
 
@@ -57,7 +57,7 @@ class HeldFound:
             self.states.append(state)
             self.how.append(how)
         else:
-            self.outside += 1
+            self.outside.append(values)
         for mirror in mirrors_of(self.given):
             image = image_of(state, mirror, self.given)
             whole = image if image.path.helix else finished(image, self.given)

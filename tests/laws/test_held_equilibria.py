@@ -109,6 +109,16 @@ def test_deflation_finds_what_a_sweep_of_two_loads_misses(listed: HeldEquilibria
     assert forces(6) == pytest.approx(every, rel=1e-9)
 
 
+def test_an_equilibrium_found_outside_the_range_is_not_listed_but_its_load_is_told(listed: HeldEquilibria) -> None:
+    few = equilibria(clamped(height=4.0), within={"FZ": (-60.0, -30.0)}, values=2, tries=4)
+    inside = [float(one.solution.FZ) for one in few]
+    assert all(-60 < load < -30 for load in inside)
+    low, high = few.search.beyond["FZ"]
+    assert few.search.outside == len(listed) - len(few) > 0
+    assert [low, high] == pytest.approx([-79.4772, -79.4772], rel=1e-5)
+    assert f"found outside these ranges and not listed (FZ = {low:.6g})" in few.remark
+
+
 def test_with_two_displacements_held_the_search_over_both_loads_finds_the_known_ones() -> None:
     own = {"FZ": -20.0, "MZ": 3.0}
     known = solve(Case(SHORT, DRUM, Ends(0.3, -0.2, M3=5.0, **own)), choose="lowest")
