@@ -23,7 +23,7 @@ from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Misplaced, Units, Whic
 from .dimensions import SAMPLE, Dimension, Dimensions
 from .law import Law
 from .paired import Table
-from .readings import TABLE_1, Reading, parse
+from .readings import TABLE_1, TABLE_UNITS, Reading, parse
 from .refine import Refine
 from .samples import Distribution, Sample
 
@@ -171,6 +171,25 @@ class Study(BaseModel):
         if given.unit is not None and given.unit not in allowed:
             why = f"{where[-1]} is in {' or '.join(allowed)}, got unit {given.unit!r}"
             raise Misplaced(why, *where, "unit")
+
+    @model_validator(mode="after")
+    def _units_fit(self) -> "Study":
+        """Other units than those of Table 1 only where no number with such a unit comes from the table."""
+        if not self.reading:
+            return self
+        own = (*self.base.given, *self.varied)
+        taken = [name for name in TABLE_1 if name not in own and self._has_other_unit(name)]
+        if taken:
+            units = self.unit_system.items()
+            here = " and ".join(f"{kind} = {unit!r}" for kind, unit in units if unit != TABLE_UNITS[kind])
+            why = f"the numbers of Table 1 are in cm and N: with {here} the study must give {', '.join(taken)} itself"
+            raise Misplaced(why, "units")
+        return self
+
+    def _has_other_unit(self, field: str) -> bool:
+        """Whether the unit of a field is another one than in Table 1."""
+        name = parts.quantity_of(field).name
+        return unit_of(name, self.unit_system) != unit_of(name, TABLE_UNITS)
 
     @model_validator(mode="after")
     def _equilibrium_fits(self) -> "Study":

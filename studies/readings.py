@@ -31,6 +31,8 @@ TABLE_1: dict[str, float] = {
     "F3": 10.0,
 }
 
+TABLE_UNITS = {"length": "cm", "force": "N"}
+
 TWISTS = ("force-first", "twist-first", "shear")
 LOADS = ("tension", "compression")
 STIFFNESSES = ("paper", "solid")

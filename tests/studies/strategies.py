@@ -11,6 +11,7 @@ from studies.axes import FORCES, LENGTHS, in_rad
 from studies.law_kinds import KINDS, MONOTONE
 from studies.laws import DIRECTIONS
 from studies.model import OUTPUTS
+from studies.readings import TABLE_UNITS
 
 # For each field a range in which the solver takes every value, whatever the others are.
 RANGES = {
@@ -124,6 +125,9 @@ def studies(draw: Any) -> dict[str, Any]:
         left = [name for name in fields if name not in varied and name not in said["base"]]
         _samples(draw, said, left)
     said["units"] = {"length": draw(st.sampled_from(LENGTHS)), "force": draw(st.sampled_from(FORCES))}
+    if "reading" in said and said["units"] != TABLE_UNITS:  # then no number comes from Table 1
+        elsewhere = {*said["axes"], *said.get("sample", {}), *said.get("zip", {})}
+        said["base"] |= {name: draw(number(name)) for name in TABLE_1 if name not in {*said["base"], *elsewhere}}
     _what_is_computed(draw, said)
     said["laws"] = draw(st.lists(laws(said["axes"]), max_size=2)) if said["axes"] else []
     empty = [name for name in ("base", "axes", "laws") if not said[name] and draw(st.booleans())]

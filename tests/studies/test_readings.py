@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from solver import InputError, Start
+from studies.loader import loads
 from studies.readings import READINGS, TABLE_1, Reading, parse
 
 
@@ -69,3 +70,16 @@ def test_a_word_that_is_no_reading_is_refused_with_the_choices(text: str) -> Non
 def test_a_value_that_the_table_does_not_print_is_refused() -> None:
     with pytest.raises(InputError, match="Table 1 prints no 'F2'; choose from E, nu, R"):
         Reading().case({"F2": 1.0})
+
+
+@pytest.mark.parametrize("length, force, missing", [
+    ("m", "N", "E, R, a, L, dbeta, dgamma"),
+    ("cm", "kN", "E, F1, F3"),
+    ("mm", "kN", "E, R, a, L, dbeta, dgamma, F1, F3"),
+])  # fmt: skip
+def test_no_number_of_table_1_is_taken_in_another_unit(length: str, force: str, missing: str) -> None:
+    text = f'title = "other units"\nreading = "force-first"\nunits = {{ length = "{length}", force = "{force}" }}\n'
+    with pytest.raises(InputError, match=f"the numbers of Table 1 are in cm and N: .* must give {missing} itself"):
+        loads(text)
+    given = ", ".join(f"{name} = {TABLE_1[name]}" for name in missing.split(", "))
+    assert loads(f"{text}base = {{ {given} }}\n").case().rod.a == TABLE_1["a"]

@@ -40,6 +40,11 @@ def test_the_examples_of_a_command_are_at_the_end_of_its_help_and_have_known_opt
                 assert re.search(rf"(^| ){re.escape(word)}( |,)", shown.partition("Examples:")[0]), word
 
 
+@pytest.mark.parametrize("example", help_pages.EXAMPLES["solve"])
+def test_the_examples_of_solve_run_as_they_are_printed(example: str, capsys) -> None:
+    assert "\nsolved (" in told(capsys, *shlex.split(example))
+
+
 def test_the_fields_of_a_case_stand_under_headings(capsys) -> None:
     shown = told(capsys, "solve", "--help")
     places = [

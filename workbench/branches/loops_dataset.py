@@ -11,9 +11,10 @@ from solver.loops import Loop
 from solver.problem.errors import InputError
 from studies import Study
 from studies.loader import loads
+from studies.readings import TABLE_UNITS
 
 from ..data import cautions, schema, writing
-from ..run.case_input import TABLE_UNITS, field_values
+from ..run.case_input import field_values
 from .equilibria import study_text
 from .equilibria_dataset import ALONG, attributes
 

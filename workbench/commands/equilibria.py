@@ -181,9 +181,10 @@ def _study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
     from solver import Ends, InputError
     from studies import load
     from studies.loader import loads
+    from studies.readings import TABLE_UNITS
 
     from ..branches.equilibria import ends_problem, study_text
-    from ..run.case_input import TABLE_UNITS, from_values, with_fields
+    from ..run.case_input import from_values, with_fields
 
     if not given.units:
         study = load(DEFAULT if file is None else str(file))

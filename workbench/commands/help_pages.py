@@ -29,7 +29,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "export": ("export fig6.h5 --out rod.step", "export fig7_1_modulus.h5 --at E=5000 --out rod.glb"),
     "solve": (
         "solve",
-        "solve --E 2e4 --beta 45deg",
+        "solve --table1 --E 2e4 --beta 45deg",
         "solve --length-unit m --force-unit kN --E 2.06e8 --nu 0.3 --a 0.06 --L 20 --R 0.11 --side inside --beta0 0 "
         "--betaL 0 --FZ -200",
     ),

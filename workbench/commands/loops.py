@@ -106,8 +106,9 @@ def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str
 
     from solver import Cylinder, Rod
     from solver.problem.case import from_fields
+    from studies.readings import TABLE_UNITS
 
-    from ..run.case_input import TABLE_UNITS, check_units, read_case
+    from ..run.case_input import check_units, read_case
 
     if file is None and given.units:
         check_units(given.units)

@@ -13,12 +13,11 @@ from solver.problem.quantities import unit_of
 from solver.problem.rod import DIRECT, ELASTIC, lacking
 from studies import Study, load
 from studies.axes import FORCES, LENGTHS, quantity_of
-from studies.readings import DEFAULT, parse
+from studies.readings import DEFAULT, TABLE_UNITS, parse
 
 START_ONLY = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
 ENDS_ONLY = {f.name for f in fields(Ends)} - {f.name for f in fields(Start)}
 OF_MODULUS = (*ELASTIC, "inner_radius")  # the fields of a section of one material
-TABLE_UNITS = {"length": "cm", "force": "N"}
 
 
 @dataclass(frozen=True)
