@@ -30,6 +30,7 @@ _EASY = 1e-2  # length of a step above which only the best coordinate is tried
 _SMALL = 0.03  # size of a step
 _GOOD = 0.05  # size of the corrections of a good prediction, over that of the step
 _FAR = 0.1  # share of the line over which a helix is passed
+_ROUNDING = 1e-15  # share of the line
 _SAME = 1e-12  # largest change of a number that leaves a helix as it is
 FOLD = "a fold of the problem with held ends"
 STILL = "the start is a helix, and the change does not bend its ends; give a bent seed"
@@ -50,7 +51,8 @@ def state_of(problem: EndsProblem, path: Path) -> State:
     if not path.helix:
         gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
         ends = {"dbeta0": place.start, "dbetaL": place.end}
-        rest = tuple(name for name, angle in ends.items() if gap + place.fall(path.pin, angle) < least_square(problem))
+        reached = {name: gap + place.fall(path.pin, angle) for name, angle in ends.items()}
+        rest = tuple(name for name, square in reached.items() if square < least_square(problem, ends[name], False))
         problem = at_given_speeds(problem, place, path, Given(rest, np.zeros(len(rest)), 0.0, 0.0))
     return State(problem, path, orbit_rates(problem, [path]))
 
@@ -67,7 +69,7 @@ def carried(state: State, wanted: Given, most_steps: int = _MOST_STEPS) -> State
         state, share = bent
         before = share, state
     for _ in range(most_steps):
-        if share >= 1:
+        if share > 1 - _ROUNDING:  # next to rest at an end each step goes a share of what is left
             return state
         step = min(step, 1 - share)
         found = _advanced(state, first, wanted, share, step)

@@ -82,12 +82,12 @@ def held_search(
     found = HeldFound(given, ranges_of(given, own, values))
     points = swept(given, found.ranges, most_periods)
     found.problems, found.equilibria = len(points), sum(len(point.states) for point in points)
+    helices, found.any_load = helices_of(given)
+    for state in helices:
+        found.add(state, HELIX)  # first: an orbit whose swings fall to rounding is the helix
     for some in starts_of(points, found.ranges):
         found.starts += 1
         found.failed += not _continued(found, some)
-    helices, found.any_load = helices_of(given)
-    for state in helices:
-        found.add(state, HELIX)
     _across_folds(found, 0)
     _deflate(found, points, tries)
     return found

@@ -2,8 +2,8 @@
 
 Guesses of the unknown loads and end angles give some dead-load problems; of their equilibria with few turning points
 those are tried first whose displacements are nearest to the held ones and whose index under the held ends is small. The
-start that is taken is the first that leads to a stable equilibrium, or else the first that leads to any. There may be
-other equilibria.
+start that is taken is the first that leads to a stable equilibrium, or else the first that leads to any. If none leads
+to one, a stable helix is taken, or what starts next to helices lead to, or any helix. There may be other equilibria.
 """
 
 from dataclasses import dataclass
@@ -11,12 +11,16 @@ from itertools import product
 
 import numpy as np
 
+from ..mechanics.potential import TAU
+from ..orbit.critical_points import critical_points
 from ..problem.held_ends import HeldProblem
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import DeadStart
 from .branch_coordinates import Path, path_of
 from .held_alternatives import said_of_seed
 from .held_continuation import Stopped, carried, state_of
+from .held_deflation import is_known, numbers_of
+from .held_helices import helices_of
 from .held_index import held_index, index_of
 from .held_system import FREE, Given, State
 from .orbit_rates import orbit_rates
@@ -24,10 +28,12 @@ from .path_orbits import orbit_of
 from .search import search
 from .stability import jacobi_zeros
 
+HELIX = "a helix, which has these ends itself"
 _TRIED, _REACHED = 8, 3  # starts from which continuation is tried; equilibria after which it ends
 _UNSTABLE = 0.3  # what a negative direction of a start adds to its distance
-_STEPS = 60  # from each of them
+_STEPS, _STEPS_NEAR = 60, 300  # from each of them, and from those next to a helix
 _MOST_TURNS = 2  # of the starts
+_SHORT = 1e-3  # share of the way to a helix by which an end angle stays away from it
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,20 +64,37 @@ def told(found: Stopped) -> str:
 
 def nearest_start(wanted: Given, problem: HeldProblem) -> Reached | str:
     """The equilibrium reached from the nearest dead-load equilibria; or the outcome that says why there is none."""
-    starts = _starts(wanted, problem)
+    guesses, helices = _guesses(wanted, problem), helices_of(wanted)[0]
+    themselves = [Reached(state, HELIX) for state in helices]
+    reached, tried, why = _reached(wanted, _starts(wanted, problem, guesses), helices)
+    reached = reached or [one for one in themselves if index_of(one.state, wanted) == 0]
+    if not reached and (near := _next_to_helices(wanted, guesses)):
+        reached, more, _ = _reached(wanted, _starts(wanted, problem, near), helices, _STEPS_NEAR)
+        tried += more
+    reached = reached or themselves
+    stable = [one for one in reached if index_of(one.state, wanted) == 0]
+    return [*stable, *reached][0] if reached else f"{why}; {tried} starts were tried, a seed may help"
+
+
+def _reached(
+    wanted: Given, starts: list[State], helices: list[State], steps: int = _STEPS
+) -> tuple[list[Reached], int, str]:
+    """What the first starts lead to, up to a stable equilibrium; how many were tried; why the first of them failed.
+
+    An orbit whose swings about one of the helices fall to rounding is that helix.
+    """
     reached: list[Reached] = []
-    why = "failed: no equilibrium under dead loads was found to start from"
-    for start in starts[:_TRIED]:
-        found = carried(start, wanted, _STEPS)
+    why = ""
+    for tried, start in enumerate(starts[:_TRIED], 1):
+        found = carried(start, wanted, steps)
         if isinstance(found, Stopped):
-            why = why if not why.endswith("start from") else told(found)
+            why = why or told(found)
             continue
+        found = next((one for one in helices if is_known(found, [numbers_of(one)])), found)
         reached.append(Reached(found, _dead(start)))
-        if index_of(found, wanted) == 0:
-            return reached[-1]
-        if len(reached) == _REACHED:
-            break
-    return reached[0] if reached else f"{why}; {min(len(starts), _TRIED)} starts were tried, a seed may help"
+        if index_of(found, wanted) == 0 or len(reached) == _REACHED:
+            return reached, tried, why
+    return reached, len(starts[:_TRIED]), why or "failed: no equilibrium under dead loads was found to start from"
 
 
 def _dead(start: State) -> DeadStart:
@@ -80,10 +103,10 @@ def _dead(start: State) -> DeadStart:
     return DeadStart(index, *(float(value[0]) for value in (p.phi, p.lam, p.mu, p.beta0, p.betaL)))
 
 
-def _starts(wanted: Given, problem: HeldProblem) -> list[State]:
+def _starts(wanted: Given, problem: HeldProblem, guesses: list[dict[str, float]]) -> list[State]:
     """Dead-load equilibria, that with the nearest displacements first."""
     found: list[tuple[float, State]] = []
-    for numbers in _guesses(wanted, problem):
+    for numbers in guesses:
         guess = EndsProblem(**{name: np.array([numbers[name]]) for name in FREE}, span=problem.span)
         every = search(guess, most_turns=_MOST_TURNS)
         if every is None:
@@ -134,6 +157,26 @@ def _guesses(wanted: Given, problem: HeldProblem) -> list[dict[str, float]]:
             lams.append(_helix_moment(mean, mu, phi))
         found += [{"phi": phi, "mu": mu, "lam": lam, "beta0": b0, "betaL": bL} for lam in dict.fromkeys(lams)]
     return found
+
+
+def _next_to_helices(wanted: Given, guesses: list[dict[str, float]]) -> list[dict[str, float]]:
+    """The guesses with the angle of one free end next to that of a helix, at a maximum of G.
+
+    At a hinge a long rod nearly is that helix: the distance falls exponentially with the length. Continuation from an
+    angle that is far from the helix does not resolve it.
+    """
+    free = [name for name in FREE[:2] if name not in wanted.names]
+    found = []
+    for guess in guesses if len(free) == 1 else []:
+        (name,) = free
+        other = guess["betaL" if name == "beta0" else "beta0"]
+        problem = EndsProblem(**{each: np.array([guess[each]]) for each in FREE}, span=np.array([wanted.span]))
+        points = critical_points(problem)
+        for angle in points.beta[~points.centre & np.isfinite(points.beta)]:
+            way = float(np.remainder(angle - other + np.pi, TAU) - np.pi)
+            if way and abs(way) < np.pi / 2:
+                found.append(guess | {name: other + (1 - _SHORT) * way})
+    return list({tuple(one.values()): one for one in found}.values())
 
 
 def _mean_angle(known: dict[str, float], span: float) -> float:

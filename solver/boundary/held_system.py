@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..mechanics.potential import load_size, slope
+from ..mechanics.potential import load_size, slope, steepest
 from ..numerics.arrays import Array
 from ..problem.held_ends import HeldProblem
 from ..problem.reduced import EndsProblem
@@ -21,7 +21,10 @@ LEFT = "no orbit of its path joins the two ends there"
 DIVERGED = "Newton's rule does not converge"
 _CORRECTIONS = 14
 _REACH = 0.25  # largest size of a change in one step
-_LEAST = 2e-15  # of the loads: the least square of beta_t that the rounding of an angle leaves positive
+_LEAST = 9 * float(
+    np.finfo(float).eps
+)  # rounding of an angle, of the angle, that must leave a square of beta_t positive
+_MET = 1e-3  # of the length: by how much the length of an equilibrium may be off
 _NEAR = 0.1  # rad: farthest angle with the given beta_t
 _CLOSE = 1e-10  # size of a correction below which it need not shrink any more
 _AT = {name: k for k, name in enumerate(NUMBERS)}
@@ -166,6 +169,8 @@ def corrected(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: 
         if travelled > 2 * _REACH or not np.isfinite(size) or (size > 0.5 * last and size > _CLOSE):
             return DIVERGED
         if size >= last or size < max(goal, 1e-15):
+            if not abs(given.span - length) < _MET * given.span:  # swings that fell to rounding have no length
+                return DIVERGED
             return State(problem, path, rates, travelled) if LinePoint(problem).joined_at(path) else LEFT
         last = size
         problem, x = stepped(problem, given, change), x + dx
@@ -178,26 +183,35 @@ def at_given_speeds(problem: EndsProblem, place: LinePoint, path: Path, given: G
     Where the end is at rest, or nearly, other angles lie beyond a turning point, and no orbit would reach them.
     """
     gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
-    least = least_square(problem)
+    alone = not {"dbeta0", "dbetaL"} <= set(given.names)
     new = {}
     for name, speed, first in (("beta0", "dbeta0", place.start), ("betaL", "dbetaL", place.end)):
         if speed not in given.names or path.pin == first:
             continue
-        square = max(float(given.values[given.names.index(speed)]) ** 2, least)
+        square = max(float(given.values[given.names.index(speed)]) ** 2, least_square(problem, first, alone))
         beta, step = first, 0.0
         for _ in range(8):
-            step = (gap + place.fall(path.pin, beta) - square) / (2 * float(slope(problem, np.array([beta]))[0]))
-            if not abs(step) < _NEAR:
+            over, rate = gap + place.fall(path.pin, beta) - square, 2 * float(slope(problem, np.array([beta]))[0])
+            if not abs(over) < _NEAR * abs(rate):
+                step = np.inf
                 break
+            step = over / rate
             beta += step
         if abs(step) < _NEAR and abs(beta - first) < _NEAR:
             new[name] = getattr(problem, name) + (beta - first)
     return replace(problem, **new)
 
 
-def least_square(problem: EndsProblem) -> float:
-    """The least square of beta_t at an end that the rounding of its angle leaves positive."""
-    return _LEAST * (1 + float(load_size(problem)[0]))
+def least_square(problem: EndsProblem, beta: float, alone: bool) -> float:
+    """The least square of beta_t at an end near beta that the rounding of the angle leaves positive.
+
+    alone: whether the other end is held at an angle. If both ends are at rest, rounding of the loads decides whether
+    the orbit reaches both.
+    """
+    if not alone:
+        return _LEAST * (1 + float(load_size(problem)[0]))
+    off = _LEAST * max(abs(beta), _LEAST)
+    return off * (2 * abs(float(slope(problem, np.array([beta]))[0])) + off * float(steepest(problem)[0]))
 
 
 def values_of(numbers: Array, length: float, given: Given) -> Array:

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_bvp
+from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, equilibria, observe, solve
@@ -335,3 +337,31 @@ def test_the_ends_show_what_is_given() -> None:
 def test_loads_that_are_not_yet_known_are_refused_by_name() -> None:
     with pytest.raises(InputError, match="FZ, M3 of held ends are known only of a solution"):
         Case(SHORT, DRUM, Ends(beta0=0.5, betaL=0.5, height=4.0, rotation=1.0)).loads  # noqa: B018
+
+
+@pytest.mark.parametrize("length", (3.0, 20.0, 60.0))
+def test_a_compressed_pipe_with_a_hinge_is_straight_or_ends_next_to_its_helix(length: float) -> None:
+    """The distance from the helix at the hinge falls exponentially with the length: collocation does not need it."""
+    pipe = Rod(E=2.1e11, nu=0.3, a=0.0635, L=length, inner_radius=0.0543)
+    found = solve(Case(pipe, Cylinder(0.108, side="inside"), Ends(beta0=0.0, M1L=0.0, FZ=-1e5)))
+    assert found.outcome == "solved"
+    assert found.held_index == 0
+    assert abs(found.dbeta[-1]) < 1e-12
+    if length <= 5:  # below the load at which it buckles
+        assert not found.beta.any()
+        return
+    rho, rate = 0.108 - 0.0635, 0.02
+    phi = -1e5 * rho**2 / pipe.bending_stiffness
+    helix = np.sign(found.beta[-1]) * brentq(lambda b: 2 * np.sin(b) ** 2 * np.cos(b) + phi, 0.0, 0.5, xtol=1e-15)
+
+    def bent(_: Any, y: Any) -> Any:
+        """beta/helix over 0.02 s/rho, from the bending energy of beta' and sin(beta)^2/rho and the work of FZ."""
+        s, c = np.sin(helix * y[0]), np.cos(helix * y[0])
+        return np.array([y[1], (2 * s * s * c + phi) * s / (helix * rate**2)])
+
+    x = rate * found.s / rho
+    guess = np.array([1 - np.exp(-x), np.exp(-x)])
+    other = solve_bvp(bent, lambda a, b: np.array([a[0], b[1]]), x, guess, tol=1e-10, max_nodes=20000)
+    assert other.success
+    np.testing.assert_allclose(found.beta / helix, other.sol(x)[0], atol=1e-8)
+    assert 0 < 1 - found.beta[-1] / helix < 4 * np.exp(-0.39 * length)  # the decay about the helix is 0.39 per m
