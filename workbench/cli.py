@@ -4,10 +4,13 @@ Exit status: 0 done; 1 done, but for example a case is unsolved or a law fails; 
 The modules of the commands import heavy libraries inside their functions, so that --help answers at once.
 """
 
+import errno
+import os
 import re
 import sys
 import warnings
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import cache, wraps
 from typing import Annotated, Any
 
@@ -46,6 +49,7 @@ from .data import escaping
 
 OF_SCENE = ("pyvista", "trimesh", "vtkmodules")  # packages of the extra scene
 NOTICE = r".* is read as .* rad = "  # the warnings of `solver.problem.angles`, which --help does not import
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # a disk that takes no more
 INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 
 COMMANDS: dict[str, Callable[..., int]] = {  # in the order of --help; each returns the exit status
@@ -147,7 +151,10 @@ def _parser() -> Any:
 
 def _run(words: list[str]) -> None:
     try:
-        sys.exit(_parser()(words, prog_name="workbench", standalone_mode=False))
+        status = _parser()(words, prog_name="workbench", standalone_mode=False)
+        if sys.stdout is not None:  # it is None where stdout is closed
+            sys.stdout.flush()
+        sys.exit(status)
     except typer.TyperException as error:
         _fail(_sentence(error), error.exit_code)
     except (KeyboardInterrupt, typer.Abort):  # before the command begins
@@ -155,6 +162,10 @@ def _run(words: list[str]) -> None:
     except BrokenPipeError:  # the reader of the output has ended, as head does
         sys.stderr.close()
         sys.exit(0)
+    except OSError as error:
+        if error.errno not in NO_ROOM:
+            raise
+        _fail(f"cannot write {error.filename or 'the output'}: {error.strerror}", 2)
     except ModuleNotFoundError as error:
         from .scene.opengl import MISSING
 
@@ -197,8 +208,22 @@ def _near(message: str, known: Iterable[str]) -> str:
 
 
 def _fail(sentence: str, status: int) -> None:
-    print(f"workbench: {escaping.line(sentence)}", file=sys.stderr)
+    with suppress(OSError):  # stderr may be full as well; then the status alone says it
+        print(f"workbench: {escaping.line(sentence)}", file=sys.stderr)
+    _end_output()
     sys.exit(status)
+
+
+def _end_output() -> None:
+    """Write what the streams still hold, or discard it where that fails, so that Python does not try again at exit."""
+    for stream in (sys.stdout, sys.stderr):
+        if stream is None:
+            continue
+        try:
+            stream.flush()
+        except OSError:
+            with open(os.devnull, "w") as nothing:
+                os.dup2(nothing.fileno(), stream.fileno())
 
 
 if __name__ == "__main__":

@@ -512,6 +512,32 @@ def test_a_refusal_is_the_same_in_a_process_of_its_own(case, crowded) -> None:
     assert len(run.stderr.splitlines()) == 1
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no device that is always full")
+@pytest.mark.parametrize("buffered", [True, False])
+@pytest.mark.parametrize(
+    "words",
+    [["--version"], ["--help"], ["list"], ["list", "--json"], ["solve", "--table1"], ["run", "small.toml"]],
+    ids=" ".join,
+)
+def test_a_full_disk_behind_stdout_is_one_sentence_and_status_2(words, buffered, tmp_path) -> None:
+    (tmp_path / "small.toml").write_text(small.TEXT)
+    env = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": "" if buffered else "1"}
+    command = [sys.executable, "-m", "workbench.cli", *words]
+    with open("/dev/full", "w") as full:
+        run = subprocess.run(
+            command, stdout=full, stderr=subprocess.PIPE, cwd=tmp_path, env=env, text=True, check=False
+        )
+    assert (run.returncode, run.stderr) == (2, "workbench: cannot write the output: No space left on device\n")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no device that is always full")
+def test_a_full_disk_behind_stdout_and_stderr_leaves_the_status(tmp_path) -> None:
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-m", "workbench.cli", "list"]
+        assert subprocess.run(command, stdout=full, stderr=full, cwd=tmp_path, env=env, check=False).returncode == 2
+
+
 @pytest.mark.skipif(os.name == "nt", reason="signals are sent otherwise there")
 @pytest.mark.slow
 def test_an_interrupted_run_says_so_and_leaves_no_half_file(crowded, tmp_path) -> None:

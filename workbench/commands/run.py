@@ -60,10 +60,20 @@ def run(
     _check_free(path, chosen.name, force)
     memory.keep()
     options = Options(workers, scheduler, chunk, restart)
-    say = (lambda text: None) if json else console.say
+    say = (lambda text: None) if json else _say
     ran = run_to_file(chosen, path, options, say, partial(progress.shown, as_json=json))
     found = {"title": chosen.title, "study": chosen.name, "reading": chosen.reading or "", "file": str(path)}
     return print_result({**found, **ran.statistics}, json, ran)
+
+
+def _say(text: str) -> None:
+    """Print a line; the runner would take an error of stdout for one of the file that it writes."""
+    from solver.problem.errors import InputError
+
+    try:
+        console.say(text)
+    except OSError as error:
+        raise InputError(f"cannot write the output: {error.strerror}") from None
 
 
 def _check_free(path: Path, name: str, force: bool) -> None:
