@@ -4,6 +4,7 @@ import os
 import shutil
 import signal
 import stat
+import subprocess
 import sys
 import warnings
 from contextlib import ExitStack
@@ -140,6 +141,22 @@ def test_a_write_that_fails_leaves_the_good_file_and_no_other(ds, tmp_path, monk
     with pytest.raises(InputError, match=r"cannot write .*small.h5: No space left on device"):
         writing.write(ds.assign_attrs(title="new"), path)
     assert path.read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["small.h5"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no limit of the size of files there")
+@pytest.mark.parametrize("room", [0, 5000])
+def test_a_full_disk_is_one_sentence_where_hdf5_would_end_the_process(ds, tmp_path, room) -> None:
+    path = writing.write(ds, tmp_path / "small.h5")
+    limited = (
+        "import resource, sys\nfrom workbench.data import writing\nds = writing.read(sys.argv[1])\n"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({room}, {room}))\n"
+        "try:\n    writing.write(ds, sys.argv[2])\nexcept ValueError as error:\n    print(error)"
+    )
+    new = tmp_path / "new.h5"
+    run = subprocess.run([sys.executable, "-c", limited, str(path), str(new)], capture_output=True, text=True,
+                         check=False, cwd=forked.ROOT)  # fmt: skip
+    assert (run.returncode, run.stdout, run.stderr) == (0, f"cannot write {new}: File too large\n", "")
     assert [p.name for p in tmp_path.iterdir()] == ["small.h5"]
 
 

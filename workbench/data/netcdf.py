@@ -1,6 +1,7 @@
 """netCDF4 files opened and written by xarray in half the time: each array is looked up in HDF5 once."""
 
 from collections.abc import Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from xarray.backends import CachingFileManager, H5NetCDFStore
 class _Arrays(h5py.File):  # type: ignore[misc]
     """An HDF5 file that remembers its arrays: h5netcdf asks for each about fifty times."""
 
-    def __init__(self, path: str, mode: str) -> None:
+    def __init__(self, path: str | BytesIO, mode: str) -> None:
         super().__init__(path, mode, **({} if mode == "r" else {"track_order": True}))  # as h5netcdf wants it
         self._found: dict[str, Any] = {}
 
@@ -43,9 +44,9 @@ class File(h5netcdf.File):  # type: ignore[misc]
         self._arrays.close()
 
 
-def file(path: str | Path, mode: str, **options: Any) -> File:
+def file(path: str | Path | BytesIO, mode: str, **options: Any) -> File:
     """A netCDF4 file: "r" is read, "a" gets more variables, "w" is new."""
-    return File(_Arrays(str(path), mode), mode, **options)
+    return File(_Arrays(path if isinstance(path, BytesIO) else str(path), mode), mode, **options)
 
 
 def opened(path: str | Path, **options: Any) -> xr.Dataset:
@@ -58,7 +59,7 @@ def opened(path: str | Path, **options: Any) -> xr.Dataset:
     return xr.open_dataset(H5NetCDFStore(manager, mode="r"), cache=False, **options)
 
 
-def write(ds: xr.Dataset, path: str | Path, encoding: Mapping[str, Mapping[str, Any]]) -> None:
+def write(ds: xr.Dataset, path: str | Path | BytesIO, encoding: Mapping[str, Mapping[str, Any]]) -> None:
     """Write a dataset to a new file, as `Dataset.to_netcdf` does. encoding: how each variable is packed."""
     with file(path, "w") as made:
         ds.dump_to_store(H5NetCDFStore(made, mode="w"), encoding=encoding)

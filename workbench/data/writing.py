@@ -1,6 +1,7 @@
 """Datasets written to HDF5 (netCDF4-compatible) by an atomic replacement, and read whole into memory."""
 
 import os
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,9 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
     ds = ds.assign_attrs(Conventions=schema.CONVENTIONS)
     if not force:
         check_free(path, str(ds.attrs["study_name"]))
-    return atomic.write(path, lambda aside: netcdf.write(ds, aside, encoding(ds)))
+    image = BytesIO()  # HDF5 does not survive a full disk, so it writes to memory
+    netcdf.write(ds, image, encoding(ds))
+    return atomic.write(path, lambda aside: aside.write_bytes(image.getbuffer()))
 
 
 def read(path: str | Path, study: bool = True) -> xr.Dataset:
