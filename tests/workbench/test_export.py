@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import re
+import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -41,6 +42,10 @@ force = "N"
 [axes.E]
 values = [5e3, 1.07e4, 2e4]
 """
+LIMITED = (  # a command that may write no file of more than 1000 bytes
+    "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); from workbench.cli import main; main()"
+)
+ROOT = Path(__file__).parents[2]
 VOLUME = np.pi * 0.25**2 * 20
 SOUND = {"E": 2e4}
 
@@ -277,7 +282,7 @@ def test_without_open_cascade_one_sentence_says_what_to_install(ds, tmp_path, mo
 
 
 def read_mesh(path: Path) -> trimesh.Trimesh:
-    """STL and OBJ, which VTK writes, by trimesh; glTF, which trimesh writes, by VTK."""
+    """STL and OBJ by trimesh; glTF, which trimesh writes, by VTK."""
     if path.suffix in (".stl", ".obj"):
         return trimesh.load(path, force="mesh", process=path.suffix == ".stl")  # STL repeats its points
     found = pv.read(path).combine().extract_surface(algorithm="dataset_surface")
@@ -461,6 +466,20 @@ def test_the_command_tells_what_it_chose_and_status_1_where_turns_meet(folder, t
     out, err = capsys.readouterr()
     assert "at E=20000" in out
     assert "passes through itself" in err
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no limit of the size of files there")
+@pytest.mark.parametrize("kind", [".stl", ".obj", ".glb", ".usda", ".vtp", ".csv"])
+def test_a_disk_that_refuses_the_file_is_one_sentence_and_no_file_is_left(folder, tmp_path, kind) -> None:
+    path = tmp_path / f"rod{kind}"
+    run = subprocess.run(
+        [sys.executable, "-c", LIMITED, "export", str(folder / "moduli.h5"), "--at", "E=20000", "-o", str(path)],
+        capture_output=True, text=True, check=False, cwd=ROOT,
+    )  # fmt: skip
+    assert (run.returncode, run.stdout) == (2, "")
+    why = "the disk did not take the whole file" if kind == ".obj" else "File too large"
+    assert run.stderr == f"workbench: cannot write {path}: {why}\n"
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("at", ["write", "fsync", "replace"])

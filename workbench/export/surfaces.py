@@ -15,6 +15,8 @@ from .base import Format, Rod
 LEAST_SIDES = 12
 MOST_TRIANGLES = 20_000_000  # an STL file of 1 GB
 LONGEST = 2.0  # radii between rings, so that the colours change where the push does
+STL_HEADER = b"rod workbench"  # not the word solid, with which an STL file of text begins
+STL_PART = 100_000  # triangles that are written at a time
 NEAR = 1e-3  # of the rod's radius: the default tolerance
 
 
@@ -43,13 +45,36 @@ def tube(line: Centreline, tolerance: float) -> tuple[Mesh, Array]:
 
 def write(path: Path, rod: Rod) -> dict[str, Any]:
     """Write binary STL (single precision) or OBJ (full precision, with normals), by the suffix; neither has units."""
+    mesh, _ = tube(rod.line, rod.tolerance)
+    (_write_stl if path.suffix.lower() == ".stl" else _write_obj)(path, mesh)
+    return {"triangles": len(mesh.triangles)}
+
+
+def _write_stl(path: Path, mesh: Mesh) -> None:
+    """A header of 80 bytes, the number of triangles, and of each triangle its normal and its corners."""
+    with path.open("wb") as file:
+        file.write(STL_HEADER.ljust(80, b"\0") + len(mesh.triangles).to_bytes(4, "little"))
+        for i in range(0, len(mesh.triangles), STL_PART):
+            corners = mesh.points[mesh.triangles[i : i + STL_PART]]
+            across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            size = np.linalg.norm(across, axis=1, keepdims=True)
+            rows = np.zeros(len(corners), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
+            rows["normal"], rows["corners"] = across / np.where(size > 0, size, 1), corners
+            file.write(rows.tobytes())
+
+
+def _write_obj(path: Path, mesh: Mesh) -> None:
+    """Have VTK write the mesh. It does not say where the disk takes only a part, so the end of the file is compared."""
     import pyvista as pv
 
-    mesh, _ = tube(rod.line, rod.tolerance)
     surface = pv.PolyData(mesh.points, faces=np.insert(mesh.triangles, 0, 3, axis=1).ravel())
     surface.point_data.active_normals = mesh.normals
     surface.save(path)
-    return {"triangles": len(mesh.triangles)}
+    last = " ".join(["f", *(f"{i}//{i}" for i in mesh.triangles[-1] + 1)]).encode()
+    with path.open("rb") as file:
+        file.seek(-min(len(last) + 2, path.stat().st_size), 2)
+        if not file.read().rstrip().endswith(last):
+            raise OSError("the disk did not take the whole file")
 
 
 def _rings(line: Centreline, tolerance: float, sides: int) -> Array:
