@@ -14,7 +14,6 @@ from .columns import columns
 def write(path: Path, rod: Rod) -> dict[str, Any]:
     """Write every quantity, the frame and the radius as point data; units, title and versions as field data."""
     import pyvista as pv
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
     found, line = columns(rod), rod.line
     place = frames.position(line.rho, line.alpha, line.z)
@@ -27,8 +26,7 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
     shape.field_data["units"] = [f"{c.name}: {c.unit}" for c in found]
     for name, value in (("title", rod.title), ("versions", str(rod.ds.attrs["versions"]))):
         shape.field_data[name] = [value]
-    writer = vtkXMLPolyDataWriter()
-    writer.SetInputData(shape)
+    writer = pv.XMLPolyDataWriter(path, shape).writer
     writer.SetDataModeToBinary()
     writer.WriteToOutputStringOn()  # on a full disk VTK would write its own report, or leave an empty file
     writer.Write()
