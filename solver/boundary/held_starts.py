@@ -73,7 +73,7 @@ def nearest_start(wanted: Given, problem: HeldProblem) -> Reached | str:
         tried += more
     reached = reached or themselves
     stable = [one for one in reached if index_of(one.state, wanted) == 0]
-    return [*stable, *reached][0] if reached else f"{why}; {tried} starts were tried, a seed may help"
+    return [*stable, *reached][0] if reached else f"{why}; {tried} starts were tried; in Python a seed may help"
 
 
 def _reached(

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from studies import load
 from studies.loader import loads
 from studies.model import OUTPUTS
 from tests.workbench import runs
-from workbench.data import grid_io, schema
+from workbench.data import grid_io, outcomes, schema
 from workbench.run import assembly, block, in_memory, recipe, shards, study_store
 from workbench.run.study_store import Options, run_to_file
 
@@ -313,11 +314,28 @@ def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path)
         assert np.isnan(bad["turns"]).all()
 
 
-def test_outcomes_are_counted_without_their_numbers() -> None:
-    assert block.kind_of("solved; fewer digits than the tolerance 1.0e-08 asks for: error 1.7e-08") == (
-        "solved; fewer digits than the tolerance ... asks for: error ..."
-    )
-    assert block.kind_of("solved") == "solved"
+def test_outcomes_that_differ_in_numbers_alone_are_counted_together_with_their_range() -> None:
+    first, others = "failed: the limit of 60 steps after 95.83% of the way to F3", ("after 7.5%", "after 1e+01%")
+    counts = {first: 2, **{first.replace("after 95.83%", other): 1 for other in others}, "solved": 5}
+    found = outcomes.grouped(counts)
+    assert found == {"failed: the limit of 60 steps after 7.5 to 95.83% of the way to F3": 4, "solved": 5}
+    more = first.replace("95.83", "-2")
+    assert outcomes.grouped(found + Counter([more])) == {first.replace("95.83", "-2 to 95.83"): 5, "solved": 5}
+    assert outcomes.grouped({first: 1}) == {first: 1}
+    older = first.replace("95.83", "...")  # of a file that an earlier version stored
+    assert outcomes.grouped({first: 1, older: 3}) == {older: 4}
+
+
+def test_a_run_counts_outcomes_with_the_range_of_their_numbers(tmp_path) -> None:
+    path = runs.study(tmp_path, {"E": [1e4, 2e4], "beta": [0.5, 0.6]}, method="euler")
+    path.write_text(path.read_text().replace("stations", "tol = 1e-15\nstations"))
+    ran = run_to_file(load(path), tmp_path / "many.h5")
+    with xr.open_dataset(tmp_path / "many.h5") as ds:
+        texts = ds["outcome"].values.ravel().tolist()
+    assert len(set(texts)) == 4  # each with its own numbers
+    errors = sorted((text.split()[2] for text in texts), key=float)
+    (told,) = ran.statistics["outcomes"]
+    assert told.startswith(f"failed: error {errors[0]} to {errors[-1]} above the tolerance 1.0e-15 at condition ")
 
 
 # growing

@@ -34,7 +34,7 @@ def _found_in(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
     import numpy as np
 
     from ..data import branch_numbers, law_verdicts, schema
-    from ..run.block import kind_of
+    from ..data.outcomes import grouped
 
     outcomes, caution = ([str(text) for text in np.ravel(ds[name].values)] for name in ("outcome", "caution"))
     counts = branch_numbers.counted(ds["branch"].values) if "branch" in ds else None
@@ -47,7 +47,7 @@ def _found_in(ds: "xr.Dataset", path: Path) -> dict[str, Any]:
         "reading": ds.attrs["reading"],
         "file": str(path),
         "unsolved": law_verdicts.unsolved(ds),
-        "outcomes": Counter(map(kind_of, outcomes)),
+        "outcomes": grouped(Counter(outcomes)),
         "cautions": Counter(caution),
         "laws": law_verdicts.verdicts(ds),
     }

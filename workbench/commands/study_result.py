@@ -49,8 +49,10 @@ def print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
     from solver.boundary.selection import INCOMPLETE
     from solver.problem.trajectory import FEWER
 
+    from ..data.outcomes import grouped
+
     fewer = 0
-    for text, count in sorted(outcomes.items()):
+    for text, count in sorted(grouped(outcomes).items()):
         if text == f"solved; {INCOMPLETE}":
             continue
         if FEWER in text:

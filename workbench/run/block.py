@@ -5,7 +5,6 @@ products round a case's last bits differently among other neighbours, so a case 
 number of whole blocks; whichever process solves it, the bits are the same.
 """
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -25,8 +24,6 @@ from ..data.schema import LOADS, Columns, inner_shape
 from .shards import encode
 from .sweep import State, grid_of, walked
 from .sweep_solutions import shown
-
-_NUMBER = re.compile(r"(?<![A-Za-z\d.])\d[\d.]*(?:e[+-]?\d+)?")  # not the digit of a name such as F3
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,11 +140,6 @@ def unsolved(study: Study, cases: int, outcome: str) -> Columns:
     found |= {"branch": np.full(cases, NONE)} if study.sweeps else {}
     solved = np.zeros(cases, dtype=bool)
     return {**found, "solved": solved, "outcome": np.full(cases, outcome), "caution": np.full(cases, "")}
-
-
-def kind_of(outcome: str) -> str:
-    """An outcome without its numbers, which differ from case to case; outcomes are counted by it."""
-    return _NUMBER.sub("...", outcome)
 
 
 def _where(mine: NDArray[np.bool_], values: NDArray[Any]) -> NDArray[Any]:

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from ..data import outcomes
 from ..data.schema import TEXTS, Columns
-from .block import kind_of
 from .resume import StoredRun
 
 Tally = Mapping[str, Counter[Any]]
@@ -29,7 +29,10 @@ def count(columns: Columns, tally: Tally) -> int:
     for name in TEXTS:
         texts, counts = np.unique(columns[name].astype(str), return_counts=True)
         for text, cases in zip(texts.tolist(), counts.tolist(), strict=True):
-            tally[name][kind_of(text)] += cases
+            tally[name][text if name == "outcome" else outcomes.kind_of(text)] += cases
+    together = outcomes.grouped(tally["outcome"])
+    tally["outcome"].clear()
+    tally["outcome"].update(together)
     unsolved = int(np.count_nonzero(~columns["solved"]))
     tally["solved"][False] += unsolved
     return unsolved
@@ -37,5 +40,5 @@ def count(columns: Columns, tally: Tally) -> int:
 
 def statistics_of(tally: Mapping[str, Mapping[Any, int]], laws: list[dict[str, Any]]) -> dict[str, Any]:
     """The statistics of a file: how many cases are unsolved, have each outcome, each caution, and the verdicts."""
-    outcomes, cautions = (dict(sorted(tally[name].items())) for name in ("outcome", "caution"))
-    return {"unsolved": tally["solved"][False], "outcomes": outcomes, "cautions": cautions, "laws": laws}
+    texts = {f"{name}s": dict(sorted(tally[name].items())) for name in ("outcome", "caution")}
+    return {"unsolved": tally["solved"][False], **texts, "laws": laws}
