@@ -11,7 +11,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from functools import cache, wraps
+from functools import cache, partial, wraps
 from typing import Annotated, Any
 
 try:
@@ -50,6 +50,7 @@ from .data import escaping
 OF_SCENE = ("pyvista", "trimesh", "vtkmodules")  # packages of the extra scene
 NOTICE = r".* is read as .* rad = "  # the warnings of `solver.problem.angles`, which --help does not import
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # a disk that takes no more
+LONGEST = 200  # characters of a value in a message; a path of a usual length stays whole
 INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 
 COMMANDS: dict[str, Callable[..., int]] = {  # in the order of --help; each returns the exit status
@@ -150,34 +151,37 @@ def _parser() -> Any:
 
 
 def _run(words: list[str]) -> None:
+    fail = partial(_fail, words)
     try:
         status = _parser()(words, prog_name="workbench", standalone_mode=False)
         if sys.stdout is not None:  # it is None where stdout is closed
             sys.stdout.flush()
         sys.exit(status)
     except typer.TyperException as error:
-        _fail(_sentence(error), error.exit_code)
+        fail(_sentence(error), error.exit_code)
     except (KeyboardInterrupt, typer.Abort):  # before the command begins
-        _fail("interrupted", INTERRUPTED)
+        fail("interrupted", INTERRUPTED)
     except BrokenPipeError:  # the reader of the output has ended, as head does
         sys.stderr.close()
         sys.exit(0)
     except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            fail(f"cannot open {error.filename!r}: {error.strerror}", 2)
         if error.errno not in NO_ROOM:
             raise
-        _fail(f"cannot write {error.filename or 'the output'}: {error.strerror}", 2)
+        fail(f"cannot write {error.filename or 'the output'}: {error.strerror}", 2)
     except ModuleNotFoundError as error:
         from .scene.opengl import MISSING
 
         if (error.name or "").partition(".")[0] not in OF_SCENE:
             raise
-        _fail(f"{MISSING} ({error.name} is missing)", 2)
+        fail(f"{MISSING} ({error.name} is missing)", 2)
     except ValueError as error:
         from solver.problem.errors import InputError
 
         if not isinstance(error, InputError):
             raise
-        _fail(str(error), 2)
+        fail(str(error), 2)
 
 
 def _sentence(error: typer.TyperException) -> str:
@@ -207,11 +211,20 @@ def _near(message: str, known: Iterable[str]) -> str:
     return near(name.removeprefix(dashes), [one.removeprefix(dashes) for one in known]).replace(" '", f" '{dashes}")
 
 
-def _fail(sentence: str, status: int) -> None:
+def _fail(words: list[str], sentence: str, status: int) -> None:
     with suppress(OSError):  # stderr may be full as well; then the status alone says it
-        print(f"workbench: {escaping.line(sentence)}", file=sys.stderr)
+        print(f"workbench: {escaping.line(_cut(sentence, words))}", file=sys.stderr)
     _end_output()
     sys.exit(status)
+
+
+def _cut(sentence: str, words: list[str]) -> str:
+    """The sentence in which a long word of the command line, or any other long word, is cut; lists stay whole."""
+    for word in words:
+        for given in (word, repr(word)[1:-1]):
+            if len(given) > LONGEST:
+                sentence = sentence.replace(given, f"{given[:LONGEST]}...")
+    return re.sub(rf"(\S{{{LONGEST}}})\S+?(['\",:;]*(?:\s|$))", r"\1...\2", sentence)
 
 
 def _end_output() -> None:

@@ -512,6 +512,42 @@ def test_a_refusal_is_the_same_in_a_process_of_its_own(case, crowded) -> None:
     assert len(run.stderr.splitlines()) == 1
 
 
+LONG = "x" * 5000
+LONG_VALUES = {
+    "a number": ["solve", "--table1", "--M3", LONG],
+    "an angle of several words": ["solve", "--table1", "--beta", "x y " * 1250],
+    "a command": [LONG],
+    "an option": ["solve", f"--{LONG}"],
+    "a study": ["run", LONG],
+    "a file": ["summary", f"{LONG}.h5"],
+    "a part of a value": ["equilibria", "--axis", f"{LONG}=1:2:3"],
+    "a part of a path": ["equilibria", "--out", f"/nowhere/{LONG}/a.h5"],
+}
+
+
+@pytest.mark.parametrize("words", LONG_VALUES.values(), ids=LONG_VALUES)
+def test_a_long_value_is_cut_in_a_message(words, capsys) -> None:
+    with pytest.raises(SystemExit) as end:
+        cli.main(words)
+    said = capsys.readouterr().err
+    assert end.value.code == 2
+    assert said.startswith("workbench: ")
+    assert said.count("\n") == 1
+    assert "..." in said
+    assert "x" * 201 not in said
+    assert "x y " * 51 not in said
+    assert len(said) < 1000
+
+
+def test_a_list_of_choices_is_not_cut(capsys) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["solve", "--none"])
+    said = capsys.readouterr().err
+    assert "choose from --" in said
+    assert said.count("--") > 30
+    assert "..." not in said
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no device that is always full")
 @pytest.mark.parametrize("buffered", [True, False])
 @pytest.mark.parametrize(
