@@ -49,6 +49,37 @@ def test_it_tells_axes_observables_outcomes_the_worst_case_and_laws(file) -> Non
     assert (told["tolerance"], told["method"], told["bytes"]) == (1e-8, ds.attrs["method"], path.stat().st_size)
 
 
+CLOSER = """
+title = "held"
+observables = ["wraps"]
+stations = 21
+[units]
+length = "cm"
+force = "N"
+[base]
+E = 1.07e4
+nu = 0.25
+a = 0.25
+L = 5.0
+R = 0.75
+beta0 = "20deg"
+{end}
+[axes.height]
+values = [{heights}]
+"""
+
+
+def test_the_reactions_of_held_ends_are_among_the_observables(tmp_path) -> None:
+    for end, names in (('betaL = "20deg"', ["wraps", "FZ", "held_index"]),
+                       ("M1L = 0.0", ["wraps", "betaL", "FZ", "held_index"])):  # fmt: skip
+        ds = in_memory.run(loads(CLOSER.format(end=end, heights="4.5, 4.4, 4.3")))
+        path = writing.write(ds, tmp_path / "held.h5", force=True)
+        rows = {row["name"]: row for row in summary.summary(path)["observables"]}
+        assert list(rows) == names
+        force = ds["FZ"].values
+        assert (rows["FZ"]["min"], rows["FZ"]["max"], rows["FZ"]["units"]) == (force.min(), force.max(), "N")
+
+
 @pytest.mark.parametrize("most", [1, 2, 4])
 def test_small_blocks_tell_the_same(file, most: int, monkeypatch) -> None:
     path, _ = file

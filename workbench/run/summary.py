@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.observe.observables import OBSERVABLES
+from solver.problem.case import PAIRS
 from solver.problem.errors import InputError
 from studies.dimensions import SAMPLE
 
@@ -55,13 +56,14 @@ def summary(path: Path) -> dict[str, Any]:
 
 
 def _observables(ds: xr.Dataset) -> list[str]:
-    """The observables, with the loads and end moments that the study names, and the index under held ends."""
+    """The observables, the reactions of held ends, other loads and end moments that the study names, and the index."""
     try:
-        wanted = study_of(ds).wanted
+        study = study_of(ds)
+        wanted, reactions = study.wanted, [own for own, partner in PAIRS if partner in study.held]
     except InputError:  # a file without the text of its study
-        wanted = []
-    asked = [name for name in OBSERVABLES if name in wanted and OBSERVABLES[name].holds]
-    known = [name for name in (*asked, observed.HELD_INDEX) if name in ds.data_vars]
+        wanted, reactions = [], []
+    asked = [name for name in OBSERVABLES if name in wanted and OBSERVABLES[name].holds and name not in reactions]
+    known = [name for name in (*reactions, *asked, observed.HELD_INDEX) if name in ds.data_vars]
     return [*schema.observables_of(ds), *known]
 
 
