@@ -23,6 +23,7 @@ from studies.loader import loads
 from tests.workbench import small
 from workbench import cli
 from workbench.commands import at_option
+from workbench.commands import export as export_command
 from workbench.data import writing
 from workbench.export import formats, step
 from workbench.export.base import Format, Options
@@ -480,6 +481,10 @@ def test_a_disk_that_refuses_the_file_is_one_sentence_and_no_file_is_left(folder
     why = "the disk did not take the whole file" if kind == ".obj" else "File too large"
     assert run.stderr == f"workbench: cannot write {path}: {why}\n"
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_help_lists_the_endings_that_a_refusal_lists() -> None:
+    assert export_command.SUFFIXES.split() == list(formats.FORMATS)
 
 
 @pytest.mark.parametrize("at", ["write", "fsync", "replace"])

@@ -6,6 +6,8 @@ from typing import Annotated, Any
 from . import console
 from .options import AT, File, ForceOutput, Json, flag, numbered, option
 
+SUFFIXES = ".step .stp .stl .obj .glb .gltf .usda .vtp .pvd .csv"  # of `formats.FORMATS`, which --help does not import
+
 
 def export_file(
     file: Path, at: list[str], out: Path, tolerance: float | None, line: bool, overlap: bool, force: bool, json: bool
@@ -44,7 +46,7 @@ def export(
     file: File,
     out: Annotated[
         Path,
-        option("FILE", "File to write: .step .stl .obj .glb .gltf .usda .vtp .pvd .csv.", "--out", "-o"),
+        option("FILE", f"File to write: {SUFFIXES}.", "--out", "-o"),
     ],
     at: Annotated[
         list[str] | None,
