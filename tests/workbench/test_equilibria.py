@@ -327,8 +327,9 @@ def test_ends_given_as_ends_are_taken_as_they_are(tmp_path) -> None:
 
 def test_whose_equilibria_they_are_is_said(capsys) -> None:
     for options, said in (
-        (["--L", "5"], "Table 1, held at the angle at which its own rod ends, except L"),
-        ([], "own rod ends\n"),
+        (["--L", "5"], "rod: Table 1 (betaL: the angle at which its own rod ends), with L as given\n"),
+        (["--betaL", "0.7", "--FZ", "-3"], "rod: Table 1, with betaL, FZ as given\n"),
+        ([], "rod: Table 1 (betaL: the angle at which its own rod ends)\n"),
     ):
         with pytest.raises(SystemExit, match="0"):
             cli.main(["equilibria", *options])

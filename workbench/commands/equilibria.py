@@ -200,8 +200,9 @@ def _study_and_case(file: Path | None, given: Given) -> "tuple[Study, Case]":
 def _source(study: "Study", file: Path | None, given: Given) -> str:
     if given.units:
         return "the options"
-    changed = f", except {', '.join(given.values)}" if given.values else ""
-    return f"{study.title if file else 'Table 1, held at the angle at which its own rod ends'}{changed}"
+    own = "" if {"betaL", "M1L"} & {*given.values} else " (betaL: the angle at which its own rod ends)"
+    changed = f", with {', '.join(given.values)} as given" if given.values else ""
+    return f"{study.title if file else f'Table 1{own}'}{changed}"
 
 
 def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None, source: str, as_json: bool) -> None:
