@@ -24,7 +24,7 @@ from tests.workbench import forked, small
 from workbench import cli
 from workbench.commands import at_option, scene
 from workbench.data import writing
-from workbench.run import study_store
+from workbench.run import in_memory, study_store
 from workbench.scene import opengl
 
 ROOT = Path(__file__).parents[2]
@@ -512,6 +512,20 @@ def test_a_refusal_is_the_same_in_a_process_of_its_own(case, crowded) -> None:
     assert len(run.stderr.splitlines()) == 1
 
 
+@pytest.mark.parametrize("command", [["plot"], ["plot", "--kind", "curves"], ["animate", "--axis", "E"]], ids=" ".join)
+def test_a_study_without_a_solved_case_is_not_drawn_and_the_sentence_says_why(command, tmp_path, capsys) -> None:
+    ds = in_memory.run(small.grid())
+    size = ds["outcome"].size
+    words = [f"failed: the limit of 60 steps after {10 + i}% of the way" for i in range(size)]
+    file = writing.write(small.with_outcomes(ds, words), tmp_path / "small.h5")
+    with pytest.raises(SystemExit) as end:
+        cli.main([*command, str(file)])
+    why = f"{size} x failed: the limit of 60 steps after 10 to {9 + size}% of the way"
+    assert capsys.readouterr().err == f"workbench: nothing to draw: none of the {size} cases is solved: {why}\n"
+    assert end.value.code == 2
+    assert list(tmp_path.iterdir()) == [file]
+
+
 LONG = "x" * 5000
 LONG_VALUES = {
     "a number": ["solve", "--table1", "--M3", LONG],
@@ -599,7 +613,7 @@ INTERRUPTIBLE = """
 import signal
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
 from workbench import cli
-from workbench.run import study_store
+from workbench.run import in_memory, study_store
 solve = study_store._solve
 def told(*args, **kwargs):
     print("solving", flush=True)

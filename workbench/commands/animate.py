@@ -16,11 +16,12 @@ def animate_file(
     """Write the film of a stored dataset; 0, or 1 where this machine cannot draw. Raises `InputError`."""
     from solver.problem.errors import InputError, choices
 
-    from ..data import schema, writing
+    from ..data import outcomes, schema, writing
     from ..scene import film, opengl
     from . import at_option, output_file
 
     ds = writing.read(file)
+    outcomes.check_any_solved(ds)
     axes = schema.axes_of(ds)
     if not axes:
         raise InputError(f"{file} has one case and no axis, so nothing changes from frame to frame")

@@ -66,12 +66,13 @@ def plot(
     a map for each of some values; further axes have one value (--at). A developed curve is the centreline on the
     unrolled cylinder.
     """
-    from ..data import atomic, writing
+    from ..data import atomic, outcomes, writing
     from ..figures import canvas, drawn_data, notes
     from ..figures.sheet import sheet
     from . import output_file
 
     ds = writing.read(file)
+    outcomes.check_any_solved(ds)
     page = sheet(style, width, not no_title, panel)
     given = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
     ds, kind, given = _kind(ds, kind, given)

@@ -6,10 +6,17 @@ Imports nothing heavy.
 import re
 from collections import Counter
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from solver.problem.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _ONE = r"(?<![A-Za-z\d.])[-+]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"  # not the digit of a name such as F3
 _NUMBERS = re.compile(rf"{_ONE} to {_ONE}|{_ONE}|\.\.\.")  # a number, a range, or one that an older file left out
 UNKNOWN = "..."
+MOST_TOLD = 3  # kinds of outcomes in a message
 
 
 def kind_of(outcome: str) -> str:
@@ -26,6 +33,19 @@ def grouped(counts: Mapping[str, int]) -> Counter[str]:
     for text in counts:
         kinds.setdefault(kind_of(text), []).append(text)
     return Counter({_together(texts): sum(counts[text] for text in texts) for texts in kinds.values()})
+
+
+def check_any_solved(ds: "xr.Dataset") -> None:
+    """Raise `InputError`, which says why, where no case of a dataset is solved and there is nothing to draw."""
+    if ds["solved"].values.any():
+        return
+    counts = grouped(Counter(map(str, ds["outcome"].values.ravel().tolist())))
+    cases = sum(counts.values())
+    if cases == 1:
+        raise InputError(f"nothing to draw: {next(iter(counts))}")
+    told = "; ".join(f"{count} x {text}" for text, count in counts.most_common(MOST_TOLD))
+    more = f"; and {len(counts) - MOST_TOLD} other outcomes" if len(counts) > MOST_TOLD else ""
+    raise InputError(f"nothing to draw: none of the {cases} cases is solved: {told}{more}")
 
 
 def _together(texts: list[str]) -> str:
