@@ -70,9 +70,12 @@ def _pulled(sol: Solution, known: Mapping[str, Any]) -> tuple[Any, Any]:
     low, high = np.asarray(known["push_min"]), np.asarray(known["push_max"])
     if not told.all():  # the stations are all there is
         low, high = np.where(told, low, sol.push.min(axis=-1)), np.where(told, high, sol.push.max(axis=-1))
-    least = SLIGHT * np.maximum(np.abs(low), np.abs(high))
-    least = least + ROUNDING * sol.case.rod.bending_stiffness / sol.case.rho**3
-    return low < -least, (low >= -least) & told
+    largest = np.maximum(np.abs(low), np.abs(high))
+    with np.errstate(all="ignore"):  # on a very large cylinder rho^3 overflows
+        unit = sol.case.rod.bending_stiffness / np.asarray(sol.case.rho, dtype=float) ** 3
+        least = SLIGHT * largest + ROUNDING * unit
+    known = np.maximum(largest, unit) > np.finfo(float).tiny  # else the push has underflowed, and its sign is lost
+    return (low < -least) & known, (low >= -least) & told & known
 
 
 def keys(text: str) -> list[str]:
