@@ -125,6 +125,8 @@ def moved(chart: Chart, x: float, change: Array) -> float:
 
 def size_of(problem: EndsProblem, chart: Chart, dx: float, change: Array) -> float:
     """The size of a change: about 1 where the orbit changes its form."""
+    if not chart.scale > 0:  # the level is that of a saddle to rounding: every change is large
+        return np.inf
     sizes, loads = [abs(dx) / chart.scale], 1 + float(load_size(problem)[0])
     sizes += [abs(float(change[_AT[name]])) / (1 if name in FREE[:2] else loads) for name in FREE]
     return max(sizes) if np.isfinite(sizes).all() else np.inf
