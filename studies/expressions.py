@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Cylinder, Ends, InputError, Rod, Solution, Start
-from solver.observe.observables import OBSERVABLES, error_name, observe
+from solver.observe.observables import OBSERVABLES, error_name, observe, why_unknown
 from solver.problem.quantities import QUANTITIES, unit_text
 from solver.problem.reduced import flat
 
@@ -154,10 +154,8 @@ def observed(
     known: dict[str, NDArray[Any]] = {name: np.reshape(values, -1) for name, values in found.items()}
     remarks = np.full(sol.case.size, "", dtype=object)
     for name in dict.fromkeys(wanted):
-        if name in OBSERVABLES and OBSERVABLES[name].undefined:
-            _remark(
-                remarks, np.isnan(known[name].astype(float)), f"{name} is not defined: {OBSERVABLES[name].undefined}"
-            )
+        for words, here in why_unknown(name, known[name]) if name in OBSERVABLES else ():
+            _remark(remarks, here, words)
     if not formulas:
         return known, remarks.astype(str)
     fixed = {name: _number(study, sol, name, given) for name in _others(study, used, known)}

@@ -363,6 +363,14 @@ def error_name(name: str) -> str | None:
     return f"{name}_error" if quantity(name).estimated else None
 
 
+def why_unknown(name: str, values: Any) -> list[tuple[str, Any]]:
+    """Sentences on the missing values of an observable, each with where it holds among solved cases, (*cases)."""
+    numbers, words = np.asarray(values, dtype=float), OBSERVABLES[name].undefined
+    told = [(f"{name} is not defined: {words}", np.isnan(numbers))] if words else []
+    return [*told, (f"{name} is beyond floats in these units", np.isinf(numbers))]
+
+
+@np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
 def observe(sol: Solution, names: Iterable[str], errors: bool = False) -> dict[str, Any]:
     """What `solver.observe` returns; its documentation is there."""
     names = list(names)

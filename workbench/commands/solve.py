@@ -95,17 +95,18 @@ def _found(sol: "Solution", units: dict[str, str], level: "Level") -> dict[str, 
     """The case, its loads, its accuracy, and the observables and arrays of a fidelity, as plain data."""
     import numpy as np
 
-    from solver.observe.observables import observe
+    from solver.observe.observables import observe, why_unknown
 
     from ..run.case_input import field_values, with_unit
 
     seen = observe(sol, level.observables(sol.case.rod))
+    remarks = [words for name in seen for words, here in why_unknown(name, seen[name]) if here and sol.solved]
     return {
         "case": field_values(sol.case),
         "given": type(sol.case.given).__name__,
         "units": units,
         "solved": bool(sol.solved),
-        "outcome": with_unit(str(sol.outcome), sol.case, units),
+        "outcome": "; ".join([with_unit(str(sol.outcome), sol.case, units), *remarks]),
         "method": sol.method,
         "tolerance": sol.tol,
         "error": float(sol.error),
@@ -151,7 +152,8 @@ def _print(found: dict[str, Any]) -> None:
     for name, value in found["case"].items():
         row = None if isinstance(value, str) else quantity_of(name)
         unit = _unit(row.name, found) if row else ""
-        degrees = f" ({math.degrees(value):.6g} deg)" if unit == "rad" and value else ""
+        turned = math.degrees(value) if unit == "rad" else 0.0
+        degrees = f" ({turned:.6g} deg)" if turned and math.isfinite(turned) else ""
         shown = f"{value:.10g}" if isinstance(value, float) else value
         rows.append([name, shown, unit, f"{row.long_name}{degrees}" if row else ""])
     console.print_table(["given", "value", "unit", ""], rows)
