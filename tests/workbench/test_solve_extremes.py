@@ -57,3 +57,10 @@ def test_numbers_beyond_floats_give_an_outcome_and_no_warning(
 def test_an_angle_without_finite_degrees_is_shown_in_radians_alone(capsys: pytest.CaptureFixture[str]) -> None:
     status([*ROD, *ENDS, "--R", ".75", "--alpha", "1e308"])
     assert "inf" not in capsys.readouterr().out
+
+
+def test_an_observable_beyond_floats_is_named_in_the_outcome(capsys: pytest.CaptureFixture[str]) -> None:
+    """A/(rho^3 L) is beyond 1e308 there, and the mean pull is computed with it."""
+    status(["solve", "--E", "1e4", "--nu", ".25", "--a", "1e-61", "--R", "1e-60", "--L", "1e-250",
+            "--beta", "30deg", "--dbeta", "0", "--M3", "0"])  # fmt: skip
+    assert "pull_mean is beyond floats in these units" in capsys.readouterr().out
