@@ -32,7 +32,7 @@ from workbench.export.stored_rod import export, put
 from workbench.geometry import centreline, self_contact
 from workbench.run import in_memory
 
-# Table 1 but for E: at 5000 a bend is tighter than the rod is thick, at 10700 turns meet, at 20000 neither.
+# Table 1 but for E, with its lengths in any unit: at 5000 a bend is tighter than the rod is thick, at 10700 turns meet, at 20000 neither.
 STUDY = """
 title = "three moduli"
 reading = "force-first/tension/paper"
@@ -40,6 +40,12 @@ stations = 201
 [units]
 length = "{length}"
 force = "N"
+[base]
+R = 0.75
+a = 0.25
+L = 20.0
+dbeta = 0.5
+dgamma = 0.5
 [axes.E]
 values = [5e3, 1.07e4, 2e4]
 """
