@@ -32,7 +32,8 @@ from workbench.export.stored_rod import export, put
 from workbench.geometry import centreline, self_contact
 from workbench.run import in_memory
 
-# Table 1 but for E, with its lengths in any unit: at 5000 a bend is tighter than the rod is thick, at 10700 turns meet, at 20000 neither.
+# Table 1 but for E, its lengths in any unit: at 5000 a bend is tighter than the rod is thick, at 10700 turns meet, at
+# 20000 neither.
 STUDY = """
 title = "three moduli"
 reading = "force-first/tension/paper"

@@ -95,8 +95,9 @@ def test_without_the_extra_scene_all_else_is_done_and_the_extra_is_named(tmp_pat
         "plot mine.h5",
         "scene mine.h5 --out mine.html",
         "summary mine.h5",
+        "export mine.h5 --at E=4e4 -o rod.stl",
     ]
-    refused = ["export mine.h5 --at E=4e4 -o rod.glb", "export mine.h5 --at E=4e4 -o rod.stl"]
+    refused = ["export mine.h5 --at E=4e4 -o rod.glb", "export mine.h5 --at E=4e4 -o rod.obj"]
     (tmp_path / "main.py").write_text(WITHOUT_VTK)
     ran = forked.run("main.py", *done, "scene mine.h5", *refused, cwd=tmp_path)
     assert ran.returncode == 0
@@ -105,4 +106,11 @@ def test_without_the_extra_scene_all_else_is_done_and_the_extra_is_named(tmp_pat
     assert statuses == told
     assert ran.stderr.count("pip install 'rod-workbench[scene]'") == 1 + len(refused)
     assert "Traceback" not in ran.stderr
-    assert {path.name for path in tmp_path.iterdir()} == {"main.py", "mine.toml", "mine.h5", "mine.png", "mine.html"}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "main.py",
+        "mine.toml",
+        "mine.h5",
+        "mine.png",
+        "mine.html",
+        "rod.stl",
+    }
