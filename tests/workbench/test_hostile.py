@@ -58,7 +58,7 @@ def told(commands: tuple[str, ...], folder: Path, tmp_path: Path) -> list[dict[s
     """What the commands say of every file in the folder."""
     good, out = stored(tmp_path / "good.h5", "[3e4]"), tmp_path / "out"
     out.mkdir()
-    run = forked.run("-m", "tests.workbench.hostile", folder, good, out, *commands)
+    run = forked.run("-m", "tests.workbench.hostile", folder, good, out, *commands, timeout=3600)
     assert run.returncode == 0, run.stderr
     return [json.loads(line) for line in run.stdout.splitlines()]
 
@@ -339,7 +339,7 @@ def altered_files_end_in_a_sentence(base: str, stride: int, tmp_path: Path, *com
     paths = tmp_path / "base.h5", tmp_path / "good.h5"
     for path, study in zip(paths, (BASES[base], small.study(ONE_AXIS.format("[3e4]"), HEAD)), strict=True):
         writing.write(in_memory.run(study), path)
-    run = forked.run("-m", "tests.workbench.altered", *paths, tmp_path, stride, 0, *commands)
+    run = forked.run("-m", "tests.workbench.altered", *paths, tmp_path, stride, 0, *commands, timeout=3600)
     assert run.returncode == 0, run.stderr[-2000:]
     assert [json.loads(line) for line in run.stdout.splitlines()] == []
 

@@ -31,7 +31,7 @@ MOST_CASES = 10_000
 
 def is_study(file: Path) -> bool:
     """Whether the path means a study, by its name or its TOML file, and not a stored dataset."""
-    return file.suffix == ".toml" or not (file.exists() or file.suffix)
+    return file.suffix == ".toml" or not (file.exists() or file.is_symlink() or file.suffix)
 
 
 def two_stations(file: Path) -> tuple[Study, xr.Dataset]:
