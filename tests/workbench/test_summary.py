@@ -53,19 +53,9 @@ CLOSER = """
 title = "held"
 observables = ["wraps"]
 stations = 21
-[units]
-length = "cm"
-force = "N"
-[base]
-E = 1.07e4
-nu = 0.25
-a = 0.25
-L = 5.0
-R = 0.75
-beta0 = "20deg"
-{end}
-[axes.height]
-values = [{heights}]
+units = {{ length = "cm", force = "N" }}
+base = {{ E = 1.07e4, nu = 0.25, a = 0.25, L = 5.0, R = 0.75, beta0 = "20deg", {end} }}
+axes.height.values = [{heights}]
 """
 
 
