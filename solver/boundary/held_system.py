@@ -21,9 +21,7 @@ LEFT = "no orbit of its path joins the two ends there"
 DIVERGED = "Newton's rule does not converge"
 _CORRECTIONS = 14
 _REACH = 0.25  # largest size of a change in one step
-_LEAST = 9 * float(
-    np.finfo(float).eps
-)  # rounding of an angle, of the angle, that must leave a square of beta_t positive
+_LEAST = 9 * float(np.finfo(float).eps)  # share by which rounding may change an angle, or a load
 _MET = 1e-3  # of the length: by how much the length of an equilibrium may be off
 _NEAR = 0.1  # rad: farthest angle with the given beta_t
 _CLOSE = 1e-10  # size of a correction below which it need not shrink any more
