@@ -288,6 +288,16 @@ class Solution:
         return self._each(self.trajectory.solved)
 
     @property
+    def caution(self) -> Any:
+        """What a real rod could not do, (*cases) of str, such as "overlaps"; "" where nothing was found.
+
+        `solver.observe.cautions` says which texts there are.
+        """
+        from .observe import cautions  # which needs this module
+
+        return cautions.of_cases(self)[()]
+
+    @property
     def selection(self) -> Any:
         """The number of equilibria and the rule that selected this one, (*cases) of `selection.Selection`.
 

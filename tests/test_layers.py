@@ -43,7 +43,7 @@ LISTS = {
 }  # fmt: skip
 
 # Methods of a result that call what stands on it; it is imported when they are called.
-CALLED = {("solver.solution", "solver.sensitivity")}
+CALLED = {("solver.solution", "solver.sensitivity"), ("solver.solution", "solver.observe.cautions")}
 
 STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics
 HEAVY = {

@@ -212,6 +212,10 @@ class Reading:
                 self._middle[key] = high[key][0] - low[key][0], high[key][1] + low[key][1]
         return self._middle[name]
 
+    def over(self, name: str, until: float) -> Pair:
+        """A number measured over the first share `until` of the length, and its error, (B,) each."""
+        return self._measured([group for group in GROUPS if name in group.names], until)[name]
+
     def _measured(self, groups: list[Group], until: float = 1.0) -> dict[str, Pair]:
         """The numbers of some groups over the first share `until` of the length."""
         sol = self.sol

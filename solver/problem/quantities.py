@@ -131,7 +131,7 @@ _ROWS = (
     Quantity("solved", "solved", "text", "whether the case is solved"),
     Quantity("outcome", "outcome", "text", "solved, or why not"),
     Quantity(
-        "caution", "caution", "text", "why the shape is not physically realisable, or what was not checked; empty: none"
+        "caution", "caution", "text", "what a real rod could not do, or what was not checked; empty: none"
     ),
 )
 

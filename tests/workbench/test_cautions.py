@@ -1,5 +1,6 @@
 """What no real rod could do is said of every case, and of the study in one sentence."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +18,7 @@ STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m
 
 
 def told(case: Case, stations: int = 401) -> str:
-    return str(cautions.of_cases(solve(case, stations=stations), {}))
+    return ", ".join(cautions.keys(str(cautions.of_cases(solve(case, stations=stations), {}))))
 
 
 def test_a_rope_wound_under_tension_gives_no_cause_for_caution_outside_and_lifts_off_inside() -> None:
@@ -31,8 +32,17 @@ def test_a_rope_wound_under_tension_gives_no_cause_for_caution_outside_and_lifts
 def test_a_pipe_pushed_down_its_hole_lifts_off_only_next_to_its_ends() -> None:
     pipe = Case(Rod(a=0.0635, **{**STEEL, "L": 60.0}), Cylinder(0.108, "inside"), Ends(0.0, 0.0, FZ=-200.0))
     sol = solve(pipe, stations=401)
-    assert str(cautions.of_cases(sol, {})) == "pulled"
-    assert (sol.push[100:300] > 0).all()
+    text = str(cautions.of_cases(sol, unit="m"))
+    off = np.minimum(sol.s, 60 - sol.s)[sol.push < 0]  # at stations 0.15 m apart
+    share, near = (float(number) for number in re.findall(r"[\d.]+", text))
+    assert text.startswith("pulled at the ends (no push on ")
+    assert share == pytest.approx(100 * np.mean(sol.push < 0), abs=0.7)  # in whole percent
+    assert near == pytest.approx(off.max(), abs=0.2)
+    assert cautions.said(text) == (
+        f"The rod would lift off next to its ends alone: no push on {share:g} % of the length, all within {near:g} m "
+        "of the ends."
+    )
+    assert sol.caution == text.replace(f"{near:g} m", "14 % of it")
 
 
 def test_a_straight_rod_without_any_contact_is_not_said_to_be_pulled() -> None:
@@ -69,7 +79,7 @@ def test_an_unsolved_case_gives_no_caution() -> None:
     outcome, solved = np.array(["solved", "failed: on purpose"], dtype=object), np.array([True, False])
     sol = replace(sol, trajectory=replace(sol.trajectory, outcome=outcome, solved=solved))
     ds = dataset.make(study, study.dimensions(), columns(study, sol))
-    assert ds["caution"].values.tolist() == ["overlaps, pulled", ""]
+    assert [", ".join(cautions.keys(text)) for text in ds["caution"].values] == ["overlaps, pulled", ""]
 
 
 @pytest.mark.parametrize("known", [0.0, 100.0])
@@ -129,12 +139,46 @@ def test_a_march_at_few_stations_says_what_was_not_checked_and_at_many_what_the_
     assert cautions.keys(few) == ["pulled", "not checked: curvature", "not checked: self-contact"]
     assert cautions.said(np.array([few])).endswith("The rod was not checked for curvature and self-contact.")
     many = str(cautions.of_cases(solve(case, tol=1e-7, method="dop853", stations=2001)))
-    assert many == told(case, 3)
+    assert many == str(cautions.of_cases(solve(case, stations=3)))
 
 
-def test_the_sentence_tells_what_was_not_checked_from_what_was_found() -> None:
-    texts = {"pulled, not checked: self-contact": 2, "": 3, "not checked: self-contact": 1}
-    assert cautions.told(texts) == (
-        "Of 6 rods 2 would lift off where the cylinder has to pull: such shapes are not physically realisable. "
-        "Not checked: 3 of 6 for self-contact."
-    )
+IN_PART = "pulled in part (no push on {} % of the length)"
+AT_ENDS = "pulled at the ends (no push on {} % of the length within {} m of an end)"
+
+
+@pytest.mark.parametrize(
+    ("texts", "sentence"),
+    [
+        (
+            {IN_PART.format(31): 2, "": 3, "not checked: self-contact": 1},
+            "Of 6 rods 2 would lift off where the cylinder has to pull (no push on 31 % of the length): such shapes "
+            "are not physically realisable. Not checked: 1 of 6 for self-contact.",
+        ),
+        (
+            {AT_ENDS.format(1.5, 0.9): 1, AT_ENDS.format(4.2, 3): 2, f"overlaps, {IN_PART.format(40)}": 1},
+            "Of 4 rods 1 passes through itself and 1 would lift off where the cylinder has to pull (no push on 40 % of "
+            "the length): such shapes are not physically realisable. 3 of 4 rods would lift off next to their ends "
+            "alone: no push on 1.5 to 4.2 % of the length, all within 3 m of the ends.",
+        ),
+        (
+            {"pulled nearly everywhere (no push on 98 % of the length)": 1},
+            "The rod would lift off where the cylinder has to pull, no push on 98 % of the length: this shape is not "
+            "physically realisable.",
+        ),
+        ({"pulled": 1, "": 1},
+         "Of 2 rods 1 would lift off where the cylinder has to pull: such shapes are not physically realisable."),
+    ],
+)  # fmt: skip
+def test_the_sentence_says_how_much_and_where_and_what_was_not_checked(texts: dict[str, int], sentence: str) -> None:
+    assert cautions.told(texts) == sentence
+
+
+@pytest.mark.parametrize(("FZ", "kind"), [(-1000.0, "nearly everywhere (no push on 100 %"), (-50.0, "in part")])
+def test_a_rod_that_would_lift_off_in_more_than_its_ends_is_barred(FZ: float, kind: str) -> None:
+    """A helix wound under compression around a drum is held by nothing; a short pipe buckles between its ends."""
+    rope = Case(Rod(a=0.01, **STEEL), Cylinder(1.0), Start(0.5, 0.0, M3=0.0, F3=FZ))
+    pipe = Case(Rod(a=0.0635, **{**STEEL, "L": 60.0}), Cylinder(0.108, "inside"), Ends(0.0, 0.0, FZ=FZ))
+    text = solve(rope if FZ == -1000 else pipe).caution
+    assert text.startswith(f"pulled {kind}")
+    assert cautions.is_barred(text)
+    assert not cautions.is_barred(AT_ENDS.format(1.5, 3))

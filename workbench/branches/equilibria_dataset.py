@@ -66,7 +66,7 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     solved = np.array([bool(one.solution.solved) for one in found], dtype=bool)
     data["solved"] = xr.Variable(("equilibrium",), solved)
     data["outcome"] = xr.Variable(("equilibrium",), np.array([str(one.solution.outcome) for one in found], dtype=str))
-    cautions_of = [str(cautions.of_cases(one.solution, {})) for one in found]
+    cautions_of = [str(cautions.of_cases(one.solution, unit=study.units.length)) for one in found]
     data["caution"] = xr.Variable(("equilibrium",), np.array(cautions_of, dtype=str))
     u = np.linspace(0, 1, stations)
     coords = {

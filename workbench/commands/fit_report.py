@@ -32,7 +32,7 @@ def say(found: "Fit", asked: "CaseInput", taken: dict[str, float]) -> None:
         _data(found, asked)
         _pairs(found)
         _minima(found, asked)
-    for remark in (*found.remarks, *_shape(found)):
+    for remark in (*found.remarks, *_shape(found, asked)):
         console.say(f"caution: {remark}")
     count = "" if math.isnan(found.probability) else f", chance of larger residuals {found.probability:.3g}"
     console.say(f"{found.outcome} ({found.solves} solutions, {found.derivatives} with derivatives{count})")
@@ -53,18 +53,20 @@ def as_data(found: "Fit", asked: "CaseInput", taken: dict[str, float]) -> dict[s
         "cost": found.cost, "freedom": found.freedom, "probability": found.probability,
         "minima": [{"values": one.values, "cost": one.cost, "as_good": one.as_good, "at_bound": list(one.at_bound)}
                    for one in found.minima],
-        "remarks": list(found.remarks), "caution": " ".join(_shape(found)),
+        "remarks": list(found.remarks), "caution": " ".join(_shape(found, asked)),
         "solves": found.solves, "derivatives": found.derivatives,
         "case": field_values(found.case),
     }  # fmt: skip
 
 
-def _shape(found: "Fit") -> list[str]:
-    """The sentence of `solve` on a shape that is not physically realisable."""
+def _shape(found: "Fit", asked: "CaseInput") -> list[str]:
+    """The sentence of `solve` on what a real rod could not do."""
     from ..data import cautions
 
-    told = "" if found.solution is None else cautions.said(cautions.of_cases(found.solution))
-    return [told] if told else []
+    if found.solution is None:
+        return []
+    sentence = cautions.said(cautions.of_cases(found.solution, unit=asked.units["length"]))
+    return [sentence] if sentence else []
 
 
 def _datum(found: "Fit", i: int) -> dict[str, Any]:

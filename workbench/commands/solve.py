@@ -69,7 +69,7 @@ def solve(
         "assumed": asked.assumed,
         "which": f"{sol.selection} (use workbench equilibria to list all)" if sol.selection is not None else "",
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
-        "caution": cautions.said(cautions.of_cases(sol, {})),
+        "caution": cautions.said(cautions.of_cases(sol, unit=asked.units["length"])),
     }
     if json:
         console.print_json(found)

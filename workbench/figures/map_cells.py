@@ -127,7 +127,7 @@ def cells(ds: xr.Dataset, choice: Choice, where: Mapping[str, int], source: xr.D
     if "caution" in here:
         texts = here["caution"].values
         found = {key: cautions.holding(texts, key) & solved for key in style.HATCHES}
-        for key in cautions.UNTOLD:
+        for key in cautions.UNCHECKED:
             unchecked |= cautions.holding(texts, key)
     scales = scale_of(here[choice.x]), scale_of(here[choice.y])
     return Cells(here, *scales, solved, found, int(unchecked.sum()), here if source is None else source)

@@ -135,7 +135,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> tuple[list[Artist], 
     keys = hatched(panels)
     found: list[Artist] = [
         Patch(facecolor="none", edgecolor=style.INK, hatch=style.HATCHES[key], linewidth=0.4,
-              label=f"the rod {cautions.TOLD[key][0]}")
+              label=f"the rod {cautions.WORDS[key][0]}")
         for key in keys
     ]  # fmt: skip
     if not all(panel.solved.all() for panel in panels):
@@ -144,7 +144,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> tuple[list[Artist], 
         found.append(
             Patch(facecolor=style.UNKNOWN, edgecolor=style.SOFT, linewidth=0.6, label="solved, number unknown")
         )
-    notes = [f"Every rod {cautions.TOLD[key][0]}." for key in style.HATCHES
+    notes = [f"Every rod {cautions.WORDS[key][0]}." for key in style.HATCHES
              if key not in keys and all(panel.cautions[key][panel.solved].all() and panel.solved.any()
                                         if key in panel.cautions else False for panel in panels)]  # fmt: skip
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)

@@ -109,7 +109,7 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
     found["solved"] = mine
     outcomes = _remarked(np.asarray(sol.outcome).astype(str).reshape(-1), np.where(mine, remarks, ""))
     found["outcome"] = _remarked(outcomes, np.where(mine, _incomplete(sol), ""))
-    caution = cautions.of_cases(sol, observed)
+    caution = cautions.of_cases(sol, observed, study.units.length)
     found["caution"] = np.asarray(caution).reshape(-1)
     for name in ("error", "condition", *(name for name in LOADS if name not in study.varied)):
         found[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)

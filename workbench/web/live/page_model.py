@@ -101,12 +101,12 @@ def numbers(one: Shape) -> dict[str, Any]:
     sol = one.sol
     found = {name: float(getattr(sol, name)) for name in ("FZ", "MZ", "M3")}
     found |= observe(sol, observables_of(sol.case.rod))
-    keys = str(cautions.of_cases(sol))
+    caution = str(cautions.of_cases(sol))
     if sol.method == "difference":  # followed to 1e-6 only: where beta is level, bends may be errors
         found |= dict.fromkeys(COUNTS, np.nan)
     return {
         "rows": [{"name": name, "value": np.asarray(value).item()} for name, value in found.items()],
-        "warnings": [f"The rod {cautions.phrase(key)}." for key in cautions.keys(keys)],
+        "warnings": [f"The rod {cautions.phrase(part)}." for part in cautions.parts(caution)],
     }
 
 

@@ -77,7 +77,7 @@ def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 def restable(ds: xr.Dataset) -> str:
     """How many rods of a dataset could rest as they are drawn: the caution that a verdict on their shapes carries."""
     texts = np.asarray(ds["caution"].values).astype(str).ravel() if "caution" in ds else np.array([], dtype=str)
-    barred = sum(any(key in cautions.TOLD for key in cautions.keys(text)) for text in texts)
+    barred = sum(map(cautions.is_barred, texts.tolist()))
     if not barred:
         return ""
     count = NUMBERS.get(texts.size, str(texts.size))

@@ -1,0 +1,109 @@
+"""Cautions: what a real rod could not do although the shape solves the equations, and how much of it.
+
+Like the observables they are judged on the whole rod, whatever its stations and whatever is stored. The caution of a
+case is a text of parts, ", " between: `TIGHT`, `MEETS`, one of the kinds of lift-off, and parts of `UNCHECKED`.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..numerics.arrays import Booleans
+from ..solution import Solution
+from .lift_off import distance_from_ends, only_at_ends
+from .observables import error_name, observe
+
+TIGHT, MEETS, PULLED = "too tight", "overlaps", "pulled"
+AT_ENDS, IN_PART, ALL_ALONG = f"{PULLED} at the ends", f"{PULLED} in part", f"{PULLED} nearly everywhere"
+UNKNOWN = "not checked: "
+UNCHECKED = (f"{UNKNOWN}curvature", f"{UNKNOWN}self-contact", f"{UNKNOWN}lift-off")
+SLIGHT, ROUNDING = 1e-6, 1e-13  # of the largest push along the rod, and of A/rho^3: a smaller pull is none
+NEARLY_ALL = 0.95  # of the length without push
+JUDGED = ("kappa_max", MEETS, "push_min", "push_max", "attached")  # the observables that a caution is made of
+
+
+def of_cases(sol: Solution, observed: Mapping[str, Any] | None = None, unit: str = "") -> Any:
+    """The caution of each case, (*cases) of str.
+
+    "" means that the rod was checked and is free of all three, or that the case is not solved. "not checked" means that
+    the method knows no orbit and its stations are too few, or that two stretches of the rod are so close over such a
+    length that the search for self-contact was abandoned.
+
+    Parameters
+    ----------
+    sol : Solution
+        The cases.
+    observed : mapping, optional
+        Observables already known, with their errors, by name.
+    unit : str
+        Unit of length of the cases, in which a distance is stated; default: it is stated as a share of the length.
+    """
+    known = dict(observed or {})
+    needed = [*JUDGED, *(error for name in JUDGED if (error := error_name(name)))]
+    missing = dict.fromkeys(name.removesuffix("_error") for name in needed if name not in known)
+    known = {**observe(sol, missing, errors=True), **known}
+    tight, free = _tight(sol, known)
+    meets = np.asarray(known[MEETS], dtype=float)
+    pulled, held = _pulled(sol, known)
+    unknown = zip(UNCHECKED, (~(tight | free), ~np.isfinite(meets), ~(pulled | held)), strict=True)
+    text = np.full(sol.case.shape, "", dtype=object)
+    for words, where in ((TIGHT, tight), (MEETS, meets == 1), (_lift_off(sol, known, pulled, unit), pulled), *unknown):
+        joint = np.where(text == "", "", ", ")
+        text = np.where(np.asarray(where) & sol.solved, text + joint + words, text)
+    return text.astype(str)
+
+
+def _tight(sol: Solution, known: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Whether kappa a > 1 somewhere, and whether it surely is nowhere, (*cases)."""
+    sure = np.isfinite(known["kappa_max_error"])
+    most = np.asarray(known["kappa_max"]) if sure.all() else np.where(sure, known["kappa_max"], sol.kappa.max(axis=-1))
+    bend = most * sol.case.rod.a
+    return bend > 1, (bend <= 1) & sure
+
+
+def _pulled(sol: Solution, known: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Whether the cylinder would have to pull somewhere, and whether it surely does nowhere, (*cases)."""
+    sure = np.isfinite(known["push_min_error"])
+    low, high = np.asarray(known["push_min"]), np.asarray(known["push_max"])
+    if not sure.all():  # the stations are all there is
+        low, high = np.where(sure, low, sol.push.min(axis=-1)), np.where(sure, high, sol.push.max(axis=-1))
+    largest = np.maximum(np.abs(low), np.abs(high))
+    with np.errstate(all="ignore"):  # on a very large cylinder rho^3 overflows
+        unit = sol.case.rod.bending_stiffness / np.asarray(sol.case.rho, dtype=float) ** 3
+        least = SLIGHT * largest + ROUNDING * unit
+    known = np.maximum(largest, unit) > np.finfo(float).tiny  # else the push has underflowed, and its sign is lost
+    return (low < -least) & known, (low >= -least) & sure & known
+
+
+def _lift_off(sol: Solution, known: Mapping[str, Any], pulled: Any, unit: str) -> Any:
+    """How much of each rod that would lift off is without push, and where, (*cases) of str objects."""
+    pulled = np.reshape(pulled, -1) & np.reshape(sol.solved, -1)
+    share = 1 - np.clip(np.reshape(known["attached"], -1), 0, 1)
+    words = np.full(pulled.size, PULLED, dtype=object)
+    measured = pulled & np.isfinite(share) & np.isfinite(np.reshape(known["attached_error"], -1))
+    if not measured.any():
+        return words.reshape(sol.case.shape)
+    ends = _lifted_ends(sol, measured & (share <= 0.5))
+    length = np.broadcast_to(sol.case.rod.L, sol.case.shape).reshape(-1)
+    for i in np.flatnonzero(measured):
+        kind = ALL_ALONG if share[i] >= NEARLY_ALL else AT_ENDS if i in ends else IN_PART
+        near = ""
+        if i in ends:
+            off = f"{_rounded(ends[i] * length[i])} {unit}" if unit else f"{_rounded(100 * ends[i])} % of it"
+            near = f" within {off} of an end"
+        words[i] = f"{kind} (no push on {_rounded(100 * share[i])} % of the length{near})"
+    return words.reshape(sol.case.shape)
+
+
+def _lifted_ends(sol: Solution, candidates: Booleans) -> dict[int, float]:
+    """Case -> how far from an end the cylinder does not push, as a share of the length, of rods pressed in between."""
+    if not candidates.any():
+        return {}
+    cases = np.flatnonzero(candidates & only_at_ends(sol))
+    return dict(zip(cases.tolist(), distance_from_ends(sol, cases).tolist(), strict=True)) if cases.size else {}
+
+
+def _rounded(value: float) -> str:
+    """A number with two digits, or without a fraction."""
+    return f"{value:.2g}" if abs(value) < 9.95 else f"{value:.0f}"
