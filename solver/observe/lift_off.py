@@ -1,6 +1,5 @@
 """Where along a rod the cylinder does not push: on which share of the length, and how far from the ends."""
 
-from typing import Any
 
 import numpy as np
 
