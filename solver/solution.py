@@ -293,9 +293,9 @@ class Solution:
 
         `solver.observe.cautions` says which texts there are.
         """
-        from .observe import cautions  # which needs this module
+        from .observe.cautions import of_cases  # which needs this module
 
-        return cautions.of_cases(self)[()]
+        return of_cases(self)[()]
 
     @property
     def selection(self) -> Any:

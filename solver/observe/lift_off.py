@@ -1,6 +1,5 @@
 """Where along a rod the cylinder does not push: on which share of the length, and how far from the ends."""
 
-
 import numpy as np
 
 from ..mechanics.contact import contact_force

@@ -130,9 +130,7 @@ _ROWS = (
     Quantity("condition", "condition", _NUMBER, "growth of a change of the start along the rod"),
     Quantity("solved", "solved", "text", "whether the case is solved"),
     Quantity("outcome", "outcome", "text", "solved, or why not"),
-    Quantity(
-        "caution", "caution", "text", "what a real rod could not do, or what was not checked; empty: none"
-    ),
+    Quantity("caution", "caution", "text", "what a real rod could not do, or what was not checked; empty: none"),
 )
 
 QUANTITIES: dict[str, Quantity] = {row.name: row for row in _ROWS} | {
