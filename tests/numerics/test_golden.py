@@ -1,0 +1,21 @@
+"""Problems of every kind have the answers that were stored on 23 November 2026; see tests/golden.py."""
+
+from typing import Any
+
+import pytest
+
+from tests.golden import KINDS, differences, rows
+
+SOME = {"shape": 12, "equilibria": 12, "follow": 24, "folds": 20, "loops": 8, "sensitivity": 10, "fit": 20}
+
+
+def sample(kind: str) -> list[Any]:
+    """Every so many rows of a kind by default, the others with -m slow."""
+    own = [i for i, row in enumerate(rows()) if row["kind"] == kind]
+    return [pytest.param(i, id=rows()[i]["name"], marks=[] if k % SOME[kind] == 0 else [pytest.mark.slow])
+            for k, i in enumerate(own)]  # fmt: skip
+
+
+@pytest.mark.parametrize("i", [param for kind in KINDS for param in sample(kind)])
+def test_the_answer_is_the_stored_one(i: int) -> None:
+    assert differences(rows()[i]) == []
