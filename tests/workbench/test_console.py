@@ -86,6 +86,15 @@ def test_numbers_stand_at_the_right_of_their_column(capsys, monkeypatch) -> None
     assert [line.rstrip() for line in lines] == ["name   value", "a          5", "b       12.5", "c", "d     -1e-09"]
 
 
+def test_a_narrow_terminal_cuts_no_cell_and_drops_no_column(capsys, monkeypatch) -> None:
+    monkeypatch.setattr(console, "out", lambda: Console(width=25))
+    heads = ["", console.heading("bending energy", "N cm"), "words", "stray"]
+    console.print_table(heads, [["1 *", 140.2331, "two words", 3.890574]])
+    lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
+    assert lines == ["       bending", "        energy", "        (N cm)  words", "1 *    140.233  two words", "",
+                     "       stray", "1 *  3.89057"]  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("args", "meant"),
     [

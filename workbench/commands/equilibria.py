@@ -260,7 +260,7 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     shown = [*reactions, *COLUMNS[:5], *(["dead_index"] if reactions else []), *COLUMNS[5:]]
     if reactions:
         shown[shown.index("energy")] = "held_energy"
-    heads = [name.replace("_", " ") + (f" ({units[name]})" if units.get(name) else "") for name in shown]
+    heads = [console.heading(name.replace("_", " "), units.get(name, "")) for name in shown]
     marks = [f"{i} *" if r["taken"] else f"{i}" for i, r in enumerate(rows, 1)]
     every = [{**r, **r.get("reactions", {})} for r in rows]
     console.print_table(
@@ -350,7 +350,7 @@ def _over_axis(
         )
     else:
         unit = "deg" if ds[name].attrs["units"] == "rad" else ds[name].attrs["units"]
-        heads = [f"{key} ({unit})" if key in ("from", "to") else key for key in rows[0]] if rows else ["branch"]
+        heads = [console.heading(key, unit if key in ("from", "to") else "") for key in rows[0]] if rows else ["branch"]
         console.print_table(heads, [[r["branch"] + 1, *list(r.values())[1:]] for r in rows])
         some = f"{len(rows)} branch{'es' * (len(rows) != 1)}, {len(folds)} fold{'s' * (len(folds) != 1)}"
         console.say(f"{some} over {values.size} values of {name}")
