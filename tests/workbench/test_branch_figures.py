@@ -1,10 +1,13 @@
 """Diagrams of branches: a shape and its point have one number and one colour, and lines that coincide are one line."""
 
+from io import BytesIO
+
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.image import imread
 from matplotlib.text import Text
 
 from solver import Case, Cylinder, Ends, Rod
@@ -12,7 +15,7 @@ from solver import equilibria as all_equilibria
 from studies import load
 from workbench.branches import branch_dataset
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.figures import bifurcation, point_numbers, shape_cell, smooth_line
+from workbench.figures import bifurcation, canvas, point_numbers, shape_cell, smooth_line
 from workbench.figures import equilibria as equilibria_figure
 from workbench.figures.point_numbers import Point
 
@@ -37,6 +40,11 @@ def held() -> xr.Dataset:
 @pytest.fixture(scope="module")
 def drawn(dead, held) -> dict[str, Figure]:
     return {"dead": bifurcation.figure(dead), "held": bifurcation.figure(held)}
+
+
+def points_of(ax) -> list:
+    """The numbered points."""
+    return [line for line in ax.lines if line.get_marker() == "o" and line.get_markersize() == 4.2]
 
 
 def numbers(fig: Figure, panel: int) -> list[str]:
@@ -71,7 +79,7 @@ def test_each_shape_has_the_number_of_its_point_in_every_panel(which, drawn) -> 
 def test_the_point_of_a_shape_lies_on_the_line_of_its_branch(dead, drawn) -> None:
     ax = drawn["dead"].axes[0]
     lines = [line for line in ax.lines if len(line.get_xdata()) > 2]
-    dots = [line for line in ax.lines if len(line.get_xdata()) == 1 and line.get_color() != "#1c2430"]
+    dots = points_of(ax)
     assert len(dots) == dead.sizes["shape"]
     size = np.array([np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())])
     for dot in dots:
@@ -83,13 +91,22 @@ def test_the_point_of_a_shape_lies_on_the_line_of_its_branch(dead, drawn) -> Non
 
 
 @pytest.mark.parametrize("which", ["dead", "held"])
-def test_a_shape_has_the_colour_of_its_line(which, drawn) -> None:
-    """Whose colour says whether it is stable; under held ends it changes along one branch."""
+def test_a_shape_has_the_look_of_its_line_whose_weight_says_whether_it_is_stable(which, drawn) -> None:
+    """Under held ends it changes along one branch."""
     fig = drawn[which]
-    dots = [line for line in fig.axes[0].lines if len(line.get_xdata()) == 1 and line.get_color() != "#1c2430"]
     colours = [to_hex(ax.lines[0].get_color()) for ax in cells(fig)]
-    assert colours == [to_hex(dot.get_color()) for dot in dots]
-    assert len(set(colours)) > 1
+    assert colours == [to_hex(dot.get_color()) for dot in points_of(fig.axes[0])]
+    assert len({ax.lines[0].get_linewidth() for ax in cells(fig)}) > 1
+
+
+def test_red_is_for_what_fails_alone(drawn) -> None:
+    case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.5, FZ=-2.0))
+    listed = equilibria_figure.figure(dataset_of(load("fig6"), case, all_equilibria(case)))
+    for fig in (*drawn.values(), listed):
+        canvas.save(fig, page := BytesIO(), dpi=60)
+        page.seek(0)
+        picture = imread(page)[..., :3]
+        assert ((picture[..., 0] - picture[..., 1:].max(axis=-1)) > 0.2).mean() == 0.0
 
 
 def test_dashed_lines_that_coincide_are_drawn_once(dead) -> None:
@@ -201,7 +218,7 @@ def test_no_number_of_a_diagram_of_branches_is_nearer_to_another_point(which, dr
 @pytest.mark.parametrize("wide, tall", [(10.0, 3.0), (0.2, 7.0), (5.0, 0.0)])
 def test_a_shape_fills_its_frame_and_the_bar_has_its_scale(wide, tall) -> None:
     ax = Figure(figsize=(2, 2)).add_axes((0, 0, 1, 1))
-    shape_cell.draw(ax, (np.linspace(1.0, 1.0 + wide, 9), np.linspace(0, tall, 9)), "red", "cm", "1", "")
+    shape_cell.draw(ax, (np.linspace(1.0, 1.0 + wide, 9), np.linspace(0, tall, 9)), shape_cell.look(0), "cm", "1", "")
     size = np.ptp(ax.get_xlim())
     assert max(wide / size, tall / size) > 0.7
     bar = ax.lines[2].get_xdata()  # in shares of the frame

@@ -372,8 +372,8 @@ REFUSED = {
         "no kind of picture 'maps', did you mean 'map'; choose from map, lines",
     ),
     "an option of maps for lines": (
-        ["plot", "small.h5", "--kind", "lines", "--x", "E"],
-        "--x is no option of --kind lines; choose --kind from map, curves, ridge, portrait",
+        ["plot", "small.h5", "--kind", "lines", "--at", "E=1e4"],
+        "--at is no option of --kind lines; choose --kind from map, curves, ridge, portrait",
     ),
     "too many shapes": (["plot", "small.h5", "--shapes", "13x1"], "two numbers from 1 to 12 such as 5x5, got '13x1'"),
     "no number of shapes": (["plot", "small.h5", "--shapes", "0x2"], "from 1 to 12 such as 5x5, got '0x2'"),

@@ -210,7 +210,10 @@ def test_what_is_not_stored_is_solved_again(ds) -> None:
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (["--kind", "curves", "--show", "turns"], "--show is no option of --kind curves; choose --kind from map"),
+        (
+            ["--kind", "curves", "--show", "turns"],
+            "--show is no option of --kind curves; choose --kind from map, l",
+        ),
         (["--kind", "ridge", "--panel", "betta"], "no panel 'betta', did you mean 'beta'"),
         (
             ["--kind", "ridge", "--x", "E", "--at", "E=10000"],

@@ -93,7 +93,7 @@ def test_the_arguments_of_plot_are_checked_before_its_file(told, tmp_path) -> No
     (tmp_path / "small.png").write_bytes(b"kept")
     for options, answer in (
         (("--kind", "foo"), "no kind of picture 'foo'"),
-        (("--kind", "lines", "--x", "E"), "--x is no option of --kind lines"),
+        (("--kind", "lines", "--at", "E=1"), "--at is no option of --kind lines"),
         (("--at", "Q=3"), "no axis 'Q'"),
         ((), "small.png exists"),
     ):

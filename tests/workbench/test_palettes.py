@@ -74,7 +74,7 @@ def test_the_measures_agree_with_published_values() -> None:
 TEXTS = [style.INK, style.SOFT, *style.VERDICT_COLOURS.values()]
 LINES = {
     "push and pull": [style.PUSHED, style.LIFTED, push_scale.PULL],
-    "marks": [style.CROSSED, style.STABLE, style.SOFT, style.INK],
+    "marks": [style.CROSSED, style.SOFT, style.INK],
     "curves along an axis": style.ramp_colours(9),
     "indices": [index_bars.FIRST, index_bars.TOTAL],
 }
@@ -112,7 +112,7 @@ def test_numbers_and_lines_stand_out_from_every_colour_of_a_map() -> None:
         tuple(style.VERDICT_COLOURS.values()),
         scene_colours.SEVERAL,
         (scene_colours.UNPAINTED, scene_colours.STRIPE),
-        (style.PUSHED, style.STABLE, style.INK, style.SOFT),
+        (style.PUSHED, style.INK, style.SOFT),
     ],
 )
 def test_colours_that_mean_different_things_are_apart_to_every_eye(palette, kind: str) -> None:

@@ -429,7 +429,8 @@ def test_a_file_whose_samples_are_damaged_is_refused(stored: Path, tmp_path) -> 
 
 
 def drawn(ds: xr.Dataset) -> list:
-    return canvas.figure((9, 6), lambda fig: scatter.scatter(ds, fig, fig.add_gridspec(1, 1)[0, 0], 9.0)).axes
+    names = observed.observables(ds)
+    return canvas.figure((9, 6), lambda fig: scatter.scatter(ds, names, fig, fig.add_gridspec(1, 1)[0, 0], 9.0)).axes
 
 
 def test_the_figure_has_a_panel_for_each_observable_and_sampled_field(stored: Path, tmp_path) -> None:

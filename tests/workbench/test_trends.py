@@ -16,9 +16,10 @@ from studies.reasons import DOES
 from tests.workbench.pictures import pixels, share_of_ink
 from tests.workbench.small import grid, study
 from workbench.data import labels, law_verdicts, observed, selection
-from workbench.figures import canvas, single_rod, study_figure, style
+from workbench.figures import canvas, notes, single_rod, study_figure, style
 from workbench.figures.developed import developed, stretch
 from workbench.figures.law_panel import panel
+from workbench.figures.sheet import sheet
 from workbench.figures.trends import trend
 from workbench.run import in_memory
 
@@ -315,3 +316,14 @@ def test_a_study_without_observables_and_curves_has_nothing_to_draw() -> None:
     ds = in_memory.run(study("[axes.E]\nvalues = [1e4, 2e4]\n", "observables = []\noutputs = []"))
     with pytest.raises(InputError, match="nothing to draw: the dataset has neither observables nor the arrays alpha"):
         study_figure.figure(ds)
+
+
+def test_any_stored_observable_is_drawn_if_asked_for_and_what_is_left_out_is_said(angles, tmp_path) -> None:
+    asked = study_figure.figure(angles, show=["wraps", "turns", "condition"])
+    assert [ax.get_ylabel().split(" [")[0] for ax in asked.axes] == ["wraps", "bends", "condition"]
+    assert "holds" in said(asked.axes[1])  # an observable with a law has the panel of its law
+    assert len(study_figure.figure(angles, sheet=sheet(panel="wraps")).axes) == 1
+    (note,) = notes.kept(study_figure.figure(angles))
+    judged = {row["observable"] for row in law_verdicts.verdicts(angles)}
+    left = [name for name in observed.observables(angles) if name not in judged]
+    assert note == f"Not drawn: {', '.join(left)}; choose with --show."

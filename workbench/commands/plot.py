@@ -31,12 +31,18 @@ def plot(
     ] = None,
     x: Annotated[
         str | None,
-        option("AXIS", "Axis of a map to the right, or that of the rods; default: the study's first.", "--x"),
+        option(
+            "AXIS", "Axis to the right of a map or of lines, or that of the rods; default: the study's first.", "--x"
+        ),
     ] = None,
     y: Annotated[str | None, option("AXIS", "Axis of a map upward; default: the study's next.", "--y")] = None,
     show: Annotated[
         list[str] | None,
-        option("NAMES", "Observables of a map, separated by commas; default: the first twelve stored."),
+        option(
+            "NAMES",
+            "Observables of a map or of lines, separated by commas, at most twelve; default: those of the laws, or the "
+            "first stored.",
+        ),
     ] = None,
     at: At = None,
     shapes: Annotated[
@@ -48,8 +54,8 @@ def plot(
         str | None,
         option(
             "NAME",
-            "One panel alone: an observable of a map; else an axis (its developed curves), the claim of a law (with "
-            "its observable where several laws share it), an observable, or samples.",
+            "One panel alone: a stored observable; of lines also an axis (its unrolled view), the claim of a law (with "
+            "its observable where several laws share it), or samples.",
             rich_help_panel="Print",
         ),
     ] = None,
@@ -96,10 +102,7 @@ def _kind(ds: "xr.Dataset", kind: str | None, options: dict[str, Any]) -> "tuple
     from . import at_option
 
     given = {name: value for name, value in options.items() if value}
-    if given and kind is None:
-        kind = "map"
-    kind = study_pictures.kind_of(ds, kind)
-    study_pictures.check_options(kind, list(given))
+    kind = study_pictures.kind_of(ds, kind, list(given))
     if kind in ("curves", "ridge", "portrait"):
         ds = drawn_rods.gridded(ds)
     if "at" in given:

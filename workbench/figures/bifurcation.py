@@ -23,16 +23,16 @@ SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed 
 
 
 _HELD: dict[int, tuple[dict[str, Any], str]] = {
-    0: ({"color": style.SOFT, "linewidth": 1.2, "linestyle": (0, (4, 1.6)), "zorder": 2}, "unstable"),
-    1: ({"color": style.PUSHED, "linewidth": 2.4, "zorder": 4}, "stable as it is held, unstable under dead loads"),
-    2: ({"color": style.STABLE, "linewidth": 2.4, "zorder": 4}, "stable, under dead loads too"),
+    0: (style.UNSTABLE | {"zorder": 2}, "unstable"),
+    1: (style.STABLE | {"linewidth": 1.4, "zorder": 4}, "stable as it is held, unstable under dead loads"),
+    2: (style.STABLE | {"linewidth": 3.0, "zorder": 4}, "stable, under dead loads too"),
 }
 
 
 def figure(ds: xr.Dataset) -> Figure:
     """The shown quantity and the energy against the axis, and the developed curves of the branches.
 
-    Stable branches are solid and thick, unstable ones dashed; a shape of each has a number, and its point has the same.
+    Stable branches are thick, unstable ones thin and dashed; a shape of each has a number, and its point has the same.
     Folds and other special points are marked. Where laws were judged, the branches on which none fails have a colour,
     and a note says the laws.
     """
@@ -178,24 +178,19 @@ def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     """The look of a branch, and its entry in the legend."""
     holds = _holds(row)
     stable = row["index"] == 0
-    colour = style.PUSHED if holds else style.STABLE if stable else style.SOFT
-    look: dict[str, Any] = {
-        "color": colour,
-        "linewidth": 2.4 if stable else 1.2,
-        "zorder": 4 if stable else 3 if holds else 2,
-    }
-    look["linestyle"] = "-" if stable else (0, (4, 1.6))
-    return look, ("stable" if stable else "unstable") + _judged(row)
+    look = (style.STABLE if stable else style.UNSTABLE) | {"zorder": 4 if stable else 3 if holds else 2}
+    return look | ({"color": style.PUSHED} if holds else {}), ("stable" if stable else "unstable") + _judged(row)
 
 
-def _colour_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> Any:
-    """That of the line of its branch, at the place of the shape."""
+def _look_of_shape(ds: xr.Dataset, name: str, row: dict[str, Any], k: int) -> dict[str, Any]:
+    """Colour and width of the line of its branch, at the place of the shape."""
     if "member" in ds.sizes:
-        return _look(row)[0]["color"]
+        return {key: _look(row)[0][key] for key in ("color", "linewidth")}
     on = np.flatnonzero(ds["curve_branch"].values == row["branch"])
     at = on[int(np.argmin(np.abs(ds[f"curve_{name}"].values[on] - float(ds[f"shape_{name}"].values[k]))))]
     index, dead = int(ds["curve_index"].values[at]), int(ds["curve_dead_index"].values[at])
-    return _HELD[0 if index > 0 else 1 if dead > 0 else 2][0]["color"]
+    look = _HELD[0 if index > 0 else 1 if dead > 0 else 2][0]
+    return {key: look[key] for key in ("color", "linewidth")}
 
 
 def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, count: int) -> None:
@@ -208,7 +203,7 @@ def _shapes(ds: xr.Dataset, fig: Figure, cells: Any, count: int) -> None:
         row = rows[int(of[k])]
         ax = fig.add_subplot(cells[k // ROW, k % ROW])
         curve = across[k], ds["shape_z"].values[k]
-        shape_cell.draw(ax, curve, _colour_of_shape(ds, name, row, k), unit, f"{number}  index {row['index']}", at)
+        shape_cell.draw(ax, curve, _look_of_shape(ds, name, row, k), unit, f"{number}  index {row['index']}", at)
 
 
 def shape_branches(ds: xr.Dataset) -> Any:
@@ -234,7 +229,8 @@ def _number_points(ds: xr.Dataset, ax: Axes, key: str, inches: tuple[float, floa
     of, names = shape_branches(ds), _names(ds)
     for k in map(int, np.flatnonzero(inside)):
         branch = of[k]
-        ax.plot(x[k], y[k], "o", color=_colour_of_shape(ds, name, rows[int(branch)], k), markersize=4.2, zorder=7,
+        colour = _look_of_shape(ds, name, rows[int(branch)], k)["color"]
+        ax.plot(x[k], y[k], "o", color=colour, markersize=4.2, zorder=7,
                 markeredgecolor="white", markeredgewidth=0.7)  # fmt: skip
     points = [point_numbers.Point(x[k], y[k], names[k]) for k in map(int, np.flatnonzero(inside))]
     dots = [one for kind in MARKS for one in np.transpose(_special(ds, name, key, kind))]

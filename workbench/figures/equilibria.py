@@ -36,8 +36,9 @@ def figure(ds: xr.Dataset) -> Figure:
 
 
 def energies(ds: xr.Dataset, ax: Axes) -> Axes:
-    """Energy against index, a dot an equilibrium, in the colours of the curves."""
-    ax.scatter(ds["index"], ds["energy"], c=colours(ds), s=40, edgecolors="white", linewidths=0.7, zorder=3)
+    """Energy against index, a dot an equilibrium, filled where it is stable."""
+    ax.scatter(ds["index"], ds["energy"], c=["white" if index else style.INK for index in ds["index"].values], s=30,
+               edgecolors=style.INK, linewidths=0.9, zorder=3)  # fmt: skip
     ax.set_xlabel("Morse index: number of unstable directions (0: stable)")
     ax.set_ylabel(labels.label(ds["energy"]))
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -46,7 +47,7 @@ def energies(ds: xr.Dataset, ax: Axes) -> Axes:
         ax.set_xlim(int(ds["index"].min()) - 0.5, int(ds["index"].max()) + 0.5)
     stable = int((ds["index"] == 0).sum())
     noun = "equilibrium" if ds.sizes["equilibrium"] == 1 else "equilibria"
-    counts = f"{ds.sizes['equilibrium']} {noun}, {stable} stable (red): {ds.attrs['stability']}"
+    counts = f"{ds.sizes['equilibrium']} {noun}, {stable} stable (filled): {ds.attrs['stability']}"
     told = [counts]
     if "searched" in ds.attrs:
         told.append(f"Not proved complete: searched over {labels.minus_signs(ds.attrs['searched'])}")
@@ -70,12 +71,6 @@ def _below(ds: xr.Dataset) -> str:
     return "the energy" if name is None else f"{labels.symbol(ds[name])} and the energy"
 
 
-def colours(ds: xr.Dataset) -> list[Any]:
-    """The colour of each by its index; the stable ones stand out."""
-    ramp = style.ramp_colours(int(ds["index"].max()) + 1 if ds["index"].size else 1)
-    return [style.STABLE if i == 0 else ramp[i] for i in ds["index"].values]
-
-
 def _curve(ds: xr.Dataset, k: int) -> tuple[Any, Any]:
     one = ds.isel(equilibrium=k)
     return float(one["rho"]) * (one["alpha"].values - one["alpha"].values[0]), one["z"].values
@@ -85,4 +80,5 @@ def _draw_curve(ds: xr.Dataset, ax: Axes, k: int) -> None:
     one, unit = ds.isel(equilibrium=k), labels.unit(str(ds["z"].attrs.get("units", "1")))
     values = [one[name] for name in (_reaction(ds), "energy") if name is not None]
     below = ", ".join(labels.value(float(value), value) for value in values)
-    shape_cell.draw(ax, _curve(ds, k), colours(ds)[k], unit, f"{k + 1}  index {int(one['index'])}", below)
+    index = int(one["index"])
+    shape_cell.draw(ax, _curve(ds, k), shape_cell.look(index), unit, f"{k + 1}  index {index}", below)

@@ -6,7 +6,6 @@ from typing import Any
 import xarray as xr
 from matplotlib.axes import Axes
 
-from studies.laws import FAILS
 from studies.reasons import DOES
 
 from ..data import labels, law_verdicts
@@ -28,7 +27,7 @@ def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], sheet: Sheet = SCREE
             case = step["from"] == step["to"]
             how: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": "none"} if case else {}
             heights = labels.in_label_unit(ds[row["observable"]], step["values"])
-            ax.plot(ends, heights, color=style.VERDICT_COLOURS[FAILS], linewidth=3, alpha=0.75, zorder=3,
+            ax.plot(ends, heights, color=style.VERDICT_COLOURS[row["verdict"]], linewidth=3, alpha=0.6, zorder=3,
                     label="a case outside" if case else "a step the wrong way", **how)  # fmt: skip
     curve(ds, ax, row)
     title = f"{row['claim']}: {law_words.sentence(ds, row)}"

@@ -91,8 +91,8 @@ def entries(ds: xr.Dataset) -> list[Artist]:
 def _look(ds: xr.Dataset, k: int) -> dict[str, Any]:
     stable = int(ds["curve_index"].values[k]) == 0
     return {
-        "color": style.STABLE if stable else style.INK,
-        "linewidth": 2.0 if stable else 1.0,
+        "color": style.INK,
+        "linewidth": 2.4 if stable else 0.9,
         "linestyle": "-" if str(ds["curve_kind"].values[k]) == "fold" else (0, (4, 2)),
     }
 

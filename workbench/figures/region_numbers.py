@@ -107,7 +107,7 @@ def _write(
         inset = ax.inset_axes((left, up - 0.62 * room[0], room[1], 0.9 * room[0]), zorder=6)
         x, z = rho * (ds["stable_alpha"].values[k, i] - ds["stable_alpha"].values[k, i, 0]), ds["stable_z"].values[k, i]
         inset.plot(x, z, color="white", linewidth=2.6, alpha=0.8, clip_on=False)
-        inset.plot(x, z, color=style.STABLE, linewidth=1.1, clip_on=False)
+        inset.plot(x, z, color=style.INK, linewidth=1.1, clip_on=False)
         inset.plot(x[0], z[0], "o", color=style.INK, markersize=2.2, clip_on=False)
         for set_, values in ((inset.set_xlim, x), (inset.set_ylim, z)):
             middle = (values.min() + values.max()) / 2

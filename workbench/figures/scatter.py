@@ -1,5 +1,6 @@
 """Scatter diagrams of a study of samples: a row for each observable, a column for each sampled field."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -38,10 +39,10 @@ def blocks_of(ds: xr.Dataset, width: float) -> list[list[str]]:
     return [fields[i : i + across] for i in range(0, len(fields), across)]
 
 
-def height(ds: xr.Dataset, width: float, narrow: bool) -> float:
+def height(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) -> float:
     """The inches of all blocks on a figure of so many inches."""
     row = NARROW_ROW if narrow else ROW_HEIGHT
-    return len(blocks_of(ds, width)) * (row * len(observed.observables(ds)) + 0.5)
+    return len(blocks_of(ds, width)) * (row * len(names) + 0.5)
 
 
 def said(ds: xr.Dataset) -> str:
@@ -53,27 +54,29 @@ def said(ds: xr.Dataset) -> str:
     return f"{count}{f', at {at}' if at else ''}; r: rank correlation{dense}."
 
 
-def scatter(ds: xr.Dataset, fig: Figure, cell: Any, width: float) -> None:
-    """Draw each observable against each sampled field in a cell of a grid of a figure of so many inches.
+def scatter(ds: xr.Dataset, names: Sequence[str], fig: Figure, cell: Any, width: float) -> None:
+    """Draw each of these observables against each sampled field in a cell of a grid of a figure of so many inches.
 
     Beside samples the dataset may have axes: they are held where the laws or Table 1 put them. Each panel says the rank
     correlation (Spearman) of its two quantities, over the solved samples.
     """
     held = {axis: i for axis, i in selection.case(ds).items() if axis != SAMPLE}
     here = ds.isel(held)
-    names, blocks = observed.observables(ds), blocks_of(ds, width)
+    blocks = blocks_of(ds, width)
     across = max(map(len, blocks))
     grid = cell.subgridspec(len(names) * len(blocks), across, hspace=0.06, wspace=0.04)
     room = (width - BESIDE) / across - 0.1
     lefts: list[Axes] = []
     for k, fields in enumerate(blocks):
-        lefts += _block(here, fig, grid, k * len(names), fields, room)
+        lefts += _block(here, names, fig, grid, k * len(names), fields, room)
     fig.align_ylabels(lefts)
 
 
-def _block(ds: xr.Dataset, fig: Figure, grid: Any, first: int, fields: list[str], room: float) -> list[Axes]:
+def _block(
+    ds: xr.Dataset, names: Sequence[str], fig: Figure, grid: Any, first: int, fields: list[str], room: float
+) -> list[Axes]:
     """Draw a block of fields from a row of the grid on; its leftmost panels. room: inches of a panel."""
-    names, lefts = observed.observables(ds), []
+    lefts = []
     for i, name in enumerate(names):
         left: Axes | None = None
         for j, field in enumerate(fields):

@@ -2,17 +2,18 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from solver.problem.errors import InputError, no_such
+from solver.problem.errors import InputError, choices, no_such
 from studies.dimensions import SAMPLE
 
-from ..data import labels, law_verdicts, observed, refined, schema
-from . import canvas, legend, scatter, single_rod
+from ..data import labels, law_verdicts, observed, refined, schema, selection
+from . import canvas, legend, notes, scatter, single_rod
 from .developed import STRIP, developed, has_curve, strip_height
 from .law_panel import panel
 from .sheet import SCREEN, Sheet
@@ -22,15 +23,22 @@ LAW_HEIGHT, LEAST_LAW = 4.3, 2.7  # inches
 SAMPLES = "samples"  # the panel of the scatter diagrams
 BESIDE, LEAST_BESIDE = 0.55, 3.2  # the share of the width that curves have beside a law, and inches they then need
 MOST_PLAIN = 4  # observables shown where there is no law
+MOST_ASKED = 12  # observables of one figure
 
 
-def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, sheet: Sheet = SCREEN) -> Figure:
-    """Draw all of a study.
+def figure(
+    ds: xr.Dataset,
+    verdicts: Sequence[Mapping[str, Any]] | None = None,
+    sheet: Sheet = SCREEN,
+    show: Sequence[str] = (),
+    x: str | None = None,
+) -> Figure:
+    """Draw all of a study, or the observables that are asked for.
 
     With axes: for each axis of several values the developed curves, beside them each law in its panel (where there is
     no law, the first observables); of a refined study those of its coarse grid, along one axis with the observables of
     all cases. With samples: each observable against each sampled field. One case alone: its angle, its push and its
-    developed curve.
+    developed curve. The figure keeps a note of the observables that it leaves out.
 
     Parameters
     ----------
@@ -38,44 +46,48 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
         The rows of `law_verdicts.verdicts` where they are known already; default: they are computed.
     sheet
         What the figure is drawn for. Its `panel` is an axis (the developed curves along it), the claim of a law (of
-        several laws of one claim also the claim with the observable), an observable, or ``samples``.
+        several laws of one claim also the claim with the observable), any stored observable, or ``samples``.
+    show
+        Observables; each has a panel, or a panel for each law on it, and nothing else is drawn.
+    x
+        The axis along which an observable without a law is drawn; default: the first of several values.
 
     Raises
     ------
     InputError
-        The dataset's laws are invalid, there is nothing to draw, or the figure has no such panel.
+        The dataset's laws are invalid, there is nothing to draw, the figure has no such panel, or an observable is not
+        stored.
     """
     rows = law_verdicts.verdicts(ds) if verdicts is None else verdicts
     curves = ds
     if refined.is_refined(ds) and SAMPLE in ds["outcome"].dims:
         curves = refined.coarse(ds)
         ds = refined.line(ds) if len(refined.axes_of(ds)) == 1 else curves
-    axes = schema.axes_of(ds)
-    if all(ds.sizes[axis] == 1 for axis in axes):
-        return single_rod.figure(ds.isel(dict.fromkeys(axes, 0)), sheet)
-    sampled = SAMPLE in axes and bool(observed.observables(ds))
-    if sampled:
-        axes = [axis for axis in axes if axis != SAMPLE]
-    plain = [] if rows or sampled else observed.observables(ds)
-    plain, level = _told(ds, plain, sheet.panel)
-    axes = [axis for axis in axes if ds.sizes[axis] > 1]
-    strips = axes if has_curve(curves) else []
-    if not (rows or plain or strips or sampled):
+    axes = [axis for axis in schema.axes_of(ds) if ds.sizes[axis] > 1]
+    if not axes:
+        if show:
+            raise InputError("the file holds one case: each observable is one number, which workbench summary prints")
+        return single_rod.figure(ds.isel(dict.fromkeys(schema.axes_of(ds), 0)), sheet)
+    is_sampled = SAMPLE in axes and bool(observed.observables(ds))
+    axes = [axis for axis in axes if not (is_sampled and axis == SAMPLE)]
+    chosen = _choice(ds, rows, axes if has_curve(curves) else [], is_sampled, sheet.panel, observed.named(ds, show))
+    panels, strips, sampled = chosen.panels, chosen.strips, chosen.sampled
+    if not (panels or strips or sampled):
         raise InputError("nothing to draw: the dataset has neither observables nor the arrays alpha and z")
-    strips, rows, plain, sampled = _only(sheet.panel, strips, rows, plain, sampled)
-    count, width = len(rows or plain), sheet.width
+    along = selection.axis_of(ds, x) if x else next(iter(axes), "")
+    count, width = len(panels), sheet.width
     beside = 0 < count <= len(strips) and all(
         strip_height(curves, axis, width * BESIDE) > LEAST_BESIDE for axis in strips
     )
     beside = beside and not sampled and not sheet.narrow
-    across = 1 if sheet.narrow else 3 if len(plain) == 3 and not rows else 2
+    across = 1 if sheet.narrow else 3 if len(panels) == 3 and not rows else 2
     law_height = min(LAW_HEIGHT, max(0.9 * width / across, LEAST_LAW))
     heights = [law_height if beside else strip_height(curves, axis, width) for axis in strips]
     below = 0 if beside else law_height * -(-count // across)
     heights += [below] if below else []
     if sampled and sheet.style == SCREEN.style and not sheet.narrow:
         width = max(width, scatter.LEAST_WIDTH * len(scatter.fields_of(ds)) + 0.8)
-    heights += [scatter.height(ds, width, sheet.narrow)] if sampled else []
+    heights += [scatter.height(ds, sampled, width, sheet.narrow)] if sampled else []
 
     def draw(fig: Figure) -> None:
         ratios = (1.3, 1) if beside else (1,)
@@ -86,27 +98,79 @@ def figure(ds: xr.Dataset, verdicts: Sequence[Mapping[str, Any]] | None = None, 
         for i, axis in enumerate(strips):
             drawn.append(developed(curves, fig.add_subplot(grid[i, 0]), axis, sheet))
         if sampled:
-            scatter.scatter(ds, fig, grid[len(heights) - 1, 0], width)
+            scatter.scatter(ds, sampled, fig, grid[len(heights) - 1, 0], width)
             legend.below(fig, [], [scatter.said(ds)], sheet)
-        for row, cell in zip(rows, cells, strict=False):
-            panel(ds, fig.add_subplot(cell), row, sheet)
-        for name, cell in zip(plain, cells, strict=False):
-            ax = trend(ds, fig.add_subplot(cell), name, axes[0])
-            ax.set_title(labels.long_name(ds[name]), loc="left")
+        for one, cell in zip(panels, cells, strict=False):
+            ax = fig.add_subplot(cell)
+            if not isinstance(one, str):
+                panel(ds, ax, one, sheet)
+                continue
+            trend(ds, ax, one, along)
+            ax.set_title(labels.long_name(ds[one]), loc="left")
             legend.add(ax)
-        if plain and level:
-            legend.below(fig, [], level, sheet)
+        legend.below(fig, [], chosen.level, sheet)
+        notes.keep(fig, [f"Not drawn: {', '.join(chosen.left_out)}; choose with --show."] if chosen.left_out else [])
 
     drawn: list[Axes] = []
-    fig = canvas.figure((width, 0.7 * sheet.titled + 0.3 * sampled + sum(heights)), draw, ds, sheet=sheet)
+    fig = canvas.figure((width, 0.7 * sheet.titled + 0.3 * bool(sampled) + sum(heights)), draw, ds, sheet=sheet)
     if not beside:
         canvas.close_gaps(fig, drawn, STRIP[1])
     return fig
 
 
-def _told(ds: xr.Dataset, names: list[str], panel: str | None) -> tuple[list[str], list[str]]:
+@dataclass(frozen=True)
+class _Choice:
+    """What a figure shows.
+
+    panels: rows of `law_verdicts.verdicts`, and names of observables. strips: axes with developed curves. sampled:
+    observables in scatter diagrams. level: sentences about observables that are the same in all cases. left_out: stored
+    observables that nothing of the figure shows.
+    """
+
+    panels: Sequence[Any]
+    strips: Sequence[str] = ()
+    sampled: Sequence[str] = ()
+    level: Sequence[str] = ()
+    left_out: Sequence[str] = ()
+
+
+def _choice(
+    ds: xr.Dataset,
+    rows: Sequence[Mapping[str, Any]],
+    strips: Sequence[str],
+    is_sampled: bool,
+    panel: str | None,
+    show: Sequence[str],
+) -> _Choice:
+    """What is drawn: the observables that are asked for, or the panel of that name, or by default all that has room.
+
+    Raises `InputError` for an unknown panel, and for more observables than have room.
+    """
+    stored, laws = observed.observables(ds), _named(rows)
+    if len(show) > MOST_ASKED:
+        raise InputError(f"a figure shows at most {MOST_ASKED} observables, got {len(show)}: {choices(show)}")
+    if show and is_sampled:
+        return _Choice([], sampled=show)
+    if show:
+        return _Choice([one for name in show for one in [row for row in rows if row["observable"] == name] or [name]])
+    if panel is None:
+        plain, level = ([], []) if rows or is_sampled else _told(ds, stored)
+        shown = {*plain, *(row["observable"] for row in rows), *(stored if is_sampled else ())}
+        left_out = [name for name in stored if name not in shown and (rows or not _is_level(ds[name]))]
+        return _Choice(rows or plain, strips, stored if is_sampled else (), level, left_out)
+    known = [*strips, *(str(row["claim"]) for row in rows), *laws, *stored, *([SAMPLES] if is_sampled else [])]
+    if panel not in known:
+        raise no_such("panel", panel, dict.fromkeys(known))
+    if panel in strips:
+        return _Choice([], [panel])
+    if panel in stored or panel == SAMPLES:
+        return _Choice([], sampled=stored if panel == SAMPLES else [panel]) if is_sampled else _Choice([panel])
+    return _Choice([laws[panel]] if panel in laws else [row for row in rows if row["claim"] == panel])
+
+
+def _told(ds: xr.Dataset, names: list[str]) -> tuple[list[str], list[str]]:
     """The observables that get a panel, and sentences about counts that are the same in all cases and get none."""
-    level = [name for name in names if name != panel and observed.is_count(ds, name) and _is_level(ds[name])]
+    level = [name for name in names if observed.is_count(ds, name) and _is_level(ds[name])]
     if len(level) == len(names):
         return names[:MOST_PLAIN], []
     said = [f"{labels.long_name(ds[name])}: {float(ds[name].max()):g} in all cases." for name in level]
@@ -115,21 +179,6 @@ def _told(ds: xr.Dataset, names: list[str], panel: str | None) -> tuple[list[str
 
 def _is_level(array: xr.DataArray) -> bool:
     return bool((array == array.values.flat[0]).all())
-
-
-def _only(
-    name: str | None, strips: list[str], rows: Sequence[Mapping[str, Any]], plain: list[str], sampled: bool
-) -> tuple[list[str], Sequence[Mapping[str, Any]], list[str], bool]:
-    """The panels of that name; all where it is None. Raises `InputError` where there is none."""
-    if name is None:
-        return strips, rows, plain, sampled
-    laws = _named(rows)
-    known = [*strips, *(str(row["claim"]) for row in rows), *laws, *plain, *([SAMPLES] if sampled else [])]
-    if name not in known:
-        raise no_such("panel", name, dict.fromkeys(known))
-    some = [axis for axis in strips if axis == name]
-    chosen = [laws[name]] if name in laws else [row for row in rows if row["claim"] == name]
-    return some, chosen, [one for one in plain if one == name], name == SAMPLES
 
 
 def _named(rows: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:

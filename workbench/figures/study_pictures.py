@@ -1,6 +1,6 @@
 """The pictures of a stored study by their kind, and the kind that a study has by default."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import xarray as xr
@@ -23,30 +23,34 @@ class Kind:
 
 KINDS = {
     "map": Kind(map_figure.figure, ("x", "y", "show", "at", "shapes")),
-    "lines": Kind(study_figure.figure),
+    "lines": Kind(study_figure.figure, ("x", "show")),
     "curves": Kind(curves.figure, ("x", "at")),
     "ridge": Kind(ridge.figure, ("x", "at")),
     "portrait": Kind(portrait.figure, ("x", "at")),
 }
 
 
-def check_options(kind: str, given: list[str]) -> None:
-    """Raise `InputError` for an option that the kind does not have."""
+def kind_of(ds: xr.Dataset, kind: str | None = None, given: Sequence[str] = ()) -> str:
+    """The kind of picture: the one that is asked for; default: a map over two axes, with samples and else lines.
+
+    given: options; a study whose default kind does not have them is drawn in the first kind that does.
+
+    Raises `InputError` for an unknown kind, and for an option that the kind does not have.
+    """
+    if kind is None:
+        default = _default_kind(ds)
+        kind = next((one for one in (default, *KINDS) if set(given) <= set(KINDS[one].options)), default)
+    elif kind not in KINDS:
+        raise no_such("kind of picture", kind, KINDS)
     for name in given:
         if name not in KINDS[kind].options:
             takers = choices(other for other, row in KINDS.items() if name in row.options)
             raise InputError(f"--{name} is no option of --kind {kind}; choose --kind from {takers}")
+    return kind
 
 
-def kind_of(ds: xr.Dataset, kind: str | None = None) -> str:
-    """The kind of picture: the one that is asked for; default: a map over two axes, with samples and else lines.
-
-    Raises `InputError` for an unknown kind.
-    """
-    if kind is not None and kind not in KINDS:
-        raise no_such("kind of picture", kind, KINDS)
-    if kind is None and refined.is_refined(ds):
+def _default_kind(ds: xr.Dataset) -> str:
+    if refined.is_refined(ds):
         return "map" if len(refined.axes_of(ds)) > 1 else "lines"
-    axes = map_cells.mappable(ds)
-    is_map = len(axes) > 1 and SAMPLE not in schema.axes_of(ds) and observed.observables(ds)
-    return kind or ("map" if is_map else "lines")
+    is_map = len(map_cells.mappable(ds)) > 1 and SAMPLE not in schema.axes_of(ds) and observed.observables(ds)
+    return "map" if is_map else "lines"

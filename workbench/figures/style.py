@@ -24,7 +24,9 @@ BAND = "#f1f3f6"  # behind a line of a long rod
 VERDICT_COLOURS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#bb5802", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
 CROSSED = "#b3004f"  # rings where a rod passes through itself
 PAIR = ("#5b3f8c", "#2f9a82")  # two of a kind that is no push
-STABLE = "#b3261e"  # the stable ones among all equilibria
+# stability is the weight of a line; red is for what fails alone
+STABLE: dict[str, Any] = {"color": INK, "linewidth": 2.4, "linestyle": "-"}
+UNSTABLE: dict[str, Any] = {"color": SOFT, "linewidth": 1.0, "linestyle": (0, (4, 1.6))}
 
 RAMP = colormaps["viridis"]
 RAMP_ENDS = (0.0, 0.59)  # of lines and dots: beyond, their contrast to white is below 3

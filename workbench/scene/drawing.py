@@ -72,7 +72,7 @@ def line(fig: Figure, a: Any, b: Any, **how: Any) -> None:
 
 def dot(fig: Figure, x: float, y: float, number: str, stable: bool) -> None:
     """The number of an equilibrium in a dot: filled where it is stable."""
-    look = {"facecolor": style.STABLE} if stable else {"facecolor": "white"}
-    fig.add_artist(circle(fig, x, y, 15.0, edgecolor=style.STABLE if stable else style.SOFT, linewidth=0.9, **look))
+    look = {"facecolor": style.INK} if stable else {"facecolor": "white"}
+    fig.add_artist(circle(fig, x, y, 15.0, edgecolor=style.INK if stable else style.SOFT, linewidth=0.9, **look))
     size = style.SMALL if len(number) < 2 else 0.8 * style.SMALL
     text(fig, x, y - 1, number, ha="center", va="center", color="white" if stable else style.INK, size=size)
