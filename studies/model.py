@@ -308,7 +308,7 @@ class Study(BaseModel):
 
     @property
     def sweeps(self) -> bool:
-        """Whether the study is a sweep, in which each case continues from its neighbour: ends problems over axes."""
+        """Whether the study is a sweep, whose cases are labelled with their branches: ends problems over axes."""
         return bool(self.grid) and self.kind is Ends
 
     @property

@@ -88,11 +88,11 @@ def line() -> xr.Dataset:
     return in_memory.run(study())
 
 
-def test_a_sweep_keeps_its_branch_and_says_how_its_first_case_was_taken(line) -> None:
+def test_a_sweep_numbers_its_branch_and_says_how_its_middle_case_was_taken(line) -> None:
     assert (line["branch"] == 0).all()
     assert line["branch"].dtype.kind == "i"
     assert (line["outcome"] == "solved").all()
-    assert line.attrs["equilibria"].startswith("the case from which the others continue, FZ = -50: ")
+    assert line.attrs["equilibria"].startswith("the case in the middle of the grid, FZ = -50: ")
     assert line.attrs["equilibria"].endswith("the stable one whose beta goes least beyond its end angles")
 
 
@@ -101,6 +101,51 @@ def test_each_case_is_an_equilibrium_of_its_own_loads(line) -> None:
         one = study().case_of({"FZ": FZ})
         usual = solve(one, stations=51)
         np.testing.assert_allclose(line["beta"].sel(FZ=FZ), usual.beta, atol=1e-8)  # both tolerances are 1e-8
+
+
+def taken_over(values: list[float], more: str = "", base: str = "L = 20.0") -> dict[float, tuple[float, float]]:
+    """beta'(0) and the height of each case of a study over FZ."""
+    ds = in_memory.run(study(f"[axes.FZ]\nvalues = {values}\n{more}", base))
+    return {float(FZ): (float(ds["beta"].sel(FZ=FZ)[1]), float(ds["height"].sel(FZ=FZ))) for FZ in ds["FZ"].values}
+
+
+@pytest.mark.parametrize("more", ("", '[equilibrium]\nchoose = "lowest"\n', "[equilibrium]\nindex = 1\n"))
+def test_the_equilibrium_at_a_load_does_not_depend_on_the_other_loads(more) -> None:
+    few = taken_over([-60.0, -45.0], more)
+    for values in ([-400.0, -60.0, -50.0, -45.0, -5.0], [-60.0, -59.0, -58.0, -45.0], [-45.0, 3.0, 200.0]):
+        for FZ, numbers in taken_over(values, more).items():
+            if FZ in few:
+                assert numbers == few[FZ]
+    if not more:
+        for FZ, (rise, height) in few.items():
+            usual = solve(study().case_of({"FZ": FZ}), stations=51)
+            assert rise == usual.beta[1] > 0  # of two mirror images the one whose beta rises first
+            assert height == pytest.approx(float(usual.z[-1]), rel=1e-9)
+
+
+def test_a_wire_pushed_into_a_tube_is_not_turned_back_because_the_axis_goes_far() -> None:
+    text = """
+title = "A wire in a tube"
+observables = ["height", "push_max"]
+[units]
+length = "mm"
+force = "N"
+[base]
+E = 6e4
+nu = 0.3
+a = 0.25
+L = 120.0
+R = 2.0
+side = "inside"
+beta0 = 0.0
+betaL = 0.0
+[axes.FZ]
+values = {values}
+"""
+    for last in (-10.0, -200.0):
+        ds = in_memory.run(loads(text.format(values=[0.0, -5.0, 0.6 * last, 0.75 * last, last]), "text", "wire"))
+        assert float(ds["height"].sel(FZ=-5.0)) == pytest.approx(117.7948, abs=1e-4)
+        assert float(ds["push_max"].sel(FZ=-5.0)) == pytest.approx(0.182, abs=5e-4)
 
 
 def test_the_first_case_is_the_one_that_equilibrium_chooses() -> None:
@@ -217,14 +262,14 @@ def test_run_check_and_summary_say_how_many_branches_there_are(tmp_path, capsys)
             cli.main(list(words))
         shown = capsys.readouterr().out
         assert end.value.code == 0
-        assert "all cases continue one branch of equilibria" in shown
-        assert "the case from which the others continue, FZ = -50: " in shown
+        assert "all cases lie on one branch of equilibria" in shown
+        assert "the case in the middle of the grid, FZ = -50: " in shown
 
 
 def test_two_sweeps_are_not_joined(tmp_path) -> None:
     for name, values in (("a", "[-50.0, -49.0]"), ("b", "[-48.0, -47.0]")):
         run_to_file(study(f"[axes.FZ]\nvalues = {values}\n"), tmp_path / f"{name}.h5")
-    with pytest.raises(InputError, match="each case continued from its neighbour"):
+    with pytest.raises(InputError, match="its branches are numbered over the whole grid"):
         merge.merge([tmp_path / "a.h5", tmp_path / "b.h5"], tmp_path / "out.h5")
 
 
@@ -238,7 +283,7 @@ def test_branches_are_numbered_in_the_order_of_the_places_that_took_them_up() ->
 
 
 def test_what_is_said_of_branches() -> None:
-    assert branch_numbers.sentence({0: 5}) == "all cases continue one branch of equilibria"
+    assert branch_numbers.sentence({0: 5}) == "all cases lie on one branch of equilibria"
     two = branch_numbers.sentence({0: 5, 1: 2, -1: 1})
     assert two.startswith("the grid shows 2 branches of equilibria (5, 2 cases)")
     assert branch_numbers.sentence({-1: 3}) == "no case has an equilibrium"
@@ -296,7 +341,7 @@ source = "made up"
 
 def test_a_branch_that_loses_its_stability_says_so() -> None:
     """The straight pipe of 20 m buckles at A (pi/L)^2 = 30.2 kN; its branch goes on, unstable."""
-    one = study("[axes.FZ]\nfrom = -40.0\nto = -5.0\ncount = 11\n")
+    one = study("[axes.FZ]\nfollow = true\nfrom = -5.0\nto = -40.0\ncount = 11\n")
     ds = in_memory.run(one)
     critical = float(one.case().rod.bending_stiffness) * (np.pi / 20.0) ** 2
     assert (ds["branch"] == 0).all()

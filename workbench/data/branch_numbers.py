@@ -29,7 +29,7 @@ def sentence(counts: Mapping[int, int]) -> str:
     if not sizes:
         return "no case has an equilibrium"
     if len(sizes) == 1:
-        return "all cases continue one branch of equilibria"
+        return "all cases lie on one branch of equilibria"
     listed = ", ".join(map(str, sizes[:8])) + (", ..." if len(sizes) > 8 else "")
     return (
         f"the grid shows {len(sizes)} branches of equilibria ({listed} cases): the outcome of a case says where a "

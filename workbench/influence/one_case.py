@@ -1,6 +1,7 @@
 """The solution of one case of a study, stored or not."""
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -32,7 +33,7 @@ def outline(study: Study) -> xr.Dataset:
 def of_study(study: Study, at: Mapping[str, selection.Value] | None = None) -> Solution:
     """A case of a study that is not stored. Raises `InputError`.
 
-    Only this case is solved; where cases continue from one another, also those from which it continues.
+    Only this case is solved; along a followed axis also those from which it continues.
     """
     if study.follow is not None:
         return of_dataset(in_memory.run(study), at)
@@ -43,4 +44,4 @@ def of_study(study: Study, at: Mapping[str, selection.Value] | None = None) -> S
     if not study.sweeps:
         return solve_one(case, study.equilibrium, study.tol, study.method, study.stations)
     work = plan(study)
-    return sweep_solutions.continued(work.study, case, work.spine.nearest(values), study.stations)
+    return sweep_solutions.between(work.study, case, partial(work.spine.nearest, values), study.stations)

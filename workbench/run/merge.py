@@ -74,7 +74,7 @@ def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequenc
     if studies[0].refine is not None:
         raise InputError(f"{names[0]} is a refined study, whose cases belong together; run it with a finer tolerance")
     if studies[0].sweeps:
-        why = "each case continued from its neighbour: run all values as one study"
+        why = "its branches are numbered over the whole grid: run all values as one study"
         raise InputError(f"{names[0]} is a sweep of ends problems, {why}")
     differing = [axis for axis in axes if any(_values(files[0], axis) != _values(ds, axis) for ds in files[1:])]
     if len(differing) > 1:

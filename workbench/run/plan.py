@@ -30,7 +30,7 @@ MOST_BLOCKS, MOST_BYTES = 8, 32 * 2**20  # of a chunk: what the death of a worke
 TEXT_BYTES = 200  # of outcome and caution in the file: references, and texts with a remark
 SPARE = 4 * 2**20  # bytes for coordinates, attributes, half-filled packets and the lists of an HDF5 file
 
-FIRST = "the case from which the others continue"
+FOLLOWED, MIDDLE = "the case from which the others continue", "the case in the middle of the grid"
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,12 +152,13 @@ def first_of(plan: Plan) -> str:
     row = zip(spine.coordinates.items(), cell, strict=True)
     at = ", ".join(sweep.told(name, float(values[i])) for (name, values), i in row)
     which = plan.study.equilibrium
+    name = MIDDLE if plan.study.followed is None else FOLLOWED
     if first.begun:
-        return f"{FIRST}, {at}: its search began at {first.begun}"
+        return f"{name}, {at}: its search began at {first.begun}"
     slope = None if which is None else which.dbeta0
     named = slope is not None and first.solved
     how = first.selection or (f"taken: the one next to beta'(0) = {slope:g}" if named else first.outcome)
-    return f"{FIRST}, {at}: {how}"
+    return f"{name}, {at}: {how}"
 
 
 def bytes_a_case(study: Study) -> int:

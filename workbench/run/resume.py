@@ -96,7 +96,7 @@ def grown(there: StoredRun, plan: Plan) -> Plan | None:
         return None
     if there.recipe["axes"] == now["axes"]:
         return plan
-    if plan.study.sweeps:  # new cases would continue from others than in the file
+    if plan.study.sweeps:  # its branches would be numbered anew
         return None
     _check_versions(there.recipe, now, changed)
     return Plan(plan.study, dimensions, _new(there, plan))

@@ -1,6 +1,7 @@
 """The study and the case of a stored dataset, and its cases solved again, or at other values."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -97,17 +98,17 @@ def samples_of(ds: xr.Dataset) -> dict[str, NDArray[np.float64]]:
 
 
 def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -> Solution:
-    """Cases at or between those of a sweep, each continued from the nearest of the sweep."""
+    """Cases at or between those of a sweep."""
     from .plan import plan
 
     work = plan(study)
     rows = {name: np.broadcast_to(value, case.shape).ravel() for name, value in places.items()}
     found = []
     for i in range(case.size):
-        near = work.spine.nearest({name: float(row[i]) for name, row in rows.items()})
+        near = partial(work.spine.nearest, {name: float(row[i]) for name, row in rows.items()})
         at = stations if isinstance(stations, int) else np.broadcast_to(stations, (*case.shape, np.shape(stations)[-1]))
         mine = at if isinstance(at, int) else at.reshape(case.size, -1)[i]
-        found.append(sweep_solutions.continued(work.study, sweep_solutions.single(case, i), near, mine))
+        found.append(sweep_solutions.between(work.study, sweep_solutions.single(case, i), near, mine))
     return found[0] if not case.shape else sweep_solutions.together(case, found)
 
 

@@ -1,7 +1,8 @@
-"""A sweep over ends problems: each case continues from its neighbour, so that a study stays on one branch.
+"""A sweep over ends problems: each case is solved by the study's rule, and labelled with the branch that it lies on.
 
-The order is that of `sweep_order`. Where a branch ends, the case takes the equilibrium that the study's rule selects,
-begins a branch of another number, and its neighbours continue from it.
+The equilibrium of a case depends on its own numbers only. A case is on the branch of its neighbour, in the order of
+`sweep_order`, if the neighbour's equilibrium continues to its own; else it begins a branch of another number. Only along
+a followed axis the equilibrium itself continues from the case before.
 
 The process of the run solves the cases from which blocks begin (`Spine`), without arrays along the rod. A worker begins
 at the cases that came with its block, so the bits do not depend on which worker it is.
@@ -26,6 +27,7 @@ from .followed_case import followed_to
 from .sweep_order import Grid
 
 LOST = "unstable here, stable where its branch begins"
+SAME = 1e-6  # of the numbers at both ends, in units of rho: below it two solutions are one
 MOST_KEPT = 2000  # cases of a single line that the run itself solves
 
 
@@ -35,7 +37,7 @@ class State:
 
     branch: 0 for that of the first case, else 1 + the flat index of the case where it begins; `NONE` where the case is
     not solved. stable: whether the branch is stable where it begins. remark: an addition to the outcome: where the
-    branch begins, or that it is no longer stable.
+    branch begins, or that it is not stable here.
     """
 
     solution: Solution
@@ -50,7 +52,7 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Spine:
-    """The cases from which blocks begin, each continued from the first case when it is first needed."""
+    """The cases from which blocks begin, each compared with those before it when it is first needed."""
 
     study: Study
     coordinates: Mapping[str, NDArray[np.float64]]
@@ -97,7 +99,7 @@ class Spine:
     def _solved(self, place: int, parent: tuple[int, int] | None, before: State | None) -> State:
         case = self.study.case_of(self._values(place))
         if parent is None or before is None:
-            return begun(self.study, case)
+            return state_of(select(self.study, case), 0)
         name = list(self.coordinates)[parent[1]]
         return stepped(self.study, case, before, place, name, self._values(parent[0])[name])
 
@@ -125,34 +127,45 @@ def grid_of(study: Study, shape: tuple[int, ...]) -> Grid:
 
 
 def rule_of(which: Which | None) -> Choose:
-    """The rule by which a study takes an equilibrium where a branch ends."""
+    """The rule by which a study takes the equilibrium of a case."""
     return NEAREST if which is None or which.rule is None else which.rule
 
 
-def begun(study: Study, case: Case) -> State:
-    """The state of the first case: the equilibrium that the study selects. Raises `InputError` where there is none."""
+def select(study: Study, case: Case) -> Solution:
+    """The equilibrium of a case that the study's rule takes, at two stations."""
     which = study.equilibrium
     if which is not None and which.dbeta0 is not None and which.energy is not None:
-        return state_of(nearest(equilibria(case, study.tol, 2), which.dbeta0, which.energy).solution, 0)
-    return state_of(solve(case, tol=study.tol, stations=2, choose=rule_of(which)), 0)
+        every = equilibria(case, study.tol, 2)
+        if len(every):
+            return nearest(every, which.dbeta0, which.energy).solution
+    return solve(case, tol=study.tol, stations=2, choose=rule_of(which))
 
 
 def stepped(study: Study, case: Case, before: State, place: int, name: str, neighbour: float) -> State:
-    """The state of a case continued from its neighbour's, or on another branch where that one ends.
+    """The state of a case next to another one. Along a followed axis it continues from that one.
 
-    Along a followed axis it is on no other branch. name: the axis between the two. neighbour: its value there.
+    name: the axis between the two. neighbour: its value there.
     """
-    if name == study.followed:
-        found = followed_to(before.solution, case, name, told(name, neighbour))
-        return state_of(found, before.branch, before.stable)
-    if before.solved:
-        continued = solve(case, tol=study.tol, stations=2, seed=before.solution)
-        if continued.solved:
-            return state_of(continued, before.branch, before.stable)
-    taken = solve(case, tol=study.tol, stations=2, choose=rule_of(study.equilibrium))
     at = told(name, neighbour)
-    why = f"another branch than at {at}" if before.solved else f"taken anew, as none was found at {at}"
-    return state_of(taken, 1 + place, remark=why)
+    if name == study.followed:
+        return state_of(followed_to(before.solution, case, name, at), before.branch, before.stable)
+    taken = select(study, case)
+    if not before.solved:
+        return state_of(taken, 1 + place, remark=f"taken anew, as none was found at {at}")
+    if not taken.solved or continues(before.solution, taken):
+        return state_of(taken, before.branch, before.stable)
+    return state_of(taken, 1 + place, remark=f"another branch than at {at}")
+
+
+def continues(before: Solution, sol: Solution) -> bool:
+    """Whether the branch of a solution leads to another one, of a case that differs in its numbers."""
+    reached = solve(sol.case, tol=sol.tol, stations=2, seed=before)
+    if not reached.solved:
+        return False
+    rho, ends = float(sol.case.rho), []
+    for one in (reached, sol):
+        ends.append(np.concatenate([one.beta, one.dbeta * rho, one.alpha - one.alpha[0], (one.z - one.z[0]) / rho]))
+    return bool(np.abs(ends[0] - ends[1]).max() <= SAME * (1 + np.abs(ends[1]).max()))
 
 
 def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str = "") -> State:
@@ -180,7 +193,7 @@ def told(name: str, value: float) -> str:
 def walked(
     study: Study, grid: Grid, values: Mapping[str, NDArray[np.float64]], start: int, known: Mapping[int, State]
 ) -> list[State]:
-    """The states of the cases from `start` on, in order, continued from those known.
+    """The states of the cases from `start` on, in order, each after one of those known.
 
     values: of each axis, (cases,).
     """

@@ -1,5 +1,6 @@
 """The solutions of a sweep: a case's state at the stations wanted, and cases between those of the sweep."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -12,7 +13,7 @@ from solver.problem.reduced import EndsProblem, flat
 from solver.problem.trajectory import Trajectory
 from studies import Study
 
-from .sweep import State, state_of
+from .sweep import State, select, state_of
 
 _HELD = ("begun", "held_index")  # of a trajectory between held ends
 _DENSE = 2001  # stations of the seed of a method that knows the rod at stations only
@@ -31,11 +32,16 @@ def shown(study: Study, state: State, stations: Any = None) -> Solution:
     return solve(state.solution.case, study.tol, method, stations, seed=read(state.solution, _DENSE))
 
 
-def continued(study: Study, case: Case, near: State, stations: Any) -> Solution:
-    """A case next to one of a sweep, on its branch, at so many stations."""
-    state = near
-    if near.solved:
-        state = state_of(solve(case, tol=study.tol, stations=2, seed=near.solution), near.branch, near.stable)
+def between(study: Study, case: Case, near: Callable[[], State], stations: Any) -> Solution:
+    """A case between those of a sweep, at so many stations: by the study's rule, or on the branch that it follows.
+
+    near: makes the state of the nearest case of the sweep.
+    """
+    if study.followed is None:
+        return shown(study, state_of(select(study, case), 0), stations)
+    state = near()
+    if state.solved:
+        state = state_of(solve(case, tol=study.tol, stations=2, seed=state.solution), state.branch, state.stable)
     return shown(study, state, stations)
 
 
