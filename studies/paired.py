@@ -102,7 +102,7 @@ def check(study: "Study") -> None:
         why = f"a followed axis excludes {table}: it is solved for one base case"
         raise Misplaced(why, "axes", study.followed, "follow")
     if study.axes and study.kind is Ends:
-        why = f"the cases of an ends problem are compared with neighbours along an axis, which those of {table} have not"
+        why = f"the cases of an ends problem are compared along an axis, and those of {table} have no order"
         raise Misplaced(f"{why}: give {choices(study.axes)} in {table} too, or remove {table}", "axes")
     if study.equilibrium is not None and study.equilibrium.dbeta0 is not None:
         why = f"dbeta0 and energy name the equilibrium of one case, and {table} gives {study.samples_count}"
