@@ -15,7 +15,8 @@ from .problem.reduced import EndsProblem, reduce
 from .problem.shown import made
 from .solution import Solution
 
-FOLD = "fold"  # the kind of a special point
+FOLD, HELIX = "fold", "helix ceases"  # kinds of a special point
+BORDER = "border of the range"  # a kind of end
 DATASET = "workbench.branches.followed_dataset"  # loaded by name: the solver works without the workbench
 
 
@@ -68,11 +69,12 @@ class SpecialPoint:
     ----------
     kind : str
         "fold": two equilibria meet and cease to exist. "pitchfork": a branch of two mirror images meets this one.
-        "branch point": another branch crosses this one.
+        "branch point": another branch crosses this one. "helix ceases": the branch ends here, next to the place where
+        the helix ceases to exist that the rod lies along.
     value : float
         The value of the field.
     before, after : int
-        The Morse index on either side, in the order of the points.
+        The Morse index on either side, in the order of the points; -1 where the branch ends.
     position : int
         Its place among the points of the branch.
     """
@@ -93,11 +95,18 @@ class BranchEnd:
     value : float
         The value of the field.
     reason : str
-        "the end of the range", "the branch is closed", "the limit of ... points", or why it could not be followed.
+        In words: "the end of the range", "the branch is closed", "the limit of ... points", which helix ceases to
+        exist, or why it could not be followed.
+    kind : str
+        "border of the range", "closed", "helix ceases", or "stopped".
+    ceases : float or None
+        The value at which the helix ceases to exist that the rod lies along.
     """
 
     value: float
     reason: str
+    kind: str = "stopped"
+    ceases: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

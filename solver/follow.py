@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .branch import Branch, BranchEnd, BranchPoint, SpecialPoint
+from .branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
 from .numerics.arrays import Array
 from .problem.angles import doubt, given_by_a_program, warn
 from .problem.case import ANGLES, PAIRS, Case, Ends
@@ -23,6 +23,7 @@ from .solve import between_ends, seed_of
 
 if TYPE_CHECKING:
     from .boundary.branch_coordinates import Path
+    from .boundary.branch_following import Stop
     from .boundary.branch_states import Bounds, Place
 
 MOST = 1000
@@ -184,9 +185,26 @@ def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bo
         sides.reverse()
     (before, begin), (after, end) = sides
     points, special = _points([*before[::-1], middle, *after], case, name, solved)
-    return Branch(
-        name, points, special, BranchEnd(float(begin.p), begin.reason), BranchEnd(float(end.p), end.reason), len(before)
-    )
+    ends = _end(name, begin), _end(name, end)
+    if ends[0].kind == HELIX:
+        special = (SpecialPoint(HELIX, points[0].value, -1, points[0].index, 0), *special)
+    if ends[1].kind == HELIX:
+        special = (*special, SpecialPoint(HELIX, points[-1].value, points[-1].index, -1, len(points) - 1))
+    return Branch(name, points, special, *ends, len(before))
+
+
+def _end(name: str, stop: "Stop") -> BranchEnd:
+    """Why a branch over a field stops."""
+    from .boundary.branch_following import CLOSED, END
+
+    p = float(stop.p)
+    if stop.helix is None:
+        kind = {END: BORDER, CLOSED: "closed"}.get(stop.reason, "stopped")
+        return BranchEnd(p, stop.reason, kind)
+    at = f"{np.rad2deg(stop.helix[0]):.10g} deg" if name in ANGLES else f"{stop.helix[0]:.10g}"
+    beta = f"{np.rad2deg(stop.helix[1]):.4g} deg"
+    reason = f"the helix of beta = {beta}, along which the rod lies, ceases to exist at {name} = {at}"
+    return BranchEnd(p, reason, HELIX, float(stop.helix[0]))
 
 
 def _next_index(places: "list[Place]", own: "Place") -> int:

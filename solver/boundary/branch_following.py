@@ -16,17 +16,19 @@ import scipy  # its parts are imported when used
 
 from ..mechanics.potential import slope
 from ..numerics.arclength import advanced
+from ..numerics.arrays import Array
 from .branch_coordinates import LinePoint, Path
 from .branch_states import Bounds, Place, State, begun_at, in_other_charts, recharted
 from .branch_steps import AT_END, IS_CLOSED, ordinary_steps
-from .continuation_steps import Line, leapt
+from .continuation_steps import Line, leapt, shape_of
 from .equilibrium_curve import Family
 from .held_continuation import Stopped, carried, state_of
 from .held_curve import HeldFamily
 from .held_index import index_of
 from .held_system import LEFT
 from .held_system import State as HeldState
-from .helix_branch import CROSSING, PITCHFORK, helix_place, helix_places
+from .helix_branch import CROSSING, PITCHFORK, ceasing_helix, helix_place, helix_places
+from .path_orbits import orbit_of
 from .transit_times import height_scale
 
 FOLD = "fold"
@@ -38,6 +40,7 @@ _LEAP = 1.0  # of the parameter's scale: the line whose shares `continuation_ste
 _BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix
 _BESIDE_HELD_HELIX, _HELD_LEAP = 1e-3, 0.05  # the same with held ends; of p's scale, the way past a helix
 _CREEPS, _LITTLE = 60, 0.01  # points in a row that do not advance p; the share of the way that a leap must pass
+_SLIGHT = 0.1  # rad: the range of beta of a rod beside a helix
 _STEEP = 0.2  # dp along the branch, in scales, above which a step may end at a given p
 _CREEPING = (
     "the rod is next to a helix, as beside a pitchfork, and the range ends so near that the steps became too small; "
@@ -49,16 +52,29 @@ _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
 
 @dataclass(frozen=True)
 class Stop:
-    """Why and at which parameter a branch stops."""
+    """Why and at which parameter a branch stops. helix: the parameter and the beta at which the helix ceases to exist
+    that the rod lies along; None where that is not why."""
 
     reason: str
     p: float
+    helix: tuple[float, float] | None = None
 
 
 def followed(
     family: Family | HeldFamily, path: Path, p: float, rises: bool, bounds: Bounds
 ) -> tuple[list[Place], Stop]:
     """The equilibria after the one at p, in order, and why there are no more."""
+    places, stop = _places(family, path, p, rises, bounds)
+    if not places or isinstance(family, HeldFamily) or stop.reason in (END, CLOSED):
+        return places, stop
+    orbit = orbit_of(places[-1].problem, places[-1].path)
+    return places, replace(stop, helix=ceasing_helix(family, stop.p, shape_of(orbit)[0]))
+
+
+def _places(
+    family: Family | HeldFamily, path: Path, p: float, rises: bool, bounds: Bounds
+) -> tuple[list[Place], Stop]:
+    """The same without the reason that a helix ceases to exist."""
     if isinstance(family, HeldFamily) and path.helix:
         return _from_held_helix(family, path, p, rises, bounds)
     if not path.helix or isinstance(family, HeldFamily):
@@ -228,9 +244,17 @@ def _located(state: State, low: float, high: float, zero: Callable[[State], floa
 
 
 def _creeps(state: State, there: State, bounds: Bounds, leap: bool) -> bool:
-    """Whether p changes by rounding, or in a leap by little of the way to the next value at which to halt."""
-    ahead = abs(bounds.next(state.p, state.rises > 0) - state.p) if leap else 0.0
-    return abs(there.p - state.p) < max(_LITTLE * ahead, 100 * bounds.rounding)
+    """Whether p changes by rounding; or, in a leap beside a helix, by little of the way to the next halt."""
+    far, ahead = abs(there.p - state.p), abs(bounds.next(state.p, state.rises > 0) - state.p)
+    if far < 100 * bounds.rounding:
+        return True
+    return leap and far < _LITTLE * ahead and bool(np.ptp(_shape(there)) < _SLIGHT)
+
+
+def _shape(state: State) -> Array:
+    """beta along the rod."""
+    at = state.curve.at(state.node.w)
+    return np.empty(0) if at is None else shape_of(orbit_of(at[0].problem, at[1]))[0]
 
 
 def _is_near_helix(state: State) -> bool:

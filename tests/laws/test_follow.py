@@ -314,3 +314,28 @@ def test_a_branch_that_creeps_to_a_pitchfork_at_the_end_of_its_range_says_so() -
     assert "next to a helix, as beside a pitchfork" in branch.end.reason
     assert "choose a range that ends farther on" in branch.end.reason
     assert branch.end.value == pytest.approx(first, rel=1e-6)
+
+
+def test_a_wire_in_a_tube_is_followed_to_where_its_helix_ceases_to_exist() -> None:
+    """A helix inside without torque has -FZ rho^2/A = 2 sin^2 cos <= 4/3^(3/2), at cos = 1/sqrt(3)."""
+    wire, tube = Rod(E=60e9, nu=0.3, a=0.25e-3, L=0.12), Cylinder(2e-3, side="inside")
+    slight = solve(Case(wire, tube, Ends(0.0, 0.0, FZ=-20.0)))
+    branch = follow(slight, FZ=-60.0)
+    limit = -4 / 3**1.5 * float(wire.bending_stiffness) / (2e-3 - 0.25e-3) ** 2
+    assert branch.end.kind == "helix ceases"
+    assert branch.end.ceases == pytest.approx(limit, rel=1e-9)
+    assert branch.end.value == pytest.approx(limit, rel=1e-3)
+    assert branch.end.reason == (
+        f"the helix of beta = 54.74 deg, along which the rod lies, ceases to exist at FZ = {limit:.10g}"
+    )
+    assert [(one.kind, one.position) for one in branch.special] == [("helix ceases", len(branch) - 1)]
+
+
+def test_branches_beside_that_helix_reach_their_folds_whatever_values_they_pass() -> None:
+    """They went on in short leaps, and a sentence told to choose a range that ended 14 N away."""
+    wire, tube = Rod(E=60e9, nu=0.3, a=0.25e-3, L=0.12), Cylinder(2e-3, side="inside")
+    for one in equilibria(Case(wire, tube, Ends(0.0, 0.0, FZ=-45.0))):
+        if one.index == 6 and 0 < one.dbeta0 < 260:
+            branch = follow(one.solution, FZ=np.linspace(-60, -45, 61))
+            assert branch.end.kind == "border of the range"
+            assert [point.kind for point in branch.special] == ["fold"]

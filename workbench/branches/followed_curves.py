@@ -56,7 +56,7 @@ def special_points(seen: Traced, name: str, units: Mapping[str, str], shown: Seq
             values = [point.value for _, point, _ in some] if key == name else numbers[key]
             labels = schema.labels(quantity_of(row).name if key == name else row, units)
             labels["long_name"] += (
-                " where two equilibria meet and cease to exist" if dim == "fold" else " where branches meet"
+                " where two equilibria meet and cease to exist" if dim == "fold" else " where branches meet or end"
             )
             data[dim if key == name else f"{dim}_{key}"] = xr.Variable((dim,), np.array(values, dtype=float), labels)
         pairs = np.array([two for _, _, two in some], dtype=np.int64).reshape(-1, 2)

@@ -72,6 +72,7 @@ def _attributes(branch: Branch) -> dict[str, Any]:
         "title": f"A branch of equilibria over {quantity_of(branch.field).symbol}", "field": branch.field,
         "begin": f"{branch.begin.reason} at {branch.field} = {branch.begin.value:.10g}",
         "end": f"{branch.end.reason} at {branch.field} = {branch.end.value:.10g}",
+        "begin_kind": branch.begin.kind, "end_kind": branch.end.kind,
         "special_points": json.dumps(special), "start": branch.start,
         "stability": stability(branch.points[0].case),
     }  # fmt: skip

@@ -13,7 +13,7 @@ import numpy as np
 
 from solver import Branch, Case, InputError, equilibria, follow
 from solver.boundary.branch_coordinates import LinePoint, path_of, same_equilibrium
-from solver.branch import SpecialPoint
+from solver.branch import HELIX, SpecialPoint
 from solver.equilibria import Equilibrium
 from solver.follow import MOST
 from solver.problem.case_fields import with_field
@@ -100,7 +100,9 @@ def numbered(
     found: list[list[Equilibrium]], owner: list[list[tuple[int, int] | None]], curves: list[Branch], remarks: list[str]
 ) -> Traced:
     """The pieces in the order in which their equilibria appear; those without any come last."""
-    cuts = [[0, *(one.position for one in curve.special), len(curve) - 1] for curve in curves]
+    cuts = [
+        [0, *(one.position for one in curve.special if one.kind != HELIX), len(curve) - 1] for curve in curves
+    ]
     spans = {(c, j): span for c, cut in enumerate(cuts) for j, span in enumerate(pairwise(cut))}
 
     def piece_of(curve: int, at: int) -> tuple[int, int]:
@@ -113,6 +115,9 @@ def numbered(
     special = [
         (curve, one, (number[c, j], number[c, j + 1]))
         for c, curve in enumerate(curves)
-        for j, one in enumerate(curve.special)
+        for j, one in enumerate(one for one in curve.special if one.kind != HELIX)
     ]
+    for c, curve in enumerate(curves):
+        ends = [one for one in curve.special if one.kind == HELIX]
+        special += [(curve, one, (number[piece_of(c, one.position)],) * 2) for one in ends]
     return Traced(found, branch, curves, pieces, special, remarks)

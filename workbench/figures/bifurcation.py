@@ -18,7 +18,7 @@ from . import canvas, legend, point_numbers, shape_cell, smooth_line, style
 
 WIDTH, PANEL, STRIP = 9.6, (4.6, 3.0), 1.5  # inches: width, heights of the panels and of a row of shapes
 MOST, ROW = 16, 8  # shapes, and shapes in a row
-MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s"}
+MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
 SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed ones would look solid
 
 

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 
 from solver import Branch, Case, InputError, Solution, follow, solve
-from solver.boundary.branch_following import END
-from solver.branch import FOLD
+from solver.branch import BORDER, FOLD, HELIX
 from solver.problem.case_fields import value_of
 from studies.axes import is_angle, quantity_of
 
 BEYOND = "failed: the followed branch"
+_STRAIGHT = 1e-6  # rad
 
 
 def followed_to(before: Solution, case: Case, field: str, neighbour: str) -> Solution:
@@ -44,8 +44,15 @@ def _ended(branch: Branch, value: float) -> str | None:
     if branch.values[-1] == value:
         return None
     far = branch.values[int(np.abs(branch.values - branch.values[0]).argmax())]
-    if branch.end.reason == END:  # back at its own value, without a fold
-        return f"{BEYOND} turns back in a pitchfork at {_said(branch.field, float(far))}"
+    if branch.end.kind == BORDER:  # back at its own value, without a fold
+        where = f"a pitchfork at {_said(branch.field, float(far))}"
+        turn = next((one for one in branch.special if one.value == far), None)
+        beta = np.full(2, np.nan) if turn is None else branch.points[turn.position].solution.beta
+        if np.ptp(beta) > _STRAIGHT or not abs(np.sin(beta[0])) < _STRAIGHT:
+            return f"{BEYOND} turns back in {where}"
+        return f"{BEYOND} ends where the rod becomes straight, in {where}"
+    if branch.end.kind == HELIX:
+        return f"{BEYOND} ends at {_said(branch.field, branch.end.value)}: {branch.end.reason}"
     return f"{BEYOND} stops at {_said(branch.field, branch.end.value)}: {branch.end.reason}"
 
 

@@ -1,8 +1,8 @@
 """A sweep over ends problems: each case is solved by the study's rule, and labelled with the branch that it lies on.
 
 The equilibrium of a case depends on its own numbers only. A case is on the branch of its neighbour, in the order of
-`sweep_order`, if the equilibrium of the neighbour continues to its own; else it begins a branch of another number. Along a
-followed axis, and only there, the equilibrium itself continues from the case before.
+`sweep_order`, if the equilibrium of the neighbour continues to its own; else it begins a branch of another number. Only
+along a followed axis the equilibrium itself continues from the case before.
 
 The process of the run solves the cases from which blocks begin (`Spine`), without arrays along the rod. A worker begins
 at the cases that came with its block, so the bits do not depend on which worker it is.
