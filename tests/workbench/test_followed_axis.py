@@ -133,7 +133,8 @@ def test_a_buckled_pipe_ends_in_the_pitchfork_where_it_straightens() -> None:
     ds = in_memory.run(loads(text + "[axes.FZ]\nfollow = true\nvalues = [-0.12, -0.11, -0.09]\n", "text", "pipe"))
     said = ds["outcome"].values.tolist()
     assert said[:2] == ["solved", "solved"]
-    assert said[2].startswith("failed: the followed branch ends where the rod becomes straight, in a pitchfork at FZ = ")
+    where = "failed: the followed branch ends where the rod becomes straight, in a pitchfork at FZ = "
+    assert said[2].startswith(where)
     assert float(said[2].rpartition(" = ")[2]) == pytest.approx(-((np.pi / 10) ** 2), rel=1e-9)
 
 
