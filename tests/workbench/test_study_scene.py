@@ -7,12 +7,18 @@ import numpy as np
 import pytest
 
 from solver.problem.errors import InputError
+from studies.loader import loads
 from tests.workbench import small
 from tests.workbench.pictures import pixels
 from workbench.commands import scene, study_scene
 from workbench.data import writing
+from workbench.export.stored_rod import export
 from workbench.run import in_memory
 from workbench.scene import kinds, opengl
+from workbench.web.turntable import page
+
+if opengl.probe()[0]:
+    from workbench.scene import layout
 
 draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 AXES = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n[axes.F1]\nvalues = [4.0, 5.0]\n"
@@ -56,6 +62,7 @@ def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
     from workbench.scene.composition import TooFewStations
 
     study, _ = study_scene.two_stations(file)
+    solve = study_scene.solver_of_study(study)
     solved.clear()
 
     def draw(ds, exactly):
@@ -64,7 +71,7 @@ def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
             raise TooFewStations("too few", 3 * n)
         return SimpleNamespace(error=0.5)
 
-    _, stations = study_scene.at_needed_stations(study, draw)
+    _, stations = study_scene.at_needed_stations(solve(study_scene.FIRST), solve, draw)
     assert [s.stations for s in solved] == [study_scene.FIRST, 3 * study_scene.FIRST, 9 * study_scene.FIRST]
     assert stations == 9 * study_scene.FIRST
 
@@ -86,6 +93,52 @@ def test_a_study_is_drawn_as_its_file_is_and_finer_takes_more_stations(file, sol
     draw(file, "fine.png", 0.02)
     told = [int(line.split(" ")[-2]) for line in capsys.readouterr().out.splitlines() if "solved at" in line]
     assert told[0] < told[1]
+
+
+WOUND = """title = "A wire wound in a tube"
+stations = 201
+outputs = ["beta", "alpha", "z"]
+[units]
+length = "cm"
+force = "N"
+[base]
+EI = 1.0
+GJ = 0.8
+a = 0.1
+L = 2000.0
+R = 1.0
+side = "inside"
+beta0 = 0.0
+betaL = 0.0
+FZ = -0.7
+MZ = 0.0
+M3 = 0.0
+"""
+
+
+@draws
+@pytest.mark.parametrize("suffix", [".png", ".html"])
+def test_a_file_with_too_few_stations_is_solved_again_and_without_a_study_refused(suffix, tmp_path, capsys) -> None:
+    ds = in_memory.run(loads(WOUND, default_name="wound"))
+    stored, out = tmp_path / "wound.h5", tmp_path / f"wound{suffix}"
+    writing.write(ds, stored)
+    assert scene.scene_file(stored, [], out, dpi=60) == 0
+    assert suffix == ".html" or "solved at" in capsys.readouterr().out
+    few = ds.assign_attrs(study="")
+    with pytest.raises(InputError, match="201 stations are too few"):
+        (layout.compose if suffix == ".png" else page.html)(few)
+    with pytest.raises(InputError, match=r"201 stations are too far apart to tell the rate of beta: store about \d+"):
+        export(ds, tmp_path / "wound.csv")
+
+
+@pytest.mark.parametrize("name", ["alpha", "z"])
+def test_a_file_whose_case_is_solved_to_another_shape_is_refused(name, tmp_path) -> None:
+    ds = in_memory.run(loads(small.study("").text, default_name="rod"))
+    solve = study_scene.solver_of_file(ds, {}, [])
+    assert solve(1000).sizes["u"] == 1001
+    other = study_scene.solver_of_file(ds.assign({name: ds[name] * 1.01}), {}, [])
+    with pytest.raises(InputError, match=f"other shapes than the file: {name} differs"):
+        other(1000)
 
 
 def test_a_file_goes_before_a_study_of_its_name(tmp_path, monkeypatch) -> None:

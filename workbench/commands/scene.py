@@ -87,13 +87,14 @@ def scene_file(
     if found.cells == "one":  # the case is named also where --at was not given
         indices = selection.case(ds, where).items()
         case = [f"{name}={selection.written(name, float(ds[name].values[i]))}" for name, i in indices]
+    shown = [*(axes or ([] if found.cells == "one" else schema.axes_of(ds)[:1])), *([along] if along else [])]
     if study is None:
-        picture, stations = draw(ds, False), ds.sizes["u"]
+        solve = study_scene.solver_of_file(ds, where, shown)
     else:
-        shown = axes or ([] if found.cells == "one" else schema.axes_of(ds)[:1])
-        needed = study_scene.needed_cases(study, ds, found, where, [*shown, along or ""])
-        picture, stations = study_scene.at_needed_stations(needed, draw)
-    solved = f", solved at {stations} stations" if study else ""
+        solve = study_scene.solver_of_study(study_scene.needed_cases(study, ds, found, where, shown))
+        ds = solve(study_scene.FIRST)
+    picture, stations = study_scene.at_needed_stations(ds, solve, draw)
+    solved = f", solved at {stations} stations" if study or stations != ds.sizes["u"] else ""
     console.say(" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved)
     if picture.error > pixel_error * (1 + 1e-9):
         reached = f"{picture.error:.1f} pixels, not {pixel_error:g}: {stations} stations are too few for that"
@@ -183,7 +184,8 @@ def scene(
 ) -> int:
     """Draw the rod on its cylinder in three dimensions.
 
-    Exit status 1 if OpenGL does not work on this machine, or if the file has too few stations for --pixel-error.
+    A stored study with too few stations is solved again. Exit status 1 if OpenGL does not work on this machine, or if a
+    file without a study has too few stations for --pixel-error.
     """
     look = Look(camera, color_range, bare, transparent, size)
     return scene_file(file, at or [], out, force, kind, axis, along, (low, high), pixel_error, dpi, look)

@@ -1,5 +1,6 @@
 """A scene as one offline HTML file: every case that --at leaves, with a slider for each axis."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,8 +11,7 @@ if TYPE_CHECKING:
 
 SUFFIX = ".html"
 KIND = "contact"  # the kind of scene that a file shows
-SHARE = 1e-3  # of the height of a rod, by which its curve between stations may be off: a pixel of a large screen
-FIRST, ROUNDS = 201, 6  # stations that are tried first for a study that is not stored; how often more are tried
+FIRST, ROUNDS = 201, 6  # stations that are tried first for a study; how often more are tried
 
 
 def is_page(out: Path | None) -> bool:
@@ -27,6 +27,8 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
     from solver.problem.errors import InputError
 
     from ..data import atomic
+    from ..run import in_memory
+    from ..scene.kinds import kind_of
     from ..web.turntable import page
     from . import at_option, output_file, study_scene
     from .scene import read_dataset
@@ -37,11 +39,20 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
             "and --to are for pictures, .png and .jpg"
         )
     path = output_file.check(out, (SUFFIX,), force)
+    solve: study_scene.Solve | None
     if study_scene.is_study(file):
-        ds, where = _solved(file, at)
+        study, ds = study_scene.two_stations(file)
+        where = at_option.values(ds, at)
+        needed = study_scene.needed_cases(study, ds, kind_of(KIND), where, _free(ds, where))
+        solve, ds = study_scene.solver_of_study(needed), in_memory.run(needed.at_stations(FIRST))
     else:
         ds = read_dataset(file)
         where = at_option.values(ds, at)
+        solve = study_scene.solver_of_file(ds, where, _free(ds, where))
+    for _ in range(ROUNDS):
+        if solve is None or (more := _stations(ds)) <= ds.sizes["u"]:
+            break
+        ds = solve(more)
     text = page.html(ds, where)
     atomic.write(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     missing = _stations(ds)
@@ -52,41 +63,26 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
     return 0
 
 
-def _solved(file: Path, at: list[str]) -> "tuple[xr.Dataset, dict[str, float]]":
-    """The dataset of the cases of a study, at the stations that its rods need, and the values of the axes held."""
+def _free(ds: "xr.Dataset", where: Mapping[str, float]) -> list[str]:
+    """The axes without a value, each of which has a slider."""
     from ..data import schema, selection
-    from ..run import in_memory
-    from ..scene.kinds import kind_of
-    from . import at_option, study_scene
 
-    study, first = study_scene.two_stations(file)
-    where = at_option.values(first, at)
-    fixed = {selection.axis_of(first, name) for name in where}
-    shown = [name for name in schema.axes_of(first) if name not in fixed]
-    needed = study_scene.needed_cases(study, first, kind_of(KIND), where, shown)
-    ds = in_memory.run(needed.at_stations(FIRST))
-    for _ in range(ROUNDS):
-        more = _stations(ds)
-        if more <= ds.sizes["u"]:
-            break
-        ds = in_memory.run(needed.at_stations(more))
-    return ds, where
+    fixed = {selection.axis_of(ds, name) for name in where}
+    return [name for name in schema.axes_of(ds) if name not in fixed]
 
 
 def _stations(ds: "xr.Dataset") -> int:
     """About how many stations the rods need for a curve without corners; as many as there are where these suffice."""
     from itertools import product
 
-    import numpy as np
-
     from ..data import schema
-    from ..geometry import centreline, refinement
+    from ..geometry import centreline
+    from ..web.turntable.stored import stations_for
 
     axes = schema.axes_of(ds)
     most = int(ds.sizes["u"])
     for indices in product(*(range(ds.sizes[name]) for name in axes)):
         where = dict(zip(axes, indices, strict=True))
         if bool(ds["solved"].isel(where)):
-            line = centreline.read(ds, where)
-            most = max(most, refinement.stations_for(line, SHARE * max(float(np.ptp(line.z)), 2 * line.rho)))
+            most = max(most, stations_for(centreline.read(ds, where)))
     return most

@@ -1,13 +1,15 @@
-"""A scene of a study that is not stored: its cases are solved at as many stations as the picture needs.
+"""The cases of a scene at as many stations as the picture needs: of a study, or of a file that stores too few.
 
-The rods are solved at a few stations, and the camera is set up; where its pixels need more stations, the rods are
-solved again at as many. The result is a dataset like any other, and is drawn like any other.
+The rods are solved at a few stations, or read, and the camera is set up; where its pixels need more stations, the rods
+are solved again at as many. The result is a dataset like any other, and is drawn like any other.
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import xarray as xr
 
 from solver.problem.errors import InputError
@@ -19,6 +21,7 @@ from studies.model import MAX_STATIONS, OUTPUTS
 from ..data import schema, selection
 from ..run import in_memory
 from ..run.plan import plan
+from ..run.stored_case import solve_at, study_of
 from ..scene.kinds import Kind
 
 if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
@@ -27,6 +30,9 @@ if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
 FIRST = 21  # stations that are tried first
 ROUNDS = 12  # each finds some six times as many stations where the round before missed the bends
 MOST_CASES = 10_000
+Solve = Callable[[int], xr.Dataset]  # the cases of a scene at a number of stations
+SHAPE = ("beta", "dbeta", "alpha", "z", "gamma", "contact")
+SAME = 1e-4  # rad, or a share of the length: by which a rod that is solved again may differ from the stored one
 
 
 def is_study(file: Path) -> bool:
@@ -69,20 +75,63 @@ def needed_cases(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float],
     return part.part_of(plan(study).spine) if study.sweeps else part
 
 
-def at_needed_stations(study: Study, draw: Callable[[xr.Dataset, bool], "Picture"]) -> tuple["Picture", int]:
-    """The picture of the study's dataset at the stations that it needs, and their number.
+def at_needed_stations(
+    ds: xr.Dataset, solve: Solve | None, draw: Callable[[xr.Dataset, bool], "Picture"]
+) -> tuple["Picture", int]:
+    """The picture of a dataset, or of its cases solved at the stations that it needs, and the number of stations.
 
-    draw: takes the dataset, and whether it raises `composition.TooFewStations` rather than draw less well than asked.
+    solve: solves the cases at a number of stations; None where they cannot be solved again. draw: takes the dataset, and whether it raises
+    `composition.TooFewStations` rather than draw less well than asked. Raises `InputError` as they do.
     """
     from ..scene.composition import TooFewStations
 
-    stations = FIRST
     for _ in range(ROUNDS):
+        stations = ds.sizes["u"]
         try:
-            return draw(in_memory.run(study.at_stations(stations)), stations < MAX_STATIONS), stations
+            return draw(ds, solve is not None and stations < MAX_STATIONS), stations
         except TooFewStations as error:
-            stations = min(max(error.stations, stations + 1), MAX_STATIONS)
-    return draw(in_memory.run(study.at_stations(MAX_STATIONS)), False), MAX_STATIONS
+            if solve is None:
+                raise
+            ds = solve(min(max(error.stations, stations + 1), MAX_STATIONS))
+    return draw(ds, False), ds.sizes["u"]
+
+
+def solver_of_study(needed: Study) -> Solve:
+    """What solves the cases of `needed_cases`."""
+    return lambda stations: in_memory.run(needed.at_stations(stations))
+
+
+def solver_of_file(ds: xr.Dataset, at: dict[str, float], shown: Sequence[str]) -> Solve | None:
+    """What solves the cases of a stored dataset that a scene shows; None for one that was not made from a study.
+
+    shown: as of `needed_cases`.
+    """
+    if not ds.attrs.get("study") or schema.axes_of(ds) != schema.remaining_axes(ds, study_of(ds)):
+        return None
+    where, kept = selection.case(ds, at), {selection.axis_of(ds, name) for name in shown}
+    part = ds.isel({name: [where[name]] for name in schema.axes_of(ds) if name not in kept})
+    return partial(_solved_again, part)
+
+
+def _solved_again(ds: xr.Dataset, stations: int) -> xr.Dataset:
+    """The cases of a stored dataset at so many stations or a little more, as its study solves them.
+
+    Raises `InputError` where the shapes are not the stored ones at their stations.
+    """
+    n, axes = ds.sizes["u"] - 1, schema.axes_of(ds)
+    more = -(-(stations - 1) // n)  # so the stored stations are among them
+    if more * n >= MAX_STATIONS:
+        raise InputError(f"about {stations} stations are needed, and at most {MAX_STATIONS} are solved")
+    u = xr.Variable(("u",), np.linspace(0, 1, more * n + 1), ds["u"].attrs)
+    bare = ds.drop_dims("u").assign_coords(u=u)
+    sol = solve_at(bare, study_of(ds), {})
+    arrays = {name: ((*axes, "u"), getattr(sol, name)) for name in SHAPE if name in ds or name == "dbeta"}
+    made = bare.assign(arrays).assign_coords(s=((*axes, "u"), sol.s, ds["s"].attrs))
+    for name, size in (("beta", 1.0), ("alpha", 1.0), ("z", float(ds["L"].max()))):
+        far = np.abs(made[name].values[..., ::more] - ds[name].values)[ds["solved"].values]
+        if not far.max(initial=0.0) <= SAME * size:
+            raise InputError(f"solved again, the cases have other shapes than the file: {name} differs")
+    return made
 
 
 def _with_outputs(study: Study, outputs: Any) -> Study:

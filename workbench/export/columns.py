@@ -7,10 +7,11 @@ import numpy as np
 from solver.mechanics import frames, statics
 from solver.mechanics.contact import contact_force
 from solver.mechanics.potential import Loads, potential
+from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES, unit_of
 
 from ..data import schema
-from ..geometry.centreline import Array, Centreline
+from ..geometry.centreline import APART, Array, Centreline
 from .base import Rod
 
 # columns before all others, whatever the study stores
@@ -28,8 +29,17 @@ class Column:
 
 
 def columns(rod: Rod) -> list[Column]:
-    """Every quantity at the stations: what is stored, and what follows from it by the equations of statics."""
+    """Every quantity at the stations: what is stored, and what follows from it by the equations of statics.
+
+    Raises `InputError` where beta' is not stored and the stations are too far apart for it.
+    """
     ds, line = rod.ds, rod.line
+    if line.swing > APART and not line.stored_slopes:
+        more = int(np.ceil(2 * line.s.size * line.swing / APART))
+        raise InputError(
+            f"{line.s.size} stations are too far apart to tell the rate of beta: store about {more} (stations = {more} "
+            "in the study), or store dbeta (in outputs)"
+        )
     units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
     one = ds.isel(rod.where)
     known = computed(line)

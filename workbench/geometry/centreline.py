@@ -1,7 +1,9 @@
 """The centreline of one stored case as a smooth curve, and its error between stations. NumPy and SciPy only.
 
 Nothing is solved. Between stations the curve follows from stored values: the tangent from beta, its rate from
-beta'' = -H(beta), which needs the stored loads, and beta' from both sides of a station.
+beta'' = -H(beta), which needs the stored loads, and beta' from both sides of a station. Where the stations are farther
+apart than the swings of beta, such a curve may miss swings without a trace: there alpha and z rise evenly from station
+to station, and the error is the largest that a rod of that length can have.
 """
 
 from collections.abc import Mapping
@@ -16,7 +18,7 @@ from scipy.interpolate import BPoly
 
 from solver.mechanics import frames, statics
 from solver.mechanics.contact import contact_force, push_from
-from solver.mechanics.potential import dimensional_slope
+from solver.mechanics.potential import Loads, dimensional_slope, potential
 from solver.problem.errors import InputError
 
 from ..data import rod_fields
@@ -28,6 +30,7 @@ GAUSS, WEIGHT = (0.5 * (v + k) for v, k in zip(np.polynomial.legendre.leggauss(5
 ROUNDS = 6  # each reduces the error of beta' by a factor of some (step x largest frequency)^2 / 10
 ORDER, CUBIC_ORDER = 6, 4  # of the errors of the curve and of the cubics between stations, in their distance
 PARTS = 4  # of an interval, for a better number of stations
+APART = 3.0  # radians of a swing of beta between stations; from pi on a swing may lie between two of them unseen
 SHARES = np.linspace(0, 1, 17)[1:-1]  # of an interval: where the cubic is compared with the curve
 
 
@@ -36,7 +39,8 @@ class Centreline:
     """A rod's centreline r(s), 0 <= s <= L, in the dataset's own units.
 
     s, alpha, beta, dbeta, z: at the stations, (n,). A: bending stiffness; l, m, p: MZ/A, M3/A, FZ/A. bore: inner radius
-    of a tube, 0 of a solid section. unit: that of length, for messages.
+    of a tube, 0 of a solid section. unit: that of length, for messages. stored_slopes: dbeta is stored; else it follows
+    from beta, and where `swing` is above `APART` only its size does.
     """
 
     s: Array
@@ -54,6 +58,7 @@ class Centreline:
     side: str
     bore: float = 0.0
     unit: str = ""
+    stored_slopes: bool = True
 
     @property
     def L(self) -> float:
@@ -77,10 +82,25 @@ class Centreline:
         known = np.stack([np.column_stack([self.alpha, around]), np.column_stack([self.z, up])], axis=-1)
         return through(self.s, known)
 
+    @cached_property
+    def swing(self) -> float:
+        """The radians of a swing of beta between stations, at most: the step times the largest frequency."""
+        return _swing(self.s, self.beta, self.rho, self.l, self.m, self.p)
+
+    @cached_property
+    def smooth(self) -> bool:
+        """Whether the curve is the smooth one through the stations; else alpha and z rise evenly between them."""
+        return self.swing <= APART and self._smooth_error <= self.chord_error
+
     def at(self, s: Array) -> tuple[Array, Array, Array]:
         """alpha, beta [rad] and z [length] at s, (k,) each."""
+        if not self.smooth:
+            return self._even(self.alpha, s), self._even(self.beta, s), self._even(self.z, s)
         alpha, z = self._curve(s).T
         return alpha, self._angle(s), z
+
+    def _even(self, values: Array, s: Array) -> Array:
+        return np.interp(s, self.s, values)
 
     def frame(self, s: Array) -> tuple[Array, Array, Array, Array]:
         """Position, tangent, outward normal and the normal in the surface at s, (k, 3) each."""
@@ -90,11 +110,17 @@ class Centreline:
 
     def kappa(self, s: Array) -> Array:
         """Curvature at s, (k,) [1/length]."""
+        if not self.smooth:
+            return self._even(statics.curvature(self.rho, self.beta, self.dbeta), s)
         return statics.curvature(self.rho, self._angle(s), self._angle(s, 1))
 
     def contact(self, s: Array) -> Array:
         """The cylinder's push per length at s, (k,) [force/length], positive outward; eq. (34), corrected."""
-        beta, dbeta = self._angle(s), self._angle(s, 1)
+        if not self.smooth:
+            return self._even(self._contact(self.beta, self.dbeta), s)
+        return self._contact(self._angle(s), self._angle(s, 1))
+
+    def _contact(self, beta: Array, dbeta: Array) -> Array:
         around = statics.circumferential_force(self.A, self.l, self.m, self.rho, beta)
         H = dimensional_slope(self.l, self.m, self.p, self.rho, beta)
         return contact_force(self.A, self.m, self.rho, around, H, beta, dbeta)
@@ -103,17 +129,29 @@ class Centreline:
         """The cylinder's push at s on either side, (k,) [force/length], negative where it would have to pull."""
         return push_from(self.contact(s), self.side)
 
-    @cached_property
+    @property
     def error(self) -> float:
-        """The estimated error of the curve between stations [length].
+        """The estimated error of the curve between stations [length]."""
+        return self._smooth_error if self.smooth else self.chord_error
 
-        The curve through the angles, integrated from one station, misses the next by this much at most.
-        """
+    @cached_property
+    def _smooth_error(self) -> float:
+        """The curve through the angles, integrated from one station, misses the next by this much at most [length]."""
         h = np.diff(self.s)[:, None]
         beta = self._angle(self.s[:-1, None] + h * GAUSS)
         across = self.rho * np.diff(self.alpha) - (h * np.sin(beta)) @ WEIGHT
         up = np.diff(self.z) - (h * np.cos(beta)) @ WEIGHT
         return float(np.hypot(across, up).max())
+
+    @cached_property
+    def chord_error(self) -> float:
+        """The greatest possible distance of the rod from an even rise between stations [length], whatever its shape.
+
+        The rod is not stretched: of length h between two points c apart on the unrolled cylinder it stays within
+        sqrt(h^2 - c^2)/2 of their chord.
+        """
+        chord = np.hypot(self.rho * np.diff(self.alpha), np.diff(self.z))
+        return float(np.sqrt(np.maximum(np.diff(self.s) ** 2 - chord**2, 0)).max() / 2)
 
     @cached_property
     def cubic(self) -> Any:
@@ -139,6 +177,8 @@ class Centreline:
         """
         n, allowed = self.s.size - 1, tolerance / 2 if cubic else tolerance
         more = n * max(self.error / allowed, 1.0) ** (1 / ORDER)
+        if self.error > allowed:
+            more = max(more, n * 2 * self.swing / APART)
         if cubic:
             s = np.interp(np.arange(PARTS * n + 1) / PARTS, np.arange(n + 1), self.s)
             place, tangent, _, _ = self.frame(s)
@@ -179,15 +219,15 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     A = float(rod_fields.bending_stiffness(str(ds.attrs["stiffness"]), number))
     loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
     s = np.asarray(one["s"].values, dtype=float)
-    if "dbeta" in ds:
-        dbeta = np.asarray(one["dbeta"], dtype=float)
-    else:
-        dbeta = _slopes(s, along["beta"], number["rho"], *loads)
+    is_stored = "dbeta" in ds
+    dbeta = np.asarray(one["dbeta"], dtype=float) if is_stored else _slopes(s, along["beta"], number["rho"], *loads)
     R, a, rho = (number[name] for name in ("R", "a", "rho"))
     l, m, p = loads
     side, unit = str(ds.attrs["side"]), str(ds.attrs["length_unit"])
     bore = number.get("inner_radius", 0.0)
-    return Centreline(s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side, bore, unit)
+    return Centreline(
+        s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side, bore, unit, is_stored
+    )
 
 
 def through(s: Array, known: Array) -> Any:
@@ -207,8 +247,12 @@ def _slopes(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> 
     """beta' at the stations from beta there and beta'' = -H(beta) between them, (n,).
 
     On each interval beta' at its two ends follows from the two angles and the integral of beta''; the two values at a
-    common station of neighbouring intervals are averaged.
+    common station of neighbouring intervals are averaged. Where the stations are too far apart for that, the size of
+    beta' follows from beta'^2 + G(beta) = max G over the stations, to which the turning points come near.
     """
+    if _swing(s, beta, rho, l, m, p) > APART:
+        G = potential(Loads(l * rho, m * rho, p * rho**2), beta) / rho**2
+        return np.sqrt(G.max() - G)
     h = np.diff(s)
     bend = -dimensional_slope(l, m, p, rho, beta)
     dbeta = np.gradient(beta, s)
@@ -220,3 +264,10 @@ def _slopes(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> 
         arriving = chord + h * (inside @ (WEIGHT * GAUSS))
         dbeta = np.concatenate([leaving[:1], (leaving[1:] + arriving[:-1]) / 2, arriving[-1:]])
     return dbeta
+
+
+def _swing(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> float:
+    """The largest step of s times the largest frequency sqrt|H'| at the angles between the least and the largest."""
+    angle = np.linspace(beta.min(), beta.max() + 1e-3, 361)
+    rate = np.gradient(dimensional_slope(l, m, p, rho, angle), angle)
+    return float(np.diff(s).max() * np.sqrt(np.abs(rate).max()))

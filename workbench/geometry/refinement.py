@@ -17,6 +17,7 @@ from solver.problem.errors import InputError
 from .centreline import Array, Centreline
 
 LEAST_SIDES = 6
+STEP = 0.5  # rad around the cylinder, in which the bend of the surface is seen
 PROBES = 8  # points a ring, at which the true surface is compared with the drawn one
 SETTLED = 2  # rounds of moving the rings, after which the errors of most intervals are within a tenth of each other
 ROUNDS = 10  # with those that remove or add rings; intervals that still fail (bends below a pixel) are halved
@@ -64,45 +65,26 @@ def rings(
     InputError
         The tube would take more than `MOST_TRIANGLES`.
     """
-    missed, smooth = curve_error(line, tolerance)
+    missed = line.error
     left = max(tolerance - missed, tolerance / 2)
     sides = int(np.ceil(np.pi / np.arccos(max(1 - SHARE * left / line.a, 0.0))))
     sides = -(-max(sides, LEAST_SIDES) // sides_multiple) * sides_multiple
-    s = _probes(line, span, SHARE * left, turned, smooth)
-    place = _surface(line, s, turned)
-    values = colour(s) if colour is not None else None
+    s = _probes(line, span, SHARE * left, turned)
     if s.size * sides > 2 * PROBES * MOST_TRIANGLES:
         _refuse(line, s.size * sides // PROBES * 2)
+    place = _surface(line, s, turned)
+    values = colour(s) if colour is not None else None
     chosen = _placed(s, place, values, SHARE * left, colour_length)
     if 2 * chosen.size * sides > MOST_TRIANGLES:
         _refuse(line, 2 * chosen.size * sides)
     return Rings(s[chosen], sides, missed + left)
 
 
-def curve_error(line: Centreline, tolerance: float) -> tuple[float, bool]:
-    """The error of the curve that is drawn [length], and whether that is the smooth one through the stations.
-
-    Else straight lines between the stations are as good.
-    """
-    smooth, straight = line.error, chord_error(line)
-    is_smooth = smooth <= max(tolerance / 4, min(straight, tolerance))
-    return (smooth, True) if is_smooth else (straight, False)
-
-
 def stations_for(line: Centreline, tolerance: float) -> int:
     """About how many stations it takes to draw a rod to a tolerance [length]; its own number where that is enough."""
-    if curve_error(line, tolerance)[0] <= tolerance / 2:
+    if line.error <= tolerance / 2:
         return line.s.size
     return max(line.stations_for(tolerance / 6), line.s.size + 1)
-
-
-def chord_error(line: Centreline) -> float:
-    """The greatest possible distance of the rod from straight lines between its stations [length], whatever its shape.
-
-    The rod is not stretched: of length h between two points c apart it stays within sqrt(h^2 - c^2)/2 of their chord.
-    """
-    chord = np.hypot(line.rho * np.diff(line.alpha), np.diff(line.z))
-    return float(np.sqrt(np.maximum(np.diff(line.s) ** 2 - chord**2, 0)).max() / 2)
 
 
 def _refuse(line: Centreline, triangles: int) -> None:
@@ -121,8 +103,8 @@ def _surface(line: Centreline, s: Array, turned: Any) -> Array:
     return np.concatenate([place, line.a * out, line.a * across], axis=1)
 
 
-def _probes(line: Centreline, span: tuple[float, float], tolerance: float, turned: Any, smooth: bool) -> Array:
-    """Points so near that the surface between them is as good as straight; the stations, where only those are known.
+def _probes(line: Centreline, span: tuple[float, float], tolerance: float, turned: Any) -> Array:
+    """Points so near that the surface between them is as good as straight.
 
     A point moves off a straight line by |r''| ds^2/8. Bends that are smaller than the tolerance may lie between two
     points: there the points are rare, also on those bends.
@@ -130,9 +112,11 @@ def _probes(line: Centreline, span: tuple[float, float], tolerance: float, turne
     low, high = span
     inside = line.s[(line.s > low) & (line.s < high)]
     s = np.concatenate([[low], inside, [high]])
-    if not smooth:
-        return s
-    fine = np.unique(np.concatenate([s[:-1] + k / 4 * np.diff(s) for k in range(4)] + [s[-1:]]))
+    # a helix may go around several times between two stations
+    parts = np.maximum(np.ceil(np.abs(np.diff(line.at(s)[0])) / STEP), 4)
+    if (total := int(parts.sum())) > PROBES * MOST_TRIANGLES:
+        _refuse(line, 2 * LEAST_SIDES * total // PROBES)
+    fine = np.unique(np.interp(np.arange(total + 1), np.concatenate([[0.0], np.cumsum(parts)]), s))
     place = _surface(line, fine, turned)
     h = np.diff(fine)
     rate = np.diff(place, axis=0) / h[:, None]

@@ -10,7 +10,7 @@ import xarray as xr
 from solver.problem.errors import InputError
 from studies.model import MAX_STATIONS
 
-from ..geometry.centreline import Array
+from ..geometry.centreline import APART, Array
 from ..geometry.refinement import stations_for
 from . import captions, colours, footer, long_rod, overlays, page, wording
 from .arrangement import EDGE, Arrangement, arrange
@@ -139,7 +139,8 @@ def composed(scene: Scene) -> Picture:
         _placed(scene, arranged, camera, size), camera, size, settings.pixel_error, settings.transparent,
         max(LINE * finer, 0.8), scene.outlined,
     )  # fmt: skip
-    if error > COARSEST:
+    blind = any(body.line.swing > APART for body in scene.bodies)  # then the push between stations is not known
+    if error > (settings.pixel_error * (1 + 1e-9) if blind else COARSEST):
         raise TooFewStations(_too_few(n, stations, error, settings), stations)
     if error > settings.pixel_error * (1 + 1e-9):
         words = replace(words, notes=[*words.notes, f"drawn to within {error:.1f} pixels"])

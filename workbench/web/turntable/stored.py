@@ -15,14 +15,15 @@ from studies.dimensions import SAMPLE
 
 from ...data import cautions, labels, schema, selection
 from ...data.schema import axes_of
-from ...geometry import centreline
-from ...geometry.centreline import Array, Centreline
+from ...geometry import centreline, refinement
+from ...geometry.centreline import APART, Array, Centreline
 
 MOST_BYTES = 1_900_000  # of the stored arrays; as text a third more, so that a file stays below 3 MB
 ROWS, BYTES = 4, 4  # beta, beta', alpha and z; of a number
 STRIDES = (16, 8, 4, 2)  # stations that one of them may stand for
 NEAR, ANGLE = 0.005, 1e-3  # radii of the rod, and rad, by which stations may be off where others stand for them
 LEAST = 51  # stations
+SHARE = 1e-3  # of the height of a rod, by which its curve between stations may be off: a pixel of a large screen
 
 Facts = Callable[[xr.Dataset], Sequence[tuple[str, str]]]
 
@@ -78,6 +79,9 @@ def stored(
     solved = [line for line in lines if line is not None]
     if not solved:
         raise InputError(f"no case has a shape: {ds['outcome'].isel(wheres[0]).values}")
+    if any(map(_is_blind, solved)):
+        more = max(map(stations_for, solved))
+        raise InputError(f"{n} stations are too few, as a rod swings between them unseen: store about {more}")
     step = _stride(solved)
     data = {
         "axes": [_axis(ds, name, rows, base[name]) for name, rows in chosen.items()],
@@ -91,6 +95,18 @@ def stored(
         "push": labels.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}"),
     }
     return Stored(data, [_left_out(ds, name, rows) for name, rows in chosen.items() if len(rows) < ds.sizes[name]])
+
+
+def stations_for(line: Centreline) -> int:
+    """About how many stations a rod needs for a curve without corners; its own number where that is enough."""
+    if _is_blind(line):
+        return line.stations_for(NEAR * line.a)
+    return refinement.stations_for(line, SHARE * max(float(np.ptp(line.z)), 2 * line.rho))
+
+
+def _is_blind(line: Centreline) -> bool:
+    """Whether a rod may swing between its stations where a picture would show it."""
+    return line.swing > APART and line.error > NEAR * line.a
 
 
 def _chosen(sizes: dict[str, int], base: Mapping[str, int], most: int) -> dict[str, list[int]]:
