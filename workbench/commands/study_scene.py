@@ -80,8 +80,9 @@ def at_needed_stations(
 ) -> tuple["Picture", int]:
     """The picture of a dataset, or of its cases solved at the stations that it needs, and the number of stations.
 
-    solve: solves the cases at a number of stations; None where they cannot be solved again. draw: takes the dataset, and
-    whether it raises `composition.TooFewStations` rather than draw less well than asked. Raises `InputError` as they do.
+    solve: solves the cases at a number of stations; None where they cannot be solved again. draw: takes the dataset,
+    and whether it raises `composition.TooFewStations` rather than draw less well than asked. Raises `InputError` as
+    they do.
     """
     from ..scene.composition import TooFewStations
 
