@@ -59,7 +59,12 @@ def start(folder: Path, *args: object, before: str = "", **more: bool) -> subpro
 
 def run(folder: Path, *args: object, before: str = "", limit: float = 600) -> subprocess.CompletedProcess[str]:
     """The same in a forked process, to its end, or to so many seconds."""
-    return forked.run(_main(folder, before), "run", *args, cwd=folder, timeout=limit)
+    return command(folder, "run", *args, before=before, limit=limit)
+
+
+def command(folder: Path, *args: object, before: str = "", limit: float = 600) -> subprocess.CompletedProcess[str]:
+    """`workbench ...` in a forked process, in that folder."""
+    return forked.run(_main(folder, before), *args, cwd=folder, timeout=limit)
 
 
 def _main(folder: Path, before: str) -> Path:
@@ -71,7 +76,10 @@ def _main(folder: Path, before: str) -> Path:
 
 
 def contents(path: Path) -> dict[str, Any]:
-    """Each variable's bytes, kind, dimensions and packing, and every attribute but the moment the file was made."""
+    """Each variable's bytes, kind, dimensions and packing, and every attribute but the moment the file was made.
+
+    Nor its checksums, of which one is that moment's.
+    """
     held: dict[str, Any] = {}
 
     def look(name: str, item: Any) -> None:
@@ -87,5 +95,5 @@ def contents(path: Path) -> dict[str, Any]:
     with h5py.File(path) as file:
         look("", file)
         file.visititems(look)
-    del held["@created"]
+    del held["@created"], held["@checksums"]
     return held

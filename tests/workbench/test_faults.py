@@ -284,6 +284,16 @@ def test_a_disk_that_fills_is_told_and_what_is_finished_is_kept(size, kept, whol
     finished(tmp_path, whole)
 
 
+def test_a_merge_on_a_full_disk_says_so_and_leaves_nothing(tmp_path) -> None:
+    for name, E in (("a", [1e4, 2e4]), ("b", [3e4])):
+        runs.run(tmp_path, runs.study(tmp_path, {"E": E}), "--out", f"{name}.h5", before=SMALL)
+    before = {path.name for path in tmp_path.iterdir()}
+    done = runs.command(tmp_path, "merge", "a.h5", "b.h5", "--out", "c.h5", before=LIMITED.format(size=5_000))
+    assert (done.returncode, done.stdout) == (2, ""), done.stderr
+    assert re.fullmatch(r"workbench: cannot write c\.h5: .*\n", done.stderr)
+    assert {path.name for path in tmp_path.iterdir()} == before
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root mounts a file system")
 @pytest.mark.parametrize("size", ["60k", "1m"])
@@ -327,9 +337,13 @@ def test_of_two_runs_on_one_output_the_second_refuses_until_the_first_is_gone(wh
     with runs.start(tmp_path, "many.toml", "--workers", 1, "--chunk", 16, before=TELLING) as first:
         awaited(tmp_path / "worker", first)
         before = {path.name for path in (tmp_path / "many.h5.parts").iterdir()}
+        runs.run(tmp_path, "many.toml")  # asked twice, it says so twice
         second = runs.run(tmp_path, "many.toml")
         assert second.returncode == 2
-        assert second.stderr.startswith(f"workbench: another run is at work on many.h5 (process {first.pid} on ")
+        said = (
+            rf"workbench: another run is at work on many\.h5 \(process {first.pid} on \S+, since 20\S+ [\d:]{{8}}\)\n"
+        )
+        assert re.fullmatch(said, second.stderr), second.stderr
         assert {path.name for path in (tmp_path / "many.h5.parts").iterdir()} == before
         first.kill()
     (tmp_path / "worker").unlink()

@@ -21,7 +21,7 @@ from studies import load
 from studies.loader import loads
 from tests.workbench import forked, runs, small
 from workbench import cli
-from workbench.data import escaping, reading, schema, writing
+from workbench.data import checksums, escaping, reading, schema, writing
 from workbench.figures import canvas, study_figure
 from workbench.run import in_memory, resume
 from workbench.run.study_store import run_to_file
@@ -39,8 +39,11 @@ def stored(path: Path, values: str = "[1e4, 2e4]") -> Path:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory) -> bytes:
-    """The bytes of a good file."""
-    return stored(tmp_path_factory.mktemp("whole") / "small.h5").read_bytes()
+    """The bytes of a good file, without the checksums that would tell first whatever is altered."""
+    path = stored(tmp_path_factory.mktemp("whole") / "small.h5")
+    with h5py.File(path, "a") as file:
+        del file.attrs[checksums.KEY]
+    return path.read_bytes()
 
 
 @pytest.fixture(scope="module")
@@ -285,6 +288,30 @@ def damaged_files_end_in_a_sentence(
 
 def test_damaged_files_end_in_a_sentence(whole: bytes, tmp_path: Path) -> None:
     damaged_files_end_in_a_sentence(SOME, 2, 4, whole, tmp_path)
+
+
+def changed_bits_are_noticed(count: int, seed: int, tmp_path: Path) -> None:
+    """A file with one bit changed is refused, or all of it that is read is as it was."""
+    path, random = stored(tmp_path / "good.h5"), Random(seed)
+    whole, good = path.read_bytes(), writing.read(path)
+    for _ in range(count):
+        content = bytearray(whole)
+        content[random.randrange(len(whole))] ^= 1 << random.randrange(8)
+        path.write_bytes(content)
+        try:
+            found = writing.read(path)
+        except InputError:
+            continue
+        xr.testing.assert_identical(found, good)
+
+
+def test_changed_bits_are_noticed(tmp_path: Path) -> None:
+    changed_bits_are_noticed(60, 1, tmp_path)
+
+
+@pytest.mark.slow
+def test_a_thousand_changed_bits_are_noticed(tmp_path: Path) -> None:
+    changed_bits_are_noticed(1000, 2, tmp_path)
 
 
 @pytest.mark.slow

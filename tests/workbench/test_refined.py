@@ -261,9 +261,9 @@ def test_a_damaged_shard_of_an_early_round_is_solved_again(stored: Path, tmp_pat
 def test_a_killed_run_continues_to_the_same_file(tmp_path) -> None:
     (tmp_path / "many.toml").write_text(study(PLANE + LAW).text)
     assert runs.run(tmp_path, "many.toml", "--out", "whole.h5").returncode in (0, 1)
-    kill = "import os, workbench.run.shards as shards\nput, n = shards.store_shard, [0]\n"
+    kill = "import os, workbench.run.shards as shards\nput, n = shards.Shards.store, [0]\n"
     kill += "def store(*args):\n    put(*args)\n    n[0] += 1\n    n[0] < 4 or os.kill(os.getpid(), 9)\n"
-    kill += "shards.store_shard = store\n"
+    kill += "shards.Shards.store = store\n"
     (tmp_path / "b").mkdir()
     (tmp_path / "b" / "many.toml").write_text(study(PLANE + LAW).text)
     assert runs.run(tmp_path / "b", "many.toml", "--out", "whole.h5", before=kill).returncode == -9

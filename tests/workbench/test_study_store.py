@@ -198,7 +198,7 @@ DAMAGE = {
     "a byte flipped in the middle": lambda content: _flipped(content, len(content) // 2),
     "a byte flipped in the digest": lambda content: _flipped(content, 3),
     "the last bit flipped": lambda content: _flipped(content, len(content) - 1),
-    "another shard's": lambda content: shards.encode({"outcome": np.array(["solved"])}),
+    "without a checksum": lambda content: content[32:],
 }
 
 
@@ -214,6 +214,43 @@ def test_a_damaged_shard_is_found_and_solved_again(damage, whole, tmp_path, monk
     solved = counted(monkeypatch)
     run_to_file(load(path), tmp_path / "many.h5", Options(workers=1))
     assert solved == [64]
+    assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
+
+
+def _exchanged(folder: Path) -> None:
+    first, second = (folder / f"{a:012d}-{a + 64:012d}.shard" for a in (0, 64))
+    aside = first.rename(folder / "aside")
+    second.rename(first)
+    aside.rename(second)
+
+
+def _foreign(folder: Path) -> None:
+    """The first shard is that of the same study with another cylinder."""
+    other = folder.parent / "other"
+    other.mkdir()
+    path = runs.study(other, GRID)
+    path.write_text(path.read_text() + "[base]\nR = 0.9\n")
+    with pytest.MonkeyPatch.context() as patch:
+        shard = kept(path, patch) / "000000000000-000000000064.shard"
+    shard.replace(folder / shard.name)
+
+
+def _folder(folder: Path) -> None:
+    shard = folder / "000000000000-000000000064.shard"
+    shard.unlink()
+    shard.mkdir()
+
+
+MISPLACED = {"exchanged": (_exchanged, [64, 64]), "foreign": (_foreign, [64]), "a folder": (_folder, [64])}
+
+
+@pytest.mark.parametrize("misplace, again", MISPLACED.values(), ids=MISPLACED)
+def test_a_shard_that_belongs_elsewhere_is_solved_again(misplace, again, whole, tmp_path, monkeypatch) -> None:
+    path = runs.study(tmp_path, GRID)
+    misplace(kept(path, monkeypatch))
+    solved = counted(monkeypatch)
+    run_to_file(load(path), tmp_path / "many.h5", Options(workers=1))
+    assert solved == again
     assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
 
 
@@ -264,8 +301,9 @@ def test_shards_of_other_code_or_a_newer_format_are_refused(tmp_path, monkeypatc
     for old, new, sentence in (
         (f'"numpy": "{np.__version__}"', '"numpy": "1.0"', f"numpy was 1.0, now {np.__version__}"),
         (recipe.code_version(), "0.0.1+abc", r"code was 0\.0\.1\+abc, now"),
-        ('"format": 1', '"format": 2', "is of format 2, but this version reads up to format 1"),
-        ('"format": 1', '"form": 1', "is damaged; use --restart to discard"),
+        ('"format": 2', '"format": 3', "is of format 3, but this version reads format 2"),
+        ('"format": 2', '"format": 1', "is of format 1, .* reads format 2; use --restart to discard it"),
+        ('"format": 2', '"form": 2', "is damaged; use --restart to discard"),
         (text, "{", "is damaged; use --restart to discard"),
     ):
         assert old in text

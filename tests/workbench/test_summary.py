@@ -25,6 +25,7 @@ def file(tmp_path):
     for name in ("wraps", "kappa_max"):
         ds[name][0, 1] = np.nan
     ds["error"][1, 2] = 0.5
+    ds["error"][0, 1] = 1e289  # of the unsolved case
     return writing.write(ds, tmp_path / "small.h5"), ds
 
 
@@ -146,6 +147,7 @@ def test_a_check_says_which_case_has_lost_digits_how_many_remain_and_why(tmp_pat
     )
     for name, values in (("error", (2e-8, 1.7e-7)), ("condition", (50.0, 120.0))):
         ds[name][0, 1], ds[name][1, 2] = values
+    ds["solved"][0, 2], ds["outcome"][0, 2], ds["error"][0, 2] = False, "failed: on purpose", 1e289
     path = writing.write(ds, tmp_path / "small.h5")
     said = " ".join(CliRunner().invoke(cli.app, ["check", str(path)]).output.split())
     assert (

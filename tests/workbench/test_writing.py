@@ -16,8 +16,9 @@ import xarray as xr
 
 from solver import InputError
 from tests.workbench import forked, runs, small
-from workbench.data import netcdf, writing
+from workbench.data import atomic, netcdf, writing
 from workbench.run import in_memory
+from workbench.run.study_store import run_to_file
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +61,7 @@ def test_a_bare_open_dataset_reads_it_without_a_warning(ds, tmp_path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with xr.open_dataset(path) as opened:
+            assert opened.attrs.pop("checksums")
             xr.testing.assert_identical(opened.load(), ds)
 
 
@@ -105,6 +107,45 @@ def test_a_file_that_is_damaged_inside_is_refused(ds, tmp_path) -> None:
     path.write_bytes(content)
     with pytest.raises(InputError, match="cannot be read as HDF5"):
         writing.read(path)
+
+
+@pytest.mark.parametrize("where", ["attrs title", "attrs study", "E units", "outcome", "caution", "L"])
+def test_a_changed_letter_of_what_is_not_packed_is_named(where, ds, tmp_path) -> None:
+    path = writing.write(ds, tmp_path / "small.h5")
+    name, _, key = where.partition(" ")
+    with h5py.File(path, "a") as file:
+        if name == "attrs":
+            file.attrs[key] = file.attrs[key].replace("t", "u", 1)
+        elif key:
+            file[name].attrs[key] = "N/cm^3"
+        elif name == "L":
+            file[name][...] *= 1 + 1e-12
+        else:
+            texts = file[name][...]
+            texts.flat[-1] = texts.flat[-1] + b"?"
+            file[name][...] = texts
+    with pytest.raises(InputError, match=rf"small.h5: .*{key or name}.* has changed since it was stored"):
+        writing.read(path)
+
+
+def test_a_selection_that_another_program_has_stored_is_read(ds, tmp_path) -> None:
+    with xr.open_dataset(writing.write(ds, tmp_path / "small.h5")) as opened:
+        opened.isel(E=[1]).assign_attrs(history="mine").to_netcdf(tmp_path / "part.h5", engine="h5netcdf")
+    xr.testing.assert_identical(writing.read(tmp_path / "part.h5").drop_attrs(), ds.isel(E=[1]).drop_attrs())
+
+
+@pytest.mark.parametrize("target", ["absent.h5", "out.h5"], ids=["dangling", "circular"])
+def test_a_link_that_leads_nowhere_is_refused_and_stays(target, ds, tmp_path) -> None:
+    path = tmp_path / "out.h5"
+    path.symlink_to(tmp_path / target)
+    with pytest.raises(InputError, match=rf"cannot write .*out.h5: it is a link to .*{target}, which leads to no file"):
+        writing.write(ds, path, force=True)
+    with pytest.raises(InputError, match="which leads to no file"):
+        atomic.write(path, lambda aside: aside.write_text("x"))
+    with pytest.raises(InputError, match="which leads to no file"):
+        run_to_file(small.study(), path)
+    assert path.is_symlink()
+    assert [one.name for one in tmp_path.iterdir()] == ["out.h5"]
 
 
 def test_a_result_replaces_one_of_the_same_study_and_nothing_else(ds, tmp_path) -> None:

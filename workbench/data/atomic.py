@@ -13,8 +13,10 @@ from solver.problem.errors import InputError
 def replacing(path: Path) -> Iterator[Path]:
     """Yield a path beside `path`, of the same suffix; what was written there takes the place of `path` at the end.
 
-    Where the body raises, `path` stays as it was and the other file is removed. Raises `OSError`.
+    Where the body raises, `path` stays as it was and the other file is removed. Raises `OSError`, and `InputError` for
+    a link that leads nowhere.
     """
+    check_link(path)
     aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
         yield aside
@@ -22,6 +24,12 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             aside.unlink(missing_ok=True)
+
+
+def check_link(path: Path) -> None:
+    """Raise `InputError` for a link to a file that is missing, or to itself: it would be replaced unseen."""
+    if path.is_symlink() and not path.exists():
+        raise InputError(f"cannot write {path}: it is a link to {os.readlink(path)}, which leads to no file")
 
 
 @contextmanager
@@ -52,6 +60,16 @@ def flush(path: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
+
+
+def reserve(path: Path, size: int) -> None:
+    """Reserve disk space for a file, as HDF5 does not survive a full disk.
+
+    Raises `OSError` where there is too little. Without `posix_fallocate` nothing is reserved.
+    """
+    if hasattr(os, "posix_fallocate"):
+        with path.open("ab") as file:
+            os.posix_fallocate(file.fileno(), 0, size)
 
 
 def write(path: Path, work: Callable[[Path], object]) -> Path:

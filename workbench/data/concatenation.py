@@ -1,9 +1,8 @@
 """Datasets concatenated along one axis, block by block, so that memory stays small."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import prod
 from typing import Any
 
 import h5py
@@ -15,10 +14,9 @@ from solver.problem.errors import InputError
 from studies.dimensions import SAMPLE
 
 from . import file_checks, schema
+from .grid_io import Where, blocks
 
 BLOCK = 2**21  # numbers that are held of each file: 16 MB
-
-Where = tuple[slice, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,19 +126,6 @@ def stream(file: Any, varying: Sequence[Joined], union: Union, names: Sequence[s
         variable = _created(file, joined)
         for where in blocks(joined.shape, BLOCK):
             variable[where] = _gathered(joined, union, where, names)
-
-
-def blocks(shape: tuple[int, ...], most: int) -> Iterator[Where]:
-    """Slices that together cover an array in its order, each of at most so many numbers."""
-    if not shape:
-        yield ()
-        return
-    cut = next(k for k in range(len(shape)) if prod(shape[k + 1 :]) <= most or k == len(shape) - 1)
-    step = max(1, most // prod(shape[cut + 1 :]))
-    for outer in np.ndindex(*shape[:cut]):
-        for start in range(0, shape[cut], step):
-            stop = min(start + step, shape[cut])
-            yield (*(slice(i, i + 1) for i in outer), slice(start, stop), *(slice(0, n) for n in shape[cut + 1 :]))
 
 
 def _created(file: Any, joined: Joined) -> Any:

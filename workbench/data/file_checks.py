@@ -78,6 +78,7 @@ def _check_file(path: Path) -> None:
 
 def _check_inside(file: h5py.File, path: Path) -> None:
     """Raise `InputError` unless the file holds plain arrays in one group and nothing else."""
+    _check_attributes(file, f"{path}:")
     if len(file) > MOST_VARIABLES:
         raise InputError(f"{path} holds {len(file)} variables; a study's dataset has at most {MOST_VARIABLES}")
     for name in file:
@@ -89,6 +90,13 @@ def _check_inside(file: h5py.File, path: Path) -> None:
         if not isinstance(variable, h5py.Dataset):
             raise InputError(f"{what} is not an array; a study's dataset holds only arrays")
         _check_stored(variable, what)
+        _check_attributes(variable, what)
+
+
+def _check_attributes(held: h5py.File | h5py.Dataset, what: str) -> None:
+    for key in held.attrs:
+        if (shape := held.attrs.get_id(key).shape) is None or 0 in shape:
+            raise InputError(f"{what} the attribute {shown(key)} is empty")
 
 
 def _check_stored(variable: h5py.Dataset, what: str) -> None:

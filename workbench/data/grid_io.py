@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+Where = tuple[slice, ...]
 Slab = tuple[tuple[Any, ...], int]  # an index into the leading axes, and how many cases it picks
 
 PACKED = 2**16  # values of an HDF5 chunk: 512 kB
@@ -53,6 +54,19 @@ def read(variable: Any, shape: tuple[int, ...], start: int, stop: int) -> NDArra
     inner = variable.shape[len(shape) :]
     boxes = [np.asarray(variable[(*index, ...)]).reshape(-1, *inner) for index, _ in slabs(shape, start, stop)]
     return np.concatenate(boxes)
+
+
+def blocks(shape: tuple[int, ...], most: int) -> Iterator[Where]:
+    """Slices that together cover an array in its order, each of at most so many numbers."""
+    if not shape:
+        yield ()
+        return
+    cut = next(k for k in range(len(shape)) if math.prod(shape[k + 1 :]) <= most or k == len(shape) - 1)
+    step = max(1, most // math.prod(shape[cut + 1 :]))
+    for outer in np.ndindex(*shape[:cut]):
+        for start in range(0, shape[cut], step):
+            stop = min(start + step, shape[cut])
+            yield (*(slice(i, i + 1) for i in outer), slice(start, stop), *(slice(0, n) for n in shape[cut + 1 :]))
 
 
 def packing(shape: tuple[int, ...]) -> tuple[int, ...]:

@@ -4,6 +4,7 @@ import json
 import warnings
 from pathlib import Path
 
+import h5py
 import numpy as np
 import xarray as xr
 
@@ -13,7 +14,7 @@ from studies.axes import FIELDS
 from studies.dimensions import SAMPLE
 from studies.law import Law
 
-from . import escaping, netcdf, refined, value_checks
+from . import checksums, escaping, netcdf, refined, value_checks
 from .file_checks import refusing, shown, validated
 from .schema import CURVES, FORMAT, INNER, dimension, sampled_fields
 
@@ -37,6 +38,7 @@ def opened(path: str | Path) -> xr.Dataset:
     try:
         with refusing(path):
             _check_study(ds, path)
+            check_sums(path)
     except InputError:
         ds.close()
         raise
@@ -49,7 +51,15 @@ def raw(path: str | Path) -> xr.Dataset:
         pass
     with refusing(path), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of xarray, on files that are refused below
-        return netcdf.opened(path, decode_times=False)
+        ds = netcdf.opened(path, decode_times=False)
+    ds.attrs.pop(checksums.KEY, None)  # a selection that is stored has others
+    return ds
+
+
+def check_sums(path: str | Path) -> None:
+    """Raise `InputError` where an attribute, a text or a single number is not what was stored."""
+    with refusing(path), h5py.File(path, "r") as file:
+        checksums.check(file, path)
 
 
 def _check_study(ds: xr.Dataset, path: str | Path) -> None:

@@ -18,8 +18,8 @@ from solver.problem.rod import DIRECT, ELASTIC, GIVEN
 from studies.axes import FORCES, LENGTHS
 
 from . import escaping, rod_fields
-from .concatenation import blocks
 from .file_checks import shown
+from .grid_io import blocks
 from .schema import CURVES, LOADS, SECTION, TEXTS
 
 LINE, LABEL = 10_000, 1000  # characters of an attribute of the file, and of a variable

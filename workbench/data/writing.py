@@ -1,15 +1,18 @@
 """Datasets written to HDF5 (netCDF4-compatible) by an atomic replacement, and read whole into memory."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import h5py
 import xarray as xr
 
 from solver.problem.errors import InputError
 
-from . import atomic, file_checks, netcdf, reading, schema, value_checks
+from . import atomic, checksums, file_checks, netcdf, reading, schema, value_checks
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
@@ -25,7 +28,25 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
         check_free(path, str(ds.attrs["study_name"]))
     image = BytesIO()  # HDF5 does not survive a full disk, so it writes to memory
     netcdf.write(ds, image, encoding(ds))
+    with h5py.File(image, "a") as file:
+        checksums.store(file)
     return atomic.write(path, lambda aside: aside.write_bytes(image.getbuffer()))
+
+
+@contextmanager
+def appending(frame: xr.Dataset, path: Path, size: int) -> Iterator[netcdf.File]:
+    """Write a dataset to a new file, and yield the file for further variables.
+
+    size: bytes of the whole file at most, which are reserved: HDF5 does not survive a full disk. Raises `OSError`.
+    """
+    try:
+        atomic.reserve(path, size)
+        netcdf.write(frame, path, encoding(frame))
+        atomic.reserve(path, size)
+        with netcdf.file(path, "a") as file:
+            yield file
+    except RuntimeError as error:  # HDF5 closing a file for which the disk has no room
+        raise OSError(f"HDF5: {error}") from None
 
 
 def read(path: str | Path, study: bool = True) -> xr.Dataset:
@@ -42,6 +63,7 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
         if not study:
             value_checks.texts(ds, path)
             value_checks.fields(ds, path)
+            reading.check_sums(path)
         if "solved" in ds:
             value_checks.each(ds, path)
             value_checks.curves(ds, path)
@@ -72,7 +94,8 @@ def check_free(path: str | Path, study_name: str) -> None:
 
 
 def check_parent(path: str | Path) -> None:
-    """Raise `InputError` unless the folder of a file exists and can be written."""
+    """Raise `InputError` unless the folder of a file exists and can be written, or where a link leads nowhere."""
+    atomic.check_link(Path(path))
     folder = Path(path).parent
     if not folder.is_dir():
         raise InputError(f"cannot write {path}: folder not found: {folder}")

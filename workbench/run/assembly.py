@@ -9,42 +9,51 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import atomic, branch_numbers, cautions, dataset, grid_io, law_verdicts, netcdf, refined, schema, writing
+from ..data import (
+    atomic,
+    branch_numbers,
+    cautions,
+    checksums,
+    dataset,
+    grid_io,
+    law_verdicts,
+    netcdf,
+    refined,
+    schema,
+    writing,
+)
 from ..data.schema import Columns
 from . import shards
 from .plan import Plan, bytes_a_case, bytes_of_file, first_of
 from .recipe import recipe
 from .resume import StoredRun, places
+from .shards import Shards
 from .tally import Tally, statistics_of
 
 WINDOW = 2**25  # bytes of results held while they are copied
 
 
-def assemble(plan: Plan, folder: Path, output: Path, there: StoredRun | None, tally: Tally) -> dict[str, Any]:
+def assemble(plan: Plan, parts: Shards, output: Path, there: StoredRun | None, tally: Tally) -> dict[str, Any]:
     """Write the dataset of all shards, and of the cases of the existing file, in place of that file.
 
     tally: counts of solved, outcome, caution and branch over all cases. Returns the statistics of the file. Raises
     `shards.Damaged` for a damaged shard and `OSError` where the disk is full; the existing file then stays as it was.
     """
-    aside = folder / f".{output.name}"
+    aside = parts.folder / f".{output.name}"
     try:
         frame = dataset.frame(plan.study, plan.dimensions, first_of(plan))
         frame = frame.assign_attrs(caution=cautions.told(tally["caution"]))
         if plan.refinement is not None:
             frame = frame.assign_attrs(refined.attributes(plan.study, plan.refinement))
-        shards.reserve(aside, bytes_of_file(plan))
-        netcdf.write(frame, aside, writing.encoding(frame))
-        shards.reserve(aside, bytes_of_file(plan))
-        with netcdf.file(aside, "a") as file:
-            _write_cases(file, plan, _rows(plan, folder, output, there), tally)
+        with writing.appending(frame, aside, bytes_of_file(plan)) as file:
+            _write_cases(file, plan, _rows(plan, parts, output, there), tally)
         statistics = _statistics(aside, tally)
         with h5py.File(aside, "a") as file:
             file.attrs["recipe"] = json.dumps(recipe(plan))
             file.attrs["statistics"] = json.dumps(statistics)
+            checksums.store(file)
         atomic.move(aside, output)
         return statistics
-    except RuntimeError as error:  # HDF5 closing a file for which the disk has no room
-        raise OSError(f"HDF5: {error}") from None
     finally:
         aside.unlink(missing_ok=True)
 
@@ -92,10 +101,10 @@ def _created(file: Any, plan: Plan, row: dataset.Stored, values: NDArray[Any]) -
     return variable
 
 
-def _rows(plan: Plan, folder: Path, output: Path, there: StoredRun | None) -> Iterator[tuple[int, Columns]]:
+def _rows(plan: Plan, parts: Shards, output: Path, there: StoredRun | None) -> Iterator[tuple[int, Columns]]:
     """The first case and the columns of each window of cases, in flat order."""
     window = max(1, WINDOW // bytes_a_case(plan.study))
-    new = _Shards(folder, plan.todo)
+    new = _Window(parts, plan.todo)
     if plan.new is None:
         for start in range(0, plan.size, window):
             yield start, new.rows(start, min(start + window, plan.size))
@@ -125,12 +134,12 @@ def _merged(new: Columns, at: NDArray[np.int64], held: "_Held", start: int, stop
     return merged
 
 
-class _Shards:
+class _Window:
     """The results in the shards, in order; one shard is held at a time."""
 
-    def __init__(self, folder: Path, cases: int) -> None:
-        self._folder = folder
-        self._there = shards.stored_ranges(folder, cases)
+    def __init__(self, parts: Shards, cases: int) -> None:
+        self._parts = parts
+        self._there = shards.stored_ranges(parts.folder, cases)
         self._held: tuple[int, int] = (0, 0)
         self._columns: Columns = {}
 
@@ -140,7 +149,7 @@ class _Shards:
         for a, b in self._there:
             if a < stop and b > start:
                 if (a, b) != self._held:
-                    self._columns, self._held = shards.read_shard(self._folder, a, b), (a, b)
+                    self._columns, self._held = self._parts.read(a, b), (a, b)
                 mine = slice(max(start - a, 0), stop - a)
                 pieces.append({name: values[mine] for name, values in self._columns.items()})
         return {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}

@@ -4,6 +4,7 @@ import contextlib
 import json
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +19,10 @@ from studies.loader import loads
 from studies.paired import SOURCES
 from studies.writer import dumps, dumps_paired, dumps_table, told
 
-from ..data import atomic, cautions, concatenation, law_verdicts, netcdf, reading, schema, writing
+from ..data import atomic, cautions, checksums, concatenation, law_verdicts, netcdf, reading, schema, writing
 from ..data.selection import SAME
 from . import stored_case, summary
+from .plan import SPARE, TEXT_BYTES
 from .recipe import axis_line
 
 # Attributes in which merged files may not differ, and their names in messages.
@@ -50,11 +52,16 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
             writing.check_free(out, attrs["study_name"])
         frame, varying = concatenation.layout(opened, union, schema.axes_of(opened[0]))
         with atomic.refusing(out), atomic.replacing(out) as aside:
-            netcdf.write(frame.assign_attrs(attrs), aside, writing.encoding(frame))
-            with netcdf.file(aside, "a") as file:
+            with writing.appending(frame.assign_attrs(attrs), aside, _most_bytes(frame, varying)) as file:
                 concatenation.stream(file, varying, union, names)
             result = _judged(aside, _recipe(opened, schema.field_of(studies[0], union.axis), union))
     return {"file": str(out), "axis": union.axis, "values": int(union.values.size), **result}
+
+
+def _most_bytes(frame: xr.Dataset, varying: Sequence[concatenation.Joined]) -> int:
+    """Bytes of the merged file, at most."""
+    each = [prod(joined.shape) * (TEXT_BYTES if joined.is_text else 8) for joined in varying]
+    return int(1.02 * (frame.nbytes + sum(each))) + SPARE
 
 
 def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence[str]) -> concatenation.Union:
@@ -189,6 +196,7 @@ def _judged(path: Path, recipe: Mapping[str, Any] | None) -> dict[str, Any]:
             file.attrs["statistics"] = json.dumps(
                 {"unsolved": unsolved, "outcomes": outcomes, "cautions": texts, "laws": verdicts}
             )
+        checksums.store(file)
     counts = {"cases": sum(outcomes.values()), "unsolved": unsolved}
     return {**counts, "laws": verdicts, "caution": caution}
 

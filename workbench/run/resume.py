@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError
 from studies.dimensions import SAMPLE, Dimension, Dimensions
 
-from ..data import file_checks
+from ..data import checksums, file_checks
 from ..data.schema import FORMAT, dimension
 from .plan import Plan
 from .recipe import axis_line, differences, recipe
@@ -41,6 +41,7 @@ def look(path: Path) -> StoredRun | None:
         with file_checks.validated(path) as file:
             found = np.asarray(file.attrs["format"]).item()
             there = _read(file) if found == FORMAT else None
+            checksums.check(file, path, arrays=False)
     except InputError:
         return None
     if found > FORMAT:

@@ -1,7 +1,8 @@
 """Shards: the finished cases of a run, packed with a checksum, in a folder beside the output with a lock.
 
 A shard that stands under its name is whole (`data.atomic`), so the folder is the whole state of a run, and a run that
-was killed continues from it.
+was killed continues from it. The checksum covers the recipe of the run and the range of cases beside the columns, so a
+shard of another run, or under the name of another one, counts as damaged.
 """
 
 import hashlib
@@ -10,8 +11,11 @@ import os
 import re
 import shutil
 import socket
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from datetime import datetime
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -25,18 +29,20 @@ from ..data.schema import Columns
 from .recipe import differences
 
 MOST = 10**12 - 1  # cases that the name of a shard can count
-FORMAT = 1  # of the folder and its shards
+FORMAT = 2  # of the folder and its shards
 _CHECKSUM = 32  # bytes
 _SHARD = re.compile(r"(\d{12})-(\d{12})\.shard")
-_LOCK, _MANIFEST = "lock", "manifest.json"
+_LOCK, _OWNER, _MANIFEST = "lock", "owner", "manifest.json"
+PATIENCE = 1.0  # seconds in which a run that holds the lock is expected to say who it is
+_FOREIGN = ".not-a-shard"  # suffix of a folder that stands where a shard belongs
 
 
 class Damaged(Exception):
-    """A shard is not what was written: its checksum or its number of cases is wrong."""
+    """A shard is not what was written: its checksum is wrong."""
 
 
 def encode(found: Columns) -> bytes:
-    """The columns as bytes: a checksum, then NumPy's archive, in which each different text stands once."""
+    """The columns as bytes: NumPy's archive, in which each different text stands once."""
     packed: Columns = {}
     for name, values in found.items():
         if values.dtype.kind == "U":
@@ -45,16 +51,12 @@ def encode(found: Columns) -> bytes:
             packed[name] = values
     body = BytesIO()
     np.savez(body, allow_pickle=False, **packed)
-    content = body.getbuffer()
-    return hashlib.blake2b(content, digest_size=_CHECKSUM).digest() + content
+    return body.getvalue()
 
 
-def decode(content: bytes) -> Columns:
-    """The columns that `encode` packed; raises `Damaged` where a byte has changed. Nothing in it is executed."""
-    body = memoryview(content)[_CHECKSUM:]
-    if hashlib.blake2b(body, digest_size=_CHECKSUM).digest() != content[:_CHECKSUM]:
-        raise Damaged
-    with np.load(BytesIO(body), allow_pickle=False) as archive:
+def decode(content: bytes | memoryview) -> Columns:
+    """The columns that `encode` packed. Nothing in it is executed."""
+    with np.load(BytesIO(content), allow_pickle=False) as archive:
         packed = {name: archive[name] for name in archive.files}
     found: Columns = {}
     for name, values in packed.items():
@@ -79,8 +81,8 @@ def locked(folder: Path) -> Iterator[None]:
     """
     from filelock import FileLock, Timeout
 
-    path = folder / _LOCK
-    lock = FileLock(path, timeout=0, fallback_to_soft=False)
+    lock = FileLock(folder / _LOCK, timeout=0, fallback_to_soft=False)
+    tried_until = time.monotonic() + PATIENCE
     while True:
         try:
             folder.mkdir(exist_ok=True)
@@ -90,45 +92,55 @@ def locked(folder: Path) -> Iterator[None]:
             if not folder.parent.is_dir():
                 raise
         except Timeout:
-            if (owner := _owner(path)) is not None:
-                raise InputError(
-                    f"another run is at work on {folder.name.removesuffix('.parts')} ({owner or 'unknown'})"
-                ) from None
-    try:
-        with suppress(PermissionError):  # on Windows, where the content is locked too
-            path.write_text(f"process {os.getpid()} on {socket.gethostname()}", encoding="utf-8")
+            if (owner := _owner(folder)) or time.monotonic() > tried_until:
+                name = folder.name.removesuffix(".parts")
+                raise InputError(f"another run is at work on {name} ({owner or 'an unknown process'})") from None
+            time.sleep(0.01)  # it has just begun, or just ended
+    since = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M:%S")
+    owner = f"process {os.getpid()} on {socket.gethostname()}, since {since}"
+    try:  # a file of its own, as a second run that tries the lock empties that
+        (folder / _OWNER).write_text(owner, encoding="utf-8")
         yield
     finally:
+        if _owner(folder) == owner:  # not that of a run that has begun since `clear` removed the lock
+            (folder / _OWNER).unlink(missing_ok=True)
         lock.release()
 
 
-def _owner(lock: Path) -> str | None:
-    """Who holds the lock, as it says itself; None where the lock is gone."""
+def _owner(folder: Path) -> str:
+    """Who holds the lock, as it says itself; empty where it is not known."""
     try:
-        return lock.read_text(encoding="utf-8")[:200].strip()
-    except FileNotFoundError:
-        return None
+        return (folder / _OWNER).read_text(encoding="utf-8")[:200].strip()
     except (OSError, ValueError):
         return ""
 
 
-def check_recipe(folder: Path, recipe: dict[str, Any]) -> None:
-    """Store the recipe of the shards, or raise `InputError` where existing shards have another recipe."""
-    path = folder / _MANIFEST
+def check_recipe(folder: Path, recipe: dict[str, Any]) -> str:
+    """Store the recipe of the shards and return its digest, which their checksums cover.
+
+    Raises `InputError` where existing shards have another recipe.
+    """
+    path, recipe = folder / _MANIFEST, json.loads(json.dumps(recipe))
     if not path.exists():
         if _shards(folder):
             raise InputError(f"{folder} holds results of an unknown run; use --restart to discard them")
         _put(path, json.dumps({"format": FORMAT, "recipe": recipe}, indent=1).encode())
-        return
+        return _digest(recipe)
     try:
         was = json.loads(path.read_text(encoding="utf-8"))
-        newer, before = int(was["format"]) > FORMAT, dict(was["recipe"])
+        version, before = int(was["format"]), dict(was["recipe"])
     except (ValueError, KeyError, TypeError):
         raise InputError(f"{path} is damaged; use --restart to discard what {folder.name} holds") from None
-    if newer:
-        raise InputError(f"{folder} is of format {was['format']}, but this version reads up to format {FORMAT}")
-    if told := differences(before, json.loads(json.dumps(recipe))):
-        raise InputError(f"{folder} holds part of another run: {'; '.join(told)}; use --restart to discard it")
+    if version != FORMAT:
+        advice = "; use --restart to discard it" if version < FORMAT else ""
+        raise InputError(f"{folder} is of format {version}, but this version reads format {FORMAT}{advice}")
+    if changed := differences(before, recipe):
+        raise InputError(f"{folder} holds part of another run: {'; '.join(changed)}; use --restart to discard it")
+    return _digest(recipe)
+
+
+def _digest(recipe: dict[str, Any]) -> str:
+    return hashlib.blake2b(json.dumps(recipe, sort_keys=True).encode(), digest_size=_CHECKSUM).hexdigest()
 
 
 def is_left_over(folder: Path, recipe: dict[str, Any]) -> bool:
@@ -142,32 +154,46 @@ def is_left_over(folder: Path, recipe: dict[str, Any]) -> bool:
         return False
 
 
-def store_shard(folder: Path, start: int, stop: int, content: bytes) -> None:
-    """Store the packed results of cases `start` to `stop`. Raises `OSError`."""
-    _put(_name(folder, start, stop), content)
+@dataclass(frozen=True)
+class Shards:
+    """The shards of one run. recipe: its digest (`check_recipe`)."""
 
+    folder: Path
+    recipe: str
 
-def read_shard(folder: Path, start: int, stop: int) -> Columns:
-    """The results of cases `start` to `stop`; a damaged shard is removed and raises `Damaged`."""
-    path = _name(folder, start, stop)
-    try:
-        found = decode(path.read_bytes())
-        if found["outcome"].size != stop - start:
-            raise Damaged
-    except (Damaged, FileNotFoundError):
+    def store(self, start: int, stop: int, content: bytes) -> None:
+        """Store the packed results of cases `start` to `stop`. Raises `OSError`."""
+        _put(_name(self.folder, start, stop), self._checksum(start, stop, content) + content)
+
+    def read(self, start: int, stop: int) -> Columns:
+        """The results of cases `start` to `stop`; a damaged shard is removed and raises `Damaged`."""
+        path = _name(self.folder, start, stop)
+        try:
+            whole = path.read_bytes()
+            content = memoryview(whole)[_CHECKSUM:]
+            if self._checksum(start, stop, content) == whole[:_CHECKSUM]:
+                return decode(content)
+        except (FileNotFoundError, IsADirectoryError):
+            pass
+        if path.is_dir() and not path.is_symlink():
+            path.rename(path.with_name(f"{path.name}{_FOREIGN}"))  # not ours, so it stays
         path.unlink(missing_ok=True)
-        raise Damaged from None
-    return found
+        raise Damaged
 
+    def read_cases(self, start: int, stop: int) -> Columns:
+        """The results of the cases `start` to `stop`, all of which have shards. Raises `Damaged`."""
+        pieces = []
+        for a, b in stored_ranges(self.folder, MOST):
+            if a < stop and b > start:
+                columns = self.read(a, b)
+                pieces.append({name: values[max(start - a, 0) : stop - a] for name, values in columns.items()})
+        return {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
 
-def read_cases(folder: Path, start: int, stop: int) -> Columns:
-    """The results of the cases `start` to `stop`, all of which have shards. Raises `Damaged`."""
-    pieces = []
-    for a, b in stored_ranges(folder, MOST):
-        if a < stop and b > start:
-            found = read_shard(folder, a, b)
-            pieces.append({name: values[max(start - a, 0) : stop - a] for name, values in found.items()})
-    return {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
+    def _checksum(self, start: int, stop: int, content: bytes | memoryview) -> bytes:
+        """Of the columns, the range of cases and the recipe: a shard of another place or run has another one."""
+        summed = hashlib.blake2b(f"{self.recipe} {start} {stop} ".encode(), digest_size=_CHECKSUM)
+        summed.update(content)
+        return summed.digest()
 
 
 def stored_ranges(folder: Path, cases: int) -> list[tuple[int, int]]:
@@ -197,6 +223,7 @@ def clear(folder: Path, keep_lock: bool = False) -> None:
         path.unlink(missing_ok=True)
     clear_asides(folder)
     if not keep_lock:
+        (folder / _OWNER).unlink(missing_ok=True)
         (folder / _LOCK).unlink(missing_ok=True)
         with suppress(OSError):
             folder.rmdir()
@@ -222,16 +249,6 @@ def _put(path: Path, content: bytes) -> None:
 
 def _name(folder: Path, start: int, stop: int) -> Path:
     return folder / f"{start:012d}-{stop:012d}.shard"
-
-
-def reserve(path: Path, size: int) -> None:
-    """Reserve disk space for a file, as HDF5 does not survive a full disk.
-
-    Raises `OSError` where there is too little. Without `posix_fallocate` nothing is reserved.
-    """
-    if hasattr(os, "posix_fallocate"):
-        with path.open("ab") as file:
-            os.posix_fallocate(file.fileno(), 0, size)
 
 
 def free(folder: Path) -> int:

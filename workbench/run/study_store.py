@@ -20,7 +20,7 @@ from .recipe import recipe
 from .resume import StoredRun, grown, is_finished, look, replaced
 from .room import room
 from .rounds import Rounds
-from .shards import Damaged, decode, encode
+from .shards import Damaged, Shards, decode, encode
 from .tally import Tally, count, statistics_of, tally_of
 
 WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker
@@ -132,8 +132,8 @@ def run_to_file(
             if options.restart:
                 shards.clear(folder, keep_lock=True)
             shards.clear_asides(folder)
-            shards.check_recipe(folder, {**recipe(work), **_grows(there)})
-            return _run(work, output, folder, there, options, say, progress)
+            digest = shards.check_recipe(folder, {**recipe(work), **_grows(there)})
+            return _run(work, output, Shards(folder, digest), there, options, say, progress)
         finally:
             if shards.is_empty(folder):
                 shards.clear(folder)  # there is nothing that a later run could use
@@ -193,7 +193,7 @@ def _grows(there: StoredRun | None) -> dict[str, Any]:
 def _run(
     work: Plan,
     output: Path,
-    folder: Path,
+    parts: Shards,
     there: StoredRun | None,
     options: Options,
     say: Callable[[str], None],
@@ -202,29 +202,29 @@ def _run(
     from .assembly import assemble
 
     tally = tally_of(there)
-    kept = _verified(work, folder, tally)
-    say(room(work, folder, kept))
+    kept = _verified(work, parts, tally)
+    say(room(work, parts.folder, kept))
     held = work.size - work.todo
     with progress(max(work.size, held + kept), held + kept) as meter:
         told = None
         while told is None:
             try:
-                work = _solved(work, folder, output, there, options, meter, tally)
-                told = assemble(work, folder, output, there, tally)
+                work = _solved(work, parts, output, there, options, meter, tally)
+                told = assemble(work, parts, output, there, tally)
             except Damaged:  # by another program since it was read: its cases are solved again
                 tally = tally_of(there)
-                meter.done = held + _verified(work, folder, tally)
-    shards.clear(folder)
+                meter.done = held + _verified(work, parts, tally)
+    shards.clear(parts.folder)
     return Ran(told, work.todo - kept, meter.seconds)
 
 
-def _verified(work: Plan, folder: Path, tally: Tally) -> int:
+def _verified(work: Plan, parts: Shards, tally: Tally) -> int:
     """Count the cases of the existing shards, each verified; damaged ones are removed."""
     kept = 0
     most = work.todo if work.study.refine is None else shards.MOST
-    for start, stop in shards.stored_ranges(folder, most):
+    for start, stop in shards.stored_ranges(parts.folder, most):
         try:
-            count(shards.read_shard(folder, start, stop), tally)
+            count(parts.read(start, stop), tally)
         except Damaged:
             continue
         kept += stop - start
@@ -232,23 +232,23 @@ def _verified(work: Plan, folder: Path, tally: Tally) -> int:
 
 
 def _solved(
-    work: Plan, folder: Path, output: Path, there: StoredRun | None, options: Options, meter: Meter, tally: Tally
+    work: Plan, parts: Shards, output: Path, there: StoredRun | None, options: Options, meter: Meter, tally: Tally
 ) -> Plan:
     """Solve the missing cases, of a refined study round by round; the plan of all cases. Raises `Damaged`."""
     if work.study.refine is None:
-        _solve(work, folder, options, meter, tally)
+        _solve(work, parts, options, meter, tally)
         return work
     rounds = Rounds(work.study, there, output)
     for part, start, stop in rounds:
         meter.total = max(meter.total, part.size)
-        _solve(part, folder, options, meter, tally, start)
-        rounds.take(shards.read_cases(folder, start, stop) if start < stop else None)
+        _solve(part, parts, options, meter, tally, start)
+        rounds.take(parts.read_cases(start, stop) if start < stop else None)
     return rounds.plan()
 
 
-def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tally, first: int = 0) -> None:
+def _solve(work: Plan, parts: Shards, options: Options, meter: Meter, tally: Tally, first: int = 0) -> None:
     """Solve the missing cases from `first` on and store their shards."""
-    missing = shards.missing_ranges(shards.stored_ranges(folder, work.todo), work.todo)
+    missing = shards.missing_ranges(shards.stored_ranges(parts.folder, work.todo), work.todo)
     missing = [(max(start, first), stop) for start, stop in missing if stop > first]
     if not missing:
         return
@@ -256,10 +256,10 @@ def _solve(work: Plan, folder: Path, options: Options, meter: Meter, tally: Tall
         for chunk, results in _engine(work, missing, options):
             if isinstance(results, str):
                 results = encode(unsolved(work.study, chunk.cases, results))
-            shards.store_shard(folder, chunk.start, chunk.stop, results)
+            parts.store(chunk.start, chunk.stop, results)
             meter.add(chunk.cases, count(decode(results), tally))
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(_kept(work, folder)) from None
+        raise KeyboardInterrupt(_kept(work, parts.folder)) from None
 
 
 def _kept(work: Plan, folder: Path) -> str:

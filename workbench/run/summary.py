@@ -16,7 +16,7 @@ from studies.dimensions import SAMPLE
 
 from ..data import branch_numbers, file_checks, labels, law_verdicts, observed, reading, refined, schema
 from ..data.boundary import boundary, boundary_of_law
-from ..data.concatenation import blocks
+from ..data.grid_io import blocks
 from .stored_case import study_of
 
 BLOCK = 100_000  # cases that are read at a time
@@ -150,9 +150,9 @@ def _spread(variable: xr.DataArray) -> dict[str, Any]:
 
 
 def _worst(ds: xr.Dataset, name: str) -> dict[str, Any]:
-    """The largest value of one number a case, and the case's place on the axes, with the fields of a sample."""
+    """The largest value of one number of the solved cases, and the place of its case on the axes and among samples."""
     variable = ds[name]
-    values = _numbers(variable)
+    values = np.where(_numbers(ds["solved"]) > 0, _numbers(variable), np.nan)
     if not np.isfinite(values).any():
         return {"name": name, "value": None, "at": {}}
     i = int(np.nanargmax(np.where(np.isfinite(values), values, np.nan)))

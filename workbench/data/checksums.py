@@ -1,0 +1,79 @@
+"""Checksums of what a file holds unpacked: attributes, texts and single numbers. HDF5 itself guards packed arrays.
+
+They stand in the attribute `checksums`, some digits for each attribute and each such array. An array of another shape
+is a selection that another program has stored, and is not compared.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import h5py
+import numpy as np
+
+from solver.problem.errors import InputError
+
+from .grid_io import blocks
+
+KEY = "checksums"
+UNSUMMED = {KEY, "DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME", "_Netcdf4Dimid", "_Netcdf4Coordinates",
+            "_NCProperties", "_nc3_strict", "_FillValue", "coordinates"}  # fmt: skip
+_SIZE = 4  # bytes
+_READ = 2**16  # texts at a time
+
+
+def store(file: h5py.File) -> None:
+    """Store the checksums of a complete file that is open for writing."""
+    file.attrs[KEY] = json.dumps({place: _sum(file, place) for place in _places(file)})
+
+
+def check(file: h5py.File, path: object, arrays: bool = True) -> None:
+    """Raise `InputError` where something has changed since `store`. arrays: whether texts of each case are compared.
+
+    Nothing is compared in a file without checksums, as other programs store it.
+    """
+    if KEY not in file.attrs:
+        return
+    try:
+        stored = {str(place): str(summed) for place, summed in json.loads(file.attrs[KEY]).items()}
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        raise InputError(f"{path}: the attribute {KEY} is damaged") from None
+    for place in (place for place in _places(file) if arrays or "@" in place):
+        shape, _, _ = stored.get(place, "added:").partition(":")
+        if shape == _shape(file, place) and _sum(file, place) != stored[place]:
+            variable, _, key = place.partition("@")
+            what = f"the attribute {key}{variable and f' of {variable}'}" if key else variable
+            raise InputError(
+                f"{path}: {what} has changed since it was stored; delete the attribute {KEY} to read it as it is"
+            )
+
+
+def _places(file: h5py.File) -> Iterator[str]:
+    """``@title`` of the file, ``E@units`` and ``outcome`` of variables."""
+    for name, held in (("", file), *file.items()):
+        yield from (f"{name}@{key}" for key in held.attrs if key not in UNSUMMED)
+        if name and not held.id.get_create_plist().get_nfilters():
+            yield name
+
+
+def _shape(file: h5py.File, place: str) -> str:
+    name, at, key = place.partition("@")
+    shape = file[name or "/"].attrs.get_id(key).shape if at else file[name].shape
+    return "x".join(map(str, shape))
+
+
+def _sum(file: h5py.File, place: str) -> str:
+    """``9x3:0f3c11d2``: the shape, and a digest of the content."""
+    name, at, key = place.partition("@")
+    summed = hashlib.blake2b(digest_size=_SIZE)
+    if at:
+        value = file[name or "/"].attrs[key]
+        summed.update(value.encode() if isinstance(value, str) else np.asarray(value).tobytes())
+    elif h5py.check_string_dtype(file[name].dtype) and file[name].ndim:
+        for where in blocks(file[name].shape, _READ):
+            summed.update(b"\0".join(file[name][where].ravel().tolist()) + b"\0")
+    else:
+        value: Any = file[name][()]
+        summed.update(value if isinstance(value, bytes) else np.asarray(value).tobytes())
+    return f"{_shape(file, place)}:{summed.hexdigest()}"
