@@ -183,6 +183,46 @@ class Ends:
                     raise InputError(f"Ends needs {own} or {partner}, got neither; {partner}=0 is a hinge")
                 object.__setattr__(self, own, 0.0)
 
+    @classmethod
+    def helix(cls, rod: Rod, cylinder: Cylinder, tension: Any, lay: Any, twist: Any = None) -> "Ends":
+        """The ends of a rod that is wound on the cylinder as a uniform helix under tension.
+
+        In a uniform helix H(beta) = 0, so F2 = (M3 - A sin cos/rho) sin^2/rho. With F3 = T these give
+        FZ = T cos + F2 sin and MZ = rho (T sin - F2 cos) + M3 cos + A sin^3/rho.
+
+        Parameters
+        ----------
+        rod, cylinder : Rod, Cylinder
+            As of the case.
+        tension : float or array
+            T, the internal force along the rod, F3 [force].
+        lay : float, str or array
+            beta, the angle from the axis of the cylinder to the rod [rad]; negative for a left-handed helix.
+        twist : float or array, optional
+            Twist of the section per length, M3/C [rad/length]; 0 for a rod whose ends may turn. Default: that of
+            M3 = A sin cos/rho, with which no force acts across the rod in the surface (F2 = 0, FZ = T cos).
+
+        Raises
+        ------
+        InputError
+            If a value is not a finite number or, for the angle, such a text.
+
+        Examples
+        --------
+        >>> from solver import Cylinder, Ends, Rod
+        >>> ends = Ends.helix(Rod(EI=3.9e7, GJ=3.0e7, a=10.0, L=6e3), Cylinder(R=180.0), 1e4, "89deg")
+        >>> print(f"{ends.FZ:.2f}")
+        174.52
+        """
+        beta = cls(beta0=lay, betaL=lay).beta0
+        rho, A = cylinder.R + SIDES[cylinder.side] * np.asarray(rod.a), rod.bending_stiffness
+        s, c = np.sin(beta), np.cos(beta)
+        M3 = A * s * c / rho if twist is None else np.asarray(twist) * rod.torsional_stiffness
+        F2 = (M3 - A * s * c / rho) * s**2 / rho
+        T = np.asarray(tension)
+        found = {"FZ": T * c + F2 * s, "MZ": rho * (T * s - F2 * c) + M3 * c + A * s**3 / rho, "M3": M3}
+        return cls(beta0=beta, betaL=beta, **{name: np.asarray(value)[()] for name, value in found.items()})
+
     def __repr__(self) -> str:
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         return f"Ends({choices(f'{name}={value!r}' for name, value in values.items() if value is not None)})"

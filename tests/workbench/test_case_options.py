@@ -1,6 +1,8 @@
 """The options for the fields of a case: their table says what the solver says, and every command offers all of them."""
 
+import re
 from dataclasses import MISSING, fields
+from math import pi, radians, tan
 
 import pytest
 from typer.main import get_command
@@ -85,6 +87,64 @@ def test_a_command_offers_each_field_with_its_help(command: str, names) -> None:
         assert options[f"--{name}"].help == help_of(FIELDS[name], len(names) == len(FIELDS))
     assert {f"--{name}" for name in FIELDS} & set(options) == {f"--{name}" for name in names}
     assert {"--length-unit", "--force-unit"} <= set(options)
+
+
+CABLE = ["solve", "--length-unit", "mm", "--E", "2e5", "--nu", "0.3", "--a", "2", "--L", "1500", "--R", "60"]
+
+
+def printed(capsys, *args: str) -> tuple[int, str]:
+    with pytest.raises(SystemExit) as end:
+        cli.main([*CABLE, *args])
+    streams = capsys.readouterr()
+    return end.value.code, streams.out + streams.err
+
+
+@pytest.mark.parametrize(("tension", "words"), [("2000", "which is stable"), ("20", "unstable in 6 ways under dead")])
+def test_a_wound_cable_is_the_helix_of_its_tension_and_lay(tension: str, words: str, capsys) -> None:
+    """Below A/rho^2, here 654 N, another shape is stable; the helix is shown, and that it is not stable is said."""
+    status, shown = printed(capsys, "--tension", tension, "--lay", "80deg")
+    assert status == 0
+    assert f"the helix of this tension and lay, {words}" in shown
+    values = dict(re.findall(r"^(\w+) +(\S+) ", shown, re.MULTILINE))
+    assert float(values["pitch"]) == pytest.approx(2 * pi * 62 / tan(radians(80)), rel=1e-5)
+    assert float(values["amplitude"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("args", "sentence"),
+    [
+        (["--tension", "20"], "needs tension and lay, got no lay"),
+        (["--tension", "20", "--lay", "1", "--FZ", "3"], "determine the angles and loads of both ends: omit FZ"),
+        (["--lay", "1", "--tension", "20", "--beta", "1"], "omit beta"),
+    ],
+)
+def test_a_wound_cable_refuses_what_it_does_not_determine(args: list[str], sentence: str, capsys) -> None:
+    status, shown = printed(capsys, *args)
+    assert status == 2
+    assert sentence in shown
+
+
+PIPE = "--EI 1.228e6 --GJ 9.45e5 --a 0.0635 --L 60 --R 0.10795 --beta0 0 --betaL 0 --length-unit m".split()  # noqa: SIM905
+
+
+@pytest.mark.parametrize(
+    ("args", "status", "sentence"),
+    [
+        (["--FZ", "-2e5", "--side", "inside"], 0, "leaves out weight, friction, joints, and clearance at the ends.\n"),
+        (["--FZ", "-2e5", "--side", "inside", "--weight", "242"], 0, "of 1.635e+05 N (Dawson and Paslay); here it is "
+         "2e+05 N: beyond it the pipe buckles with its weight too."),
+        (["--FZ", "-1e5", "--side", "inside", "--weight", "242"], 0, "below it a pipe with weight is straight."),
+        (["--FZ", "-1e5", "--side", "inside", "--weight", "0"], 2, "--weight must be positive and finite, got 0"),
+        (["--FZ", "1e5", "--weight", "242"], 2, "--side inside"),
+    ],
+)  # fmt: skip
+def test_a_rod_in_a_hole_is_told_what_the_model_leaves_out(args, status, sentence: str, capsys) -> None:
+    """2 sqrt(EI w/rho) of a 5 in pipe in an 8.5 in hole is 163.5 kN."""
+    with pytest.raises(SystemExit) as end:
+        cli.main(["solve", *PIPE, *args])
+    streams = capsys.readouterr()
+    assert end.value.code == status
+    assert sentence in streams.out + streams.err
 
 
 def test_the_help_of_a_field_says_problem_unit_rule_and_default() -> None:

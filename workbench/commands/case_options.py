@@ -90,6 +90,16 @@ FIELDS: dict[str, CaseField] = {
         CaseField("gamma", "rotation of the section at the start", "rad", default=0.0),
     )
 }  # fmt: skip
+WINDING = {
+    field.name: field
+    for field in (
+        CaseField("tension", "force along a rod that is wound as a uniform helix", "force", "wound",
+                  "with lay it gives the angles and loads of both ends"),
+        CaseField("lay", "angle of this helix from the axis", "rad", "wound"),
+        CaseField("twist", "twist of its section per length, M3/GJ", "rad/length", "wound",
+                  "default: that with which F2 is 0"),
+    )
+}  # fmt: skip
 HELD = ("height", "azimuth", "rotation", "M10", "M1L")  # what ends hold in place of dead loads and angles
 ENDS_FIELDS = tuple(
     name for name, field in FIELDS.items() if field.problem != "start" and name not in ("alpha", "gamma", *HELD)
@@ -97,9 +107,9 @@ ENDS_FIELDS = tuple(
 ROD_FIELDS = tuple(name for name, field in FIELDS.items() if not field.problem and name not in ("alpha", "gamma"))
 
 
-def takes_case(names: Sequence[str] = tuple(FIELDS)) -> Callable[[Callable[..., int]], Callable[..., int]]:
+def takes_case(names: Sequence[str] = (*FIELDS, *WINDING)) -> Callable[[Callable[..., int]], Callable[..., int]]:
     """Decorate a command: its keyword `given` becomes the options of these fields and of the two units."""
-    whole = set(names) == set(FIELDS)
+    whole = set(names) > set(FIELDS)
 
     def decorate(command: Callable[..., int]) -> Callable[..., int]:
         @wraps(command)
@@ -129,7 +139,7 @@ def _options(names: Sequence[str], whole: bool) -> list[inspect.Parameter]:
         ]
         for kind, note in zip(("length", "force"), notes, strict=True)
     }
-    types |= {name: _type(FIELDS[name], whole) for name in names}
+    types |= {name: _type({**FIELDS, **WINDING}[name], whole) for name in names}
     return [
         inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
         for name, kind in types.items()
@@ -149,6 +159,8 @@ def _type(field: CaseField, whole: bool) -> Any:
 
 def _heading(field: CaseField, whole: bool) -> str:
     """The heading of a field in the help; whole: of both problems."""
+    if field.problem == "wound":
+        return "Wound as a helix"
     if field.problem:
         return f"{field.problem.capitalize() if whole else 'Ends'} problem"
     return "Rod and cylinder" if field.name not in ("alpha", "gamma") else "Place of the start"

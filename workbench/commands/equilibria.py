@@ -216,6 +216,7 @@ def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None
     from solver.problem.held_ends import held_of
 
     from ..branches.equilibria import row
+    from ..data import left_out
     from ..run.case_input import field_values, with_unit
     from ..run.sweep import rule_of
 
@@ -248,6 +249,8 @@ def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None
         console.say(f"* {how.rule}" if taken else f"none has index {rule}")
     console.say(f"rod: {source}")
     console.say_units(study.unit_system)
+    if case.cylinder.side == "inside":
+        console.say(left_out.SENTENCE)
 
 
 def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequence[str] = ()) -> None:

@@ -32,6 +32,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "solve --table1 --E 2e4 --beta 45deg",
         "solve --length-unit m --force-unit kN --E 2.06e8 --nu 0.3 --a 0.06 --L 20 --R 0.11 --side inside --beta0 0 "
         "--betaL 0 --FZ -200",
+        "solve --length-unit mm --E 2e5 --nu 0.3 --a 1 --L 1500 --R 60 --tension 500 --lay 80deg",
     ),
     "equilibria": ("equilibria --plot all.png", "equilibria --axis betaL=-90deg:60deg:41"),
     "folds": ("folds --axis betaL=-60deg:90deg --axis FZ=4:12 --plot map.png",),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .case_options import Given, takes_case
-from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Tol, flag
+from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Tol, flag, numbered
 
 if TYPE_CHECKING:
     from solver import Solution
@@ -28,6 +28,10 @@ def solve(
     method: Method = None,
     level: Fidelity = None,
     choose: Choose = None,
+    weight: Annotated[
+        float | None,
+        numbered("Weight per length in the fluid [force/length], which the model leaves out: compare with its effect."),
+    ] = None,
     json: Json = False,
 ) -> int:
     """Solve one case and print it.
@@ -35,25 +39,29 @@ def solve(
     The case comes from a TOML file, from Table 1 (--table1, --reading, or no option at all), or from options alone.
     Options alone must give E, nu, a, L and R; for a start problem also beta, dbeta and one of F1, dgamma and M3; for an
     ends problem also beta0 or M10, and betaL or M1L (a moment of 0 is a hinge). In an ends problem height, azimuth and
-    rotation can hold the far end in place of the loads FZ, MZ and M3; the command then finds these loads.
+    rotation can hold the far end in place of the loads FZ, MZ and M3; the command then finds these loads. A cable that
+    is wound on a drum has tension and lay in place of all of these.
 
     An ends problem has many equilibria: --choose selects one, by default the stable equilibrium whose beta goes least
     beyond its end angles. The command equilibria lists all.
+
+    The model leaves out weight, friction, joints, and clearance at the ends. --weight only states at which compression
+    a horizontal pipe of that weight begins to buckle.
 
     Angles: a number in rad, or a form like 30deg or pi/6. Exit status 1 if the case is unsolved.
     """
     from solver import Ends, InputError
 
-    from ..data import cautions
+    from ..data import cautions, left_out
     from ..run.block import solve_one
     from ..run.case_input import read_case
     from ..run.fidelity import fidelity
 
     chosen = fidelity(level or "standard")
     asked = read_case(file, given.values, given.units, table1, reading)
-    stations, which = 201, None
+    stations, which = 201, asked.which
     if asked.study is not None:
-        stations, which = asked.study.stations, asked.study.equilibrium
+        stations = asked.study.stations
         tol = asked.study.tol if tol is None and level is None else tol
         method = asked.study.method if method is None else method
     tol = chosen.tol if tol is None else tol
@@ -67,15 +75,27 @@ def solve(
     found = _found(sol, asked.units, chosen) | {
         "source": asked.source,
         "assumed": asked.assumed,
-        "which": f"{sol.selection} (use workbench equilibria to list all)" if sol.selection is not None else "",
+        "which": _which(sol, asked.which is not None and asked.study is None and choose is None),
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
         "caution": cautions.said(cautions.of_cases(sol, unit=asked.units["length"])),
+        "left_out": left_out.note(asked.case, sol, weight, asked.units["force"]),
     }
     if json:
         console.print_json(found)
     else:
         _print(found)
     return 0 if sol.solved else 1
+
+
+def _which(sol: "Solution", wound: bool) -> str:
+    """Which equilibrium was taken; wound: the helix of a tension and a lay was asked for."""
+    from solver import observe
+
+    if not wound or not sol.solved:
+        return f"{sol.selection} (use workbench equilibria to list all)" if sol.selection is not None else ""
+    index = int(observe(sol, ["index"])["index"])
+    ways = f"unstable in {index} way{'s' * (index != 1)} under dead loads: it needs more tension, or a guide"
+    return f"shown: the helix of this tension and lay, {ways if index else 'which is stable'}"
 
 
 def parse_choose(text: str) -> "Which":
@@ -176,6 +196,8 @@ def _print(found: dict[str, Any]) -> None:
         console.say("index " + ", ".join(f"{index} under {loading}" for loading, index in found["indices"].items()))
     if found["caution"]:
         console.say(f"caution: {found['caution']}")
+    if found["left_out"]:
+        console.say(found["left_out"])
 
 
 def _results(found: dict[str, Any]) -> dict[str, float]:

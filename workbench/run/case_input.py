@@ -1,5 +1,6 @@
 """One case from a study file, from Table 1, or from fields by name."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from pathlib import Path
@@ -12,11 +13,12 @@ from solver.problem.limits import farthest
 from solver.problem.quantities import unit_of
 from solver.problem.rod import DIRECT, ELASTIC, lacking
 from studies import Study, load
-from studies.axes import FORCES, LENGTHS, quantity_of
+from studies.axes import FORCES, LENGTHS, Which, quantity_of
 from studies.readings import DEFAULT, TABLE_UNITS, parse
 
 START_ONLY = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
 ENDS_ONLY = {f.name for f in fields(Ends)} - {f.name for f in fields(Start)}
+WOUND = ("tension", "lay", "twist")  # in place of the ends of a rod that is wound as a helix: `Ends.helix`
 OF_MODULUS = (*ELASTIC, "inner_radius")  # the fields of a section of one material
 
 
@@ -32,6 +34,8 @@ class CaseInput:
         Field -> default value, of the fields that the input did not give.
     study
         The study of the file; None for a case of Table 1 or of fields alone.
+    which
+        Which equilibrium is meant: that of the study, or the helix of a rod that is wound.
     """
 
     case: Case
@@ -39,6 +43,7 @@ class CaseInput:
     source: str
     assumed: dict[str, Any] = field(default_factory=dict)
     study: Study | None = None
+    which: Which | None = None
 
 
 def read_case(
@@ -75,16 +80,23 @@ def read_case(
         if units:
             raise InputError(f"{file.name} states its own units: change them in the file")
         study = _study(file).under(reading)
-        return CaseInput(with_fields(study.case(), values), study.unit_system, f"{file.name}{changed}", study=study)
+        return CaseInput(
+            with_fields(study.case(), values),
+            study.unit_system,
+            f"{file.name}{changed}",
+            study=study,
+            which=study.equilibrium,
+        )
     if table1 or reading is not None or not (values or units):
         if units:
             raise InputError("Table 1 is in cm and N: omit the units")
         read = DEFAULT if reading is None else parse(reading)
         return CaseInput(with_fields(read.case(), values), dict(TABLE_UNITS), f"Table 1, read {read.name}{changed}")
-    case, assumed = from_values(values)
+    case, assumed = from_values(unwound(values))
     check_units(units)
     assumed |= {f"unit of {kind}": unit for kind, unit in TABLE_UNITS.items() if kind not in units}
-    return CaseInput(case, {**TABLE_UNITS, **units}, "the options", assumed)
+    which = helix_of(case) if set(WOUND) & set(values) else None
+    return CaseInput(case, {**TABLE_UNITS, **units}, "the options", assumed, which=which)
 
 
 def check_units(units: Mapping[str, str]) -> None:
@@ -136,6 +148,35 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
         loads = {own: 0.0 for own, partner in PAIRS[2:] if own not in values and partner not in values}
         assumed = {f.name: {**assumed, **loads}[f.name] for f in known if f.name in {**assumed, **loads}}
     return Case(rod, cylinder, given), assumed
+
+
+def unwound(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values with `WOUND` replaced by the angles and loads of that helix; others as they are.
+
+    Raises `InputError` for a field of `WOUND` beside one that it determines, or without the tension or the lay.
+    """
+    wound = {name: values[name] for name in WOUND if name in values}
+    rest = {name: value for name, value in values.items() if name not in WOUND}
+    if not wound:
+        return rest
+    if missing := [name for name in WOUND[:2] if name not in wound]:
+        raise InputError(f"a rod that is wound needs tension and lay, got no {missing[0]}")
+    both = [name for name in rest if name in START_ONLY or name in [one for pair in PAIRS for one in pair]]
+    if both:
+        raise InputError(f"tension and lay determine the angles and loads of both ends: omit {both[0]}")
+    case, _ = from_values({**rest, "beta0": 0.0, "betaL": 0.0})
+    ends = Ends.helix(case.rod, case.cylinder, **wound)
+    return rest | {name: float(getattr(ends, name)) for name in ("beta0", "betaL", "FZ", "MZ", "M3")}
+
+
+def helix_of(case: Case) -> Which:
+    """The helix between the ends of a case, by its energy, that of `observables.energy`."""
+    A, rho, (FZ, MZ, M3) = case.rod.bending_stiffness, case.rho, case.loads
+    s, c = math.sin(case.given.beta0), math.cos(case.given.beta0)
+    density = (
+        A / 2 * s**4 / rho**2 + M3 * s * c / rho - FZ * c - MZ * s / rho - M3**2 / (2 * case.rod.torsional_stiffness)
+    )
+    return Which(dbeta0=0.0, energy=float(density * case.rod.L))
 
 
 def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:

@@ -39,8 +39,8 @@ def _state(rod: CaseInput, title: str, as_printed: bool) -> dict[str, Any]:
     study = rod.study
     if study is not None and study.reading is not None and as_printed:
         return state | {"reading": study.reading, "base": {**TABLE_1, "side": "outside", **study.base.given}}
-    if study is not None and study.equilibrium is not None:
-        state["equilibrium"] = study.equilibrium.model_dump(exclude_none=True)
+    if rod.which is not None:
+        state["equilibrium"] = rod.which.model_dump(exclude_none=True)
     return state | {"base": _fields(rod.case)}
 
 

@@ -4,6 +4,8 @@ from dataclasses import dataclass, field
 from math import pi, radians
 from typing import Any
 
+from solver import Cylinder, Ends, Rod
+
 
 @dataclass(frozen=True)
 class Preset:
@@ -18,6 +20,12 @@ class Preset:
     source: str
     state: dict[str, Any]
     spans: dict[str, float | tuple[float, float]] = field(default_factory=dict)
+
+
+def _wound(EI: float, GJ: float, a: float, R: float, tension: float, lay: float) -> dict[str, float]:
+    """The angles and loads of both ends of a rod wound as a helix; lay in degrees."""
+    ends = Ends.helix(Rod(EI=EI, GJ=GJ, a=a, L=1.0), Cylinder(R), tension, radians(lay))
+    return {name: float(getattr(ends, name)) for name in ("beta0", "betaL", "FZ", "MZ", "M3")}
 
 
 PRESETS = (
@@ -79,7 +87,7 @@ PRESETS = (
             "units": {"length": "mm", "force": "N"},
             "base": {
                 "EI": 3.927e7, "GJ": 3.021e7, "a": 10.0, "L": 5970.0, "R": 180.0, "side": "outside",
-                "beta0": radians(89.0), "betaL": radians(89.0), "FZ": 174.52, "MZ": 2106363.0, "M3": 3607.0,
+                **_wound(EI=3.927e7, GJ=3.021e7, a=10.0, R=180.0, tension=1e4, lay=89.0),
             },
         },
         {"FZ": 2000.0, "MZ": 5e6, "M3": 5e5},

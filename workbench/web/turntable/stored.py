@@ -13,7 +13,7 @@ from scipy.interpolate import CubicHermiteSpline
 from solver.problem.errors import InputError
 from studies.dimensions import SAMPLE
 
-from ...data import cautions, labels, schema, selection
+from ...data import cautions, labels, left_out, schema, selection
 from ...data.schema import axes_of
 from ...geometry import centreline, refinement
 from ...geometry.centreline import APART, Array, Centreline
@@ -174,7 +174,8 @@ def _case(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None) -> 
     numbers = {"R": line.R, "a": line.a, "rho": line.rho, "L": line.L, "A": line.A}
     loads = {"FZ": line.p * line.A, "MZ": line.l * line.A, "M3": line.m * line.A}
     caution = cautions.said(ds["caution"].isel(dict(where)).values) if "caution" in ds else ""
-    return {"numbers": numbers | loads, "note": labels.typeset(f"{_sampled(ds, where)} {caution}".strip())}
+    notes = (_sampled(ds, where), caution, left_out.SENTENCE if str(ds.attrs["side"]) == "inside" else "")
+    return {"numbers": numbers | loads, "note": labels.typeset(" ".join(note for note in notes if note))}
 
 
 def _facts(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None, facts: Facts | None) -> dict[str, Any]:
