@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from ..run.in_memory import StudyResult
 
+RODS = "fig6"  # the study of the rod of Table 1
 FIGURES = "fig"  # the shipped studies whose names begin so are figures of the paper
 
 
@@ -32,12 +33,12 @@ def reproduce(
     from studies import READINGS, load, names
 
     from ..data import law_verdicts, writing
-    from ..web.report import readings_table
+    from ..web.report import readings_table, sisters
 
     studies = [load(name).under(reading) for name in names() if name.startswith(FIGURES)]
     writing.check_folder(out)
     files = {study.name: out / f"{study.name}.h5" for study in studies}
-    for name, path in {**files, readings_table.NAME: out / f"{readings_table.NAME}.h5"}.items():
+    for name, path in {**files, **{name: out / f"{name}.h5" for name in (readings_table.NAME, sisters.NAME)}}.items():
         writing.check_free(path, name)
     from ..scene import opengl
     from ..web.report import document  # drawing libraries are imported once all input is checked
@@ -50,7 +51,8 @@ def reproduce(
         readings = readings_table.run(panels, step=step)
         writing.write(readings, out / f"{readings_table.NAME}.h5")
         step("writing the report")
-        document.write(results, out, readings=readings, refusals=refusals)
+        equilibria = _equilibria(load(RODS).under(reading), out, able)
+        document.write(results, out, readings=readings, refusals=refusals, equilibria=equilibria)
     _print(results, readings, out, advice)
     for refusal in refusals:
         console.say(f"Omitted: {refusal}")
@@ -80,6 +82,25 @@ def _results(
         step(f"drawing {study.name}")
         results.append(replace(result, pictures=_draw(result, out, able)))
     return results, refusals
+
+
+def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[xr.Dataset, dict[str, Path]] | None":
+    """Store the equilibria of the rod of Table 1 and draw it beside the stable one; None where it has no shape."""
+    from solver.problem.errors import InputError
+
+    from ..data import writing
+    from ..web.report import sisters
+
+    try:
+        ds = sisters.run(study)
+    except InputError:
+        return None
+    writing.write(ds, out / f"{sisters.NAME}.h5")
+    if not able or not ds.attrs[sisters.OWN]:
+        return ds, {}
+    from ..scene import layout
+
+    return ds, layout.draw(sisters.pair(ds).assign_attrs(title=""), out / f"{sisters.NAME}_scene.png")
 
 
 def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:

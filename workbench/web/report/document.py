@@ -1,6 +1,7 @@
 """The report: one self-contained HTML file, made from stored datasets and their pictures."""
 
 import base64
+import json
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from io import BytesIO
@@ -11,6 +12,7 @@ import numpy as np
 import xarray as xr
 from jinja2 import Environment, StrictUndefined
 from matplotlib import image
+from PIL import Image
 
 from solver.problem.errors import InputError
 
@@ -20,11 +22,12 @@ from ...figures import style
 from ...run.in_memory import StudyResult
 from ..live.document import policy
 from ..turntable import page
-from . import case_facts, measured_runs, paper, sources, turning
+from . import case_facts, measured_runs, paper, sisters, sources, turning
 from .errata import ERRATA, marked_up
 from .formulas import bound
 from .law_cards import CLASSES, claims_of, in_degrees, law_of, of_readings, restable, sentence
 from .measured_runs import Measured
+from .mechanisms import mechanism
 
 NAME = "report.html"
 TEMPLATE = "report.html.j2"
@@ -34,7 +37,7 @@ CAPTIONS = {
 }
 TITLES = {"trade": "Accuracy against cost", "extremes": "The extremes"}
 SCENE, DRAWING = {"quality": 90}, {"lossless": True}  # options of WebP
-FILL = 1.29  # heights of the pictures of a panel over the width of the text, up to which a page of A4 holds all of it
+RODS = "rods"  # the text in the PNG of a row of rods that says where each stands
 WHITE, MARGIN = 0.995, 16  # from which a pixel counts as blank; pixels of margin that a picture keeps
 
 
@@ -43,13 +46,14 @@ def write(
     out: Path,
     readings: xr.Dataset | None = None,
     refusals: Sequence[str] = (),
+    equilibria: tuple[xr.Dataset, Mapping[str, Path]] | None = None,
 ) -> Path:
     """Write `report.html` into the folder `out` and return it.
 
-    readings: the dataset of `readings_table.run`. refusals: studies
-    that could not be run under this reading, and why. Raises `InputError` where it cannot be written.
+    readings: the dataset of `readings_table.run`. refusals: studies that could not be run under this reading, and
+    why. equilibria: the dataset of `sisters.run` and its pictures. Raises `InputError` where it cannot be written.
     """
-    text = html(results, readings, refusals, measured_runs.both(Path(out)))
+    text = html(results, readings, refusals, measured_runs.both(Path(out)), equilibria)
     return atomic.write(Path(out) / NAME, lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
@@ -58,6 +62,7 @@ def html(
     readings: xr.Dataset | None = None,
     refusals: Sequence[str] = (),
     measured: Sequence[Measured] = (),
+    equilibria: tuple[xr.Dataset, Mapping[str, Path]] | None = None,
 ) -> str:
     """The report as text, with every picture, a turntable for each panel and the compiled core inside it."""
     if not results:
@@ -98,6 +103,8 @@ def html(
         policy=policy(style_, program, "", served=False),
         data=page.data(figures, core=turning.core()),
         measured=[_measured(one) for one in measured],
+        story=[],
+        equilibria=_equilibria(*equilibria) if equilibria else None,
     )
 
 
@@ -106,19 +113,28 @@ def _measured(one: Measured) -> dict[str, Any]:
     return {"name": one.name, "title": TITLES[one.name], "shows": one.shows, "source": one.source, "picture": picture}
 
 
+def _equilibria(ds: xr.Dataset, files: Mapping[str, Path]) -> dict[str, Any] | None:
+    alt = "The stable equilibrium and the rod of Table 1, between the same ends under the same loads"
+    return sisters.rows(ds, [_picture(path, alt, SCENE) for path in files.values()])
+
+
 def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
     """The section of one study."""
     ds = result.ds
     scenes = [(name, path) for name, path in result.pictures.items() if name.startswith("scene")]
     others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
-    laws = [law_of(ds, row) for row in result.verdicts]
+    laws = [law_of(ds, row) | {"why": mechanism(row["claim"], ds)} for row in result.verdicts]
     name, title = str(ds.attrs["study_name"]), str(ds.attrs["title"])
-    pictures = [_picture(path, f"{title}: {_of(ds, part)}", SCENE) for part, path in scenes]
+    turning = figures.get(f"turn-{name}")
+    pictures = [
+        _picture(path, f"{title}: {_of(ds, part)}", SCENE) | _rods(path, part, turning) for part, path in scenes
+    ]
     diagrams = [_picture(path, f"{title}: curves and laws", DRAWING) for _, path in others]
     return {
         "id": name,
         "title": title,
-        "turning": figures.get(f"turn-{name}"),
+        "turning": turning,
+        "row": bool(axes_of(ds)) and bool(scenes),
         "restable": restable(ds),
         "sentences": list(dict.fromkeys(row["source"] for row in result.verdicts)),
         "laws": laws,
@@ -129,8 +145,21 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
         "cases": int(ds["outcome"].size),
         "scenes": pictures,
         "others": diagrams,
-        "spread": sum(one["ratio"] for one in [*pictures, *diagrams]) > FILL,
     }
+
+
+def _rods(path: Path, part: str, turning: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Where each rod of a row stands in its picture, and which slider of the turntable goes along the row."""
+    with Image.open(path) as picture:
+        stored = json.loads(picture.info.get(RODS, "[]"))
+        size = picture.size
+    axes = (turning or {}).get("axes", [])
+    places = [k for k, axis in enumerate(axes) if axis["name"] == part.removeprefix("scene").strip()]
+    if not places or len(stored) != len(axes[places[0]]["texts"]):
+        return {}
+    left, top, wide, high = _inked(image.imread(path))
+    boxes = np.array(stored) * (2 * size) - (left, top, left, top)
+    return {"rods": json.dumps((boxes / (wide, high, wide, high)).round(4).tolist()), "axis": places[0]}
 
 
 def _of(ds: xr.Dataset, name: str) -> str:
@@ -139,21 +168,28 @@ def _of(ds: xr.Dataset, name: str) -> str:
 
 
 def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, Any]:
-    """A PNG as a data URL of WebP, a fifth of the size; ratio: of its height to its width."""
+    """A PNG as a data URL of WebP, a fifth of the size."""
     packed, pixels = BytesIO(), _trimmed(image.imread(file))
     image.imsave(packed, pixels, format="webp", pil_kwargs=how)
-    return {"src": f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}", "alt": alt,
-            "ratio": pixels.shape[0] / pixels.shape[1]}  # fmt: skip
+    return {"src": f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}", "alt": alt}
 
 
 def _trimmed(pixels: Any) -> Any:
     """A picture without its white margins but a narrow one."""
+    left, top, wide, high = _inked(pixels)
+    return pixels[top : top + high, left : left + wide]
+
+
+def _inked(pixels: Any) -> tuple[int, int, int, int]:
+    """The part of a picture that is not blank, with a narrow margin: left, top, width and height in pixels."""
     inked = (pixels[..., :3] < WHITE).any(axis=-1)
+    high, wide = inked.shape
     if not inked.any():
-        return pixels
+        return 0, 0, wide, high
     rows, columns = (np.flatnonzero(inked.any(axis=axis)) for axis in (1, 0))
-    top, left = (max(int(found[0]) - MARGIN, 0) for found in (rows, columns))
-    return pixels[top : int(rows[-1]) + MARGIN + 1, left : int(columns[-1]) + MARGIN + 1]
+    top, left = (max(int(places[0]) - MARGIN, 0) for places in (rows, columns))
+    bottom, right = min(int(rows[-1]) + MARGIN + 1, high), min(int(columns[-1]) + MARGIN + 1, wide)
+    return left, top, right - left, bottom - top
 
 
 def _text(name: str) -> str:

@@ -16,6 +16,13 @@ from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 from ...data import cautions, labels, law_verdicts
 
 NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
+PLAIN = {
+    HOLDS: "True",
+    TREND: "True as a trend",
+    QUALIFIED: "True in part",
+    UNDECIDED: "Not decided",
+    FAILS: "Not true",
+}
 CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
 
 
@@ -25,6 +32,7 @@ def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
     along = "with" if row["kind"] == MONOTONE else "along"
     return {
         "claim": row["claim"],
+        "source": row["source"],
         "stated": labels.typeset(f"{words} {row['does']} {along} {labels.axis_symbol(row['axis'])}"),
         "name": row["observable"],
         **_verdict(row, ds[row["observable"]]),
@@ -46,6 +54,7 @@ def _verdict(row: Mapping[str, Any], array: xr.DataArray) -> dict[str, str]:
     return {
         "verdict": row["verdict"],
         "class": CLASSES[row["verdict"]],
+        "plain": PLAIN[row["verdict"]],
         "measured": _measured(row, array),
         "detail": labels.law_text(row, law_verdicts.detail(row)),
     }
@@ -60,18 +69,15 @@ def _measured(row: Mapping[str, Any], array: xr.DataArray) -> str:
 
 
 def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Each claim with its laws, their worst verdict, and its section."""
-    found: dict[str, dict[str, Any]] = {}
+    """Each claim with its section, its laws, their worst verdict, and that verdict in plain words."""
+    claims: dict[str, dict[str, Any]] = {}
     for section in sections:
         for law in section["laws"]:
-            claim = found.setdefault(
-                law["claim"],
-                {**law, "id": section["id"], "title": section["title"], "restable": section["restable"], "laws": []},
-            )
+            claim = claims.setdefault(law["claim"], {**section, **law, "laws": []})
             claim["laws"].append(law)
             verdict = worst([law["verdict"], claim["verdict"]])
-            claim |= {"verdict": verdict, "class": CLASSES[verdict]}
-    return list(found.values())
+            claim |= {"verdict": verdict, "class": CLASSES[verdict], "plain": PLAIN[verdict]}
+    return list(claims.values())
 
 
 def restable(ds: xr.Dataset) -> str:

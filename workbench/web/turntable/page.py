@@ -49,9 +49,12 @@ def html(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> str:
     )
 
 
-def figure(name: str, label: str, still: str = "", caption: str = "", reset: bool = True) -> str:
-    """The markup of a turntable; still: what is shown where it cannot turn, and on paper."""
-    return rendered("figure.html.j2", id=name, label=label, still=still, caption=caption, reset=reset)
+def figure(name: str, label: str, still: str = "", caption: str = "", reset: bool = True, row: bool = False) -> str:
+    """The markup of a turntable; still: what is shown where it cannot turn, and on paper.
+
+    row: whether `still` shows all rods of the turntable, so that it stays above the one that turns.
+    """
+    return rendered("figure.html.j2", id=name, label=label, still=still, caption=caption, reset=reset, row=row)
 
 
 def data(figures: Mapping[str, Any], **more: Any) -> str:

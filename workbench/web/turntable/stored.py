@@ -164,7 +164,7 @@ def _axis(ds: xr.Dataset, name: str, rows: Sequence[int], base: int) -> dict[str
     texts = labels.distinct(ds[name], ds[name].values[list(rows)])
     start = int(np.abs(np.array(rows) - base).argmin())
     words, symbol = labels.long_name(ds[name]), labels.symbol(ds[name])
-    return {"words": words, "symbol": "" if symbol == words else symbol, "texts": texts, "start": start}
+    return {"name": name, "words": words, "symbol": "" if symbol == words else symbol, "texts": texts, "start": start}
 
 
 def _case(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None) -> dict[str, Any]:

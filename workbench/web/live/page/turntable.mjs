@@ -30,9 +30,12 @@ export function turntable(figure, data, code, core, calm) {
     spinning = 0,
     resting = 0;
 
+  const frames = framesOf(figure);
+
   function show(how = {}) {
     const { shape, note, rows = [] } = source.now();
     for (const row of sliders) row.show();
+    for (const frame of frames) frame(source.sliders);
     if (note || !source.facts) set(part("told"), note);
     part("told").classList.toggle("wrong", !shape);
     listed(part("case"), rows);
@@ -93,6 +96,24 @@ export function turntable(figure, data, code, core, calm) {
   scrollsPast(canvas);
   show({ fresh: true });
   return Object.assign(figure, { view, show, spin });
+}
+
+/* Frame, in each picture of a row of rods, the rod at the place of the slider of its axis. */
+function framesOf(figure) {
+  return [...figure.querySelectorAll("[data-rods]")].map((picture) => {
+    const rods = JSON.parse(picture.dataset.rods),
+      box = picture.querySelector(".enlarge").appendChild(document.createElement("i"));
+    box.className = "framed";
+    return (sliders) => {
+      const [left, top, right, bottom] = rods[sliders[Number(picture.dataset.axis)].place()].map((share) => 100 * share);
+      Object.assign(box.style, {
+        left: `${left}%`,
+        top: `${top}%`,
+        width: `${right - left}%`,
+        height: `${bottom - top}%`,
+      });
+    };
+  });
 }
 
 /* The wheel scrolls the page until the view is touched, and again once the pointer has left it. */
