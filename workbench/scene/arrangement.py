@@ -19,7 +19,6 @@ BELOW = 10.0  # from a view to its caption
 BETWEEN = 24.0  # from a caption to the next row
 EDGE = 3.0  # around what is drawn, for its lines; above and below not where rows have a pitch
 EMPTY = 150.0  # least width of a column with a cell without a rod, for its reason
-SCALE = 40.0  # the height of the scale bar of a cell with the gap above it
 DOT = 42.0  # the width of the dot of an equilibrium and the gap after it
 
 
@@ -113,15 +112,15 @@ def _sizes(rows: Sequence[Sequence[View]], camera: Camera) -> np.ndarray:
         for j, view in enumerate(row):
             if view.bodies:
                 low, high = view.box(camera)
-                found[i, j] = (high - low) * view.larger
+                found[i, j] = high - low
     if not found.any():
         found[:] = 1.0
     return found
 
 
 def _words(cell: Cell) -> float:
-    """The height of the words and the scale bar below a view."""
-    return measure.height(cell.caption) + (SCALE if cell.larger else 0.0)
+    """The height of the words below a view."""
+    return measure.height(cell.caption)
 
 
 def _least_width(view: View) -> float:

@@ -17,8 +17,6 @@ class Cell:
         To the left of it.
     number, stable
         The number of an equilibrium, in a dot that says whether it is stable; default: no dot.
-    larger
-        How many times as large as the scale of the scene it is drawn, which its own scale bar shows; default: no bar.
     """
 
     caption: str
@@ -26,4 +24,3 @@ class Cell:
     before: str = ""
     number: int | None = None
     stable: bool = False
-    larger: float = 0.0

@@ -130,8 +130,7 @@ def composed(scene: Scene) -> Picture:
     arranged = arrange(scene.rows, scene.camera, room(scene, words), scene.gutter, scene.pitch)
     camera = replace(scene.camera, per_unit=arranged.per_unit * finer)
     _check_width(scene, camera)
-    largest = max((view.larger for view in scene.views), default=1.0)
-    n, stations = _stations(scene.bodies, settings.pixel_error / camera.per_unit / largest)
+    n, stations = _stations(scene.bodies, settings.pixel_error / camera.per_unit)
     if settings.strict and stations > n:
         raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
     size = int(np.ceil(arranged.size[0] * finer)), int(np.ceil(arranged.size[1] * finer))
@@ -239,7 +238,7 @@ def _placed(scene: Scene, arranged: Arrangement, camera: Camera, size: tuple[int
                 low, high = view.box(camera)
                 x = (box.x + box.width / 2) * finer
                 bottom = box.y + box.height - (0.0 if scene.pitch else EDGE)
-                y = size[1] - bottom * finer + (high - low)[1] / 2 * camera.per_unit * view.larger
+                y = size[1] - bottom * finer + (high - low)[1] / 2 * camera.per_unit
                 found.append(Placed(view, (float(x), float(y))))
     return found
 

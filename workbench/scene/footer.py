@@ -21,7 +21,7 @@ from .drawing import PATCH, SMALL, Block, line, ring, text
 from .triad import triad
 
 BAR = (330.0, 20.0)  # the colour bar
-SCALE, SMALL_SCALE = 200.0, 110.0  # the longest scale bar, and that of a cell
+SCALE = 200.0  # the longest scale bar
 APART, LINE = 34.0, 20.0  # between blocks of a line, and between lines
 STACK = 24.0  # between two entries of the legend, one below the other
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
@@ -29,7 +29,7 @@ RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the o
 
 def blocks(
     axes: NDArray[np.float64],
-    scale: tuple[float, str, float] | None,
+    scale: tuple[float, str, float],
     bar: Bar | None,
     legend: Sequence[tuple[str, str]],
     notes: Sequence[str],
@@ -43,12 +43,11 @@ def blocks(
     axes
         Where x, y, z point on the page, (3, 2).
     scale
-        Pixels per length, the unit of length, and the share of a length along the axis that is seen; default:
-        no scale bar.
+        Pixels per length, the unit of length, and the share of a length along the axis that is seen.
     radius
         Of the rings.
     """
-    found = [triad(axes), *([_scale_bar(*scale)] if scale else [])]
+    found = [triad(axes), _scale_bar(*scale)]
     if bar:
         found.append(colour_bar(bar))
     if legend:
@@ -97,16 +96,6 @@ def _scale_bar(per_unit: float, unit: str, along_axis: float) -> Block:
         text(fig, x + wide / 2, y + 30, words, ha="center", va="bottom")
 
     return Block(wide, 64.0, draw)
-
-
-def small_scale(fig: Figure, middle: float, top: float, per_unit: float, unit: str) -> None:
-    """Draw a scale bar and its length in one line, the middle of which is below a place of the page."""
-    length = round_length(SMALL_SCALE / per_unit)
-    pixels, words = length * per_unit, f"{labels.number(length)} {unit}"
-    left, y = middle - (pixels + 10 + measure.width(words, style.SMALL)) / 2, top - 24
-    for a, b in (((0, 0), (pixels, 0)), ((0, -6), (0, 6)), ((pixels, -6), (pixels, 6))):
-        line(fig, np.add((left, y), a), np.add((left, y), b), color=style.INK, linewidth=1.2)
-    text(fig, left + pixels + 10, y, words, va="center", **SMALL)
 
 
 def round_length(target: float) -> float:

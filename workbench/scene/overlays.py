@@ -30,7 +30,7 @@ def rings(
         seen, _ = view.crossings(camera)
         found += [_on_page(view, box, camera, per_unit, camera.page @ place) for place in seen]
         if seen:
-            thinnest = RING * min(body.a for body in view.bodies) * per_unit * view.larger
+            thinnest = RING * min(body.a for body in view.bodies) * per_unit
             radius = min(radius, max(thinnest, SMALLEST))
     return found, radius
 
@@ -61,6 +61,5 @@ def names(
 def _on_page(view: View, box: Box, camera: Camera, per_unit: float, place: Array) -> tuple[float, float]:
     """A place of a view, (2,) [length], in the picture."""
     low, high = view.box(camera)
-    per_unit *= view.larger
     x, up = (place - (low + high) / 2) * per_unit
     return float(box.x + box.width / 2 + x), float(box.y + box.height - EDGE - (high - low)[1] / 2 * per_unit - up)

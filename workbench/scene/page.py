@@ -30,8 +30,6 @@ class Words:
         Colours and their meaning; `footer.RING` for a ring, `footer.OUTLINE` for a hidden stretch.
     columns, rows
         Headings of a table: its quantity, then the values. Default: none.
-    own_scales
-        Each cell has a scale bar, so there is no other.
     radius
         Of the rings.
     """
@@ -44,7 +42,6 @@ class Words:
     bar: Bar | None = None
     columns: Sequence[str] = ()
     rows: Sequence[str] = ()
-    own_scales: bool = False
     radius: float = drawing.PATCH / 2
 
     @property
@@ -125,7 +122,7 @@ def feet(
 ) -> list[list[drawing.Block]]:
     """The lines below the views on a page of that width."""
     room = width - 2 * MARGIN
-    scale = None if words.own_scales else (per_unit, words.length_unit, along_axis)
+    scale = per_unit, words.length_unit, along_axis
     return footer.lines_of(footer.blocks(axes, scale, words.bar, words.legend, words.notes, room, words.radius), room)
 
 
@@ -197,9 +194,6 @@ def _cells(fig: Figure, page: Page, left: float, top: float) -> None:
             if cell.before:
                 drawing.text(fig, left + box.x - 8, top - box.y - box.height / 2, cell.before, ha="right", va="center",
                             **drawing.SMALL)  # fmt: skip
-            if cell.larger:
-                per_unit, below = page.arrangement.per_unit * cell.larger, y - measure.height(cell.caption)
-                footer.small_scale(fig, middle, below, per_unit, page.words.length_unit)
             if cell.why_empty:
                 reason = measure.wrapped(cell.why_empty, box.width, style.SMALL)
                 drawing.text(fig, middle, top - box.y - box.height / 2, reason, color=style.SOFT, ha="center",

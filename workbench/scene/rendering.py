@@ -1,7 +1,7 @@
 """Rods on their cylinders before a camera: geometry to pixels, with VTK. Needs OpenGL, see `opengl`."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -72,11 +72,11 @@ def render(
         walls: list[Any] = []
         made: dict[Any, _Made] = {}  # the same rods may be seen from two sides
         for one in drawn:
-            view, own = one.view, replace(camera, per_unit=camera.per_unit * one.view.larger)
-            same = (*view.bodies, view.cylinder, view.larger)
+            view = one.view
+            same = (*view.bodies, view.cylinder)
             if same not in made:
-                made[same] = _made(view, own.per_unit, pixel_error)
-            walls += _place(plotter, one, made[same], own, size, line * block)
+                made[same] = _made(view, camera.per_unit, pixel_error)
+            walls += _place(plotter, one, made[same], camera, size, line * block)
         depth = _set_camera(plotter, drawn, camera, size)
         outline = _drawn(drawn, camera, depth, block, line) if outlined else None
         pixels, alpha, outlined = sampling.mean(sampling.Window(plotter, size, block), walls, outline, transparent)
@@ -89,10 +89,10 @@ def render(
 def _drawn(placed: Sequence[Placed], camera: Camera, depth: float, block: int, line: float) -> hidden.Drawn | None:
     """How the hidden stretches are drawn; None where nothing is hidden, or too thin for an outline."""
     bodies = [(one.view, body) for one in placed for body in one.view.bodies]
-    thick = max(2 * body.a * view.larger for view, body in bodies) * camera.per_unit
+    thick = max(2 * body.a for _, body in bodies) * camera.per_unit
     if thick < THIN or not any(view.hides(body, camera) for view, body in bodies):
         return None
-    edge = 0.6 * min(body.a * view.larger for view, body in bodies)
+    edge = 0.6 * min(body.a for _, body in bodies)
     return hidden.Drawn(edge / depth, 0.7 * edge * camera.per_unit * block, max(line * block, 1.0))
 
 
@@ -101,7 +101,7 @@ def _set_camera(plotter: Any, placed: Sequence[Placed], camera: Camera, size: tu
     deep = 0.0
     for one in placed:
         half = one.view.reach + np.ptp(one.view.cylinder) / 2 * abs(camera.toward[2])
-        deep = max(deep, half * one.view.larger)
+        deep = max(deep, half)
     deep *= 1.1
     plotter.camera_position = [2 * deep * camera.toward, (0, 0, 0), camera.up]
     plotter.enable_parallel_projection()
@@ -130,10 +130,7 @@ def _made(view: View, per_unit: float, pixel_error: float) -> _Made:
 
 
 def _place(plotter: Any, placed: Placed, made: _Made, camera: Camera, size: tuple[int, int], line: float) -> list[Any]:
-    """Add the rods and their cylinder, turned about the axis and then moved; returns what hides stretches of the rods.
-
-    camera: of this view, with its scale.
-    """
+    """Add the rods and their cylinder, turned about the axis and then moved; returns what hides stretches of them."""
     view = placed.view
     ends, first = view.cylinder, view.bodies[0]
     low, high = view.box(camera)
@@ -143,7 +140,7 @@ def _place(plotter: Any, placed: Placed, made: _Made, camera: Camera, size: tupl
 
     def add(part: surfaces.Part, **options: Any) -> Any:
         mesh = pv.PolyData(
-            (part.points @ turn.T + where) * view.larger, faces=np.insert(part.triangles, 0, 3, axis=1).ravel()
+            part.points @ turn.T + where, faces=np.insert(part.triangles, 0, 3, axis=1).ravel()
         )
         mesh.point_data.active_normals = part.normals @ turn.T
         mesh.active_texture_coordinates = part.at
@@ -151,7 +148,7 @@ def _place(plotter: Any, placed: Placed, made: _Made, camera: Camera, size: tupl
 
     def rim(z: float) -> Any:
         beyond = 0.5 / camera.per_unit * (1 if z == ends[1] else -1)  # before the edge of the wall
-        circle = (surfaces.rim(first.R, z + beyond) @ turn.T + where) * view.larger
+        circle = surfaces.rim(first.R, z + beyond) @ turn.T + where
         return plotter.add_mesh(pv.lines_from_points(circle), color=style.SOFT, line_width=line, lighting=False,
                                 render=False)  # fmt: skip
 

@@ -12,7 +12,6 @@ from . import camera as cameras
 from . import captions
 from .arrangement import in_rows
 from .body import Body
-from .camera import Camera
 from .cells import Cell
 from .composition import Picture, Scene, composed, room
 from .kinds import Kind
@@ -21,7 +20,6 @@ from .views import View
 
 MOST_ROWS = 5
 ROW, GRID = (2000, 1300), (2000, 2400)  # pixels at `style.DPI`: width, and largest height, of a page
-WIDER = 1.4  # of a frame, as a share of the widest rod at the scale of the highest
 IN_ROW = 9  # cases of one axis
 
 
@@ -41,8 +39,6 @@ def several(
     (azimuth, elevation), *_ = cameras.views_of(settings.camera)
     rows = [[replace(view, turned=-np.radians(azimuth)) for view in row] for row in rows]
     camera = cameras.facing(bodies, elevation)
-    if kind.own_scales:
-        rows = [_filling(rows[0], camera)]
     size = GRID if table or len(cases[0]) > IN_ROW else ROW
     held = {k: i for k, i in cases[0][0].items() if k not in names}
     shown = [] if table else [labels.axis_label(n, ds[n]) for n in names if n != "equilibrium"]
@@ -55,17 +51,6 @@ def several(
     else:
         scene = replace(scene, rows=in_rows(rows[0], camera, room(scene), View([], Cell(""))))
     return composed(scene)
-
-
-def _filling(views: Sequence[View], camera: Camera) -> list[View]:
-    """The views at scales at which each fills a frame, which is as high as the highest of them."""
-    sizes = np.array([np.subtract(*view.box(camera)[::-1]) if view.bodies else (0.0, 0.0) for view in views])
-    frame = sizes.max(axis=0) * (WIDER, 1.0)
-    found = []
-    for view, size in zip(views, sizes, strict=True):
-        larger = float(np.min(frame / size)) if view.bodies else 0.0
-        found.append(replace(view, larger=larger or 1.0, cell=replace(view.cell, larger=larger)))
-    return found
 
 
 def _notes(

@@ -15,8 +15,7 @@ from .cells import Cell
 class View:
     """What stands in a cell: rods on one cylinder, or none.
 
-    turned: the angle about the axis by which all of it is turned [rad]. larger: how many times as large as the scale of
-    the scene it is drawn; its cell then has a scale bar of its own. ends: the heights between which its cylinder
+    turned: the angle about the axis by which all of it is turned [rad]. ends: the heights between which its cylinder
     stands [length]; default: a little beyond the rods. frame: the rods for which there is room; default: those shown.
     """
 
@@ -25,7 +24,6 @@ class View:
     turned: float = 0.0
     ends: tuple[float, float] | None = None
     frame: Sequence[Body] = ()
-    larger: float = 1.0
 
     def box(self, camera: Camera) -> tuple[Array, Array]:
         """The least and the largest coordinates on the page of what is shown, (2,) each [length].

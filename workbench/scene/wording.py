@@ -16,7 +16,7 @@ def words(scene: "Scene") -> Words:
     inside = "inside the cylinder, cut open" if ds.attrs["side"] == "inside" else ""
     subtitle = " · ".join(fact for fact in (scene.case, labels.reading(ds), inside) if fact)
     return Words(str(ds.attrs["title"]), subtitle, str(ds.attrs["length_unit"]), _legend(scene), _notes(scene),
-                 scene.bar, scene.columns, scene.heads, scene.kind.own_scales)  # fmt: skip
+                 scene.bar, scene.columns, scene.heads)  # fmt: skip
 
 
 def _legend(scene: "Scene") -> list[tuple[str, str]]:

@@ -57,8 +57,6 @@ class Kind:
         Cells of one axis that are shown.
     notes
         Sentences beside the legend.
-    own_scales
-        Whether each cell is filled by its rod, and so has a scale bar of its own.
     """
 
     name: str
@@ -72,4 +70,3 @@ class Kind:
     check: Callable[[xr.Dataset], None] = any_dataset
     most: int = 9
     notes: tuple[str, ...] = ()
-    own_scales: bool = False

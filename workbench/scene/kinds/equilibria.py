@@ -29,6 +29,6 @@ def cell(ds: xr.Dataset, names: list[str], where: dict[str, int], why_empty: str
 
 KIND = replace(
     GRID, name="equilibria", description="every equilibrium between two ends", reads=GRID.reads | {"energy", "index"},
-    cell=cell, check=check, most=2 * GRID.most, own_scales=True,
-    notes=("below each rod its energy", "each rod at its own scale, so that it fills its place"),
+    cell=cell, check=check, most=2 * GRID.most,
+    notes=("below each rod its energy",),
 )  # fmt: skip
