@@ -13,7 +13,7 @@ from .paths import Levels
 from .search import level_roots
 from .transit_times import Boundary, transit_times
 
-_PERIODS = 200  # as of `search`
+MOST_PERIODS = 200  # as of `search`
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ def census(problem: EndsProblem) -> Census:
 
 def _counted(problem: EndsProblem, step: float) -> Census:
     boundary, grid = level_grid_of(boundary_of(problem), step)
-    roots, reason = level_roots(boundary, grid, _PERIODS, None)
+    roots, reason = level_roots(boundary, grid, MOST_PERIODS, None)
     turns, levels = roots.paths.turns, roots.levels
     speed2 = boundary.start_speed2(levels.pin, levels.sign * np.exp(np.maximum(levels.y, boundary.deepest)))
     slope = roots.paths.leaving * np.sqrt(np.maximum(speed2, 0.0))

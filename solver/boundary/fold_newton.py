@@ -13,6 +13,7 @@ FOLD, PITCHFORK = "fold", "pitchfork"
 _ROUNDS = 8
 CLOSE = 1e-7  # a step of Newton's rule this short is the last: the next would be of the size of its square
 _UNFOLDED = 1e-8  # rad: the largest change of beta(L) at which a point counts as a pitchfork
+_STRAYS = 1e-4  # of that change along the curve, in units of its length
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,9 +149,10 @@ class FoldSystem:
         return self.kind == PITCHFORK or turns_at(self.plane, v, point.shares) == lower + 1
 
     def is_true(self, point: CurvePoint) -> bool:
-        """Whether the point belongs to the problem itself: a pitchfork of e = 0, a fold that moves with the fields."""
+        """Whether the point belongs to the problem itself: a pitchfork on a curve of e = 0, a fold that moves with the
+        fields. Where e changes along the curve the fields break the symmetry, and folds meet in a cusp there."""
         if self.kind == PITCHFORK:
-            return bool(abs(point.x[3]) < _UNFOLDED)
+            return bool(abs(point.x[3]) < _UNFOLDED and abs(point.tangent[3]) < _STRAYS)
         return bool(np.abs(point.more).max() > 1e-6)
 
 

@@ -9,11 +9,12 @@ from ..mechanics.potential import load_size
 from ..numerics.arrays import Array, Booleans
 from .curve_crossings import Pieces, joined_pieces
 from .fold_paths import whole_curve
-from .fold_seeds import Counted, Seed, seed_between, unexplained
+from .fold_seeds import Counted, Seed, seed_between, strip_between, unexplained
 from .fold_tracing import PIECES, Trace, dense
 from .parameter_plane import ParameterPlane
 
 _INSIDE = 1e-4  # shares of the ranges: how far the lattice stays away from the border, where the curves end
+_ASKEW = np.array([0.13, -0.17])  # of a gap: lines of the lattice stay off lines of symmetry, on which cusps lie
 _SAME = 1e-3  # distance at which a point lies on a known curve
 _PROBES = 30  # random points that are looked at beside the lattice
 _EACH = 6  # curves at most that are searched for on one line
@@ -60,7 +61,7 @@ class Searched:
 def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     """The curves that cross the lines of a lattice of so many points along each field."""
     counted = Counted(plane)
-    ticks = np.linspace(_INSIDE, 1 - _INSIDE, lattice)
+    ticks = _ticks(lattice)
     scale = float(np.sqrt(load_size(plane.problems(np.array([0.5, 0.5])))[0] + 1))
     curves: list[Curve] = []
     pieces = joined_pieces([], [])
@@ -69,7 +70,8 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     def known(found: Seed) -> bool:
         return any(_lies_on(trace, found) for curve in curves for trace in curve.stretches)
 
-    for start, end in [*_edges(ticks), *_probes(ticks)]:
+    def search_line(start: Array, end: Array) -> None:
+        nonlocal pieces
         for _ in range(_EACH):
             if not unexplained(counted, pieces, start, end):
                 break
@@ -81,6 +83,15 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
                 break
             curves.append(Curve(*whole_curve(found.system, found.point, found.lower), found.lower))
             pieces = joined_pieces([one.dense() for one in curves], [one.lower for one in curves])
+
+    edges = _edges(ticks)
+    for line in [*edges, *_probes(ticks)]:
+        search_line(*line)
+    for start, end in edges:
+        middle = strip_between(counted, pieces, start, end)
+        if middle is not None:
+            search_line(start, middle)
+            search_line(middle, end)
     return Searched(plane, curves, pieces, counted, failed)
 
 
@@ -97,11 +108,18 @@ def _lies_on(trace: Trace, found: Seed) -> bool:
     return bool((far < _SAME + 0.1 * np.linalg.norm(chord, axis=1)).any())
 
 
+def _ticks(lattice: int) -> Array:
+    """The shares of the lines of the lattice along both fields, (2, lattice)."""
+    ticks = np.tile(np.linspace(_INSIDE, 1 - _INSIDE, lattice), (2, 1))
+    ticks[:, 1:-1] += _ASKEW[:, None] / (lattice - 1)
+    return ticks
+
+
 def _probes(ticks: Array) -> list[tuple[Array, Array]]:
     """Lines from points of the lattice to random points, along one field and then along the other."""
     lines = []
-    for point in np.random.default_rng(0).uniform(ticks[0], ticks[-1], (_PROBES, 2)):
-        near = ticks[np.abs(ticks[:, None] - point).argmin(axis=0)]
+    for point in np.random.default_rng(0).uniform(_INSIDE, 1 - _INSIDE, (_PROBES, 2)):
+        near = np.array([row[np.abs(row - share).argmin()] for row, share in zip(ticks, point, strict=True)])
         corner = np.array([point[0], near[1]])
         lines += [(near, corner), (corner, point)]
     return lines
@@ -109,10 +127,11 @@ def _probes(ticks: Array) -> list[tuple[Array, Array]]:
 
 def _edges(ticks: Array) -> list[tuple[Array, Array]]:
     """The edges of the lattice, those of its border first."""
-    lines = [(np.array([a, w]), np.array([b, w])) for w in ticks for a, b in pairwise(ticks)]
-    lines += [(start[::-1].copy(), end[::-1].copy()) for start, end in lines]
+    across, up = ticks
+    lines = [(np.array([a, w]), np.array([b, w])) for w in up for a, b in pairwise(across)]
+    lines += [(np.array([u, a]), np.array([u, b])) for u in across for a, b in pairwise(up)]
 
     def inner(line: tuple[Array, Array]) -> float:
-        return float(np.abs(line[0] + line[1] - 1).max() < 1 - 1e-9)
+        return float(np.abs(line[0] + line[1] - 1).max() < 1 - 3 * _INSIDE)
 
     return sorted(lines, key=inner)

@@ -8,19 +8,22 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
-from .census import Census, census
+from .census import MOST_PERIODS, Census, census
 from .curve_crossings import Pieces, change_along
 from .fold_newton import FOLD, PITCHFORK, CurvePoint, CurveSystem, FoldSystem, corrected
 from .parameter_plane import ParameterPlane
+from .search import near_misses
 from .separatrix_folds import deep_system
 
 _FIRST, _LAST = 0.02, 1e-7  # lengths of a line, in shares: from where Newton's rule is tried, and where it ends
 _DEEP = 1e-3  # length from which on the pair may be next to a separatrix
 _PAIRS = 6  # of equilibria that are tried as those that meet
+_NARROW = 1e-4  # shares: a strip between two curves that is narrower is not looked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,12 +41,19 @@ class Counted:
 
     plane: ParameterPlane
     known: dict[tuple[float, float], Census] = field(default_factory=dict)
+    _missed: dict[tuple[float, float], Counter[Any]] = field(default_factory=dict)
 
     def at(self, shares: Array) -> Census:
         key = float(shares[0]), float(shares[1])
         if key not in self.known:
             self.known[key] = census(self.plane.problems(shares))
         return self.known[key]
+
+    def near_misses(self, shares: Array) -> Counter[Any]:
+        key = float(shares[0]), float(shares[1])
+        if key not in self._missed:
+            self._missed[key] = near_misses(self.plane.problems(shares), MOST_PERIODS)
+        return self._missed[key]
 
 
 def unexplained(counted: Counted, pieces: Pieces, start: Array, end: Array) -> Counter[int]:
@@ -52,6 +62,31 @@ def unexplained(counted: Counted, pieces: Pieces, start: Array, end: Array) -> C
     change.subtract(counted.at(start).indices)
     change.subtract(change_along(pieces, start, end))
     return Counter({index: n for index, n in change.items() if n})
+
+
+def strip_between(counted: Counted, pieces: Pieces, start: Array, end: Array) -> Array | None:
+    """A point between two others, of numbers that the known curves explain, at which they do not explain the numbers.
+
+    On some path two levels have met before and two others part beyond, so that two curves lie between the points and
+    undo each other's change. None where no path shows it, or where the strip is narrower than `_NARROW`.
+    """
+    while np.abs(end - start).max() > _NARROW and _may_hide_two(counted, start, end):
+        middle = (start + end) / 2
+        if unexplained(counted, pieces, start, middle):
+            return np.asarray(middle)
+        if _may_hide_two(counted, start, middle):
+            end = middle
+        else:
+            start = middle
+    return None
+
+
+def _may_hide_two(counted: Counted, start: Array, end: Array) -> bool:
+    """Whether the length of some path has one least value above the rod's less at one point than at the other, and one
+    largest value below it more."""
+    change = Counter(counted.near_misses(end))
+    change.subtract(counted.near_misses(start))
+    return any(n * change[(*key[:3], not key[3])] < 0 for key, n in list(change.items()) if key[3])
 
 
 def seed_between(

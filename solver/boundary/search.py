@@ -1,5 +1,6 @@
 """The search for every orbit that joins two end angles over a given length: for each path one equation in the level."""
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +15,7 @@ from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
 from .path_orbits import solved_orbits
 from .paths import LevelPaths, Levels, Paths, paths
 from .stability import jacobi_zeros
-from .transit_times import Boundary, transit_times
+from .transit_times import Boundary, TransitTimes, transit_times
 
 _TIGHT = 1e-13
 BUDGET = 3e7  # evaluations of G: ten to twenty seconds
@@ -153,11 +154,8 @@ def _remark(index: Array, energy: Array, signed: int, lost: int) -> str:
 
 def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_turns: int | None) -> tuple[Roots, str]:
     """Every level at which a path has the length of the rod, and what `most_periods` or `BUDGET` leaves out."""
-    span, size = float(boundary.problem.span[0]), grid.levels.y.size
-    seen = transit_times(boundary, grid.levels)
-    period = 2 * seen.time.sum(axis=0)[~seen.rotates & ~grid.place]
-    shortest = float(np.nanmin(period, initial=np.inf))
-    needed = int(min(span / shortest, 1e9)) + 1 if np.isfinite(shortest) else 0
+    size, seen = grid.levels.y.size, transit_times(boundary, grid.levels)
+    needed = _most_needed(boundary, grid, seen)
     reason = f"only equilibria of at most {most_periods} whole periods of beta were searched for"
     reason = reason if needed - 1 > most_periods else ""
     every = paths(boundary, 2 * min(needed, most_periods) + 1)
@@ -182,6 +180,31 @@ def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_tur
     levels = Levels(some.pin[found], some.sign[found], y[found])
     total, signed, lost = turns.size, int(np.where(odd, -1, 1).sum()), int(np.count_nonzero(~found))
     return Roots(levels, every.take(some.path[found]), some.rises[found], total, signed, lost, calls + more), reason
+
+
+def _most_needed(boundary: Boundary, grid: LevelGrid, seen: TransitTimes) -> int:
+    """The most whole periods of beta that a rod of this length may have."""
+    period = 2 * seen.time.sum(axis=0)[~seen.rotates & ~grid.place]
+    shortest = float(np.nanmin(period, initial=np.inf))
+    return int(min(float(boundary.problem.span[0]) / shortest, 1e9)) + 1 if np.isfinite(shortest) else 0
+
+
+def near_misses(problem: EndsProblem, most_periods: int) -> Counter[tuple[int, int, int, bool]]:
+    """How often the length of each path (leaving, arriving, periods) has a least value above that of the rod (True), or
+    a largest below it (False), as seen on the grid of levels: there two equilibria appear if the two meet."""
+    boundary, grid = level_grid_of(boundary_of(problem))
+    seen = transit_times(boundary, grid.levels)
+    every = paths(boundary, 2 * min(_most_needed(boundary, grid, seen), most_periods) + 1)
+    if grid.levels.y.size < 3 or not every.periods.size:
+        return Counter()
+    off = seen.lengths(every.counts(boundary.rising)) - problem.span[0]
+    off[:, grid.place] = np.nan
+    before, here, after = off[:, :-2], off[:, 1:-1], off[:, 2:]
+    with np.errstate(invalid="ignore"):
+        least = (here > 0) & (here < before) & (here <= after)
+        largest = (here < 0) & (here > before) & (here >= after)
+    ways = list(zip(every.leaving.tolist(), every.arriving.tolist(), every.periods.tolist(), strict=True))
+    return Counter((*ways[n], above) for above, some in ((True, least), (False, largest)) for n in np.nonzero(some)[0])
 
 
 def roots_on(boundary: Boundary, grid: LevelGrid, some: Paths) -> Roots:
