@@ -10,17 +10,20 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Booleans
+from ..problem.reduced import EndsProblem
 from ..solution import Solution
 from .lift_off import distance_from_ends, only_at_ends
+from .measurement import Reading
 from .observables import error_name, observe
 
-TIGHT, MEETS, PULLED = "too tight", "overlaps", "pulled"
+TIGHT, MEETS, TURNED, PULLED = "too tight", "overlaps", "turned back", "pulled"
 AT_ENDS, IN_PART, ALL_ALONG = f"{PULLED} at the ends", f"{PULLED} in part", f"{PULLED} nearly everywhere"
 UNKNOWN = "not checked: "
 UNCHECKED = (f"{UNKNOWN}curvature", f"{UNKNOWN}self-contact", f"{UNKNOWN}lift-off")
 SLIGHT, ROUNDING = 1e-6, 1e-13  # of the largest push along the rod, and of A/rho^3: a smaller pull is none
+_QUARTER, _LEAST = np.pi / 2 + 1e-9, 1e-9  # rad; rad and share of the length: less is rounding
 NEARLY_ALL = 0.95  # of the length without push
-JUDGED = ("kappa_max", MEETS, "push_min", "push_max", "attached")  # the observables that a caution is made of
+JUDGED = ("kappa_max", MEETS, "push_min", "push_max", "attached", "height")  # the observables that a caution is made of
 
 
 def of_cases(sol: Solution, observed: Mapping[str, Any] | None = None, unit: str = "") -> Any:
@@ -48,10 +51,28 @@ def of_cases(sol: Solution, observed: Mapping[str, Any] | None = None, unit: str
     pulled, held = _pulled(sol, known)
     unknown = zip(UNCHECKED, (~(tight | free), ~np.isfinite(meets), ~(pulled | held)), strict=True)
     text = np.full(sol.case.shape, "", dtype=object)
-    for words, where in ((TIGHT, tight), (MEETS, meets == 1), (_lift_off(sol, known, pulled, unit), pulled), *unknown):
+    sure = (TIGHT, tight), (MEETS, meets == 1), (TURNED, turns_back(sol, known["height"]))
+    for words, where in (*sure, (_lift_off(sol, known, pulled, unit), pulled), *unknown):
         joint = np.where(text == "", "", ", ")
         text = np.where(np.asarray(where) & sol.solved, text + joint + words, text)
     return text.astype(str)
+
+
+def turns_back(sol: Solution, height: Any) -> Any:
+    """Whether a rod between two ends runs against the direction of both of them, (*cases) of bool.
+
+    Its beta goes more than 90 degrees beyond both end angles; or its ends are parallel, and the far one lies behind the
+    start. height: z(L) - z(0) [length].
+    """
+    if not isinstance(sol.problem, EndsProblem):
+        return np.zeros(sol.case.shape, dtype=bool)
+    reading = Reading(sol)
+    numbers = reading.value("low"), reading.value("high"), sol.problem.beta0, sol.problem.betaL
+    low, high, first, last = (np.reshape(number, sol.case.shape) for number in numbers)
+    with np.errstate(invalid="ignore"):
+        far = (high > np.maximum(first, last) + _QUARTER) | (low < np.minimum(first, last) - _QUARTER)
+        behind = np.asarray(height) * np.cos(first) < -_LEAST * np.asarray(sol.case.rod.L)
+        return far | (behind & (np.abs(first - last) < _LEAST))
 
 
 def _tight(sol: Solution, known: Mapping[str, Any]) -> tuple[Any, Any]:

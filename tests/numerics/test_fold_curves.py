@@ -311,3 +311,25 @@ def test_a_grid_of_cases_is_refused() -> None:
     grid = Case(ROD, CASE.cylinder, Ends(0.5, 0.8, FZ=[1.0, 2.0]))
     with pytest.raises(InputError, match="one case, got a grid of shape"):
         fold_curves(grid, FZ=(0, 1), MZ=(0, 1))
+
+
+@pytest.mark.parametrize("field, cusps", [("betaL", 1), ("M3", 3)])
+def test_no_pitchfork_line_goes_where_a_field_breaks_the_symmetry(field, cusps) -> None:
+    """The straight rod buckles at FZ = -1.8986 and exists at betaL = M3 = 0 only: there folds meet in a cusp."""
+    case = Case(Rod(EI=1.0, GJ=0.8, a=0.2, L=2.28), Cylinder(1.2, side="inside"), Ends(beta0=0.0, betaL=0.0))
+    found = region_map(case, stations=2, FZ=(-3.0, 3.0), **{field: (-1.2, 1.2)})
+    assert {curve.kind for curve in found.folds.curves} == {"fold"}
+    assert sum(len(curve.cusps) for curve in found.folds.curves) == cusps
+    assert not found.remark
+    assert not found.checked(60)
+
+
+def test_a_strip_between_two_folds_that_undo_each_other_is_seen() -> None:
+    """It has 5 equilibria; on both sides there are 3, one of them another."""
+    rod = Rod(EI=1.0, GJ=1.7052953818287397, a=0.2, L=3.741906311267317)
+    case = Case(rod, Cylinder(0.8), Ends(beta0=-0.4170023150176283, betaL=-0.4170023150176283))
+    folds = fold_curves(case, FZ=(-9.2066, 3.5832), EI=(1.4921, 2.9843))
+    for EI in (1.6, 2.8):
+        for share, count in ((-1.97, 3), (-1.96, 5), (-1.95, 3)):
+            values = [share * EI, EI]
+            assert sum(folds.indices_at(values).values()) == count == len(equilibria(folds.case_at(values), stations=2))

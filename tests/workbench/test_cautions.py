@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, Start, solve
+from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
 from studies.loader import loads
 from tests.cases import in_units_of_rho
 from tests.workbench import small
@@ -43,6 +43,23 @@ def test_a_pipe_pushed_down_its_hole_lifts_off_only_next_to_its_ends() -> None:
         "of the ends."
     )
     assert sol.caution == text.replace(f"{near:g} m", "14 % of it")
+
+
+@pytest.mark.parametrize("beta0, betaL", [(0.0, 0.0), (0.3, -0.2)])
+def test_a_pipe_that_runs_against_both_its_ends_turns_back(beta0, betaL) -> None:
+    """Pushed hard, a long pipe has its lowest energy turned round."""
+    case = Case(Rod(EI=1.0, GJ=0.8, a=0.01, L=40.0), Cylinder(1.01, "inside"), Ends(beta0, betaL, FZ=-0.5))
+    verdicts = set()
+    for sol in (one.solution for one in equilibria(case) if one.index == 0):
+        far = (np.abs(sol.beta - beta0) > np.pi / 2) & (np.abs(sol.beta - betaL) > np.pi / 2)
+        behind = beta0 == betaL and sol.z[-1] * np.cos(beta0) < 0
+        caution = str(cautions.of_cases(sol))
+        assert ("turned back" in cautions.keys(caution)) == bool(far.any() or behind)
+        verdicts.add(bool(far.any() or behind))
+        if cautions.keys(caution) == ["turned back"]:
+            assert cautions.said(caution) == "The rod turns back against the direction of both its ends."
+            assert not cautions.is_barred(caution)
+    assert True in verdicts
 
 
 def test_a_straight_rod_without_any_contact_is_not_said_to_be_pulled() -> None:

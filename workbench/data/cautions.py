@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.observe.cautions import AT_ENDS, JUDGED, MEETS, PULLED, SLIGHT, TIGHT, UNCHECKED, UNKNOWN, of_cases
+from solver.observe.cautions import AT_ENDS, JUDGED, MEETS, PULLED, SLIGHT, TIGHT, TURNED, UNCHECKED, UNKNOWN, of_cases
 
 from . import outcomes
 
@@ -26,8 +26,13 @@ WORDS = {
         "are bent tighter than their own radius (kappa a > 1)",
     ),
     MEETS: ("passes through itself", "pass through themselves"),
+    TURNED: (
+        "turns back against the direction of both its ends",
+        "turn back against the direction of both their ends",
+    ),
     PULLED: ("would lift off where the cylinder has to pull", "would lift off where the cylinder has to pull"),
 }
+_POSSIBLE = (TURNED, AT_ENDS)  # what a real rod can do
 _EXTENT = re.compile(r"\((no push on .+? % of the length)(?: within (?:\S+ to )?(.+) of an end)?\)")
 
 
@@ -43,7 +48,7 @@ def keys(text: str) -> list[str]:
 
 def is_barred(text: str) -> bool:
     """Whether no real rod takes the shape of a case with this caution: more than its ends would lift off."""
-    return any(not part.startswith((UNKNOWN, AT_ENDS)) for part in parts(text))
+    return any(not part.startswith((UNKNOWN, *_POSSIBLE)) for part in parts(text))
 
 
 def holding(texts: Any, key: str) -> Any:
@@ -79,7 +84,7 @@ def told(texts: Mapping[str, int]) -> str:
     """The same of how often each caution stands."""
     cases, counts = sum(texts.values()), _parts(texts)
     known = {part: count for part, count in counts.items() if not part.startswith(UNKNOWN)}
-    grave = {part: count for part, count in known.items() if not part.startswith(AT_ENDS)}
+    grave = {part: count for part, count in known.items() if not part.startswith(_POSSIBLE)}
     slight = {part: count for part, count in known.items() if part not in grave}
     unknown = {part.removeprefix(UNKNOWN): counts[part] for part in UNCHECKED if part in counts}
     return " ".join(words(cases, of) for words, of in ((_grave, grave), (_slight, slight), (_unknown, unknown)) if of)
@@ -108,9 +113,11 @@ def _grave(cases: int, counts: Mapping[str, int]) -> str:
 
 def _slight(cases: int, counts: Mapping[str, int]) -> str:
     if cases == 1:
-        return f"The rod {phrase(next(iter(counts)))}."
+        return f"The rod {_listed([phrase(part) for part in counts])}."
     return " ".join(
-        f"{count} of {cases} rods would lift off next to their ends alone: {_extent(part)}."
+        f"{count} of {cases} rods {WORDS[TURNED][min(count - 1, 1)]}."
+        if part == TURNED
+        else f"{count} of {cases} rods would lift off next to their ends alone: {_extent(part)}."
         for part, count in counts.items()
     )
 
