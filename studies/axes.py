@@ -14,10 +14,9 @@ from solver.problem.angles import angle
 from solver.problem.errors import choices, near
 from solver.problem.quantities import QUANTITIES, Quantity, quantity
 
-STRICT = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+from .units import FORCES, LENGTHS
 
-LENGTHS = ("nm", "um", "mm", "cm", "dm", "m", "km", "in", "ft")
-FORCES = ("pN", "nN", "uN", "mN", "N", "daN", "kN", "MN", "dyn", "gf", "kgf", "lbf")
+STRICT = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 ROD = tuple(f.name for f in fields(Rod))
 CYLINDER = tuple(f.name for f in fields(Cylinder))
@@ -79,12 +78,12 @@ class Units(BaseModel):
     @field_validator("length")
     @classmethod
     def _length(cls, value: str) -> str:
-        return _unit("length", value, LENGTHS)
+        return _unit("length", value, tuple(LENGTHS))
 
     @field_validator("force")
     @classmethod
     def _force(cls, value: str) -> str:
-        return _unit("force", value, FORCES)
+        return _unit("force", value, tuple(FORCES))
 
 
 def _unit(kind: str, value: str, known: tuple[str, ...]) -> str:

@@ -18,8 +18,9 @@ from solver.problem.reduced import flat
 from .axes import FIELDS, WORDS, Misplaced, quantity_of
 from .formula_units import PLAIN, Dimension, dimension, is_zero, unit_words
 from .formula_values import evaluate
-from .formulas import CONSTANTS, FUNCTIONS, Formula, parse
+from .formulas import CONSTANTS, FUNCTIONS, IN, Formula, parse
 from .readings import TABLE_1
+from .units import NAMED, size_of
 
 if TYPE_CHECKING:
     from .law import Law
@@ -66,8 +67,33 @@ def names(study: "Study") -> dict[str, Dimension]:
     for name in (*OF_CASE, *OBSERVABLES):
         known[name] = dimension_of(name)
     for name, text in study.expressions.items():
-        known[name] = dimension(parse(text), known, study.unit_system)
+        known[name] = own_dimension(text, known, study.unit_system)
     return known
+
+
+def own_dimension(text: str, known: Mapping[str, Dimension], units: Mapping[str, str]) -> Dimension:
+    """The dimension of an expression in the formulas that use it; one with a unit is a plain number, counted in it.
+
+    Raises `InputError` for a unit of another dimension than that of the formula.
+    """
+    formula = parse(text)
+    found = dimension(formula, known, units)
+    if not formula.unit:
+        return found
+    wanted = size_of(formula.unit, units)[1]
+    if found != wanted and not is_zero(formula):
+        own = text.partition(IN)[0]
+        raise InputError(f"{own!r} is {unit_words(found, units)}, which has no value in {formula.unit}")
+    return PLAIN
+
+
+def with_unit(given: Any) -> Any:
+    """An expression of a study file as one text: ``{ formula = "a/b", unit = "MPa" }`` is ``a/b in MPa``."""
+    if not isinstance(given, dict):
+        return given
+    if set(given) != {"formula", "unit"} or not all(isinstance(text, str) for text in given.values()):
+        raise ValueError(f'an expression is a text, or {{ formula = "...", unit = "..." }}, got {given!r}')
+    return f"{given['formula']}{IN}{given['unit']}"
 
 
 def unit_names(units: Mapping[str, str]) -> dict[str, Dimension]:
@@ -97,7 +123,11 @@ def check(study: "Study") -> None:
             below = [one for one in parse(text).names if one in study.expressions and one not in known]
             if below:
                 raise InputError(f"{below[0]!r} is not above this expression, which can use only those above it")
-            known[name] = dimension(parse(text), known, study.unit_system)
+            known[name] = own_dimension(text, known, study.unit_system)
+            claim = name.rpartition("_")[2]
+            if claim in NAMED and known[name] != PLAIN and size_of(claim, study.unit_system) != (1.0, known[name]):
+                found = unit_words(known[name], study.unit_system)
+                raise InputError(f'{name} names {claim}, but is {found}: give {{ formula = "...", unit = "..." }}')
         except InputError as error:
             raise Misplaced(str(error), "expressions", name) from None
 
@@ -117,7 +147,9 @@ def check_law(study: "Study", number: int, law: "Law") -> None:
 
 
 def unit(study: "Study", name: str) -> str:
-    """The unit of an expression in the units of the study."""
+    """The unit of an expression: its own, or that of its formula in the units of the study."""
+    if own := parse(study.expressions[name]).unit:
+        return own
     return unit_text(names(study)[name], study.unit_system)
 
 
@@ -165,9 +197,10 @@ def observed(
         for reason in dict.fromkeys(why.tolist()):
             if reason:
                 _remark(remarks, why == reason, f"{name} has no value: {reason}")
-        known[name] = values
+        size = size_of(formula.unit, study.unit_system)[0] if formula.unit else 1.0
         if not formula.whole:
-            known[f"{name}_error"] = _error(formula, {**fixed, **known}, values)
+            known[f"{name}_error"] = _error(formula, {**fixed, **known}, values) / size
+        known[name] = values / size
     return known, remarks.astype(str)
 
 

@@ -46,6 +46,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "max": np.maximum,
 }
 CONSTANTS = {"pi": float(np.pi)}
+IN = " in "  # between the formula of an expression and the unit of its value
 OF_SEVERAL = ("min", "max")  # functions of two or more values
 
 
@@ -54,13 +55,15 @@ class Formula:
     """A formula that was read.
 
     text: as given. tree: its nodes, all of the allowed kinds. names: those of quantities, in order, without functions
-    and constants. whole: whether its values are 0 and 1, for false and true.
+    and constants. whole: whether its values are 0 and 1, for false and true. unit: the unit behind `IN` in which an
+    expression states its value; "" where it has none.
     """
 
     text: str
     tree: ast.expr
     names: tuple[str, ...]
     whole: bool
+    unit: str = ""
 
 
 @cache
@@ -68,17 +71,18 @@ def parse(text: str) -> Formula:
     """The formula of a text, whose names are checked by `formula_units.dimension`. Raises `InputError`."""
     if len(text) > MOST_TEXT:
         raise InputError(f"the formula has {len(text)} characters; the limit is {MOST_TEXT}")
+    own, _, unit = text.partition(IN)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            tree = ast.parse(text.strip(), mode="eval").body
+            tree = ast.parse(own.strip(), mode="eval").body
     except SyntaxError as error:
-        raise InputError(f"{text!r} is not a formula: {_why(error, text.strip())}") from None
+        raise InputError(f"{text!r} is not a formula: {_why(error, own.strip())}") from None
     except (ValueError, RecursionError, MemoryError):
         raise InputError(f"{text[:60]!r} is not a formula") from None
     names = dict.fromkeys(_names(tree, text, 1))
     whole = isinstance(tree, ast.Compare | ast.BoolOp) or (isinstance(tree, ast.UnaryOp) and is_not(tree))
-    return Formula(text, tree, tuple(name for name in names if name not in CONSTANTS), whole)
+    return Formula(text, tree, tuple(name for name in names if name not in CONSTANTS), whole, unit.strip())
 
 
 def _why(error: SyntaxError, text: str) -> str:

@@ -84,6 +84,11 @@ class Study(BaseModel):
     def _full_reading(cls, value: str | None) -> str | None:
         return None if value is None else parse(value).name
 
+    @field_validator("expressions", mode="before")
+    @classmethod
+    def _expressions_with_units(cls, given: Any) -> Any:
+        return {name: expressions.with_unit(one) for name, one in given.items()} if isinstance(given, dict) else given
+
     @field_validator("observables")
     @classmethod
     def _known_observables(cls, value: list[str], info: ValidationInfo) -> list[str]:

@@ -71,9 +71,7 @@ def followed(
     return places, replace(stop, helix=ceasing_helix(family, stop.p, shape_of(orbit)[0]))
 
 
-def _places(
-    family: Family | HeldFamily, path: Path, p: float, rises: bool, bounds: Bounds
-) -> tuple[list[Place], Stop]:
+def _places(family: Family | HeldFamily, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
     """The same without the reason that a helix ceases to exist."""
     if isinstance(family, HeldFamily) and path.helix:
         return _from_held_helix(family, path, p, rises, bounds)

@@ -70,6 +70,29 @@ def test_the_loads_are_those_of_the_case_and_start_fields_have_their_defaults() 
     }
 
 
+@pytest.mark.parametrize(
+    ("formula", "unit", "size"),  # the studies are in cm and N
+    [
+        ("bending_stress_max", "MPa", 100),
+        ("bending_stress_max", "N/mm^2", 100),
+        ("kappa_max", "deg/m", np.pi / 180 / 100),
+        ("kappa_max", "deg/(30 m)", np.pi / 180 / 3000),
+        ("height", "in", 2.54),
+        ("energy", "kN m", 1e5),
+        ("wraps", "turn", 2 * np.pi),
+    ],
+)
+def test_an_expression_with_a_unit_is_converted_and_others_count_in_it(formula: str, unit: str, size: float) -> None:
+    said = f'own = {{ formula = "{formula}", unit = "{unit}" }}\ntwice = "2*own"\nplain = "{formula}*1"'
+    found = seen(said)
+    np.testing.assert_allclose(found["own"], found["plain"] / size, rtol=1e-12)
+    np.testing.assert_allclose(found["own_error"], found["plain_error"] / size, rtol=1e-9)
+    np.testing.assert_allclose(found["twice"], 2 * found["own"])
+    one = study(said)
+    assert (expressions.unit(one, "own"), expressions.unit(one, "twice")) == (unit, "1")
+    assert loads(dumps(one), default_name=one.name) == one
+
+
 def test_the_error_of_an_expression_is_that_of_its_observables() -> None:
     found = seen('twice = "2*kappa_max/kappa_mean"\nmany = "turns > 5"')
     share = found["kappa_max_error"] / found["kappa_max"] if "kappa_max_error" in found else 0
@@ -106,6 +129,10 @@ def test_an_expression_without_a_value_is_remarked_and_its_neighbours_have_their
         (f'x = "{"1+" * 300}1"', "the formula has 601 characters; the limit is 500"),
         ('x = "M1"', "no name 'M1' in a formula"),
         ('x = "open(1)"', "no function 'open' in a formula; choose from sqrt"),
+        ('x = { formula = "E", unit = "mm" }', "'E' is in N/cm.2, which has no value in mm"),
+        ('x = { formula = "E", unit = "Mpa" }', "unit 'Mpa': no unit 'Mpa', did you mean 'MPa'; choose from nm"),
+        ('x = { formula = "E" }', "an expression is a text, or . formula"),
+        ('stress_MPa = "bending_stress_max/1000"', "stress_MPa names MPa, but is in N/cm.2: give . formula"),
     ],
 )  # fmt: skip
 def test_an_invalid_expression_is_refused_with_its_line_and_the_choices(said: str, message: str) -> None:

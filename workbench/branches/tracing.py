@@ -100,9 +100,7 @@ def numbered(
     found: list[list[Equilibrium]], owner: list[list[tuple[int, int] | None]], curves: list[Branch], remarks: list[str]
 ) -> Traced:
     """The pieces in the order in which their equilibria appear; those without any come last."""
-    cuts = [
-        [0, *(one.position for one in curve.special if one.kind != HELIX), len(curve) - 1] for curve in curves
-    ]
+    cuts = [[0, *(one.position for one in curve.special if one.kind != HELIX), len(curve) - 1] for curve in curves]
     spans = {(c, j): span for c, cut in enumerate(cuts) for j, span in enumerate(pairwise(cut))}
 
     def piece_of(curve: int, at: int) -> tuple[int, int]:

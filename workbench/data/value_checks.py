@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from solver.problem.case import SIDES
 from solver.problem.errors import InputError, choices
 from solver.problem.rod import DIRECT, ELASTIC, GIVEN
-from studies.axes import FORCES, LENGTHS
+from studies.units import FORCES, LENGTHS
 
 from . import escaping, rod_fields
 from .file_checks import shown

@@ -9,8 +9,6 @@ import xarray as xr
 
 from ..geometry.centreline import Centreline
 
-METRES = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048}
-
 
 @dataclass(frozen=True)
 class Options:

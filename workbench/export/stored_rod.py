@@ -9,11 +9,12 @@ import numpy as np
 import xarray as xr
 
 from solver.problem.errors import InputError, choices
+from studies.units import LENGTHS
 
 from ..data import atomic, selection, writing
 from ..geometry import centreline, self_contact
 from . import pvd, series
-from .base import METRES, Format, Options, Rod
+from .base import Format, Options, Rod
 from .formats import FORMATS, format_of
 
 DEFAULT = Options()
@@ -90,7 +91,7 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
         rod.line.check(tolerance, format.curve_share, format.cubic)
         unit = format.unit or rod.unit
         rod, facts = replace(rod, tolerance=tolerance), {"tolerance": tolerance, "unit": unit}
-        facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * METRES[rod.unit] / METRES[unit]
+        facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * LENGTHS[rod.unit] / LENGTHS[unit]
     written: dict[str, Any] = {}
     put(path, lambda aside: written.update(format.write(aside, rod)), force)
     return Exported(path, at, {**written, **facts}, [finding.sentence for finding in found])

@@ -13,8 +13,9 @@ from solver.problem.limits import farthest
 from solver.problem.quantities import unit_of
 from solver.problem.rod import DIRECT, ELASTIC, lacking
 from studies import Study, load
-from studies.axes import FORCES, LENGTHS, Which, quantity_of
+from studies.axes import Which, quantity_of
 from studies.readings import DEFAULT, TABLE_UNITS, parse
+from studies.units import FORCES, LENGTHS
 
 START_ONLY = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
 ENDS_ONLY = {f.name for f in fields(Ends)} - {f.name for f in fields(Start)}
@@ -102,7 +103,7 @@ def read_case(
 def check_units(units: Mapping[str, str]) -> None:
     """Raise `InputError` for an unknown unit of length or force."""
     for kind, known in (("length", LENGTHS), ("force", FORCES)):
-        if units.get(kind, known[0]) not in known:
+        if units.get(kind, "") not in ("", *known):
             raise no_such(f"unit of {kind}", units[kind], known)
 
 
