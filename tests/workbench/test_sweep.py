@@ -13,7 +13,7 @@ from studies.loader import loads
 from workbench import cli
 from workbench.commands import study_scene
 from workbench.data import branch_numbers, law_verdicts
-from workbench.run import block, in_memory, merge, plan, sweep_order
+from workbench.run import block, in_memory, merge, plan, sweep, sweep_order
 from workbench.run.block import solved
 from workbench.run.study_store import Options, run_to_file
 from workbench.scene import kinds
@@ -121,6 +121,70 @@ def test_the_equilibrium_at_a_load_does_not_depend_on_the_other_loads(more) -> N
             usual = solve(study().case_of({"FZ": FZ}), stations=51)
             assert rise == usual.beta[1] > 0  # of two mirror images the one whose beta rises first
             assert height == pytest.approx(float(usual.z[-1]), rel=1e-9)
+
+
+RANDOM = """
+title = "A random study"
+observables = ["height", "index"]
+outputs = ["beta"]
+stations = 11
+[units]
+length = "cm"
+force = "N"
+[base]
+nu = 0.25
+a = 0.1
+R = 1.1
+{base}
+[axes.{axis}]
+values = {values}
+{choose}
+"""
+RANGES = {"E": (2e3, 2e4), "L": (2.0, 9.0), "FZ": (-6.0, 2.0), "MZ": (-2.0, 2.0), "M3": (-2.0, 2.0),
+          "betaL": (-1.0, 1.5), "height": (-0.4, 0.9)}  # fmt: skip
+
+
+def random_study(seed: int) -> tuple[str, str, list[float]]:
+    """The text of a study without its values, the name of its axis, and eight values; every sixth holds the height."""
+    draw = np.random.default_rng(seed)
+    held, symmetric = seed % 6 == 5, seed % 3 == 0
+    axis = "height" if held else str(draw.choice(list(RANGES)[:6]))
+    numbers = {name: float(draw.uniform(*RANGES[name])) for name in ("E", "L", "FZ", "MZ", "M3", "betaL")}
+    numbers |= {"beta0": 0.0 if symmetric else float(draw.uniform(-0.8, 0.8))}
+    numbers |= {"MZ": 0.0, "M3": 0.0, "betaL": 0.0} if symmetric else {}
+    values = draw.uniform(*RANGES[axis], 8) * (numbers["L"] if held else 1)
+    left_out = {axis, "FZ"} if held else {axis}
+    side = "inside" if draw.random() < 0.5 else "outside"
+    base = [f"{name} = {value!r}" for name, value in numbers.items() if name not in left_out] + [f'side = "{side}"']
+    rule = draw.choice(["", "", '[equilibrium]\nchoose = "lowest"', "[equilibrium]\nindex = 1"]) if not held else ""
+    return RANDOM.replace("{base}", "\n".join(base)).replace("{choose}", rule), axis, values.tolist()
+
+
+def cases_of(text: str, axis: str, values: list[float]) -> dict[float, tuple[str, bytes]]:
+    """Solved or not, and beta, of each case of a study with these values of its axis."""
+    ds = in_memory.run(loads(text.replace("{axis}", axis).replace("{values}", repr(values)), "text", "random"))
+    row = ds["beta"].transpose(axis, "u").values
+    return {float(value): (str(said).split(";")[0], row[i].tobytes())
+            for i, (value, said) in enumerate(zip(ds[axis].values, ds["outcome"].values, strict=True))}  # fmt: skip
+
+
+@pytest.mark.parametrize("seeds", [(0, 5), pytest.param(range(200), marks=pytest.mark.slow)])
+def test_a_case_is_the_same_whatever_the_range_the_order_and_the_number_of_values(seeds) -> None:
+    for seed in seeds:
+        text, axis, values = random_study(seed)
+        whole = cases_of(text, axis, values)
+        part = cases_of(text, axis, sorted(values[:5], reverse=True)) | cases_of(text, axis, values[5:6])
+        assert part == {value: whole[value] for value in part}, seed
+        one = loads(text.replace("{axis}", axis).replace("{values}", repr(values)), "text", "random")
+        choose = sweep.rule_of(one.equilibrium)
+        for value in values[:2]:
+            usual = solve(one.case_of({axis: value}), stations=11, tol=one.tol, choose=choose)
+            said, beta = whole[value]
+            assert (said == "solved") == bool(usual.solved), seed
+            if usual.solved:
+                np.testing.assert_allclose(np.frombuffer(beta), usual.beta, atol=1e-12)
+                if seed % 3 == 0 and choose == "nearest":  # of two mirror images the one whose beta rises first
+                    assert np.frombuffer(beta)[1] >= 0
 
 
 def test_a_wire_pushed_into_a_tube_is_not_turned_back_because_the_axis_goes_far() -> None:
