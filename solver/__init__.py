@@ -14,6 +14,7 @@ from .solution import Solution
 from .solve import solve
 from .switch import switch
 
+__version__ = "0.2.0"
 __all__ = [
     "Branch",
     "Case",
@@ -35,3 +36,8 @@ __all__ = [
     "solve",
     "switch",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names: what completion shows."""
+    return [*__all__, "__version__"]

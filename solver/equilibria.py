@@ -10,12 +10,12 @@ from .boundary.selection import NEAREST, Choose, select
 from .equilibrium_list import Equilibria, Equilibrium, in_order
 from .held_equilibria import TRIES, held_equilibria
 from .numerics.arrays import Array
-from .problem.case import Case, Ends
+from .problem.case import Case, Ends, checked_case
 from .problem.errors import InputError, choices
 from .problem.held_ends import held_of
-from .problem.limits import OUT_OF_RANGE, TOO_LARGE, beyond, dimensionless, representable
+from .problem.limits import OUT_OF_RANGE, TOO_LARGE, TOO_LONG, beyond, dimensionless, not_too_long, representable
 from .problem.reduced import EndsProblem, reduce
-from .problem.tolerance import DEFAULT_TOLERANCE
+from .problem.tolerance import DEFAULT_TOLERANCE, checked_tolerance, whole_number
 from .problem.trajectory import Trajectory
 from .solution import Solution
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
 
 MOST_SWINGS = 200
+LARGEST_SWINGS, MOST_TRIES, MOST_VALUES, MOST_LISTED = 10_000, 10_000, 1_000, 100_001  # of one call
 NONE_FOUND = "incomplete: no equilibrium was found, and by degree there is always one"
 
 
@@ -66,7 +67,8 @@ def equilibria(
     Raises
     ------
     InputError
-        For a start problem, a grid of cases, and `within` that is no range of a reaction of the case.
+        For a start problem, a grid of cases, `within` that is no range of a reaction of the case, and another argument
+        out of its range.
 
     Examples
     --------
@@ -76,6 +78,15 @@ def equilibria(
     >>> found.complete, [one.index for one in found]
     (True, [0, 0, 1])
     """
+    case, tol = checked_case("equilibria", case), checked_tolerance(tol)
+    stations = whole_number("stations", stations, 2, MOST_LISTED)
+    tries = whole_number("tries", tries, 0, MOST_TRIES)
+    if most_swings is not None:
+        most_swings = whole_number("most_swings", most_swings, 0, LARGEST_SWINGS)
+    if values is not None:
+        values = whole_number("values", values, 2, MOST_VALUES)
+    if within is not None and not isinstance(within, Mapping):
+        raise InputError(f"within must be a mapping of a reaction to its lowest and highest value, got {within!r}")
     if held_of(case):
         return held_equilibria(case, tol, stations, most_swings, dict(within or {}), tries, values)
     if within:
@@ -96,7 +107,8 @@ def _under_dead_loads(case: Case, problem: EndsProblem, tol: float, stations: in
     from .observe.measurement import Reading
     from .observe.observables import OBSERVABLES
 
-    for fine, why in ((representable(case, problem), OUT_OF_RANGE), (dimensionless(problem), TOO_LARGE)):
+    within = representable(case, problem), dimensionless(problem), not_too_long(problem)
+    for fine, why in zip(within, (OUT_OF_RANGE, TOO_LARGE, TOO_LONG), strict=True):
         if not fine.all():
             return Equilibria([], str(beyond(why, case)[0]).removeprefix("failed: "))
     all_of_them = search(problem, most_swings)

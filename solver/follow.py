@@ -12,7 +12,7 @@ from .numerics.arrays import Array
 from .problem.angles import doubt, given_by_a_program, warn
 from .problem.case import ANGLES, PAIRS, Case, Ends
 from .problem.case_fields import value_of, with_field
-from .problem.errors import InputError, choices, no_such
+from .problem.errors import InputError, choices, no_such, shown
 from .problem.field_rates import fields_of
 from .problem.field_values import in_rad
 from .problem.held_ends import held_of
@@ -121,10 +121,10 @@ def _field_and_values(case: Case, field: dict[str, ArrayLike]) -> tuple[str, Arr
     try:
         read = in_rad(np.array(values, dtype=object)) if name in ANGLES else values
         found = np.atleast_1d(np.asarray(read, dtype=float)).ravel()
-    except (TypeError, ValueError):
-        raise InputError(f"{name} must be a number or an array of numbers, got {values!r}") from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} must be a number or an array of numbers, got {shown(values)}") from None
     if not found.size or not np.isfinite(found).all():
-        raise InputError(f"{name} must be one or several finite numbers, got {values!r}")
+        raise InputError(f"{name} must be one or several finite numbers, got {shown(values)}")
     if name in ANGLES and given_by_a_program() and (sentence := doubt(name, values)):
         warn(sentence)
     return name, found

@@ -14,9 +14,9 @@ from .boundary.held_system import Given, State
 from .equilibrium_list import Equilibrium, HeldEquilibria, HeldSearch, in_order
 from .observe import observe
 from .problem.case import PAIRS, Case, Ends
-from .problem.errors import InputError, no_such
+from .problem.errors import InputError, no_such, shown
 from .problem.held_ends import NUMBER_OF, held_of, reduce_held
-from .problem.limits import LARGEST, SHORTEST, TOO_LARGE, beyond
+from .problem.limits import OUT_OF_RANGE, beyond, beyond_limits, units_held
 from .solution import Solution
 
 TRIES, MOST_SWINGS = 10, 8
@@ -38,20 +38,15 @@ def held_equilibria(
     """The equilibria of a case with held ends; the parameters are those of `equilibria.equilibria`."""
     if case.shape:
         raise InputError(f"equilibria takes one case at a time, got a grid of shape {case.shape}")
-    if tries < 0:
-        raise InputError(f"tries must be a whole number of at least 0, got {tries!r}")
-    if values is not None and values < 2:
-        raise InputError(f"values must be a whole number of at least 2, got {values!r}")
-    size = _sizes(case)
     ranges = _ranges(case, within)
-    own = {NUMBER_OF[name]: (low / size[name], high / size[name]) for name, (low, high) in ranges.items()}
     swings = MOST_SWINGS if most_swings is None else most_swings
     problem = reduce_held(case)
-    numbers = np.append(problem.values[0], [problem.span[0], problem.ratio[0]])
-    if not (np.abs(numbers) < LARGEST).all() or problem.span[0] < SHORTEST:
-        return HeldEquilibria(
-            [], HeldSearch({}, swings, 0, 0, 0, 0, 0, str(beyond(TOO_LARGE, case)[0]).removeprefix("failed: "))
-        )
+    why = beyond_limits(np.append(problem.values[0], problem.ratio[0]), float(problem.span[0]))
+    if why := why if units_held(case).all() else OUT_OF_RANGE:
+        sentence = str(beyond(why, case)[0]).removeprefix("failed: ")
+        return HeldEquilibria([], HeldSearch({}, swings, 0, 0, 0, 0, 0, sentence))
+    size = _sizes(case)
+    own = {NUMBER_OF[name]: (low / size[name], high / size[name]) for name, (low, high) in ranges.items()}
     found = held_search(Given.of(problem), own, swings, tries, values)
     t = problem.span[:, None] * np.linspace(0, 1, stations)
     listed = [_equilibrium(case, found.given, *one, t, tol) for one in zip(found.states, found.how, strict=True)]
@@ -74,12 +69,12 @@ def _ranges(case: Case, within: dict[str, Any]) -> dict[str, tuple[float, float]
             raise no_such("reaction of this case", name, reactions)
         try:
             low, high = (float(end) for end in ends)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError(
-                f"within[{name!r}] must be two numbers, the lowest and the highest, got {ends!r}"
+                f"within[{shown(name)}] must be two numbers, the lowest and the highest, got {shown(ends)}"
             ) from None
         if not (np.isfinite([low, high]).all() and low < high):
-            raise InputError(f"within[{name!r}] must be two finite rising numbers, got {ends!r}")
+            raise InputError(f"within[{shown(name)}] must be two finite rising numbers, got {shown(ends)}")
         found[name] = low, high
     return found
 

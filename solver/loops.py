@@ -7,8 +7,10 @@ import numpy as np
 
 from .problem.case import Case, Cylinder, Rod, Start
 from .problem.errors import InputError
+from .problem.limits import OUT_OF_RANGE, beyond, units_held
 from .problem.reduced import reduce
 from .problem.shown import made
+from .problem.tolerance import whole_number
 from .solution import SHOWN, Solution
 from .solve import solve
 
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from .closed.orbits import ClosedOrbit
 
 TOL = 1e-11
+MOST_TURNS = 1_000_000  # wraps and folds
 NOT_FOUND = "the loop about {} was not found: it lies nearer to a separatrix than numbers of 64 bits resolve"
 NOT_CLOSED = "the loop about {} closes only to {:.1e}: it lies so near to a separatrix that rounding shows"
 _ULPS = 8  # units in the last place by which the forces at the start are moved
@@ -155,11 +158,12 @@ def _checked(rod: Rod, cylinder: Cylinder, wraps: int, folds: int) -> float:
     """L/rho of a rod that can form the loop."""
     counts: dict[str, Any] = {"wraps": wraps, "folds": folds}
     for name, value in counts.items():
-        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
-            raise InputError(f"{name} must be a whole number of at least 1, got {value!r}")
+        whole_number(name, value, 1, MOST_TURNS)
     case = Case(rod, cylinder, Start(0.0, 0.0, M3=0.0))
     if case.shape:
         raise InputError(f"loops takes one rod and one cylinder, got fields of shape {case.shape}")
+    if not units_held(case).all():
+        raise InputError(beyond(OUT_OF_RANGE, case)[0].removeprefix("failed: "))
     span, ring = float(rod.L / case.rho), 2 * np.pi * wraps
     if not span > ring * (1 + 1e-12):
         raise InputError(

@@ -7,12 +7,22 @@ import numpy as np
 
 from .boundary.selection import NEAREST, Choose, checked
 from .numerics.arrays import Array
-from .problem.case import Case
-from .problem.errors import InputError, choices
+from .problem.case import Case, checked_case
+from .problem.errors import InputError, choices, shown
 from .problem.held_ends import HeldProblem, held_of, reduce_held
-from .problem.limits import OUT_OF_RANGE, TOO_LARGE, beyond, dimensionless, ordinary, representable, units_held
+from .problem.limits import (
+    OUT_OF_RANGE,
+    TOO_LARGE,
+    TOO_LONG,
+    beyond,
+    dimensionless,
+    not_too_long,
+    ordinary,
+    representable,
+    units_held,
+)
 from .problem.reduced import EndsProblem, Reduced, StartProblem, flat, reduce
-from .problem.tolerance import DEFAULT_TOLERANCE, checked_tolerance
+from .problem.tolerance import DEFAULT_TOLERANCE, checked_tolerance, whole_number
 from .problem.trajectory import Seed, Trajectory, blanked, stood_in
 from .solution import Solution
 
@@ -75,7 +85,7 @@ def solve(
     """
     from .methods.automatic import chosen_method  # only a call of `solve` loads the methods
 
-    tol = checked_tolerance(tol)
+    case, tol = checked_case("solve", case), checked_tolerance(tol)
     if held_of(case):
         return _held(case, tol, chosen_method("ends", method, knobs), stations, seed, checked(choose))
     problem = reduce(case)
@@ -115,9 +125,9 @@ def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose:
     with np.errstate(all="ignore"):
         fit = np.asarray(np.isfinite(t)).all(axis=1, keepdims=True)
         told, found = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, start)
-        lost = told.outcome == TOO_LARGE
-        if lost.any():
-            told = blanked(told, ~lost, beyond(TOO_LARGE, case))
+        for why in (TOO_LARGE, TOO_LONG):
+            lost = told.outcome == why
+            told = blanked(told, ~lost, beyond(why, case)) if lost.any() else told
         for fine, why in ((representable(case, found), OUT_OF_RANGE), (units_held(case), OUT_OF_RANGE)):
             told = told if fine.all() else blanked(told, fine, beyond(why, case))
     return Solution(case, found, told, t, method.name, tol)
@@ -131,8 +141,8 @@ def _run(
 
     if ordinary(case, problem) and isinstance(problem, StartProblem):
         return run_in_blocks(method, problem, t, tol)
-    held, finite = representable(case, problem), dimensionless(problem)
-    fit = held & finite
+    held, finite, short = representable(case, problem), dimensionless(problem), not_too_long(problem)
+    fit = held & finite & short
     if not fit.all():
         t = np.where(fit[:, None], t, np.linspace(0, 1, t.shape[1]))
     if isinstance(problem, StartProblem):
@@ -141,7 +151,8 @@ def _run(
         told = method.run(stood_in(problem, fit), t, tol, **which)
         slope = np.where(np.isfinite(told.dbeta[:, 0]), told.dbeta[:, 0], 0.0)  # beta'(0) is known only now
         held &= ~fit | representable(case, problem.started(slope))
-    for fine, why in ((held, OUT_OF_RANGE), (finite, TOO_LARGE), (units_held(case), OUT_OF_RANGE)):
+    refusals = (short, TOO_LONG), (held, OUT_OF_RANGE), (finite, TOO_LARGE), (units_held(case), OUT_OF_RANGE)
+    for fine, why in refusals:
         told = told if fine.all() else blanked(told, fine, beyond(why, case))
     return told
 
@@ -149,10 +160,9 @@ def _run(
 def _stations(case: Case, problem: Reduced | HeldProblem, stations: Any) -> Array:
     """The stations in units of rho, (B, n)."""
     if isinstance(stations, (int, np.integer)) and not isinstance(stations, bool):
-        if not 2 <= stations <= 10_000_000:
-            raise InputError(f"stations must be from 2 to 10000000, got {stations}")
+        stations = whole_number("stations", stations, 2, 10_000_000)
         with np.errstate(invalid="ignore", over="ignore"):  # overflow of the span is reported in the outcome
-            return problem.span[:, None] * _equal_steps(int(stations))
+            return problem.span[:, None] * _equal_steps(stations)
     try:
         s = np.asarray(stations, dtype=float)
         s = np.broadcast_to(s, (*case.shape, s.shape[-1])).reshape(problem.size, -1)
@@ -190,8 +200,8 @@ def seed_of(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
     try:
         with np.errstate(over="ignore"):
             slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
-    except (TypeError, ValueError):
-        raise InputError(f"seed must be beta'(0) or a Solution, got {seed!r}") from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"seed must be beta'(0) or a Solution, got {shown(seed)}") from None
     from .methods import OrbitQuadrature
 
     assert not isinstance(problem, HeldProblem)

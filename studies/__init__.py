@@ -6,4 +6,10 @@ from .loader import load, names
 from .model import Study
 from .readings import READINGS, TABLE_1, Reading
 
+__version__ = "0.2.0"
 __all__ = ["READINGS", "TABLE_1", "Law", "Reading", "Study", "Verdict", "judge", "load", "names"]
+
+
+def __dir__() -> list[str]:
+    """The public names: what completion shows."""
+    return [*__all__, "__version__"]

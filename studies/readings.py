@@ -106,9 +106,10 @@ class Reading:
             dropped = () if self.twist == "shear" else np.shape(p["F1"])
         # keeps the axis of a value that the reading drops
         given["alpha"] = np.broadcast_to(p["alpha"], np.broadcast_shapes(dropped, np.shape(p["alpha"])))
+        words: Any = self.stiffness, side  # checked by Rod and Cylinder
         return Case(
-            Rod(p["E"], p["nu"], p["a"], p["L"], self.stiffness),
-            Cylinder(p["R"], side),
+            Rod(p["E"], p["nu"], p["a"], p["L"], words[0]),
+            Cylinder(p["R"], words[1]),
             Start(p["beta"], p["dbeta"], gamma=p["gamma"], **given),
         )
 

@@ -123,6 +123,11 @@ for _name, _command in COMMANDS.items():
 def main(args: list[str] | None = None) -> None:
     """Run the command line and exit; an error is one sentence on stderr, and so is a notice."""
     words = (sys.argv[1:] if args is None else args) or ["--help"]
+    if sys.stderr is None:  # as a shell closes it with 2>&-
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115  (to the end of the process)
+    if sys.stdout is None:
+        print("workbench: stdout is closed; give it a file or a pipe, or /dev/null", file=sys.stderr)
+        sys.exit(2)
     with warnings.catch_warnings():
         warnings.filterwarnings("always", NOTICE)
         warnings.showwarning = _shown_by(warnings.showwarning)
@@ -154,8 +159,7 @@ def _run(words: list[str]) -> None:
     fail = partial(_fail, words)
     try:
         status = _parser()(words, prog_name="workbench", standalone_mode=False)
-        if sys.stdout is not None:  # it is None where stdout is closed
-            sys.stdout.flush()
+        sys.stdout.flush()
         sys.exit(status)
     except typer.TyperException as error:
         fail(_sentence(error), error.exit_code)

@@ -52,7 +52,7 @@ def together(found: list[Trajectory | str], t: Array) -> Trajectory:
     if len(found) == 1 and not isinstance(found[0], str):
         return found[0]
     plain = StartProblem(**{field.name: np.array([PLAIN[field.name]]) for field in fields(StartProblem)})
-    nothing = solve_orbit(plain, 1e-6)
+    nothing = solve_orbit(plain, 1e-13)  # the tolerance of the others: the same series
     orbits = [nothing if isinstance(one, str) else one.orbit for one in found]
     orbit = orbits[0] if len(orbits) == 1 else _joined_orbits(orbits)
     shown = np.array([not isinstance(one, str) for one in found])

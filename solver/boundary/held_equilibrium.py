@@ -12,7 +12,7 @@ from ..orbit.panels import EPS
 from ..orbit.periodic_orbit import Orbit
 from ..orbit.variations import changed
 from ..problem.held_ends import HeldProblem
-from ..problem.limits import LARGEST, SHORTEST, TOO_LARGE
+from ..problem.limits import beyond_limits
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, verdicts
 from .branch_coordinates import LinePoint, charts, coordinate, path_at
@@ -148,9 +148,8 @@ def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> 
 
 
 def _reached(one: HeldProblem, seed: Seed | None) -> Reached | str:
-    numbers = np.append(one.values[0], [one.span[0], one.ratio[0]])
-    if not (np.abs(numbers) < LARGEST).all() or one.span[0] < SHORTEST:
-        return TOO_LARGE
+    if why := beyond_limits(np.append(one.values[0], one.ratio[0]), float(one.span[0])):
+        return why
     height = one.known("z")
     if height is not None and abs(height[0]) > one.span[0] * (1 - 4 * EPS):
         return STRAIGHT

@@ -8,7 +8,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.angles import angle
 from ..problem.case import ANGLES, Case, Ends
-from ..problem.errors import InputError, choices
+from ..problem.errors import InputError, choices, shown
 from ..problem.field_rates import NUMBERS, checked_fields, field_rates
 from ..problem.reduced import EndsProblem, reduce
 
@@ -104,8 +104,8 @@ def _range(name: str, given: Any) -> tuple[float, float]:
     """The two ends of a range. Raises `InputError`."""
     try:
         low, high = (angle(v) if isinstance(v, str) and name in ANGLES else float(v) for v in given)
-    except (TypeError, ValueError):
-        raise InputError(f"the range of {name} must be two numbers (from, to), got {given!r}") from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"the range of {name} must be two numbers (from, to), got {shown(given)}") from None
     if not np.isfinite([low, high]).all() or not low < high:
-        raise InputError(f"the range of {name} must be two finite numbers, the first lower, got {given!r}")
+        raise InputError(f"the range of {name} must be two finite numbers, the first lower, got {shown(given)}")
     return low, high

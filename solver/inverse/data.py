@@ -9,7 +9,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..observe.observables import OBSERVABLES, is_count
 from ..problem.case import Case
-from ..problem.errors import InputError, choices, no_such
+from ..problem.errors import InputError, choices, no_such, shown
 from ..problem.quantities import quantity
 from ..sensitivity.observables import checked_observables
 from .parameters import natural_unit
@@ -125,7 +125,7 @@ def _columns(points: Any) -> tuple[dict[str, Array], Array | None]:
 def _array(name: str, values: Any) -> Array:
     try:
         found = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"the column {name} of the points must hold numbers, got {values!r:.60}") from None
     if found.ndim != 1 or not found.size or not np.isfinite(found).all():
         raise InputError(f"the column {name} of the points must be a list of finite numbers, got shape {found.shape}")
@@ -135,10 +135,10 @@ def _array(name: str, values: Any) -> Array:
 def _number(what: str, value: Any) -> float:
     try:
         found = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         found = np.nan
     if not np.isfinite(found):
-        raise InputError(f"{what} must be a finite number, got {value!r}")
+        raise InputError(f"{what} must be a finite number, got {shown(value)}")
     return found
 
 
@@ -155,7 +155,7 @@ def _sigmas(
         count = 1 if name in targets else columns[name].size
         try:
             numbers = np.asarray(value, dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             numbers = np.array(np.nan)
         if numbers.shape not in ((), (count,)) or not (np.isfinite(numbers) & (numbers > 0)).all():
             shape = "a positive number" if name in targets else f"a positive number, or {count} of them"

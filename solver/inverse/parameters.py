@@ -9,7 +9,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.angles import angle
 from ..problem.case import TWISTS, Case, Start, from_fields
-from ..problem.errors import InputError, choices
+from ..problem.errors import InputError, choices, shown
 from ..problem.field_rates import checked_fields
 from ..problem.quantities import quantity
 
@@ -134,8 +134,8 @@ def _limits(case: Case, name: str) -> tuple[float, float]:
 def _numbers(name: str, bounds: Any) -> tuple[float, float]:
     try:
         low, high = (angle(one) if isinstance(one, str) else float(one) for one in bounds)
-    except (TypeError, ValueError):
-        raise InputError(f"the bounds of {name} must be two numbers, low and high, got {bounds!r}") from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"the bounds of {name} must be two numbers, low and high, got {shown(bounds)}") from None
     if not low < high:
         raise InputError(f"the bounds of {name} must rise, got {low:g} to {high:g}")
     return low, high

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..problem.errors import InputError, choices, no_such
+from ..problem.errors import InputError, choices, known_name, no_such
 from . import METHODS, available
 from .base import EndsMethod, Method, StartMethod
 
@@ -21,9 +21,10 @@ def chosen_method(kind: str, method: str | Method, knobs: dict[str, Any] | None 
     """
     if isinstance(method, Method) and knobs:
         raise InputError(f"set the knobs {choices(knobs)} in the method, {type(method).__name__}(...), not in solve")
-    name = automatic_method(kind) if method == "auto" else method.name if isinstance(method, Method) else method
-    if not isinstance(method, Method) and name not in METHODS:
+    name = method.name if isinstance(method, Method) else method
+    if not isinstance(method, Method) and not known_name(name, ["auto", *METHODS]):
         raise no_such("method", name, ["auto", *available()])
+    name = automatic_method(kind) if name == "auto" else name
     one = method if isinstance(method, Method) else METHODS[name].with_knobs(knobs or {})
     if kind not in one.problems:
         able = [other.name for other in available().values() if kind in other.problems]

@@ -15,7 +15,7 @@ from ..boundary.stability import index_at_stations, jacobi_zeros
 from ..numerics.arrays import Array
 from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION, ROTATION
-from ..problem.errors import no_such
+from ..problem.errors import known_name, no_such
 from ..problem.quantities import quantity
 from ..problem.rod import Rod
 from ..solution import Solution
@@ -370,13 +370,19 @@ def why_unknown(name: str, values: Any) -> list[tuple[str, Any]]:
     return [*told, (f"{name} is beyond floats in these units", np.isinf(numbers))]
 
 
+def checked_names(names: Any) -> tuple[str, ...]:
+    """One name or several as a tuple. Raises `InputError` for an unknown one."""
+    wanted = (names,) if not isinstance(names, Iterable) or isinstance(names, str) else tuple(names)
+    for name in wanted:
+        if not known_name(name, OBSERVABLES):
+            raise no_such("observable", name, OBSERVABLES)
+    return wanted
+
+
 @np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
 def observe(sol: Solution, names: Iterable[str], errors: bool = False) -> dict[str, Any]:
     """What `solver.observe` returns; its documentation is there."""
-    names = list(names)
-    for name in names:
-        if name not in OBSERVABLES:
-            raise no_such("observable", name, OBSERVABLES)
+    names = checked_names(names)
     read = Reading(sol)
     read.measure(key for name in names for key in OBSERVABLES[name].measured)
     shapeless = ~np.isfinite(sol.trajectory.beta).all(axis=1)

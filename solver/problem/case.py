@@ -5,15 +5,15 @@ also be text: `Start(beta="30deg", ...)`, `Ends("pi/6", ["10deg", "20deg"])`.
 """
 
 from collections.abc import Iterator
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from .errors import InputError, choices, near, no_such
+from .errors import InputError, choices, known_name, no_such, shown
 from .field_values import ANGLES as ANGLES
-from .field_values import check_numbers, refuse
+from .field_values import check_numbers, named_fields, refuse
 from .rod import STIFFNESS as STIFFNESS
 from .rod import Rod as Rod
 from .shown import table_of
@@ -24,6 +24,7 @@ TWISTS = ("F1", "dgamma", "M3")  # fields of Start: each alone determines the tw
 PAIRS = (("beta0", "M10"), ("betaL", "M1L"), ("FZ", "height"), ("MZ", "azimuth"), ("M3", "rotation"))
 
 
+@named_fields
 @dataclass(frozen=True, eq=False)
 class Cylinder:
     """The frictionless cylinder on which the rod lies.
@@ -48,15 +49,16 @@ class Cylinder:
     """
 
     R: Any
-    side: str = "outside"
+    side: Literal["outside", "inside"] = "outside"
 
     def __post_init__(self) -> None:
         check_numbers(self, skip=("side",))
         refuse("Cylinder", "R", self.R, np.less_equal(self.R, 0), "positive and finite")
-        if self.side not in SIDES:
+        if not known_name(self.side, SIDES):
             raise no_such("side", self.side, SIDES)
 
 
+@named_fields
 @dataclass(frozen=True, eq=False)
 class Start:
     """A start problem: every value is given at s = 0. An initial value problem with one solution.
@@ -118,6 +120,7 @@ class Start:
             )
 
 
+@named_fields
 @dataclass(frozen=True, eq=False)
 class Ends:
     """An ends problem: how both ends are held. A boundary value problem with many solutions.
@@ -228,6 +231,7 @@ class Ends:
         return f"Ends({choices(f'{name}={value!r}' for name, value in values.items() if value is not None)})"
 
 
+@named_fields
 @dataclass(frozen=True, eq=False)
 class Case:
     """One case, or a grid of cases: the fields of its parts broadcast to `shape`.
@@ -260,17 +264,17 @@ class Case:
         for name, kinds in (("rod", (Rod,)), ("cylinder", (Cylinder,)), ("given", (Start, Ends))):
             if not isinstance(getattr(self, name), kinds):
                 wanted = " or ".join(kind.__name__ for kind in kinds)
-                raise InputError(f"Case.{name} must be a {wanted}, got {getattr(self, name)!r}")
-        if self.cylinder.side == "inside":
-            tight = np.less_equal(self.cylinder.R, self.rod.a)
-            rule = f"larger than Rod.a = {self.rod.a!s} for a rod inside"
-            refuse("Cylinder", "R", np.broadcast_to(self.cylinder.R, np.shape(tight)), tight, rule)
-        self._check_reach()
+                raise InputError(f"Case.{name} must be a {wanted}, got {shown(getattr(self, name))}")
         try:
             self.shape  # noqa: B018  (computed here so that a mismatch is refused when the case is made)
         except ValueError:
             shapes = {f"{type(o).__name__}.{f}": np.shape(v) for o, f, v in self._numeric() if np.ndim(v)}
             raise InputError(f"the fields of a Case must broadcast, got shapes {shapes}") from None
+        if self.cylinder.side == "inside":
+            tight = np.less_equal(self.cylinder.R, self.rod.a)
+            rule = f"larger than Rod.a = {self.rod.a!s} for a rod inside"
+            refuse("Cylinder", "R", np.broadcast_to(self.cylinder.R, np.shape(tight)), tight, rule)
+        self._check_reach()
 
     def _check_reach(self) -> None:
         """Refuse a held end that no rod of this length reaches."""
@@ -281,10 +285,7 @@ class Case:
         for name, bound, words in (("height", L, "L"), ("azimuth", L / rho, "L/rho")):
             value = getattr(given, name)
             if value is not None:
-                try:
-                    value, most = np.broadcast_arrays(value, bound)
-                except ValueError:
-                    continue  # the shapes are refused together
+                value, most = np.broadcast_arrays(value, bound)
                 far = np.abs(value) > most
                 reach = np.min(np.atleast_1d(most)[np.atleast_1d(far)], initial=np.inf)
                 refuse("Ends", name, value, far, f"from -{words} to {words}, and {words} is {reach:.10g}")
@@ -354,16 +355,14 @@ class Case:
             return FZ, rho * FY + A * (m * c + s**3 / rho), A * m if given.M3 is None else given.M3
 
 
-def from_fields(kind: type, values: dict[str, Any]) -> Any:
-    """A Rod, Cylinder, Start or Ends from a mapping of its fields.
+def checked_case(function: str, value: object) -> Case:
+    """The value if it is a Case. Raises `InputError` with how to make one."""
+    if not isinstance(value, Case):
+        how = f"{function}(Case(rod, cylinder, Start(...) or Ends(...)))"
+        raise InputError(f"{function} takes a Case, got {shown(value)}; write {how}")
+    return value
 
-    Raises `InputError` for an unknown or a missing field; the message names the choices.
-    """
-    known = {field.name: field for field in fields(kind)}
-    for name in values:
-        if name not in known:
-            raise InputError(f"no field {name!r} in {kind.__name__}{near(name, known)}; choose from {choices(known)}")
-    missing = [n for n, f in known.items() if f.default is MISSING and n not in values]
-    if missing:
-        raise InputError(f"{kind.__name__} needs {', '.join(missing)}; got {', '.join(values) or 'nothing'}")
+
+def from_fields(kind: type, values: dict[str, Any]) -> Any:
+    """A Rod, Cylinder, Start or Ends from a mapping of its fields; raises `InputError` as the class itself does."""
     return kind(**values)

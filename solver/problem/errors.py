@@ -27,6 +27,20 @@ class InputError(ValueError):
     """
 
 
+def shown(value: object) -> str:
+    """The value as a sentence shows it; a long one is cut."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python does not write integers of more than 4300 digits
+        return "an integer of more than 4300 digits"
+    return text if len(text) <= 200 else f"{text[:197]}..."
+
+
+def known_name(name: object, names: Iterable[object]) -> bool:
+    """Whether a value of any type is one of the names."""
+    return isinstance(name, str) and name in names
+
+
 def choices(names: Iterable[object]) -> str:
     """The names as a list in a sentence: ``a, b, c``."""
     return ", ".join(str(name) for name in names)
@@ -35,7 +49,7 @@ def choices(names: Iterable[object]) -> str:
 def no_such(kind: str, name: object, names: Iterable[object]) -> InputError:
     """The error ``no method 'rk5', did you mean 'rk4'; choose from orbit, rk4``."""
     known = list(names)
-    return InputError(f"no {kind} {name!r}{near(name, known)}; choose from {choices(known)}")
+    return InputError(f"no {kind} {shown(name)}{near(name, known)}; choose from {choices(known)}")
 
 
 def near(name: object, known: Iterable[object]) -> str:

@@ -4,7 +4,7 @@ Each field acts through A, A/C, rho, L and the values given at the ends. The par
 `reduced.reduce` stand here and nowhere else.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -58,7 +58,7 @@ def fields_of(case: Case) -> tuple[str, ...]:
 
 def checked_fields(case: Case, names: Any) -> tuple[str, ...]:
     """The names as a tuple. Raises `InputError` for a name that is no numeric field of the case or is repeated."""
-    fields = (names,) if isinstance(names, str) else tuple(names)
+    fields = (names,) if not isinstance(names, Iterable) or isinstance(names, str) else tuple(names)
     known = fields_of(case)
     for name in fields:
         if name not in known:

@@ -1,16 +1,42 @@
 """The values of the fields of a case: numbers and arrays, validated when a part of the case is made."""
 
-from dataclasses import fields
-from typing import Any
+from collections.abc import Callable
+from dataclasses import MISSING, fields
+from functools import wraps
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .angles import FORMS, angle, doubt, given_by_a_program, warn
-from .errors import InputError
+from .errors import InputError, choices, near, shown
+
+T = TypeVar("T")
 
 # the fields that may be text, read by `angles.angle`
 ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma", "azimuth", "rotation")
+
+
+def named_fields(kind: type[T]) -> type[T]:
+    """Decorate a dataclass: an unknown, a missing and a surplus argument raise `InputError` with the choices."""
+    known = {field.name: field.default is MISSING for field in fields(kind)}  # type: ignore[arg-type]
+    make: Callable[..., None] = kind.__init__
+
+    @wraps(make)
+    def init(self: T, *values: Any, **named: Any) -> None:
+        given = [*list(known)[: len(values)], *named]
+        for name in named:
+            if name not in known:
+                hint = f"{near(name, known)}; choose from {choices(known)}"
+                raise InputError(f"no field {name!r} in {kind.__name__}{hint}")
+        if len(values) > len(known) or len(set(given)) < len(given):
+            raise InputError(f"{kind.__name__} takes each of {choices(known)} once, got {choices(given)}")
+        if missing := [name for name, needed in known.items() if needed and name not in given]:
+            raise InputError(f"{kind.__name__} needs {choices(missing)}; got {choices(given) or 'nothing'}")
+        make(self, *values, **named)
+
+    kind.__init__ = init  # type: ignore[assignment, method-assign]
+    return kind
 
 
 def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
@@ -21,10 +47,13 @@ def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
             array = in_rad(np.array(value, dtype=object))
         if not _only_numbers(array):
             raise TypeError
-        array = np.array(array, dtype=float)
+        with np.errstate(over="ignore"):  # a number beyond the floats is refused as infinite
+            array = np.array(array, dtype=float)
+    except OverflowError:
+        raise InputError(f"{owner}.{field} must be a number that a float can hold, got {shown(value)}") from None
     except (TypeError, ValueError):
         wanted = f"{FORMS}; or an array of these" if field in ANGLES else "a number or an array of numbers"
-        raise InputError(f"{owner}.{field} must be {wanted}, got {value!r}") from None
+        raise InputError(f"{owner}.{field} must be {wanted}, got {shown(value)}") from None
     if array.size == 0:
         raise InputError(f"{owner}.{field} is empty; give at least one value")
     refuse(owner, field, array, ~np.isfinite(array), "finite")

@@ -9,6 +9,8 @@ from .reduced import Reduced, StartProblem, flat
 LARGEST = 1e100  # a larger dimensionless number would overflow when squared
 SHORTEST = 1e-200  # for a smaller L/rho the time between two stations would underflow
 TOO_LARGE = "failed: loads, slope or L/rho are beyond 1e100 in units of A and rho, or L/rho below 1e-200"
+LONGEST = 1e16  # of L/rho between two ends: beyond, a rounding of s is larger than rho
+TOO_LONG = "failed: L/rho of a problem between two ends must be below 1e16; beyond, rounding of s exceeds rho"
 OUT_OF_RANGE = "failed: stiffness, radius, forces or curvatures are beyond 1e290 or 1e-290 in these units"
 _ORDINARY = 1e30  # with it the largest sum of decades in `representable` is 62 + 7 * 30 = 272
 _DECADES = 290.0  # a float has 308; the margin is for factors and sums
@@ -19,6 +21,18 @@ def dimensionless(problem: Reduced) -> NDArray[np.bool_]:
     numbers = np.stack(list(vars(problem).values()))
     with np.errstate(invalid="ignore"):
         return np.asarray((np.abs(numbers) < LARGEST).all(axis=0) & (problem.span > SHORTEST))
+
+
+def beyond_limits(numbers: NDArray[np.float64], span: float) -> str:
+    """The outcome of one problem between two ends whose numbers or L/rho are beyond a limit; else ""."""
+    if not (np.abs(numbers) < LARGEST).all() or not SHORTEST < span < LARGEST:
+        return TOO_LARGE
+    return "" if span < LONGEST else TOO_LONG
+
+
+def not_too_long(problem: Reduced) -> NDArray[np.bool_]:
+    """Whether L/rho of each problem is within `LONGEST` if it is one between two ends, (B,)."""
+    return np.asarray((problem.span < LONGEST) | isinstance(problem, StartProblem))
 
 
 def farthest(case: Case) -> tuple[NDArray[np.str_], NDArray[np.float64]]:

@@ -3,12 +3,12 @@
 from collections.abc import Collection
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from .errors import InputError, choices, no_such
-from .field_values import check_numbers, refuse
+from .errors import InputError, choices, known_name, no_such
+from .field_values import check_numbers, named_fields, refuse
 
 STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}  # A / (E (a^4 - inner_radius^4))
 GIVEN = "given"  # in files, in place of a word of STIFFNESS: EI and GJ are given
@@ -32,6 +32,7 @@ def fourth_powers(a: Any, inner_radius: Any = None) -> Any:
     return (a - inner_radius) * (a + inner_radius) * (a * a + inner_radius * inner_radius)
 
 
+@named_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class Rod:
     """A naturally straight, inextensible rod of circular section: solid, a tube, or of given stiffnesses.
@@ -81,28 +82,28 @@ class Rod:
     nu: Any = None
     a: Any = None
     L: Any = None
-    stiffness: str = "solid"
+    stiffness: Literal["solid", "paper"] = "solid"
     inner_radius: Any = None
     EI: Any = None
     GJ: Any = None
 
     def __post_init__(self) -> None:
         check_numbers(self, skip=("stiffness",))
-        self._check_fields()
-        for name in ("E", "EI", "GJ", "a", "L"):
+        for name in ("E", "EI", "GJ", "a", "L"):  # before missing fields are named: a wrong value stays wrong
             value = getattr(self, name)
             if value is not None:
                 refuse("Rod", name, value, np.less_equal(value, 0), "positive and finite")
-        if self.EI is not None:
-            self._check_ratio()
         if self.nu is not None:
             refuse("Rod", "nu", self.nu, np.less_equal(self.nu, -1) | np.greater(self.nu, 0.5), "in (-1, 0.5]")
+        self._check_fields()
+        if self.EI is not None:
+            self._check_ratio()
         if self.inner_radius is not None:
             self._check_bore()
 
     def _check_fields(self) -> None:
         """Raise `InputError` unless the fields say one section, in one way."""
-        if self.stiffness not in STIFFNESS:
+        if not known_name(self.stiffness, STIFFNESS):
             raise no_such("stiffness", self.stiffness, STIFFNESS)
         given = [name for name, _ in self.given()]
         elastic, direct = ([name for name in names if name in given] for names in ((*ELASTIC, "inner_radius"), DIRECT))

@@ -13,9 +13,9 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..observe.measurement import Reading
-from ..observe.observables import OBSERVABLES, is_count
+from ..observe.observables import OBSERVABLES, checked_names, is_count
 from ..orbit.pieces import ROTATION
-from ..problem.errors import InputError, choices, no_such
+from ..problem.errors import InputError, choices
 from ..problem.field_rates import FieldRates
 from ..problem.reduced import flat
 from ..solution import Solution
@@ -37,11 +37,9 @@ SIZE = f"{SEVERAL}; or there is no force along the tangent"
 
 def checked_observables(names: Any) -> tuple[str, ...]:
     """The names as a tuple. Raises `InputError` for an unknown name, and for an observable without a derivative."""
-    wanted = (names,) if isinstance(names, str) else tuple(names)
+    wanted = checked_names(names)
     able = [name for name, row in OBSERVABLES.items() if set(row.measured) <= set(MEASURED) or is_count(name)]
     for name in wanted:
-        if name not in OBSERVABLES:
-            raise no_such("observable", name, OBSERVABLES)
         if name not in able:
             raise InputError(f"the derivative of {name!r} is not known; choose from {choices(able)}")
     return wanted

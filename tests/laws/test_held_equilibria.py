@@ -195,8 +195,8 @@ def test_only_images_with_the_given_numbers_are_taken() -> None:
     ({"within": {"MZ": (0, 1)}}, "MZ"),
     ({"within": {"FZ": (1, 0)}}, "two finite rising numbers"),
     ({"within": {"FZ": 3}}, "must be two numbers, the lowest and the highest, got 3"),
-    ({"tries": -1}, "tries must be a whole number of at least 0, got -1"),
-    ({"values": 1}, "values must be a whole number of at least 2, got 1"),
+    ({"tries": -1}, "tries must be a whole number from 0 to 10000, got -1"),
+    ({"values": 1}, "values must be a whole number from 2 to 1000, got 1"),
 ))  # fmt: skip
 def test_what_no_search_can_take_is_refused(options: dict[str, Any], said: str) -> None:
     with pytest.raises(InputError, match=said):

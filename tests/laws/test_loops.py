@@ -190,8 +190,8 @@ def test_a_loop_that_rounding_spoils_is_told(factor: float) -> None:
             "a loop of 1 wrap needs a rod longer than the ring, L > 2 pi rho wraps = 6.28318530718, got L = 6",
         ),
         ({"wraps": 2, "L": 12.5}, "a loop of 2 wraps needs a rod longer than the ring"),
-        ({"wraps": 0}, "wraps must be a whole number of at least 1, got 0"),
-        ({"folds": 1.5}, "folds must be a whole number of at least 1, got 1.5"),
+        ({"wraps": 0}, "wraps must be a whole number from 1 to 1000000, got 0"),
+        ({"folds": 1.5}, "folds must be a whole number from 1 to 1000000, got 1.5"),
         ({"L": np.array([8.0, 9.0])}, "loops takes one rod and one cylinder"),
     ],
 )

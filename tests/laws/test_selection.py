@@ -147,6 +147,15 @@ def test_a_grid_says_of_each_case_how_it_was_taken() -> None:
     assert [one.stable for one in sol.selection] == [1, 4] or sol.selection[0].count < sol.selection[1].count
 
 
+def test_a_case_without_an_equilibrium_of_the_index_leaves_its_neighbours_alone() -> None:
+    case = Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0), Cylinder(0.75), Ends(beta0=0.5, betaL=0.8, FZ=[-4.0, -8.0]))
+    sol = solve(case, choose=4)
+    assert sol.solved.tolist() == [True, False]
+    assert "none of the 15 equilibria found has index 4" in sol.outcome[1]
+    single = solve(Case(case.rod, case.cylinder, Ends(beta0=0.5, betaL=0.8, FZ=-4.0)), choose=4)
+    np.testing.assert_array_equal(sol.beta[0], single.beta)
+
+
 def test_nothing_is_selected_where_a_load_is_too_large_for_floats() -> None:
     sol = solve(pipe(20.0, np.array([-1.0, -1e300])))  # type: ignore[arg-type]
     assert sol.solved.tolist() == [True, False]

@@ -2,13 +2,14 @@
 
 import re
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, solve
-from solver.observe.observables import OBSERVABLES, observe
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, loops, observe, solve
+from solver.observe.observables import OBSERVABLES
 from solver.problem.case import from_fields
 from solver.problem.quantities import QUANTITIES, quantity, unit_of
 
@@ -232,3 +233,61 @@ def test_a_field_too_large_for_floats_is_named_with_its_value() -> None:
         assert f"the most extreme field is {name} = 1e+300" in found.remark
         assert "by degree" not in found.remark
         assert "searched over" not in found.remark
+
+
+BIG, HUGE = 10**400, int("f" * 5000, 16)  # Python writes no integer of more than 4300 digits
+PLAIN = Rod(**ROD)
+
+REFUSALS: dict[str, tuple[Callable[[], Any], str]] = {
+    "an unknown field": (lambda: Rod(e=1.0), "no field 'e' in Rod, did you mean 'E'; choose from E, nu"),
+    "a missing field": (lambda: Start(beta=0.5), "Start needs dbeta; got beta"),
+    "a field twice": (lambda: Cylinder(2.0, R=3.0), "Cylinder takes each of R, side once, got R, R"),
+    "a wrong value beside missing fields": (lambda: Rod(E=-1.0), "Rod.E must be positive and finite, got -1.0"),
+    "no start and no ends": (lambda: Case(PLAIN, Cylinder(0.75)), "Case needs given; got rod, cylinder"),
+    "no case": (lambda: solve(PLAIN, Cylinder(0.75)), "write solve(Case(rod, cylinder, Start(...) or Ends(...)))"),
+    "a long integer": (lambda: Rod(**{**ROD, "L": BIG}), "Rod.L must be a number that a float can hold, got 1000"),
+    "a longer integer": (lambda: Rod(**{**ROD, "L": HUGE}), "got an integer of more than 4300 digits"),
+    "a long double": (lambda: Rod(**{**ROD, "L": np.longdouble("1e4000")}), "Rod.L must be finite, got inf"),
+    "a long tolerance": (lambda: solve(case(), tol=HUGE), "tol must be a number between 0 and 1"),
+    "long stations": (lambda: solve(case(), stations=HUGE), "stations must be a whole number from 2 to 10000000"),
+    "shapes inside": (
+        lambda: Case(Rod(**{**ROD, "E": [1.0, 2.0]}), Cylinder([1, 2, 3], "inside"), Start(**START)),
+        "must broadcast, got shapes {'Rod.E': (2,), 'Cylinder.R': (3,)}",
+    ),
+    "an unhashable side": (lambda: Cylinder(2.0, side=["in"]), "no side ['in']; choose from outside, inside"),
+    "an unhashable stiffness": (lambda: Rod(**ROD, stiffness={}), "no stiffness {}; choose from solid, paper"),
+    "an unhashable method": (lambda: solve(case(), method=["rk4"]), "no method ['rk4'], did you mean"),
+    "an unhashable observable": (lambda: observe(solve(case()), [["turns"]]), "no observable ['turns'], did"),
+    "a misspelt observable": (lambda: observe(solve(case()), "heigth"), "'heigth', did you mean 'height'; choose"),
+    "no name of a field": (lambda: solve(case()).sensitivity(5), "no field 5 in this case; choose from E"),
+    "no radius that floats hold": (
+        lambda: loops(Rod(1.0, 0.25, 1e-251, 1e-249), Cylinder(9e-251)),
+        "beyond 1e290 or 1e-290 in these units; the most extreme field is a = 1e-251",
+    ),
+    **{
+        f"equilibria: {name} = {value}": (lambda more={name: value}: equilibria(ends(), **more), f"{name} must be")
+        for name, values in {
+            "stations": (-1, 0, 1, 10**12, 2.5), "tol": (np.nan, -1, "x"), "most_swings": (-1, np.nan, "x"),
+            "tries": ("x",), "values": (1, 10**9), "within": (5,),
+        }.items()
+        for value in values
+    },
+}  # fmt: skip
+
+
+def ends(**more: Any) -> Case:
+    return Case(PLAIN, Cylinder(0.75), Ends(**{"beta0": 0.5, "betaL": 0.6, **more}))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("wrong", REFUSALS)
+def test_a_wrong_call_is_refused_in_one_sentence(wrong: str) -> None:
+    call, sentence = REFUSALS[wrong]
+    with refused(sentence):
+        call()
+
+
+def test_a_rod_between_ends_has_a_greatest_length() -> None:
+    for given in ({}, {"height": 0.0}):
+        outcome = str(solve(Case(Rod(1.07e4, 0.25, 0.25, 1e17), Cylinder(0.75), ends(**given).given)).outcome)
+        assert outcome.startswith("failed: L/rho of a problem between two ends must be below 1e16"), given

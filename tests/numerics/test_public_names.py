@@ -2,10 +2,14 @@
 
 import doctest
 import re
+import tomllib
+from pathlib import Path
 
 import pytest
 
 import solver
+import studies
+import workbench
 
 RUNNER_FLAGS = doctest.NORMALIZE_WHITESPACE
 
@@ -32,3 +36,11 @@ def test_the_docstring_of_a_public_name_has_the_sections_of_numpydoc(name: str) 
     assert set(sections) <= {"Parameters", "Attributes", "Returns", "Raises", "Notes", "Examples"}
     if not issubclass(getattr(solver, name), ValueError) if isinstance(getattr(solver, name), type) else True:
         assert {"Parameters", "Attributes"} & set(sections)
+
+
+def test_each_package_shows_its_public_names_and_its_version() -> None:
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    for package in (solver, studies, workbench):
+        assert package.__version__ == project["version"]
+    for public in (solver, studies):
+        assert set(dir(public)) == {*public.__all__, "__version__"}

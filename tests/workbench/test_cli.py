@@ -622,3 +622,12 @@ study_store._solve = told
 if __name__ == "__main__":
     cli.main()
 """
+
+
+def test_a_closed_stdout_is_said_in_one_sentence() -> None:
+    program = "from workbench.cli import main; main(['list'])"
+    ended = subprocess.run(
+        ["sh", "-c", '"$0" -c "$1" >&-', sys.executable, program], stderr=subprocess.PIPE, text=True, check=False
+    )
+    assert (ended.returncode, ended.stderr.count("\n")) == (2, 1)
+    assert ended.stderr.startswith("workbench: stdout is closed")

@@ -62,7 +62,7 @@ def test_a_study_file_json_and_the_stored_file_hold_the_same(tmp_path, monkeypat
     (f"{ROD} --within MZ=0:1", "MZ"),
     (f"{ROD} --within FZ=0", "--within takes NAME=LOW:HIGH with numbers, such as FZ=-50:10, got 'FZ=0'"),
     (f"{ROD} --export cases", "--export writes cases under dead loads, got height; --out stores this list"),
-    (f"{ROD} --values 1", "values must be a whole number of at least 2, got 1"),
+    (f"{ROD} --values 1", "values must be a whole number from 2 to 1000, got 1"),
     ("--within FZ=0:1", "--within belongs to the search of held ends, so it excludes dead loads and --axis"),
     ("--tries 0", "--tries belongs to the search of held ends"),
     (f"{ROD} --FZ 3", "Ends takes FZ or height, got both"),

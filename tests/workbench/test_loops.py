@@ -56,7 +56,7 @@ def test_loops_that_turn_back_are_listed_if_asked(capsys) -> None:
     [
         ("--L 6", "needs a rod longer than the ring, L > 2 pi rho wraps = 6.28318530718, got L = 6"),
         ("--folds 0", "--folds takes whole numbers from 1 to 50 with commas between, got '0'"),
-        ("--wraps 0", "wraps must be a whole number of at least 1, got 0"),
+        ("--wraps 0", "wraps must be a whole number from 1 to 1000000, got 0"),
         ("rod.h5", "a case is read from a .toml file, got 'rod.h5'"),
         ("--length-unit parsec --E 1 --nu 0.3 --a 0.1 --L 20 --R 1", "unit of length"),
         ("--length-unit mm --E 1", "Rod needs nu, a, L"),
