@@ -117,12 +117,13 @@ def test_a_ridge_of_sixty_values_names_as_many_as_have_room() -> None:
 
 
 def test_the_colours_of_a_line_are_those_of_the_one_definition() -> None:
-    pushes = np.array([-3.0, -1e-3, 0.0, 10.0, 40.0, 77.0, 100.0])
-    norm = push_scale.scale([pushes])
-    drawn = np.round(255 * push_scale.ramp()(norm(pushes))[:, :3])
-    assert np.abs(drawn - push_colours.colours(pushes, 100.0).astype(float)).max() <= 2
-    rounding = push_scale.ramp()(push_scale.scale([np.array([-1e-9, 100.0])])(-1e-9))
-    np.testing.assert_allclose(rounding[:3], push_scale.ramp()(0.0)[:3], atol=0.01)
+    shares, colours = zip(*push_colours.DIVERGING, strict=True)
+    norm = push_scale.scale([100.0 * np.array(shares)])
+    drawn = 255 * push_scale.ramp()(norm(100.0 * np.array(shares)))[:, :3]
+    far = np.array([abs(share) > 0.01 for share in shares])
+    np.testing.assert_allclose(drawn[far], np.array(colours)[far], atol=3)
+    assert drawn[~far].min(axis=-1).max() > 150  # pale at 0
+    assert norm(-50.0) + norm(50.0) == pytest.approx(1.0)
 
 
 def test_inside_a_pipe_a_push_is_positive_as_outside() -> None:

@@ -135,7 +135,7 @@ def test_a_qualified_law_stands_in_orange_with_its_reason_beside_it_in_symbols(a
 def test_on_a_grid_the_deciding_line_stands_out_from_the_others(forces) -> None:
     ax = panels(forces)[0]
     faint = [line for line in ax.lines if line.get_color() == style.FAINT]
-    (strong,) = [line for line in ax.lines if line.get_color() == style.SOFT and len(line.get_xdata()) == 9]
+    (strong,) = [line for line in ax.lines if line.get_color() == style.DATA and len(line.get_xdata()) == 9]
     assert len(faint) == 9
     np.testing.assert_array_equal(strong.get_ydata(), forces["contact_size_mean"].sel(F3=10.0, method="nearest"))
     assert "F₃ = 10 N" in ax.get_xlabel()

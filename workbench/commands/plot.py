@@ -68,19 +68,22 @@ def plot(
 ) -> int:
     """Draw the observables of a stored study, as maps over two axes or along each axis.
 
-    A map shows where the rod would lift off or passes through itself, and on which lines a law holds. A third axis has
-    a map for each of some values; further axes have one value (--at). A developed curve is the centreline on the
-    unrolled cylinder.
+    The FILE may be the folder that reproduce wrote: then the picture tells its story in four panels, as wide as one or
+    two columns of a journal. A map shows where the rod would lift off or passes through itself, and on which lines a
+    law holds. A third axis has a map for each of some values; further axes have one value (--at). The unrolled view of
+    a rod is its centreline on the unrolled cylinder.
     """
     from ..data import atomic, outcomes, writing
     from ..figures import canvas, drawn_data, notes
     from ..figures.sheet import sheet
     from . import output_file
 
+    given = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
+    if file.is_dir():
+        return _story(file, out or file / "story.png", width, force, dpi)
     ds = writing.read(file)
     outcomes.check_any_solved(ds)
     page = sheet(style, width, not no_title, panel)
-    given = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
     ds, kind, given = _kind(ds, kind, given)
     path = output_file.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
     table = output_file.check(data, (".csv",), force) if data else None
@@ -93,6 +96,20 @@ def plot(
         with atomic.replacing(table) as part:
             part.write_text(drawn_data.table(drawn), encoding="utf-8")
         console.say(str(table))
+    return 0
+
+
+def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) -> int:
+    """Draw the figure of the datasets that reproduce wrote into a folder."""
+    from ..data import writing
+    from ..figures import canvas, story
+    from ..figures.sheet import sheet
+    from . import output_file
+
+    path = output_file.check(out, canvas.DIAGRAMS, force)
+    datasets = {name: writing.read(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
+    canvas.save(story.figure(datasets, sheet("paper", width or 183, titled=False)), path, dpi)
+    console.say(str(path))
     return 0
 
 

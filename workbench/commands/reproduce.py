@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..run.in_memory import StudyResult
 
 RODS = "fig6"  # the study of the rod of Table 1
+STORY = "story.png"
 FIGURES = "fig"  # the shipped studies whose names begin so are figures of the paper
 
 
@@ -50,6 +51,7 @@ def reproduce(
         results, refusals = _results(studies, files, out, able, step)
         readings = readings_table.run(panels, step=step)
         writing.write(readings, out / f"{readings_table.NAME}.h5")
+        _tell_story(results, readings, out / STORY)
         step("writing the report")
         equilibria = _equilibria(load(RODS).under(reading), out, able)
         document.write(results, out, readings=readings, refusals=refusals, equilibria=equilibria)
@@ -116,6 +118,15 @@ def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:
 
         pictures |= layout.draw(ds, out / f"{name}_scene.png")
     return pictures
+
+
+def _tell_story(results: "list[StudyResult]", readings: "xr.Dataset", path: Path) -> None:
+    """Draw the figure of the whole story, unless its reading leaves a study out."""
+    from ..figures import canvas, story
+
+    datasets = {str(ds.attrs["study_name"]): ds for ds in (*(result.ds for result in results), readings)}
+    if set(story.NEEDED) <= set(datasets):
+        canvas.save(story.figure(datasets), path, dpi=300)
 
 
 def _print(results: "list[StudyResult]", readings: "xr.Dataset", out: Path, advice: str) -> None:

@@ -17,6 +17,14 @@ STOPS: tuple[tuple[float, tuple[int, int, int]], ...] = (
     (0.8, (15, 84, 152)),
     (1.0, (7, 44, 105)),
 )
+# the same for a push and a pull, from the strongest pull to the strongest push: pale at 0, where the tint changes
+DIVERGING: tuple[tuple[float, tuple[int, int, int]], ...] = (
+    (-1.0, (126, 58, 4)),
+    (-0.6, (189, 98, 4)),
+    (-0.25, (232, 146, 48)),
+    (-1e-6, (250, 214, 170)),
+    *((share, (211, 227, 241) if share == 0 else rgb) for share, rgb in STOPS),
+)
 PULL = (222, 120, 0)  # wherever the cylinder would have to pull
 
 

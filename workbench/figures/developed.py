@@ -86,8 +86,7 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str, sheet: Sheet = SCREEN) -> Axe
     factor = _factor(curves, width, room)
     coarse = False
     values = _names(ds, axis, cases)
-    colours = style.ramp_colours(len(cases))
-    for where, line, found, colour, value in zip(cases, lines, curves, colours, values, strict=True):
+    for where, line, found, value in zip(cases, lines, curves, values, strict=True):
         ax.axvline(line, color=style.FAINT, linewidth=0.8, zorder=0)
         if found is None:
             ax.text(line, 0.5, "unsolved", transform=ax.get_xaxis_transform(), rotation=90, ha="center", va="center",
@@ -97,7 +96,7 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str, sheet: Sheet = SCREEN) -> Axe
             if too_coarse(ds, where):  # a line would show bends that are not there
                 coarse, look = True, {"linestyle": "none", "marker": ".", "markersize": 3}
             ax.plot(line, found[1][0], "o", color=style.INK, markersize=3, zorder=4)
-            ax.plot(line + found[0], found[1], color=colour, label=f"{labels.axis_symbol(axis)} = {value}", **look)
+            ax.plot(line + found[0], found[1], color=style.DATA, label=f"{labels.axis_symbol(axis)} = {value}", **look)
     middles = _middles(lines, curves)
     ax.set_xticks(middles, values)
     ax.tick_params(axis="x", length=0)

@@ -1,7 +1,7 @@
 """The rods of a figure: one, or those along an axis, at as many stations as a picture has pixels."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,14 @@ class DrawnRod:
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         assert self.arrays is not None
         return np.asarray(self.arrays[name], dtype=float)
+
+    def between(self, first: float, last: float, most: int = 400) -> "DrawnRod":
+        """The part of a rod between two shares of its length, at so many stations at most."""
+        s = self["s"]
+        inside = np.flatnonzero((s >= first * s[-1]) & (s <= last * s[-1]))
+        kept = inside[np.linspace(0, inside.size - 1, min(most, inside.size)).round().astype(int)]
+        assert self.arrays is not None
+        return replace(self, arrays={name: np.asarray(array)[kept] for name, array in self.arrays.items()})
 
     def developed(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """rho (alpha - alpha(0)) and z, (n,) each."""

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
-from matplotlib.colors import Colormap, LinearSegmentedColormap, LogNorm, Normalize
+from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
@@ -25,51 +25,26 @@ EDGE, LEAST = 1.35, 0.55  # the grey casing of a line: share of its width, and p
 
 
 def ramp() -> Colormap:
-    """The colours from no push to the largest; below them the colour of a pull."""
-    stops = [(share, (r / 255, g / 255, b / 255)) for share, (r, g, b) in push_colours.STOPS]
-    return LinearSegmentedColormap.from_list("push", stops).with_extremes(under=PULL)
+    """The colours of a push, from the strongest pull to the strongest push; pale at 0."""
+    stops = [((share + 1) / 2, (r / 255, g / 255, b / 255)) for share, (r, g, b) in push_colours.DIVERGING]
+    return LinearSegmentedColormap.from_list("push", stops, 512)
 
 
 def scale(pushes: Sequence[Any]) -> Normalize:
-    """The scale of colours that the pushes of several rods share; a pull of rounding alone counts as no push."""
-    largest = max((float(np.max(push)) for push in pushes), default=0.0)
-    size = max((float(np.max(np.abs(push))) for push in pushes), default=0.0)
-    return Normalize(-SLIGHT * size, largest if largest > 0 else 1.0)
-
-
-class Logarithmic(Normalize):
-    """A logarithmic scale of pushes: what is at most `vmin` has the lightest blue, what pulls lies below the scale."""
-
-    def __init__(self, low: float, high: float, slight: float) -> None:
-        super().__init__(low, high)
-        self.slight = slight  # a smaller pull counts as no push
-
-    def __call__(self, value: Any, clip: bool | None = None) -> Any:
-        """The share of the scale at each push, negative for a pull."""
-        push: Any = np.ma.asarray(value, dtype=float)
-        low, high = self._ends()
-        share = np.log(np.clip(push.filled(np.nan), low, high) / low) / np.log(high / low)
-        return np.ma.array(np.where(push < -self.slight, -1.0, share), mask=np.ma.getmaskarray(push))
-
-    def inverse(self, value: Any) -> Any:
-        """The push at a share of the scale."""
-        low, high = self._ends()
-        return low * (high / low) ** np.asarray(value, dtype=float)
-
-    def _ends(self) -> tuple[float, float]:
-        return float(self.vmin or 0.0), float(self.vmax or 0.0)
+    """The scale of colours that the pushes of several rods share, as far below 0 as above it."""
+    size = max((float(np.max(np.abs(push))) for push in pushes), default=0.0) or 1.0
+    return Normalize(-size, size)
 
 
 def wide_scale(pushes: Sequence[Any]) -> Normalize:
     """The scale of rods that may be pushed very differently: logarithmic where their largest pushes differ so much.
 
-    It then begins at the smallest of these largest pushes, so that each rod has more than one colour.
+    Below a third of the smallest of these largest pushes it is linear, so that each rod has more than one colour.
     """
-    most = [float(np.max(push)) for push in pushes if np.max(push) > 0]
+    most = [float(np.max(np.abs(push))) for push in pushes if np.max(np.abs(push)) > 0]
     if not most or max(most) < WIDE * min(most):
         return scale(pushes)
-    size = max(float(np.max(np.abs(push))) for push in pushes)
-    return Logarithmic(min(most), max(most), min(SLIGHT * size, 1e-3 * min(most)))
+    return SymLogNorm(min(most) / 3, vmin=-max(most), vmax=max(most), base=10)
 
 
 def line(
@@ -101,7 +76,7 @@ def draw(
     norm = norm or scale([push])
     if dots:
         ax.plot(x, y, color=style.PUSHED, linestyle="none", marker=".", markersize=width + 0.6, zorder=2)
-        pulled = np.asarray(norm(push)) < 0
+        pulled = np.asarray(push) < 0
         ax.plot(
             np.where(pulled, x, np.nan), y, color=PULL, linestyle="none", marker=".", markersize=width + 0.6, zorder=2
         )
@@ -115,14 +90,11 @@ def bar(
     """The bar of the colours to the right of axes, or below them, that are so many inches long there."""
     length = min(inches, 2.2)
     where: dict[str, Any] = {"location": "bottom", "anchor": (0.0, 1.0)} if below else {"anchor": (0.0, 1.0)}
-    norm, said = drawn.norm, f"push [{labels.unit(unit)}]"
-    if isinstance(norm, Logarithmic):
-        drawn, said = ScalarMappable(LogNorm(norm.vmin, norm.vmax), ramp()), f"{said}, logarithmic"
+    said = f"push [{labels.unit(unit)}]{', logarithmic' if isinstance(drawn.norm, SymLogNorm) else ''}"
     found = fig.colorbar(drawn, ax=list(axes), fraction=0.05, pad=0.02, shrink=length / inches, aspect=16, **where)
     found.set_label(said, size=style.small())
-    if not isinstance(norm, Logarithmic):
-        (found.ax.set_xlim if below else found.ax.set_ylim)(0.0, float(np.max(norm.vmax or 1.0)))
-    (found.ax.xaxis if below else found.ax.yaxis).set_major_formatter(Ticks())
+    if not isinstance(drawn.norm, SymLogNorm):
+        (found.ax.xaxis if below else found.ax.yaxis).set_major_formatter(Ticks())
     found.outline.set_visible(False)
 
 

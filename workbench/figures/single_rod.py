@@ -13,6 +13,7 @@ from solver.mechanics.contact import push_from
 from solver.problem.errors import InputError, no_such
 
 from ..data import labels
+from ..data.cautions import SLIGHT
 from . import canvas, developed, legend, long_curve, push_scale, style
 from .scales import Ticks
 from .sheet import SCREEN, Sheet
@@ -115,7 +116,7 @@ def contact(ds: xr.Dataset, ax: Axes) -> Axes:
     """The push of the cylinder against s, positive on either side; shaded where the cylinder would have to pull."""
     push, unit = pushes(ds), str(ds["contact"].attrs.get("units", "1"))
     norm = push_scale.scale([push])
-    pulled = push < (norm.vmin or 0.0)
+    pulled = push < -SLIGHT * np.abs(push).max()
     if _is_coarse(ds):
         ax.plot(ds["s"], push, color=style.PUSHED, **_look(ds))
     else:

@@ -22,6 +22,7 @@ INK, SOFT, FAINT = "#1c2430", "#5b6675", "#d5dae1"
 BAND = "#f1f3f6"  # behind a line of a long rod
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
 VERDICT_COLOURS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#bb5802", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
+DATA = "#2f5f8f"  # numbers that are no push
 CROSSED = "#b3004f"  # rings where a rod passes through itself
 PAIR = ("#5b3f8c", "#2f9a82")  # two of a kind that is no push
 # stability is the weight of a line; red is for what fails alone
@@ -153,6 +154,11 @@ def _share(place: SubplotSpec) -> float:
     grid = place.get_gridspec()
     ratios = np.asarray(grid.get_width_ratios() or [1.0] * grid.ncols, dtype=float)
     return float(ratios[place.colspan.start : place.colspan.stop].sum() / ratios.sum())
+
+
+def letter(fig: Any, text: str, x: float, y: float) -> None:
+    """The letter of a panel at a place of the figure, in shares."""
+    fig.text(x, y, text, weight="bold", size=large(), va="top")
 
 
 def with_grid(ax: Axes) -> Axes:

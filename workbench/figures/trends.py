@@ -1,5 +1,6 @@
 """An observable of a stored study against one of its axes."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,8 @@ from . import style
 from .developed import axis_label
 from .scales import WIDE, Ticks, fitting, is_geometric, written
 
+MOST_DOTS = 50  # values of a line, beyond which it has no dots
+
 
 def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:
     """An observable against an axis; on a grid the line at `at` stands out and the others are faint.
@@ -27,12 +30,14 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     along = labels.in_label_unit(ds[axis], ds[axis].values[[where[axis] for where in order]])
     lines = ds[observable].transpose(..., axis).isel({axis: [where[axis] for where in order]})
     lines = lines.copy(data=labels.in_label_unit(ds[observable], lines.values))
-    for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 else ():
-        ax.plot(along, line, color=style.FAINT, linewidth=1, zorder=1)
     others = {name: i for name, i in order[0].items() if name != axis}
     values = lines.isel(others).values.astype(float)
-    ax.plot(along, values, color=style.SOFT, linewidth=1.2, zorder=2)
-    ax.scatter(along, values, c=style.ramp_colours(along.size), s=34, zorder=4, edgecolors="white", linewidths=0.7)
+    look: dict[str, Any] = {"drawstyle": "steps-mid"} if observed.is_count(ds, observable) else {}
+    for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 else ():
+        ax.plot(along, line, color=style.FAINT, linewidth=1, zorder=1, **look)
+    ax.plot(*_broken(along, values, _branches(ds, order)), color=style.DATA, linewidth=1.2, zorder=2, **look)
+    if along.size <= MOST_DOTS:
+        ax.scatter(along, values, color=style.DATA, s=22, zorder=4, edgecolors="white", linewidths=0.7)
     unsolved = ~np.isfinite(values)
     if unsolved.any():
         ax.plot(along[unsolved], np.zeros(unsolved.sum()), "x", color=style.VERDICT_COLOURS[FAILS], clip_on=False,
@@ -54,6 +59,19 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
         middle = float(drawn.mean())
         ax.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
     return style.with_grid(ax)
+
+
+def _branches(ds: xr.Dataset, order: Sequence[dict[str, int]]) -> Any:
+    """The number of the branch of each case; None where the dataset has none."""
+    if "branch" not in ds or set(ds["branch"].dims) != set(order[0]):
+        return None
+    return np.array([int(ds["branch"].isel(where)) for where in order])
+
+
+def _broken(along: Any, values: Any, branches: Any) -> tuple[Any, Any]:
+    """The points of a line with a gap wherever the branch changes."""
+    at = np.flatnonzero(np.diff(branches)) + 1 if branches is not None else np.empty(0, dtype=int)
+    return np.insert(along, at, np.nan), np.insert(values, at, np.nan)
 
 
 def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:

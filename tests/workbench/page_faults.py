@@ -1,0 +1,65 @@
+"""What is wrong with the page of a figure: words cut off, words over words, small letters, red that is no failure."""
+
+from io import BytesIO
+from itertools import combinations
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.text import Text
+from numpy.typing import NDArray
+
+SLACK = 1.5  # pixels
+RED = 0.2  # by which red exceeds green and blue
+
+
+def words(fig: Figure) -> list[Text]:
+    """The texts that are drawn; the numbers of ticks beyond an axis are not."""
+    fig.draw_without_rendering()
+    hidden: set[Text] = set()
+    for ax in fig.findobj(lambda one: hasattr(one, "get_xticklabels")):
+        for axis, limits in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
+            low, high = sorted(limits)
+            spare = 1e-6 * (high - low)
+            for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks()):
+                labels = {tick.label1, tick.label2}
+                outside = not low - spare <= tick.get_loc() <= high + spare
+                hidden |= labels if outside or not ax.axison or not axis.get_visible() else set()
+        if not ax.axison:
+            hidden |= {ax.xaxis.label, ax.yaxis.label}
+    return [text for text in fig.findobj(Text) if text.get_text().strip() and _is_drawn(text) and text not in hidden]
+
+
+def _is_drawn(text: Text) -> bool:
+    return bool(text.get_visible() and (text.axes is None or text.axes.get_visible()))
+
+
+def faults(fig: Figure, least: float = 7.0) -> list[str]:
+    """A sentence for each fault; least: points of the smallest letters."""
+    found, texts = [], words(fig)
+    boxes = [Text.get_window_extent(text) for text in texts]
+    for text, box in zip(texts, boxes, strict=True):
+        said = " ".join(text.get_text().split())
+        if box.x0 < -SLACK or box.y0 < -SLACK or box.x1 > fig.bbox.x1 + SLACK or box.y1 > fig.bbox.y1 + SLACK:
+            found.append(f"cut off: {said}")
+        if text.get_fontsize() < least - 1e-9:
+            found.append(f"letters of {text.get_fontsize():.1f} points: {said}")
+    for (one, a), (other, b) in combinations(zip(texts, boxes, strict=True), 2):
+        wide, high = (min(a.x1, b.x1) - max(a.x0, b.x0)), (min(a.y1, b.y1) - max(a.y0, b.y0))
+        if wide > SLACK and high > 0.25 * min(a.height, b.height):
+            found.append(f"over one another: {one.get_text()!r} and {other.get_text()!r}")
+    return found
+
+
+def picture(fig: Figure, dpi: float = 80) -> NDArray[np.float64]:
+    """The pixels of a figure, (height, width, 3)."""
+    page = BytesIO()
+    fig.savefig(page, dpi=dpi, format="png")
+    page.seek(0)
+    return np.asarray(imread(page), dtype=float)[..., :3]
+
+
+def share_of_red(fig: Figure) -> float:
+    """The share of the pixels that are red."""
+    pixels = picture(fig)
+    return float((pixels[..., 0] - pixels[..., 1:].max(axis=-1) > RED).mean())

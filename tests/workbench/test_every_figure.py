@@ -1,0 +1,28 @@
+"""One checker over every figure of every study, at the widths of a journal: no word cut off, none over another."""
+
+import pytest
+import xarray as xr
+
+from studies import load
+from tests.workbench.page_faults import faults
+from workbench.figures import story
+from workbench.figures.sheet import sheet
+from workbench.run import in_memory
+from workbench.web.report import readings_table
+
+
+@pytest.fixture(scope="module")
+def told() -> dict[str, xr.Dataset]:
+    found = {name: in_memory.run(load(name)) for name in (story.ROD, story.ALONG)}
+    return found | {story.CLAIMS: readings_table.run([load("fig7_1_modulus"), load("fig7_2_radius")])}
+
+
+@pytest.mark.parametrize("width", [89, 183])
+def test_the_story_has_four_panels_that_can_be_read(told, width: float) -> None:
+    fig = story.figure(told, sheet("paper", width, titled=False))
+    assert faults(fig) == []
+    assert fig.get_figheight() * 25.4 <= (120 if width == 89 else 140)
+    law, table = fig.axes[2], fig.axes[3]
+    steps = next(line for line in law.lines if line.get_drawstyle() == "steps-mid")
+    assert steps.get_ydata().tolist() == told[story.ALONG]["turns"].values.tolist()
+    assert len(table.lines) >= told[story.CLAIMS]["claim_verdict"].size

@@ -1,0 +1,199 @@
+"""The story in one figure: the rod and its letters, the rods of an axis, a law, the claims under each reading."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from solver.mechanics import frames
+from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
+
+from ..data import labels, law_verdicts
+from . import canvas, drawn_rods, push_scale, solid, style
+from .sheet import Sheet, sheet
+from .solid import Eye
+from .trends import trend
+
+ROD, ALONG, CLAIMS = "fig6", "fig7_1_modulus", "readings"  # the datasets by the name of their study
+NEEDED = (ROD, ALONG, CLAIMS)
+TURNED = np.radians(38.0)  # from facing the middle of a rod: three quarters
+PART = 0.44  # of the rod with its letters: more would be small
+SHOWN = 0.4  # of its length, where the angle is drawn
+BODY = (0.36, 0.55, 0.74)
+HEADS = 56  # points from the table to the heads of its columns
+# the height of the figure, and left, low, width and height of the panels a to d and of the bar of colours, in inches
+ONE, TWO = 3.5, 7.2
+WIDE = 5.35, ((0.05, 2.5, 1.75, 2.75), (1.9, 2.97, 5.25, 2.1), (0.5, 0.42, 1.95, 1.4), (4.3, 0.3, 2.85, 0.92),
+              (4.6, 2.7, 1.9, 0.08))  # fmt: skip
+NARROW = 4.72, ((0.0, 3.12, 1.3, 1.45), (0.02, 2.07, 3.46, 0.9), (1.85, 3.5, 1.6, 0.8), (1.5, 0.2, 1.95, 0.58),
+                (1.95, 1.88, 1.2, 0.05))  # fmt: skip
+# left and upper edge of the letters of the panels
+WIDE_LETTERS = (0.05, 5.3), (1.9, 5.3), (0.05, 2.2), (2.75, 2.2)
+NARROW_LETTERS = (0.03, 4.7), (0.03, 3.12), (1.35, 4.7), (0.03, 1.6)
+MARKS: dict[str, dict[str, Any]] = {
+    HOLDS: {"marker": "o"},
+    TREND: {"marker": "o", "fillstyle": "bottom"},
+    QUALIFIED: {"marker": "o", "fillstyle": "left"},
+    UNDECIDED: {"marker": "o", "fillstyle": "none"},
+    FAILS: {"marker": "X"},
+}
+SHORT = {"tension": "tens.", "compression": "compr."}
+ARROWS = {"rises": "↑", "falls": "↓", "not-falling": "not ↓", "not-rising": "not ↑"}
+
+
+def figure(datasets: Mapping[str, xr.Dataset], page: Sheet | None = None) -> Figure:
+    """Draw the story of the stored datasets of `reproduce`, by the name of their study.
+
+    page: the sheet; default: two columns of a journal, on paper. Its width is that of two columns or of one.
+    """
+    page = page or sheet("paper", 183, titled=False)
+    height, boxes = NARROW if page.narrow else WIDE
+    share = page.width / (ONE if page.narrow else TWO)
+
+    def draw(fig: Figure) -> None:
+        axes = [fig.add_axes((x / page.width * share, y / height, wide / page.width * share, high / height))
+                for x, y, wide, high in boxes]  # fmt: skip
+        letters(datasets[ROD], axes[0])
+        row(datasets[ALONG], axes[1], axes[4])
+        law(datasets[ALONG], axes[2])
+        claims(datasets[CLAIMS], axes[3])
+        for text, (x, y) in zip("abcd", NARROW_LETTERS if page.narrow else WIDE_LETTERS, strict=True):
+            style.letter(fig, text, x * share / page.width, y / height)
+
+    return canvas.figure((page.width, height), draw, layout=None, sheet=page)
+
+
+def letters(ds: xr.Dataset, ax: Axes) -> None:
+    """The first part of the rod of a dataset of one case in three-quarter view, with the letters of its geometry."""
+    (rod,) = drawn_rods.choose(ds, ("alpha", "beta", "z")).rods
+    R, beta = float(ds["R"]), rod["beta"]
+    eye = Eye(float(rod["alpha"].mean()) - TURNED)
+    shown = rod.between(0.0, PART)
+    ends = float(shown["z"].min() - 1.5 * R), float(shown["z"].max() + 1.8 * R)
+    solid.rod(ax, eye, shown, np.tile(BODY, (shown["s"].size, 1)), ends, R)
+    k = int(np.argmin(np.abs(rod["s"] - SHOWN * rod["s"][-1])))
+    places = frames.position(rod.rho, rod["alpha"], rod["z"])
+    start, at, up = places[0], places[k], np.array([0, 0, 1.0])
+    way = frames.tangent(rod["alpha"][k : k + 1], beta[k : k + 1])[0]
+    fan = np.linspace(0, 1, 40)[:, None]
+    arc = (1 - fan) * up + fan * way
+    arc = at + 1.7 * R * arc / np.linalg.norm(arc, axis=1)[:, None]
+    base, top = ends[0] * up, ends[1] * up
+    angles = np.linspace(0, 1, 40) * (rod["alpha"][k] - rod["alpha"][0]) + rod["alpha"][0]
+    for points in (arc, [base, base + R * frames.outward(angles[0])], [base, base + R * frames.outward(angles[-1])],
+                   solid.ring(0.6 * R, ends[0], angles)):  # fmt: skip
+        _line(ax, eye, points, style.INK)
+    _line(ax, eye, [at, at + 2.3 * R * up], style.INK, linestyle=(0, (3, 2)))
+    _line(ax, eye, [at, at + 2.6 * R * way], style.INK, arrow="")
+    _line(ax, eye, [top, top + 1.2 * R * up], style.INK, arrow="z")
+    _line(ax, eye, [top, top + R * frames.outward(np.array(eye.azimuth - 1.0))], style.INK, arrow="R")
+    ax.plot(*eye.to_page(start), "o", color=style.INK, markersize=3, zorder=6)
+    _write(ax, eye.to_page(start), "s = 0", (9, -4), ha="left")
+    _write(ax, eye.to_page(at + 1.3 * (arc[20] - at)), "β", (0, 0))
+    _write(ax, eye.to_page(solid.ring(1.25 * R, ends[0], angles[20:21])[0]), "α", (0, -3))
+    _frame(ax)
+
+
+def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
+    """The rods along the axis of a dataset side by side, each seen from its own side, in the colours of the push.
+
+    below: the axes of the bar of the colours.
+    """
+    found = drawn_rods.choose(ds, ("alpha", "beta", "z", "push"), most=9)
+    R, norm = float(ds["R"]), push_scale.scale([rod["push"] for rod in found.solved])
+    heights = np.concatenate([rod["z"] for rod in found.solved])
+    ends = float(heights.min()) - R, float(heights.max()) + R
+    step = 2.9 * (R + 2 * found.solved[0].a)
+    every = 2 if ax.get_position().width * ax.figure.get_figwidth() < 0.45 * len(found.rods) else 1
+    for k, rod in enumerate(found.rods):
+        eye = Eye(float(np.mean(rod["alpha"])) - TURNED if rod.arrays is not None else 0.0, k * step)
+        foot = eye.to_page([0, 0, ends[0]]) - [0, 0.5 * R]
+        if rod.arrays is not None:
+            shown = rod.between(0.0, 1.0, 260)
+            solid.rod(ax, eye, shown, push_scale.ramp()(norm(shown["push"]))[:, :3], ends, R)
+        if k % every == 0:
+            _write(ax, foot, rod.value if rod.arrays is not None else "unsolved", (0, -5))
+    _frame(ax)
+    ax.set_title(found.axis_label(), loc="center", size=style.small(), pad=2)
+    bar = ax.figure.colorbar(ScalarMappable(norm, push_scale.ramp()), cax=below, orientation="horizontal")
+    said = f"push of the cylinder [{labels.unit(push_scale.unit(ds))}]\nbelow 0: it would have to pull"
+    _write(below, (0, 0.5), said, (-8, -4), xycoords="axes fraction", ha="right")
+    bar.outline.set_visible(False)
+    below.tick_params(length=2)
+
+
+def law(ds: xr.Dataset, ax: Axes) -> None:
+    """The first law of a dataset: its observable as steps, and its verdict."""
+    (verdict, *_) = law_verdicts.verdicts(ds)
+    trend(ds, ax, verdict["observable"], verdict["axis"], verdict["at"])
+    noun, axis = labels.noun_of(verdict["observable"]), labels.axis_symbol(verdict["axis"])
+    said = f"{verdict['claim']} {noun} {verdict['does']} with {axis}:"
+    ax.set_title(style.wrapped(said, ax, style.small()) + f"\n{verdict['verdict']}", loc="left", size=style.small(),
+                 color=style.VERDICT_COLOURS[verdict["verdict"]], pad=3)  # fmt: skip
+
+
+def claims(ds: xr.Dataset, ax: Axes) -> None:
+    """The verdict on each claim, (reading, claim), as a table of marks: a row a claim, a column a reading."""
+    names, readings = [str(one) for one in ds["claim"].values], [str(one).split("/") for one in ds["reading"].values]
+    verdicts = ds["claim_verdict"].values.astype(str)
+    for (j, i), verdict in np.ndenumerate(verdicts):
+        ax.plot(j, i, **_mark(verdict))
+    ax.set_yticks(range(len(names)), [_claim(ds, name) for name in names])
+    ax.set_xticks(range(len(readings)), [", ".join(SHORT.get(one, one) for one in words[1:]) for words in readings],
+                  rotation=90)  # fmt: skip
+    ax.xaxis.tick_top()
+    ax.set(xlim=(-0.6, len(readings) - 0.4), ylim=(len(names) - 0.4, -0.6))
+    for first in dict.fromkeys(one[0] for one in readings):
+        on = [j for j, one in enumerate(readings) if one[0] == first]
+        _write(ax, (np.mean(on), 1), first, (0, HEADS), xycoords=("data", "axes fraction"), va="bottom")
+        if on[0]:
+            ax.axvline(on[0] - 0.5, color=style.FAINT, linewidth=0.8)
+    ax.tick_params(length=0, colors=style.INK, pad=2)
+    ax.spines[:].set_visible(False)
+    handles = [Line2D([], [], label=one, **_mark(one)) for one in MARKS if one in verdicts]
+    ax.legend(handles=handles, loc="upper right", bbox_to_anchor=(1.02, 0.0), ncols=len(handles), borderaxespad=0,
+              handletextpad=0.1, columnspacing=0.7, handlelength=1.2)  # fmt: skip
+
+
+def _mark(verdict: str) -> dict[str, Any]:
+    return {"color": style.VERDICT_COLOURS[verdict], "markersize": 4.8, "linestyle": "none", "markeredgewidth": 0.8,
+            "markerfacecoloralt": "white", **MARKS[verdict]}  # fmt: skip
+
+
+def _claim(ds: xr.Dataset, name: str) -> str:
+    """``(1) bends ↓ with E``: the observables of the laws of a claim, their direction, and their axes."""
+    rows = [row for row in next(iter(json.loads(ds.attrs["rows"]).values())) if row["claim"] == name]
+    nouns, axes = (dict.fromkeys(of(row[key]) for row in rows) for of, key in
+                   ((labels.symbol_of, "observable"), (labels.axis_symbol, "axis")))  # fmt: skip
+    return f"{name} {', '.join(nouns)} {ARROWS.get(rows[-1]['direction'], '')} with {', '.join(axes)}"
+
+
+def _line(ax: Axes, eye: Eye, points: Any, colour: str, arrow: str | None = None, **look: Any) -> None:
+    """A line in space; an arrow with the letter at its end where one is given."""
+    places = eye.to_page(points)
+    if arrow is None:
+        ax.plot(*places.T, color=colour, linewidth=0.8, zorder=5, **look)
+        return
+    ax.update_datalim(places)
+    look = {"arrowstyle": "-|>", "color": colour, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6}
+    ax.annotate("", places[-1], places[0], zorder=6, annotation_clip=False, arrowprops=look)
+    way = (places[-1] - places[0]) / np.linalg.norm(places[-1] - places[0])
+    _write(ax, places[-1], arrow, tuple(6 * way))
+
+
+def _write(ax: Axes, place: Any, text: str, offset: Any, **look: Any) -> None:
+    ax.annotate(text, place, offset, textcoords="offset points", size=style.small(), zorder=8, annotation_clip=False,
+                **{"ha": "center", "va": "center", **look})  # fmt: skip
+
+
+def _frame(ax: Axes) -> None:
+    ax.set_aspect("equal")
+    ax.autoscale_view()
+    ax.margins(0.02)
+    ax.set_axis_off()
