@@ -472,6 +472,32 @@ class Solution:
         """
         return made(SHOWN, "scene_solution", self, units)
 
+    def export(self, path: Any, *, tolerance: float | None = None, replace: bool = False, **units: str) -> Any:
+        """Write the rod to a file of another program; the suffix chooses the format.
+
+        Parameters
+        ----------
+        path : str or Path
+            CAD (.step), surfaces (.stl, .obj, .glb), curves (.usda, .vtp) or a table (.csv). Of several cases along one
+            axis each is a file where the name holds a number: ``rod_{:03d}.stl``.
+        tolerance : float, optional
+            The greatest distance of the file from the rod [length]; default: that of the format.
+        replace : bool, optional
+            Replace a file that exists.
+        **units : str
+            ``length`` and ``force``, the units of the case, such as "mm" and "N".
+
+        Returns
+        -------
+        pathlib.Path
+
+        Raises
+        ------
+        InputError
+            An invalid name or unit, an existing file, too few stations, or a solid that the rod cannot be.
+        """
+        return made(SHOWN, "export_solution", self, path, tolerance, replace, units)
+
     def _repr_html_(self) -> str | None:
         """A table for a notebook; None, which shows the `repr`, where the workbench cannot be imported."""
         return table_of("solution", self)

@@ -2,12 +2,12 @@
 
 from .law import Law
 from .laws import Verdict, judge
-from .loader import load, names
+from .loader import load, loads, names
 from .model import Study
 from .readings import READINGS, TABLE_1, Reading
 
 __version__ = "0.2.0"
-__all__ = ["READINGS", "TABLE_1", "Law", "Reading", "Study", "Verdict", "judge", "load", "names"]
+__all__ = ["READINGS", "TABLE_1", "Law", "Reading", "Study", "Verdict", "judge", "load", "loads", "names"]
 
 
 def __dir__() -> list[str]:

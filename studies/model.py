@@ -15,6 +15,7 @@ from solver.problem.case import PAIRS, from_fields
 from solver.problem.errors import choices, near
 from solver.problem.quantities import unit_of
 from solver.problem.rod import DIRECT
+from solver.problem.shown import made
 from solver.problem.tolerance import DEFAULT_TOLERANCE
 
 from . import axes as parts
@@ -412,6 +413,28 @@ class Study(BaseModel):
     def coarse(self) -> "Study":
         """The same study without its refinement: the grid of its axes."""
         return self.model_copy(update={"refine": None}).with_samples(None) if self.refine else self
+
+    def run(self) -> Any:
+        """Solve every case and judge the laws, in memory.
+
+        Returns
+        -------
+        workbench.notebook.StudyRun
+            ``ds``, the dataset; ``verdicts``, one for each law; ``plot()`` and ``scene()``. A notebook shows its laws.
+
+        Raises
+        ------
+        InputError
+            For a study that needs too much memory; `workbench run` stores such a study as it is solved.
+
+        Examples
+        --------
+        >>> from studies import load
+        >>> result = load("fig7_1_modulus").run()
+        >>> result.verdicts[0]
+        ('turns falls along E', 'holds')
+        """
+        return made("workbench.notebook", "StudyRun", self)
 
     def dimensions(self) -> Dimensions:
         """The samples, and each axis that is not followed from a start problem."""

@@ -19,10 +19,12 @@ from solver import Solution, solve
 from solver.problem.errors import InputError, no_such
 
 from .data import atomic, cautions, dataset, labels, schema, selection
-from .notebook_tables import WORDS
+from .notebook_tables import WORDS, of_laws
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from studies import Study
 
 HEIGHT = 640  # pixels of a scene in a notebook
 FINE = 4001  # stations of a diagram, two for each pixel
@@ -98,6 +100,41 @@ class Scene:
         return f'<iframe sandbox="allow-scripts" style="{style}" srcdoc="{escape(self.html)}"></iframe>'
 
 
+class StudyRun:
+    """A study that was run in memory.
+
+    Attributes
+    ----------
+    ds
+        The dataset of its cases.
+    verdicts
+        The law and its verdict, of each law.
+    """
+
+    def __init__(self, study: "Study") -> None:
+        from .data import law_verdicts
+        from .run import in_memory
+
+        self.ds = in_memory.run(study)
+        self._rows = law_verdicts.verdicts(self.ds)
+        self.verdicts = [(law_verdicts.stated(row), str(row["verdict"])) for row in self._rows]
+
+    def plot(self, **at: Any) -> Plot:
+        """The figure of the study, or of its case at these values of axes. Raises `InputError`."""
+        return plot(self.ds, at)
+
+    def scene(self, **at: Any) -> Scene:
+        """The rods, with a slider for each axis that has no value here. Raises `InputError`."""
+        return scene(self.ds, at)
+
+    def _repr_html_(self) -> str:
+        from .data import law_verdicts
+
+        title = f"{self.ds.attrs['title']}: {law_verdicts.counted(int(self.ds['solved'].size), 'case')}"
+        return of_laws(title, [(stated, law_verdicts.said(row)) for (stated, _), row in zip(self.verdicts, self._rows,
+                                                                                           strict=True)])  # fmt: skip
+
+
 def plot(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Plot:
     """The figure of a dataset, or of its case at some values of its axes. Raises `InputError`."""
     from .figures import study_figure
@@ -126,6 +163,16 @@ def plot_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Plot
 def scene_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Scene:
     """The rods of a solution on their cylinder."""
     return scene(dataset_of(sol, units))
+
+
+def export_solution(
+    sol: Solution, path: str | Path, tolerance: float | None, replace: bool, units: Mapping[str, str]
+) -> Path:
+    """Write the rod of a solution, or with a number in the name those along its axis, as `export` does."""
+    from .export.base import Options
+    from .export.stored_rod import export
+
+    return export(dataset_of(sol, units), Path(path), Options(tolerance=tolerance), replace).path
 
 
 def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Dataset:

@@ -60,6 +60,11 @@ def of_equilibria(found: Equilibria) -> str:
     return f"<table><caption>{escape(caption)}</caption><tr>{head}</tr>{''.join(rows)}</table>"
 
 
+def of_laws(caption: str, rows: list[tuple[str, str]]) -> str:
+    """A law in words and its verdict in each row."""
+    return _table(caption, rows)
+
+
 def _table(caption: str, rows: list[tuple[str, str]]) -> str:
     left = 'style="text-align: left"'  # Jupyter's own style sets numbers and sentences flush right
     lines = "".join(f"<tr><th>{escape(words)}</th><td {left}>{escape(value)}</td></tr>" for words, value in rows)

@@ -116,3 +116,12 @@ def test_a_cell_of_several_lines_has_them_below_one_another_and_escapes_commands
     console.print_table(["study", "laws"], [["a", "one\ntwo\x1b[2J"], ["b", "three"]])
     lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
     assert lines[1:] == ["a      one", "       two\\x1b[2J", "b      three"]
+
+
+def test_progress_without_a_terminal_is_a_line_now_and_then(monkeypatch, capsys) -> None:
+    clock = iter([0.0, 0.0, 1.0, 2.5, 2.5, 3.0])
+    monkeypatch.setattr(console, "monotonic", lambda: next(clock))
+    with console.progress(4, lines=True) as step:
+        for text in "abcd":
+            step(text)
+    assert capsys.readouterr().err.splitlines() == ["1 of 4: a", "3 of 4: c"]

@@ -1,5 +1,6 @@
 """The command docs opens the site that was built, or says in one sentence how to build it."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -46,3 +47,13 @@ def test_the_wheels_of_a_release_are_made_after_the_site_and_tried_with_it() -> 
     assert "needs: site" in wheel
     assert wheel.index("path: build/docs/html") < wheel.index("cibuildwheel")
     assert "workbench docs --print" in wheel
+
+
+def test_bibtex_is_on_one_command_and_agrees_with_the_file_of_citations(capsys) -> None:
+    assert ran("docs", "--bibtex") == 0
+    printed, cited = capsys.readouterr().out, (Path(__file__).parents[2] / "CITATION.cff").read_text(encoding="utf-8")
+    entries = dict(re.findall(r"^  (\w+) += \{+(.*?)\}+,?$", printed, re.MULTILINE))  # of each key the last
+    assert printed.count("@") == 2
+    assert all(entries[key] in cited for key in ("title", "journal", "year", "volume", "doi"))
+    assert all(re.search(rf"^{key}: .*{value}", cited, re.MULTILINE) for key, value in
+               (("version", entries["version"]), ("date-released", docs.YEAR)))  # fmt: skip

@@ -559,3 +559,36 @@ def test_the_step_file_of_a_tube_is_a_solid_with_its_bore(kernel, tube: xr.Datas
     assert kernel.BRepCheck_Analyzer(solid).IsValid()
     assert written.facts["volume"] == pytest.approx(WALL, rel=1e-8)
     assert step.volume(kernel, solid) == pytest.approx(WALL, rel=1e-8)
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".csv", ".usda"])
+def test_a_number_in_the_name_writes_each_rod_of_the_axis_as_it_is_alone(ds, tmp_path, suffix) -> None:
+    unsolved = ds.assign(solved=ds["solved"].copy(data=[True, False, True]))
+    done = export(unsolved, tmp_path / f"frame_{{:03d}}{suffix}")
+    assert sorted(file.name for file in tmp_path.iterdir()) == [f"frame_000{suffix}", f"frame_002{suffix}"]
+    assert (done.facts["files"], done.facts["unsolved"], done.facts["values"]) == (2, 1, [5e3, 2e4])
+    export(ds, tmp_path / f"one{suffix}", Options({"E": 2e4}))
+    assert (tmp_path / f"frame_002{suffix}").read_bytes() == (tmp_path / f"one{suffix}").read_bytes()
+
+
+def test_a_rod_that_is_no_solid_is_left_out_and_its_neighbours_are_written(kernel, ds, tmp_path) -> None:
+    done = export(ds, tmp_path / "frame_{:d}.step", Options(overlap=True))
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["frame_1.step", "frame_2.step"]
+    assert "E=5000 is left out: no solid: the rod bends with a radius" in done.warnings[0]
+
+
+@pytest.mark.parametrize("name", ["a_{}_{}.obj", "a_{:x.obj", "a_{{}}.obj", "a_{k}.obj", "a_{:.0e}.obj", "a_{.x}.obj"])
+def test_a_name_that_does_not_hold_one_number_is_refused(name, ds, tmp_path) -> None:
+    with pytest.raises(InputError, match=r"must hold one number in braces, such as frame_\{:03d\}\.obj"):
+        export(ds, tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_solution_exports_itself_and_refuses_a_unit_that_the_format_does_not_know(tmp_path) -> None:
+    sol = rod(2e4, np.linspace(0, 20, 201))
+    assert sol.export(tmp_path / "rod.glb", length="cm").stat().st_size > 10_000
+    with pytest.raises(InputError, match=r"no unit of length 'length'.*mm"):
+        sol.export(tmp_path / "other.glb")
+    with pytest.raises(InputError, match="exists"):
+        sol.export(tmp_path / "rod.glb", length="cm")
+    sol.export(tmp_path / "rod.glb", length="mm", replace=True)

@@ -1,10 +1,12 @@
 """The code of docs/how-to/work-in-a-notebook.md."""
 
+import json
 import re
 from pathlib import Path
 
 import pytest
 
+from docs import notebook
 from studies import load
 from workbench.data import writing
 from workbench.run import in_memory
@@ -32,4 +34,13 @@ def test_the_cells_of_the_tutorial_run(tmp_path: Path, monkeypatch) -> None:
     for cell in cells:
         exec(cell, names)
     assert len(cells) == 8
-    assert [row["verdict"] for row in names["verdicts"](names["ds"])] == ["holds"]  # type: ignore[operator]
+    assert names["result"].verdicts == [("turns falls along E", "holds")]  # type: ignore[attr-defined]
+
+
+def test_the_notebook_of_the_examples_is_the_tutorial() -> None:
+    text = notebook.NOTEBOOK.read_text(encoding="utf-8")
+    assert text == notebook.notebook(notebook.PAGE.read_text(encoding="utf-8"))  # else: python -m docs.notebook
+    lines = [line for cell in json.loads(text)["cells"] for line in cell["source"]]
+    links = re.findall(r"\]\(([^)#]+)\)", "".join(lines))
+    assert links
+    assert all((notebook.NOTEBOOK.parent / link).exists() for link in links)

@@ -42,7 +42,7 @@ def animate_file(
     if not able:
         console.warn(advice)
         return 1
-    with console.progress(len(cases)) as step:
+    with console.progress(len(cases), lines=True) as step:
         film.write(paths, film.frames(ds, shown, step), fps)
     for path in paths:
         console.say(f"{path}: {len(cases)} frames, {fps:g} per second")

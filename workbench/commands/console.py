@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from textwrap import wrap
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from ..data import escaping
@@ -19,6 +20,7 @@ COLOURS = {  # verdict -> colour
     "holds": "green", "holds as a trend": "cyan", "qualified": "dark_orange", "not decided": "magenta", "fails": "red",
 }  # fmt: skip
 HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
+EVERY = 2.0  # seconds between two lines of progress
 GAP = 2  # characters between the columns of a table
 WHOLE: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
@@ -160,20 +162,22 @@ def print_json(data: Any) -> None:
 def progress(total: int, lines: bool = False) -> Iterator[Any]:
     """Show a progress bar on stderr; yields step(text), to be called when each of `total` pieces of work begins.
 
-    Without a terminal nothing is shown, or with `lines` one line for each step: ``3 of 9: elliptic``.
+    Without a terminal nothing is shown, or with `lines` a line for a step: ``3 of 9: elliptic``; of steps that follow
+    each other quickly, one every `EVERY` seconds.
     """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=err(), transient=True, disable=not err().is_terminal) as bar:
         task = bar.add_task("", total=total)
-        begun = 0
+        begun, said = 0, -EVERY
 
         def step(text: str) -> None:
-            nonlocal begun
+            nonlocal begun, said
             bar.update(task, description=text, advance=1 if begun else 0)
             begun += 1
-            if lines and not err().is_terminal:
+            if lines and not err().is_terminal and monotonic() - said >= EVERY:
+                said = monotonic()
                 print(f"{begun} of {total}: {text}", file=sys.stderr, flush=True)
 
         yield step

@@ -12,19 +12,53 @@ ROOT = Path(__file__).resolve().parents[2]
 PLACES = (ROOT / "workbench" / "web" / "docs", ROOT / "build" / "docs" / "html")
 
 
+BIBTEX = """@software{{rod_workbench,
+  author  = {{{{The rod workbench authors}}}},
+  title   = {{Rod workbench: the shape of an elastic rod on a cylinder}},
+  version = {{{version}}},
+  year    = {{{year}}}
+}}
+
+@article{{physical_modeling_2023,
+  author  = {{{{{authors}}}}},
+  title   = {{{title}}},
+  journal = {{{journal}}},
+  volume  = {{{volume}}},
+  year    = {{{published}}},
+  doi     = {{{doi}}}
+}}"""
+YEAR = "2026"  # of this version
+
+
 def docs(
     address: Annotated[bool, flag("Print the address of the site and open nothing.", "--print")] = False,
+    bibtex: Annotated[bool, flag("Print how to cite the workbench and the paper, as BibTeX.", "--bibtex")] = False,
 ) -> int:
     """Open the documentation site in the browser: tutorials, how-to pages, reference, examples, the live page.
 
     The site needs no network. A wheel carries it if it was built before the wheel was made.
     """
+    if bibtex:
+        print(_bibtex())
+        return 0
     import webbrowser
 
     found = site(PLACES).as_uri()
     if address or not webbrowser.open(found):
         console.say(found)
     return 0
+
+
+def _bibtex() -> str:
+    from .. import __version__
+    from ..web.report import paper
+
+    cited = paper.citation()
+    journal, volume = cited["journal"].rsplit(" ", 1)
+    return BIBTEX.format(
+        version=__version__, year=YEAR, authors=cited["authors"], title=cited["title"], journal=journal, volume=volume,
+        published=cited["year"], doi=cited["doi"],
+    )  # fmt: skip
 
 
 def site(places: Sequence[Path]) -> Path:

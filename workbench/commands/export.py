@@ -30,12 +30,13 @@ def export_file(
         console.print_json(data)
         return status
     where = ", ".join(f"{name}={value:g}" for name, value in done.at.items())
-    facts = ", ".join(_told(key, value, str(ds.attrs["length_unit"])) for key, value in done.facts.items())
+    unit = str(ds.attrs["length_unit"])
+    facts = ", ".join(_fact(key, value, unit) for key, value in done.facts.items() if key != "values")
     console.say(f"{done.path}{f' at {where}' if where else ''}: {facts}")
     return status
 
 
-def _told(name: str, value: Any, unit: str) -> str:
+def _fact(name: str, value: Any, unit: str) -> str:
     """A number about a file in words; unit: that of length in the study, which is that of the tolerance."""
     text = f"{value:g}" if isinstance(value, float) else str(value)
     words = {"tolerance": f"tolerance {text} {unit}", "R": f"without the cylinder of radius {text}"}
@@ -46,13 +47,15 @@ def export(
     file: File,
     out: Annotated[
         Path,
-        option("FILE", f"File to write: {SUFFIXES}.", "--out", "-o"),
+        option(
+            "FILE", f"File to write: {SUFFIXES}; frame_{{:03d}}.stl: a file for each value of an axis.", "--out", "-o"
+        ),
     ],
     at: Annotated[
         list[str] | None,
         option("AXIS=VALUE", AT + " Default: the value at which the laws of the study are decided, else that nearest "
-               "to Table 1 if the study has a reading, else the middle of the axis; .pvd writes all values of the axis "
-               "that is not named."),
+               "to Table 1 if the study has a reading, else the middle of the axis; .pvd and names with a number in "
+               "braces take all values of the axis that is not named."),
     ] = None,
     tolerance: Annotated[
         float | None,
@@ -69,8 +72,9 @@ def export(
     force: ForceOutput = False,
     json: Json = False,
 ) -> int:  # fmt: skip
-    """Export one stored rod to CAD, mesh, curve or table formats; the rods along an axis to .pvd.
+    """Export one stored rod to CAD, mesh, curve or table formats; the rods along an axis to .pvd, or to one file each.
 
-    Exit status 1 if the rod intersects itself or is bent tighter than its own radius.
+    A name with a number in braces, such as frame_{:03d}.stl, writes each rod along the axis that --at does not name.
+    Exit status 1 if a rod intersects itself or is bent tighter than its own radius, or is left out for such a reason.
     """
     return export_file(file, at or [], out, tolerance, centreline, overlap, force, json)

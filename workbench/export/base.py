@@ -7,7 +7,17 @@ from typing import Any, Literal
 
 import xarray as xr
 
+from solver.problem.errors import no_such
+from studies.units import LENGTHS
+
 from ..geometry.centreline import Centreline
+
+
+def metres(unit: str) -> float:
+    """A unit of length in metres. Raises `InputError` for one that is not known."""
+    if unit not in LENGTHS:
+        raise no_such("unit of length", unit, LENGTHS)
+    return LENGTHS[unit]
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from studies.units import LENGTHS
-
-from .base import Format, Rod
+from .base import Format, Rod, metres
 from .surfaces import near, tube
 
 MATERIAL = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.55}}
@@ -32,7 +30,7 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
         process=False, validate=False,
     )  # fmt: skip
     scene = trimesh.Scene()
-    scene.add_geometry(surface, node_name=rod.title, transform=np.diag([*3 * [LENGTHS[rod.unit]], 1.0]))
+    scene.add_geometry(surface, node_name=rod.title, transform=np.diag([*3 * [metres(rod.unit)], 1.0]))
     options: Any = {"include_normals": True, "tree_postprocessor": _with_material}
     if path.suffix.lower() == ".glb":
         path.write_bytes(trimesh.exchange.gltf.export_glb(scene, **options))

@@ -1,4 +1,4 @@
-"""The rods along one axis of a dataset: what a time series for ParaView is made of."""
+"""The rods along one axis of a dataset: what a time series for ParaView and numbered files are made of."""
 
 from dataclasses import dataclass
 
@@ -38,7 +38,7 @@ def along(ds: xr.Dataset, name: str, options: Options) -> Series:
     free = [axis for axis in free if ds.sizes[axis] > 1] or free
     if len(free) != 1:
         said = f"the axes {choices(free)} remain: name all but one with --at" if free else "no axis remains"
-        raise InputError(f"a time series goes along one axis, and {said}")
+        raise InputError(f"these files go along one axis, and {said}")
     (axis,) = free
     cases = selection.line(ds, axis, options.at)
     rods = []

@@ -1,5 +1,6 @@
-"""One stored rod as a file for other programs. Nothing is solved."""
+"""One stored rod as a file for other programs, or those along an axis as one file each. Nothing is solved."""
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,15 +10,15 @@ import numpy as np
 import xarray as xr
 
 from solver.problem.errors import InputError, choices
-from studies.units import LENGTHS
 
 from ..data import atomic, selection, writing
 from ..geometry import centreline, self_contact
 from . import pvd, series
-from .base import Format, Options, Rod
+from .base import Format, Options, Rod, metres
 from .formats import FORMATS, format_of
 
 DEFAULT = Options()
+NUMBERED = re.compile(r"[^{}]*\{(:0?\d*d)?\}[^{}]*")  # the name of a file for each value of an axis
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,8 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
     ds : xr.Dataset
         A stored study, or `Solution.to_dataset`.
     path : Path
-        Its suffix chooses the format: docs/reference/export-formats.md.
+        Its suffix chooses the format: docs/reference/export-formats.md. With a number in its name, as in
+        ``frame_{:03d}.stl``, each solved rod along the one axis that the options do not name is a file.
     options : Options
         Which case, how exactly, and what to do with a rod that passes through itself.
     force : bool
@@ -79,9 +81,18 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
         raise InputError(f"--tolerance must be positive and finite, got {options.tolerance:g}")
     if format.series:
         return _series(ds, path, options, force, format)
+    if "{" in path.name:
+        return _frames(ds, path, options, force, format)
     where = selection.case(ds, options.at)
     at = {name: float(ds[name].values[i]) for name, i in where.items()}
     rod = Rod(ds, where, centreline.read(ds, where), _title(ds, at), options)
+    facts, warnings = _write(path, rod, format, force)
+    return Exported(path, at, facts, warnings)
+
+
+def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str, Any], list[str]]:
+    """Write one rod; returns numbers about the file by name, and what a real rod could not do. Raises `InputError`."""
+    options = rod.options
     found = [] if format.body == "curve" or options.centreline else self_contact.findings(rod.line, rod.unit)
     if format.body == "solid":
         _refuse(found, options)
@@ -91,10 +102,44 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
         rod.line.check(tolerance, format.curve_share, format.cubic)
         unit = format.unit or rod.unit
         rod, facts = replace(rod, tolerance=tolerance), {"tolerance": tolerance, "unit": unit}
-        facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * LENGTHS[rod.unit] / LENGTHS[unit]
+        facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * metres(rod.unit) / metres(unit)
     written: dict[str, Any] = {}
     put(path, lambda aside: written.update(format.write(aside, rod)), force)
-    return Exported(path, at, {**written, **facts}, [finding.sentence for finding in found])
+    return {**written, **facts}, [finding.sentence for finding in found]
+
+
+def _frames(ds: xr.Dataset, path: Path, options: Options, force: bool, format: Format) -> Exported:
+    """Write each solved rod along an axis to a file of its own; a rod that the format cannot hold is left out."""
+    found = series.along(ds, path.stem, options)
+    places = [rod.where[found.axis] for rod in found.rods]
+    files = [path.with_name(_numbered(path.name, i)) for i in places]
+    for file in files:
+        check_free(file, force)
+    facts: dict[str, Any] = {}
+    warnings, values = [], []
+    for file, rod, value in zip(files, found.rods, found.values, strict=True):
+        case = f"{found.axis}={value:.6g}"
+        try:
+            facts, more = _write(file, rod, format, force)
+        except InputError as error:
+            warnings.append(f"{case} is left out: {error}")
+            continue
+        values.append(value)
+        warnings += [f"{case}: {sentence}" for sentence in more]
+    if not values:
+        raise InputError(f"no rod along {found.axis} could be written; {warnings[0]}")
+    unit = {name: facts[name] for name in ("unit",) if name in facts}
+    about = {"axis": found.axis, "files": len(values), "unsolved": found.skipped, "values": values}
+    return Exported(path, found.at, about | unit, warnings)
+
+
+def _numbered(name: str, i: int) -> str:
+    """The name of the i-th file. Raises `InputError` for a pattern that does not hold one whole number."""
+    if not NUMBERED.fullmatch(name):
+        raise InputError(
+            f"the name {name!r} must hold one number in braces, such as frame_{{:03d}}{Path(name).suffix}"
+        )
+    return name.format(i)
 
 
 def _series(ds: xr.Dataset, path: Path, options: Options, force: bool, format: Format) -> Exported:
@@ -111,12 +156,17 @@ def put(path: Path, work: Callable[[Path], None], force: bool) -> None:
 
     Raises `InputError` for an existing file without `force`, or where the folder cannot be written.
     """
+    check_free(path, force)
+    atomic.write(path, work)
+
+
+def check_free(path: Path, force: bool) -> None:
+    """Raise `InputError` for an existing file without `force`, for a folder, and where the folder cannot be written."""
     if path.is_dir():
         raise InputError(f"{path} is a folder; give the name of a file")
     if path.exists() and not force:
         raise InputError(f"{path} exists; give --force to replace it")
     writing.check_parent(path)
-    atomic.write(path, work)
 
 
 def _refuse(found: list[self_contact.Finding], options: Options) -> None:

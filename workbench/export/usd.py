@@ -5,10 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from studies.units import LENGTHS
-
 from ..geometry.centreline import Array
-from .base import Format, Rod
+from .base import Format, Rod, metres
 from .surfaces import near
 
 HEAD = """#usda 1.0
@@ -55,7 +53,7 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
         "float[] primvars:s": _varying(_numbers(line.s)),
     }  # fmt: skip
     title = '"' + rod.title.replace("\\", "\\\\").replace('"', '\\"') + '"'
-    head = HEAD.format(title=title, metres=LENGTHS[rod.unit], count=len(points))
+    head = HEAD.format(title=title, metres=metres(rod.unit), count=len(points))
     body = "".join(f"        {name} = {value}\n" for name, value in rows.items())
     path.write_text(f"{head}{body}    }}\n}}\n", encoding="utf-8")
     return {"stations": line.s.size, "points": len(points)}
