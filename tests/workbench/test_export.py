@@ -50,7 +50,7 @@ dgamma = 0.5
 [axes.E]
 values = [5e3, 1.07e4, 2e4]
 """
-LIMITED = (  # a command that may write no file of more than 1000 bytes
+LIMITED = (  # a command that may write no file of more than 1000 bytes (with -B, or it cuts compiled modules off)
     "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); from workbench.cli import main; main()"
 )
 ROOT = Path(__file__).parents[2]
@@ -481,7 +481,7 @@ def test_the_command_tells_what_it_chose_and_status_1_where_turns_meet(folder, t
 def test_a_disk_that_refuses_the_file_is_one_sentence_and_no_file_is_left(folder, tmp_path, kind) -> None:
     path = tmp_path / f"rod{kind}"
     run = subprocess.run(
-        [sys.executable, "-c", LIMITED, "export", str(folder / "moduli.h5"), "--at", "E=20000", "-o", str(path)],
+        [sys.executable, "-B", "-c", LIMITED, "export", str(folder / "moduli.h5"), "--at", "E=20000", "-o", str(path)],
         capture_output=True, text=True, check=False, cwd=ROOT,
     )  # fmt: skip
     assert (run.returncode, run.stdout) == (2, "")
