@@ -18,6 +18,9 @@ from .paths import DOWN, UP, LevelPaths, Levels, Paths
 from .transit_times import Boundary, fall, transit_times, wrapped
 
 _SAME = 1e-6  # in scales: coordinates of one equilibrium
+CORNER = "corner"
+_LEAST = 1e-9  # gap to a saddle of an orbit that is followed from its start: rounding grows by its inverse
+_PLAIN = 1e-4  # the same, where this is the best way
 
 
 @dataclass(frozen=True)
@@ -105,7 +108,8 @@ class LinePoint:
 class Chart:
     """A coordinate x on the equilibria of one path near `at`.
 
-    kind: where the level is measured from, a "saddle", the "start" or the "end". scale: the change of x over which the
+    kind: where the level is measured from, a "saddle", the "start" or the "end"; or a "corner": from the start, and the
+    far end is where the orbit is after the length of the rod, whatever its angle. scale: the change of x over which the
     orbit changes its form. logarithmic: whether x is log|gap|; else x is beta_t at that end, with its sign.
     """
 
@@ -115,10 +119,12 @@ class Chart:
     logarithmic: bool
 
 
-def charts(place: LinePoint, path: Path) -> list[Chart]:
+def charts(place: LinePoint, path: Path, hinged: bool = False) -> list[Chart]:
     """Coordinates in which the equilibrium can be followed, the best first.
 
     The others are needed where the best one ends and the branch does not, as where its saddle meets a centre.
+    hinged: whether an end moment is given. The rod may then turn at both ends, where the length at which an orbit meets
+    beta(L) has no derivative, so a corner is best unless the rod comes close to a saddle.
     """
     gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
     angles, gaps, reached = _saddles(place, path, gap)
@@ -136,8 +142,11 @@ def charts(place: LinePoint, path: Path) -> list[Chart]:
         at = Path(float(angle), float(np.sign(level)), y, path.leaving, path.turns)
         logarithmic.append((abs(level), Chart("saddle", at, _scale(y), True)))
     first, second = (sorted(some, key=lambda one: one[0]) for some in (signed, logarithmic))
-    both = [*first, *second] if first[0][0] < 0.5 * nearest else [*second, *first]
-    return [chart for _, chart in both]
+    at_rest = first[0][0] < 0.5 * nearest
+    every = [chart for _, chart in ([*first, *second] if at_rest else [*second, *first])]
+    if hinged and nearest > _LEAST:
+        every.insert(0 if at_rest and nearest > _PLAIN else len(every), replace(signed[0][1], kind=CORNER))
+    return every
 
 
 def _scale(y: float) -> float:
@@ -182,7 +191,7 @@ def coordinate(chart: Chart) -> float:
     """x of the path at which the chart was made."""
     if chart.logarithmic:
         return chart.at.y
-    direction = chart.at.leaving if chart.kind == "start" else chart.at.arriving
+    direction = chart.at.arriving if chart.kind == "end" else chart.at.leaving
     return direction * float(np.exp(chart.at.y / 2))
 
 

@@ -17,7 +17,7 @@ import scipy  # its parts are imported when used
 from ..mechanics.potential import slope
 from ..numerics.arclength import advanced
 from ..numerics.arrays import Array
-from .branch_coordinates import LinePoint, Path
+from .branch_coordinates import CORNER, LinePoint, Path
 from .branch_states import Bounds, Place, State, begun_at, in_other_charts, recharted
 from .branch_steps import AT_END, IS_CLOSED, ordinary_steps
 from .continuation_steps import Line, leapt, shape_of
@@ -123,7 +123,7 @@ def _followed(state: State, places: list[Place], bounds: Bounds) -> tuple[list[P
     first, step, kept, creeps = state.recorded(), FIRST, 0, 0
     ordinary = ordinary_steps(state.curve.family, bounds, first)
     while len(places) < bounds.most:
-        if ordinary is not None:
+        if ordinary is not None and state.curve.chart.kind != CORNER:
             begin = state
             found, state, step, kept, why = ordinary.after(state, step, kept, bounds.most - len(places))
             places += found
@@ -206,7 +206,7 @@ def _passed(state: State, there: State | str, bounds: Bounds) -> tuple[State | s
 def _special(state: State, there: State, reach: float) -> list[tuple[float, State, str]] | None:
     """Where p has an extremum, and where beta_t passes through 0 at both ends together; None: not located."""
     found, chart = [], state.curve.chart
-    if not chart.logarithmic and state.x * there.x < 0:
+    if not chart.logarithmic and chart.kind != CORNER and state.x * there.x < 0:
         at = state.curve.at(state.node.w)
         if at is not None and at[0].is_tied:
             helix = at[0].start in at[0].angles and state.rises * there.rises > 0

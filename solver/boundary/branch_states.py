@@ -8,7 +8,7 @@ import numpy as np
 from ..numerics.arclength import LEFT, Node, corrected, node_at
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
-from .branch_coordinates import Chart, Path, charts, coordinate
+from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate
 from .equilibrium_curve import AHEAD, EquilibriumCurve, Family
 from .held_curve import HeldCurve, HeldFamily
 
@@ -129,6 +129,10 @@ def _corrected_state(curve: EquilibriumCurve | HeldCurve, w: Array, along: Array
     return reason
 
 
+def _charts(curve: EquilibriumCurve | HeldCurve, place: LinePoint, path: Path) -> list[Chart]:
+    return charts(place, path, isinstance(curve, HeldCurve) and curve.family.hinged)
+
+
 def recharted(state: State, step: float, keep: bool = False) -> State:
     """The same in the coordinate that is best there, where it can be changed; keep: in its own, made anew.
 
@@ -139,7 +143,7 @@ def recharted(state: State, step: float, keep: bool = False) -> State:
     at = state.curve.at(state.node.w)
     if at is None:
         return state
-    every = charts(*at)
+    every = _charts(state.curve, *at)
     if not keep and not _alike(every[0], state.curve.chart):
         changed = _changed(state, every[0])
         if changed is not None:
@@ -153,7 +157,7 @@ def recharted(state: State, step: float, keep: bool = False) -> State:
 def in_other_charts(state: State) -> Iterator[State]:
     """The same in every other coordinate."""
     at = state.curve.at(state.node.w)
-    for chart in charts(*at) if at is not None else ():
+    for chart in _charts(state.curve, *at) if at is not None else ():
         if not _alike(chart, state.curve.chart):
             changed = _changed(state, chart)
             if changed is not None:
@@ -182,7 +186,7 @@ def _changed(state: State, chart: Chart) -> State | None:
         at = state.curve.at(beyond)
         if at is None:
             continue
-        for one in charts(*at):
+        for one in _charts(curve, *at):
             if one.kind == chart.kind and one.logarithmic == chart.logarithmic and one.at.sign == chart.at.sign:
                 w, there = (
                     np.append(coordinate(c), (point * state.curve.scales)[1:]) / curve.scales

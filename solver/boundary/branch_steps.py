@@ -13,7 +13,7 @@ from .branch_coordinates import Chart, Path
 from .branch_states import Bounds, Place, State
 from .equilibrium_curve import EquilibriumCurve, Family
 from .held_curve import HeldCurve, HeldFamily
-from .held_index import dead_index, held_index
+from .held_index import held_index
 from .orbit_rates import OrbitRates
 
 AT_END, IS_CLOSED = core.AT_END, core.IS_CLOSED
@@ -65,7 +65,7 @@ def _held_indices(family: HeldFamily, found: Array, rates: Array) -> list[int | 
     assert family.numbers is not None
     given = [family.numbers(p) for p in found["p"].tolist()]
     ratio = np.array([np.nan if one is None else one[-1] for one in given])
-    index = held_index(every, ratio, family.names, dead_index(every, found["turns"]))
+    index = held_index(every, ratio, family.names, found["leaving"], found["turns"])
     return [int(one) if np.isfinite(one) else None for one in index]
 
 

@@ -15,7 +15,7 @@ from .branch_states import Bounds
 from .held_continuation import state_of
 from .held_curve import HeldFamily
 from .held_deflation import across_fold, deflated, fold_beside, is_known, numbers_of
-from .held_index import decided_index
+from .held_index import index_of
 from .held_system import Given, State
 from .path_orbits import orbit_of
 
@@ -78,7 +78,7 @@ def said_of_seed(seed: State, found: State, wanted: Given) -> str:
     """How far the seed is, what differs there, and whether another equilibrium is nearer than the seed."""
     far = away(seed, found)
     words = f"the seed, {far:.3g} rad away" if far > _ITSELF else "the seed itself"
-    indices = decided_index(seed, wanted.at(seed)), decided_index(found, wanted)
+    indices = index_of(seed, wanted.at(seed)), index_of(found, wanted)
     if np.isfinite(indices).all() and indices[0] != indices[1]:
         words += f"; the seed has index {indices[0]:.0f} and this equilibrium index {indices[1]:.0f}"
     beside = fold_beside(found, wanted)

@@ -6,21 +6,23 @@ import numpy as np
 
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import LinePoint, Path, charts, coordinate
-from .held_helix import off_helix
+from .held_helix import helix_ahead, off_helix
 from .held_system import (
+    AT_REST,
     DIVERGED,
     FREE,
     LEFT,
     Given,
     State,
     at_given_speeds,
+    corner_state,
     corrected,
     least_square,
     orientation,
     predicted,
     stepped,
 )
-from .orbit_rates import orbit_rates
+from .orbit_rates import orbit_rates, start_rates
 
 _MOST_STEPS = 400
 _SHORTEST = 1e-6  # share of the line below which a step is abandoned
@@ -31,6 +33,7 @@ _SMALL = 0.03  # size of a step
 _GOOD = 0.05  # size of the corrections of a good prediction, over that of the step
 _FAR = 0.1  # share of the line over which a helix is passed
 _ROUNDING = 1e-15  # share of the line
+_CORNER = 1e-6  # rad: a rod that its start determines ends as near to its angle there
 _SAME = 1e-12  # largest change of a number that leaves a helix as it is
 FOLD = "a fold of the problem with held ends"
 STILL = "the start is a helix, and the change does not bend its ends; give a bent seed"
@@ -45,9 +48,17 @@ class Stopped:
     state: State
 
 
-def state_of(problem: EndsProblem, path: Path) -> State:
-    """The state of an equilibrium under dead loads; an end that its orbit does not reach by rounding is moved."""
+def state_of(problem: EndsProblem, path: Path, hinged: bool = False) -> State:
+    """The state of an equilibrium under dead loads; an end that its orbit does not reach by rounding is moved.
+
+    hinged: whether it is meant to have given end moments.
+    """
     place = LinePoint(problem)
+    if hinged and not path.helix and path.pin == place.start and path.sign > 0:
+        v = path.leaving * float(np.exp(path.y / 2)) if path.y > AT_REST else 0.0
+        rates = start_rates(problem.started(np.array([v])))
+        if abs(float((rates.problem.betaL - problem.betaL)[0])) < _CORNER:
+            return corner_state(rates, v)
     if not path.helix:
         gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
         ends = {"dbeta0": place.start, "dbetaL": place.end}
@@ -62,10 +73,13 @@ def carried(state: State, wanted: Given, most_steps: int = _MOST_STEPS) -> State
     first, share, step = wanted.at(state), 0.0, 1.0
     reason, before = LEFT, (0.0, state)
     if state.path.helix:
+        off = np.abs(np.append(first.values - wanted.values, first.span - wanted.span))
+        if (off <= _SAME * (1 + np.abs(np.append(wanted.values, wanted.span)))).all():
+            return state
         bent = off_helix(state, wanted)
         if bent is None:
-            still = np.abs(first.values - wanted.values).max() <= _SAME and abs(first.span - wanted.span) <= _SAME
-            return state if still else Stopped(0.0, STILL, state)
+            helix = helix_ahead(state, wanted)
+            return Stopped(0.0, STILL, state) if helix is None else helix
         state, share = bent
         before = share, state
     for _ in range(most_steps):
@@ -119,7 +133,7 @@ def _past_a_helix(
     place, ahead = LinePoint(problem), first.towards(wanted, share)
     for speed, angle in sorted(zip(speeds, (place.start, place.end), strict=True)):
         path = Path(angle, 1.0, 2 * float(np.log(speed)), -two.path.leaving, two.path.turns)
-        for chart in charts(place, path):
+        for chart in charts(place, path, wanted.hinged):
             found = corrected(problem, ahead, chart, coordinate(chart), _ROUGH)
             if not isinstance(found, str):
                 return found, share - share_1
@@ -129,7 +143,7 @@ def _past_a_helix(
 def _advanced(state: State, first: Given, wanted: Given, share: float, step: float) -> tuple[State, float] | str:
     """The state after at most one step, and the step taken; else why the step failed in the best coordinate."""
     reason = ""
-    for chart in charts(LinePoint(state.problem), state.path):
+    for chart in charts(LinePoint(state.problem), state.path, wanted.hinged):
         here, ahead = first.towards(wanted, share), first.towards(wanted, share + step)
         change, dx, size = predicted(state, chart, here, ahead)
         factor = 1.0

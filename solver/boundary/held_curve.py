@@ -13,11 +13,14 @@ from ..numerics.arrays import Array
 from ..orbit.critical_points import grid
 from ..orbit.variations import POINTS
 from ..problem.reduced import EndsProblem
-from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate, path_at
+from .branch_coordinates import CORNER, Chart, LinePoint, Path, charts, coordinate, path_at
 from .equilibrium_curve import AHEAD
-from .held_index import dead_index, held_index
-from .held_system import FREE, Given, rows_of, values_of
-from .orbit_rates import HOW, NUMBERS, OrbitRates, orbit_numbers, orbit_rates, solved
+from .held_index import held_index
+from .held_system import FREE, Given, State, corner_state, rates_in, rows_of, values_of
+from .orbit_rates import HOW, NUMBERS, OrbitRates, orbit_numbers, solved, start_rates
+
+_FAR = FREE.index("betaL")
+_ROUNDING = 1e-12  # of beta_t
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,10 +37,16 @@ class HeldFamily:
     names: tuple[str, ...] = ()
     numbers: Callable[[float], Sequence[float] | None] | None = None
 
+    @property
+    def hinged(self) -> bool:
+        """Whether an end moment is given."""
+        return "dbeta0" in self.names or "dbetaL" in self.names
+
     @cached_property
     def steps(self) -> core.Steps | None:
-        """The core's functions on these problems; None without the core, or without `numbers`."""
-        if not available() or self.numbers is None:
+        """The core's functions on these problems; None without the core, or without `numbers`, and for hinged rods:
+        the core knows no corners."""
+        if not available() or self.numbers is None or self.hinged:
             return None
         held = tuple((*NUMBERS, "turn").index(name) for name in self.names)
         return core.Steps(self.numbers, self.scale, grid(), POINTS, HOW, held)
@@ -45,7 +54,9 @@ class HeldFamily:
     def start(self, path: Path, p: float) -> "tuple[HeldCurve, Array] | None":
         """The curve through the equilibrium to begin from, which is that at p, and its w."""
         place = LinePoint(self.begun)
-        chart = charts(place, path)[0]
+        chart = charts(place, path, self.hinged)[0]
+        if not np.isfinite(coordinate(chart)):
+            return None
         curve = HeldCurve(self, chart, 1 + float(load_size(self.begun)[0]))
         free = [float(getattr(self.begun, name)[0]) for name in FREE]
         return curve, np.array([coordinate(chart), p, *free]) / curve.scales
@@ -79,15 +90,28 @@ class HeldCurve:
         for name, value in zip(given.names, given.values, strict=True):
             if name in FREE:  # exactly as given
                 numbers[name] = np.array([value])
-        place = LinePoint(EndsProblem(**numbers, span=np.array([given.span])))
+        problem = EndsProblem(**numbers, span=np.array([given.span]))
+        if self.chart.kind == CORNER:
+            rest = given.number("dbeta0", float(x))  # what is given, but for rounding
+            state = self._corner(problem, rest if abs(rest - x) < _ROUNDING * self.loads else float(x))
+            return None if state is None else (LinePoint(state.problem), state.path)
+        place = LinePoint(problem)
         path = path_at(place, self.chart, float(x))
         return None if path is None or path.turns < 0 else (place, path)
+
+    def _corner(self, problem: EndsProblem, x: float) -> State | None:
+        """The orbit that starts with beta_t = x, whatever its angle at the far end."""
+        rates = start_rates(problem.started(np.array([x])))
+        return corner_state(rates, x) if np.isfinite(rates.rows[0, :-1]).all() else None
 
     def value(self, w: Array) -> Array | None:
         """The numbers and the length of the path less the given ones, (6,)."""
         at, given = self.at(w), self.family.given(float(w[1] * self.scales[1]))
         if at is None or given is None:
             return None
+        if self.chart.kind == CORNER:
+            rates = start_rates(at[0].problem.started(w[:1] * self.scales[:1]))
+            return self._less(rates.values[0], given.span, given, w)
         numbers, length = orbit_numbers(at[0].problem, at[1])
         return self._less(numbers, length, given, w)
 
@@ -98,7 +122,8 @@ class HeldCurve:
         for k, name in enumerate(given.names):
             if name in FREE:
                 off[k] = free[FREE.index(name)] - given.values[k]
-        off = np.append(off, length - given.span)
+        corner = self.chart.kind == CORNER
+        off = np.append(off, free[_FAR] - numbers[NUMBERS.index("betaL")] if corner else length - given.span)
         return off if np.isfinite(off).all() else None
 
     def jacobian(self, w: Array) -> Array | None:
@@ -111,20 +136,15 @@ class HeldCurve:
             beyond = self.family.given(p + ahead)
         if at is None or given is None or beyond is None:
             return None
-        rates = orbit_rates(at[0].problem, [at[1]])
+        rates = rates_in(*(at[0].problem, at[1]), self.chart, float(w[0] * self.scales[0]))
         numbers, length = rates.values[0], float(rates.length[0])
         here, there = (self._less(numbers, length, one, w) for one in (given, beyond))
         if here is None or there is None:
             return None
-        names = [NUMBERS.index(name) for name in FREE]
-        known = np.column_stack([rates.rows[0], rates.by_span[0]])
-        matrix = np.vstack([self._row(known, float(w[0] * self.scales[0])), known[names]])
-        parts = solved(matrix[None], np.eye(6)[None])[0]
-        rows, by_span = rows_of(rates, given.names, given.ratio)
-        answers = np.vstack([np.column_stack([rows, by_span]), np.eye(6)[5]]) @ parts
-        drift = (there - here) / ahead
+        answers, by_span = self._answers(rates, given, float(w[0] * self.scales[0]))
+        drift = (there - here + by_span * (beyond.span - given.span)) / ahead
         for k, name in enumerate(given.names):  # an unknown that is given follows p, whatever its place in w
-            if name in FREE:
+            if name in FREE and not (name == "betaL" and self.chart.kind == CORNER):
                 own, others = 1 + FREE.index(name), np.arange(6) != k
                 drift[others] -= answers[others, own] * drift[k]
                 answers[others, own] = 0
@@ -133,11 +153,27 @@ class HeldCurve:
         self._rates[w.tobytes()] = rates
         return found if np.isfinite(found).all() else None
 
+    def _answers(self, rates: OrbitRates, given: Given, x: float) -> tuple[Array, Array]:
+        """The derivatives of the six equations by x and `FREE`, (6, 6), and what a unit of the length adds, (6,)."""
+        names = [NUMBERS.index(name) for name in FREE]
+        rows, by_span = rows_of(rates, given.names, given.ratio)
+        known = np.column_stack([rates.rows[0], rates.by_span[0]])
+        if self.chart.kind != CORNER:
+            matrix = np.vstack([self._row(known, x), known[names]])
+            every = np.vstack([np.column_stack([rows, by_span]), np.eye(6)[5]])
+            return every @ solved(matrix[None], np.eye(6)[None])[0], np.zeros(6)
+        far, start = names[_FAR], [k for k in (0, *range(1, 6)) if k != 1 + _FAR]  # the orbit knows no beta(L)
+        parts = np.zeros((5, 6))
+        matrix = np.vstack([self._row(known, x), known[names]])[start, :5]
+        parts[:, start] = solved(matrix[None], np.eye(5)[None])[0]
+        every = np.vstack([rows @ parts, np.eye(6)[1 + _FAR] - rates.rows[0, far] @ parts])
+        return every, np.append(by_span, -rates.by_span[0, far])
+
     def _row(self, known: Array, x: float) -> Array:
         """What the parts of a change of the orbit, and a change of its length, add to the coordinate."""
         if self.chart.kind == "saddle":
             return np.asarray(known[NUMBERS.index("y")])
-        rate = known[NUMBERS.index("dbeta0" if self.chart.kind == "start" else "dbetaL")]
+        rate = known[NUMBERS.index("dbetaL" if self.chart.kind == "end" else "dbeta0")]
         if not self.chart.logarithmic:
             return np.asarray(rate)
         direction = self.chart.at.leaving if self.chart.kind == "start" else self.chart.at.arriving
@@ -150,8 +186,8 @@ class HeldCurve:
         if rates is None:
             at = self.at(w)
             assert at is not None
-            rates = orbit_rates(at[0].problem, [at[1]])
+            rates = rates_in(*(at[0].problem, at[1]), self.chart, float(w[0] * self.scales[0]))
         assert given is not None
-        dead = dead_index(rates, np.array([path.turns]))
-        index = float(held_index(rates, np.array([given.ratio]), given.names, dead)[0])
+        way = np.array([path.leaving]), np.array([path.turns])
+        index = float(held_index(rates, np.array([given.ratio]), given.names, *way)[0])
         return int(index) if np.isfinite(index) else None

@@ -11,21 +11,23 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
-from .branch_coordinates import Chart, LinePoint, Path, charts, coordinate, path_at
+from .branch_coordinates import CORNER, Chart, LinePoint, charts, coordinate
 from .held_system import (
     FREE,
     Given,
     State,
     answer,
-    at_given_speeds,
+    corner_state,
     corrected,
     moved,
+    problem_at,
+    rates_in,
     rows_of,
     size_of,
     stepped,
     values_of,
 )
-from .orbit_rates import NUMBERS, orbit_numbers, orbit_rates, solved
+from .orbit_rates import NUMBERS, solved
 
 _ROUNDS = 20
 _REACH = 0.5  # largest size of a step
@@ -71,7 +73,7 @@ def deflated(start: State, wanted: Given, known: list[Array]) -> State | None:
 
 def finished(state: State, wanted: Given) -> State | None:
     """The equilibrium with the wanted numbers next to a state, in whichever coordinate Newton's rule converges."""
-    for chart in charts(LinePoint(state.problem), state.path):
+    for chart in charts(LinePoint(state.problem), state.path, wanted.hinged):
         found = corrected(state.problem, wanted, chart, coordinate(chart))
         if not isinstance(found, str):
             return found
@@ -90,7 +92,7 @@ def _rate(here: Array, change: Array, known: list[Array]) -> float:
 
 def _following(state: State, wanted: Given, change: Array, factor: float) -> tuple[State, float] | None:
     """The state after a step, halved where no orbit is there; and the size of the step of Newton's rule itself."""
-    for chart in charts(LinePoint(state.problem), state.path)[:2]:
+    for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
         x = coordinate(chart)
         dx = moved(chart, x, change)
         size = size_of(state.problem, chart, dx, change)
@@ -107,14 +109,13 @@ def _following(state: State, wanted: Given, change: Array, factor: float) -> tup
 
 def _state_at(problem: EndsProblem, wanted: Given, chart: Chart, x: float) -> State | None:
     """The state at a coordinate; None where there is no orbit."""
-    place = LinePoint(problem)
-    path = path_at(place, chart, x)
-    if path is None or path.turns < 0:
+    here = problem_at(problem, wanted, chart, x)
+    if here is None:
         return None
-    problem = at_given_speeds(problem, place, path, wanted)
-    rates = orbit_rates(problem, [path])
-    known = np.isfinite(rates.values).all() and np.isfinite(rates.rows).all()
-    return State(problem, path, rates) if known else None
+    rates = rates_in(*here, chart, x)
+    if not (np.isfinite(rates.values[0, :-1]).all() and np.isfinite(rates.rows[0, :-1]).all()):
+        return None
+    return corner_state(rates, x) if chart.kind == CORNER else State(*here, rates)
 
 
 def fold_beside(state: State, wanted: Given) -> tuple[Array, float] | None:
@@ -126,7 +127,7 @@ def fold_beside(state: State, wanted: Given) -> tuple[Array, float] | None:
     """
     rows, by_span = rows_of(state.rates, wanted.names, wanted.ratio)
     every = state.rates.rows[0]
-    if state.path.helix or not np.isfinite(every).all():
+    if state.path.helix or not np.isfinite(every[:-1]).all():
         return None
     unit = solved(np.linalg.qr(every[:-1])[1][None], np.eye(5)[None])[0]  # parts that change the numbers by one
     if not np.isfinite(unit).all():
@@ -135,10 +136,10 @@ def fold_beside(state: State, wanted: Given) -> tuple[Array, float] | None:
     change = np.asarray(every @ (unit @ right[-1]))
     off = []
     for share in (0.0, _BESIDE, -_BESIDE):
-        beside = _beside(state, change, share)
+        beside = _beside(state, wanted, change, share)
         if beside is None:
             return None
-        numbers, length = orbit_numbers(*beside)
+        numbers, length = beside.rates.values[0], float(beside.rates.length[0])
         off.append(float(left[:, -1] @ (values_of(numbers, length, wanted) + by_span * (wanted.span - length))))
     bend = (off[1] + off[2] - 2 * off[0]) / (2 * _BESIDE**2)
     return (change, float(-slopes[-1] / bend)) if np.isfinite(bend) and bend != 0 else None
@@ -150,17 +151,17 @@ def across_fold(state: State, wanted: Given) -> list[State]:
     if beside is None:
         return []
     change, t = beside[0], float(np.clip(beside[1], -1, 1))
-    found = [_beside(state, change, share) for share in (t, -t)]
-    return [State(*one, orbit_rates(one[0], [one[1]])) for one in found if one is not None]
+    found = [_beside(state, wanted, change, share) for share in (t, -t)]
+    return [one for one in found if one is not None]
 
 
-def _beside(state: State, change: Array, share: float) -> tuple[EndsProblem, Path] | None:
-    """The problem and the path after a share of a change of the `NUMBERS`."""
+def _beside(state: State, wanted: Given, change: Array, share: float) -> State | None:
+    """The state after a share of a change of the `NUMBERS`."""
     new = {name: getattr(state.problem, name) + share * change[NUMBERS.index(name)] for name in FREE}
     problem = replace(state.problem, **new)
-    for chart in charts(LinePoint(state.problem), state.path)[:2]:
+    for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
         x = coordinate(chart)
-        path = path_at(LinePoint(problem), chart, x + share * moved(chart, x, change))
-        if path is not None and path.turns >= 0 and np.isfinite(orbit_numbers(problem, path)[1]):
-            return problem, path
+        beside = _state_at(problem, replace(wanted, names=()), chart, x + share * moved(chart, x, change))
+        if beside is not None:
+            return beside
     return None

@@ -15,17 +15,15 @@ from ..problem.held_ends import HeldProblem
 from ..problem.limits import beyond_limits
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, verdicts
-from .branch_coordinates import LinePoint, charts, coordinate, path_at
+from .branch_coordinates import CORNER, LinePoint, charts, coordinate
 from .each_equilibrium import path_of_seed, together
 from .held_alternatives import alternatives_of, away
-from .held_index import dead_index, index_of
+from .held_index import dead_index_of, index_of
 from .held_starts import Reached, from_seed, nearest_start
 from .held_system import FREE, Given, State, corrected, parts_of, values_of
 from .orbit_rates import helix_change, varied_orbits
 from .path_orbits import orbit_of
 
-_SLOW = 1e-3  # beta_t at a start
-_AT_REST = 1e-11  # beta_t below which a hinge is at rest
 ALTERNATIVE = "another equilibrium with the same ends"
 STRAIGHT = (
     "failed: the far end is held at a height of L or -L, where the rod can only be straight along the axis, and then "
@@ -36,11 +34,11 @@ _STATIONS = 129  # at which the response to the given numbers is read
 
 def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Trajectory:
     """The orbit of one equilibrium under held ends at stations t (1, n); its error is that of the given numbers."""
-    state = _without_turns_at_hinges(_from_hinge(reached.state, wanted), wanted)
+    state = _at_hinges(reached.state, wanted)
     orbit = orbit_of(state.problem, state.path)
-    dead = dead_index(state.rates, np.array([state.path.turns]))
     if orbit.lengthens is not None and orbit.turns[0] > 0 and not state.path.helix:
-        orbit = replace(orbit, lengthens=orbit.turns - dead)  # differences of the length fail at a hinge
+        known = orbit.turns - dead_index_of(state)  # differences of the length fail at a hinge
+        orbit = replace(orbit, lengthens=known)
     beta, dbeta, alpha, z = orbit.at(t)
     condition = np.array([response_of(state, wanted)])
     values = values_of(_at_length(state, orbit), float(state.problem.span[0]), wanted)
@@ -83,31 +81,14 @@ def _pace(state: State) -> float:
     return float(np.sqrt(1 + load_size(state.problem)[0]))
 
 
-def _from_hinge(state: State, wanted: Given) -> State:
-    """The state with its level measured from a start that is nearly at rest: other levels leave half the digits."""
-    speed = abs(float(state.rates.value("dbeta0")[0]))
-    if "dbeta0" not in wanted.names or state.path.helix or speed > _SLOW * _pace(state):
+def _at_hinges(state: State, wanted: Given) -> State:
+    """The state as its orbit has it from the start on; read where it meets beta(L), a rod at rest there has half the
+    digits."""
+    if not wanted.hinged or state.path.helix:
         return state
-    for chart in charts(LinePoint(state.problem), state.path):
-        if chart.kind == "start" and not chart.logarithmic:
-            found = corrected(state.problem, wanted, chart, coordinate(chart))
-            return state if isinstance(found, str) else found
-    return state
-
-
-def _without_turns_at_hinges(state: State, wanted: Given) -> State:
-    """The state with turning points that are a hinge, to rounding, not counted as passed by the rod."""
-    given = dict(zip(wanted.names, wanted.values.tolist(), strict=True))
-    place, path = LinePoint(state.problem), state.path
-    for kind, name in (("start", "dbeta0"), ("end", "dbetaL")):
-        speed = float(state.rates.value(name)[0])
-        if given.get(name) != 0 or abs(speed) > _AT_REST * _pace(state) or path.helix:
-            continue
-        for chart in charts(place, path):
-            if chart.kind == kind and not chart.logarithmic:
-                other = path_at(place, chart, -coordinate(chart))
-                path = other if other is not None and 0 <= other.turns < path.turns else path
-    return replace(state, path=path)
+    every = charts(LinePoint(state.problem), state.path, True)
+    found = [corrected(state.problem, wanted, chart, coordinate(chart)) for chart in every if chart.kind == CORNER]
+    return next((one for one in found if not isinstance(one, str)), state)
 
 
 def response_of(state: State, wanted: Given) -> float:

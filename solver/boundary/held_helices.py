@@ -1,11 +1,11 @@
 """The rods with held ends that are helices from end to end, which no path of levels reaches."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy  # its parts are imported when used
 
-from ..mechanics.potential import load_size, slope
+from ..mechanics.potential import TAU, load_size, slope
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import LinePoint
 from .held_system import Given, State
@@ -32,6 +32,13 @@ def helices_of(given: Given) -> tuple[list[State], bool]:
     fixed = [helix for helix in some if helix.lam is not None and helix.phi is not None]
     states = [state for helix in fixed if (state := _state(helix, given)) is not None]
     return states, len(fixed) < len(some)
+
+
+def helix_at(helix: State, beta: float) -> State:
+    """A helix with the whole turns of its angle that are nearest to an angle."""
+    turns = TAU * np.round((beta - helix.problem.beta0) / TAU)
+    problem = replace(helix.problem, beta0=helix.problem.beta0 + turns, betaL=helix.problem.betaL + turns)
+    return replace(helix, problem=problem)
 
 
 def _angles(known: dict[str, float], given: Given) -> list[float]:

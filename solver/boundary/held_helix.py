@@ -5,6 +5,7 @@ import numpy as np
 from ..mechanics.potential import slope_rate
 from ..numerics.arrays import Array
 from .branch_coordinates import LinePoint, Path, charts, coordinate
+from .held_helices import helices_of, helix_at
 from .held_system import FREE, Given, State, answer, corrected, parts_of, stepped
 from .orbit_rates import NUMBERS, helix_change
 from .paths import DOWN, UP
@@ -12,6 +13,7 @@ from .paths import DOWN, UP
 _SIZES = (2e-2, 2e-3, 2e-4)  # of the first step, tried in this order: beta_t at an end, changes of angles and loads
 _STILL = 1e-9  # of the largest change: a beta_t that the helix does not get
 _GOAL = 1e-7  # size of the last correction
+_HELICES, _NEAR = 8, 0.5  # steps from helix to helix; largest change of an angle or a load in one
 _STATIONS = 4001  # at which the turning points are counted
 
 
@@ -39,11 +41,31 @@ def off_helix(state: State, wanted: Given) -> tuple[State, float] | None:
         paths = [_bent(place, share * speeds)]
         if on_saddle:
             paths = [_from_saddle(place, paths[0], share * float(speeds[0]), share * float(speeds[-1])), *paths]
-        for chart in (chart for path in paths for chart in charts(place, path)):
+        for chart in (chart for path in paths for chart in charts(place, path, wanted.hinged)):
             found = corrected(problem, ahead, chart, coordinate(chart), 0.0 if ahead is wanted else _GOAL)
             if not isinstance(found, str):
                 return found, share
     return None
+
+
+def helix_ahead(state: State, wanted: Given) -> State | None:
+    """The helix with the wanted numbers on the branch of a helix whose ends are both free to turn, without moments.
+
+    None where it ceases to exist on the way, or one of its loads may have any value.
+    """
+    resting = {name: wanted.number(name, np.nan) for name in ("dbeta0", "dbetaL")}
+    if any(value != 0 for value in resting.values()):
+        return None
+    first = wanted.at(state)
+    for share in np.linspace(0, 1, _HELICES + 1)[1:]:
+        beta = float(state.problem.beta0[0])
+        ahead = [helix_at(one, beta) for one in helices_of(first.towards(wanted, float(share)))[0]]
+        apart = [max(abs(float((getattr(one.problem, name) - getattr(state.problem, name))[0])) for name in FREE)
+                 for one in ahead]  # fmt: skip
+        if not apart or min(apart) > _NEAR:
+            return None
+        state = ahead[int(np.argmin(apart))]
+    return state
 
 
 def _bent(place: LinePoint, speeds: Array) -> Path:

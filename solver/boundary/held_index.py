@@ -1,58 +1,82 @@
 """The Morse index of an equilibrium under the ends that are meant.
 
-Under dead loads and between two given angles the index is that of `stability`. Where a moment is given instead of an
-angle, directions in which that angle turns are admitted: the index grows by the number of negative eigenvalues of the
-stiffness of those ends, d(-beta_t(0), beta_t(L))/d(beta(0), beta(L)). Where a displacement is held instead of its load,
-directions are excluded: the index falls by the number of negative eigenvalues of the block of the compliance
-d(z, alpha, gamma)/d(phi, lam, mu), at these ends, that belongs to the held displacements.
-"""
+Under the loads of an equilibrium the second variation is that of eta'' + H' eta = 0 with eta = 0 where the angle is
+given and eta' = 0 where a moment is. Let eta be the solution that meets the condition at the start. Its phase, the
+angle of (eta', eta) in the plane, counts the negative directions when it is compared with the condition at the far end.
+beta_t solves the same equation, and its phase is known from the turning points that the rod passes; the phases of two
+solutions never differ by more than half a turn. So the index is exact where the rod rests at both ends too.
 
-from dataclasses import replace
+Where a displacement is held instead of its load, directions are excluded: the index falls by the number of negative
+eigenvalues of the block of the compliance d(z, alpha, gamma)/d(phi, lam, mu), at these ends, that belongs to the held
+displacements.
+"""
 
 import numpy as np
 
+from ..mechanics.potential import load_size, slope_rate
 from ..numerics.arrays import Array
-from .held_continuation import Stopped, carried
 from .held_system import Given, State
 from .orbit_rates import NUMBERS, OrbitRates
 from .path_orbits import orbit_of
 from .stability import jacobi_zeros
 
 _DISPLACEMENTS = ("z", "alpha", "turn")  # in the order of `OrbitRates.compliance`
-_DEAD = ("beta0", "betaL", "lam", "mu", "phi")
-_BESIDE = 1e-4  # a small moment, in units of A/rho
+_ANGLES = ("beta0", "betaL")
 _DOUBT = 1e-11  # of the largest eigenvalue: a smaller one has no sign
+_FLAT = 1e-9  # of half a turn of the phase: nearer to the condition at the far end, the index is not decided
 
 
-def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], dead: Array) -> Array:
-    """The index of B equilibria under held ends, (B,) of floats; NaN where an eigenvalue is zero to rounding.
+def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], leaving: Array, turns: Array) -> Array:
+    """The index of B equilibria that are no helices under held ends, (B,) of floats; NaN where it is not decided.
 
-    names: the five given numbers (`problem.held_ends.HeldProblem.numbers`). dead: (B,), the index under dead loads
-    between the equilibrium's own end angles.
+    names: the five given numbers (`problem.held_ends.HeldProblem.numbers`). leaving, turns: (B,), of their paths.
     """
-    ends = tuple(name for name in names if name.endswith(("beta0", "betaL")))
-    free = [k for k, name in enumerate(ends) if name.startswith("d")]
+    ends = tuple(name for name in names if name.endswith(_ANGLES))
     held = [k for k, name in enumerate(_DISPLACEMENTS) if name in names]
-    index = np.asarray(dead, dtype=float).copy()
-    if free:
-        rows = [NUMBERS.index("dbeta0"), NUMBERS.index("dbetaL")]
-        stiffness = rates.response(_DEAD)[:, rows, :2] * np.array([-1.0, 1.0])[:, None]
-        index += negative(stiffness[:, free][:, :, free])
+    index = dead_index(rates, leaving, turns, ends)
     if held:
         index -= negative(rates.compliance(ratio, ends)[:, held][:, :, held])
     return index
 
 
-def dead_index(rates: OrbitRates, turns: Array) -> Array:
-    """The index of B equilibria that are no helices between their own end angles under dead loads, (B,) of floats.
+def dead_index(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str, ...] = _ANGLES) -> Array:
+    """The same under dead loads, with two given numbers of the ends."""
+    unit = np.sqrt(1 + load_size(rates.problem))  # of beta_t
+    beta0, betaL, v0, vL = (rates.rows[:, NUMBERS.index(name), :2] for name in (*_ANGLES, "dbeta0", "dbetaL"))
+    arriving = np.where(turns % 2 == 0, leaving, -leaving)
+    with np.errstate(all="ignore"):
+        start = v0 if ends[0] == "dbeta0" else beta0
+        start = start / np.abs(start).max(axis=1, keepdims=True)
+        mix = np.stack([start[:, 1], -start[:, 0]], axis=1)  # of the flow and the level: meets the condition
+        mix /= np.maximum(np.abs(beta0 * mix), np.abs(v0 * mix) / unit[:, None]).max(axis=1, keepdims=True)
+        at_ends = (beta0, v0 / unit[:, None]), (betaL, vL / unit[:, None])
+        begun, ended = _phases(*at_ends, mix, (leaving, arriving), turns)
+        half = 0.5 if ends[0] == "dbeta0" else 0.0
+        whole = np.round(begun / np.pi - half)
+        passed = ended / np.pi - whole - (0.5 if ends[1] == "dbetaL" else 1.0)
+        found = np.maximum(np.ceil(passed), 0.0)
+        return np.where(np.abs(passed - np.round(passed)) > _FLAT, found, np.nan)
 
-    Of k turning points passed it is k or k - 1, and even where eta(L) = d beta(L)/d beta_t(0) is positive. So a turning
-    point at the very end of a hinged rod need not be told from one just outside.
+
+def _phases(
+    start: tuple[Array, Array], far: tuple[Array, Array], mix: Array, ways: tuple[Array, Array], turns: Array
+) -> tuple[Array, Array]:
+    """The phases at the two ends, (B,), of what `mix` (B, 2) makes of the flow and of the level.
+
+    start, far: what these add to beta and to beta_t in some unit, (B, 2) each. ways: of beta_t at the two ends.
     """
-    eta = 1 / rates.response(_DEAD)[:, NUMBERS.index("dbeta0"), 1]
-    even = np.where(eta > 0, 1, np.where(eta < 0, 0, np.nan))
-    index = np.where(turns % 2 == (1 - even), turns, turns - 1)
-    return np.where(np.isnan(even), np.nan, np.maximum(index, 0))
+    phases = []
+    for (value, rate), way, passed in zip((start, far), ways, (0, turns), strict=True):
+        v, H = np.abs(value[:, 0]), rate[:, 0] * way
+        eta, slope = (mix * value).sum(axis=1) * way, (mix * rate).sum(axis=1) * way
+        across, along = eta * H - slope * v, eta * v + slope * H
+        phases.append((np.arctan2(v, H) + np.pi * passed, across, along))
+    side = np.where(phases[0][1] != 0, np.sign(phases[0][1]), np.sign(phases[0][2]))
+    found = []
+    for phase, across, along in phases:
+        apart = np.arctan2(side * across, side * along)
+        found.append(phase + np.clip(np.where(apart < -np.pi / 2, apart + 2 * np.pi, apart), 0, np.pi))
+    return found[0], found[1]
 
 
 def negative(matrix: Array) -> Array:
@@ -68,33 +92,29 @@ def negative(matrix: Array) -> Array:
 
 
 def index_of(state: State, wanted: Given) -> float:
-    """The Morse index under the held ends; NaN where it is not decided.
+    """The Morse index under the held ends; NaN where it is not decided."""
+    ratio, path = np.array([wanted.ratio]), state.path
+    if not path.helix:
+        each = np.array([path.leaving]), np.array([path.turns])
+        return float(held_index(state.rates, ratio, wanted.names, *each)[0])
+    ends = tuple(name for name in wanted.names if name.endswith(_ANGLES))
+    held = [k for k, name in enumerate(_DISPLACEMENTS) if name in wanted.names]
+    excluded = negative(state.rates.compliance(ratio, ends)[:, held][:, :, held])[0] if held else 0.0
+    return _helix_index(state, ends) - float(excluded)
 
-    A rod with a hinge at both ends rests at both, so between its own two angles beta_t is a direction of no stiffness.
-    Its index is then that of two neighbours, with small moments at both ends, if they agree.
-    """
-    found = decided_index(state, wanted)
-    hinged = [k for k, name in enumerate(wanted.names) if name.startswith("dbeta")]
-    if np.isfinite(found) or not hinged:
-        return found
-    beside = []
-    for small in (_BESIDE, -_BESIDE):
-        values = wanted.values.copy()
-        values[hinged] += small
-        near = replace(wanted, values=values)
-        moved = carried(state, near)
-        beside.append(np.nan if isinstance(moved, Stopped) else decided_index(moved, near))
-    return beside[0] if beside[0] == beside[1] else np.nan
+
+def _helix_index(state: State, ends: tuple[str, ...]) -> float:
+    """The index of a helix under dead loads: the waves of constant length between its ends that are too long."""
+    rate = float(slope_rate(state.problem, state.problem.beta0)[0])
+    hinges = sum(name.startswith("d") for name in ends)
+    if rate <= 0:
+        return 0.0 if rate < 0 or hinges < 2 else np.nan
+    waves = float(np.sqrt(rate) * state.problem.span[0]) / np.pi + hinges / 2 - 1
+    return np.nan if abs(waves - np.round(waves)) < _FLAT else max(float(np.ceil(waves)), 0.0)
 
 
 def dead_index_of(state: State) -> float:
     """The Morse index under dead loads between its own end angles; NaN where it is not decided."""
     if state.path.helix:
         return float(jacobi_zeros(orbit_of(state.problem, state.path))[0])
-    return float(dead_index(state.rates, np.array([state.path.turns]))[0])
-
-
-def decided_index(state: State, wanted: Given) -> float:
-    """The Morse index under the held ends by the rule alone; NaN where an eigenvalue is zero to rounding."""
-    dead = np.array([dead_index_of(state)])
-    return float(held_index(state.rates, np.array([wanted.ratio]), wanted.names, dead)[0])
+    return float(dead_index(state.rates, np.array([state.path.leaving]), np.array([state.path.turns]))[0])

@@ -49,7 +49,7 @@ def from_seed(wanted: Given, problem: EndsProblem, path: Path | None) -> Reached
     """The equilibrium on the branch of a seed, an equilibrium of `problem`; or the outcome that says why not."""
     if path is None:
         return "failed: the seed is not a solution of its own ends problem"
-    seed = state_of(problem, path)
+    seed = state_of(problem, path, wanted.hinged)
     found = carried(seed, wanted)
     return told(found) if isinstance(found, Stopped) else Reached(found, said_of_seed(seed, found, wanted), seed)
 
@@ -116,8 +116,10 @@ def _starts(wanted: Given, problem: HeldProblem, guesses: list[dict[str, float]]
         if not paths:
             continue
         rates = orbit_rates(guess.take(np.zeros(len(paths), dtype=int)), paths)
-        dead = np.array([every.index[i] for i in range(every.slope.size) if not every.path.helix[i]])
-        index = np.nan_to_num(held_index(rates, problem.ratio.repeat(len(paths)), wanted.names, dead), nan=1.0)
+        leaving, turns = (np.array([getattr(path, name) for path in paths]) for name in ("leaving", "turns"))
+        index = np.nan_to_num(
+            held_index(rates, problem.ratio.repeat(len(paths)), wanted.names, leaving, turns), nan=1.0
+        )
         for k, path in enumerate(paths):
             state = State(guess, path, rates.take(slice(k, k + 1)))
             found.append((_far(state, wanted) + _UNSTABLE * index[k], state))

@@ -11,10 +11,12 @@ import numpy as np
 
 from ..mechanics.potential import load_size, slope, steepest
 from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import solve_orbit
 from ..problem.held_ends import HeldProblem
 from ..problem.reduced import EndsProblem
-from .branch_coordinates import Chart, LinePoint, Path, coordinate, path_at
-from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, solved
+from .branch_coordinates import CORNER, Chart, LinePoint, Path, coordinate, path_at
+from .orbit_rates import NUMBERS, OrbitRates, orbit_numbers, orbit_rates, solved, start_rates
+from .paths import DOWN, UP
 
 FREE = ("beta0", "betaL", "lam", "mu", "phi")  # what a state consists of, beside its path
 LEFT = "no orbit of its path joins the two ends there"
@@ -23,7 +25,10 @@ _CORRECTIONS = 14
 _REACH = 0.25  # largest size of a change in one step
 _LEAST = 9 * float(np.finfo(float).eps)  # share by which rounding may change an angle, or a load
 _MET = 1e-3  # of the length: by how much the length of an equilibrium may be off
+_SWING = 1e-7  # beta_t and H at a start below which an orbit is its helix, in units of the loads
+_STILL = 1e-11  # beta_t below which an end is at rest, in units of the loads
 _NEAR = 0.1  # rad: farthest angle with the given beta_t
+AT_REST = -300.0  # log of the square of beta_t at a start at rest
 _CLOSE = 1e-10  # size of a correction below which it need not shrink any more
 _AT = {name: k for k, name in enumerate(NUMBERS)}
 
@@ -50,6 +55,15 @@ class Given:
     values: Array
     span: float
     ratio: float
+
+    @property
+    def hinged(self) -> bool:
+        """Whether an end moment is given."""
+        return "dbeta0" in self.names or "dbetaL" in self.names
+
+    def number(self, name: str, otherwise: float) -> float:
+        """The value of a given number, or another one where it is not given."""
+        return float(self.values[self.names.index(name)]) if name in self.names else otherwise
 
     @classmethod
     def of(cls, problem: HeldProblem) -> "Given":
@@ -86,6 +100,12 @@ def rows_of(rates: OrbitRates, names: tuple[str, ...], ratio: float) -> tuple[Ar
     return np.array(rows), np.array(by_span)
 
 
+def parts_by_given(rates: OrbitRates, names: tuple[str, ...], ratio: float) -> Array:
+    """The five parts of a change of one equilibrium by a unit of each given number, and last of the length, (5, 6)."""
+    rows, by_span = rows_of(rates, names, ratio)
+    return solved(rows[None], np.column_stack([np.eye(5), -by_span])[None])[0]
+
+
 def answer(rates: OrbitRates, given: Given, values: Array, span: Array) -> Array:
     """The changes of the `NUMBERS` by changes of the given numbers (5, k) and of the length (k,), (11, k)."""
     parts = parts_of(rates, given, values, span)
@@ -114,7 +134,7 @@ def moved(chart: Chart, x: float, change: Array) -> float:
     """The change of the coordinate of a chart; change: of the `NUMBERS`, (11,), of a path with the pin of the chart."""
     if chart.kind == "saddle":
         return float(change[_AT["y"]])
-    rate = float(change[_AT["dbeta0" if chart.kind == "start" else "dbetaL"]])
+    rate = float(change[_AT["dbetaL" if chart.kind == "end" else "dbeta0"]])
     if not chart.logarithmic:
         return rate
     direction = chart.at.leaving if chart.kind == "start" else chart.at.arriving
@@ -147,14 +167,14 @@ def corrected(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: 
     """
     last, travelled, rates = np.inf, 0.0, None
     for _ in range(_CORRECTIONS):
-        place = LinePoint(problem)
-        path = path_at(place, chart, x)
-        if path is None or path.turns < 0:
+        x = given.number("dbeta0", x) if chart.kind == CORNER else x
+        here = problem_at(problem, given, chart, x)
+        if here is None:
             return LEFT
-        problem = at_given_speeds(problem, place, path, given)
-        fresh = rates is None or goal == 0
+        problem, path = here
+        fresh = rates is None or goal == 0 or chart.kind == CORNER
         if fresh:
-            rates = orbit_rates(problem, [path])
+            rates = rates_in(problem, path, chart, x)
             numbers, length = rates.values[0], float(rates.length[0])
         else:
             numbers, length = orbit_numbers(problem, path)
@@ -171,10 +191,54 @@ def corrected(problem: EndsProblem, given: Given, chart: Chart, x: float, goal: 
         if size >= last or size < max(goal, 1e-15):
             if not abs(given.span - length) < _MET * given.span:  # swings that fell to rounding have no length
                 return DIVERGED
+            if chart.kind == CORNER:
+                return LEFT if is_still(problem, x) else replace(corner_state(rates, x), corrected=travelled)
             return State(problem, path, rates, travelled) if LinePoint(problem).joined_at(path) else LEFT
         last = size
         problem, x = stepped(problem, given, change), x + dx
     return DIVERGED
+
+
+def problem_at(problem: EndsProblem, given: Given, chart: Chart, x: float) -> tuple[EndsProblem, Path] | None:
+    """The problem and the path at a coordinate; None where there is no such path."""
+    numbers = [float(value[0]) for value in vars(problem).values()]
+    if not np.isfinite(numbers).all():
+        return None
+    if chart.kind == CORNER:
+        return problem, chart.at
+    place = LinePoint(problem)
+    path = path_at(place, chart, x)
+    if path is None or path.turns < 0:
+        return None
+    return at_given_speeds(problem, place, path, given), path
+
+
+def rates_in(problem: EndsProblem, path: Path, chart: Chart, x: float) -> OrbitRates:
+    """The numbers of the orbit at a coordinate of a chart, and how they answer."""
+    return start_rates(problem.started(np.array([x]))) if chart.kind == CORNER else orbit_rates(problem, [path])
+
+
+def is_still(problem: EndsProblem, v: float) -> bool:
+    """Whether a rod that starts with beta_t = v swings about a helix by less than rounding leaves of it."""
+    pull = abs(float(slope(problem, problem.beta0)[0]))
+    return max(abs(v), pull) < _SWING * (1 + float(load_size(problem)[0]))
+
+
+def corner_state(rates: OrbitRates, v: float) -> State:
+    """The orbit that starts with beta_t = v, as a state; rates: of `start_rates`.
+
+    A turning point at the start is not counted as passed, nor one at the far end.
+    """
+    problem, speed = rates.problem, float(rates.values[0, _AT["dbetaL"]])
+    turns = int(solve_orbit(problem.started(np.array([v])), 1e-13).turns[0])
+    pace = float(np.sqrt(1 + load_size(problem)[0]))
+    leaving = UP if v > 0 or (v == 0 and float(slope(problem, problem.beta0)[0]) < 0) else DOWN
+    arriving = leaving if turns % 2 == 0 else -leaving
+    if arriving * speed < 0 or abs(speed) < _STILL * pace:  # the last turning point is at the far end, to rounding
+        toward = DOWN if float(slope(problem, problem.betaL)[0]) < 0 else UP  # before it
+        turns -= int(arriving != toward and turns > 0)
+    y = max(2 * float(np.log(max(abs(v), 1e-300))), AT_REST)
+    return State(problem, Path(LinePoint(problem).start, 1.0, y, leaving, turns), rates)
 
 
 def at_given_speeds(problem: EndsProblem, place: LinePoint, path: Path, given: Given) -> EndsProblem:
@@ -222,7 +286,7 @@ def values_of(numbers: Array, length: float, given: Given) -> Array:
 
 def predicted(state: State, chart: Chart, given: Given, ahead: Given) -> tuple[Array, float, float]:
     """The changes of the numbers (11,) and of the coordinate to `ahead`, to first order, and their size."""
-    path = path_at(LinePoint(state.problem), chart, coordinate(chart))
+    path = None if chart.kind == CORNER else path_at(LinePoint(state.problem), chart, coordinate(chart))
     rates = state.rates
     if path is not None and path.pin != state.path.pin:
         rates = orbit_rates(state.problem, [path])

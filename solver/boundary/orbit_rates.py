@@ -24,8 +24,8 @@ from ..numerics.arrays import Array
 from ..orbit import helix_variations
 from ..orbit.critical_points import grid
 from ..orbit.variation_nodes import height_rates, slopes_by_loads
-from ..orbit.variations import GOAL, LENGTH, POINTS, Change, changed
-from ..problem.reduced import EndsProblem
+from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations, changed
+from ..problem.reduced import EndsProblem, StartProblem
 from .branch_coordinates import LinePoint, Path
 from .transit_times import CUTTING, STRETCH
 from .varied_orbits import plain_orbit
@@ -33,6 +33,7 @@ from .varied_orbits import varied_orbits as varied_orbits
 
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
 _Y = 10
+_REST = 1e-15  # beta_t at a start at rest
 _SAME = 1e-9  # rad: critical points that are this near are one
 HOW = CUTTING, Cutting(LENGTH, GOAL, STRETCH, relative=True)
 
@@ -86,8 +87,9 @@ class OrbitRates:
         array (B, 11, 6)
             The last column is by the length; NaN where the five do not determine the equilibrium: at a fold.
         """
-        found = self.rows @ self.parts(held)
-        found[:, :, 5] += self.by_span
+        with np.errstate(invalid="ignore", over="ignore"):
+            found = self.rows @ self.parts(held)
+            found[:, :, 5] += self.by_span
         return np.asarray(found)
 
     def compliance(self, ratio: Array, ends: Sequence[str] = ("beta0", "betaL")) -> Array:
@@ -148,6 +150,25 @@ def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
     return OrbitRates(replace(problem, span=span), values, rows, by_span)
 
 
+def start_rates(problem: StartProblem) -> OrbitRates:
+    """The numbers and the equations of one orbit that is given by its start, at its far end.
+
+    They are regular where the rod is at rest at an end, or at both: there the length at which an orbit meets beta(L)
+    has no derivative. y has neither value nor row. NaN for a helix, and where the core cannot follow the orbit.
+    """
+    found = None
+    if available():
+        numbers = [float(getattr(problem, name)[0]) for name in ("lam", "mu", "phi", "span", "beta0", "dbeta0")]
+        numbers[5] = numbers[5] if abs(numbers[5]) > _REST else 0.0
+        found = core.start_rates(numbers, grid(), POINTS, HOW[1], True)
+    values, rows, by_span = (
+        (np.full(11, np.nan), np.full((11, 5), np.nan), np.full(11, np.nan)) if found is None else found[:3]
+    )
+    values[NUMBERS.index("dbeta0")] = problem.dbeta0[0]  # not as it is read from the orbit
+    rows[_Y] = by_span[_Y] = np.nan
+    return OrbitRates(problem.ended(values[[NUMBERS.index("betaL")]]), values[None], rows[None], by_span[None])
+
+
 def _numbers(problem: EndsProblem, i: int) -> list[float]:
     return [float(number[i]) for number in vars(problem).values()]
 
@@ -170,7 +191,7 @@ def _orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
             moves,
             _of_orbits(problem.take(moves), [paths[i] for i in moves], [places[i] for i in moves]) if moves else None,
         ),
-        (np.flatnonzero(still), _of_helices(problem.take(still)) if still.any() else None),
+        (np.flatnonzero(still), rates_of_helices(problem.take(still)) if still.any() else None),
     ):
         if some is not None:
             found.values[rows], found.rows[rows], found.by_span[rows] = some.values, some.rows, some.by_span
@@ -180,18 +201,27 @@ def _orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
 def _of_orbits(problem: EndsProblem, paths: list[Path], places: list[LinePoint]) -> OrbitRates:
     orbit, varied = varied_orbits(problem, paths, places)
     far_t = problem.span[:, None]
-    start, far = varied.start, varied.at(far_t)
-    unit = np.broadcast_to(np.eye(5), (problem.size, 5, 5))
-    parts = unit[..., 0], unit[..., 1:]
-    here, there = (changed(start, place, *parts) for place in (start.take((slice(None), None)), far))
-    v, H = (np.stack([getattr(start, name), getattr(far, name)[:, 0]]) for name in ("v", "H"))
     _, _, alpha, z = (value[:, 0] for value in orbit.at(far_t))
-    found = _assembled(problem, here, there, v, H, np.stack([alpha, orbit.swirl(far_t)[:, 0], z]))
+    found = rates_of_variations(problem, varied, np.stack([alpha, orbit.swirl(far_t)[:, 0], z]))
     _add_level(found, varied.nearest, paths, places)
     return found
 
 
-def _of_helices(problem: EndsProblem) -> OrbitRates:
+def rates_of_variations(problem: EndsProblem, varied: Variations, integrals: Array) -> OrbitRates:
+    """The numbers of orbits that are no helices at t = span, and their rows but that of y.
+
+    integrals: of sin, sin cos and cos, (3, B).
+    """
+    start, far = varied.start, varied.at(problem.span[:, None])
+    unit = np.broadcast_to(np.eye(5), (problem.size, 5, 5))
+    parts = unit[..., 0], unit[..., 1:]
+    here, there = (changed(start, place, *parts) for place in (start.take((slice(None), None)), far))
+    v, H = (np.stack([getattr(start, name), getattr(far, name)[:, 0]]) for name in ("v", "H"))
+    return _assembled(problem, here, there, v, H, integrals)
+
+
+def rates_of_helices(problem: EndsProblem) -> OrbitRates:
+    """The numbers of helices at t = span, and their rows but that of y."""
     far = problem.span[:, None]
     here, there = (helix_change(problem, t) for t in (0 * far, far))
     s, c, none = np.sin(problem.beta0), np.cos(problem.beta0), np.zeros((2, problem.size))

@@ -1,8 +1,7 @@
 """The orbits of equilibria and their variations: how beta between two ends answers a change.
 
-The orbit that joins the ends changes by a0 along its flow and by g0 of its level (`orbit.variations`); with the two end
-angles held these two follow from two linear equations, whose determinant is eta(L) = d beta(L)/d beta_t(0). It vanishes
-at a fold.
+The orbit that joins the ends changes by a0 along its flow and by g0 of its level (`orbit.variations`), and with the
+three loads. What is given at the ends decides how much of each (`held_system.parts_by_given`).
 """
 
 from dataclasses import replace
@@ -12,40 +11,13 @@ import numpy as np
 from ..core.panels import Cutting
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit, relative_orbit, solve_orbit
-from ..orbit.variations import GOAL, LENGTH, POINTS, Place, Variations, variations_on
+from ..orbit.variations import GOAL, LENGTH, POINTS, Variations, variations_on
 from ..problem.reduced import EndsProblem, StartProblem
 from .branch_coordinates import LinePoint, Path
 from .saddle_panels import with_saddle_panels
 from .transit_times import STRETCH
 
 _TIGHT = 1e-13  # tolerance of the orbits
-
-
-def held_directions(start: Place, far: Place) -> tuple[Array, Array]:
-    """a0 (B, 5) and e (B, 5, 4) of a unit of beta(0), beta(L), lam, mu and phi, each with the others held.
-
-    start, far: the places at the two ends, (B,).
-    """
-    B = start.v.size
-    e, moved = np.zeros((B, 5, 4)), np.zeros((2, B, 5))
-    moved[0, :, 0] = moved[1, :, 1] = 1
-    for q in (1, 2, 3):
-        e[:, q + 1, q] = 1
-    M = (far.M - start.M)[:, 0]
-    v, V = start.v[:, None], far.v[:, None]
-    with np.errstate(all="ignore"):
-        lever, LEVER = (place.c * place.H / place.D for place in (start, far))
-        r = moved[0] - _sum(e, start.shift) - _sum(e, start.gamma) * lever[:, None]
-        R = moved[1] - _sum(e, far.shift) - _sum(e, far.gamma) * LEVER[:, None] - _sum(e, M) * V
-        along = M[:, :1] * V + LEVER[:, None]
-        determinant = v * along - lever[:, None] * V
-        e[..., 0] = (v * R - V * r) / determinant
-        return (r * along - lever[:, None] * R) / determinant, e
-
-
-def _sum(e: Array, place: Array) -> Array:
-    """The sums over the loads of e times values (B, 4), (B, 5)."""
-    return np.einsum("bfk,bk->bf", e[..., 1:], place[:, 1:])
 
 
 def varied_orbits(problem: EndsProblem, paths: list[Path], places: list[LinePoint]) -> tuple[Orbit, Variations]:

@@ -8,7 +8,7 @@ enum { SHARES = 13 }; /* the ten elements of M, and alpha, z and the swirl */
 
 /* The state at one end: `variations.Place`. M: from the start. */
 typedef struct {
-    double v, H, c, shift[4], gamma[4], M[PAIRS];
+    double beta, v, H, c, shift[4], gamma[4], M[PAIRS];
 } end_state;
 
 /* One orbit on its panels, in the order of travel: those of the forward arc, then those of the backward one. */
@@ -157,6 +157,7 @@ static void state_at(const course *o, double t, int with_rates, end_state *out, 
     const varied_nodes *one = &o->nodes[k];
     const double half = o->width[k] / 2, sign = o->direction * (where.second ? -1 : 1) * (where.mirrored ? -1 : 1);
     const int librates = o->kind == LIBRATION;
+    out->beta = o->base[k] + value_at(o->at, o->x + n * k, x) + (librates ? 0 : TAU * o->direction * where.periods);
     out->v = sign * value_at(o->at, one->v, x), out->H = value_at(o->at, one->H, x), out->c = one->c;
     out->shift[0] = 0, out->gamma[0] = 1;
     directions_on(o, k, turned);
@@ -220,7 +221,8 @@ static void add_level(const place *o, const path *level, double nearest, double 
     by_span[Y] = 2 * by_span[end] / values[end];
 }
 
-/* The numbers of the orbit, and if rows are wanted how they answer. */
+/* The numbers of the orbit, and if rows are wanted how they answer. level: NULL where y is not wanted; beta(L) is then
+   that of the orbit. */
 static void numbers_of(course *o, const place *at, const path *level, double length, double *values, double *rows,
                        double *by_span)
 {
@@ -230,12 +232,13 @@ static void numbers_of(course *o, const place *at, const path *level, double len
     const int64_t nearest = vary(o, rows != NULL);
     state_at(o, 0, rows != NULL, &start, none);
     state_at(o, length, rows != NULL, &far, integrals);
-    const double found[NUMBERS] = {p->beta0, p->betaL, start.v, far.v, integrals[0], integrals[2],
-                                   integrals[1], p->lam, p->mu, p->phi, level->y};
+    const double betaL = level ? p->betaL : far.beta;
+    const double found[NUMBERS] = {p->beta0, betaL, start.v, far.v, integrals[0], integrals[2],
+                                   integrals[1], p->lam, p->mu, p->phi, level ? level->y : 0};
     memcpy(values, found, sizeof found);
     if (!rows)
         return;
-    const double s = sin(p->betaL), c = cos(p->betaL);
+    const double s = sin(betaL), c = cos(betaL);
     const double later[NUMBERS] = {0, far.v, 0, -far.H, s, s * c, c, 0, 0, 0, 0};
     static const int order[3] = {ALPHA, SWIRL, Z};
     int here[2] = {BETA0, DBETA0}, there[2] = {BETAL, DBETAL};
@@ -249,7 +252,26 @@ static void numbers_of(course *o, const place *at, const path *level, double len
             rows[PARTS * order[q] + part] = (q == 1 ? -1 : 1) * sums[PARTS * q + part];
         rows[PARTS * (LAM + q) + 2 + q] = 1;
     }
-    add_level(at, level, o->nodes[nearest].origin, values, rows, by_span);
+    if (level)
+        add_level(at, level, o->nodes[nearest].origin, values, rows, by_span);
+}
+
+/* The course of an orbit that is no helix; to be freed in any case. */
+static int course_from(const start_problem *start, double pin, double gap, const critical *found, const ends_problem *p,
+                       const points *at, const cutting *how, course *out)
+{
+    arcs from, cut;
+    panels made = {0};
+    int failed = rod_arcs(start, pin, gap, found, &from);
+    if (failed || from.kind == HELIX || !from.count)
+        return failed ? failed : NOT_POSSIBLE;
+    cut = from;
+    for (int i = 0; i < cut.count; i++)
+        cut.pieces[i].base = 0;
+    failed = rod_panelled(start, cut.pieces, cut.count, at, how, &made);
+    failed = failed ? failed : course_of(p, &from, &made, at, out);
+    rod_panels_free(&made);
+    return failed;
 }
 
 /* The length at which the path meets beta(L). */
@@ -268,8 +290,6 @@ int rod_orbit_numbers(const place *o, const path *level, const points *at, const
                       int rates, orbit_numbers *out)
 {
     const ends_problem *p = &o->p;
-    arcs from, cut;
-    panels made = {0};
     course on = {0};
     if (at->n > NODES || at->n < 4 || !(level->y >= DEEPEST) || !isfinite(level->pin) || level->turns < 0 ||
         level->turns > 1000000000)
@@ -280,18 +300,33 @@ int rod_orbit_numbers(const place *o, const path *level, const points *at, const
     const double gap = level->sign * exp(level->y), v2 = gap + rod_place_fall(o, level->pin, o->start);
     const double speed = (double)level->leaving * sqrt(larger(v2, 0));
     const start_problem start = {p->lam, p->mu, p->phi, out->length, o->start, speed};
-    failed = rod_arcs(&start, level->pin, gap, &o->found, &from);
-    if (failed || from.kind == HELIX || !from.count)
-        return failed ? failed : NOT_POSSIBLE;
-    cut = from;
-    for (int i = 0; i < cut.count; i++)
-        cut.pieces[i].base = 0;
-    failed = rod_panelled(&start, cut.pieces, cut.count, at, how, &made);
-    failed = failed ? failed : course_of(p, &from, &made, at, &on);
+    failed = course_from(&start, level->pin, gap, &o->found, p, at, how, &on);
     if (!failed)
         numbers_of(&on, o, level, out->length, out->values, rates ? out->rows : NULL, out->by_span);
     free_course(&on);
-    rod_panels_free(&made);
+    return failed;
+}
+
+/* Those of the orbit of a start problem at its far end, which has the rows of a rod at rest at both ends too; y has
+   none. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
+int rod_start_rates(const start_problem *of, const grid *by, const points *at, const cutting *how, int rates,
+                    orbit_numbers *out)
+{
+    const ends_problem p = {of->lam, of->mu, of->phi, of->span, of->beta0, of->beta0};
+    critical found;
+    course on = {0};
+    const double *numbers = &of->lam;
+    for (int k = 0; k < 6; k++)
+        if (!isfinite(numbers[k]))
+            return NOT_POSSIBLE;
+    if (at->n > NODES || at->n < 4)
+        return NOT_POSSIBLE;
+    int failed = rod_critical(p.lam, p.mu, p.phi, by->m, by->angles, by->table, &found);
+    failed = failed ? failed : course_from(of, wrapped(of->beta0), square(of->dbeta0), &found, &p, at, how, &on);
+    if (!failed)
+        numbers_of(&on, NULL, NULL, of->span, out->values, rates ? out->rows : NULL, out->by_span);
+    out->length = of->span;
+    free_course(&on);
     return failed;
 }
 

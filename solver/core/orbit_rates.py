@@ -42,6 +42,25 @@ def orbit_rates(
     return split(out) if status == _NO_ORBIT or fine(status) else None
 
 
+def start_rates(
+    numbers: Sequence[float], grid: Any, n: int, how: Cutting, rates: bool
+) -> tuple[Array, Array, Array, Array] | None:
+    """The same of the orbit of a start problem, at its far end; y has no value and no row.
+
+    Parameters
+    ----------
+    numbers : lam, mu, phi, span, beta(0), beta_t(0)
+    grid, n, how, rates
+        As of `orbit_rates`; how panels of the orbit are cut.
+    """
+    angles, table = grid
+    searched, out = Grid(angles.size, address(angles), address(table)), np.full(RATES, np.nan)
+    status = functions().rod_start_rates(
+        (ctypes.c_double * 6)(*numbers), ctypes.byref(searched), points(n), cut(how, False), int(rates), address(out)
+    )
+    return split(out) if fine(status) else None
+
+
 def split(records: Array) -> tuple[Array, Array, Array, Array]:
     """Values (..., 11), rows (..., 11, 5), derivatives by the length (..., 11) and lengths (...) of (..., `RATES`)."""
     values, rows, by_span, length = np.split(records, np.cumsum([_NUMBERS, _NUMBERS * _PARTS, _NUMBERS]), axis=-1)

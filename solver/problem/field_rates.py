@@ -29,7 +29,8 @@ class FieldRates:
     """The derivatives of the numbers of B cases with respect to F fields, (B, F) each.
 
     lam, mu, phi, span, beta0: as in `Reduced`. end: of beta_t(0) of a start problem, of beta(L) of an ends problem. A,
-    rho: as in `Case`. ratio: A/C. alpha, gamma: at the start.
+    rho: as in `Case`. ratio: A/C. alpha, gamma: at the start. given: (B, 5, F), of the five numbers that the ends of an
+    ends problem give; None for a start problem.
     """
 
     fields: tuple[str, ...]
@@ -44,6 +45,7 @@ class FieldRates:
     ratio: Array
     alpha: Array
     gamma: Array
+    given: Array | None = None
 
     def by(self, field: str) -> Array:
         """The derivatives of a field of the case itself, (B, F)."""

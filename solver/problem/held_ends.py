@@ -61,13 +61,22 @@ def held_of(case: Case) -> tuple[str, ...]:
     return tuple(partner for _, partner in PAIRS if getattr(case.given, partner) is not None)
 
 
+def given_fields(case: Case) -> tuple[str, ...]:
+    """The five fields of `Ends` that a case gives, one of each of `PAIRS`."""
+    return tuple(own if getattr(case.given, own) is not None else partner for own, partner in PAIRS)
+
+
+def given_numbers(case: Case) -> tuple[str, ...]:
+    """The names of the five numbers that the ends of a case give."""
+    return tuple(NUMBER_OF[name] for name in given_fields(case))
+
+
 def reduce_held(case: Case) -> HeldProblem:
     """The dimensionless numbers of a case with Ends."""
     g, A, rho = case.given, case.rod.bending_stiffness, case.rho
     assert isinstance(g, Ends)
     with np.errstate(all="ignore"):  # overflow is reported in the outcome
-        factor = _factors(A, rho)
-        given = tuple(own if getattr(g, own) is not None else partner for own, partner in PAIRS)
+        factor, given = _factors(A, rho), given_fields(case)
         columns = [flat(getattr(g, name) * factor.get(name, 1.0), case.shape) for name in given]
         span, ratio = flat(case.rod.L / rho, case.shape), flat(case.rod.stiffness_ratio, case.shape)
     return HeldProblem(given, np.stack(columns, axis=1), span, ratio)
@@ -75,7 +84,7 @@ def reduce_held(case: Case) -> HeldProblem:
 
 def held_numbers_over(case: Case, name: str) -> Callable[[float], tuple[float, ...]]:
     """The five given numbers, L/rho and A/C of one held problem over one field: those of `reduce_held`."""
-    given = tuple(own if getattr(case.given, own) is not None else partner for own, partner in PAIRS)
+    given = given_fields(case)
     alters_rod = not hasattr(case.given, name)
 
     def numbers(value: float) -> tuple[float, ...]:

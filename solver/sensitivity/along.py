@@ -7,29 +7,31 @@ import numpy as np
 from ..mechanics.potential import Loads, slope
 from ..numerics.arrays import Array
 from ..problem.field_rates import FieldRates
-from ..problem.reduced import EndsProblem, flat
+from ..problem.reduced import flat
 from ..solution import Solution
 from .motions import Motion
 
 
 def of_rows(rates: FieldRates, rows: Array) -> FieldRates:
     """The rates of some of the cases."""
-    names = (one.name for one in fields(rates) if one.name != "fields")
-    return FieldRates(rates.fields, **{name: getattr(rates, name)[rows] for name in names})
+    values = {one.name: getattr(rates, one.name) for one in fields(rates) if one.name != "fields"}
+    return FieldRates(rates.fields, **{name: None if v is None else v[rows] for name, v in values.items()})
 
 
-def amounts(sol: Solution, motion: Motion, rates: FieldRates) -> Array:
+def amounts(motion: Motion, rates: FieldRates) -> Array:
     """How far a unit of each field moves the cases in the five directions of a motion, (b, 5, F)."""
-    end = rates.end
-    if isinstance(sol.problem, EndsProblem):  # beta(L) is held where the rod becomes longer
-        end = end - motion.rate[:, None] * rates.span
-    return np.stack([rates.beta0, end, rates.lam, rates.mu, rates.phi], axis=1)
+    if motion.parts is None or rates.given is None:
+        return np.stack([rates.beta0, rates.end, rates.lam, rates.mu, rates.phi], axis=1)
+    return np.matmul(motion.parts, np.concatenate([rates.given, rates.span[:, None]], axis=1))
 
 
-def along(sol: Solution, motion: Motion, rates: FieldRates) -> dict[str, Array]:
-    """The derivatives of beta, dbeta, alpha, z and gamma at the stations, (b, F, n) each; rates: of these cases."""
+def along(sol: Solution, motion: Motion, unit: Array, rates: FieldRates) -> dict[str, Array]:
+    """The derivatives of beta, dbeta, alpha, z and gamma at the stations, (b, F, n) each.
+
+    unit: (b, 5, F), of `amounts`. rates: of these cases.
+    """
     rows, change, t = motion.rows, motion.along, sol.t[motion.rows]
-    unit, problem = amounts(sol, motion, rates), motion.problem
+    problem = motion.problem
     beta, v, z = (getattr(sol.trajectory, name)[rows][:, None, :] for name in ("beta", "dbeta", "z"))
     later = rates.span[:, :, None] * (t / problem.span[:, None])[:, None, :]  # the change of t at a constant s/L
     case = sol.case

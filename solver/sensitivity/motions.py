@@ -1,20 +1,23 @@
 """The motions of the solved cases of a solution: how each orbit answers a unit of its end values and of its loads."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..boundary.branch_coordinates import Path, path_of
+from ..boundary.held_system import parts_by_given
+from ..boundary.orbit_rates import helix_change, rates_of_helices, rates_of_variations
 from ..boundary.path_orbits import path_from_start
-from ..boundary.varied_orbits import equilibrium_variations, held_directions
+from ..boundary.varied_orbits import equilibrium_variations
 from ..numerics.arrays import Array, Integers
 from ..observe.measurement import MIDDLE
 from ..orbit import helix_variations
 from ..orbit.periodic_orbit import Orbit
 from ..orbit.pieces import HELIX
 from ..orbit.variations import Change, Place, Variations, changed, directions, orbits_to_vary, variations_on
-from ..problem.reduced import EndsProblem, Reduced, StartProblem
+from ..problem.held_ends import given_numbers
+from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat
 from ..solution import Solution
 
 NO_PATH = "failed: no orbit with beta(0) and beta'(0) of this solution ends at beta(L), so it has no derivatives"
@@ -41,12 +44,14 @@ class VariedOrbits:
 class Motion:
     """The motions of b cases, the `rows` of a solution, in five directions.
 
-    The directions are a unit of beta(0), of beta_t(0) or, for an ends problem, of beta(L), and of lam, mu and phi, each
-    with the others held.
+    The directions of a start problem are a unit of beta(0), of beta_t(0), and of lam, mu and phi, each with the others
+    held; those of an ends problem are the five parts of a change of its orbit (`boundary.orbit_rates`), the last three
+    those of the loads.
 
     problem: the start problems of the orbits. along: at the stations, (b, n, 5). marks: at the shares `MARKS`
     of the length, (b, 3, 5). ends: of beta_t at the start and at the far end, (b, 2, 5). rate: beta_t at the far end,
-    (b,). orbits: what moves; None for helices.
+    (b,). orbits: what moves; None for helices. parts: (b, 5, 6), how much of each direction a unit of each given number
+    of an ends problem makes, and last of the length; None for a start problem.
     """
 
     rows: Integers
@@ -56,6 +61,7 @@ class Motion:
     ends: Array
     rate: Array
     orbits: VariedOrbits | None = None
+    parts: Array | None = None
 
 
 def motions(sol: Solution, outcome: Array) -> Iterator[Motion]:
@@ -114,13 +120,16 @@ def _of_helices(sol: Solution, rows: Integers, problem: StartProblem) -> Motion:
 
 def _of_equilibrium(sol: Solution, one: EndsProblem, path: Path, i: int) -> Motion:
     rows, t = np.array([i]), sol.t[i : i + 1]
+    names, ratio = given_numbers(sol.case), float(flat(sol.case.rod.stiffness_ratio, sol.case.shape)[i])
     problem = one.started(sol.trajectory.dbeta[i : i + 1, 0])
     if path.helix:
-        along, marks, ends = (helix_variations.held(one, where) for where in (t, marks_of(one), _ends_of(one)))
-        return Motion(rows, problem, along, marks, ends.rate, np.zeros(1))
+        parts = parts_by_given(rates_of_helices(one), names, ratio)[None]
+        along, marks, ends = (helix_change(one, where) for where in (t, marks_of(one), _ends_of(one)))
+        return Motion(rows, problem, along, marks, ends.rate, np.zeros(1), parts=parts)
     varied = equilibrium_variations(one, path)
-    end = varied.at(one.span[:, None]).take((slice(None), 0))
-    return _moved(varied, rows, problem, t, *held_directions(varied.start, end))
+    parts = parts_by_given(rates_of_variations(one, varied, np.full((3, 1), np.nan)), names, ratio)[None]
+    each = np.eye(5)[None]
+    return replace(_moved(varied, rows, problem, t, each[..., 0], each[..., 1:]), parts=parts)
 
 
 def _path(sol: Solution, one: EndsProblem, i: int) -> Path | None:

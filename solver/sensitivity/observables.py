@@ -19,7 +19,6 @@ from ..problem.errors import InputError, choices
 from ..problem.field_rates import FieldRates
 from ..problem.reduced import flat
 from ..solution import Solution
-from .along import amounts
 from .dual import Dual
 from .measured import EXTREMES, MEASURED, PEAK
 from .measured_helices import of_helices
@@ -60,9 +59,8 @@ class Moving(Reading):
         shape = sol.problem.size, len(rates.fields)
         self._slopes = {name: np.full(shape, np.nan) for name in (*self._wanted, *_OWN_SLOPES, "half_period")}
 
-    def add(self, motion: Motion, rates: FieldRates) -> None:
-        """Differentiate what is measured on the cases of a motion; rates: of these cases."""
-        unit = amounts(self.sol, motion, rates)
+    def add(self, motion: Motion, unit: Array, rates: FieldRates) -> None:
+        """Differentiate what is measured on the cases of a motion; unit: of `along.amounts`, rates: of these cases."""
         sign = flat(self.sol.case.outward, self.sol.case.shape)[motion.rows]
         given = motion, unit, rates.span, sign, self._wanted
         peak = self.plain.value(PEAK)[motion.rows] if PEAK in self._wanted else np.zeros_like(sign)

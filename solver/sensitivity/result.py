@@ -11,8 +11,8 @@ from ..problem.field_rates import checked_fields, field_rates
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import SOLVED
 from ..solution import Solution
-from .along import along, of_rows
-from .held_rates import held_field_rates
+from .along import along, amounts, of_rows
+from .ends_rates import ends_field_rates
 from .motions import motions
 from .observables import Moving, checked_observables, derivative_of, measured_of, why_missing
 
@@ -67,18 +67,22 @@ class Sensitivity:
 def sensitivity(sol: Solution, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
     """The derivatives of a solution; see `Solution.sensitivity`."""
     names, wanted = checked_fields(sol.case, fields), checked_observables(observables)
-    rates = held_field_rates(sol, names) if sol.held else field_rates(sol.case, names)
+    ends = isinstance(sol.problem, EndsProblem)
+    rates = ends_field_rates(sol, names) if ends else field_rates(sol.case, names)
     B, n = sol.t.shape
     out = {name: np.full((B, len(names), n), np.nan) for name in _ALONG}
     outcome = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
     read = Moving(sol, rates, (key for name in wanted for key in measured_of(name))) if wanted else None
     with np.errstate(all="ignore"):  # what leaves the finite numbers is told by the outcome
         for motion in motions(sol, outcome):
+            unit = amounts(motion, of_rows(rates, motion.rows))
+            for name, moved in zip(("lam", "mu", "phi"), unit[:, 2:].swapaxes(0, 1), strict=True):
+                getattr(rates, name)[motion.rows] = moved  # held ends find them
             own = of_rows(rates, motion.rows)
-            for name, values in along(sol, motion, own).items():
+            for name, values in along(sol, motion, unit, own).items():
                 out[name][motion.rows] = values
             if read is not None:
-                read.add(motion, own)
+                read.add(motion, unit, own)
         found = {name: derivative_of(name, read) for name in wanted if read is not None}
     return _judged(sol, names, out, outcome, found)
 

@@ -11,7 +11,8 @@ from scipy.special import ellipk
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, equilibria, observe, solve
 from solver.boundary.branch_coordinates import path_of
-from solver.boundary.held_index import held_index
+from solver.boundary.held_index import index_of
+from solver.boundary.held_system import Given, State
 from solver.boundary.orbit_rates import orbit_rates
 from solver.boundary.path_orbits import orbit_of
 from solver.mechanics.potential import slope_rate
@@ -235,6 +236,11 @@ KINDS = (
 )
 
 
+def named(names: tuple[str, ...]) -> Given:
+    """Given numbers of which an index needs the names alone."""
+    return Given(names, np.zeros(5), 1.0, 1.25)
+
+
 def table_1_between_ends() -> Case:
     sol = solve(TABLE)
     FZ, MZ, M3 = TABLE.loads
@@ -247,10 +253,10 @@ def test_clamped_positions_lower_the_index_of_two_equilibria_of_table_1() -> Non
     assert isinstance(problem, EndsProblem)
     dead, held, slopes = [], [], []
     for one in found:
-        rates = orbit_rates(problem, [path_of(one.path, 0)])
+        path = path_of(one.path, 0)
         dead.append(one.index)
         slopes.append(one.dbeta0)
-        held.append(int(held_index(rates, np.array([1.25]), KINDS[0], np.array([one.index]))[0]))
+        held.append(int(index_of(State(problem, path, orbit_rates(problem, [path])), named(KINDS[0]))))
     changed = {(round(slope, 6), a, b) for slope, a, b in zip(slopes, dead, held, strict=True) if a != b}
     assert changed == {(0.5, 6, 5), (0.217255, 5, 4)}
 
@@ -262,8 +268,7 @@ def test_the_index_is_that_of_the_constrained_second_variation(names: tuple[str,
     assert isinstance(problem, EndsProblem)
     for one in found[-2:]:
         path = path_of(one.path, 0)
-        rates = orbit_rates(problem, [path])
-        mine = held_index(rates, np.array([1.25]), names, np.array([one.index]))[0]
+        mine = index_of(State(problem, path, orbit_rates(problem, [path])), named(names))
         assert mine == discrete_index(problem, orbit_of(problem, path), names, 1.25)
 
 

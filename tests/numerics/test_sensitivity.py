@@ -12,6 +12,7 @@ import pytest
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, observe, solve
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.field_rates import checked_fields, fields_of
+from solver.problem.held_ends import given_numbers
 from solver.problem.reduced import reduce
 from solver.sensitivity.motions import motions
 from tests.cases import START, ends_in_units_of_rho
@@ -57,7 +58,11 @@ def jacobian(solution: Any) -> Any:
     (motion,) = motions(solution, outcome)
     along = motion.along
     alpha, minus_swirl, z = (along.integrals[0, ..., k] for k in range(3))
-    return np.stack([along.beta[0], along.rate[0], alpha, z, -minus_swirl], axis=1)
+    found = np.stack([along.beta[0], along.rate[0], alpha, z, -minus_swirl], axis=1)
+    if motion.parts is None:
+        return found
+    order = [given_numbers(solution.case).index(name) for name in ("beta0", "betaL", "lam", "mu", "phi")]
+    return found @ motion.parts[0][:, order]
 
 
 def off(found: Any, exact: Any) -> float:

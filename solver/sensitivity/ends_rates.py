@@ -1,7 +1,7 @@
-"""How the dimensionless numbers of a solution between held ends answer a change of each field of its case.
+"""How the dimensionless numbers of a solution between two ends answer a change of each field of its case.
 
-What is given answers directly; the loads and the end angles that are found follow from the equations of the equilibrium
-(`boundary.held_system`).
+What is given answers directly; the loads that are found follow from the equations of the equilibrium
+(`motions.Motion.parts`).
 """
 
 from collections.abc import Callable, Sequence
@@ -9,44 +9,31 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..boundary.branch_coordinates import path_of
-from ..boundary.held_system import Given, answer
-from ..boundary.orbit_rates import NUMBERS, orbit_rates
 from ..numerics.arrays import Array
 from ..problem.case import Ends
 from ..problem.field_rates import FieldRates, field_rates
-from ..problem.held_ends import reduce_held, under_dead_loads
+from ..problem.held_ends import given_numbers, under_dead_loads
 from ..problem.reduced import EndsProblem, flat
 from ..solution import Solution
 
 _HELD = ("height", "azimuth", "rotation", "M10", "M1L")
 
 
-def held_field_rates(sol: Solution, fields: Sequence[str]) -> FieldRates:
-    """The derivatives of the numbers of a solved case with held ends with respect to fields of the case."""
+def ends_field_rates(sol: Solution, fields: Sequence[str]) -> FieldRates:
+    """The derivatives of the numbers of an ends problem by fields of its case, but those of loads that are found."""
     case, problem = sol.case, sol.problem
     assert isinstance(problem, EndsProblem)
-    held, dead = reduce_held(case), under_dead_loads(case, problem)
     plain = [name for name in fields if name not in _HELD]
+    dead = under_dead_loads(case, problem) if sol.held else case
     base = _widened(field_rates(dead, plain), plain, fields, case.size)
-    values = _values(sol, base, fields, held.numbers)
-    found = {name: np.full((case.size, len(fields)), np.nan) for name in ("lam", "mu", "phi", "beta0", "betaL")}
-    orbit = sol.trajectory.orbit
-    for i in np.flatnonzero(sol.trajectory.solved):
-        path, one = path_of(orbit.path, int(i)), problem.take(slice(i, i + 1))
-        given = Given.of(held.take(slice(i, i + 1)))
-        change = answer(orbit_rates(one, [path]), given, values[i], base.span[i])
-        for name, value in found.items():
-            value[i] = change[NUMBERS.index(name)]
-    lam, mu, phi, beta0, end = found.values()
-    return replace(base, lam=lam, mu=mu, phi=phi, beta0=beta0, end=end)
+    return replace(base, given=_values(sol, base, fields, given_numbers(case)))
 
 
 def _widened(rates: FieldRates, own: Sequence[str], fields: Sequence[str], size: int) -> FieldRates:
     """The rates by `fields`, 0 for those that are not among `own`."""
     columns = {}
     for name, value in vars(rates).items():
-        if name != "fields":
+        if name not in ("fields", "given"):
             columns[name] = np.zeros((size, len(fields)))
             columns[name][:, [list(fields).index(one) for one in own]] = value
     return FieldRates(tuple(fields), **columns)
