@@ -15,7 +15,7 @@ from .problem.case_fields import value_of, with_field
 from .problem.errors import InputError, choices, no_such, shown
 from .problem.field_rates import fields_of
 from .problem.field_values import in_rad
-from .problem.held_ends import held_of
+from .problem.held_ends import held_of, reduce_held
 from .problem.reduced import EndsProblem
 from .problem.trajectory import Trajectory
 from .solution import Solution
@@ -144,12 +144,19 @@ class _Solver:
 
 def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array, Trajectory]:
     """The problem of a point, and its shape at stations s/L = u."""
+    from .boundary.held_continuation import state_of
+    from .boundary.held_equilibrium import at_hinges
+    from .boundary.held_system import Given
     from .boundary.path_orbits import orbit_of
     from .boundary.selected_equilibrium import equilibrium_trajectory
 
-    problem = point.problem
+    problem, path = point.problem, point.path
+    if {"M10", "M1L"} & set(held_of(point.case)) and not path.helix:
+        given = Given.of(reduce_held(point.case))
+        state = at_hinges(state_of(problem, path, True), given)
+        problem, path = state.problem, state.path
     t = problem.span[:, None] * u
-    return problem, t, equilibrium_trajectory(problem, orbit_of(problem, point.path), t, tol)
+    return problem, t, equilibrium_trajectory(problem, orbit_of(problem, path), t, tol)
 
 
 def solutions_of(branch: Branch, stations: int) -> Solution:
@@ -181,7 +188,7 @@ def _branch(case: Case, name: str, path: "Path", begun: EndsProblem, bounds: "Bo
         closed = bool(sides) and sides[0][1].reason == CLOSED
         there = own == last or closed
         sides.append(([], sides[0][1] if closed else here) if there else followed(family, path, own, rises, bounds))
-    if not sides[1][0]:  # one direction alone: from the solution on
+    if sides[0][0] and not sides[1][0]:  # one direction alone: from the solution on
         sides.reverse()
     (before, begin), (after, end) = sides
     points, special = _points([*before[::-1], middle, *after], case, name, solved)

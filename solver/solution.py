@@ -310,7 +310,7 @@ class Solution:
     def held_index(self) -> Any:
         """Morse index under held ends, (*cases) of floats; NaN where it is not decided, and under dead loads.
 
-        The observable ``index`` is that under dead loads, between the end angles of the solution.
+        The observable ``index`` of held ends is the same.
         """
         index = self.trajectory.held_index
         return self._each(np.full(self.case.size, np.nan) if index is None else index)

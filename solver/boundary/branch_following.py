@@ -46,6 +46,7 @@ _CREEPING = (
     "the rod is next to a helix, as beside a pitchfork, and the range ends so near that the steps became too small; "
     "choose a range that ends farther on"
 )
+UNBENT = "the rod is a helix and nothing bends it: helices between two hinges are solved, not followed"
 END, CLOSED = "the end of the range", "the branch is closed"
 _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
 
@@ -90,6 +91,9 @@ def _places(family: Family | HeldFamily, path: Path, p: float, rises: bool, boun
 
 def _from_held_helix(family: HeldFamily, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
     """The same from a helix under held ends, which bend it."""
+    given = family.given(p)
+    if given is not None and all(given.number(name, np.nan) == 0 for name in ("dbeta0", "dbetaL")):
+        return [], Stop(UNBENT, p)
     begun = _held_leap(state_of(family.begun, path), p, rises, family, bounds, _LEAP)
     if isinstance(begun, str):
         return [], Stop(begun, p)

@@ -24,6 +24,7 @@ from .held_system import FREE, Given, State, corrected, parts_of, values_of
 from .orbit_rates import helix_change, varied_orbits
 from .path_orbits import orbit_of
 
+_SLOW = 1e-3  # beta_t at a start
 ALTERNATIVE = "another equilibrium with the same ends"
 STRAIGHT = (
     "failed: the far end is held at a height of L or -L, where the rod can only be straight along the axis, and then "
@@ -34,7 +35,7 @@ _STATIONS = 129  # at which the response to the given numbers is read
 
 def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Trajectory:
     """The orbit of one equilibrium under held ends at stations t (1, n); its error is that of the given numbers."""
-    state = _at_hinges(reached.state, wanted)
+    state = at_hinges(reached.state, wanted)
     orbit = orbit_of(state.problem, state.path)
     if orbit.lengthens is not None and orbit.turns[0] > 0 and not state.path.helix:
         known = orbit.turns - dead_index_of(state)  # differences of the length fail at a hinge
@@ -81,14 +82,20 @@ def _pace(state: State) -> float:
     return float(np.sqrt(1 + load_size(state.problem)[0]))
 
 
-def _at_hinges(state: State, wanted: Given) -> State:
+def at_hinges(state: State, wanted: Given) -> State:
     """The state as its orbit has it from the start on; read where it meets beta(L), a rod at rest there has half the
     digits."""
     if not wanted.hinged or state.path.helix:
         return state
     every = charts(LinePoint(state.problem), state.path, True)
-    found = [corrected(state.problem, wanted, chart, coordinate(chart)) for chart in every if chart.kind == CORNER]
-    return next((one for one in found if not isinstance(one, str)), state)
+    slow = abs(float(state.rates.value("dbeta0")[0])) < _SLOW * _pace(state)
+    corner = [chart for chart in every if chart.kind == CORNER]
+    start = [chart for chart in every if chart.kind == "start" and not chart.logarithmic and slow]
+    for chart in [*corner, *start]:
+        found = corrected(state.problem, wanted, chart, coordinate(chart))
+        if not isinstance(found, str):
+            return found
+    return state
 
 
 def response_of(state: State, wanted: Given) -> float:

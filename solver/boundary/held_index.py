@@ -23,6 +23,7 @@ from .stability import jacobi_zeros
 _DISPLACEMENTS = ("z", "alpha", "turn")  # in the order of `OrbitRates.compliance`
 _ANGLES = ("beta0", "betaL")
 _DOUBT = 1e-11  # of the largest eigenvalue: a smaller one has no sign
+_RESTS = 1e-7  # beta_t at both ends of a rod that rests at both, in units of the loads
 _FLAT = 1e-9  # of half a turn of the phase: nearer to the condition at the far end, the index is not decided
 
 
@@ -117,4 +118,7 @@ def dead_index_of(state: State) -> float:
     """The Morse index under dead loads between its own end angles; NaN where it is not decided."""
     if state.path.helix:
         return float(jacobi_zeros(orbit_of(state.problem, state.path))[0])
+    rates, pace = state.rates, np.sqrt(1 + load_size(state.problem))
+    if (np.maximum(np.abs(rates.value("dbeta0")), np.abs(rates.value("dbetaL"))) < _RESTS * pace).all():
+        return np.nan  # beta_t itself is a direction of no stiffness
     return float(dead_index(state.rates, np.array([state.path.leaving]), np.array([state.path.turns]))[0])

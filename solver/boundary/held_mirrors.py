@@ -11,10 +11,11 @@ from itertools import product
 import numpy as np
 
 from ..mechanics.potential import TAU
+from ..orbit.periodic_orbit import solve_orbit
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import LinePoint, Path
-from .held_system import Given, State
-from .orbit_rates import orbit_rates
+from .held_system import Given, State, corner_state
+from .orbit_rates import orbit_rates, start_rates
 from .transit_times import wrapped
 
 _ODD = ({"alpha", "turn", "lam", "mu"}, {"z", "turn", "phi", "mu"})  # what beta -> -beta and beta -> pi - beta negate
@@ -68,6 +69,21 @@ def mirrors_of(given: Given) -> list[Mirror]:
         if all(abs(image[name] - value) <= _EQUAL * (1 + abs(value)) for name, value in known.items()):
             found.append(one)
     return found
+
+
+def half_period_later(state: State, given: Given) -> State | None:
+    """The rod that begins at the other turning point of the same orbit; None unless both ends rest at turning points.
+
+    Over whole periods all that is held is the same.
+    """
+    resting = all(given.number(name, np.nan) == 0 for name in ("dbeta0", "dbetaL"))
+    if not resting or state.path.helix or state.path.turns % 2 == 0:
+        return None
+    problem = state.problem.started(np.zeros(1))
+    orbit = solve_orbit(problem, 1e-13)
+    other = float(orbit.at(orbit.ahead[:, None])[0][0, 0])
+    rates = start_rates(replace(problem, beta0=np.array([other])))
+    return corner_state(rates, 0.0) if np.isfinite(rates.rows[0, :-1]).all() else None
 
 
 def image_of(state: State, mirror: Mirror, given: Given) -> State:

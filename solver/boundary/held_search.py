@@ -12,7 +12,7 @@ from ..numerics.arrays import Array
 from .held_continuation import Stopped, carried
 from .held_deflation import across_fold, deflated, finished, is_known, numbers_of
 from .held_helices import helices_of
-from .held_mirrors import image_of, mirrors_of
+from .held_mirrors import half_period_later, image_of, mirrors_of
 from .held_ranges import Ranges, ranges_of, within_a_turn
 from .held_sweep import Point, starts_of, swept
 from .held_system import FREE, Given, State
@@ -58,8 +58,9 @@ class HeldFound:
             self.how.append(how)
         else:
             self.outside.append(values)
-        for mirror in mirrors_of(self.given):
-            image = image_of(state, mirror, self.given)
+        images = [image_of(state, mirror, self.given) for mirror in mirrors_of(self.given)]
+        later = half_period_later(state, self.given)
+        for image in [*images, *([] if later is None else [later])]:
             whole = image if image.path.helix else finished(image, self.given)
             if whole is not None:
                 self.add(whole, MIRRORED)

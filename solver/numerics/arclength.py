@@ -96,7 +96,8 @@ def corrected(curve: Curve, guess: Array, across: Array, jacobian: Array) -> Arr
             move = -np.linalg.solve(system, off)
         except np.linalg.LinAlgError:
             return "the linearised equations are singular"
-        size = float(np.linalg.norm(move))
+        with np.errstate(over="ignore"):
+            size = float(np.linalg.norm(move))
         if not size <= max(_CONTRACTION * last, _SMALL):
             return "the correction did not converge"
         w = w + move

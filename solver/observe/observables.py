@@ -75,13 +75,17 @@ def overlapping(read: Reading, **limits: int) -> Any:
 
 
 def index(read: Reading) -> Any:
-    """Morse index between the shape's own two end angles, under dead loads, (B,); 0 is stable.
+    """Morse index under the ends as they are given, (B,); 0 is stable.
+
+    Of a start problem, and where angles and loads are given: between the shape's own two end angles, under dead loads.
 
     NaN where the case is not solved, and where the method knows no orbit and the stations do not resolve the shape or
     its condition number leaves too few digits.
     """
     sol, problem, shape = read.sol, read.sol.problem, read.sol.trajectory
-    if shape.orbit is not None:
+    if shape.held_index is not None:
+        found = shape.held_index
+    elif shape.orbit is not None:
         found = jacobi_zeros(shape.orbit.exact)
     else:
         found = index_at_stations(problem, sol.t, shape.beta, shape.dbeta)
