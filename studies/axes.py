@@ -57,9 +57,14 @@ def in_rad(value: Any) -> Any:
     return angle(value) if isinstance(value, str) else value
 
 
+LONGEST_LINE = 10_000  # characters of a text that a file of results holds in one line
+
+
 def _on_one_line(text: str) -> str:
     if not text or not text.isprintable():
         raise ValueError(f"{text[:60]!r} must be one line of printable text")
+    if len(text) > LONGEST_LINE:
+        raise ValueError(f"the text has {len(text)} characters; the limit is {LONGEST_LINE}")
     return text
 
 

@@ -58,7 +58,7 @@ class Study(BaseModel):
 
     model_config = parts.STRICT
 
-    name: str = Field("study", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")
+    name: str = Field("study", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$", max_length=200)
     title: parts.Line
     units: Units
     reading: str | None = None

@@ -107,6 +107,7 @@ def test_another_reading_keeps_everything_else() -> None:
 AXIS = HEAD + "[axes.E]\n"
 LAW = AXIS + "values = [1e4, 2e4]\n[[laws]]\nclaim = 'a'\nsource = 's'\n"  # [[laws]] is line 8
 REFUSED = {
+    "a title too long for the file": (f'title = "{"x" * 10_001}"', "the text has 10001 characters; the limit is 10000"),
     "a misspelt key": ("titel = 'x'\n" + HEAD, "line 1: no key 'titel', did you mean 'title'; choose from"),
     "a misspelt key of an axis": (
         AXIS + "form = 1\nto = 2\ncount = 3",

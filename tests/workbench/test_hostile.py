@@ -30,7 +30,7 @@ from workbench.scene import opengl
 ROOT = Path(__file__).parents[2]
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = '[[laws]]\nclaim = "(2)"\nobservable = "kappa_max"\naxis = "R"\ndirection = "falls"\nsource = "s"\n'
-HEAD = 'observables = ["turns"]\noutputs = ["beta", "alpha", "z", "contact"]'
+HEAD = 'observables = ["turns", "attached"]\noutputs = ["beta", "alpha", "z", "contact"]'
 
 
 def stored(path: Path, values: str = "[1e4, 2e4]") -> Path:
@@ -161,6 +161,22 @@ def label_of_bytes(file: h5py.File) -> None:
     file["beta"].attrs["long_name"] = np.array(b"\xc8\xcf", dtype=h5py.string_dtype())
 
 
+def with_number(name: str, number: float) -> Callable[[h5py.File], None]:
+    """The first case, which is solved, has another number; of an array along the rod in its middle."""
+
+    def change(file: h5py.File) -> None:
+        at = (*[0] * (file[name].ndim - 1), 10) if name == "z" else (0,) * file[name].ndim
+        values = file[name][...].astype(float)
+        values[at] = number
+        file[name][...] = values
+
+    return change
+
+
+def empty_label(file: h5py.File) -> None:
+    file["beta"].attrs["units"] = h5py.Empty("f")
+
+
 BOMB = "[" * 1_000_000
 HOSTILE: dict[str, Callable[[h5py.File], None]] = {
     "a link to another file": linked(h5py.ExternalLink("../whole.h5", "/beta")),
@@ -209,6 +225,11 @@ HOSTILE: dict[str, Callable[[h5py.File], None]] = {
     "a format in words": with_attribute("format", "new"),
     "a label that is no text": label_of_bytes,
     "no text at all": with_attribute("study", h5py.Empty("f")),
+    "an empty label": empty_label,
+    "a height of NaN": with_number("z", np.nan),
+    "a height beyond reason": with_number("z", 1e30),
+    "fewer bends than none": with_number("turns", -1),
+    "more than the whole rod pressed on": with_number("attached", 7),
 }
 
 
@@ -229,6 +250,12 @@ REASONS = {
     "laws nested without end": "the attribute laws is not a list of laws in JSON",
     "a title that clears the terminal": "the attribute title must be one line of text",
     "a label that is no text": "is not UTF-8 text",
+    "no text at all": "the attribute 'study' is empty",
+    "an empty label": "'beta' the attribute 'units' is empty",
+    "a height of NaN": "'z' of a solved case is not finite",
+    "a height beyond reason": "'z' of a solved case is not finite, or beyond 1e+30",
+    "fewer bends than none": "turns of a solved case cannot be -1",
+    "more than the whole rod pressed on": "attached of a solved case cannot be 7",
     "a newer format": "is of format 99, but this version reads format",
     "a real folder": "is a folder",
     "a pipe": "is not a regular file",

@@ -21,7 +21,7 @@ def check(file: File, json: Json = False) -> int:
 
     from ..data import file_checks, reading
 
-    with reading.opened(file) as ds, file_checks.refusing(file):
+    with reading.opened(file, whole=True) as ds, file_checks.refusing(file):
         found = _found_in(ds, file)
         text = str(ds.attrs.get("study", ""))
     for sentence in notices(text, f"{file.name}, its study"):

@@ -1,7 +1,8 @@
-"""Checksums of what a file holds unpacked: attributes, texts and single numbers. HDF5 itself guards packed arrays.
+"""Checksums of the attributes of a file, and of its numbers and texts of each case.
 
-They stand in the attribute `checksums`, some digits for each attribute and each such array. An array of another shape
-is a selection that another program has stored, and is not compared.
+They stand in the attribute `checksums`, some digits for each attribute and variable. A variable of another shape is a
+selection that another program has stored, and is not compared. Arrays along the rod have none: HDF5 guards what it has
+compressed, and a number that is lost in a solved case is refused.
 """
 
 import hashlib
@@ -29,7 +30,7 @@ def store(file: h5py.File) -> None:
 
 
 def check(file: h5py.File, path: object, arrays: bool = True) -> None:
-    """Raise `InputError` where something has changed since `store`. arrays: whether texts of each case are compared.
+    """Raise `InputError` where something has changed since `store`. arrays: whether variables are compared too.
 
     Nothing is compared in a file without checksums, as other programs store it.
     """
@@ -51,9 +52,10 @@ def check(file: h5py.File, path: object, arrays: bool = True) -> None:
 
 def _places(file: h5py.File) -> Iterator[str]:
     """``@title`` of the file, ``E@units`` and ``outcome`` of variables."""
+    most = file["outcome"].ndim if "outcome" in file else 0
     for name, held in (("", file), *file.items()):
         yield from (f"{name}@{key}" for key in held.attrs if key not in UNSUMMED)
-        if name and not held.id.get_create_plist().get_nfilters():
+        if name and (held.ndim <= most or not held.id.get_create_plist().get_nfilters()):
             yield name
 
 

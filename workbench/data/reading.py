@@ -29,8 +29,8 @@ SCALED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")  # attribu
 MOST_TEXT = 64_000_000  # bytes of an attribute
 
 
-def opened(path: str | Path) -> xr.Dataset:
-    """A study's dataset, opened lazily; to be closed after use.
+def opened(path: str | Path, whole: bool = False) -> xr.Dataset:
+    """A study's dataset, opened lazily; to be closed after use. whole: arrays along the rod are validated too.
 
     Raises `InputError` where the file is missing, damaged, of another format, or not a study's dataset.
     """
@@ -39,6 +39,8 @@ def opened(path: str | Path) -> xr.Dataset:
         with refusing(path):
             _check_study(ds, path)
             check_sums(path)
+            if whole:
+                value_checks.curves(ds, path)
     except InputError:
         ds.close()
         raise

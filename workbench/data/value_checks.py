@@ -1,10 +1,11 @@
 """Validate the texts and numbers of a stored dataset before they are used.
 
-`reading` calls `texts`, `fields` and `each` for every file; they read no array along the rod. `writing.read` calls
-`curves` for the dataset in memory. All raise `InputError` with the file and the variable, and change nothing.
+`reading` calls `texts`, `fields` and `each` for every file; they read no array along the rod. `curves` does, block by
+block: for a dataset that is read whole, for its summary and for its check. All raise `InputError` with the file and
+the variable, and change nothing.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,17 +16,27 @@ from numpy.typing import NDArray
 from solver.problem.case import SIDES
 from solver.problem.errors import InputError, choices
 from solver.problem.rod import DIRECT, ELASTIC, GIVEN
+from studies.axes import LONGEST_LINE
 from studies.units import FORCES, LENGTHS
 
-from . import escaping, rod_fields
+from . import escaping, rod_fields, schema
 from .file_checks import shown
 from .grid_io import blocks
 from .schema import CURVES, LOADS, SECTION, TEXTS
 
-LINE, LABEL = 10_000, 1000  # characters of an attribute of the file, and of a variable
+LINE, LABEL = LONGEST_LINE, 1000  # characters of an attribute of the file, and of a variable
 LONG = ("study", "laws", "versions", "recipe", "statistics", "branches", "rows")  # of many lines, or JSON; not printed
 JUDGED = ("error", "condition")  # of each case
 BLOCK = 100_000  # cases that are read at a time
+BLOCK_ALONG = 2**20  # stations of their curves
+COUNTED = ("held_index", "branch")  # whole numbers of each case that are no observables
+NOT_NEGATIVE = (
+    "bend_number", "amplitude", "kappa_mean", "kappa_max", "contact_size_mean", "push_mean", "pull_mean", "push_max_at",
+    "push_middle", "attached", "lift_off_at", "F3_size_max", "bending_moment_max", "bending_stress_max",
+    "bending_energy", "twist_energy",
+)  # fmt: skip
+ALONG = ("height", "push_max_at", "lift_off_at")  # no larger than the length of the rod
+SHARES = ("attached", "overlaps")  # at most 1
 LABELS = ("units", "long_name", "symbol", "reading")
 WORDS: Mapping[str, Any] = {
     "side": SIDES,
@@ -129,25 +140,47 @@ def _places(ds: xr.Dataset, L: xr.DataArray | None, path: str | Path) -> None:
 
 
 def each(ds: xr.Dataset, path: str | Path) -> None:
-    """Raise `InputError` unless the texts, errors and loads of each case are valid, read block by block."""
+    """Raise `InputError` unless the texts, errors, loads and observables of each case are valid, block by block."""
     for name in (*JUDGED, *LOADS):
         if name in ds.variables and ds[name].dtype.kind not in "iuf":
             raise InputError(f"{path}: {name} must hold numbers, got {ds[name].dtype}")
-    sizes = (*rod_fields.of_stiffness(ds), "rho")
-    names = [name for name in ("solved", *TEXTS, *JUDGED, *LOADS, *sizes) if name in ds.variables]
+    sizes = (*rod_fields.of_stiffness(ds), "rho", "L")
+    dims = ds["outcome"].dims
+    numbers = [str(name) for name, one in ds.data_vars.items() if one.dims == dims and one.dtype.kind in "iuf"]
+    names = [name for name in dict.fromkeys(("solved", *TEXTS, *numbers, *LOADS, *sizes)) if name in ds.variables]
     for where in blocks(ds["outcome"].shape, BLOCK):
-        _block(ds[names].isel(dict(zip(ds["outcome"].dims, where, strict=True))).load(), path)
+        block = ds[names].isel(dict(zip(dims, where, strict=True))).load()
+        _check_words(block, path)
+        _check_numbers(block, numbers, path)
+        _check_loads(block, path)
 
 
-def _block(ds: xr.Dataset, path: str | Path) -> None:
-    solved = ds["solved"].values
+def _check_words(ds: xr.Dataset, path: str | Path) -> None:
     for name in TEXTS:
         if name in ds.data_vars:
             for text in set(ds[name].values.ravel().tolist()):
                 _text(str(text), LABEL, f"{path}: one of {name}")
-    for name in JUDGED:
-        if name in ds.data_vars and not (ds[name].values[solved] >= 0).all():
+
+
+def _check_numbers(ds: xr.Dataset, names: Iterable[str], path: str | Path) -> None:
+    """Raise `InputError` for a number that no solved case can have; NaN says that it is not known."""
+    solved = ds["solved"].values
+    length = _over(ds["L"], ds).values[solved] * (1 + STRAIGHT) if "L" in ds.variables else np.inf
+    for name in names:
+        values = ds[name].values[solved]
+        if name in JUDGED and not (values >= 0).all():
             raise InputError(f"{path}: {name} of a solved case must be a number and not negative")
+        counted = name in COUNTED or schema.is_count(ds[name])
+        least = 0 if counted or name in NOT_NEGATIVE or name.endswith("_error") else -np.inf
+        most = 1 + SAME if name in SHARES else length if name in ALONG else np.inf
+        with np.errstate(invalid="ignore"):
+            bad = (values < least) | (np.abs(values) > most)
+            bad |= counted & (values != np.round(values)) & ~np.isnan(values)
+        if bad.any():
+            raise InputError(f"{path}: {name} of a solved case cannot be {values[bad][0]:g}")
+
+
+def _check_loads(ds: xr.Dataset, path: str | Path) -> None:
     if not {*rod_fields.of_stiffness(ds), "rho"} <= {*ds.variables}:
         return
     unit = rod_fields.bending_stiffness(str(ds.attrs["stiffness"]), ds) / ds["rho"]  # of moment
@@ -155,20 +188,28 @@ def _block(ds: xr.Dataset, path: str | Path) -> None:
         for name in LOADS:
             if name in ds.variables:
                 size = abs(ds[name]) / (unit / ds["rho"] if name == "FZ" else unit)
-                if not (_over(size, ds).values[solved] < MOST).all():
+                if not (_over(size, ds).values[ds["solved"].values] < MOST).all():
                     raise InputError(f"{path}: {name} of a solved case is not finite, or far too large for its rod")
 
 
 def curves(ds: xr.Dataset, path: str | Path) -> None:
     """Raise `InputError` unless the curves of solved cases are finite, and no chord is longer than its arc."""
+    keys = [key for key in CURVES if key in ds.data_vars and "u" in ds[key].dims]
+    dims = ds["solved"].dims
+    for key in keys:
+        if ds[key].dtype.kind not in "iuf" or ds[key].dims[: len(dims)] != dims:
+            raise InputError(f"{path}: {shown(key)} is not an array of numbers along each rod")
+    names = [name for name in ("solved", *keys, "s", "rho") if name in ds.variables]
+    for where in blocks(ds["solved"].shape, max(1, BLOCK_ALONG // ds.sizes.get("u", 1))):
+        _check_block(ds[names].isel(dict(zip(dims, where, strict=True))), keys, path)
+
+
+def _check_block(ds: xr.Dataset, keys: Iterable[str], path: str | Path) -> None:
     solved = ds["solved"].variable
-    for key, name in CURVES.items():
-        if key in ds.data_vars and "u" in ds[key].dims:
-            if ds[key].dtype.kind not in "iuf" or ds[key].dims[: solved.ndim] != solved.dims:
-                raise InputError(f"{path}: {shown(key)} is not an array of numbers along each rod")
-            most = MOST_ANGLE if name in ("beta", "alpha", "gamma") else MOST
-            if not (np.abs(ds[key].values[solved.values]) < most).all():
-                raise InputError(f"{path}: {shown(key)} of a solved case is not finite, or beyond {most:g}")
+    for key in keys:
+        most = MOST_ANGLE if CURVES[key] in ("beta", "alpha", "gamma") else MOST
+        if not (np.abs(ds[key].values[solved.values]) < most).all():
+            raise InputError(f"{path}: {shown(key)} of a solved case is not finite, or beyond {most:g}")
     if not {"s", "rho"} <= set(ds.variables) or "u" not in ds.dims:
         return
     arc = ds["s"].diff("u")

@@ -42,7 +42,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
     if len(files) < 2:
         raise InputError(f"merge takes two files or more, got {len(files)}")
     with contextlib.ExitStack() as stack:
-        opened = [stack.enter_context(reading.opened(path)) for path in files]
+        opened = [stack.enter_context(reading.opened(path, whole=True)) for path in files]
         studies = [stored_case.study_of(ds) for ds in opened]
         names = [str(path) for path in files]
         union = _union(opened, studies, names)

@@ -30,7 +30,7 @@ def summary(path: Path) -> dict[str, Any]:
 
     Memory: one number a case, for one observable at a time.
     """
-    with reading.opened(path) as ds, file_checks.reading(path):
+    with reading.opened(path, whole=True) as ds, file_checks.reading(path):
         told: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
         told |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
         told |= {"tolerance": reading.number(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
