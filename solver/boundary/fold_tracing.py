@@ -12,6 +12,7 @@ _FIRST, LONGEST, _SHORTEST = 0.01, 0.04, 2e-6  # steps, in shares of the ranges
 _TURN, _EASY = 0.9, 0.985  # cosines of the angle between two tangents: a step too long, and one that may grow
 PIECES = 8  # of the polyline between two points
 _MOST = 4000  # steps of a curve
+_HALVINGS = 20
 BORDER, CLOSED, STOPPED, LEFT = "border", "closed", "stopped", "left"
 
 
@@ -97,12 +98,14 @@ def _returns(seed: CurvePoint, here: CurvePoint, there: CurvePoint) -> bool:
 
 
 def stretch(system: CurveSystem, points: list[CurvePoint]) -> Trace:
-    """The points as a stretch, with its cusps among them."""
-    if not isinstance(system, FoldSystem) or system.kind != FOLD:
+    """The points as a stretch, with its cusps among them, or the points at which a pitchfork changes its side."""
+    if not isinstance(system, FoldSystem):
         return Trace(system, points, [])
     out, cusps = points[:1], []
     for one, other in pairwise(points):
-        if one.bend * other.bend < 0:
+        if one.bend * other.bend < 0 and system.kind != FOLD:
+            out += _turning(system, one, other)
+        elif one.bend * other.bend < 0:
             share = one.bend / (one.bend - other.bend)
             x = system.cusp((1 - share) * one.x + share * other.x)
             far = np.linalg.norm(other.x - one.x)
@@ -113,6 +116,24 @@ def stretch(system: CurveSystem, points: list[CurvePoint]) -> Trace:
                 out.append(CurvePoint(x, tangent, 0.0, np.zeros(2)))
         out.append(other)
     return Trace(system, out, cusps)
+
+
+def _turning(system: FoldSystem, one: CurvePoint, other: CurvePoint) -> list[CurvePoint]:
+    """Points between two on a pitchfork curve, of which one has d^3B/dv^3 = 0: there a fold curve ends, and the side of
+    two more equilibria changes. The equations are singular in it, so it is interpolated between close neighbours."""
+    low, high = one, other
+    for _ in range(_HALVINGS):
+        chord, x = high.x - low.x, (low.x + high.x) / 2
+        between = corrected(system, x, chord / np.linalg.norm(chord), float(chord @ x / np.linalg.norm(chord)))
+        if between is None or abs(between.bend) > max(abs(low.bend), abs(high.bend)):  # by rounding
+            break
+        low, high = (between, high) if between.bend * low.bend > 0 else (low, between)
+    share = low.bend / (low.bend - high.bend)
+    x = (1 - share) * low.x + share * high.x
+    middle = replace(low, x=x, bend=0.0, more=np.zeros(2))
+    some = [*([low] if low is not one else []), middle, *([high] if high is not other else [])]
+    along = other.x - one.x
+    return [replace(p, tangent=p.tangent if p.tangent @ along > 0 else -p.tangent) for p in some]
 
 
 def dense(trace: Trace, pieces: int = PIECES) -> tuple[Array, Array]:

@@ -333,3 +333,13 @@ def test_a_strip_between_two_folds_that_undo_each_other_is_seen() -> None:
         for share, count in ((-1.97, 3), (-1.96, 5), (-1.95, 3)):
             values = [share * EI, EI]
             assert sum(folds.indices_at(values).values()) == count == len(equilibria(folds.case_at(values), stations=2))
+
+
+@pytest.mark.slow
+def test_a_pitchfork_line_changes_its_side_where_a_fold_curve_ends_on_it() -> None:
+    """Under MZ a rod that begins and ends at rest still equals its reversal; d^3B/dv^3 vanishes at four points."""
+    rod = Rod(EI=1.0, GJ=1.2669913292215425, a=0.2, L=4.916852969976965)
+    case = Case(rod, Cylinder(0.8), Ends(beta0=0.0, betaL=0.0))
+    found = region_map(case, stations=2, FZ=(-7.3533, -0.1020), MZ=(-1.5, 1.5))
+    assert not found.remark
+    assert not found.checked(100)
