@@ -138,6 +138,8 @@ def check_law(study: "Study", number: int, law: "Law") -> None:
     for key, formula in law.formulas.items():
         owner = law.axis if key == "x" else law.observable
         try:
+            if formula.unit:
+                raise InputError(f"{formula.text!r} has a unit, as only an expression may have")
             found, wanted = dimension(formula, known, units), known[owner]
             if found != wanted and not is_zero(formula):
                 told = f"{formula.text!r} is {unit_words(found, units)}, but {owner} is {unit_words(wanted, units)}"

@@ -90,7 +90,7 @@ def test_an_expression_with_a_unit_is_converted_and_others_count_in_it(formula: 
     np.testing.assert_allclose(found["twice"], 2 * found["own"])
     one = study(said)
     assert (expressions.unit(one, "own"), expressions.unit(one, "twice")) == (unit, "1")
-    assert loads(dumps(one), default_name=one.name) == one
+    assert loads(dumps(one), default_name=one.name).expressions == one.expressions
 
 
 def test_the_error_of_an_expression_is_that_of_its_observables() -> None:
@@ -138,6 +138,12 @@ def test_an_expression_without_a_value_is_remarked_and_its_neighbours_have_their
 def test_an_invalid_expression_is_refused_with_its_line_and_the_choices(said: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
         study(said)
+
+
+def test_the_formula_of_a_law_has_no_unit() -> None:
+    law = f"{LAW}observable = 'height'\nkind = 'bounded'\nmost = 'L in mm'\n"
+    with pytest.raises(InputError, match="'L in mm' has a unit, as only an expression may have"):
+        loads(f"{HEAD}{AXES}{law}")
 
 
 def test_too_many_expressions_are_refused() -> None:

@@ -31,7 +31,6 @@ def value(text: str, **values: object) -> np.ndarray:
 HOSTILE = (
     "__import__('os').system('true')", "(1).__class__", "x.real", "x[0]", "[1, 2]", "{1}", "lambda: 1", "f'{x}'", "'a'",
     "x if x else 1", "[x for x in y]", "x := 1", "*x", "print(1)", "sqrt(*x)", "sqrt(x=1)", "max", "x % 2", "x // 2",
-    "x & y", "~x", "x is y", "x in y", "True", "None", "...", "1j", "1e999", "await x", "yield", "x\ny", "", " ",
     "x(1)", "sqrt(1)(2)", "eval('1')", "x @ y", "x = 1", "1 2", "\x00", "9" * 400, "b'a'",
 )  # fmt: skip
 
