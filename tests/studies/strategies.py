@@ -124,7 +124,7 @@ def studies(draw: Any) -> dict[str, Any]:
     if kind in ("reading", "start") or (kind == "ends" and not varied and "dbeta0" not in said.get("equilibrium", {})):
         left = [name for name in fields if name not in varied and name not in said["base"]]
         _samples(draw, said, left)
-    said["units"] = {"length": draw(st.sampled_from(LENGTHS)), "force": draw(st.sampled_from(FORCES))}
+    said["units"] = {"length": draw(st.sampled_from([*LENGTHS])), "force": draw(st.sampled_from([*FORCES]))}
     if "reading" in said and said["units"] != TABLE_UNITS:  # then no number comes from Table 1
         elsewhere = {*said["axes"], *said.get("sample", {}), *said.get("zip", {})}
         said["base"] |= {name: draw(number(name)) for name in TABLE_1 if name not in {*said["base"], *elsewhere}}
