@@ -53,8 +53,8 @@ def test_every_name_that_can_be_asked_for_is_listed(heading: str, known) -> None
 
 def test_every_unit_is_listed() -> None:
     lengths, forces = KEYS.split("Units of length: ")[1].split(". Of force: ")
-    assert tuple(lengths.split(", ")) == LENGTHS
-    assert tuple(forces.split(".\n")[0].split(", ")) == FORCES
+    assert lengths.split(", ") == [*LENGTHS]
+    assert [*forces.split(".\n")[0].split(", ")] == [*FORCES]
 
 
 def test_the_million_rods_of_the_docs_are_a_study_that_stores_no_curves() -> None:

@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from solver.core.panels import available
+from tests.workbench import doc_pages
 from workbench import cli
 
-DOCS = (Path(__file__).parents[2] / "docs" / "how-to" / "analyse-stored-studies.md").read_text(encoding="utf-8")
+DOCS = doc_pages.read(Path(__file__).parents[2] / "docs" / "how-to" / "analyse-stored-studies.md")
 STATUS = {"run stiff.toml": 1}  # as the page says
 
 

@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.workbench import doc_pages
 from tests.workbench.pictures import pixels
 from workbench import cli
 
 ROOT = Path(__file__).parents[2]
-DOCS = (ROOT / "docs" / "how-to" / "draw-diagrams.md").read_text(encoding="utf-8")
+DOCS = doc_pages.read(ROOT / "docs" / "how-to" / "draw-diagrams.md")
 SHOWN = {"curves": "curves_modulus", "ridge": "ridge_modulus", "portrait": "portrait_modulus"}
 
 

@@ -12,6 +12,7 @@ from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.quantities import unit_of
 from studies import names
 from studies.model import OUTPUTS
+from tests.workbench import doc_pages
 from workbench import cli
 
 ROOT = Path(__file__).parents[2]
@@ -46,7 +47,13 @@ def rows(page: str, heading: str = "") -> list[list[str]]:
 
 
 def code(page: Path, language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", text(page), re.DOTALL)
+    return re.findall(rf"```{language}\n(.*?)```", doc_pages.read(page), re.DOTALL)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_no_line_of_a_block_of_code_is_wider_than_a_terminal(page: Path) -> None:
+    wide = [line for block in FENCED.findall(text(page)) for line in block.splitlines() if len(line) > 80]
+    assert not wide
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())

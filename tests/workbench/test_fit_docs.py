@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from tests.workbench import doc_pages
 from tests.workbench.pictures import pixels
 from workbench import cli
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "how-to" / "fit-parameters.md").read_text(encoding="utf-8")
+PAGE = doc_pages.read(ROOT / "docs" / "how-to" / "fit-parameters.md")
 UNDETERMINED = "E,M3,F3"  # status 1, as the page says
 
 
@@ -77,4 +78,4 @@ def test_the_commands_of_the_page_run_as_they_stand(folder, capsys) -> None:
 def test_the_python_of_the_page_prints_what_it_says(capsys) -> None:
     (python,) = blocks("python")
     exec(compile(python, "fit-parameters.md", "exec"), {})
-    assert capsys.readouterr().out.splitlines() == re.findall(r"print\(.*\)  # (.*)", python)
+    assert capsys.readouterr().out.splitlines() == doc_pages.printed(python)

@@ -12,6 +12,7 @@ import xarray as xr
 
 from solver import Case, Cylinder, Ends, Rod, region_map
 from studies import load
+from tests.workbench import doc_pages
 from tests.workbench.pictures import pixels
 from workbench import cli
 from workbench.branches.region_dataset import dataset_of
@@ -21,7 +22,7 @@ from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "how-to" / "map-the-folds.md").read_text(encoding="utf-8")
+PAGE = doc_pages.read(ROOT / "docs" / "how-to" / "map-the-folds.md")
 SHORT = ["--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", "--axis", "FZ=-15:-5", "--axis", "L=1.5:3"]
 
 

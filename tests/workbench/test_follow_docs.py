@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.workbench import doc_pages
 from workbench import cli
 from workbench.commands.equilibria import parse_axis
 
-DOCS = (Path(__file__).parents[2] / "docs" / "how-to" / "follow-a-branch.md").read_text(encoding="utf-8")
+DOCS = doc_pages.read(Path(__file__).parents[2] / "docs" / "how-to" / "follow-a-branch.md")
 
 
 def blocks(kind: str) -> list[str]:

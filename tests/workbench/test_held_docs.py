@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from tests.workbench import doc_pages
 from workbench import cli
 
 ROOT = Path(__file__).parents[2]
-DOCS = (ROOT / "docs" / "how-to" / "hold-the-ends.md").read_text(encoding="utf-8")
+DOCS = doc_pages.read(ROOT / "docs" / "how-to" / "hold-the-ends.md")
 STUDIES = dict(re.findall(r"```toml\n# (\w+)\.toml\n(.*?)```", DOCS, re.DOTALL))
 COMMANDS = [line for block in re.findall(r"```sh\n(.*?)```", DOCS, re.DOTALL) for line in block.splitlines()]
 

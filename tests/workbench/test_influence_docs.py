@@ -5,12 +5,15 @@ import shlex
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
+from tests.workbench import doc_pages
 from tests.workbench.pictures import pixels
 from workbench import cli
+from workbench.commands import console
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGE = (DOCS / "how-to" / "find-what-matters.md").read_text(encoding="utf-8")
+PAGE = doc_pages.read(DOCS / "how-to" / "find-what-matters.md")
 
 
 def blocks(language: str) -> list[str]:
@@ -30,6 +33,7 @@ def same_shape(picture: str) -> None:
 
 def test_the_table_of_one_case_is_the_one_of_the_page(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(console, "out", lambda: Console(width=80))
     run(blocks("sh")[0].strip())
     printed = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
     for line in blocks("text")[0].splitlines():
@@ -50,4 +54,4 @@ def test_the_study_and_the_python_of_the_page_run_as_they_stand(tmp_path, monkey
     same_shape("sobol_indices.png")
     python = "".join(blocks("python"))
     exec(compile(python, "find-what-matters.md", "exec"), {})
-    assert capsys.readouterr().out.splitlines() == re.findall(r"print\(.*\)  # (.*)", python)
+    assert capsys.readouterr().out.splitlines() == doc_pages.printed(python)

@@ -10,11 +10,12 @@ from matplotlib.image import imread
 
 from studies.law_kinds import KINDS
 from studies.loader import loads
+from tests.workbench import doc_pages
 from workbench import cli
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGE = (DOCS / "how-to" / "write-a-law.md").read_text(encoding="utf-8")
-REFERENCE = (DOCS / "reference" / "study-file.md").read_text(encoding="utf-8")
+PAGE = doc_pages.read(DOCS / "how-to" / "write-a-law.md")
+REFERENCE = doc_pages.read(DOCS / "reference" / "study-file.md")
 
 
 def test_the_page_runs_as_it_stands(tmp_path, monkeypatch, capsys) -> None:

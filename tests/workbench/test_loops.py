@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from solver import Cylinder, InputError, Rod, loops
+from tests.workbench import doc_pages
 from tests.workbench.pictures import pixels
 from workbench import cli
 from workbench.data import writing
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "how-to" / "close-a-rod.md").read_text(encoding="utf-8")
+PAGE = doc_pages.read(ROOT / "docs" / "how-to" / "close-a-rod.md")
 
 
 def run(line: str, status: int = 0) -> None:

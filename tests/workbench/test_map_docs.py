@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from studies import load
+from tests.workbench import doc_pages
 from tests.workbench.pictures import pixels
 from workbench import cli
 from workbench.run import in_memory
 
 ROOT = Path(__file__).parents[2]
-DOCS = (ROOT / "docs" / "how-to" / "draw-a-map.md").read_text(encoding="utf-8")
+DOCS = doc_pages.read(ROOT / "docs" / "how-to" / "draw-a-map.md")
 STATUS = {"run regimes": 1}  # as the page says
 
 

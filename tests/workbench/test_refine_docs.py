@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 
 from studies.loader import load, loads
+from tests.workbench import doc_pages
 from tests.workbench.pictures import pixels
 from workbench import cli
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "how-to" / "refine-a-boundary.md").read_text(encoding="utf-8")
+PAGE = doc_pages.read(ROOT / "docs" / "how-to" / "refine-a-boundary.md")
 
 
 def blocks(language: str) -> list[str]:
@@ -48,4 +49,4 @@ def test_the_page_runs_as_it_stands_and_its_picture_is_the_one_made(tmp_path, mo
     assert shown.shape[1] / shown.shape[0] == pytest.approx(made.shape[1] / made.shape[0], rel=0.01)
     (python,) = blocks("python")
     exec(compile(python, "refine-a-boundary.md", "exec"), {})
-    assert capsys.readouterr().out.splitlines() == re.findall(r"print\(.*\)  # (.*)", python)
+    assert capsys.readouterr().out.splitlines() == doc_pages.printed(python)

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from studies.loader import load, loads
-from tests.workbench import small
+from tests.workbench import doc_pages, small
 from tests.workbench.pictures import pixels, share_of_ink
 from workbench import cli
 
-PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "sample-a-study.md").read_text(encoding="utf-8")
+PAGE = doc_pages.read(Path(__file__).parents[2] / "docs" / "how-to" / "sample-a-study.md")
 
 
 def blocks(language: str) -> list[str]:
@@ -41,4 +41,4 @@ def test_the_commands_and_the_python_of_the_page_run_as_they_stand(tmp_path, mon
     assert 0.02 < share_of_ink(pixels(Path("samples_pipe.png"))) < 0.6
     (python,) = blocks("python")
     exec(compile(python, "sample-a-study.md", "exec"), {})
-    assert capsys.readouterr().out.splitlines() == re.findall(r"print\(.*\)  # (.*)", python)
+    assert capsys.readouterr().out.splitlines() == doc_pages.printed(python)

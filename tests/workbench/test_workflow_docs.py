@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 
 from solver import Case, Cylinder, Rod, Start, solve
-from tests.workbench import runs
+from tests.workbench import doc_pages, runs
 from tests.workbench.pictures import pixels
 from workbench import cli
 from workbench.scene import opengl
@@ -22,7 +22,7 @@ HOW_TO = Path(__file__).parents[2] / "docs" / "how-to"
 
 
 def blocks(page: str, language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", (HOW_TO / page).read_text(encoding="utf-8"), re.DOTALL)
+    return re.findall(rf"```{language}\n(.*?)```", doc_pages.read(HOW_TO / page), re.DOTALL)
 
 
 def run(line: str) -> None:
