@@ -81,7 +81,7 @@ def solve(
     >>> print(solution.beta.round(4))
     [ 0.5     5.9763 10.5736 15.1074 19.8569]
     >>> print(solve(Case(rod, cylinder, Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1))).selection)
-    17 equilibria, 3 stable; taken: the stable one whose beta goes least beyond its end angles
+    17 equilibria, 3 stable; shown: the stable shape that swings least
     """
     from .methods.automatic import chosen_method  # only a call of `solve` loads the methods
 

@@ -1,6 +1,5 @@
-"""Why a law is qualified, not decided or fails: the kinds of qualification, and a sentence for each."""
+"""Verdicts in words that a reader understands at once, and why a law is true in part, not decided or false."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -25,12 +24,12 @@ NOT_CONTRADICTED, ON_PART, ON_OBSERVABLE = QUALIFICATIONS = (
 )
 
 MOST = 3  # reasons of different lines of a grid that are listed
-DOES = {  # verdict -> the words for one law or line, and for several
-    HOLDS: ("holds", "hold"),
-    TREND: ("holds as a trend", "hold as a trend"),
-    QUALIFIED: ("is qualified", "are qualified"),
-    UNDECIDED: ("is not decided", "are not decided"),
-    FAILS: ("fails", "fail"),
+PLAIN = {  # verdict -> what a reader is told
+    HOLDS: "true",
+    TREND: "true as a trend",
+    QUALIFIED: "true in part",
+    UNDECIDED: "not decided",
+    FAILS: "false",
 }
 
 
@@ -57,7 +56,7 @@ def together(
         told = [*told[:MOST], *(["and so on"] if len(told) > MOST else [])]
     if as_good(verdict, QUALIFIED) and not as_good(worst(every), verdict):
         kinds.append(ON_PART)
-        told.append(_part(every, at))
+        told.append(_part(every, verdict, at))
         verdict = QUALIFIED
     return {"verdict": verdict, "qualifications": kinds, "reason": joined(told)}
 
@@ -65,18 +64,17 @@ def together(
 def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, Any]]) -> str:
     """What the observable of the law does, and what its failing alternatives do. row, others: their rows."""
     trend = f" as a trend, with {_wrong(row)} the wrong way" if row["exceptions"] else ""
-    told = [f"{row['observable']} {DIRECTIONS[row['direction']].does}{trend}"]
+    told = []
     for other in others:
         reverse = other["tau"] is not None and other["tau"] <= -TREND_TAU
         does = DIRECTIONS[meant].instead if reverse else DIRECTIONS[meant].does_not
         told.append(f"{other['observable']} {does}{f' at {_wrong(other)}' if other['exceptions'] else ''}")
-    return f"{ON_OBSERVABLE} ({'; '.join(told)})"
+    return f"{row['observable']} {DIRECTIONS[row['direction']].does}{trend}, but {' and '.join(told)}"
 
 
 def counted(counts: Mapping[str, int]) -> str:
-    """The number of each verdict, best first: ``6 hold, 3 hold as a trend``."""
-    there = [(counts[verdict], DOES[verdict]) for verdict in VERDICTS if counts.get(verdict)]
-    return ", ".join(f"{count} {words[count > 1]}" for count, words in there)
+    """The number of each verdict, best first: ``6 true, 3 true as a trend``."""
+    return ", ".join(f"{counts[verdict]} {PLAIN[verdict]}" for verdict in VERDICTS if counts.get(verdict))
 
 
 def joined(told: Sequence[str]) -> str:
@@ -93,13 +91,15 @@ def _standing(name: str, meant: str, deciding: Sequence[Verdict], first: list[fl
         how = f"stays at {first[0]:.4g}"
     else:
         how = "stays level at some steps"
-    return f"{NOT_CONTRADICTED} ({name} {how}, where the sentence says that it {DIRECTIONS[meant].does})"
+    return f"{name} {how}, where the sentence says that it {DIRECTIONS[meant].does}"
 
 
-def _part(every: Sequence[str], at: Mapping[str, float]) -> str:
-    """Where a law was decided, and the number of lines of the grid with each verdict."""
+def _part(every: Sequence[str], verdict: str, at: Mapping[str, float]) -> str:
+    """In how many rows of the grid the law is as good as where it was judged, how many are worse, and where that is."""
     here = ", ".join(f"{axis} = {value:.4g}" for axis, value in at.items())
-    return f"{ON_PART} (decided at {here}; of {len(every)} lines {counted(Counter(every))})"
+    agree = sum(as_good(one, verdict) for one in every)
+    left = [f", {every.count(one)} {PLAIN[one]}" for one in (TREND, UNDECIDED) if one in every and one != verdict]
+    return f"{agree} of {len(every)} rows agree{''.join(left)} (judged at {here})"
 
 
 def _wrong(row: Mapping[str, Any]) -> str:

@@ -47,11 +47,10 @@ class Selection:
     def rule(self) -> str:
         """Which equilibrium the rule takes, in words."""
         if self.choose == LOWEST:
-            return "taken: the one of lowest energy"
-        least = "one whose beta goes least beyond its end angles"
+            return "shown: the shape of lowest energy"
         if self.choose == NEAREST:
-            return f"taken: the {'stable ' if self.stable else ''}{least}"
-        return f"taken: among those of index {self.choose} the {least}"
+            return f"shown: the {'stable ' if self.stable else ''}shape that swings least"
+        return f"shown: of those of index {self.choose} the shape that swings least"
 
 
 def checked(choose: Any) -> Choose:

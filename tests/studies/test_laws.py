@@ -181,7 +181,7 @@ def test_a_law_decided_at_a_value_of_the_other_axis_counts_the_other_lines_too()
     good = decide(LAW.model_copy(update={"at": {"R": 0.9}}), {"turns": grid}, axes)
     assert (good["verdict"], good["at"], good["exceptions"]) == (QUALIFIED, {"R": 1.0}, [])
     assert good["qualifications"] == ["on part of the grid"]
-    assert good["reason"] == "on part of the grid (decided at R = 1; of 3 lines 2 hold, 1 fails)"
+    assert good["reason"] == "2 of 3 rows agree (judged at R = 1)"
     assert (good["lines"], good["lines_hold"], good["first"]) == (3, 2, [9.0, 9.0])
     assert good["line_verdicts"] == {HOLDS: 2, FAILS: 1}
     bad = decide(LAW.model_copy(update={"at": {"R": 9.0}}), {"turns": grid}, axes)
@@ -208,7 +208,7 @@ def test_a_law_decided_on_one_line_holds_only_where_every_line_is_as_good() -> N
     row = decide(here, {"wraps": np.array([falls, falls[::-1]]).T}, axes)
     assert (row["verdict"], row["qualifications"]) == (FAILS, [])  # what fails where it is decided is not qualified
     row = decide(here, {"wraps": np.array([[5.0, np.nan, 3, 2, 1], falls]).T}, axes)
-    assert row["reason"] == "on part of the grid (decided at R = 1; of 2 lines 1 holds, 1 is not decided)"
+    assert row["reason"] == "1 of 2 rows agree, 1 not decided (judged at R = 1)"
 
 
 def test_a_count_that_stands_still_where_the_sentence_says_it_rises_is_not_contradicted() -> None:
@@ -216,12 +216,12 @@ def test_a_count_that_stands_still_where_the_sentence_says_it_rises_is_not_contr
     axes = {"E": [1.0, 2.0, 3.0]}
     level = decide(law, {"turns": [6, 6, 6]}, axes)
     assert (level["verdict"], level["qualifications"]) == (QUALIFIED, ["not contradicted"])
-    assert level["reason"] == "not contradicted (turns stays at 6, where the sentence says that it rises)"
+    assert level["reason"] == "turns stays at 6, where the sentence says that it rises"
     assert decide(law, {"turns": [6, 6, 7]}, axes)["verdict"] == HOLDS  # a count may pause
     assert decide(law, {"turns": [6, 7, 6]}, axes)["verdict"] == FAILS
     assert decide(law.model_copy(update={"says": None}), {"turns": [6, 6, 6]}, axes)["verdict"] == HOLDS
     grid = decide(law, {"turns": np.array([[6, 6, 6], [6, 7, 8]]).T}, {**axes, "R": [1.0, 2.0]})
-    assert grid["reason"].startswith("not contradicted (turns stays level on 1 of 2 lines, where the sentence")
+    assert grid["reason"].startswith("turns stays level on 1 of 2 lines, where the sentence")
 
 
 def test_a_law_depends_on_the_observable_where_an_alternative_fails_and_its_own_does_not() -> None:
@@ -230,7 +230,7 @@ def test_a_law_depends_on_the_observable_where_an_alternative_fails_and_its_own_
     up, down = [1.0, 2.0, 3.0], [3.0, 2.0, 1.0]
     row = decide(law, {"kappa_max": down, "amplitude": up}, axes)
     assert (row["verdict"], row["qualifications"]) == (QUALIFIED, ["depends on the observable"])
-    assert row["reason"] == "depends on the observable (kappa_max falls; amplitude rises instead at 2 of 2 steps)"
+    assert row["reason"] == "kappa_max falls, but amplitude rises instead at 2 of 2 steps"
     assert [(also["observable"], also["alternative"], also["verdict"]) for also in row["also"]] == [
         ("amplitude", True, FAILS)
     ]
@@ -314,7 +314,7 @@ def test_a_kind_of_law_words_what_its_observable_and_its_alternatives_do(monkeyp
     law = LAW.model_copy(update={"direction": "stays-level", "alternatives": ["wraps"]})
     row = decide(law, {"turns": np.array([3, 3, 3]), "wraps": np.array([1.0, 1.0, 2.0])}, {"E": [1.0, 2.0, 3.0]})
     assert row["verdict"] == QUALIFIED
-    assert row["reason"] == "depends on the observable (turns stays level; wraps changes at 1 of 2 steps)"
+    assert row["reason"] == "turns stays level, but wraps changes at 1 of 2 steps"
 
 
 def test_the_verdicts_of_the_lines_are_those_that_the_law_counts() -> None:

@@ -165,9 +165,11 @@ def test_the_commands_of_the_tutorial_run_as_they_stand(tmp_path, monkeypatch, c
     shown = capsys.readouterr().out
     for part in ("8 → 5", "6 → 3", "9 cases, 0 unsolved"):
         assert part in shown
-    (printed,) = re.findall(r"^```\n[^`]*?(claim .*?)^```$", text(page), re.DOTALL | re.MULTILINE)
-    for line in printed.splitlines():  # the table of the laws and the caution
+    (printed,) = re.findall(r"^```\n[^`]*?(verdict .*?)^```$", text(page), re.DOTALL | re.MULTILINE)
+    for line in printed.partition("caution")[0].splitlines():  # the table of the laws
         assert line in shown
+    caution = printed.partition("caution")[2]  # which a terminal breaks
+    assert " ".join(caution.split()) in shown
 
 
 def test_the_table_of_fidelities_is_that_of_the_code() -> None:

@@ -93,7 +93,7 @@ def test_it_marks_the_one_that_solve_takes(capsys, tmp_path) -> None:
     told = json.loads(run(capsys, str(tmp_path / "case.toml"), "--json")[1])
     assert [row["index"] for row in told["equilibria"] if row["taken"]] == [1]
     table = run(capsys)[1]
-    assert "* taken: the stable one whose beta goes least beyond its end angles" in table
+    assert "* shown: the stable shape that swings least" in table
     assert table.count(" *") == 1
 
 

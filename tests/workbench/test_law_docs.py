@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from rich.console import Console
 
 from studies.law_kinds import KINDS
 from studies.loader import loads
 from tests.workbench import doc_pages
 from workbench import cli
+from workbench.commands import console
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = doc_pages.read(DOCS / "how-to" / "write-a-law.md")
@@ -20,6 +22,7 @@ REFERENCE = doc_pages.read(DOCS / "reference" / "study-file.md")
 
 def test_the_page_runs_as_it_stands(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(console, "out", lambda: Console(width=80))
     (study,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
     Path("pipe.toml").write_text(study, encoding="utf-8")
     (commands,) = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
@@ -28,7 +31,7 @@ def test_the_page_runs_as_it_stands(tmp_path, monkeypatch, capsys) -> None:
             cli.main(shlex.split(line.removeprefix("workbench ")))
         assert end.value.code == 0, line
     shown = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
-    (printed,) = re.findall(r"```\n(claim .*?)```", PAGE, re.DOTALL)
+    (printed,) = re.findall(r"```\n(verdict .*?)```", PAGE, re.DOTALL)
     for line in printed.splitlines():
         assert " ".join(line.split()) in shown
     picture, stored = imread("laws.png"), imread(DOCS / "figures" / "laws.png")

@@ -49,7 +49,7 @@ def test_the_page_runs_as_it_stands(tmp_path, monkeypatch, capsys) -> None:
         run(line)
     for name in ("regimes.png", "bends.pdf", "turned.png", "lines.png", "three.png", "one.png"):
         assert Path(name).stat().st_size > 10_000
-    assert "of 19 lines 12 hold, 7 fail" in capsys.readouterr().out
+    assert "12 of 19 rows agree" in capsys.readouterr().out
     shown, made = pixels(ROOT / "docs" / "figures" / "map_regimes.png"), pixels(Path("regimes.png"))
     assert shown.shape[1] / shown.shape[0] == pytest.approx(made.shape[1] / made.shape[0], rel=0.01)
 

@@ -242,7 +242,7 @@ def test_each_claim_stands_on_top_with_its_sentence_verdict_values_and_mechanism
             assert f", {law_verdicts.measured(row)}" in top
             assert labels.law_text(row, law_verdicts.detail(row))[1:] in top
             if row["lines"] > 1:
-                assert f"of {row['lines']} lines {row['lines_hold']} hold, " in top
+                assert f"{row['lines_hold']} of {row['lines']} rows agree, " in top
     assert top.count("Why: ") == 5
     assert "it needs more length: 2.8 to 4.5 cm" in top  # 20 cm over 7.20 and 4.40 bends
     rows = [row for result in results for row in result.verdicts]

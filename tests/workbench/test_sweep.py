@@ -93,7 +93,7 @@ def test_a_sweep_numbers_its_branch_and_says_how_its_middle_case_was_taken(line)
     assert line["branch"].dtype.kind == "i"
     assert (line["outcome"] == "solved").all()
     assert line.attrs["equilibria"].startswith("the case in the middle of the grid, FZ = -50: ")
-    assert line.attrs["equilibria"].endswith("the stable one whose beta goes least beyond its end angles")
+    assert line.attrs["equilibria"].endswith("the stable shape that swings least")
 
 
 def test_each_case_is_an_equilibrium_of_its_own_loads(line) -> None:

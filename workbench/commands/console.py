@@ -17,7 +17,7 @@ if TYPE_CHECKING:  # --help does not import rich
     from rich.console import Console
 
 COLOURS = {  # verdict -> colour
-    "holds": "green", "holds as a trend": "cyan", "qualified": "dark_orange", "not decided": "magenta", "fails": "red",
+    "true": "green", "true as a trend": "cyan", "true in part": "yellow", "not decided": "magenta", "false": "red",
 }  # fmt: skip
 HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 EVERY = 2.0  # seconds between two lines of progress

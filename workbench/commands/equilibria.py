@@ -22,6 +22,7 @@ DEFAULT = "fig7_4_end_angle"
 OPTIONS_STUDY = "equilibria"  # the name of a study made of options
 MAX_COUNT = 401  # values of an axis
 ANGLES = ("beta0", "betaL")
+HEADS = {"turns": "bends", "stray": "overshoot", "dbeta0": "beta'(0)"}  # of columns that are not named as in files
 COLUMNS = ("dbeta0", "energy", "bending_energy", "turns", "index", "stray", "attached")
 
 
@@ -263,7 +264,7 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     shown = [*reactions, *COLUMNS[:5], *(["dead_index"] if reactions else []), *COLUMNS[5:]]
     if reactions:
         shown[shown.index("energy")] = "held_energy"
-    heads = [console.heading(name.replace("_", " "), units.get(name, "")) for name in shown]
+    heads = [console.heading(HEADS.get(name, name).replace("_", " "), units.get(name, "")) for name in shown]
     marks = [f"{i} *" if r["taken"] else f"{i}" for i, r in enumerate(rows, 1)]
     every = [{**r, **r.get("reactions", {})} for r in rows]
     console.print_table(

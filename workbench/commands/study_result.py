@@ -15,21 +15,27 @@ TOLD = ("sampling", "sampling_caution", "refinement", "equilibria", "branches") 
 
 
 def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None, alternatives: bool = False) -> None:
-    """Print a table of laws and their verdicts, and how many hold.
+    """Print how many laws are true, a table with the verdict on each, and below it the reasons.
 
     alternatives: with the other observables of each law in the rows below it.
     """
     from ..data import law_verdicts
 
-    rows = []
+    console.say(law_verdicts.tallied(list(verdicts)))
+    rows, reasons = [], []
     for row in verdicts:
-        rows.append([f"{row['claim']}:", law_verdicts.stated(row), law_verdicts.measured(row), law_verdicts.said(row)])
+        rows.append([law_verdicts.plain(row), row["claim"], law_verdicts.stated(row), law_verdicts.measured(row)])
+        if detail := law_verdicts.detail(row):
+            reasons.append(f"{row['claim']}, {row['observable']}: {detail}")
         for also in row["also"] if alternatives else ():
             role = "alternative" if also["alternative"] else "for information"
-            name = f"  {role}: {also['observable']}"
-            rows.append(["", name, law_verdicts.measured(also), law_verdicts.said(also)])
-    console.print_table(["claim", "law", "measured", "verdict"], rows, title=title)
-    console.say(law_verdicts.tallied(list(verdicts)))
+            rows.append([f"  {law_verdicts.plain(also)}", "", f"  {role}: {also['observable']}",
+                         law_verdicts.measured(also)])  # fmt: skip
+            if detail := law_verdicts.detail(also):
+                reasons.append(f"{row['claim']}, {also['observable']}: {detail}")
+    console.print_table(["verdict", "claim", "law", "measured"], rows, title=title)
+    for reason in reasons:
+        console.say(reason)
 
 
 def print_sampling(found: Mapping[str, Any]) -> None:

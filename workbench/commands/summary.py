@@ -5,7 +5,7 @@ from typing import Any
 
 from . import console
 from .options import File, Json
-from .study_result import print_sampling
+from . import study_result
 
 
 def summary(file: File, json: Json = False) -> int:
@@ -26,8 +26,6 @@ def summary(file: File, json: Json = False) -> int:
 def _print(found: dict[str, Any]) -> None:
     from studies.dimensions import SAMPLE
 
-    from ..data import law_verdicts
-
     reading = f", {found['reading']}" if found["reading"] else ""
     console.say(f"{found['title']}{reading}")
     size = f"{found['bytes'] / 1e6:.3g} MB" if found["bytes"] >= 1e6 else f"{found['bytes'] / 1e3:.3g} kB"
@@ -45,7 +43,7 @@ def _print(found: dict[str, Any]) -> None:
             name = f"{'' if one is axis else '  '}{one['name']}"
             rows.append([name, one["count"] if one is axis else "", one["from"], one["to"], one["units"]])
     console.print_table(["axis", "values", "from", "to", "units"], rows or [["(none)", "", "", "", ""]])
-    print_sampling(found)
+    study_result.print_sampling(found)
     _print_boundaries(found["boundaries"])
     console.say("")
     if found["observables"]:
@@ -65,8 +63,7 @@ def _print(found: dict[str, Any]) -> None:
         console.say(f"caution: {found['caution']}")
     if found["laws"]:
         console.say("")
-        console.print_table(["law", "", "verdict"], [[f"{v['claim']}:", v["stated"], v["said"]] for v in found["laws"]])
-        console.say(law_verdicts.tallied(found["laws"]))
+        study_result.print_verdicts(found["laws"])
 
 
 def _print_boundaries(rows: list[dict[str, Any]]) -> None:

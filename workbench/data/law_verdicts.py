@@ -141,7 +141,7 @@ def tally(rows: Sequence[Mapping[str, Any]]) -> dict[str, int]:
 
 
 def tallied(rows: Sequence[Mapping[str, Any]]) -> str:
-    """The tally in words: ``7 laws: 3 hold, 4 are qualified``."""
+    """The tally in words: ``7 laws: 3 true, 4 true in part``."""
     return f"{counted(len(rows), 'law')}: {reasons.counted(tally(rows))}"
 
 
@@ -159,9 +159,14 @@ def measured(row: Mapping[str, Any]) -> str:
 
 
 def said(row: Mapping[str, Any]) -> str:
-    """The verdict with what qualifies it: ``fails: 4 of 8 steps the wrong way; tau -0.33``."""
+    """The verdict and why: ``true in part: 6 of 9 rows agree (judged at R = 0.75)``."""
     notes = detail(row)
-    return f"{row['verdict']}: {notes}" if notes else str(row["verdict"])
+    return f"{plain(row)}: {notes}" if notes else plain(row)
+
+
+def plain(row: Mapping[str, Any]) -> str:
+    """The verdict in words that a reader understands at once: ``true in part``."""
+    return reasons.PLAIN[row["verdict"]]
 
 
 def detail(row: Mapping[str, Any]) -> str:
@@ -171,7 +176,7 @@ def detail(row: Mapping[str, Any]) -> str:
         if row["at"]:
             notes.append(f"at {', '.join(f'{name} = {value:.4g}' for name, value in row['at'].items())}")
         if row["lines"] > 1:
-            notes.append(f"of {row['lines']} lines {reasons.counted(row['line_verdicts'])}")
+            notes.append(f"of {row['lines']} rows {reasons.counted(row['line_verdicts'])}")
     if row["verdict"] == QUALIFIED:
         return "; ".join(notes)
     if row["exceptions"]:

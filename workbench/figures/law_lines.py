@@ -19,7 +19,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from studies.laws import VERDICTS
-from studies.reasons import DOES, counted
+from studies.reasons import PLAIN, counted
 
 from ..data import labels, law_verdicts, refined
 from ..data.schema import SAMPLING
@@ -116,7 +116,7 @@ def draw_map(
 def _entries(verdicts: NDArray[np.str_]) -> list[Artist]:
     """The legend of the verdicts that occur."""
     return [
-        Patch(facecolor=style.VERDICT_COLOURS[verdict], label=f"line on which a law {DOES[verdict][0]}")
+        Patch(facecolor=style.VERDICT_COLOURS[verdict], label=f"row in which a law is {PLAIN[verdict]}")
         for verdict in VERDICTS
         if verdict in verdicts
     ]
@@ -127,18 +127,18 @@ def _numbers(verdicts: NDArray[np.str_]) -> NDArray[np.float64]:
 
 
 def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
-    """``(1): the number of bends falls with E; qualified; decided at R = 0.75 cm``."""
+    """``(1): the number of bends falls with E; true in part; judged at R = 0.75 cm``."""
     row = law.row
     at = ", ".join(f"{labels.axis_symbol(name)} = {labels.value(v, ds[name])}" for name, v in row["at"].items())
     at = at.replace(" ", "\N{NO-BREAK SPACE}")
     does = f"{row['does']} {'with' if row['direction'] else 'along'} {labels.axis_symbol(row['axis'])}"
     noun = labels.noun_of(row["observable"])
-    return f"{row['claim']}: {noun} {does}; {row['verdict']}{f'; decided at {at}' if at else ''}"
+    return f"{row['claim']}: {noun} {does}; {PLAIN[row['verdict']]}{f'; judged at {at}' if at else ''}"
 
 
 def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The refinement of a study in words, and the verdict of each of its laws."""
-    told = [f"law {row['claim']}: {labels.law_text(row, law_verdicts.stated(row))}; {row['verdict']}" for row in rows]
+    told = [f"law {row['claim']}: {labels.law_text(row, law_verdicts.stated(row))}; {PLAIN[row['verdict']]}" for row in rows]
     watched = refined.described(ds).watch
     ended = str(ds.attrs.get(SAMPLING[-1], ""))
     ended = re.sub(r"\w+", lambda one: labels.noun_of(one[0]) if one[0] in watched else one[0], ended)

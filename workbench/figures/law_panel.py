@@ -6,7 +6,7 @@ from typing import Any
 import xarray as xr
 from matplotlib.axes import Axes
 
-from studies.reasons import DOES
+from studies.reasons import PLAIN
 
 from ..data import labels, law_verdicts
 from . import law_words, legend, notes, style
@@ -50,7 +50,7 @@ def _keep(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any], title: str) -> None:
     """Keep the verdict and the other observables for the caption."""
     fig = ax.get_figure(root=True)
     assert fig is not None
-    told = "; ".join(text for text in (row["verdict"], _measured(row), _other_observables(ds, row)) if text)
+    told = "; ".join(text for text in (PLAIN[row["verdict"]], _measured(row), _other_observables(ds, row)) if text)
     notes.keep(fig, [f"{title}; {told.rstrip('.')}."])
 
 
@@ -66,7 +66,7 @@ def _write_verdict(ax: Axes, row: Mapping[str, Any]) -> float:
     above: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom",
                              "color": colour}  # fmt: skip
     ax.annotate(reason, (0, 1), (0, 3), size=style.small(), **above)
-    ax.annotate(row["verdict"], (0, 1), (0, 3 + below), weight="bold", **above)
+    ax.annotate(PLAIN[row["verdict"]], (0, 1), (0, 3 + below), weight="bold", **above)
     return below + 14
 
 
@@ -83,5 +83,5 @@ def _other_observables(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
 
 def _brief(row: Mapping[str, Any]) -> str:
     """What an observable does, in the words of its verdict, and how many of its steps go the wrong way."""
-    wrong, does = len(row["exceptions"]), DOES[row["verdict"]][0]
+    wrong, does = len(row["exceptions"]), PLAIN[row["verdict"]]
     return f"{does} ({wrong} step{'s' * (wrong > 1)} wrong)" if wrong else does

@@ -8,6 +8,9 @@ from . import shards
 from .plan import Plan, bytes_a_case, bytes_of_file
 
 
+TOLD = 1e9  # bytes: what needs less is not told
+
+
 def room(work: Plan, folder: Path, kept: int) -> str:
     """The disk space that the run needs, in words; raises `InputError` where there is less."""
     case = bytes_a_case(work.study)
@@ -23,8 +26,8 @@ def room(work: Plan, folder: Path, kept: int) -> str:
         return (
             f"{grid}, at most {work.study.refine.budget} in all{new and f', {work.size} of them already stored'}{going}"
         )
-    room = f"the file needs at most {_bytes(final)}, and the run another {_bytes(parts)} until it ends"
-    return f"{work.size} case{'s' * (work.size != 1)}{new}{going}; {room}"
+    large = f"; the file needs at most {_bytes(final)}, and the run another {_bytes(parts)} until it ends"
+    return f"{work.size} case{'s' * (work.size != 1)}{new}{going}{large if final + parts > TOLD else ''}"
 
 
 def _bytes(count: int) -> str:

@@ -29,10 +29,10 @@ def count(columns: Columns, tally: Tally) -> int:
     for name in TEXTS:
         texts, counts = np.unique(columns[name].astype(str), return_counts=True)
         for text, cases in zip(texts.tolist(), counts.tolist(), strict=True):
-            tally[name][text if name == "outcome" else outcomes.kind_of(text)] += cases
-    together = outcomes.grouped(tally["outcome"])
-    tally["outcome"].clear()
-    tally["outcome"].update(together)
+            tally[name][text] += cases
+        together = outcomes.grouped(tally[name])
+        tally[name].clear()
+        tally[name].update(together)
     unsolved = int(np.count_nonzero(~columns["solved"]))
     tally["solved"][False] += unsolved
     return unsolved

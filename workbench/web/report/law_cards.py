@@ -146,7 +146,7 @@ def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
     """Why a claim was not tested, or how it is qualified."""
     if untested := [row for row in laws if not row["lines"]]:
         others = [
-            f"along {labels.axis_symbol(row['axis'])} it {reasons.DOES[row['verdict']][0]}"
+            f"along {labels.axis_symbol(row['axis'])} it is {reasons.PLAIN[row['verdict']]}"
             for row in laws
             if row["lines"]
         ]
