@@ -12,7 +12,7 @@ from matplotlib.text import Text
 
 from solver.problem.errors import InputError
 from studies import load, names
-from studies.reasons import DOES
+from studies.reasons import PLAIN
 from tests.workbench.pictures import pixels, share_of_ink
 from tests.workbench.small import grid, study
 from workbench.data import labels, law_verdicts, observed, selection
@@ -104,7 +104,7 @@ def test_a_panel_shows_the_stored_numbers(angles) -> None:
 
 def test_a_panel_tells_the_verdict_and_marks_each_step_the_wrong_way(angles) -> None:
     holds, qualified = panels(angles)
-    assert "holds" in said(holds)
+    assert "true" in said(holds)
     assert "true in part" in said(qualified)
     assert holds.get_legend() is None
     (label,) = [text.get_text() for text in qualified.get_legend().get_texts()]
@@ -118,7 +118,7 @@ def test_a_panel_tells_what_became_of_the_other_observables_of_the_sentence(angl
     for i, row in enumerate(law_verdicts.verdicts(angles)):
         told = said(panels(angles)[i])
         for also in row["also"]:
-            assert f"{labels.symbol(angles[also['observable']])} {DOES[also['verdict']][0]}" in told
+            assert f"{labels.symbol(angles[also['observable']])} {PLAIN[also['verdict']]}" in told
 
 
 def test_a_qualified_law_stands_in_orange_with_its_reason_beside_it_in_symbols(angles) -> None:
@@ -321,7 +321,7 @@ def test_a_study_without_observables_and_curves_has_nothing_to_draw() -> None:
 def test_any_stored_observable_is_drawn_if_asked_for_and_what_is_left_out_is_said(angles, tmp_path) -> None:
     asked = study_figure.figure(angles, show=["wraps", "turns", "condition"])
     assert [ax.get_ylabel().split(" [")[0] for ax in asked.axes] == ["wraps", "bends", "condition"]
-    assert "holds" in said(asked.axes[1])  # an observable with a law has the panel of its law
+    assert "true" in said(asked.axes[1])  # an observable with a law has the panel of its law
     assert len(study_figure.figure(angles, sheet=sheet(panel="wraps")).axes) == 1
     (note,) = notes.kept(study_figure.figure(angles))
     judged = {row["observable"] for row in law_verdicts.verdicts(angles)}
