@@ -107,7 +107,7 @@ def _lift_off(sol: Solution, known: Mapping[str, Any], pulled: Any, unit: str) -
         return words.reshape(sol.case.shape)
     ends = _lifted_ends(sol, measured & (share <= 0.5))
     length = np.broadcast_to(sol.case.rod.L, sol.case.shape).reshape(-1)
-    for i in np.flatnonzero(measured):
+    for i in np.flatnonzero(measured).tolist():
         kind = ALL_ALONG if share[i] >= NEARLY_ALL else AT_ENDS if i in ends else IN_PART
         near = ""
         if i in ends:

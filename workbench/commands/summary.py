@@ -3,9 +3,8 @@
 from math import floor, log10
 from typing import Any
 
-from . import console
+from . import console, study_result
 from .options import File, Json
-from . import study_result
 
 
 def summary(file: File, json: Json = False) -> int:

@@ -136,9 +136,7 @@ def _frames(ds: xr.Dataset, path: Path, options: Options, force: bool, format: F
 def _numbered(name: str, i: int) -> str:
     """The name of the i-th file. Raises `InputError` for a pattern that does not hold one whole number."""
     if not NUMBERED.fullmatch(name):
-        raise InputError(
-            f"the name {name!r} must hold one number in braces, such as frame_{{:03d}}{Path(name).suffix}"
-        )
+        raise InputError(f"the name {name!r} must hold one number in braces, such as frame_{{:03d}}{Path(name).suffix}")
     return name.format(i)
 
 

@@ -138,7 +138,9 @@ def sentence(law: JudgedLaw, ds: xr.Dataset, choice: Choice) -> str:
 
 def of_coarse_grid(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The refinement of a study in words, and the verdict of each of its laws."""
-    told = [f"law {row['claim']}: {labels.law_text(row, law_verdicts.stated(row))}; {PLAIN[row['verdict']]}" for row in rows]
+    told = [
+        f"law {row['claim']}: {labels.law_text(row, law_verdicts.stated(row))}; {PLAIN[row['verdict']]}" for row in rows
+    ]
     watched = refined.described(ds).watch
     ended = str(ds.attrs.get(SAMPLING[-1], ""))
     ended = re.sub(r"\w+", lambda one: labels.noun_of(one[0]) if one[0] in watched else one[0], ended)

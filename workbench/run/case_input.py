@@ -172,11 +172,10 @@ def unwound(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def helix_of(case: Case) -> Which:
     """The helix between the ends of a case, by its energy, that of `observables.energy`."""
-    A, rho, (FZ, MZ, M3) = case.rod.bending_stiffness, case.rho, case.loads
-    s, c = math.sin(case.given.beta0), math.cos(case.given.beta0)
-    density = (
-        A / 2 * s**4 / rho**2 + M3 * s * c / rho - FZ * c - MZ * s / rho - M3**2 / (2 * case.rod.torsional_stiffness)
-    )
+    A, C, rho, (FZ, MZ, M3) = case.rod.bending_stiffness, case.rod.torsional_stiffness, case.rho, case.loads
+    beta = field_values(case)["beta0"]
+    s, c = math.sin(beta), math.cos(beta)
+    density = A / 2 * s**4 / rho**2 + M3 * s * c / rho - FZ * c - MZ * s / rho - M3**2 / (2 * C)
     return Which(dbeta0=0.0, energy=float(density * case.rod.L))
 
 

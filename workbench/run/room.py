@@ -7,7 +7,6 @@ from solver.problem.errors import InputError
 from . import shards
 from .plan import Plan, bytes_a_case, bytes_of_file
 
-
 TOLD = 1e9  # bytes: what needs less is not told
 
 

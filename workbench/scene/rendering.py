@@ -139,9 +139,7 @@ def _place(plotter: Any, placed: Placed, made: _Made, camera: Camera, size: tupl
     turn = view.turn
 
     def add(part: surfaces.Part, **options: Any) -> Any:
-        mesh = pv.PolyData(
-            part.points @ turn.T + where, faces=np.insert(part.triangles, 0, 3, axis=1).ravel()
-        )
+        mesh = pv.PolyData(part.points @ turn.T + where, faces=np.insert(part.triangles, 0, 3, axis=1).ravel())
         mesh.point_data.active_normals = part.normals @ turn.T
         mesh.active_texture_coordinates = part.at
         return plotter.add_mesh(mesh, texture=_texture(part.texture), interpolation="Phong", **LOOK, **options)
