@@ -176,7 +176,7 @@ def helix_of(case: Case) -> Which:
     beta = field_values(case)["beta0"]
     s, c = math.sin(beta), math.cos(beta)
     density = A / 2 * s**4 / rho**2 + M3 * s * c / rho - FZ * c - MZ * s / rho - M3**2 / (2 * C)
-    return Which(dbeta0=0.0, energy=float(density * case.rod.L))
+    return Which(index=None, dbeta0=0.0, energy=float(density * case.rod.L))
 
 
 def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
