@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -144,7 +145,7 @@ def _one(together: Trajectory, orbit: "Orbit", t: Array, i: int) -> Trajectory:
     row = slice(i, i + 1)
     names = ("beta", "dbeta", "alpha", "z", "solved", "outcome", "error", "condition", "evaluations")
     picked = {name: getattr(together, name)[row] for name in names}
-    return replace(together, **picked, swirl=lambda: orbit.swirl(t[row]), orbit=orbit)
+    return replace(together, **picked, swirl=partial(orbit.swirl, t[row]), orbit=orbit)
 
 
 def nearest(found: list[Equilibrium], dbeta0: float, energy: float) -> Equilibrium:

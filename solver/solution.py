@@ -24,7 +24,7 @@ SHOWN = "workbench.notebook"  # loaded by name when a solution is shown: the sol
 _quiet = np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Solution:
     """The shape of a case, or of each case of a grid, at n stations in the units of the case.
 
@@ -498,6 +498,17 @@ class Solution:
         """
         return made(SHOWN, "export_solution", self, path, tolerance, replace, units)
 
+    def __repr__(self) -> str:
+        """The outcome and three numbers; of several cases how many are solved, and their ranges."""
+        solved, shape = np.atleast_1d(self.solved).ravel(), self.case.shape
+        if not shape:
+            words = str(self.outcome)
+        else:
+            words = f"{np.count_nonzero(solved)} of {solved.size} cases solved, shape {shape}"
+        numbers = {"height": self.z[..., -1], "beta(L)": self.beta[..., -1], "push_max": self.push.max(axis=-1)}
+        said = [f"{name} {_range(np.ravel(value)[solved])}" for name, value in numbers.items()] if solved.any() else []
+        return f"<Solution by {self.method}: {'; '.join([words, ', '.join(said)] if said else [words])}>"
+
     def _repr_html_(self) -> str | None:
         """A table for a notebook; None, which shows the `repr`, where the workbench cannot be imported."""
         return table_of("solution", self)
@@ -517,3 +528,9 @@ class Alternative:
 
     away: float
     solution: Solution
+
+
+def _range(values: Array) -> str:
+    """The number, or the least and the greatest of several."""
+    low, high = f"{values.min():.6g}", f"{values.max():.6g}"
+    return low if low == high else f"{low} to {high}"

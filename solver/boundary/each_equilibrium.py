@@ -1,6 +1,7 @@
 """One equilibrium of each of B ends problems: near a seed, on the branch of a seed, or by a rule."""
 
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from ..orbit.arcs import Arcs
 from ..orbit.panels import joined
 from ..orbit.periodic_orbit import Orbit, solve_orbit
 from ..problem.reduced import EndsProblem, StartProblem
-from ..problem.trajectory import PLAIN, Seed, Trajectory
+from ..problem.trajectory import PLAIN, Seed, Trajectory, where_shown
 from .branch_coordinates import path_of
 from .continuation import Ended, continued
 from .continuation_steps import FOLD
@@ -73,7 +74,7 @@ def together(found: list[Trajectory | str], t: Array) -> Trajectory:
         solved[i], outcome[i] = one.solved[0], one.outcome[0]
     beta, dbeta, alpha, z = columns
     told = solved, outcome, error, condition, calls, orbit, taken, begun, held
-    return Trajectory(beta, dbeta, alpha, z, lambda: np.where(shown[:, None], orbit.swirl(t), np.nan), *told)
+    return Trajectory(beta, dbeta, alpha, z, partial(where_shown, shown[:, None], orbit.swirl, t), *told)
 
 
 def _joined_orbits(orbits: list[Orbit]) -> Orbit:

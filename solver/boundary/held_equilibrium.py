@@ -56,7 +56,7 @@ def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Tr
     known["held_index"] = np.array([index_of(state, wanted)])
     if reached.seed is not None:
         known["alternatives"] = partial(_alternatives, reached.seed, reached.state, wanted, tol)
-    return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), *verdict, **known)
+    return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *verdict, **known)
 
 
 def _alternatives(seed: State, found: State, wanted: Given, tol: float, t: Array) -> list[tuple[Any, ...]]:

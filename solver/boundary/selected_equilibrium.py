@@ -1,6 +1,7 @@
 """The one equilibrium of an ends problem that a seed or a rule selects, as a trajectory or as a seed."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ def equilibrium_trajectory(problem: EndsProblem, orbit: Orbit, t: Array, tol: fl
     error = (2 * miss + 1e-14) * condition
     calls = np.bincount(orbit.panels.arc // 2, weights=orbit.panels.calls, minlength=t.shape[0]).astype(np.int64)
     verdict = verdicts(beta, error, condition, tol)
-    return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), *verdict, error, condition, calls, orbit)
+    return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *verdict, error, condition, calls, orbit)
 
 
 def selected(

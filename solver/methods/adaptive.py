@@ -6,6 +6,7 @@ second run at thirty times the tolerance is compared, and the tolerance is tight
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -47,7 +48,7 @@ class Adaptive(StartMethod):
             states[i], error[i], condition[i], calls[i], why[i] = _one(self.integrator, one, t[i], tol, self.rtol)
         beta, dbeta, alpha, z, swirl = np.moveaxis(states, 1, 0)
         verdict = verdicts(beta, error, condition, tol).failed(why)
-        return Trajectory(beta, dbeta, alpha, z, lambda: swirl, *verdict, error, condition, calls)
+        return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, calls)
 
 
 def _one(

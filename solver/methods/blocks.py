@@ -5,6 +5,7 @@ block only: the rows of a block are moved into the whole answer before the next 
 """
 
 from dataclasses import fields, is_dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
 from ..problem.reduced import StartProblem
-from ..problem.trajectory import Trajectory
+from ..problem.trajectory import Trajectory, where_shown
 from .base import StartMethod
 
 BLOCK = 2048  # cases: 512 take `orbit` 1.4 times as long; a study's own blocks (`workbench.run.plan`) are no larger
@@ -43,9 +44,9 @@ def run_in_blocks(method: StartMethod, problem: StartProblem, t: Array, tol: flo
     orbit = orbits.joined()
     if orbit is None:
         swirl = swirls.joined()
-        return replace(answer, swirl=lambda: swirl)
+        return replace(answer, swirl=partial(np.asarray, swirl))
     shown = np.isfinite(answer.beta)
-    return replace(answer, orbit=orbit, swirl=lambda: np.where(shown, orbit.swirl(t), np.nan))
+    return replace(answer, orbit=orbit, swirl=partial(where_shown, shown, orbit.swirl, t))
 
 
 class _Orbits:

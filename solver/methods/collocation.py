@@ -8,6 +8,7 @@ its Newton iteration limits the error to about 1e-11.
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -64,7 +65,7 @@ class Collocation(EndsMethod):
                 why[i] = why[i] or "failed: the seed has no shape"
         verdict = verdicts(columns[0], error, condition, tol).failed(why)
         beta, dbeta, alpha, z, swirl = columns
-        return Trajectory(beta, dbeta, alpha, z, lambda: swirl, *verdict, error, condition, work, None, taken)
+        return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, work, None, taken)
 
 
 def _one(

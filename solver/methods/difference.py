@@ -5,6 +5,7 @@ Newton's rule finds the solution near its seed; without a seed, near the equilib
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -63,7 +64,7 @@ class Difference(EndsMethod):
             columns[:, i], error[i], condition[i], work[i], met[i] = answer
         verdict = verdicts(columns[0], error, condition, tol).failed(np.where(met, "", _MISSED)).failed(why)
         beta, dbeta, alpha, z, swirl = columns
-        return Trajectory(beta, dbeta, alpha, z, lambda: swirl, *verdict, error, condition, work, None, taken)
+        return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, work, None, taken)
 
 
 @dataclass(frozen=True, eq=False)

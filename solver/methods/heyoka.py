@@ -6,7 +6,7 @@ every adaptive integrator here, a second run measures the error.
 
 import math
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -45,7 +45,7 @@ class Heyoka(StartMethod):
         beta, dbeta, alpha, z, swirl = np.moveaxis(states[:, :, ::k], 1, 0)
         error = error + 2e-16 * (1 + np.sqrt(calls)) * condition
         verdict = verdicts(beta, error, condition, tol)
-        return Trajectory(beta, dbeta, alpha, z, lambda: swirl, *verdict, error, condition, calls)
+        return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, calls)
 
 
 def _one(problem: StartProblem, t: Array, tol: float, rtol: float | None) -> tuple[Array, float, int]:

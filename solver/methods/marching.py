@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -78,5 +79,5 @@ def _trajectory(tol: float, answer: Array, error: Array, condition: Array, work:
     beta, dbeta, alpha, z, swirl = answer
     error = error + 2e-16 * np.sqrt(work) * condition
     return Trajectory(
-        beta, dbeta, alpha, z, lambda: swirl, *verdicts(beta, error, condition, tol), error, condition, work
+        beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdicts(beta, error, condition, tol), error, condition, work
     )

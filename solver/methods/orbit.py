@@ -1,6 +1,7 @@
 """`orbit`: the periodic orbit by quadrature over half a period; see `orbit.periodic_orbit`."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -41,4 +42,4 @@ def _run(problem: StartProblem, t: Array, tol: float) -> Trajectory:
     why = np.where(spent & (error > tol * growth), SPENT, "")
     verdict = verdicts(beta, error, growth, tol).failed(why)
     calls = np.bincount(orbit.panels.arc // 2, weights=orbit.panels.calls, minlength=problem.size).astype(np.int64)
-    return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), *verdict, error, growth, calls, orbit)
+    return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *verdict, error, growth, calls, orbit)

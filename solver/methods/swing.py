@@ -6,6 +6,7 @@ of its steps is carried along with them.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -48,7 +49,7 @@ class SwingTaylor(StartMethod):
             orbit, verdict = _mended(orbit, whole, t, tol)
         (beta, dbeta, alpha, z), found = whole, orbit.found
         told = *verdict, found["error"], found["condition"], found["evaluations"], orbit
-        return Trajectory(beta, dbeta, alpha, z, lambda: orbit.swirl(t), *told)
+        return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *told)
 
 
 def _mended(orbit: MarchedOrbit, whole: Array, t: Array, tol: float) -> tuple[MarchedOrbit, Verdicts]:

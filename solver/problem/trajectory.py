@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -48,7 +49,7 @@ class Trajectory:
     """The answer to B problems at n stations, in units of rho.
 
     beta, dbeta (d/dt), alpha (from 0), z (from 0): (B, n). swirl: a function that returns the integral of sin(beta)
-    cos(beta), (B, n). solved: (B,) of bool. outcome: (B,) sentences, "solved" or the reason of a failure. error,
+    cos(beta), (B, n); it can be pickled. solved: (B,) of bool. outcome: (B,) sentences, "solved" or the reason of a failure. error,
     condition, evaluations: (B,).
     orbit: the periodic orbit if the method knows it (`orbit.periodic_orbit`), else None.
     selection: (B,) of `selection.Selection`, how each equilibrium was selected; None for a seed, for a
@@ -143,6 +144,11 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> Verdict
     return Verdicts(finite & kept & (error <= max(tol, _SHAPELESS)), outcome)
 
 
+def where_shown(shown: NDArray[np.bool_], values: Callable[..., Array], *at: Array) -> Array:
+    """What `values` returns at these stations, with NaN for each problem that is not shown."""
+    return np.where(shown, values(*at), np.nan)
+
+
 def stood_in(problem: P, fit: NDArray[np.bool_]) -> P:
     """The problems with a plain rod in place of each that is not `fit` (B,), so that a method can solve them all."""
     if fit.all():
@@ -162,7 +168,7 @@ def blanked(told: Trajectory, fit: NDArray[np.bool_], why: str | NDArray[np.str_
         dbeta=dbeta,
         alpha=alpha,
         z=z,
-        swirl=lambda: np.where(shown, told.swirl(), np.nan),
+        swirl=partial(where_shown, shown, told.swirl),
         solved=told.solved & fit,
         outcome=np.where(fit, told.outcome, why),
         error=np.where(fit, told.error, np.inf),

@@ -55,7 +55,7 @@ def together(case: Case, found: list[Solution]) -> Solution:
         columns |= {name: np.concatenate([getattr(one.trajectory, name) for one in found]) for name in _HELD}
     rows = [vars(one.problem) for one in found]
     problem = EndsProblem(**{name: np.concatenate([row[name] for row in rows]) for name in rows[0]})
-    return Solution(case, problem, Trajectory(**columns, swirl=lambda: swirl), t, found[0].method, found[0].tol)
+    return Solution(case, problem, Trajectory(**columns, swirl=partial(np.asarray, swirl)), t, found[0].method, found[0].tol)
 
 
 def single(case: Case, i: int) -> Case:
@@ -75,7 +75,7 @@ def _nothing(state: State, stations: Any) -> Solution:
     nothing = np.full(t.shape, np.nan)
     judged = was.solved, was.outcome, was.error, was.condition, was.evaluations
     known = {name: getattr(was, name) for name in _HELD}
-    answer = Trajectory(nothing, nothing, nothing, nothing, lambda: nothing, *judged, **known)
+    answer = Trajectory(nothing, nothing, nothing, nothing, partial(np.asarray, nothing), *judged, **known)
     return replace(sol, trajectory=answer, t=t)
 
 
