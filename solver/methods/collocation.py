@@ -65,7 +65,8 @@ class Collocation(EndsMethod):
                 why[i] = why[i] or "failed: the seed has no shape"
         verdict = verdicts(columns[0], error, condition, tol).failed(why)
         beta, dbeta, alpha, z, swirl = columns
-        return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, work, None, taken)
+        shape = beta, dbeta, alpha, z, partial(np.asarray, swirl)
+        return Trajectory(*shape, *verdict, error, condition, work, None, taken)
 
 
 def _one(

@@ -64,7 +64,8 @@ class Difference(EndsMethod):
             columns[:, i], error[i], condition[i], work[i], met[i] = answer
         verdict = verdicts(columns[0], error, condition, tol).failed(np.where(met, "", _MISSED)).failed(why)
         beta, dbeta, alpha, z, swirl = columns
-        return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, work, None, taken)
+        shape = beta, dbeta, alpha, z, partial(np.asarray, swirl)
+        return Trajectory(*shape, *verdict, error, condition, work, None, taken)
 
 
 @dataclass(frozen=True, eq=False)

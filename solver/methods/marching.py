@@ -78,6 +78,5 @@ def _error(t: Array, off: Array) -> Array:
 def _trajectory(tol: float, answer: Array, error: Array, condition: Array, work: Array) -> Trajectory:
     beta, dbeta, alpha, z, swirl = answer
     error = error + 2e-16 * np.sqrt(work) * condition
-    return Trajectory(
-        beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdicts(beta, error, condition, tol), error, condition, work
-    )
+    verdict = verdicts(beta, error, condition, tol)
+    return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *verdict, error, condition, work)

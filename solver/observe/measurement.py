@@ -226,17 +226,20 @@ class Reading:
         names = [name for group in groups for name in group.names]
         found = {name: (np.full(sol.problem.size, np.nan), np.full(sol.problem.size, np.nan)) for name in names}
         for some in blocks(sol):
-            measured = _of_groups(groups, pieces_of(sol, some, until), sign[some], error[some], goal)
+            pieces = pieces_of(sol, some, until)
+            measured = _of_groups(groups, pieces, sign[some], error[some], goal)
             if sol.trajectory.orbit is None:
                 if PEAK in groups:  # at each bend the maximum is off by another amount
                     wide = error[some] + off_between(sol, some)
                     measured |= _of_groups([PEAK], pieces_of(sol, some, until), sign[some], wide, goal)
                 fewer = pieces_of(sol, some, until, 2)
                 coarse = _of_groups(groups, fewer, sign[some], error[some], goal)
-                dense = resolved(sol)[some]
+                dense, shapeless = resolved(sol)[some], np.zeros(coarse[names[0]][0].size, dtype=bool)
+                shapeless[pieces.case[np.isnan(pieces.series[pieces.row]).any(axis=(1, 2))]] = True
                 for name, (value, doubt) in measured.items():
                     with np.errstate(invalid="ignore"):  # of a case without a shape
-                        measured[name] = value, np.where(dense, doubt + np.abs(value - coarse[name][0]), np.nan)
+                        doubt = np.where(dense, doubt + np.abs(value - coarse[name][0]), np.nan)
+                        measured[name] = np.where(shapeless, np.nan, value), doubt
             for name, pair in measured.items():
                 for whole, part in zip(found[name], pair, strict=True):
                     whole[some] = part

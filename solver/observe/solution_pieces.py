@@ -24,6 +24,7 @@ from .rod_pieces import Pieces, joined_pieces
 
 _CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
 _RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend
+_WILDEST = 100.0  # rad between two stations: they show no shape, and the bends of such a polynomial take seconds
 _HERMITE = np.array(  # y(0), y(1), y'(0), y'(1), y''(0), y''(1) to powers of x, rising
     [
         [1, 0, 0, -10, 15, -6],
@@ -171,6 +172,8 @@ def of_stations(sol: Solution, some: slice, step: int = 1, until: float = 1.0) -
         for k, values in enumerate(((beta, rate, second), (rate, second, third))):
             data = [(v[:, end].reshape(-1)) * time**power for power, v in enumerate(values) for end in _ENDS]
             series[:, k] = np.stack(data, axis=1) @ _HERMITE @ _from_powers(6)
+        wild = np.abs(series[:, 0, 1:]).sum(axis=1) > _WILDEST
+    series[np.isin(case, case[wild])] = np.nan
     row, one = np.arange(time.size), np.ones(time.size)
     begin = t[:, :-1].reshape(-1)
     with np.errstate(divide="ignore", invalid="ignore"):

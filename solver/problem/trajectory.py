@@ -49,8 +49,8 @@ class Trajectory:
     """The answer to B problems at n stations, in units of rho.
 
     beta, dbeta (d/dt), alpha (from 0), z (from 0): (B, n). swirl: a function that returns the integral of sin(beta)
-    cos(beta), (B, n); it can be pickled. solved: (B,) of bool. outcome: (B,) sentences, "solved" or the reason of a failure. error,
-    condition, evaluations: (B,).
+    cos(beta), (B, n); it can be pickled. solved: (B,) of bool. outcome: (B,) sentences, "solved" or the reason of a
+    failure. error, condition, evaluations: (B,).
     orbit: the periodic orbit if the method knows it (`orbit.periodic_orbit`), else None.
     selection: (B,) of `selection.Selection`, how each equilibrium was selected; None for a seed, for a
     start problem, and where floats cannot hold the problem.

@@ -35,7 +35,8 @@ def read(value: Any) -> list[Any]:
     if isinstance(value, Solution):
         seen = observe(value, ["height", "index", "energy"], errors=True)
         lists = [len(value.alternatives)] if value.held and not value.case.shape else []
-        return [str(value.gamma.tolist()), str(value.push.tolist()), str(value.outcome), *map(str, seen.values()), *lists]
+        along = [value.gamma.tolist(), value.push.tolist(), value.outcome, *seen.values()]
+        return [*map(str, along), *lists]
     if isinstance(value, list):
         return [type(value).__name__, *(read(one) for one in value)]
     if hasattr(value, "points"):
