@@ -55,7 +55,8 @@ def together(case: Case, found: list[Solution]) -> Solution:
         columns |= {name: np.concatenate([getattr(one.trajectory, name) for one in found]) for name in _HELD}
     rows = [vars(one.problem) for one in found]
     problem = EndsProblem(**{name: np.concatenate([row[name] for row in rows]) for name in rows[0]})
-    return Solution(case, problem, Trajectory(**columns, swirl=partial(np.asarray, swirl)), t, found[0].method, found[0].tol)
+    answer = Trajectory(**columns, swirl=partial(np.asarray, swirl))
+    return Solution(case, problem, answer, t, found[0].method, found[0].tol)
 
 
 def single(case: Case, i: int) -> Case:
