@@ -325,5 +325,6 @@ def test_any_stored_observable_is_drawn_if_asked_for_and_what_is_left_out_is_sai
     assert len(study_figure.figure(angles, sheet=sheet(panel="wraps")).axes) == 1
     (note,) = notes.kept(study_figure.figure(angles))
     judged = {row["observable"] for row in law_verdicts.verdicts(angles)}
-    left = [name for name in observed.observables(angles) if name not in judged]
+    level = {name for name in observed.observables(angles) if observed.is_level(angles, name)}
+    left = [name for name in observed.observables(angles) if name not in judged | level]
     assert note == f"Not drawn: {', '.join(left)}; choose with --show."

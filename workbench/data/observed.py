@@ -2,9 +2,11 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 import xarray as xr
 
 from solver.problem.errors import InputError, choices, near
+from studies.laws import NOISE
 
 from . import schema
 
@@ -35,6 +37,12 @@ def _is_told(ds: xr.Dataset, name: str) -> bool:
 def is_count(ds: xr.Dataset, name: str) -> bool:
     """Whether a stored variable is a whole number: a count, a comparison, or the number of a branch."""
     return name == HELD_INDEX or schema.is_count(ds[name]) or ds[name].dtype.kind in "iu"
+
+
+def is_level(ds: xr.Dataset, name: str) -> bool:
+    """Whether a number is the same in all cases, but for rounding."""
+    values = ds[name].values[np.isfinite(ds[name].values)]
+    return bool(values.size and np.ptp(values) <= NOISE * np.abs(values).max())
 
 
 def named(ds: xr.Dataset, names: Sequence[str]) -> list[str]:

@@ -75,7 +75,7 @@ def _panels(fig: Figure) -> list[Axes]:
 def _is_mark(ax: Axes, line: Line2D) -> bool:
     """Whether it is a line across the whole panel, which marks one value, or the casing of a coloured line."""
     across = line.get_transform() in (ax.get_xaxis_transform("grid"), ax.get_yaxis_transform("grid"))
-    return across or line.get_label() == CASING
+    return across or line.get_label() in (CASING, "_samples")
 
 
 def _label(artist: Any, number: int) -> str:

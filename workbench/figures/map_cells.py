@@ -65,6 +65,15 @@ class Cells:
         down, across = map(str, self.ds["outcome"].dims)
         return {down: j, across: i}
 
+    def samples(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The values of x and y of the cases, (n,) each."""
+        names = [str(dim) for dim in self.ds["outcome"].dims][::-1]
+        if SAMPLE in self.source.dims:
+            pairs = [labels.in_label_unit(self.source[name], self.source[name].values) for name in names]
+            return pairs[0], pairs[1]
+        x, y = np.meshgrid(self.x.values, self.y.values)
+        return x.ravel(), y.ravel()
+
     def values(self, name: str) -> NDArray[np.float64]:
         """An observable in the unit of its label, NaN where a cell is not solved or its number is not known."""
         values = labels.in_label_unit(self.ds[name], self.ds[name].values.astype(float))
@@ -163,6 +172,8 @@ def _observables(ds: xr.Dataset, show: Sequence[str]) -> tuple[tuple[str, ...], 
     names = observed.named(ds, show) if show else observed.observables(ds)
     if not names:
         raise InputError("the study stores no observable; a map shows one")
+    if not show:
+        names = [name for name in names if not observed.is_level(ds, name)] or names[:1]
     if show and len(names) > MOST_MAPS:
         raise InputError(f"a figure shows at most {MOST_MAPS} observables, got {len(names)}: {choices(names)}")
     return tuple(names[:MOST_MAPS]), tuple(names[MOST_MAPS:])

@@ -11,11 +11,12 @@ from matplotlib.figure import Figure
 
 from studies.refine import LEVEL
 
-from ..data import labels, law_verdicts, refined
+from ..data import labels, law_verdicts, observed, refined
 from . import canvas, law_lines, legend, map_panel, style, thumbnails
 from .developed import axis_label
 from .map_cells import Cells, Choice, cells, choose
 from .sheet import SCREEN, Sheet
+from .study_figure import level_notes
 
 COLUMN = 2.0  # inches, the height of maps in columns
 LEAST_COLUMN = 1.45  # inches, their least width with a gap
@@ -66,6 +67,7 @@ def figure(
     columns = [cells(ds, choice, where, whole) for where in choice.places()]
     laws, elsewhere = law_lines.judged(ds, choice, verdicts) if whole is None else ([], [])
     maps = _Maps(ds, choice, columns, laws, sheet)
+    maps.asked = bool(show)
     maps.more = law_lines.of_coarse_grid(whole, verdicts) if whole is not None else []
     mixed = [law for law in elsewhere if law.is_mixed()]
     pairs = _in_rows(mixed, maps.across)
@@ -106,6 +108,7 @@ class _Maps:
         self.hatched = map_panel.hatched(columns)
         self.entries: list[Artist] = []
         self.more: list[str] = []
+        self.asked = False
         shown = choice.shown
         self.rows = [[name] for name in shown] if choice.along or len(shown) == 1 else _in_rows(shown, self.across)
         self.inches = self._inches()
@@ -154,13 +157,8 @@ class _Maps:
         map_panel.draw(ax, column, name, self.colours[name], self.of_shapes, pale=0.3)
         self._label(ax)
         held = "".join(f", {self._value(axis, i)}" for axis, i in self.places[0].items()) if self.choice.along else ""
-        ax.set_title(f"developed shapes over the {labels.long_name(self.ds[name])}{held}", loc="left")
-        regions, texts = map_panel.regions_of(column, name, self.colours[name])
-        free = map_panel.room_on(column, regions, self.of_shapes)
-        notes, said = thumbnails.draw(ax, column, shapes, free, name)
-        map_panel.name_regions(ax, free, texts, said)
-        self.more += notes
-        self.entries += thumbnails.entries(column)
+        ax.set_title(f"unrolled views over the {labels.long_name(self.ds[name])}{held}", loc="left")
+        self.more += thumbnails.draw(ax, column, shapes, self.of_shapes, name)
 
     def notes(self) -> list[str]:
         """What the figure says in words."""
@@ -170,8 +168,10 @@ class _Maps:
         if choice.along and len(choice.columns) < self.ds.sizes[choice.along]:
             of = f"the {self.ds.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
             found.append(f"The columns show {len(choice.columns)} of {of}.")
+        if not self.asked:
+            found += level_notes(self.ds, observed.observables(self.ds))
         if choice.left_out:
-            found.append(f"Not shown: {', '.join(choice.left_out)}.")
+            found.append(f"Not drawn: {', '.join(choice.left_out)}.")
         if choice.along and choice.held:
             found.append(f"All maps: {', '.join(self._value(name, i) for name, i in choice.held.items())}.")
         return found

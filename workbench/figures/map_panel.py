@@ -1,6 +1,5 @@
 """One map: an observable in colours over two axes, the regions of a count, hatching, and cells without a number."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -20,15 +19,14 @@ from studies.laws import NOISE
 from ..data import cautions, labels, observed
 from . import regions, style
 from .map_cells import Cells
-from .room import Place, Room, name_beside, size_of, write
-from .room import room as room_of
 from .scales import Ticks
 
 Values = NDArray[np.float64]
 DECADES = 1e3  # ratio of the values from which their colours are logarithmic
 MOST_COLOURS = 256  # counts, each with a colour of its own
 MOST_CLASSES = 24  # of a count, with a border between each two
-AROUND = 0.01  # inches that a border is at least away from a number
+MOST_SAMPLES = 2500  # points that a map shows
+HALO = withStroke(linewidth=2.2, foreground="white", alpha=0.75)
 
 
 class Colours:
@@ -101,9 +99,13 @@ def draw(ax: Axes, cells: Cells, name: str, colours: Colours, inches: tuple[floa
         ax.add_patch(PathPatch(regions.path(~cells.solved, x, y), facecolor=style.UNSOLVED, linewidth=0))
     if colours.count:
         classes, step = _classes(values, colours)
-        _draw_borders(ax, cells, classes)
+        lines = regions.borders(classes, x, y)
+        ax.add_collection(
+            LineCollection(list(lines), colors=style.INK, linewidths=0.7, capstyle="projecting"), autolim=False
+        )
         if pale == 1:
             _number_regions(ax, cells, classes, step, inches)
+    _show_samples(ax, cells)
     ax.grid(False)
     for side in ("top", "right"):
         ax.spines[side].set_visible(True)
@@ -162,69 +164,21 @@ def _classes(values: Values, colours: Colours) -> tuple[Values, int]:
     return np.floor(values / step) * step, step
 
 
-def _draw_borders(ax: Axes, cells: Cells, classes: Values) -> None:
-    """The borders between cells of different classes of a count."""
-    lines = regions.borders(classes, cells.x.edges, cells.y.edges)
-    look: dict[str, Any] = {"colors": style.INK, "linewidths": 0.7, "capstyle": "projecting"}
-    ax.add_collection(LineCollection(list(lines), **look), autolim=False)
-
-
 def _number_regions(ax: Axes, cells: Cells, classes: Values, step: int, inches: tuple[float, float]) -> None:
-    """The count of each region, or the first and the last count of its class: in it, or beside it with a line to it.
-
-    Of several regions of one count that are too small, one has the line.
-    """
-    x, y = cells.x.values, cells.y.values
-    halo = withStroke(linewidth=2.2, foreground="white", alpha=0.75)
-    texts = _texts(classes, step)
-    letters = max(map(len, texts.values()), default=1)
-    room = 0.5 * style.small() / 72 + AROUND, 0.5 * letters * style.small() * style.LETTER + AROUND
-    free = room_on(cells, classes, inches)
-    left = dict(texts)
-    for number, j, i in regions.places(classes, (inches[1] / y.size, inches[0] / x.size), room):
-        ax.text(x[i], y[j], texts[number], ha="center", va="center", size=style.small(), color=style.INK,
-                path_effects=[halo], zorder=5)  # fmt: skip
-        free.take((cells.y.share(y[j]) * inches[1], cells.x.share(x[i]) * inches[0]), (2 * room[0], 2 * room[1]))
-        left.pop(number, None)
-    for number, text in left.items():
-        name_beside(ax, free, number, text)
+    """The count of each region that has room for it, or the first and the last count of its class."""
+    for number, area in regions.areas(classes):
+        text = labels.tick(number) if step == 1 else f"{labels.tick(number)}–{labels.tick(number + step - 1)}"
+        size = 1.25 * style.small() / 72, style.width_of(text, style.small()) + 0.06
+        middle = regions.place(area, (inches[1] / cells.y.values.size, inches[0] / cells.x.values.size), size)
+        if middle is not None:
+            ax.text(cells.x.between(middle[1]), cells.y.between(middle[0]), text, ha="center", va="center",
+                    size=style.small(), color=style.INK, path_effects=[HALO], zorder=5)  # fmt: skip
 
 
-def name_regions(ax: Axes, free: Room, texts: dict[float, str], said: Sequence[Place]) -> None:
-    """Write the count of each area of a map that has room and has none yet, and of each count that is written nowhere.
-
-    said: where counts are written, each in its region.
-    """
-    for number, text in texts.items():
-        size, written = size_of(text), any(free.region(place) == number for place in said)
-        for area in free.areas(number):
-            if any(free.holds(area, place) for place in said):
-                continue
-            middle = free.inside(area, size)
-            if middle is not None:
-                written = True
-                write(ax, text, middle, free.inches)
-                free.take(middle, size)
-        if not written:
-            name_beside(ax, free, number, text)
-
-
-def regions_of(cells: Cells, name: str, colours: Colours) -> tuple[Values, dict[float, str]]:
-    """The regions of a map of an observable, and the counts of each; of what is no count all cells, and none."""
-    values = cells.values(name)
-    if not colours.count:
-        return np.zeros(values.shape), {}
-    classes, step = _classes(values, colours)
-    return classes, _texts(classes, step)
-
-
-def _texts(classes: Values, step: int) -> dict[float, str]:
-    """The count of each class, or its first and its last count."""
-    known = np.unique(classes[np.isfinite(classes)])
-    return {n: labels.tick(n) if step == 1 else f"{labels.tick(n)}–{labels.tick(n + step - 1)}" for n in known}
-
-
-def room_on(cells: Cells, classes: Values, inches: tuple[float, float]) -> Room:
-    """The room for words on a map of that width and height."""
-    up, across = ([scale.share(float(edge)) for edge in scale.edges] for scale in (cells.y, cells.x))
-    return room_of(classes, up, across, (inches[1], inches[0]))
+def _show_samples(ax: Axes, cells: Cells) -> None:
+    """A point at each case, where there are not too many."""
+    x, y = cells.samples()
+    if x.size <= MOST_SAMPLES:
+        size = float(np.clip(40 / x.size**0.5, 0.7, 2.0))
+        ax.plot(x, y, "o", color=style.INK, markersize=size, markeredgewidth=0, alpha=0.45, clip_on=False, zorder=4,
+                label="_samples")  # fmt: skip

@@ -1,6 +1,7 @@
 """Lines in the colours of the push along a rod, and the bar of these colours; see `data.push_colours`."""
 
 from collections.abc import Sequence
+from math import ceil, floor, log10
 from typing import Any
 
 import numpy as np
@@ -93,8 +94,12 @@ def bar(
     said = f"push [{labels.unit(unit)}]{', logarithmic' if isinstance(drawn.norm, SymLogNorm) else ''}"
     found = fig.colorbar(drawn, ax=list(axes), fraction=0.05, pad=0.02, shrink=length / inches, aspect=16, **where)
     found.set_label(said, size=style.small())
-    if not isinstance(drawn.norm, SymLogNorm):
-        (found.ax.xaxis if below else found.ax.yaxis).set_major_formatter(Ticks())
+    if isinstance(drawn.norm, SymLogNorm):
+        least, most = drawn.norm.linthresh, float(drawn.norm.vmax or 1.0)
+        powers = [10.0**k for k in range(ceil(log10(least)) + 1, floor(log10(most)) + 1)]
+        found.set_ticks([sign * power for sign in (-1, 1) for power in powers[:: -(-len(powers) // 2)]] + [0.0])
+        found.minorticks_off()
+    (found.ax.xaxis if below else found.ax.yaxis).set_major_formatter(Ticks())
     found.outline.set_visible(False)
 
 

@@ -13,11 +13,14 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..data import labels
-from . import canvas, legend, region_raster, style
-from .region_numbers import placed
+from . import canvas, legend, region_raster, regions, style
+from .map_panel import HALO
 from .sheet import SCREEN, Sheet
 
 HIGH = 0.72  # height of the map over its width
+SHAPE, SMALL_SHAPE = 0.62, 0.4  # inches, the side of a shape, and that on a narrow map
+NARROW = 4.0  # inches of a map
+MOST, PAD = 4, 0.05  # shapes in a region; inches around a text
 
 
 def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
@@ -47,9 +50,9 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
     lines = [np.transpose([labels.in_label_unit(ds[name], ds[f"curve_{name}"].values[k]) for name in (x, y)])
              for k in range(ds.sizes["curve"])]  # fmt: skip
     low, size = (np.array([[ends[0], np.ptp(ends)] for ends in edges]).T[k] for k in (0, 1))
-    regions = region_raster.fine(ds["region_at"].values, [(line - low) / size for line in lines])
-    counts = np.append(ds["count"].values, 0)[regions].astype(float)
-    counts[regions < 0] = np.nan
+    raster = region_raster.fine(ds["region_at"].values, [(line - low) / size for line in lines])
+    counts = np.append(ds["count"].values, 0)[raster].astype(float)
+    counts[raster < 0] = np.nan
     known = np.unique(counts[np.isfinite(counts)])
     ramp = ListedColormap(style.map_colours(max(known.size, 2))(np.arange(max(known.size, 1))))
     ax.imshow(np.searchsorted(known, np.where(np.isnan(counts), known[:1], counts)), cmap=ramp, origin="lower",
@@ -60,9 +63,9 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
     cusps = [labels.in_label_unit(ds[name], ds[f"cusp_{name}"].values) for name in (x, y)]
     ax.plot(*cusps, "D", color="white", markeredgecolor=style.INK, markersize=4, zorder=5, linestyle="none")
     ax.set(xlim=edges[0], ylim=edges[1], xlabel=labels.axis_label(x, ds[x]), ylabel=labels.axis_label(y, ds[y]))
-    notes, left_out = placed(ds, ax, inches, _texts(ds))
-    told = {int(count) for k, count in enumerate(ds["count"].values) if k not in left_out}
-    unsaid = sorted({int(ds["count"].values[k]) for k in left_out} - told)
+    notes, left_out = _name_regions(ds, ax, inches)
+    said = {int(count) for k, count in enumerate(ds["count"].values) if k not in left_out}
+    unsaid = sorted({int(ds["count"].values[k]) for k in left_out} - said)
     colours = {count: ramp(int(np.searchsorted(known, count)))[:3] for count in unsaid}
     return notes, [Patch(color=(*colours[count], 0.8), label=f"{count} equilibria") for count in unsaid]
 
@@ -97,7 +100,67 @@ def _look(ds: xr.Dataset, k: int) -> dict[str, Any]:
     }
 
 
-def _texts(ds: xr.Dataset) -> list[str]:
-    """``13, 2 stable`` for each region."""
-    pairs = zip(ds["count"].values, ds["count_stable"].values, strict=True)
-    return [f"{count}, {stable} stable" for count, stable in pairs]
+def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[str], list[int]]:
+    """Write ``13, 2 stable`` into each region with room, and its stable shapes below it where they fit too.
+
+    Returns notes, and the regions without room.
+    """
+    numbers = ds["region_at"].values
+    cell = inches[1] / numbers.shape[0], inches[0] / numbers.shape[1]
+    line, side = 1.3 * style.small() / 72, SHAPE if inches[0] > NARROW else SMALL_SHAPE
+    left_out, fewer, drawn = list[int](), False, False
+    for k, (count, stable) in enumerate(zip(ds["count"].values, ds["count_stable"].values, strict=True)):
+        text = f"{count}, {stable} stable"
+        for said, shapes in (
+            *((text, n) for n in range(min(int(stable), MOST), -1, -1)),
+            (text.replace(" ", "\n", 1), 0),
+        ):
+            wide = max(style.width_of(part, style.small()) for part in said.split("\n"))
+            high = line * (1 + said.count("\n"))
+            middle = regions.place(
+                numbers == k, cell, (high + side * bool(shapes) + PAD, max(wide, shapes * side) + PAD)
+            )
+            if middle is not None:
+                up, across = (place / size for place, size in zip(middle, numbers.shape, strict=True))
+                fewer, drawn = fewer or 0 < shapes < stable, drawn or shapes > 0
+                lift = side / 2 / inches[1] * bool(shapes)
+                ax.text(across, up + lift, said, transform=ax.transAxes, ha="center", va="center", size=style.small(),
+                        color=style.INK, linespacing=1.1, path_effects=[HALO], zorder=6)  # fmt: skip
+                _draw_shapes(
+                    ds, ax, k, shapes, (across, up - line / 2 / inches[1]), (side / inches[0], side / inches[1])
+                )
+                break
+        else:
+            left_out.append(k)
+    some = "; where there is not room for all, those of lowest energy" if fewer else ""
+    note = f"Shapes: unrolled views of the stable equilibria, all at one scale{some}."
+    return [note] if drawn else [], left_out
+
+
+def _draw_shapes(
+    ds: xr.Dataset, ax: Axes, k: int, count: int, middle: tuple[float, float], side: tuple[float, float]
+) -> None:
+    """So many stable shapes of a region side by side about a place; places and sizes in shares of the map."""
+    rho, alpha, z = (np.asarray(one) for one in (_rho(ds), ds["stable_alpha"].values, ds["stable_z"].values))
+    extents = [rho[:, None] * np.ptp(alpha, axis=2), np.ptp(z, axis=2)]
+    half = 0.54 * max((float(np.nanmax(one)) for one in extents if np.isfinite(one).any()), default=1.0)
+    for i in range(count):
+        left = middle[0] + (i - count / 2) * side[0]
+        inset = ax.inset_axes((left, middle[1] - side[1] / 2, side[0], side[1]), zorder=6)
+        places = rho[k] * (alpha[k, i] - alpha[k, i, 0]), z[k, i]
+        inset.plot(*places, color="white", linewidth=2.6, alpha=0.8, clip_on=False)
+        inset.plot(*places, color=style.INK, linewidth=1.1, clip_on=False)
+        inset.plot(places[0][0], places[1][0], "o", color=style.INK, markersize=2.2, clip_on=False)
+        middles = [(one.min() + one.max()) / 2 for one in places]
+        inset.set(
+            xlim=(middles[0] - half, middles[0] + half), ylim=(middles[1] - half, middles[1] + half), aspect="equal"
+        )
+        inset.set_axis_off()
+
+
+def _rho(ds: xr.Dataset) -> Any:
+    """rho of each region, (regions,)."""
+    if "rho" in ds:
+        return np.full(ds.sizes["region"], float(ds["rho"]))
+    R, a = (ds[f"region_{n}"].values if f"region_{n}" in ds else float(ds[n]) for n in ("R", "a"))
+    return R + (1 if ds.attrs["side"] == "outside" else -1) * a

@@ -44,34 +44,36 @@ def borders(numbers: Values, x: Values, y: Values) -> Values:
     return np.concatenate([upright, level]).reshape(-1, 2, 2)
 
 
-def places(numbers: Values, cell: tuple[float, float], room: tuple[float, float]) -> Iterator[tuple[float, int, int]]:
-    """A place for the number of each region that has room: the number, and the row and the column of a cell.
+def place(mask: Mask, cell: tuple[float, float], size: tuple[float, float]) -> tuple[float, float] | None:
+    """The row and the column about which a box has most room inside a mask; None where it does not fit.
 
     Parameters
     ----------
-    numbers : array, (rows, columns)
-        NaN belongs to no region.
-    cell : pair of float
-        Height and width of a cell in inches, in the mean.
-    room : pair of float
-        Half the height and half the width of the text of a number in inches.
+    mask : array, (rows, columns)
+    cell, size : pair of float
+        Height and width of a cell in the mean, and of the box, in inches.
     """
     from scipy import ndimage
 
-    sizes = cell[0] / room[0], cell[1] / room[1]  # of a cell, where the half text is 1 x 1
+    rows, columns = (max(int(np.ceil(length / step)), 1) for length, step in zip(size, cell, strict=True))
+    if rows > mask.shape[0] or columns > mask.shape[1]:
+        return None
+    free = ndimage.uniform_filter(np.pad(mask, 1).astype(float), (rows, columns))[1:-1, 1:-1] > 1 - 0.5 / (
+        rows * columns
+    )
+    if not free.any():
+        return None
+    away = ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1]
+    central = np.argwhere(away >= 0.9 * away.max())
+    row, column = central[np.abs(central - central.mean(axis=0)).sum(axis=1).argmin()]
+    return float(row + 0.5 * (rows % 2)), float(column + 0.5 * (columns % 2))
+
+
+def areas(numbers: Values) -> Iterator[tuple[float, Mask]]:
+    """The connected areas of equal number, each with its number; NaN belongs to none."""
+    from scipy import ndimage
+
     for number in np.unique(numbers[np.isfinite(numbers)]):
-        areas, _ = ndimage.label(numbers == number)
-        for k, box in enumerate(ndimage.find_objects(areas), 1):
-            if min((part.stop - part.start) * size for part, size in zip(box, sizes, strict=True)) < 2:
-                continue
-            away = ndimage.distance_transform_edt(np.pad(areas[box] == k, 1), sampling=sizes)
-            if away.max() >= 1 + min(sizes) / 2:  # from the middle of a cell to that of the nearest outside
-                j, i = _most_central(away)
-                yield float(number), box[0].start + j - 1, box[1].start + i - 1
-
-
-def _most_central(away: Values) -> tuple[int, int]:
-    """Of the cells that are about as far from the border as any, the one nearest to their middle."""
-    found = np.argwhere(away >= 0.9 * away.max())
-    nearest = found[np.abs(found - found.mean(axis=0)).sum(axis=1).argmin()]
-    return int(nearest[0]), int(nearest[1])
+        labels, count = ndimage.label(numbers == number)
+        for k in range(1, count + 1):
+            yield float(number), labels == k

@@ -8,7 +8,8 @@ from math import ceil, floor, log10
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import Formatter, MaxNLocator, NullLocator
+from matplotlib.axis import XAxis, YAxis
+from matplotlib.ticker import FixedLocator, Formatter, MaxNLocator, NullLocator
 from numpy.typing import NDArray
 
 from ..data import labels
@@ -18,9 +19,9 @@ Values = NDArray[np.float64]
 
 WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
 EVEN = 1e-6  # share by which the steps of a geometric axis may differ
-MOST, APART = 8, 0.16  # ticks of an axis; inches between two numbers, one above the other
+MOST, GAP = 8, 0.09  # ticks of an axis; inches between two numbers
 ROUNDING = 1e-9  # share of the range by which a tick may lie outside it
-FEW, SUBS = 3, ((1, 2, 5), (1,))  # ticks that a logarithmic axis has at least; their digits
+FEW = 3  # ticks that a logarithmic axis has at least
 
 
 def is_geometric(values: Values) -> bool:
@@ -51,7 +52,8 @@ class Ticks(Formatter):
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """The scale of one axis. values: (n,) rising, in the unit of the label; edges: of their cells, (n + 1,)."""
+    """The scale of one axis. values: (n,) rising, in the unit of the label; edges: of their cells, (n + 1,), from the
+    first value to the last."""
 
     values: Values
     edges: Values
@@ -62,21 +64,61 @@ class Scale:
         low, here, high = (np.log(v) if self.logarithmic else v for v in (self.edges[0], value, self.edges[-1]))
         return float((here - low) / (high - low))
 
+    def between(self, place: float) -> float:
+        """The value at a place, where the cell of value i lasts from i to i + 1."""
+        edges = np.log(self.edges) if self.logarithmic else self.edges
+        found = float(np.interp(place, np.arange(edges.size), edges))
+        return float(np.exp(found)) if self.logarithmic else found
+
     def cell(self, share: float) -> int:
         """The index of the value whose cell lies there."""
         shares = [self.share(float(edge)) for edge in self.edges[1:-1]]
         return int(np.searchsorted(shares, share, side="right"))
 
     def put(self, ax: Axes, which: str, inches: float) -> None:
-        """Give the axis `x` or `y` of a panel this scale, with as many ticks as have room in so many inches."""
-        axis = ax.xaxis if which == "x" else ax.yaxis
-        if self.logarithmic:
-            (ax.set_xscale if which == "x" else ax.set_yscale)("log")
-        (ax.set_xlim if which == "x" else ax.set_ylim)(self.edges[0], self.edges[-1])
-        low, high = float(self.edges[0]), float(self.edges[-1])
-        found = fitting(low, high, self.logarithmic, inches, upward=which == "y")
-        axis.set_minor_locator(NullLocator())
-        axis.set_ticks(found, [written(value) for value in found])
+        """Give the axis `x` or `y` of a panel, so many inches long, this scale."""
+        put(ax.xaxis if which == "x" else ax.yaxis, (self.edges[0], self.edges[-1]), self.logarithmic, inches)
+
+
+def put(axis: XAxis | YAxis, ends: tuple[float, float], logarithmic: bool, inches: float) -> None:
+    """Give an axis of so many inches its ends, its scale, and round ticks that have room."""
+    axis.axes.set(**{f"{axis.axis_name}scale": "log" if logarithmic else "linear", f"{axis.axis_name}lim": ends})
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_locator(FixedLocator(ticks(ends, logarithmic, inches, axis.axis_name == "y")))
+    axis.set_major_formatter(Ticks())
+
+
+def ticks(ends: tuple[float, float], logarithmic: bool, inches: float, upward: bool = False) -> list[float]:
+    """As many round numbers as have room on an axis: at 1, 2 and 5 times powers of ten on a logarithmic one, or at the
+    powers alone; evenly spaced ones where `FEW` such numbers do not lie between the ends."""
+    change = log10 if logarithmic else float
+    scale = inches / (change(ends[1]) - change(ends[0]))
+    chosen: list[float] = []
+    for most in range(MOST, 0, -1):
+        chosen = _round_numbers(ends, logarithmic, most) or chosen
+        wide = [style.small() / 72 if upward else style.width_of(labels.tick(value), style.small()) for value in chosen]
+        gaps = [scale * (change(b) - change(a)) - (left + right) / 2
+                for (a, left), (b, right) in pairwise(zip(chosen, wide, strict=True))]  # fmt: skip
+        if min(gaps, default=GAP) >= GAP:
+            return chosen
+    apart = scale * (change(chosen[-1]) - change(chosen[0]))
+    return (
+        [chosen[0], chosen[-1]]
+        if apart >= GAP + style.width_of(labels.tick(chosen[-1]), style.small())
+        else chosen[-1:]
+    )
+
+
+def _round_numbers(ends: tuple[float, float], logarithmic: bool, most: int) -> list[float]:
+    """At most about so many round numbers between two ends."""
+    low, high = ends[0] - ROUNDING * abs(ends[0]), ends[1] + ROUNDING * abs(ends[1])
+    for digits in ((1, 2, 5), (1,)) if logarithmic else ():
+        powers = range(floor(log10(low)), ceil(log10(high)) + 1)
+        inside = [digit * 10.0**power for power in powers for digit in digits if low <= digit * 10.0**power <= high]
+        if len(inside) >= FEW and (len(inside) <= most or digits == (1,)):
+            return inside[:: ceil(len(inside) / most)]
+    even = MaxNLocator(nbins=most, steps=[1, 2, 5, 10], min_n_ticks=1).tick_values(low, high)
+    return [float(value) for value in even if low <= value <= high]
 
 
 def scale_of(axis: xr.DataArray) -> Scale:
@@ -88,40 +130,5 @@ def scale_of(axis: xr.DataArray) -> Scale:
         edges = points + np.array([-0.5, 0.5]) * (abs(points[0]) or 1.0)
     else:
         between = (points[1:] + points[:-1]) / 2
-        edges = np.concatenate([[2 * points[0] - between[0]], between, [2 * points[-1] - between[-1]]])
+        edges = np.concatenate([points[:1], between, points[-1:]])
     return Scale(values, np.exp(edges) if logarithmic else edges, logarithmic)
-
-
-def fitting(low: float, high: float, logarithmic: bool, inches: float, upward: bool = False) -> list[float]:
-    """As many `ticks` as have room on an axis of so many inches, so that no two of their numbers meet."""
-    change = log10 if logarithmic else float
-    found: list[float] = []
-    for most in range(MOST, 1, -1):
-        found = ticks(low, high, logarithmic, most)
-        places = [inches * (change(value) - change(low)) / (change(high) - change(low)) for value in found]
-        sizes = [style.small() / 72 if upward else style.width_of(written(value), style.small()) for value in found]
-        gaps = [b - a - (left + right) / 2
-                for (a, b), (left, right) in zip(pairwise(places), pairwise(sizes), strict=True)]  # fmt: skip
-        if min(gaps, default=0.0) >= (APART if upward else style.width_of("0", style.small())):
-            return found
-    return found[:1] + found[-1:] if len(found) > 2 else found
-
-
-def written(value: float) -> str:
-    return labels.minus_signs(labels.powers_of_ten(labels.number(value)))
-
-
-def ticks(low: float, high: float, logarithmic: bool, most: int) -> list[float]:
-    """At most so many round numbers from low to high: on a logarithmic axis at 1, 2 and 5 times powers of ten, or over
-    several decades at powers of ten alone; evenly spaced ones where `FEW` such numbers do not lie in the range."""
-    low, high = low - (high - low) * ROUNDING, high + (high - low) * ROUNDING
-    if logarithmic:
-        powers = range(floor(log10(low)), ceil(log10(high)) + 1)
-        found = [[digit * 10.0**power for power in powers for digit in digits] for digits in SUBS]
-        many, some = ([value for value in row if low <= value <= high] for row in found)
-        if len(many) > most and len(some) >= FEW:
-            many = some
-        if len(many) >= FEW:
-            return many[:: ceil(len(many) / most)]
-    even = MaxNLocator(nbins=min(most, 6), steps=[1, 2, 5, 10]).tick_values(low, high)
-    return [float(value) for value in even if low <= value <= high]

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, NullLocator
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from studies.dimensions import SAMPLE
@@ -16,7 +16,7 @@ from studies.laws import FAILS
 
 from ..data import labels, observed, schema, selection
 from . import style
-from .scales import Ticks, fitting, written
+from .scales import Ticks, put
 
 ROW_HEIGHT, LEAST_WIDTH = 2.1, 1.7  # inches of a panel
 NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches of a panel at least; of ticks and label
@@ -110,7 +110,7 @@ def _panel(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None
         ax.set_title(f"r = {found:+.2f}".replace("-", "−"), loc="right", size=style.small(), color=style.SOFT, pad=2)
     ax.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=observed.is_count(ds, name)))
     ax.yaxis.set_major_formatter(Ticks())
-    ax.margins(x=0.03, y=0.12)
+    ax.margins(y=0.12)
     style.with_grid(ax)
 
 
@@ -125,13 +125,13 @@ def rank_correlation(x: Values, y: Values) -> float | None:
 
 def _scale(ax: Axes, x: Values, inches: float) -> bool:
     """A logarithmic axis where the samples are spread more evenly so; whether it is one. inches: its length."""
+    logarithmic = False
     low, middle, high = float(x.min()), float(np.median(x)), float(x.max())
     if low > 0 and high > WIDE * low and abs(middle - np.sqrt(low * high)) < abs(middle - (low + high) / 2):
-        ax.set_xscale("log")
-    logarithmic = ax.get_xscale() == "log"
-    some = fitting(low, high, logarithmic, inches)
-    ax.xaxis.set_minor_locator(NullLocator())
-    ax.set_xticks(some, [written(value) for value in some])
+        logarithmic = True
+    spare = 0.03 * (np.log(high / low) if logarithmic else high - low)
+    ends = (low * np.exp(-spare), high * np.exp(spare)) if logarithmic else (low - spare, high + spare)
+    put(ax.xaxis, (float(ends[0]), float(ends[1])), logarithmic, inches)
     return logarithmic
 
 

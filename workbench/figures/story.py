@@ -110,7 +110,7 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
     heights = np.concatenate([rod["z"] for rod in found.solved])
     ends = float(heights.min()) - R, float(heights.max()) + R
     step = 2.9 * (R + 2 * found.solved[0].a)
-    every = 2 if ax.get_position().width * ax.figure.get_figwidth() < 0.45 * len(found.rods) else 1
+    every = 2 if style.inches(ax)[0] < 0.45 * len(found.rods) else 1
     for k, rod in enumerate(found.rods):
         eye = Eye(float(np.mean(rod["alpha"])) - TURNED if rod.arrays is not None else 0.0, k * step)
         foot = eye.to_page([0, 0, ends[0]]) - [0, 0.5 * R]

@@ -152,11 +152,14 @@ def _choice(
     if show and is_sampled:
         return _Choice([], sampled=show)
     if show:
-        return _Choice([one for name in show for one in [row for row in rows if row["observable"] == name] or [name]])
+        laws_on: dict[str, list[Any]] = {name: [row for row in rows if row["observable"] == name] for name in show}
+        return _Choice([one for name in show for one in laws_on[name] or [name]])
     if panel is None:
-        plain, level = ([], []) if rows or is_sampled else _told(ds, stored)
+        varied = [name for name in stored if not observed.is_level(ds, name)]
+        plain = [] if rows or is_sampled else (varied or stored)[:MOST_PLAIN]
         shown = {*plain, *(row["observable"] for row in rows), *(stored if is_sampled else ())}
-        left_out = [name for name in stored if name not in shown and (rows or not _is_level(ds[name]))]
+        level = level_notes(ds, [name for name in stored if name not in shown])
+        left_out = [name for name in varied if name not in shown]
         return _Choice(rows or plain, strips, stored if is_sampled else (), level, left_out)
     known = [*strips, *(str(row["claim"]) for row in rows), *laws, *stored, *([SAMPLES] if is_sampled else [])]
     if panel not in known:
@@ -168,17 +171,11 @@ def _choice(
     return _Choice([laws[panel]] if panel in laws else [row for row in rows if row["claim"] == panel])
 
 
-def _told(ds: xr.Dataset, names: list[str]) -> tuple[list[str], list[str]]:
-    """The observables that get a panel, and sentences about counts that are the same in all cases and get none."""
-    level = [name for name in names if observed.is_count(ds, name) and _is_level(ds[name])]
-    if len(level) == len(names):
-        return names[:MOST_PLAIN], []
-    said = [f"{labels.long_name(ds[name])}: {float(ds[name].max()):g} in all cases." for name in level]
-    return [name for name in names if name not in level][:MOST_PLAIN], [text[0].upper() + text[1:] for text in said]
-
-
-def _is_level(array: xr.DataArray) -> bool:
-    return bool((array == array.values.flat[0]).all())
+def level_notes(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
+    """A sentence about each observable that is the same in all cases."""
+    level = [(ds[name], float(ds[name].max())) for name in names if observed.is_level(ds, name)]
+    texts = [f"{labels.long_name(array)}: {labels.value(value, array)} in all cases." for array, value in level]
+    return [text[0].upper() + text[1:] for text in texts]
 
 
 def _named(rows: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:

@@ -6,24 +6,21 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
-from matplotlib.lines import Line2D
 
 from solver.problem.errors import InputError
 
 from ..data import labels
 from . import developed, push_scale, style
 from .map_cells import Cells, Choice
-from .room import Place, Room, size_of, write
+from .map_panel import HALO
 from .scales import Scale
 from .single_rod import pushes
 
 MOST = 12  # shapes along an axis
 FILL = 0.86  # of the room of a shape
-MOST_AWAY = 0.6  # inches from the middle of a shape to its number
 
 
 @dataclass(frozen=True)
@@ -52,68 +49,42 @@ def check(ds: xr.Dataset, grid: xr.Dataset, choice: Choice, shapes: Shapes) -> N
         raise InputError('the study stores no developed curves: add "alpha" and "z" to its outputs, and run it again')
 
 
-def draw(ax: Axes, cells: Cells, shapes: Shapes, free: Room, name: str) -> tuple[list[str], list[Place]]:
-    """Draw the shapes on a map, each with the number of an observable beside it, in the region of its cell.
-
-    Returns notes on their scale, and where such numbers stand in their regions.
-    """
-    ds, inches = cells.source, free.inches[::-1]
+def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], name: str) -> list[str]:
+    """Draw the shapes on a map so many inches wide and high, each above the number of an observable; returns notes."""
+    ds = cells.source
     columns, across = _spread(cells.x, shapes.across)
     rows, up = _spread(cells.y, shapes.up)
     places = {(j, i): cells.place(j, i) for j in rows for i in columns}
     curves = {cell: developed.curve(ds, where) if cells.solved[cell] else None for cell, where in places.items()}
-    found = [curve for curve in curves.values() if curve is not None]
-    if not found:
-        return ["None of the chosen rods is solved: no shape is drawn."], []
-    extent = max(float(np.ptp(curve[0])) for curve in found), max(float(np.ptp(curve[1])) for curve in found)
+    known = [curve for curve in curves.values() if curve is not None]
+    if not known:
+        return ["None of the chosen rods is solved: no shape is drawn."]
+    extent = max(float(np.ptp(curve[0])) for curve in known), max(float(np.ptp(curve[1])) for curve in known)
     factor = developed.stretch(*extent, (across * inches[0], up * inches[1]))
     drawn = [ds.isel(places[cell]) for cell, curve in curves.items() if curve is not None]
     norm = push_scale.wide_scale([pushes(one) for one in drawn]) if "contact" in ds.data_vars else None
-    coarse, said, middles = False, list[Place](), dict[tuple[int, int], Place]()
-    larger = min(across * inches[0] / (extent[0] or 1.0), up * inches[1] * factor / (extent[1] or 1.0))
+    coarse = False
     for (j, i), curve in curves.items():
-        left, low = (scale.share(float(scale.values[k])) - room / 2
+        left, low = (float(np.clip(scale.share(float(scale.values[k])) - room / 2, 0, 1 - room))
                      for scale, k, room in ((cells.x, i, across), (cells.y, j, up)))  # fmt: skip
-        middles[j, i] = (low + up / 2) * inches[1], (left + across / 2) * inches[0]
         if curve is not None:
-            course = [(v - (v.min() + v.max()) / 2) * larger / f for v, f in zip(curve, (1, factor), strict=True)]
-            free.take_curve(np.column_stack(course[::-1]) + middles[j, i])
             dots = developed.too_coarse(ds, places[j, i])
             _curve(ax.inset_axes((left, low, across, up)), ds.isel(places[j, i]), curve, extent, factor, dots, norm)
             coarse |= dots
+        ax.text(left + across / 2, low, _number(cells, name, j, i), transform=ax.transAxes, ha="center", va="bottom",
+                size=style.small(), path_effects=[HALO], zorder=20)  # fmt: skip
     if norm is not None:
         coloured = ScalarMappable(norm, push_scale.ramp())
         push_scale.bar(ax.get_figure(root=True), coloured, [ax], push_scale.unit(ds), inches[0], below=True)  # type: ignore[arg-type]
-    for cell, middle in middles.items():
-        text, number = _number(cells, name, *cell), free.region(middle)
-        size = size_of(text)
-        place = free.beside(middle, size, number)
-        if place is not None and np.hypot(*np.subtract(place, middle)) < MOST_AWAY:
-            said.append(place)
-            free.take(place, size)
-        else:
-            place = middle[0], middle[1] - size[1] / 2 - 9 / 72
-        write(ax, text, place, free.inches)
     notes = [f"Dots: {ds.sizes['u']} stations miss bends."] if coarse else []
-    return [_scale_of(ds, extent, factor), *notes], said
-
-
-def entries(cells: Cells) -> list[Artist]:
-    """The legend of the colours of the shapes."""
-    said = {style.PUSHED: "the cylinder pushes"}
-    if "contact" not in cells.source.data_vars:
-        said = {}
-    elif "pulled" not in cells.cautions or cells.cautions["pulled"].any():
-        said[style.LIFTED] = "the cylinder would have to pull"
-    return [Line2D([], [], color=colour, linewidth=1.8, label=label) for colour, label in said.items()]
+    return [_scale_of(ds, extent, factor), *notes]
 
 
 def _spread(scale: Scale, count: int) -> tuple[list[int], float]:
     """The cells in the middles of so many equal bands of an axis, and the room of each as a share of the axis."""
     chosen = list(dict.fromkeys(scale.cell((k + 0.5) / count) for k in range(count)))
     shares = [scale.share(float(scale.values[i])) for i in chosen]
-    gaps = [*np.diff(shares), 2 * shares[0], 2 * (1 - shares[-1])]
-    return chosen, FILL * float(min(gaps))
+    return chosen, FILL * float(min([*np.diff(shares), 1 / count]))
 
 
 def _number(cells: Cells, name: str, j: int, i: int) -> str:
@@ -127,7 +98,7 @@ def _scale_of(ds: xr.Dataset, extent: tuple[float, float], factor: float) -> str
     unit = labels.unit(str(ds.attrs["length_unit"]))
     size = f"the tallest is {labels.number(extent[1])} {unit} high"
     enlarged = f"{developed.larger(factor, 'ρα')}{developed.larger(1 / factor, 'z')}"
-    return f"Shapes: developed curves, ρα to the right and z up, all at one scale{enlarged}; {size}."
+    return f"Shapes: unrolled views, each about its own case, its number below; all at one scale{enlarged}; {size}."
 
 
 def _curve(

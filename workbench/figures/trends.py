@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator, NullLocator
+from matplotlib.ticker import MaxNLocator
 
 from solver.problem.errors import no_such
 from studies.laws import FAILS, NOISE
@@ -14,7 +14,7 @@ from studies.laws import FAILS, NOISE
 from ..data import labels, observed, selection
 from . import style
 from .developed import axis_label
-from .scales import WIDE, Ticks, fitting, is_geometric, written
+from .scales import WIDE, Ticks, is_geometric, put
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
 
@@ -47,7 +47,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
         ax.axvline(float(np.degrees(ds["fold"])), color=style.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     ax.set_xlabel(style.wrapped(axis_label(ds, axis, others, long=False), ax))
     ax.set_ylabel(labels.label(ds[observable]))
-    ax.margins(x=0.04, y=0.1)
+    ax.margins(y=0.1)
     ax.yaxis.set_major_formatter(Ticks())
     drawn = lines.values[np.isfinite(lines.values)]
     if observed.is_count(ds, observable):
@@ -78,16 +78,7 @@ def _scale(ax: Axes, ds: xr.Dataset, axis: str, along: Any) -> None:
     """A logarithmic axis where the values are spaced so or were refined so, with ticks at 1, 2 and 5."""
     low, high = float(along.min()), float(along.max())
     refined_so = ds[axis].attrs.get("spacing") == "geometric" and low > 0 and high > WIDE * low
-    if refined_so or is_geometric(along):
-        ax.set_xscale("log")
-        some = fitting(low, high, True, style.inches(ax)[0])
-        ax.xaxis.set_minor_locator(NullLocator())
-        ax.set_xticks(some, [written(value) for value in some])
-    else:
-        _linear(ax)
-
-
-def _linear(ax: Axes) -> None:
-    """Few enough ticks that their numbers do not meet."""
-    ax.xaxis.set_major_locator(MaxNLocator(nbins=5))
-    ax.xaxis.set_major_formatter(Ticks())
+    logarithmic = refined_so or is_geometric(along)
+    spare = 0.04
+    ends = (low * (low / high) ** spare, high * (high / low) ** spare) if logarithmic else ax.get_xlim()
+    put(ax.xaxis, ends, logarithmic, style.inches(ax)[0])
