@@ -7,7 +7,7 @@ The line is halved until Newton's rule, started between two equilibria that are 
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from .separatrix_folds import deep_system
 _FIRST, _LAST = 0.02, 1e-7  # lengths of a line, in shares: from where Newton's rule is tried, and where it ends
 _DEEP = 1e-3  # length from which on the pair may be next to a separatrix
 _PAIRS = 6  # of equilibria that are tried as those that meet
+_FINER = 3  # parts of a line whose ends differ in the levels that nearly meet
 _NARROW = 1e-4  # shares: a strip between two curves that is narrower is not looked for
 
 
@@ -70,7 +71,17 @@ def strip_between(counted: Counted, pieces: Pieces, start: Array, end: Array) ->
     On some path two levels have met before and two others part beyond, so that two curves lie between the points and
     undo each other's change. None where no path shows it, or where the strip is narrower than `_NARROW`.
     """
-    while np.abs(end - start).max() > _NARROW and _may_hide_two(counted, start, end):
+    parts = _FINER if counted.near_misses(start) != counted.near_misses(end) else 1
+    points = [start + share * (end - start) for share in np.linspace(0, 1, parts + 1)]
+    strips = (_strip(counted, pieces, *two) for two in pairwise(points) if _may_hide_two(counted, *two))
+    return next((strip for strip in strips if strip is not None), None)
+
+
+def _strip(counted: Counted, pieces: Pieces, start: Array, end: Array) -> Array | None:
+    """As `strip_between`, by halves."""
+    if unexplained(counted, pieces, start, end):
+        return np.asarray(end)
+    while np.abs(end - start).max() > _NARROW:
         middle = (start + end) / 2
         if unexplained(counted, pieces, start, middle):
             return np.asarray(middle)

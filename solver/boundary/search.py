@@ -22,6 +22,7 @@ BUDGET = 3e7  # evaluations of G: ten to twenty seconds
 _EACH = 15  # levels computed for each equilibrium
 _PATHS = 1000  # paths searched together
 _LARGEST = 1e100
+_COARSE = 0.5  # step in log gap of levels that are only looked at
 _MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is rejected
 
 
@@ -192,7 +193,7 @@ def _most_needed(boundary: Boundary, grid: LevelGrid, seen: TransitTimes) -> int
 def near_misses(problem: EndsProblem, most_periods: int) -> Counter[tuple[int, int, int, bool]]:
     """How often the length of each path (leaving, arriving, periods) has a least value above that of the rod (True), or
     a largest below it (False), as seen on the grid of levels: there two equilibria appear if the two meet."""
-    boundary, grid = level_grid_of(boundary_of(problem))
+    boundary, grid = level_grid_of(boundary_of(problem), _COARSE)
     seen = transit_times(boundary, grid.levels)
     every = paths(boundary, 2 * min(_most_needed(boundary, grid, seen), most_periods) + 1)
     if grid.levels.y.size < 3 or not every.periods.size:

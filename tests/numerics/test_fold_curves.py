@@ -324,15 +324,28 @@ def test_no_pitchfork_line_goes_where_a_field_breaks_the_symmetry(field, cusps) 
     assert not found.checked(60)
 
 
-def test_a_strip_between_two_folds_that_undo_each_other_is_seen() -> None:
+STRIPS = {
+    "EI": (
+        Case(Rod(EI=1.0, GJ=1.7052953818, a=0.2, L=3.7419063113), Cylinder(0.8), Ends(-0.4170023, -0.4170023)),
+        {"FZ": (-9.2066, 3.5832), "EI": (1.4921, 2.9843)},
+        [((-1.97 * 2.8, 2.8), 3), ((-1.96 * 2.8, 2.8), 5), ((-1.95 * 2.8, 2.8), 3)],
+    ),
+    "R": (
+        Case(Rod(EI=1.0, GJ=1.2686566719, a=0.2, L=3.9938316568), Cylinder(0.8),
+             Ends(0.0035581283, 0.0035581283, MZ=0.4052525276, M3=-0.8041990176)),
+        {"FZ": (-6.0812, 3.0533), "R": (0.9, 1.6)},
+        [((-1.62, 0.9), 3), ((-1.56, 0.9), 5), ((-1.48, 0.9), 3)],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["EI", pytest.param("R", marks=pytest.mark.slow)])
+def test_a_strip_between_two_folds_that_undo_each_other_is_seen(name) -> None:
     """It has 5 equilibria; on both sides there are 3, one of them another."""
-    rod = Rod(EI=1.0, GJ=1.7052953818287397, a=0.2, L=3.741906311267317)
-    case = Case(rod, Cylinder(0.8), Ends(beta0=-0.4170023150176283, betaL=-0.4170023150176283))
-    folds = fold_curves(case, FZ=(-9.2066, 3.5832), EI=(1.4921, 2.9843))
-    for EI in (1.6, 2.8):
-        for share, count in ((-1.97, 3), (-1.96, 5), (-1.95, 3)):
-            values = [share * EI, EI]
-            assert sum(folds.indices_at(values).values()) == count == len(equilibria(folds.case_at(values), stations=2))
+    case, ranges, points = STRIPS[name]
+    folds = fold_curves(case, **ranges)
+    for values, count in points:
+        assert sum(folds.indices_at(values).values()) == count == len(equilibria(folds.case_at(values), stations=2))
 
 
 @pytest.mark.slow
