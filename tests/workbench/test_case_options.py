@@ -102,7 +102,7 @@ def printed(capsys, *args: str) -> tuple[int, str]:
 @pytest.mark.parametrize(("tension", "words"), [("2000", "which is stable"), ("20", "unstable in 6 ways under dead")])
 def test_a_wound_cable_is_the_helix_of_its_tension_and_lay(tension: str, words: str, capsys) -> None:
     """Below A/rho^2, here 654 N, another shape is stable; the helix is shown, and that it is not stable is said."""
-    status, shown = printed(capsys, "--tension", tension, "--lay", "80deg")
+    status, shown = printed(capsys, "--all", "--tension", tension, "--lay", "80deg")
     assert status == 0
     assert f"the helix of this tension and lay, {words}" in shown
     values = dict(re.findall(r"^(\w+) +(\S+) ", shown, re.MULTILINE))

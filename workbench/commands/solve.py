@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from ..run.fidelity import Fidelity as Level
 
 LOADS = ("FZ", "MZ", "M3")
+HEADLINES = (
+    "turns", "wraps", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max", "attached",
+    "index",
+)  # fmt: skip
 
 
 @takes_case()
@@ -32,6 +36,7 @@ def solve(
         float | None,
         numbered("Weight per length in the fluid [force/length], which the model leaves out: compare with its effect."),
     ] = None,
+    every: Annotated[bool, flag("Print every number that is found, not only ten.", "--all")] = False,
     json: Json = False,
 ) -> int:
     """Solve one case and print it.
@@ -83,7 +88,7 @@ def solve(
     if json:
         console.print_json(found)
     else:
-        _print(found)
+        _print(found, every)
     return 0 if sol.solved else 1
 
 
@@ -159,7 +164,7 @@ def _indices(sol: "Solution") -> dict[str, int]:
     return {"held ends": int(sol.held_index)} | ({"dead loads": int(dead)} if math.isfinite(dead) else {})
 
 
-def _print(found: dict[str, Any]) -> None:
+def _print(found: dict[str, Any], every: bool) -> None:
     from solver.problem.quantities import quantity
     from studies.axes import quantity_of
 
@@ -179,10 +184,13 @@ def _print(found: dict[str, Any]) -> None:
     console.print_table(["given", "value", "unit", ""], rows)
     console.say("")
     if results := _results(found):
+        shown = [name for name in results if every or name in HEADLINES or name not in found["observables"]]
         console.print_table(
             ["found", "value", "unit", ""],
-            [[name, value, _unit(name, found), quantity(name).long_name] for name, value in results.items()],
+            [[name, results[name], _unit(name, found), quantity(name).long_name] for name in shown],
         )
+        if more := len(results) - len(shown):
+            console.say(f"{more} more numbers with --all")
         console.say("")
     accuracy = (
         f": error {found['error']:.1e}, condition {found['condition']:.3g}" if math.isfinite(found["error"]) else ""
