@@ -101,13 +101,21 @@ def start(
     """The shape of an elastic rod on a cylinder: solve, study, store, draw and check."""
 
 
-def _exiting(command: Callable[..., int]) -> Callable[..., None]:
+OLD = {  # name of a command that goes -> what does the same
+    "animate": "scene --out film.mp4",
+}
+
+
+def _exiting(name: str, command: Callable[..., int]) -> Callable[..., None]:
     """The command as the parser calls it: it exits with its status, and an interruption keeps its message."""
 
     @wraps(command)
     def run(*args: Any, **options: Any) -> None:
         try:
-            raise typer.Exit(command(*args, **options))
+            status = command(*args, **options)
+            if name in OLD:
+                print(f"workbench: {name} will go: use {OLD[name]}", file=sys.stderr)
+            raise typer.Exit(status)
         except KeyboardInterrupt as error:
             stopped = typer.TyperException(str(error) or "interrupted; the stored files are complete")
             stopped.exit_code = INTERRUPTED
@@ -117,7 +125,7 @@ def _exiting(command: Callable[..., int]) -> Callable[..., None]:
 
 
 for _name, _command in COMMANDS.items():
-    app.command(_name, cls=help_pages.CommandHelp)(_exiting(_command))
+    app.command(_name, cls=help_pages.CommandHelp)(_exiting(_name, _command))
 
 
 def main(args: list[str] | None = None) -> None:

@@ -13,6 +13,7 @@ from solver.problem.errors import InputError
 from studies.loader import loads
 from tests.workbench import small
 from tests.workbench.pictures import pixels
+from workbench import cli
 from workbench.commands import animate, console
 from workbench.data import writing
 from workbench.figures import style
@@ -92,6 +93,20 @@ def test_a_film_that_cannot_be_drawn_leaves_nothing(tmp_path) -> None:
     with pytest.raises(InputError, match="the second frame"):
         film.write([tmp_path / "film.mp4", tmp_path / "film.gif"], broken(), fps=2.0)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_scene_makes_a_film_and_the_old_command_names_it(monkeypatch, capsys) -> None:
+    asked = []
+    monkeypatch.setattr(animate, "animate_file", lambda *given, **more: asked.append((*given, *more.values())) or 0)
+    for words in (
+        ["scene", "a.h5", "--along", "E", "--out", "E.mp4"],
+        ["animate", "a.h5", "--axis", "E", "-o", "E.mp4"],
+    ):
+        with pytest.raises(SystemExit) as end:
+            cli.main(words)
+        assert end.value.code == 0
+    assert asked[0] == asked[1]
+    assert capsys.readouterr().err == "workbench: animate will go: use scene --out film.mp4\n"
 
 
 def test_a_frame_has_even_sides() -> None:

@@ -1,5 +1,6 @@
 """The command animate: a film of the cases along an axis."""
 
+import inspect
 from pathlib import Path
 from typing import Annotated
 
@@ -47,6 +48,20 @@ def animate_file(
     for path in paths:
         console.say(f"{path}: {len(cases)} frames, {fps:g} per second")
     return 0
+
+
+def is_film(out: Path) -> bool:
+    """Whether the name of a file is that of a film."""
+    from ..scene import film
+
+    return out.suffix.lower() in film.SUFFIXES
+
+
+def film_of(file: Path, at: list[str], out: Path, force: bool, kind: str | None, along: str | None) -> int:
+    """Write the film that `scene` asks for, with the rate and size of `animate`."""
+    usual = inspect.signature(animate).parameters
+    rest = {name: usual[name].default for name in ("fps", "pixel_error", "dpi")}
+    return animate_file(file, along, at, kind or usual["kind"].default, None, [out], **rest, force=force)
 
 
 def animate(

@@ -7,11 +7,13 @@ from typer.core import TyperCommand, TyperGroup
 # heading -> its commands, in the order of --help
 GROUPS: dict[str, tuple[str, ...]] = {
     "The paper": ("reproduce",),
-    "One rod": ("solve", "equilibria", "folds", "loops", "fit", "explore"),
+    "One rod": ("solve", "fit", "explore"),
+    "Equilibria": ("equilibria", "folds", "loops"),
     "Studies": ("list", "run", "check", "summary", "merge", "sensitivity"),
-    "Pictures and files": ("plot", "scene", "animate", "gallery", "export"),
-    "Methods and machine": ("trade", "extremes", "doctor"),
+    "Pictures and files": ("plot", "scene", "export"),
     "Documentation": ("docs",),
+    "Methods and machine": ("trade", "extremes", "gallery", "doctor"),
+    "Kept for this release": ("animate",),
 }
 
 # command -> examples; each begins behind "workbench "
@@ -23,7 +25,8 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "summary": ("summary fig7_1_modulus.h5",),
     "merge": ("merge first.h5 second.h5 --out both.h5",),
     "plot": ("plot regimes.h5 --show turns --shapes 6x4", "plot fig7_1_modulus.h5 --out figure.pdf"),
-    "scene": ("scene fig6 --kind contact", "scene fig7_1_modulus --at E=5000 --out soft.png"),
+    "scene": ("scene fig6 --kind contact", "scene fig7_1_modulus --at E=5000 --out soft.png",
+              "scene fig7_4_end_angle.h5 --out end.mp4"),
     "animate": ("animate fig7_4_end_angle.h5 --out end.gif",),
     "gallery": ("gallery --out pictures",),
     "export": ("export fig6.h5 --out rod.step", "export fig7_1_modulus.h5 --at E=5000 --out rod.glb"),

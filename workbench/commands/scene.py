@@ -174,7 +174,8 @@ def scene(
         Path | None,
         option(
             "FILE",
-            "Picture, .png or .jpg; or .html, an offline page with all cases that --at leaves, in which the rod turns; "
+            "Picture, .png or .jpg; .html, an offline page with all cases that --at leaves, in which the rod turns; "
+            ".mp4 or .gif, a film of the cases along the axis, or along --along; "
             "default: FILE_scene.png or FILE_scene_E=10905.png.",
             "--out",
             "-o",
@@ -187,5 +188,9 @@ def scene(
     A stored study with too few stations is solved again. Exit status 1 if OpenGL does not work on this machine, or if a
     file without a study has too few stations for --pixel-error.
     """
+    from . import animate
+
+    if out is not None and animate.is_film(out):
+        return animate.film_of(file, at or [], out, force, kind, along)
     look = Look(camera, color_range, bare, transparent, size)
     return scene_file(file, at or [], out, force, kind, axis, along, (low, high), pixel_error, dpi, look)
