@@ -16,7 +16,7 @@ from PIL import Image
 
 from solver.problem.errors import InputError
 
-from ...data import atomic, labels, law_verdicts
+from ...data import atomic, labels, law_verdicts, left_out
 from ...data.schema import axes_of
 from ...figures import style
 from ...run.in_memory import StudyResult
@@ -104,6 +104,7 @@ def html(
         data=page.data(figures, core=turning.core()),
         measured=[_measured(one) for one in measured],
         story=[],
+        left_out=left_out.SENTENCE,
         equilibria=_equilibria(*equilibria) if equilibria else None,
     )
 

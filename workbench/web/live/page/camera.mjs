@@ -5,11 +5,16 @@ const STEEPEST = 1.5; // rad
 export const MARGIN = 1.07; // how much more is seen than the rod
 const SMALL = 0.5; // share of the view below which a rod is seen from nearer
 
-/* The camera's directions: to the right, up, and toward the eye. */
-export function axesOf({ azimuth, elevation }) {
-  const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
-  return { right: [-sa, ca, 0], up: [-se * ca, -se * sa, ce], toward: [ce * ca, ce * sa, se] };
+/* The camera's directions: to the right, up, and toward the eye. lying: the axis of the cylinder runs to the right. */
+export function axesOf({ azimuth, elevation, lying }) {
+  const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)],
+    along = [-se * ca, -se * sa, ce],
+    toward = [ce * ca, ce * sa, se];
+  return lying ? { right: along, up: [sa, -ca, 0], toward } : { right: [-sa, ca, 0], up: along, toward };
 }
+
+/* How far a point lies to the side of the cylinder's axis, as the camera sees it. */
+export const aside = ([x, y], { azimuth }) => y * Math.cos(azimuth) - x * Math.sin(azimuth);
 
 export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
@@ -40,11 +45,13 @@ export function needsFit(camera, { x0, x1, y0, y1 }, aspect) {
   return leaves || Math.max((y1 - y0) / (2 * half), (x1 - x0) / (2 * wide)) < SMALL;
 }
 
-export function turned(camera, by, up) {
+/* Turned by angles to the right and up, as the hand moves. */
+export function turned(camera, right, up) {
+  const [by, tilt] = camera.lying ? [-up, right] : [right, up];
   return {
     ...camera,
     azimuth: camera.azimuth + by,
-    elevation: Math.min(Math.max(camera.elevation + up, -STEEPEST), STEEPEST),
+    elevation: Math.min(Math.max(camera.elevation + tilt, -STEEPEST), STEEPEST),
   };
 }
 
@@ -53,7 +60,9 @@ export function between(from, to, share) {
   const eased = share * share * (3 - 2 * share),
     found = {};
   for (const key of Object.keys(to))
-    found[key] =
+    if (key === "lying") found[key] = to[key];
+    else
+      found[key] =
       key === "half" ? from[key] * (to[key] / from[key]) ** eased : from[key] + eased * (to[key] - from[key]);
   return found;
 }

@@ -76,7 +76,15 @@ export function makeControls(box, quantities, changed) {
       const shown = document.createElement("span"),
         note = document.createElement("p");
       ((shown.className = "unit"), (shown.textContent = unit), (note.id = `why-${name}`));
-      row.append(label, slider, field, shown, note);
+      const range = document.createElement("div"),
+        ends = context.span(name).map((end) => {
+          const text = document.createElement("span");
+          text.textContent = number(kindOf(name) === "angle" ? end / DEGREE : end, 3);
+          return text;
+        });
+      range.className = "range";
+      range.append(ends[0], slider, ends[1]);
+      row.append(label, field, shown, range, note);
       box.append(row);
       rows[name] = { row, slider, field, note, unit };
       slider.addEventListener("input", () => changed(name, valueAt(name, Number(slider.value), context.span(name))));
@@ -95,7 +103,7 @@ export function makeControls(box, quantities, changed) {
 
   /* Show the values of a state. wrong: a sentence and its field. context: the span and the value of each field. */
   function show(state, wrong, context) {
-    const key = JSON.stringify([fieldNames(state), state.units]);
+    const key = JSON.stringify([fieldNames(state), state.units, fieldNames(state).map(context.span)]);
     if (key !== made) (build(state, context), (made = key));
     for (const [name, { row, slider, field, note, unit }] of Object.entries(rows)) {
       const value = state.base[name] ?? 0,

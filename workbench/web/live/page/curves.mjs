@@ -12,17 +12,18 @@ export function diagrams(shape, units) {
   const { one, s, beta, push, z, alpha } = shape,
     { length, force } = units,
     rho = one.rho;
-  const across = alpha.map((v) => rho * (v - alpha[0])),
+  const across = alpha.map((v) => rho * (alpha[0] - v)), // seen from outside with z to the right
     degrees = beta.map((v) => v * DEGREE);
   return [
     {
       key: "developed",
-      title: "Developed curve, seen from outside",
-      x: across,
-      y: z,
-      xlabel: `ρα [${length}]`,
-      ylabel: `z [${length}]`,
-      height: 250,
+      title: "Unrolled view, seen from outside",
+      x: z,
+      y: across,
+      xlabel: `z [${length}]`,
+      ylabel: `around [${length}]`,
+      flipped: true,
+      height: 170,
       least: 1e-6 * one.L,
       ...scales(across, z),
       dot: true,
@@ -40,7 +41,7 @@ export function diagrams(shape, units) {
     },
     {
       key: "push",
-      title: "Push of the cylinder per length; orange: pull",
+      title: "Push of the cylinder per length; orange: pull (lift-off)",
       x: s,
       y: push,
       xlabel: `s [${length}]`,
@@ -121,7 +122,7 @@ export function valuesAt(shape, s) {
 export function cursorIn(key, shape, at) {
   const { one, alpha, problem } = shape,
     degrees = at.beta * DEGREE;
-  if (key === "developed") return [one.rho * (at.alpha - alpha[0]), at.z];
+  if (key === "developed") return [at.z, one.rho * (alpha[0] - at.alpha)];
   if (key === "beta") return [at.s, degrees];
   if (key === "push") return [at.s, at.push];
   const { first } = visited(shape.beta);

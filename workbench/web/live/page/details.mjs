@@ -9,25 +9,35 @@ export function set(box, text) {
   if (box.textContent !== text) box.textContent = text;
 }
 
+const HEADLINE = ["turns", "wraps", "height", "push_max", "kappa_max"];
+const BARRED = /pass(es)? through itself|lift off|tighter than/; // sentences on what no real rod could do
+
 /* Observables, name and value each, and sentences. quantities: symbol, words and dimension of each name. */
-export function showRows(rows, told, quantities, units) {
-  const list = document.createDocumentFragment();
-  for (const [name, value] of rows) {
+export function showRows(rows, sentences, quantities, units) {
+  const row = ([name, value], id) => {
     const [symbol, long, dimension] = quantities[quantityOf(name)],
       isAnswer = name === "overlaps",
       words = isAnswer ? "whether the rod passes through itself" : long;
-    const [row, term, letter, amount] = ["div", "dt", "b", "dd"].map((tag) => document.createElement(tag));
+    const [line, term, letter, amount] = ["div", "dt", "b", "dd"].map((tag) => document.createElement(tag));
     letter.textContent = symbol;
     const isSaid = `${words} `.startsWith(`${symbol} `); // the words begin with the symbol
     term.append(letter, isSaid ? words.slice(symbol.length) : ` ${words}`);
     if (isAnswer) amount.textContent = value ? "yes" : "no";
     else amount.textContent = withUnit(number(dimension === "rad" ? value / DEGREE : value), unitText(dimension, units));
-    amount.id = `o-${name}`;
-    row.append(term, amount);
-    list.append(row);
-  }
-  element("numbers").replaceChildren(list);
-  const items = told.map((text) => Object.assign(document.createElement("li"), { textContent: text }));
+    amount.id = `${id}-${name}`;
+    line.append(term, amount);
+    return line;
+  };
+  const headline = HEADLINE.map((name) => rows.find(([other]) => other === name)).filter(Boolean);
+  element("headline").replaceChildren(...headline.map((one) => row(one, "h")));
+  element("numbers").replaceChildren(...rows.map((one) => row(one, "o")));
+  const barred = sentences.filter((text) => BARRED.test(text)),
+    start = rows.find(([name]) => name === "lift_off_at"),
+    from = start && barred.some((text) => text.includes("lift off")) ? ` Lift-off from s = ${number(start[1])} ${units.length}.` : "";
+  element("chip").hidden = !barred.length;
+  set(element("chip"), barred.length ? `Not physically possible. ${barred.join(" ")}${from}` : "");
+  const others = sentences.filter((text) => !BARRED.test(text));
+  const items = others.map((text) => Object.assign(document.createElement("li"), { textContent: text }));
   element("warnings").replaceChildren(...items);
 }
 

@@ -248,7 +248,7 @@ function labels(ctx, spec, { px, py, x0, x1, y0, y1, w, h, height, stretch }, th
   for (const v of ticks(x0, x1, 6)) ctx.fillText(tickText(v, x1 - x0), px(v), TOP + h + 14);
   ctx.fillText(spec.xlabel, LEFT + w / 2, height - 6);
   ctx.textAlign = "right";
-  for (const v of ticks(y0, y1, 4)) ctx.fillText(tickText(v, y1 - y0), LEFT - 5, py(v) + 4);
+  for (const v of ticks(y0, y1, 4)) ctx.fillText(tickText(spec.flipped ? -v || 0 : v, y1 - y0), LEFT - 5, py(v) + 4);
   ctx.save();
   ctx.translate(11, TOP + h / 2);
   ctx.rotate(-Math.PI / 2);

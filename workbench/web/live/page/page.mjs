@@ -50,8 +50,8 @@ let core = null,
   hash = "";
 
 const theme = makeTheme();
-const view = makeView(element("scene"), element("mark"), data.colours, () => still.matches);
-const diagrams = makeDiagrams(element("diagrams"), data.colours, theme, setCursor);
+const view = makeView(element("scene"), element("mark"), data.colours, () => still.matches, true);
+const diagrams = makeDiagrams(element("diagrams"), element("unrolled"), data.colours, theme, setCursor);
 makePrint(element("scene"), view, diagrams, theme);
 const context = {
   span: (name) => spanOf(name, me.centre[name], (presetOf() || {}).spans?.[name]),
@@ -163,7 +163,8 @@ function took(shape, head, how, since) {
       me.shape.one.side !== shape.one.side ||
       me.shape.one.kind !== shape.one.kind;
   Object.assign(me, { shape, head, wrong: { sentence: "", field: "" } });
-  view.show(shape, { fresh: how.fresh, refit });
+  const locked = element("lock").checked && view.drawn && !how.fresh ? view.drawn.largest : null;
+  view.show(shape, { fresh: how.fresh, refit: refit && locked === null, largest: locked });
   const drawn = performance.now();
   diagrams.show(shape, me.state.units);
   showState();

@@ -1,6 +1,6 @@
 // The view of the rod: what is drawn, from where, and the hands that turn it.
 
-import { ABOVE, axesOf, between, dot, fitted, needsFit, seen, turned } from "./camera.mjs";
+import { ABOVE, aside, axesOf, between, dot, fitted, needsFit, seen, turned } from "./camera.mjs";
 import { hands } from "./hands.mjs";
 import { range } from "./numbers.mjs";
 import { makeScene } from "./scene.mjs";
@@ -8,6 +8,8 @@ import { cylinder, rings, sidesFor, squeezeOf, tube } from "./tube.mjs";
 
 const FINE = 0.12,
   COARSE = 0.8; // pixels that the tube may be off at rest, and while a slider moves
+const WIDE = 1.15,
+  LONG = 4; // aspect of a view along which a rod may lie, and the least length of such a rod in radii of the cylinder
 const REST = 160,
   EASE = 240; // ms until all is drawn finely, and of a change of the camera
 const BUDGET = 2.5,
@@ -15,8 +17,9 @@ const BUDGET = 2.5,
 const LOST = "The browser has stopped drawing in three dimensions here. The rod comes back as soon as the browser allows it.";
 const AROUND = Array.from({ length: 24 }, (_, i) => [Math.cos((i * Math.PI) / 12), Math.sin((i * Math.PI) / 12)]);
 
-/* The view in a canvas. code: the colours of the push. calm: whether the camera must not move by itself. */
-export function makeView(canvas, mark, code, calm) {
+/* The view in a canvas. code: the colours of the push. calm: whether the camera must not move by itself. lies: whether a
+   long rod lies along a wide view. */
+export function makeView(canvas, mark, code, calm, lies = false) {
   const me = { shape: null, drawn: null, camera: null, target: null, ratio: 1, touched: false, at: null };
   Object.assign(me, { picked: () => {}, moved: () => {} });
   let resting = 0,
@@ -28,6 +31,7 @@ export function makeView(canvas, mark, code, calm) {
     filled();
     weigh();
   });
+  const frontOf = (shape) => facing(shape, lies && aspect() > WIDE);
   const aspect = () => Math.max(canvas.clientWidth, 1) / Math.max(canvas.clientHeight, 1);
   const pixelRatio = () => window.devicePixelRatio || 1;
 
@@ -39,7 +43,7 @@ export function makeView(canvas, mark, code, calm) {
     const drawn = { squeeze, wall, largest, points: pointsOf(shape, squeeze, wall) };
     Object.assign(me, { shape, drawn });
     if (fresh || !me.camera) {
-      me.camera = facing(shape);
+      me.camera = frontOf(shape);
       me.touched = false;
     }
     const bounds = seen(me.camera, drawn.points, shape.one.a),
@@ -138,7 +142,7 @@ export function makeView(canvas, mark, code, calm) {
 
   /* All of the rod, from its front. */
   function front() {
-    const camera = facing(me.shape),
+    const camera = frontOf(me.shape),
       full = 2 * Math.PI,
       way = camera.azimuth - me.camera.azimuth;
     me.touched = false;
@@ -182,11 +186,7 @@ export function makeView(canvas, mark, code, calm) {
       size = canvas.clientHeight / (2 * me.camera.half),
       { one } = me.shape;
     const x = dot(p, right),
-      behind =
-        one.sign > 0 &&
-        Math.abs(-right[1] * p[0] + right[0] * p[1]) < 1e300 &&
-        p[0] * toward[0] + p[1] * toward[1] < 0 &&
-        Math.abs(x) < one.R;
+      behind = one.sign > 0 && p[0] * toward[0] + p[1] * toward[1] < 0 && Math.abs(aside(p, me.camera)) < one.R;
     return {
       x: canvas.clientWidth / 2 + (x - me.camera.x) * size,
       y: canvas.clientHeight / 2 - (dot(p, up) - me.camera.y) * size,
@@ -259,8 +259,8 @@ function picture(me, scene, width, height) {
   return scene.pixels(me.touched ? camera : fits, width, height);
 }
 
-/* The camera before the middle of a rod. */
-function facing({ alpha }) {
+/* The camera before the middle of a rod; wide: lying, where the rod is longer than its cylinder is thick. */
+function facing({ alpha, z, one }, wide) {
   let [x, y] = [0, 0];
   for (const v of alpha) {
     x += Math.cos(v);
@@ -269,6 +269,7 @@ function facing({ alpha }) {
   return {
     azimuth: Math.hypot(x, y) > 0.05 * alpha.length ? Math.atan2(y, x) : alpha[alpha.length >> 1],
     elevation: ABOVE,
+    lying: wide && range(z)[1] - range(z)[0] > LONG * one.R,
   };
 }
 

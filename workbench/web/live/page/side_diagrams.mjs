@@ -5,14 +5,15 @@ import { frameOf, paintCursor, paintDiagram } from "./diagram.mjs";
 
 const HEIGHT = 165;
 
-export function makeDiagrams(box, code, theme, pointed) {
+/* The diagrams in `box`; the unrolled view, which has the axis of the rod above it, in `below`. */
+export function makeDiagrams(box, below, code, theme, pointed) {
   let shown = [],
     shape = null,
     at = null,
     fine = 1;
 
   function build(specs) {
-    box.replaceChildren();
+    for (const place of [box, below]) place.replaceChildren();
     shown = specs.map((spec) => {
       const figure = document.createElement("figure"),
         title = document.createElement("figcaption"),
@@ -21,7 +22,7 @@ export function makeDiagrams(box, code, theme, pointed) {
       canvas.id = `d-${spec.key}`;
       canvas.setAttribute("role", "img");
       figure.append(title, canvas);
-      box.append(figure);
+      (spec.key === "developed" ? below : box).append(figure);
       const one = { canvas, title, key: spec.key, spec, frame: null };
       for (const name of ["pointerdown", "pointermove"])
         canvas.addEventListener(name, (event) => pointed(nearest(one, event.offsetX, event.offsetY)));
@@ -85,7 +86,8 @@ export function makeDiagrams(box, code, theme, pointed) {
     return best;
   }
 
-  new ResizeObserver(() => paint()).observe(box);
+  const watch = new ResizeObserver(() => paint());
+  for (const place of [box, below]) watch.observe(place);
   return {
     show,
     paint,
