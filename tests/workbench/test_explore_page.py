@@ -37,8 +37,10 @@ let [wide, high] = [0, 0];
 for (let i = 0; i < shape.s.length; i++) {
   const x = shape.one.rho * Math.cos(shape.alpha[i]), y = shape.one.rho * Math.sin(shape.alpha[i]);
   const z = drawn.squeeze * shape.z[i];
-  wide = Math.max(wide, Math.abs(-sa * x + ca * y - camera.x) + shape.one.a);
-  high = Math.max(high, Math.abs(-se * ca * x - se * sa * y + ce * z - camera.y) + shape.one.a);
+  const aside = -sa * x + ca * y, along = -se * ca * x - se * sa * y + ce * z;
+  const [right, up] = camera.lying ? [along, -aside] : [aside, along];
+  wide = Math.max(wide, Math.abs(right - camera.x) + shape.one.a);
+  high = Math.max(high, Math.abs(up - camera.y) + shape.one.a);
 }
 return [high / camera.half, wide / (camera.half * canvas.clientWidth / canvas.clientHeight)];
 """
@@ -138,8 +140,13 @@ def saved(tmp_path_factory) -> Path:
 
 def test_the_page_draws_a_rod_and_says_what_it_is(page, tmp_path) -> None:
     page.until(lambda: page("return document.getElementById('o-overlaps')"), "the observables of the server")
-    assert page("return document.getElementById('o-turns').innerText") == "6"
-    assert "passes through itself" in page("return document.getElementById('warnings').innerText")
+    assert page("return document.getElementById('h-turns').innerText") == "6"
+    chip = page("return document.getElementById('chip').innerText")
+    assert chip == (
+        "Not physically possible. The rod passes through itself. The rod would lift off where the cylinder has to pull. "
+        "Lift-off from s = 0 cm."
+    )
+    assert page("return page.view.camera.lying")  # along the view, as the unrolled view below it
     assert page("return document.querySelectorAll('.diagram canvas').length") == 4
     page.driver.save_screenshot(str(tmp_path / "page.png"))
     picture = imread(tmp_path / "page.png")[:, :, :3]
@@ -510,13 +517,13 @@ def test_the_printed_page_holds_a_picture_of_the_rod(page) -> None:
 
 def test_no_words_repeat_their_symbol_or_spell_a_letter(page) -> None:
     page.until(lambda: page("return document.getElementById('o-twist_energy')"), "its observables")
-    told = page("return [...document.querySelectorAll('#numbers dt')].map((one) => one.innerText)")
+    told = page("return [...document.querySelectorAll('#numbers dt')].map((one) => one.textContent)")
     assert {"bending energy", "twist energy", "wraps about the axis"} <= set(told)
     assert not [words for words in told if re.search("beta|kappa", words)]
     page.until(lambda: page("return document.getElementById('o-overlaps')"), "the observables of the server")
-    told = page("return [...document.querySelectorAll('#numbers dt')].map((one) => one.innerText)")
+    told = page("return [...document.querySelectorAll('#numbers dt')].map((one) => one.textContent)")
     assert "overlaps whether the rod passes through itself" in told
-    assert page("return document.getElementById('o-overlaps').innerText") == "yes"
+    assert page("return document.getElementById('o-overlaps').textContent") == "yes"
 
 
 @pytest.fixture(scope="module")

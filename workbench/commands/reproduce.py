@@ -51,10 +51,10 @@ def reproduce(
         results, refusals = _results(studies, files, out, able, step)
         readings = readings_table.run(panels, step=step)
         writing.write(readings, out / f"{readings_table.NAME}.h5")
-        _tell_story(results, readings, out / STORY)
         step("writing the report")
         equilibria = _equilibria(load(RODS).under(reading), out, able)
-        document.write(results, out, readings=readings, refusals=refusals, equilibria=equilibria)
+        story = _draw_story(results, readings, out / STORY)
+        document.write(results, out, readings=readings, refusals=refusals, equilibria=equilibria, story=story)
     _print(results, readings, out, advice)
     for refusal in refusals:
         console.say(f"Omitted: {refusal}")
@@ -120,13 +120,15 @@ def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:
     return pictures
 
 
-def _tell_story(results: "list[StudyResult]", readings: "xr.Dataset", path: Path) -> None:
-    """Draw the figure of the whole story, unless its reading leaves a study out."""
+def _draw_story(results: "list[StudyResult]", readings: "xr.Dataset", path: Path) -> Path | None:
+    """Draw the figure of the whole story and return its file; None where the reading leaves a study out."""
     from ..figures import canvas, story
 
     datasets = {str(ds.attrs["study_name"]): ds for ds in (*(result.ds for result in results), readings)}
-    if set(story.NEEDED) <= set(datasets):
-        canvas.save(story.figure(datasets), path, dpi=300)
+    if not set(story.NEEDED) <= set(datasets):
+        return None
+    canvas.save(story.figure(datasets), path, dpi=300)
+    return path
 
 
 def _print(results: "list[StudyResult]", readings: "xr.Dataset", out: Path, advice: str) -> None:

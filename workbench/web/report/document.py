@@ -36,6 +36,7 @@ CAPTIONS = {
     "stored": "Drag to turn the rod about the axis of the cylinder; the slider goes through the cases of the figure.",
 }
 TITLES = {"trade": "Accuracy against cost", "extremes": "The extremes"}
+STORY = "The rod with its letters, nine rods over the modulus, their number of bends, and the verdicts of all readings"
 SCENE, DRAWING = {"quality": 90}, {"lossless": True}  # options of WebP
 RODS = "rods"  # the text in the PNG of a row of rods that says where each stands
 WHITE, MARGIN = 0.995, 16  # from which a pixel counts as blank; pixels of margin that a picture keeps
@@ -47,13 +48,15 @@ def write(
     readings: xr.Dataset | None = None,
     refusals: Sequence[str] = (),
     equilibria: tuple[xr.Dataset, Mapping[str, Path]] | None = None,
+    story: Path | None = None,
 ) -> Path:
     """Write `report.html` into the folder `out` and return it.
 
     readings: the dataset of `readings_table.run`. refusals: studies that could not be run under this reading, and
-    why. equilibria: the dataset of `sisters.run` and its pictures. Raises `InputError` where it cannot be written.
+    why. equilibria: the dataset of `sisters.run` and its pictures. story: the figure of the whole story. Raises
+    `InputError` where it cannot be written.
     """
-    text = html(results, readings, refusals, measured_runs.both(Path(out)), equilibria)
+    text = html(results, readings, refusals, measured_runs.both(Path(out)), equilibria, story)
     return atomic.write(Path(out) / NAME, lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
@@ -63,6 +66,7 @@ def html(
     refusals: Sequence[str] = (),
     measured: Sequence[Measured] = (),
     equilibria: tuple[xr.Dataset, Mapping[str, Path]] | None = None,
+    story: Path | None = None,
 ) -> str:
     """The report as text, with every picture, a turntable for each panel and the compiled core inside it."""
     if not results:
@@ -103,7 +107,7 @@ def html(
         policy=policy(style_, program, "", served=False),
         data=page.data(figures, core=turning.core()),
         measured=[_measured(one) for one in measured],
-        story=[],
+        story=[] if story is None else [_picture(story, STORY, DRAWING)],
         left_out=left_out.SENTENCE,
         equilibria=_equilibria(*equilibria) if equilibria else None,
     )
