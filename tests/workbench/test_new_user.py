@@ -157,6 +157,9 @@ def test_one_equilibrium_is_one_and_its_file_is_no_study(ran: Run) -> None:
     status, out, _ = ran(*words.split(), "--betaL", "20deg", "--out", "one.h5", "--plot", "one.png")
     assert status == 0
     assert "1 equilibrium, 1 stable with" in out
-    status, _, err = ran("summary", "one.h5")
+    status, _, err = ran("check", "one.h5")
     assert status == 2
-    assert "one.h5 is a list of equilibria, which scene reads; this command reads the results of a study" in err
+    said = (
+        "one.h5 is a list of equilibria, which summary, plot and scene read; this command reads the results of a study"
+    )
+    assert said in err

@@ -17,7 +17,7 @@ from studies.law import Law
 from studies.laws import QUALIFIED, decide
 
 from ..data import schema
-from .equilibria_dataset import EACH, attributes, with_case
+from .equilibria_dataset import COUNT, EACH, PUSH, attributes, with_case
 from .followed_curves import followed_curves, shown_by_default, special_points
 from .followed_dataset import stability
 from .held_tracing import PARTNER, traced_held
@@ -64,6 +64,8 @@ def sweep(
         key: xr.Variable(dims, numbers, schema.labels(key, units))
         for key, numbers in _numbers(found, most, laws).items()
     }
+    if not held:
+        data["count"] = xr.Variable((name,), np.array([len(members) for members in found]), COUNT)
     data["branch"] = xr.Variable(dims, _padded(branch, most), {"long_name": "number of the branch, -1 for none"})
     outcome = [[str(f[i].solution.outcome) if i < len(f) else "" for i in range(most)] for f in found]
     solved = [[i < len(f) and bool(f[i].solution.solved) for i in range(most)] for f in found]
@@ -104,7 +106,7 @@ def remarks(ds: xr.Dataset) -> list[str]:
 
 def _numbers(found: Sequence[Sequence[Equilibrium]], most: int, laws: Sequence[Law]) -> dict[str, NDArray[np.float64]]:
     """The numbers of `EACH` and the observables of the laws, (values, most) each."""
-    judged = list(dict.fromkeys(one for law in laws for one in law.observables if one not in EACH))
+    judged = list(dict.fromkeys((*(one for law in laws for one in law.observables if one not in EACH), *PUSH)))
     table = {key: np.full((len(found), most), np.nan) for key in (*EACH, *judged)}
     for k, members in enumerate(found):
         for i, one in enumerate(members):

@@ -10,6 +10,7 @@ import xarray as xr
 from solver import Case
 from solver.equilibria import Equilibrium
 from solver.equilibrium_list import HeldEquilibria
+from solver.observe.observables import observe
 from solver.problem.case import PAIRS
 from solver.problem.errors import choices
 from solver.problem.held_ends import held_of
@@ -20,6 +21,8 @@ from .equilibria import ELASTIC, elastic
 
 ALONG = ("beta", "alpha", "z", "contact")
 DEAD_INDEX = {"long_name": "Morse index under dead loads, between its own end angles", "units": "1"}
+COUNT = {"long_name": "number of equilibria", "units": "1"}
+PUSH = ("push_min", "push_max")
 EACH = ("dbeta0", "energy", "turns", "index", "attached")
 DEAD_LOADS = "both end angles held, dead loads FZ, MZ and M3 at the far end, which is free to move"
 
@@ -38,8 +41,8 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
 
     Returns
     -------
-    The arrays of `ALONG` over (equilibrium, u), u = s/L, and the numbers of `EACH` and `ELASTIC` over (equilibrium);
-    under held ends the reactions and the index under dead loads as well.
+    The arrays of `ALONG` over (equilibrium, u), u = s/L, the numbers of `EACH`, `ELASTIC` and `PUSH` over
+    (equilibrium), `count`; under held ends the reactions and the index under dead loads as well.
     """
     units = study.unit_system
     data: dict[str, Any] = {}
@@ -54,6 +57,11 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     parts = [elastic(one.solution) for one in found]
     for name in ELASTIC:
         data[name] = xr.Variable(("equilibrium",), np.array([part[name] for part in parts]), schema.labels(name, units))
+    pushes = [observe(one.solution, PUSH) for one in found]
+    for name in PUSH:
+        values = np.array([float(push[name]) for push in pushes])
+        data[name] = xr.Variable(("equilibrium",), values, schema.labels(name, units))
+    data["count"] = xr.Variable((), len(found), COUNT)
     reactions = [one.solution.reactions for one in found]
     for name in reactions[0] if reactions else ():
         values = np.array([float(each[name]) for each in reactions])

@@ -17,7 +17,7 @@ from studies.axes import quantity_of
 from ..data import schema
 from .equilibria_dataset import DEAD_LOADS
 
-ALONG = ("beta", "alpha", "z")
+ALONG = ("beta", "alpha", "z", "contact")
 EACH = ("energy", "height", "wraps", "turns", "amplitude", "kappa_max", "push_min", "push_max")
 WORDS = {"length": "length", "force": "force"}
 POINT = "point"
@@ -51,6 +51,7 @@ def dataset_of(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Da
         POINT: xr.Variable(dims, np.arange(len(branch)), {"long_name": "number of the point along the branch"}),
         name: xr.Variable(dims, branch.values, schema.labels(quantity_of(name).name, units)),
         "u": xr.Variable(("u",), np.linspace(0, 1, stations), schema.labels("u", units)),
+        "s": xr.Variable((POINT, "u"), sol.s, schema.labels("s", units)),
     }
     return xr.Dataset(data, coords, _attributes(branch))
 

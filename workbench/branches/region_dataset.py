@@ -52,7 +52,8 @@ def dataset_of(study: Study, found: RegionMap, checked: Checked | None = None) -
     ds.attrs["low"], ds.attrs["high"] = folds.low.tolist(), folds.high.tolist()
     if checked is not None:
         ds.attrs["checked_points"], ds.attrs["failed_points"] = checked
-    return _with_case(ds, folds.case, units, (x, y))
+    ds = _with_case(ds, folds.case, units, (x, y))
+    return ds.drop_dims([dim for dim, size in ds.sizes.items() if not size])  # a file holds no empty array
 
 
 def _with_case(ds: xr.Dataset, case: Case, units: dict[str, str], fields: tuple[str, str]) -> xr.Dataset:

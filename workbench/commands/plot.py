@@ -1,5 +1,6 @@
 """The command plot: the figure of a stored study."""
 
+import importlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +11,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from ..data.kinds import Kind
     from ..figures.sheet import Sheet
 
 
@@ -73,6 +75,8 @@ def plot(
     law holds. A third axis has a map for each of some values; further axes have one value (--at). The unrolled view of
     a rod is its centreline on the unrolled cylinder.
     """
+    from solver.problem.errors import InputError
+
     from ..data import atomic, outcomes, writing
     from ..figures import canvas, drawn_data, notes
     from ..figures.sheet import sheet
@@ -81,6 +85,14 @@ def plot(
     given = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
     if file.is_dir():
         return _story(file, out or file / "story.png", width, force, dpi)
+    if (other := _other(file)) is not None:
+        path = output_file.check(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
+        if named := [name for name, value in {**given, "kind": kind, "panel": panel}.items() if value]:
+            raise InputError(f"{file} is {other.what}, which plot draws without --{named[0]}")
+        ds = writing.read(file, study=False)
+        canvas.save(importlib.import_module(f"..figures.{other.figure}", __package__).figure(ds), path, dpi)
+        console.say(str(path))
+        return 0
     ds = writing.read(file)
     outcomes.check_any_solved(ds)
     page = sheet(style, width, not no_title, panel)
@@ -97,6 +109,21 @@ def plot(
             part.write_text(drawn_data.table(drawn), encoding="utf-8")
         console.say(str(table))
     return 0
+
+
+def _other(file: Path) -> "Kind | None":
+    """The kind of a file that holds no study; None for a study. Raises `InputError` where it has no figure."""
+    from solver.problem.errors import InputError
+
+    from ..data import kinds, reading
+
+    with reading.raw(file) as ds:
+        kind = kinds.kind_of(ds)
+    if kind is kinds.STUDY:
+        return None
+    if not kind.figure:
+        raise InputError(f"{file} is {kind.what}, which {kinds.readers(kind)}; plot has no figure of it")
+    return kind
 
 
 def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) -> int:

@@ -115,16 +115,13 @@ def read_dataset(file: Path) -> "xr.Dataset":
     """The dataset of a study, or of equilibria. Raises `InputError`."""
     from solver.problem.errors import InputError
 
-    from ..data import reading, writing
+    from ..data import kinds, reading, writing
 
-    try:
-        return writing.read(file)
-    except InputError:
-        with reading.raw(file) as ds:
-            other = ds.attrs.get("study_name") != "equilibria" or "equilibrium" not in ds.dims or "solved" not in ds
-        if other:
-            raise
-    return writing.read(file, study=False)
+    with reading.raw(file) as ds:
+        kind = kinds.kind_of(ds)
+    if kind is not kinds.STUDY and not kind.scene:
+        raise InputError(f"{file} is {kind.what}, which {kinds.readers(kind)}; scene draws studies and equilibria")
+    return writing.read(file, study=kind is kinds.STUDY)
 
 
 def scene(

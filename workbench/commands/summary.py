@@ -8,18 +8,50 @@ from .options import File, Json
 
 
 def summary(file: File, json: Json = False) -> int:
-    """Summarise a stored study.
+    """Summarise a stored study, or another file that the workbench stored.
 
-    Prints its axes, observables, outcomes, laws and versions, and the cases of the largest error and condition number.
+    Prints its axes, observables, outcomes, laws and versions, and the cases of the largest error and condition number;
+    of lists of equilibria, branches, fold maps and measurements their numbers.
     """
+    from ..data import kinds, reading
+    from ..run.contents import contents
     from ..run.summary import summary as summarise
 
-    found = summarise(file)
+    with reading.raw(file) as ds:
+        is_study = kinds.kind_of(ds) is kinds.STUDY
+    found = summarise(file) if is_study else contents(file)
     if json:
         console.print_json(found)
-    else:
+    elif is_study:
         _print(found)
+    else:
+        _print_contents(found)
     return 0
+
+
+def _print_contents(found: dict[str, Any]) -> None:
+    """Print the summary of a file that is no study."""
+    console.say(found["title"] or found["kind"])
+    console.say(f"{found['file']}: {_size(found['bytes'])}, {found['kind']}")
+    console.say(", ".join(f"{name} {size}" for name, size in found["sizes"].items()))
+    console.say(f"along the rod: {', '.join(found['along']) or 'nothing'}")
+    console.say("")
+    rows = [[_cell(row[key]) for key in ("name", "over", "min", "median", "max", "units")] for row in found["numbers"]]
+    console.print_table(["number", "over", "min", "median", "max", "units"], rows)
+    given = (
+        f"{row['name']} = {_cell(row['min'])} {'' if row['units'] == '1' else row['units']}" for row in found["fields"]
+    )
+    console.say(", ".join(text.strip() for text in given))
+    for text, count in found["outcomes"].items():
+        console.say(f"  {count} x {text}")
+    for name, sentence in found["said"].items():
+        console.say(f"{name}: {sentence}")
+    if found["caution"]:
+        console.say(f"caution: {found['caution']}")
+
+
+def _size(count: int) -> str:
+    return f"{count / 1e6:.3g} MB" if count >= 1e6 else f"{count / 1e3:.3g} kB"
 
 
 def _print(found: dict[str, Any]) -> None:
@@ -27,7 +59,7 @@ def _print(found: dict[str, Any]) -> None:
 
     reading = f", {found['reading']}" if found["reading"] else ""
     console.say(f"{found['title']}{reading}")
-    size = f"{found['bytes'] / 1e6:.3g} MB" if found["bytes"] >= 1e6 else f"{found['bytes'] / 1e3:.3g} kB"
+    size = _size(found["bytes"])
     console.say(
         f"{found['file']}: {size}, format {found['format']}, study {found['study_name']}, stored {found['created']}"
     )

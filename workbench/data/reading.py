@@ -14,7 +14,7 @@ from studies.axes import FIELDS
 from studies.dimensions import SAMPLE
 from studies.law import Law
 
-from . import checksums, escaping, netcdf, refined, value_checks
+from . import checksums, escaping, kinds, netcdf, refined, value_checks
 from .file_checks import refusing, shown, validated
 from .schema import CURVES, FORMAT, INNER, dimension, sampled_fields
 
@@ -66,6 +66,7 @@ def check_sums(path: str | Path) -> None:
 
 def _check_study(ds: xr.Dataset, path: str | Path) -> None:
     """Raise `InputError` unless it has the attributes, dimensions and kinds that every command relies on."""
+    kinds.check_study(ds, path)
     missing = [name for name in NEEDED if name not in ds.attrs]
     if missing or "outcome" not in ds:
         raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
@@ -97,10 +98,6 @@ def _check_study(ds: xr.Dataset, path: str | Path) -> None:
 
 def _check_format(ds: xr.Dataset, path: str | Path) -> None:
     """Only the format of this version is read; a study is cheap to solve again."""
-    if "equilibrium" in ds.dims:
-        raise InputError(
-            f"{path} is a list of equilibria, which scene reads; this command reads the results of a study"
-        )
     found = np.asarray(ds.attrs.get("format", 1))
     if found.size != 1 or found.dtype.kind not in "iu":
         raise InputError(f"{path}: the attribute format must be a whole number, got {shown(ds.attrs['format'])}")

@@ -48,7 +48,7 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
     edges = [labels.in_label_unit(ds[name], np.array([ds.attrs[end][k] for end in ("low", "high")]))
              for k, name in enumerate((x, y))]  # fmt: skip
     lines = [np.transpose([labels.in_label_unit(ds[name], ds[f"curve_{name}"].values[k]) for name in (x, y)])
-             for k in range(ds.sizes["curve"])]  # fmt: skip
+             for k in range(ds.sizes.get("curve", 0))]  # fmt: skip
     low, size = (np.array([[ends[0], np.ptp(ends)] for ends in edges]).T[k] for k in (0, 1))
     raster = region_raster.fine(ds["region_at"].values, [(line - low) / size for line in lines])
     counts = np.append(ds["count"].values, 0)[raster].astype(float)
@@ -60,8 +60,9 @@ def panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[s
               vmin=-0.5, vmax=max(known.size, 2) - 0.5, zorder=0)  # fmt: skip
     for k, line in enumerate(lines):
         ax.plot(*line.T, zorder=3, solid_capstyle="round", **_look(ds, k))
-    cusps = [labels.in_label_unit(ds[name], ds[f"cusp_{name}"].values) for name in (x, y)]
-    ax.plot(*cusps, "D", color="white", markeredgecolor=style.INK, markersize=4, zorder=5, linestyle="none")
+    if "cusp" in ds.dims:
+        cusps = [labels.in_label_unit(ds[name], ds[f"cusp_{name}"].values) for name in (x, y)]
+        ax.plot(*cusps, "D", color="white", markeredgecolor=style.INK, markersize=4, zorder=5, linestyle="none")
     ax.set(xlim=edges[0], ylim=edges[1], xlabel=labels.axis_label(x, ds[x]), ylabel=labels.axis_label(y, ds[y]))
     notes, left_out = _name_regions(ds, ax, inches)
     said = {int(count) for k, count in enumerate(ds["count"].values) if k not in left_out}
@@ -80,12 +81,12 @@ def entries(ds: xr.Dataset) -> list[Artist]:
     }
     out: list[Artist] = []
     seen = set()
-    for k in range(ds.sizes["curve"]):
+    for k in range(ds.sizes.get("curve", 0)):
         key = str(ds["curve_kind"].values[k]), bool(ds["curve_index"].values[k] == 0)
         if key not in seen:
             seen.add(key)
             out.append(Line2D([], [], label=words[key], **_look(ds, k)))
-    if ds.sizes["cusp"]:
+    if "cusp" in ds.dims:
         out.append(Line2D([], [], marker="D", linestyle="none", color="white", markeredgecolor=style.INK, markersize=4,
                           label="cusp"))  # fmt: skip
     return out
@@ -141,6 +142,8 @@ def _draw_shapes(
     ds: xr.Dataset, ax: Axes, k: int, count: int, middle: tuple[float, float], side: tuple[float, float]
 ) -> None:
     """So many stable shapes of a region side by side about a place; places and sizes in shares of the map."""
+    if not count:
+        return
     rho, alpha, z = (np.asarray(one) for one in (_rho(ds), ds["stable_alpha"].values, ds["stable_z"].values))
     extents = [rho[:, None] * np.ptp(alpha, axis=2), np.ptp(z, axis=2)]
     half = 0.54 * max((float(np.nanmax(one)) for one in extents if np.isfinite(one).any()), default=1.0)

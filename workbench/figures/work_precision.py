@@ -26,7 +26,7 @@ FLOOR, TOP = 1e-16, 1e1  # the range of errors that is shown; an error of 0 is d
 COLUMNS, PANEL = 3, (3.2, 2.1)  # inches
 
 
-def figure(ds: xr.Dataset, cost: str) -> Figure:
+def figure(ds: xr.Dataset, cost: str = "seconds") -> Figure:
     """All cases of a trade against one cost, a name of `COSTS`. Raises `InputError` for another name."""
     if cost not in COSTS:
         raise no_such("cost", cost, COSTS)

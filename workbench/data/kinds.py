@@ -1,0 +1,57 @@
+"""The kinds of files that the workbench stores: what each is, and by what it is known."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from solver.problem.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file.
+
+    what: in words. figure: the module of `workbench.figures` that draws it, "" for none. scene: whether `scene` draws
+    it. needs: dimensions and variables that no other kind has.
+    """
+
+    what: str
+    figure: str = ""
+    scene: bool = False
+    needs: tuple[str, ...] = ()
+
+
+STUDY = Kind("the results of a study", "study_figure", True)
+LOOPS = Kind("a list of closed rods", "loops", True, ("equilibrium", "wraps", "about"))
+KINDS = (
+    LOOPS,
+    Kind("a list of equilibria", "equilibria", True, ("equilibrium", "index")),
+    Kind("all equilibria over an axis", "bifurcation", False, ("curve_point", "curve_branch")),
+    Kind("a fold map", "region_map", False, ("region_at",)),
+    Kind("a branch of equilibria", "", False, ("point", "special", "dbeta0")),
+    Kind("a trade of methods", "work_precision", False, ("ladder", "rung")),
+    Kind("extremes by method", "robustness", False, ("extreme", "method")),
+    Kind("the laws under each reading of Table 1", "", False, ("reading", "claim_verdict")),
+)
+
+
+def kind_of(ds: "xr.Dataset") -> Kind:
+    """The kind of a dataset; that of a study where nothing says otherwise."""
+    held = {*map(str, ds.dims), *map(str, ds.variables)}
+    return next((kind for kind in KINDS if held.issuperset(kind.needs)), STUDY)
+
+
+def check_study(ds: "xr.Dataset", path: str | Path) -> None:
+    """Raise `InputError` for a file of another kind, with the commands that read it."""
+    kind = kind_of(ds)
+    if kind is not STUDY:
+        raise InputError(f"{path} is {kind.what}, which {readers(kind)}; this command reads {STUDY.what}")
+
+
+def readers(kind: Kind) -> str:
+    """``summary, plot and scene read``."""
+    names = ["summary", *(["plot"] if kind.figure else []), *(["scene"] if kind.scene else [])]
+    return f"{' and '.join(part for part in (', '.join(names[:-1]), names[-1]) if part)} read{'s' * (len(names) == 1)}"
