@@ -76,6 +76,6 @@ def _sum(file: h5py.File, place: str) -> str:
         for where in blocks(file[name].shape, _READ):
             summed.update(b"\0".join(file[name][where].ravel().tolist()) + b"\0")
     else:
-        value: Any = file[name][()]
-        summed.update(value if isinstance(value, bytes) else np.asarray(value).tobytes())
+        number: Any = file[name][()]
+        summed.update(number if isinstance(number, bytes) else np.asarray(number).tobytes())
     return f"{_shape(file, place)}:{summed.hexdigest()}"

@@ -29,10 +29,8 @@ def contents(path: Path) -> dict[str, Any]:
         "along": [str(name) for name, one in ds.data_vars.items() if "u" in one.dims],
         "numbers": [_spread(ds[name]) for name in numbers if ds[name].ndim],
         "fields": [_spread(ds[name]) for name in numbers if not ds[name].ndim],
-        "outcomes": dict(Counter(filter(None, map(str, np.ravel(ds["outcome"].values)))) if "outcome" in ds else {}),
-        "unsolved": int((~ds["solved"].values.astype(bool) & (ds["outcome"].values != "")).sum())
-        if "solved" in ds
-        else 0,
+        "outcomes": dict(Counter(named[named != ""].tolist())),
+        "unsolved": int((~solved & (named != "")).sum()) if solved.shape == named.shape else 0,
         "caution": cautions.told(texts),
         "said": {key: str(ds.attrs[key]) for key in SENTENCES if ds.attrs.get(key)},
         "versions": reading.versions(ds, path) if "versions" in ds.attrs else {},
