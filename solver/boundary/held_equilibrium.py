@@ -38,8 +38,8 @@ def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Tr
     state = at_hinges(reached.state, wanted)
     orbit = orbit_of(state.problem, state.path)
     if orbit.lengthens is not None and orbit.turns[0] > 0 and not state.path.helix:
-        known = orbit.turns - dead_index_of(state)  # differences of the length fail at a hinge
-        orbit = replace(orbit, lengthens=known)
+        lengthens = orbit.turns - dead_index_of(state)  # differences of the length fail at a hinge
+        orbit = replace(orbit, lengthens=lengthens)
     beta, dbeta, alpha, z = orbit.at(t)
     condition = np.array([response_of(state, wanted)])
     values = values_of(_at_length(state, orbit), float(state.problem.span[0]), wanted)

@@ -67,7 +67,7 @@ def _phases(
     start, far: what these add to beta and to beta_t in some unit, (B, 2) each. ways: of beta_t at the two ends.
     """
     phases = []
-    for (value, rate), way, passed in zip((start, far), ways, (0, turns), strict=True):
+    for (value, rate), way, passed in zip((start, far), ways, (0 * turns, turns), strict=True):
         v, H = np.abs(value[:, 0]), rate[:, 0] * way
         eta, slope = (mix * value).sum(axis=1) * way, (mix * rate).sum(axis=1) * way
         across, along = eta * H - slope * v, eta * v + slope * H

@@ -14,8 +14,9 @@ from .motions import Motion
 
 def of_rows(rates: FieldRates, rows: Array) -> FieldRates:
     """The rates of some of the cases."""
-    values = {one.name: getattr(rates, one.name) for one in fields(rates) if one.name != "fields"}
-    return FieldRates(rates.fields, **{name: None if v is None else v[rows] for name, v in values.items()})
+    names = (one.name for one in fields(rates) if one.name not in ("fields", "given"))
+    given = None if rates.given is None else rates.given[rows]
+    return FieldRates(rates.fields, **{name: getattr(rates, name)[rows] for name in names}, given=given)
 
 
 def amounts(motion: Motion, rates: FieldRates) -> Array:

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..boundary.branch_coordinates import Path, path_of
+from ..boundary.branch_coordinates import LinePoint, Path, path_of
+from ..boundary.continuation_steps import settle
 from ..boundary.held_system import parts_by_given
 from ..boundary.orbit_rates import helix_change, rates_of_helices, rates_of_variations
 from ..boundary.path_orbits import path_from_start
@@ -137,4 +138,8 @@ def _path(sol: Solution, one: EndsProblem, i: int) -> Path | None:
     orbit = sol.trajectory.orbit
     if orbit is not None and getattr(orbit, "path", None) is not None:
         return path_of(orbit.path, i)
-    return path_from_start(one, float(sol.trajectory.dbeta[i, 0]))
+    path = path_from_start(one, float(sol.trajectory.dbeta[i, 0]))
+    if path is None or path.helix:
+        return path
+    own = settle(LinePoint(one), path)  # the slope is as exact as the method
+    return path if isinstance(own, str) else own

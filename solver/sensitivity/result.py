@@ -17,6 +17,7 @@ from .motions import motions
 from .observables import Moving, checked_observables, derivative_of, measured_of, why_missing
 
 _ROUNDING = 32 * 2.0**-52  # of a derivative, times the condition number
+_CARRIED = 4  # of the error of the shape, on which the derivatives depend through beta, H, alpha and z
 _SHAPELESS = 0.1  # relative: a larger error leaves no digit
 _ALONG = ("beta", "dbeta", "alpha", "z", "gamma")
 
@@ -43,7 +44,8 @@ class Sensitivity:
     outcome : str or array, (*cases)
         "solved", or "failed: " and the reason.
     error : float or array, (*cases)
-        Estimated error of the derivatives along the rod, relative to the largest of each.
+        Estimated error of the derivatives along the rod, relative to the largest of each: rounding, grown, and the
+        error of the solution, which its tolerance allows.
     observables : dict
         Name of an observable -> its derivatives, (*cases, F).
     remarks : dict
@@ -104,7 +106,8 @@ def _judged(
         name: np.where(solved[:, None, None], value, np.nan).reshape(*shape, *value.shape[1:])
         for name, value in out.items()
     }
-    each = {"solved": solved, "outcome": outcome, "error": np.where(solved, error, np.inf)}
+    stated = np.where(solved, error + _CARRIED * np.asarray(sol.trajectory.error), np.inf)
+    each = {"solved": solved, "outcome": outcome, "error": stated}
     values, remarks = {}, {}
     for name, value in found.items():
         missing = solved & ~np.isfinite(value).all(axis=1)

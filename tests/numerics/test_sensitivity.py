@@ -89,6 +89,21 @@ def test_derivatives_of_equilibria_agree_with_fifty_digits(place: str) -> None:
     assert off(jacobian(again), np.array(wanted["jacobian"])) < 1e-11
 
 
+@pytest.mark.parametrize("tol", (1e-4, 1e-6, 1e-9))
+def test_the_stated_error_includes_that_of_the_solution(tol: float) -> None:
+    start, ends = Start(0.5, 0.5, M3=5.0, F2=3.0, F3=-10.0), Ends(0.5, 0.8, FZ=-8.66)
+    for given, method in ((start, "auto"), (start, "rk4"), (ends, "collocation")):
+        case = replace(TABLE, given=given)
+        exact = solve(case, tol=1e-12).sensitivity(["L", "R"])
+        loose = solve(case, tol=tol, method=method).sensitivity(["L", "R"])
+        if not loose.solved:  # the collocation of a loose tolerance has no orbit
+            continue
+        for name in ALONG:
+            one, other = getattr(exact, name), getattr(loose, name)
+            off = np.abs(other - one).max(axis=1) / np.abs(one).max(axis=1).clip(1e-300)
+            assert off.max() <= float(loose.error), (name, method)
+
+
 @pytest.mark.parametrize("given", (
     Start(0.5, 0.5, F1=5.0, F2=3.0, F3=10.0, alpha=0.3, gamma=0.2),
     Start(0.5, 0.5, dgamma=0.5, F2=3.0, F3=10.0),
