@@ -88,6 +88,8 @@ def test_numbers_stand_at_the_right_of_their_column(capsys, monkeypatch) -> None
 
 def test_a_narrow_terminal_cuts_no_cell_and_drops_no_column(capsys, monkeypatch) -> None:
     monkeypatch.setattr(console, "out", lambda: Console(width=25))
+    console.print_table(["", "value"], [])  # a list may be empty
+    assert capsys.readouterr().out.split() == ["value"]
     heads = ["", console.heading("bending energy", "N cm"), "words", "stray"]
     console.print_table(heads, [["1 *", 140.2331, "two words", 3.890574]])
     lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]

@@ -29,8 +29,8 @@ def test_the_table_names_the_held_ends_the_reactions_both_indices_and_the_search
     run(f"{ROD} {QUICK}")
     said = capsys.readouterr().out
     assert said.split("\n")[0].split() == [
-        "FZ", "(N)", "dbeta0", "(rad/cm)", "held", "energy", "(N", "cm)", "bending", "energy", "(N", "cm)", "turns",
-        "index", "dead", "index", "stray", "(rad)", "attached",
+        "FZ", "(N)", "dbeta0", "(rad/cm)", "held", "energy", "(N", "cm)", "bending", "energy", "(N", "cm)", "bends",
+        "index", "dead", "index", "overshoot", "(rad)", "attached",
     ]  # fmt: skip
     assert "1  -36.1824" in said
     assert "*" not in said  # solve begins from the nearest dead-load equilibrium, and selects from no list
@@ -60,7 +60,7 @@ def test_a_study_file_json_and_the_stored_file_hold_the_same(tmp_path, monkeypat
 @pytest.mark.parametrize(("line", "said"), (
     (f"{ROD} --axis FZ=-3:2:5", "begin from equilibria under dead loads and between two angles, got height"),
     (f"{ROD} --within MZ=0:1", "MZ"),
-    (f"{ROD} --within FZ=0", "--within takes NAME=LOW:HIGH with numbers, such as FZ=-50:10, got 'FZ=0'"),
+    (f"{ROD} --within FZ=0", "--within takes NAME=LOW:HIGH, such as FZ=-50:10, got 'FZ=0'"),
     (f"{ROD} --export cases", "--export writes cases under dead loads, got height; --out stores this list"),
     (f"{ROD} --values 1", "values must be a whole number from 2 to 1000, got 1"),
     ("--within FZ=0:1", "--within belongs to the search of held ends, so it excludes dead loads and --axis"),

@@ -83,7 +83,7 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: st
     cells = [[_cell(value) for value in row] for row in rows]
     texts = [[head, *(row[i].plain for row in cells)] for i, head in enumerate(columns)]
     low = [_narrowest(column) for column in texts]
-    high = [max(len(line) for text in column for line in text.split("\n")) for column in texts]
+    high = [max(len(line) for text in column for line in text.split("\n")) or 1 for column in texts]
     for k, block in enumerate(_blocks(low, out().width)):
         if k:
             say("")
@@ -102,7 +102,7 @@ def _narrowest(texts: Sequence[str]) -> int:
     head, *cells = texts
     whole = not any(" " in text for text in cells)
     each = [*head.split(" "), *(cells if whole else " ".join(cells).split())]
-    return max(map(len, each), default=0)
+    return max(map(len, each), default=0) or 1
 
 
 def _blocks(low: Sequence[int], width: int) -> list[list[int]]:

@@ -2,27 +2,30 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
-from .case_options import ENDS_FIELDS, FIELDS, HELD, Given, takes_case
-from .options import Choose, Json, argument, flag, option, read_angle
+from .case_options import ENDS_FIELDS, HELD, Given, takes_case
+from .options import Choose, Json, argument, flag, option
+from .ranges import ENDS_NUMBERS, read_range
 from .solve import parse_choose
 
 if TYPE_CHECKING:
     import numpy as np
+    import xarray as xr
+    from matplotlib.figure import Figure
 
     from solver import Case
     from solver.equilibria import Equilibria
     from studies import Study
 
+    from .present import Files, Result
+
 DEFAULT = "fig7_4_end_angle"
 OPTIONS_STUDY = "equilibria"  # the name of a study made of options
 MAX_COUNT = 401  # values of an axis
-ANGLES = ("beta0", "betaL")
-HEADS = {"turns": "bends", "stray": "overshoot", "dbeta0": "beta'(0)"}  # of columns that are not named as in files
+HEADS = {"turns": "bends", "stray": "overshoot"}  # of columns that are not named as in files
 COLUMNS = ("dbeta0", "energy", "bending_energy", "turns", "index", "stray", "attached")
 
 
@@ -95,33 +98,19 @@ def equilibria(
     from solver.problem.held_ends import held_of
 
     from ..branches.equilibria import write_cases
-    from ..branches.equilibria_dataset import dataset_of
     from ..data import writing
-    from . import output_file
+    from .present import files, present
 
     study, case = study_and_case(file, given, held=axis is None)
     search = _search(case, axis, within, values, tries)
     _check(case, axis, show, export)
-    picture = output_file.check(plot, (".png", ".pdf", ".svg"), force) if plot else None
-    if out is not None:
-        writing.check_parent(out)
-        if not force:
-            writing.check_free(out, "equilibria")
+    asked = files(plot, out, force, "equilibria")
     if export is not None:
         writing.check_folder(export)
     if axis is not None:
-        return _over_axis(study, case, parse_axis(axis), picture, out, json, force, show)
+        return _over_axis(study, case, parse_axis(axis), asked, json, show)
     found = all_equilibria(case, **search)
-    _print(study, case, found, choose, _source(study, file, given), json)
-    if picture or out:
-        ds = dataset_of(study, case, found)
-        if out:
-            writing.write(ds, out, force)
-        if picture:
-            from ..figures import canvas
-            from ..figures import equilibria as equilibria_figure
-
-            canvas.save(equilibria_figure.figure(ds), picture)
+    present(_listed(study, case, found, choose, _source(study, file, given)), asked, json)
     if export:
         write_cases(study, case, found, export)
         if not json:
@@ -206,20 +195,20 @@ def _source(study: "Study", file: Path | None, given: Given) -> str:
     return f"{study.title if file else f'Table 1{own}'}{changed}"
 
 
-def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None, source: str, as_json: bool) -> None:
-    """Print the equilibria and which of them the rule selects."""
+def _listed(study: "Study", case: "Case", found: "Equilibria", choose: str | None, source: str) -> "Result":
+    """The equilibria and which of them the rule selects, as they are handed over."""
     import numpy as np
 
     from solver.boundary.selection import selection
     from solver.equilibria import meant
     from solver.equilibrium_list import HeldEquilibria
-    from solver.problem.errors import choices
-    from solver.problem.held_ends import held_of
 
     from ..branches.equilibria import row
-    from ..data import left_out
+    from ..branches.equilibria_dataset import dataset_of
+    from ..data.left_out import SENTENCE
     from ..run.case_input import field_values, with_unit
     from ..run.sweep import rule_of
+    from .present import Result
 
     rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule
     assert rule is not None
@@ -228,30 +217,50 @@ def _print(study: "Study", case: "Case", found: "Equilibria", choose: str | None
     rows = [{**row(one), "taken": one is taken} for one in found]
     how = selection(rule, np.array([one.index for one in found], dtype=int), len(found), found.complete)
     remark = with_unit(found.remark, case, study.unit_system)
-    if as_json:
-        console.print_json({
+    search = {} if searched is None else {"search": asdict(searched)}
+
+    def figure(ds: "xr.Dataset") -> "Figure":
+        from ..figures import equilibria as equilibria_figure
+
+        return equilibria_figure.figure(ds)
+
+    def show() -> None:
+        reactions = list(searched.within) if searched else []
+        _print_list(study, case, found, rows, reactions, remark)
+        if taken or (found and not (searched and choose is None)):
+            console.say(f"* {how.rule}" if taken else f"none has index {rule}")
+        console.say(f"rod: {source}")
+        console.say_units(study.unit_system)
+        if case.cylinder.side == "inside":
+            console.say(SENTENCE)
+
+    def data() -> dict[str, Any]:
+        return {
             "case": field_values(case), "units": study.unit_system, "selection": {**asdict(how), "rule": how.rule},
-            "equilibria": rows, "complete": found.complete, "remark": remark,
-            **({} if searched is None else {"search": asdict(searched)}),
-        })  # fmt: skip
-        return
-    _print_table(study, rows, list(searched.within) if searched else [])
+            "equilibria": rows, "complete": found.complete, "remark": remark, **search,
+        }  # fmt: skip
+
+    return Result(data, show, lambda: dataset_of(study, case, found), figure)
+
+
+def _print_list(
+    study: "Study", case: "Case", found: "Equilibria", rows: list[dict[str, Any]], reactions: list[str], remark: str
+) -> None:
+    """Print the table of a list, how many are stable, and whether it is complete."""
+    from solver.problem.errors import choices
+    from solver.problem.held_ends import held_of
+
+    _print_table(study, rows, reactions)
     if rows:
         console.say(_energy_in_words(rows, list(found[0].solution.held), f"{study.units.force} {study.units.length}"))
-    stable = sum(r["index"] == 0 for r in rows)
-    ends = f"under held ends: {choices(held_of(case))}" if searched else "with the end angles held and dead loads"
+    held = held_of(case)
+    ends = f"under held ends: {choices(held)}" if held else "with the end angles held and dead loads"
     noun = "equilibrium" if len(rows) == 1 else "equilibria"
-    console.say(f"{len(rows)} {noun}, {stable} stable {ends}")
-    if searched:
+    console.say(f"{len(rows)} {noun}, {sum(r['index'] == 0 for r in rows)} stable {ends}")
+    if held:
         console.say(remark)
     elif not found.complete:
         console.say(f"the list may be incomplete: {remark}")
-    if taken or (found and not (searched and choose is None)):
-        console.say(f"* {how.rule}" if taken else f"none has index {rule}")
-    console.say(f"rod: {source}")
-    console.say_units(study.unit_system)
-    if case.cylinder.side == "inside":
-        console.say(left_out.SENTENCE)
 
 
 def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequence[str] = ()) -> None:
@@ -284,18 +293,8 @@ def _energy_in_words(rows: Sequence[dict[str, Any]], held: Sequence[str], unit: 
 
 def parse_within(said: Sequence[str]) -> dict[str, tuple[float, float]]:
     """``FZ=-50:10`` as a reaction with its range, angles in rad. Raises `InputError`."""
-    from solver import InputError
-
-    found = {}
-    for text in said:
-        name, _, ends = text.partition("=")
-        try:
-            read = partial(read_angle, f"--within {name}") if name in ANGLES else float
-            low, high = (read(end) for end in ends.split(":"))
-        except ValueError:
-            raise InputError(f"--within takes NAME=LOW:HIGH with numbers, such as FZ=-50:10, got {text!r}") from None
-        found[name] = low, high
-    return found
+    read = [read_range("--within", text, form="LOW:HIGH", example="FZ=-50:10") for text in said]
+    return {name: (low, high) for name, low, high, _ in read}
 
 
 def parse_axis(text: str) -> "tuple[str, np.ndarray]":
@@ -303,62 +302,44 @@ def parse_axis(text: str) -> "tuple[str, np.ndarray]":
     import numpy as np
 
     from solver import InputError
-    from solver.problem.errors import no_such
 
-    name, equals, said = text.partition("=")
-    names = [field for field in (*ENDS_FIELDS, *HELD) if not FIELDS[field].choices]
-    if name not in names:
-        raise no_such("axis", name, names)
-    parts = said.split(":")
-    if not equals or len(parts) != 3:
-        raise InputError(f"--axis takes NAME=FROM:TO:COUNT, got {text!r}")
-    try:
-        ends = [
-            (partial(read_angle, f"--axis {name}") if FIELDS[name].unit == "rad" else float)(part) for part in parts[:2]
-        ]
-        count = int(parts[2])
-    except ValueError:
-        raise InputError(f"--axis takes NAME=FROM:TO:COUNT with numbers, got {text!r}") from None
-    if not 2 <= count <= MAX_COUNT or ends[0] == ends[1] or not np.isfinite(ends).all():
+    name, first, last, count = read_range("--axis", text, (*ENDS_NUMBERS, *HELD), "FROM:TO:COUNT")
+    if not 2 <= count <= MAX_COUNT or first == last or not np.isfinite([first, last]).all():
         raise InputError(f"--axis needs two different finite ends and a count from 2 to {MAX_COUNT}, got {text!r}")
-    return name, np.linspace(min(ends), max(ends), count)
+    return name, np.linspace(min(first, last), max(first, last), count)
 
 
 def _over_axis(
-    study: "Study", case: "Case", axis: "tuple[str, np.ndarray]", picture: Path | None, out: Path | None,
-    as_json: bool, force: bool, show: str | None,
-) -> int:  # fmt: skip
-    """Store, draw and print the branches of equilibria over an axis; 0, or 1 if there is none."""
+    study: "Study", case: "Case", axis: "tuple[str, np.ndarray]", asked: "Files", as_json: bool, show: str | None
+) -> int:
+    """Hand over the branches of equilibria over an axis; 0, or 1 if there is none."""
     from ..branches import branch_dataset
-    from ..data import writing
+    from .present import Result, present
 
     name, values = axis
     with console.progress(values.size) as step:
         ds = branch_dataset.sweep(study, case, name, values, step, show)
-    if out:
-        writing.write(ds, out, force)
-    if picture:
-        from ..figures import bifurcation, canvas
+    rows, folds, remarks = branch_dataset.branches(ds), branch_dataset.folds(ds), branch_dataset.remarks(ds)
 
-        canvas.save(bifurcation.figure(ds), picture)
-    rows, folds = branch_dataset.branches(ds), branch_dataset.folds(ds)
-    if as_json:
-        console.print_json(
-            {
-                "axis": name,
-                "units": study.unit_system,
-                "branches": [{"number": row["branch"] + 1, **row} for row in rows],
-                "folds": folds,
-                "remarks": branch_dataset.remarks(ds),
-            }
-        )
-    else:
+    def figure(ds: "xr.Dataset") -> "Figure":
+        from ..figures import bifurcation
+
+        return bifurcation.figure(ds)
+
+    def data() -> dict[str, Any]:
+        numbered = [{"number": row["branch"] + 1, **row} for row in rows]
+        return {"axis": name, "units": study.unit_system, "branches": numbered, "folds": folds, "remarks": remarks}
+
+    def tell() -> None:
         unit = "deg" if ds[name].attrs["units"] == "rad" else ds[name].attrs["units"]
-        heads = [console.heading(key, unit if key in ("from", "to") else "") for key in rows[0]] if rows else ["branch"]
+        keys = list(rows[0]) if rows else ["branch"]
+        heads = [console.heading(key, unit if key in ("from", "to") else "") for key in keys]
         console.print_table(heads, [[r["branch"] + 1, *list(r.values())[1:]] for r in rows])
         some = f"{len(rows)} branch{'es' * (len(rows) != 1)}, {len(folds)} fold{'s' * (len(folds) != 1)}"
         console.say(f"{some} over {values.size} values of {name}")
         console.say_units(study.unit_system)
-        for remark in branch_dataset.remarks(ds):
+        for remark in remarks:
             console.say(f"a branch stops at {remark}")
+
+    present(Result(data, tell, lambda: ds, figure), asked, as_json)
     return 0 if rows else 1

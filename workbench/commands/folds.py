@@ -1,15 +1,18 @@
 """The command folds: fold curves over two fields of an ends problem, and the equilibria in the regions between them."""
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
-from .case_options import ENDS_FIELDS, FIELDS, Given, takes_case
+from .case_options import ENDS_FIELDS, Given, takes_case
 from .equilibria import study_and_case
-from .options import ForceOutput, Json, argument, flag, numbered, option, read_angle
+from .options import ForceOutput, Json, argument, flag, numbered, option
+from .ranges import ENDS_NUMBERS, read_range
 
 if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
     from solver.region_map import RegionMap
 
 PRINT = {"rich_help_panel": "Print"}
@@ -56,87 +59,73 @@ def folds(
     from solver.region_map import region_map
 
     from ..branches.region_dataset import dataset_of
-    from ..data import writing
     from ..figures.sheet import sheet
-    from . import output_file
+    from .present import Result, files, present
 
     study, case = study_and_case(file, given)
-    ranges: dict[str, Any] = dict(parse_range(text) for text in axis or [])
+    read = [read_range("--axis", text, ENDS_NUMBERS) for text in axis or []]
+    ranges: dict[str, Any] = {name: (low, high) for name, low, high, _ in read}
     if len(axis or []) != 2 or len(ranges) != 2:
         said = ", ".join(axis or []) or "none"
         raise InputError(f"folds takes --axis NAME=FROM:TO twice, with two different fields, got {said}")
     if points > MOST_POINTS:
         raise InputError(f"--check takes at most {MOST_POINTS} points, got {points}")
     page = sheet(style, width, not no_title)
-    picture = output_file.check(plot, (".png", ".pdf", ".svg"), force) if plot else None
-    if out is not None and not force:
-        writing.check_free(out, "folds")
+    asked = files(plot, out, force, "folds")
     found = region_map(case, lattice=lattice, **ranges)
     wrong = found.checked(points) if points else []
-    if picture or out:
-        ds = dataset_of(study, found, (points, len(wrong)) if points else None)
-        if given.values:
-            ds.attrs["reading"] = ""  # it would not be that of Table 1
-        if out:
-            writing.write(ds, out, force)
-        if picture:
-            from ..figures import canvas
-            from ..figures import region_map as region_figure
 
-            canvas.save(region_figure.figure(ds, page), picture, dpi)
-    _print(found, points, wrong, json)
-    if not json:
+    def dataset() -> "xr.Dataset":
+        ds = dataset_of(study, found, (points, len(wrong)) if points else None)
+        return ds.assign_attrs(reading="") if given.values else ds  # it would not be that of Table 1
+
+    def figure(ds: "xr.Dataset") -> "Figure":
+        from ..figures import region_map as region_figure
+
+        return region_figure.figure(ds, page)
+
+    def show() -> None:
+        _print(found, points, wrong)
         console.say_units(study.unit_system)
+
+    present(Result(lambda: _as_data(found, points, wrong), show, dataset, figure), asked, json, dpi)
     return 1 if found.remark or wrong else 0
 
 
-def parse_range(text: str) -> tuple[str, tuple[float, float]]:
-    """``betaL=-90deg:60deg`` as a field and its range, angles in rad. Raises `InputError`."""
-    from solver import InputError
-    from solver.problem.errors import no_such
-
-    name, equals, said = text.partition("=")
-    names = [field for field in ENDS_FIELDS if not FIELDS[field].choices]
-    if name not in names:
-        raise no_such("axis", name, names)
-    parts = said.split(":")
-    if not equals or len(parts) != 2:
-        raise InputError(f"--axis takes NAME=FROM:TO, got {text!r}")
-    try:
-        low, high = (
-            (partial(read_angle, f"--axis {name}") if FIELDS[name].unit == "rad" else float)(part) for part in parts
-        )
-    except ValueError:
-        raise InputError(f"--axis takes NAME=FROM:TO with numbers, got {text!r}") from None
-    return name, (low, high)
-
-
-def _print(found: "RegionMap", points: int, wrong: list[str], as_json: bool) -> None:
-    """Print the curves, the regions, and what the check says."""
-    folds = found.folds
-    curves: list[dict[str, Any]] = [
+def _curves(found: "RegionMap") -> list[dict[str, Any]]:
+    return [
         {"curve": i, "kind": one.kind, "index": f"{one.lower}, {one.lower + 1}", "cusps": one.cusps.shape[0],
          "ends": ", ".join(dict.fromkeys(one.ends))}
-        for i, one in enumerate(folds.curves)
+        for i, one in enumerate(found.folds.curves)
     ]  # fmt: skip
-    regions: list[dict[str, Any]] = [
-        {**dict(zip(folds.names, map(float, one.values), strict=True)), "area": one.area, "equilibria": one.count,
-         "stable": one.stable}
+
+
+def _regions(found: "RegionMap") -> list[dict[str, Any]]:
+    return [
+        {**dict(zip(found.folds.names, map(float, one.values), strict=True)), "area": one.area,
+         "equilibria": one.count, "stable": one.stable}
         for one in found.regions
     ]  # fmt: skip
-    if as_json:
-        cusps = [dict(zip(folds.names, map(float, cusp), strict=True)) for one in folds.curves for cusp in one.cusps]
-        checked = {"points": points, "failed": wrong}
-        console.print_json(
-            {"fields": list(folds.names), "curves": curves, "cusps": cusps, "regions": regions, "check": checked,
-             "remark": found.remark}
-        )  # fmt: skip
-        return
+
+
+def _as_data(found: "RegionMap", points: int, wrong: list[str]) -> dict[str, Any]:
+    """The curves, the regions and the check as plain data."""
+    folds = found.folds
+    cusps = [dict(zip(folds.names, map(float, cusp), strict=True)) for one in folds.curves for cusp in one.cusps]
+    return {
+        "fields": list(folds.names), "curves": _curves(found), "cusps": cusps, "regions": _regions(found),
+        "check": {"points": points, "failed": wrong}, "remark": found.remark,
+    }  # fmt: skip
+
+
+def _print(found: "RegionMap", points: int, wrong: list[str]) -> None:
+    """Print the curves, the regions, and what the check says."""
+    curves, regions = _curves(found), _regions(found)
     for rows in (curves, regions):
         if rows:
             console.print_table(list(rows[0]), [list(row.values()) for row in rows])
-    cusps_found = sum(one.cusps.shape[0] for one in folds.curves)
-    console.say(f"{len(curves)} curves, {cusps_found} cusps, {len(regions)} regions")
+    cusps = sum(row["cusps"] for row in curves)
+    console.say(f"{len(curves)} curves, {cusps} cusps, {len(regions)} regions")
     if points:
         console.say(f"checked at {points} random points: {len(wrong)} differ from the map")
         for sentence in wrong[:10]:

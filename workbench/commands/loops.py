@@ -8,6 +8,9 @@ from .case_options import ROD_FIELDS, Given, takes_case
 from .options import Json, argument, flag, option
 
 if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
     from solver import Cylinder, Loop, Rod
 
 MOST_FOLDS = 50
@@ -52,14 +55,11 @@ def loops(
     from solver import loops as closed_rods
 
     from ..branches import loops_dataset
-    from ..data import writing
-    from . import output_file
+    from .present import Files, Result, files, present
 
     rod, cylinder, units = _rod(file, given)
     counts = parse_folds(folds)
-    drawn = output_file.check(picture, (".png", ".pdf", ".svg"), force) if picture else None
-    if out is not None and not force:
-        writing.check_free(out, "equilibria")
+    asked = files(picture, out, force, "equilibria")
     found, remarks = [], []
     for count in counts:
         some = closed_rods(rod, cylinder, wraps, count)
@@ -67,27 +67,21 @@ def loops(
         told = [one for one in some.remarks if all_of_them or "-pi/2" not in one]
         remarks += [f"{count} folds: {one}" for one in told]
     complete = {one.folds for one in found if one.about > 0} == set(counts)
-    if found and (out or drawn):
-        _write(found, units, out, drawn, force)
     if export:
         loops_dataset.write_cases(found, units, export)
-    _print(found, remarks, units, complete, json)
-    return 0 if complete else 1
 
+    def data() -> dict[str, Any]:
+        rows = [row(one) for one in found]
+        return {"units": units, "loops": rows, "complete": complete, "remarks": remarks}
 
-def _write(found: "list[Loop]", units: dict[str, str], out: Path | None, picture: Path | None, force: bool) -> None:
-    """Store the loops, and draw them."""
-    from ..branches import loops_dataset
-    from ..data import writing
-
-    ds = loops_dataset.dataset_of(found, units)
-    if out:
-        writing.write(ds, out, force)
-    if picture:
-        from ..figures import canvas
+    def figure(ds: "xr.Dataset") -> "Figure":
         from ..figures import loops as loops_figure
 
-        canvas.save(loops_figure.figure(ds), picture)
+        return loops_figure.figure(ds)
+
+    result = Result(data, lambda: _print(found, remarks, units), lambda: loops_dataset.dataset_of(found, units), figure)
+    present(result, asked if found else Files(None, None, force), json)
+    return 0 if complete else 1
 
 
 def parse_folds(text: str) -> list[int]:
@@ -121,15 +115,12 @@ def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str
     return asked.case.rod, asked.case.cylinder, asked.units
 
 
-def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str], complete: bool, as_json: bool) -> None:
+def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str]) -> None:
     rows = [row(one) for one in found]
-    if as_json:
-        console.print_json({"units": units, "loops": rows, "complete": complete, "remarks": remarks})
-        return
     force, length = units["force"], units["length"]
     words = {"about": "rad", "energy": f"{force} {length}", "push_min": f"{force}/{length}"}
     words["push_max"] = words["push_min"]
-    heads = [f"{name} ({words[name]})" if name in words else name for name in COLUMNS]
+    heads = [console.heading(name, words.get(name, "")) for name in COLUMNS]
     table = [[i, *(r[name] for name in COLUMNS), r["self_intersection"]] for i, r in enumerate(rows, 1)]
     console.print_table(["", *heads, "self-intersection"], table)
     stable = sum(r["index"] == 0 for r in rows)

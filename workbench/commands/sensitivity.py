@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CSV = (".csv",)
-LEFT, CELL = 46, 9  # letters of the columns before the effects, and of an effect
 Study = Annotated[Path, argument("STUDY", "Shipped study, TOML file, or stored study: a file that run wrote.")]
 
 
@@ -150,32 +149,17 @@ def _print(table: "xr.Dataset", said: list[str], json: bool) -> None:
 
 
 def _print_local(table: "xr.Dataset") -> None:
-    """The case, and the effects: a row an observable, a column a field, in as many tables as the width needs."""
+    """The case, and the effects: a row an observable, a column a field."""
     from ..influence import derivatives
 
     names = [str(name) for name in table["field"].values]
     rows = [[name, float(table["at"][i]), str(table["field_unit"].values[i])] for i, name in enumerate(names)]
     console.print_table(["field", "value", "unit"], [[a, b, "" if c == "1" else c] for a, b, c in rows])
     names = [name for name in names if name not in derivatives.without_effect(table)]
-    heads = {name: f"{name} ({table['amount'].sel(field=name).values!s})" for name in names}
-    for some in _in_width(heads, console.out().width - LEFT):
-        console.say("")
-        cells = [_effects(table, i, some) for i in range(table.sizes["observable"])]
-        console.print_table(["observable", "value", "unit", "in", *(heads[name] for name in some)], cells)
-
-
-def _in_width(heads: dict[str, str], room: int) -> list[list[str]]:
-    """The names in groups whose columns, with these heads, are not wider than so many letters."""
-    groups: list[list[str]] = [[]]
-    left = room
-    for name, head in heads.items():
-        width = max(len(head), CELL) + 2
-        if groups[-1] and width > left:
-            groups.append([])
-            left = room
-        groups[-1].append(name)
-        left -= width
-    return groups
+    heads = [console.heading(name, str(table["amount"].sel(field=name).values)) for name in names]
+    console.say("")
+    cells = [_effects(table, i, names) for i in range(table.sizes["observable"])]
+    console.print_table(["observable", "value", "unit", "in", *heads], cells)
 
 
 def _effects(table: "xr.Dataset", i: int, fields: list[str]) -> list[str]:

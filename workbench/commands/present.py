@@ -1,0 +1,74 @@
+"""Hand the result of a command to its reader: a table or JSON, a dataset in a file, a picture."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import console
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Files:
+    """The files that a command is asked for, each checked before anything is computed.
+
+    picture, out: of the figure and of the dataset, or None. force: whether `out` may replace a file of another kind.
+    """
+
+    picture: Path | None
+    out: Path | None
+    force: bool
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a command found.
+
+    data: it as plain data. show: prints it for people. dataset: it as a dataset. figure: draws that dataset.
+    """
+
+    data: Callable[[], Any]
+    show: Callable[[], None]
+    dataset: "Callable[[], xr.Dataset]"
+    figure: "Callable[[xr.Dataset], Figure]"
+
+
+def files(plot: Path | None, out: Path | None, force: bool, kind: str) -> Files:
+    """The files of these options. Raises `InputError`.
+
+    kind: of the dataset, as of `writing.check_free`: what `out` holds already may be replaced if it is of this kind.
+    """
+    from ..data import writing
+    from . import output_file
+
+    if plot is not None:
+        from ..figures import canvas
+
+        output_file.check(plot, canvas.DIAGRAMS, force)
+    if out is not None:
+        writing.check_parent(out)
+        if not force:
+            writing.check_free(out, kind)
+    return Files(plot, out, force)
+
+
+def present(result: Result, asked: Files, as_json: bool, dpi: int = 200) -> None:
+    """Store and draw what was asked for, then print it."""
+    if asked.out or asked.picture:
+        from ..data import writing
+
+        ds = result.dataset()
+        if asked.out:
+            writing.write(ds, asked.out, asked.force)
+        if asked.picture:
+            from ..figures import canvas
+
+            canvas.save(result.figure(ds), asked.picture, dpi)
+    if as_json:
+        console.print_json(result.data())
+    else:
+        result.show()
