@@ -6,7 +6,7 @@ from ..problem.errors import InputError, choices, known_name, no_such
 from . import METHODS, available
 from .base import EndsMethod, Method, StartMethod
 
-PREFERRED = {"start": ("swing", "orbit"), "ends": ("shooting",)}  # measured, see docs/reference/trade.md
+PREFERRED = {"start": ("swing", "orbit"), "ends": ("shooting",)}  # measured, see docs/reference/methods.md
 
 
 def automatic_method(kind: str) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-# Evaluations after which a ladder ends: about 0.4 s on the machine of docs/reference/trade.md. Evaluations, not
+# Evaluations after which a ladder ends: about 0.4 s on the machine of docs/reference/methods.md. Evaluations, not
 # seconds, so that a busy machine runs the same rungs. The first limit is for methods that call Python at each one.
 MOST_CALLED, MOST_COMPILED = 20_000, 1_000_000
 _LOOSE = 0.9  # the tolerance of a rung whose knob is another one: only a rung without a digit fails

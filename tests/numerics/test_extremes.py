@@ -112,7 +112,7 @@ def test_nearly_every_random_case_that_can_be_is_solved(kind: str, side: str, me
 
 
 # The bar over the whole range: pytest -m slow -s tests/numerics/test_extremes.py.
-# Its figures are in docs/reference/extremes.md.
+# Its figures are in docs/reference/methods.md.
 
 BATCH, BATCHES = 1400, 6  # times kinds and sides: 100,800 cases
 CHECKED = 340  # of each kind, 2,040 in all

@@ -16,6 +16,7 @@ from solver.problem.held_ends import given_numbers
 from solver.problem.reduced import reduce
 from solver.sensitivity.motions import motions
 from tests.cases import START, ends_in_units_of_rho
+from tests.workbench import doc_pages
 
 FILE = json.loads((Path(__file__).parents[1] / "sensitivity_references.json").read_text(encoding="utf-8"))
 ALONG = ("beta", "dbeta", "alpha", "z", "gamma")
@@ -257,8 +258,10 @@ def test_reduced_numbers_of_the_references_are_those_of_the_cases() -> None:
 
 
 def test_the_code_of_the_page_runs() -> None:
-    page = Path(__file__).parents[2] / "docs" / "how-to" / "differentiate-a-solution.md"
-    blocks = [block.split("```")[0] for block in page.read_text(encoding="utf-8").split("```python\n")[1:]]
+    page = doc_pages.read(
+        Path(__file__).parents[2] / "docs" / "how-to" / "find-what-matters.md", "Differentiate a solution"
+    )
+    blocks = [block.split("```")[0] for block in page.split("```python\n")[1:]]
     space: dict[str, Any] = {}
     exec("\n".join(blocks), space)
     assert space["found"].outcome == "solved"

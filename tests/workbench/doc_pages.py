@@ -6,13 +6,18 @@ from pathlib import Path
 BLOCK = re.compile(r"^```sh\n.*?^```$", re.DOTALL | re.MULTILINE)
 
 
-def read(page: Path) -> str:
-    """The text of a page; in its blocks of commands continued lines are joined, and lines of comments left out."""
+def read(page: Path, part: str = "") -> str:
+    """The text of a part of a page, by its heading; default: of what stands before the first part.
+
+    In its blocks of commands continued lines are joined, and lines of comments left out.
+    """
 
     def as_lines(block: re.Match[str]) -> str:
         return re.sub(r"^#.*\n", "", re.sub(r" *\\\n *", " ", block[0]), flags=re.MULTILINE)
 
-    return BLOCK.sub(as_lines, page.read_text(encoding="utf-8"))
+    parts = page.read_text(encoding="utf-8").split("<!-- part -->\n")
+    (text,) = [text for text in parts[1:] if text.startswith(f"\n## {part}\n")] if part else parts[:1]
+    return BLOCK.sub(as_lines, text)
 
 
 def printed(python: str) -> list[str]:

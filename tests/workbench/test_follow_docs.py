@@ -1,4 +1,4 @@
-"""docs/how-to/follow-a-branch.md: its Python, its study and its commands run as they stand."""
+"""docs/how-to/find-equilibria.md: its Python, its study and its commands run as they stand."""
 
 import re
 import shlex
@@ -12,7 +12,7 @@ from tests.workbench import doc_pages
 from workbench import cli
 from workbench.commands.equilibria import parse_axis
 
-DOCS = doc_pages.read(Path(__file__).parents[2] / "docs" / "how-to" / "follow-a-branch.md")
+DOCS = doc_pages.read(Path(__file__).parents[2] / "docs" / "how-to" / "find-equilibria.md", "Follow a branch")
 
 
 def blocks(kind: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""docs/how-to/draw-a-map.md: its study and its commands run as they stand, and its picture is the one they make."""
+"""docs/how-to/draw-diagrams.md: its study and its commands run as they stand, and its picture is the one they make."""
 
 import re
 import shlex
@@ -14,7 +14,7 @@ from workbench import cli
 from workbench.run import in_memory
 
 ROOT = Path(__file__).parents[2]
-DOCS = doc_pages.read(ROOT / "docs" / "how-to" / "draw-a-map.md")
+DOCS = doc_pages.read(ROOT / "docs" / "how-to" / "draw-diagrams.md", "Draw a map")
 STATUS = {"run regimes": 1}  # as the page says
 
 

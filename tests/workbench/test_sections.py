@@ -15,6 +15,7 @@ import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import Case, InputError, Rod, Start, solve
 from studies.loader import loads
 from studies.writer import dumps
+from tests.workbench import doc_pages
 from workbench.data import law_verdicts, reading, value_checks, writing
 from workbench.geometry import centreline
 from workbench.run import in_memory
@@ -162,10 +163,10 @@ def test_a_rod_of_given_stiffnesses_assumes_no_word_of_the_modulus() -> None:
 
 
 def test_the_page_of_sections_runs_and_prints_what_it_says(capsys: pytest.CaptureFixture[str]) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "reference" / "sections.md").read_text(encoding="utf-8")
+    page = doc_pages.read(Path(__file__).parents[2] / "docs" / "reference" / "quantities.md", "Sections of rods")
     code = "\n".join(re.findall(r"```python\n(.*?)```", page, re.DOTALL))
     names: dict[str, Any] = {}
-    exec(compile(code, "sections.md", "exec"), names)
+    exec(compile(code, "quantities.md", "exec"), names)
     assert capsys.readouterr().out.splitlines() == re.findall(r"print\(.*\)  # (.*)", code)
     rods = {name: value for name, value in names.items() if isinstance(value, Rod)}
     assert set(rods) == {"drill_pipe", "casing", "free", "stuck", "dna", "microtubule"}

@@ -1,4 +1,4 @@
-"""docs/how-to/use-dask.md, use-snakemake.md, use-other-programs.md: studies, commands and Python run as they stand."""
+"""run-large-studies.md and use-other-programs.md of docs/how-to: studies, commands and Python run as they stand."""
 
 import importlib.util
 import os
@@ -21,8 +21,8 @@ from workbench.scene import opengl
 HOW_TO = Path(__file__).parents[2] / "docs" / "how-to"
 
 
-def blocks(page: str, language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", doc_pages.read(HOW_TO / page), re.DOTALL)
+def blocks(page: str, language: str, part: str = "") -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", doc_pages.read(HOW_TO / page, part), re.DOTALL)
 
 
 def run(line: str) -> None:
@@ -45,7 +45,7 @@ def python(folder: Path, text: str) -> str:
 def test_the_dask_page_solves_in_tasks(capsys) -> None:
     pytest.importorskip("dask")
     names: dict[str, object] = {}
-    exec(compile(blocks("use-dask.md", "python")[2], "use-dask.md", "exec"), names)
+    exec(compile(blocks("run-large-studies.md", "python", "Use Dask")[2], "use-dask.md", "exec"), names)
     assert "(1000,)" in capsys.readouterr().out
     rods = Rod(E=np.array([5e3, 4e4]), nu=0.25, a=0.25, L=20.0)
     ends = solve(Case(rods, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0))).z[:, -1]
@@ -56,12 +56,12 @@ def test_the_dask_page_solves_in_tasks(capsys) -> None:
 def test_the_dask_page_reads_a_stored_study_in_pieces(tmp_path, monkeypatch) -> None:
     pytest.importorskip("dask")
     monkeypatch.chdir(tmp_path)
-    (study,) = blocks("use-dask.md", "toml")
+    (study,) = blocks("run-large-studies.md", "toml", "Use Dask")
     Path("grid.toml").write_text(study, encoding="utf-8")
-    _, command = blocks("use-dask.md", "sh")
+    _, command = blocks("run-large-studies.md", "sh", "Use Dask")
     run(command.strip())
     names: dict[str, object] = {}
-    exec(compile(blocks("use-dask.md", "python")[0], "use-dask.md", "exec"), names)
+    exec(compile(blocks("run-large-studies.md", "python", "Use Dask")[0], "use-dask.md", "exec"), names)
     pressed = names["pressed"]
     assert isinstance(pressed, xr.DataArray)
     assert pressed.shape == (20, 5)
@@ -74,10 +74,10 @@ def test_the_dask_page_reads_a_stored_study_in_pieces(tmp_path, monkeypatch) -> 
 def test_the_dask_page_solves_the_same_file_on_a_cluster(tmp_path, monkeypatch) -> None:
     pytest.importorskip("distributed")
     monkeypatch.chdir(tmp_path)
-    (study,) = blocks("use-dask.md", "toml")
+    (study,) = blocks("run-large-studies.md", "toml", "Use Dask")
     Path("grid.toml").write_text(study, encoding="utf-8")
     run("workbench run grid.toml")
-    assert python(tmp_path, blocks("use-dask.md", "python")[1]) == "{'solved': 100}\n"
+    assert python(tmp_path, blocks("run-large-studies.md", "python", "Use Dask")[1]) == "{'solved': 100}\n"
     with xr.open_dataset("grid.h5") as here, xr.open_dataset("again.h5") as there:
         for one in (here, there):
             del one.attrs["created"], one.attrs["statistics"], one.attrs["recipe"]
@@ -89,7 +89,7 @@ def workflow(tmp_path: Path) -> Path:
     """The files of the page on Snakemake, each named by its first line."""
     pytest.importorskip("snakemake", reason="Snakemake is not installed")
     for language in ("text", "python"):
-        for text in blocks("use-snakemake.md", language):
+        for text in blocks("use-other-programs.md", language, "Use Snakemake"):
             if name := re.match(r"# (\w+(\.\w+)?)\n", text):
                 (tmp_path / name[1]).write_text(text, encoding="utf-8")
     return tmp_path
@@ -102,7 +102,13 @@ def snakemake(folder: Path, *more: str) -> str:
         (tools / name).write_text(f'#!/bin/sh\nexec {sys.executable}{words} "$@"\n')
         (tools / name).chmod(0o755)
     env = {**os.environ, "PYTHONPATH": str(runs.ROOT), "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}"}
-    command = [sys.executable, "-m", "snakemake", *shlex.split(blocks("use-snakemake.md", "sh")[1])[1:], *more]
+    command = [
+        sys.executable,
+        "-m",
+        "snakemake",
+        *shlex.split(blocks("use-other-programs.md", "sh", "Use Snakemake")[1])[1:],
+        *more,
+    ]
     done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout + done.stderr
