@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from fractions import Fraction
 from keyword import iskeyword
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +19,10 @@ from .axes import FIELDS, WORDS, Misplaced, quantity_of
 from .formula_units import PLAIN, Dimension, dimension, is_zero, unit_words
 from .formula_values import evaluate
 from .formulas import CONSTANTS, FUNCTIONS, IN, Formula, parse
+from .law import Law
 from .readings import TABLE_1
+from .study_data import StudyData
 from .units import NAMED, size_of
-
-if TYPE_CHECKING:
-    from .law import Law
-    from .model import Study
 
 MOST_EXPRESSIONS = 100
 MOST_NAME = 40  # characters
@@ -56,7 +54,7 @@ def dimension_of(name: str) -> Dimension:
     return Fraction(row.dimension[0]), Fraction(row.dimension[1])
 
 
-def names(study: "Study") -> dict[str, Dimension]:
+def names(study: StudyData) -> dict[str, Dimension]:
     """The names that the laws of a study may use, with their dimensions: units, numbers of each case, observables.
 
     The fields of the case are those that `[base]`, `[axes]`, Table 1 of a reading, or a default give.
@@ -104,7 +102,7 @@ def unit_names(units: Mapping[str, str]) -> dict[str, Dimension]:
     }
 
 
-def check(study: "Study") -> None:
+def check(study: StudyData) -> None:
     """Raise `Misplaced` unless every expression has a free name, a valid formula, names above it and fitting units."""
     if len(study.expressions) > MOST_EXPRESSIONS:
         raise Misplaced(
@@ -132,7 +130,7 @@ def check(study: "Study") -> None:
             raise Misplaced(str(error), "expressions", name) from None
 
 
-def check_law(study: "Study", number: int, law: "Law") -> None:
+def check_law(study: StudyData, number: int, law: Law) -> None:
     """Raise `Misplaced` unless the formulas of a law use known names and have the unit of what they stand for."""
     known, units = names(study), study.unit_system
     for key, formula in law.formulas.items():
@@ -148,14 +146,14 @@ def check_law(study: "Study", number: int, law: "Law") -> None:
             raise Misplaced(str(error), "laws", number, key) from None
 
 
-def unit(study: "Study", name: str) -> str:
+def unit(study: StudyData, name: str) -> str:
     """The unit of an expression: its own, or that of its formula in the units of the study."""
     if own := parse(study.expressions[name]).unit:
         return own
     return unit_text(names(study)[name], study.unit_system)
 
 
-def error_of(study: "Study", name: str) -> str | None:
+def error_of(study: StudyData, name: str) -> str | None:
     """The name of the error of an observable or expression, or None for a whole number."""
     if name not in study.expressions:
         return error_name(name)
@@ -175,7 +173,7 @@ def needed(formulas: Iterable[Formula], expressions: Mapping[str, str]) -> list[
 
 
 def observed(
-    study: "Study", sol: Solution, wanted: Iterable[str], given: Mapping[str, Any]
+    study: StudyData, sol: Solution, wanted: Iterable[str], given: Mapping[str, Any]
 ) -> tuple[dict[str, NDArray[Any]], NDArray[np.str_]]:
     """Observables and expressions of a solution with their errors, (cases,) each, and remarks on missing values.
 
@@ -218,11 +216,11 @@ def _error(formula: Formula, known: Mapping[str, Any], values: NDArray[np.float6
     return total + 8 * 2.0**-52 * np.abs(values)
 
 
-def _others(study: "Study", used: Iterable[str], known: Mapping[str, Any]) -> list[str]:
+def _others(study: StudyData, used: Iterable[str], known: Mapping[str, Any]) -> list[str]:
     return [name for name in dict.fromkeys(used) if name not in known and name not in study.expressions]
 
 
-def _number(study: "Study", sol: Solution, name: str, given: Mapping[str, Any]) -> Any:
+def _number(study: StudyData, sol: Solution, name: str, given: Mapping[str, Any]) -> Any:
     """A number of each case by its name, (cases,) or one for all."""
     if name in unit_names(study.unit_system):
         return 1.0
@@ -240,12 +238,12 @@ def _number(study: "Study", sol: Solution, name: str, given: Mapping[str, Any]) 
     return float(as_given(study)[name])
 
 
-def as_given(study: "Study") -> dict[str, Any]:
+def as_given(study: StudyData) -> dict[str, Any]:
     """The numbers that are the same in all cases, as the study gives them: of its base, of Table 1, or by default."""
     return {**(TABLE_1 if study.reading else _DEFAULTS), **study.base.given}
 
 
-def used_by_laws(study: "Study") -> dict[str, Any]:
+def used_by_laws(study: StudyData) -> dict[str, Any]:
     """The numbers of `as_given` that formulas of the laws use."""
     used = {name for law in study.laws for formula in law.formulas.values() for name in formula.names}
     return {name: value for name, value in as_given(study).items() if name in used and name not in WORDS}
@@ -259,7 +257,7 @@ _DEFAULTS = {
 }
 
 
-def given_fields(study: "Study") -> list[str]:
+def given_fields(study: StudyData) -> list[str]:
     """The numeric fields of the case that have a value in every case: given, on an axis, or by default."""
     fixed = as_given(study)
     varied = [name for name in study.varied if name not in study.fields]

@@ -1,21 +1,17 @@
 """Which axis of a study may be followed: each case continues the equilibrium of the one before it."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from solver import Start
 from solver.problem.errors import choices
 
 from .axes import CYLINDER, ROD, START, WORDS, Axis, Misplaced
-
-if TYPE_CHECKING:
-    from .model import Study
+from .study_data import StudyData
 
 OF_ENDS = ("betaL", "FZ", "MZ", "M3")  # of the ends problem that a start problem solves
 
 
-def check(study: "Study") -> None:
+def check(study: StudyData) -> None:
     """Raise `Misplaced` for several followed axes, and for one that the base case cannot be followed along."""
     names = [name for name, axis in study.axes.items() if axis.follow]
     if len(names) > 1:
@@ -38,7 +34,7 @@ def _check_of_ends(name: str, axis: Axis) -> None:
         raise Misplaced("the values of a followed axis must rise or fall", "axes", name, "values")
 
 
-def _check_of_a_start(study: "Study", name: str, axis: Axis) -> None:
+def _check_of_a_start(study: StudyData, name: str, axis: Axis) -> None:
     known = [*OF_ENDS, *(() if study.reading else (one for one in (*ROD, *CYLINDER) if one in study.base.given))]
     known = [one for one in known if one not in WORDS]
     if name in START and name not in known:

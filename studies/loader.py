@@ -17,9 +17,8 @@ from .axes import Axis, Base, Misplaced, Units, Which
 from .dimensions import Values
 from .law import Law
 from .model import Study
-from .paired import Table
-from .refine import Refine
 from .samples import Distribution
+from .study_tables import Refine, Table
 from .writer import dumps
 
 SHIPPED = Path(__file__).parent

@@ -1,46 +1,33 @@
 """A study: units, a reading of Table 1, a base case, axes, observables, outputs, and laws."""
 
 from collections.abc import Mapping
-from math import prod
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field, PrivateAttr, ValidationInfo, field_validator, model_validator
+from pydantic import ValidationInfo, field_validator, model_validator
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start
+from solver import Case, Cylinder, InputError, Rod, Start
 from solver.observe.observables import OBSERVABLES
-from solver.problem.case import PAIRS, from_fields
+from solver.problem.case import from_fields
 from solver.problem.errors import choices, near
 from solver.problem.quantities import unit_of
-from solver.problem.rod import DIRECT
 from solver.problem.shown import made
-from solver.problem.tolerance import DEFAULT_TOLERANCE
 
 from . import axes as parts
 from . import expressions, followed_axis, paired, refine
-from .axes import CYLINDER, ENDS, ROD, START, Axis, Base, Misplaced, Units, Which
+from .axes import CYLINDER, ROD, Axis, Misplaced
 from .dimensions import SAMPLE, Dimension, Dimensions
-from .law import Law
-from .paired import Table
 from .readings import TABLE_1, TABLE_UNITS, Reading, parse
-from .refine import Refine
-from .samples import Distribution, Sample
-
-# The quantities that can be stored along the rod: names of `Solution`.
-OUTPUTS = (
-    "beta", "dbeta", "alpha", "z", "gamma", "position", "kappa",
-    "F1", "F2", "F3", "FY", "contact", "M1", "M2", "h",
-)  # fmt: skip
-
-# The default observables of a study.
-OBSERVED = ["turns", "wraps", "height", "kappa_max", "contact_size_mean", "attached"]
-
-MAX_STATIONS = 100_001
+from .samples import Distribution
+from .study_data import MAX_STATIONS as MAX_STATIONS
+from .study_data import OUTPUTS as OUTPUTS
+from .study_data import StudyData
+from .study_tables import OUTCOME
 
 
-class Study(BaseModel):
+class Study(StudyData):
     """One study. Without axes and samples it is a single case.
 
     With a `reading`, base and axes are values as Table 1 prints them (F1 is F10, F3 the size of F30; default: the value
@@ -55,30 +42,6 @@ class Study(BaseModel):
     >>> observe(solve(study.case()), ["turns"])["turns"]
     array([8, 7, 6, 6, 6, 5, 5, 5, 5])
     """
-
-    model_config = parts.STRICT
-
-    name: str = Field("study", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$", max_length=200)
-    title: parts.Line
-    units: Units
-    reading: str | None = None
-    base: Base = Base()
-    equilibrium: Which | None = None
-    axes: dict[str, Axis] = {}
-    sample: Sample | None = None
-    zip: dict[str, Annotated[list[float], Field(fail_fast=True)]] | None = None
-    table: Table | None = None
-    refine: Refine | None = None
-    expressions: dict[str, str] = {}
-    observables: list[str] = OBSERVED
-    outputs: list[str] = ["beta", "alpha", "z", "contact"]
-    stations: int = Field(201, ge=2, le=MAX_STATIONS)
-    tol: float = Field(DEFAULT_TOLERANCE, gt=0, lt=1)
-    method: str = "auto"
-    laws: list[Law] = []
-    _text: str = PrivateAttr("")
-    _samples: Dimension | None = PrivateAttr(None)
-    _part_of: Any = PrivateAttr(None)  # for a part of a sweep: the spine of the whole (`workbench.run.sweep.Spine`)
 
     @field_validator("reading")
     @classmethod
@@ -251,78 +214,6 @@ class Study(BaseModel):
         return self
 
     @property
-    def text(self) -> str:
-        """The TOML text of the study, or an empty text."""
-        return self._text
-
-    def part_of(self, whole: Any) -> "Study":
-        """The same study as a part of a larger sweep. whole: the spine of that sweep."""
-        part = self.model_copy()
-        part._part_of = whole
-        return part
-
-    @property
-    def whole(self) -> Any:
-        """The spine of the sweep that this study is a part of, or None."""
-        return self._part_of
-
-    @property
-    def unit_system(self) -> dict[str, str]:
-        """``{"length": "cm", "force": "N"}``."""
-        return self.units.model_dump()
-
-    @property
-    def kind(self) -> type:
-        """Start or Ends, from the names of the given fields."""
-        sampled = self.sampled if self.refine is None else ()
-        said = {*self.base.given, *sampled, *(name for name, axis in self.axes.items() if not axis.follow)}
-        return Ends if said & (set(ENDS) - set(START)) else Start
-
-    @property
-    def held(self) -> tuple[str, ...]:
-        """The given fields of Ends that replace a dead load or an end angle."""
-        said = {*self.base.given, *self.varied}
-        return tuple(partner for _, partner in PAIRS if partner in said)
-
-    @property
-    def reactions(self) -> tuple[str, ...]:
-        """What is stored of held ends besides the loads: the index, and the end angles that are found."""
-        angles = [own for own, partner in PAIRS[:2] if partner in self.held]
-        return ("held_index", *angles) if self.held else ()
-
-    @property
-    def fields(self) -> tuple[str, ...]:
-        """The names of the fields that base may hold."""
-        if self.reading:
-            return (*TABLE_1, "side")
-        return (*ROD, *CYLINDER, *(START if self.kind is Start else ENDS))
-
-    @property
-    def grid(self) -> dict[str, Axis]:
-        """The axes that are dimensions: all, but those of a refined study, whose cases are samples."""
-        return self.axes if self.refine is None else {}
-
-    @property
-    def follow(self) -> Axis | None:
-        """The axis along which the equilibrium of a start problem is followed, or None."""
-        return next((axis for axis in self.axes.values() if axis.follow and axis.is_open), None)
-
-    @property
-    def followed(self) -> str | None:
-        """The name of the axis along which equilibria are followed, or None."""
-        return next((name for name, axis in self.axes.items() if axis.follow), None)
-
-    @property
-    def sweeps(self) -> bool:
-        """Whether the study is a sweep, whose cases are labelled with their branches: ends problems over axes."""
-        return bool(self.grid) and self.kind is Ends
-
-    @property
-    def size(self) -> int:
-        """Number of cases."""
-        return max(self.samples_count, 1) * prod(axis.size for axis in self.grid.values())
-
-    @property
     def samples(self) -> Dimension | None:
         """The samples; None if there are none.
 
@@ -335,33 +226,12 @@ class Study(BaseModel):
         return self._samples
 
     @property
-    def samples_count(self) -> int:
-        """Number of samples; 0 where nothing is sampled."""
-        if self._samples is None and self.refine is not None:
-            return prod(axis.size for axis in self.axes.values())
-        known = self._samples or self.sample
-        return 0 if known is None else known.size
-
-    @property
-    def sampled(self) -> tuple[str, ...]:
-        """The fields of the samples, those of [sample], [zip] or [table], or the refined axes."""
-        if self.refine is not None:
-            return tuple(self.axes)
-        known = self._samples or self.sample
-        return () if known is None else tuple(known.fields)
-
-    @property
-    def varied(self) -> tuple[str, ...]:
-        """The fields that vary: those of the samples, then the axes."""
-        return (*self.sampled, *self.grid)
-
-    @property
     def wanted(self) -> list[str]:
         """The observables and expressions to store: those of the study, its laws and its refinement."""
         judged = [name for law in self.laws for name in law.observables]
         used = [name for law in self.laws for formula in law.formulas.values() for name in formula.names]
         stored = [name for name in used if name in OBSERVABLES]
-        watched = [name for name in self.refine.watch if name != refine.OUTCOME] if self.refine else []
+        watched = [name for name in self.refine.watch if name != OUTCOME] if self.refine else []
         every = dict.fromkeys([*self.observables, *self.expressions, *judged, *stored, *watched])
         return [name for name in every if name not in (*self.held, *self.varied)]  # a height that is held is a field
 
@@ -371,20 +241,6 @@ class Study(BaseModel):
         names = ((name, expressions.error_of(self, name)) for name in self.wanted)
         return [column for pair in names for column in pair if column]
 
-    @property
-    def known_observables(self) -> tuple[str, ...]:
-        """The observables that the rods of the study have: with EI and GJ in place of E there is no stress."""
-        given = {*self.base.given, *self.varied}
-        return tuple(name for name, row in OBSERVABLES.items() if row.needs != "E" or not given & {*DIRECT})
-
-    @property
-    def variation(self) -> str:
-        """What varies, in words: ``the axes E, R``, ``samples of E, R``."""
-        if self.refine is not None:
-            return f"the refined axes {choices(self.axes)}"
-        sampled = [f"samples of {choices(self.sampled)}"] if self.sampled else []
-        return " and ".join([*sampled, *([f"the axes {choices(self.axes)}"] if self.axes else [])])
-
     def under(self, reading: str | None) -> "Study":
         """The same study under another reading; a missing word keeps that of the study. Raises `InputError`."""
         if reading is None:
@@ -392,18 +248,6 @@ class Study(BaseModel):
         if self.reading is None:
             raise InputError(f"{self.name} does not use Table 1: the reading {reading!r} does not apply")
         return self.model_copy(update={"reading": parse(reading, parse(self.reading)).name})
-
-    def at_stations(self, stations: int) -> "Study":
-        """The same study with another number of stations. Raises `InputError`."""
-        if not 2 <= stations <= MAX_STATIONS:
-            raise InputError(f"stations must be from 2 to {MAX_STATIONS}, got {stations}")
-        return self.model_copy(update={"stations": stations})
-
-    def with_samples(self, samples: Dimension | None) -> "Study":
-        """The same study with other samples."""
-        other = self.model_copy()
-        other._samples = samples
-        return other
 
     def with_sample(self, place: int) -> "Study":
         """The same study with one of its samples, which keeps its number."""
@@ -444,10 +288,6 @@ class Study(BaseModel):
     def coordinates(self) -> dict[str, NDArray[np.float64]]:
         """The values of each field that varies and is not followed from a start problem, angles in rad."""
         return self.dimensions().fields
-
-    def meaning(self, field: str) -> str:
-        """The meaning of a printed value under the reading of the study, in words; empty if it is the plain field."""
-        return parse(self.reading).meaning(field) if self.reading else ""
 
     def case(self) -> Case:
         """The whole grid as one case, of shape (size of each axis, in order); of a followed study the base case.

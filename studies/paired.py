@@ -2,31 +2,19 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from pydantic import BaseModel
 
 from solver import Ends
 from solver.problem.errors import InputError, choices, near
 
 from . import tables
-from .axes import MAX_COUNT, STRICT, WORDS, Line, Misplaced, in_rad, is_angle
+from .axes import MAX_COUNT, WORDS, Misplaced, in_rad, is_angle
 from .dimensions import SAMPLE, Dimension, Values
-
-if TYPE_CHECKING:
-    from .model import Study
+from .study_data import StudyData
 
 SOURCES = ("sample", "zip", "table")  # the tables of a study that give them
-
-
-class Table(BaseModel):
-    """A table of cases. file: .csv or .parquet, in the folder of the study; columns: those read; default: all."""
-
-    model_config = STRICT
-
-    file: Line
-    columns: list[str] | None = None
 
 
 def read_zip(lists: Any) -> Any:
@@ -43,7 +31,7 @@ def read_zip(lists: Any) -> Any:
     return read
 
 
-def given(study: "Study", folder: Path) -> Dimension | None:
+def given(study: StudyData, folder: Path) -> Dimension | None:
     """The samples of [zip] or [table]; None where a study has neither. folder: of its file. Raises `Misplaced`."""
     said = [name for name in SOURCES if getattr(study, name) is not None]
     if study.refine is not None and said:
@@ -73,18 +61,18 @@ def _paired(lists: Mapping[str, list[float]]) -> dict[str, Values]:
     return {name: np.array(values) for name, values in lists.items()}
 
 
-def source(study: "Study") -> str:
+def source(study: StudyData) -> str:
     """The table of the study that gives the samples."""
     return next((name for name in SOURCES if getattr(study, name) is not None), SAMPLE)
 
 
-def key(study: "Study", field: str) -> tuple[str, str]:
+def key(study: StudyData, field: str) -> tuple[str, str]:
     """The key of a sampled field in the study's file."""
     table = source(study)
     return (table, "file") if table == "table" else (table, field)
 
 
-def check(study: "Study") -> None:
+def check(study: StudyData) -> None:
     """Raise `Misplaced` unless every sampled field is a number of the case, given once, and what else is given fits."""
     table, numeric = source(study), [name for name in study.fields if name not in WORDS]
     for name in study.sampled:
@@ -109,7 +97,7 @@ def check(study: "Study") -> None:
         raise Misplaced(f"{why}: give choose or index", "equilibrium", "dbeta0")
 
 
-def told(study: "Study") -> str:
+def told(study: StudyData) -> str:
     """Where the samples of a study come from, in one sentence; empty where there are none."""
     if not study.sampled:
         return ""
@@ -121,6 +109,6 @@ def told(study: "Study") -> str:
     return f"{count}, from {study.table.file if study.table is not None else 'the lists of zip'}"
 
 
-def caution(study: "Study") -> str:
+def caution(study: StudyData) -> str:
     """A sentence on a size that does not suit the method of sampling; empty where there is nothing to say."""
     return study.sample.caution if study.sample is not None else ""

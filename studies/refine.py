@@ -1,81 +1,30 @@
 """The table [refine] of a study: what is watched, and how finely its boundary is located."""
 
 from math import ceil, log2, prod
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field, model_validator
 
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.errors import choices, near
 
-from .axes import MAX_COUNT, STRICT, Misplaced
+from .axes import Misplaced
 from .dimensions import SAMPLE, Dimension, Values
 from .formulas import parse
 from .lattice import Lattice
 from .law import Law
 from .laws import by_line
 from .refinement import Refinement
+from .study_data import StudyData
+from .study_tables import OUTCOME
 from .watched_lines import Lines
 
-if TYPE_CHECKING:
-    from .model import Study
-
 LEVEL = "level"  # the coordinate of a refined study: how many halvings made a case
-OUTCOME = "outcome"  # watched: whether a case is solved
-FINEST = 1e-9  # least tolerance
 MOST_PLACES = 2**31  # along an axis
 APART = 1e-14  # least relative difference of neighbouring values
 
 
-class Refine(BaseModel):
-    """The refinement of a study whose axes are the coarse grid.
-
-    watch: observables, expressions and "outcome". laws: claims of laws whose verdict is watched from line to line.
-    steps: of those watched that are real numbers, the change that counts. tolerance: the largest step, as a share of
-    its axis, to which a boundary is located; or points: as by so many evenly spaced values of an axis. budget: the most
-    cases, those of the coarse grid among them.
-    """
-
-    model_config = STRICT
-
-    watch: list[str] = []
-    laws: list[str] = []
-    steps: dict[str, float] = {}
-    tolerance: float | None = None
-    points: int | None = None
-    budget: int = Field(10_000, le=MAX_COUNT)
-
-    @model_validator(mode="after")
-    def _complete(self) -> "Refine":
-        if not (self.watch or self.laws):
-            raise Misplaced(f"watch is empty: name at least one observable, or {OUTCOME!r}", "watch")
-        for key, names in (("watch", self.watch), ("laws", self.laws)):
-            if twice := [name for name in names if names.count(name) > 1]:
-                raise Misplaced(f"{twice[0]!r} is watched twice", key)
-        for name, step in self.steps.items():
-            if name not in self.watch:
-                raise Misplaced(f"{name!r} is not watched; watch names {choices(self.watch)}", "steps", name)
-            if not step > 0:
-                raise Misplaced(f"the step of {name} must be positive, got {step:g}", "steps", name)
-        if (self.tolerance is None) == (self.points is None):
-            both = "" if self.points is None else ", and gives both"
-            raise ValueError(f"refine needs one of the two keys tolerance and points{both}")
-        if self.tolerance is not None and not FINEST <= self.tolerance < 1:
-            why = f"tolerance is a share of the axis from {FINEST:g} to below 1, got {self.tolerance:g}"
-            raise Misplaced(why, "tolerance")
-        if self.points is not None and not 2 <= self.points <= 1 / FINEST:
-            raise Misplaced(f"points must be from 2 to {1 / FINEST:.0f}, got {self.points}", "points")
-        return self
-
-    @property
-    def share(self) -> float:
-        """The tolerance as a share of an axis."""
-        return self.tolerance if self.tolerance is not None else 1 / ((self.points or 2) - 1)
-
-
-def check(study: "Study") -> None:
+def check(study: StudyData) -> None:
     """Raise `Misplaced` unless the table fits the axes and the observables of the study."""
     table = study.refine
     assert table is not None
@@ -102,7 +51,7 @@ def check(study: "Study") -> None:
     _check_finest(study)
 
 
-def _check_law(study: "Study", claim: str) -> None:
+def _check_law(study: StudyData, claim: str) -> None:
     """Raise `Misplaced` unless one law has this claim, uses no formula, and has lines beside each other."""
     known = [law.claim for law in study.laws]
     if known.count(claim) != 1:
@@ -115,7 +64,7 @@ def _check_law(study: "Study", claim: str) -> None:
         raise Misplaced(f"the law {claim} has a formula; watch a law of numbers alone", "refine", "laws")
 
 
-def _check_watched(study: "Study", name: str, has_step: bool) -> None:
+def _check_watched(study: StudyData, name: str, has_step: bool) -> None:
     """Raise `Misplaced` unless a watched name is known, and a real number has its step."""
     known = (*OBSERVABLES, *study.expressions, OUTCOME)
     if name not in known:
@@ -131,7 +80,7 @@ def _check_watched(study: "Study", name: str, has_step: bool) -> None:
         raise Misplaced("the outcome is solved or not, and has no step", "refine", "steps", name)
 
 
-def _check_finest(study: "Study") -> None:
+def _check_finest(study: StudyData) -> None:
     """Raise `Misplaced` where the finest values of an axis would not be distinct."""
     table = study.refine
     assert table is not None
@@ -144,7 +93,7 @@ def _check_finest(study: "Study") -> None:
             raise Misplaced(why, "refine", key)
 
 
-def lattice(study: "Study") -> Lattice:
+def lattice(study: StudyData) -> Lattice:
     """The lattice of a refined study: its axes in rising order, halved until their steps are within the tolerance."""
     assert study.refine is not None
     axes: dict[str, Values] = {name: np.sort(axis.numbers()) for name, axis in study.axes.items()}
@@ -154,7 +103,7 @@ def lattice(study: "Study") -> Lattice:
     return Lattice(axes, geometric, max(0, ceil(halvings - 1e-9)))  # rounding makes no further halving
 
 
-def refinement(study: "Study") -> Refinement:
+def refinement(study: StudyData) -> Refinement:
     """The refinement of a study before anything is solved."""
     table = study.refine
     assert table is not None
@@ -163,12 +112,12 @@ def refinement(study: "Study") -> Refinement:
     return Refinement(lattice(study), np.array(steps), table.budget, tuple(lines))
 
 
-def watched_laws(study: "Study") -> list[Law]:
+def watched_laws(study: StudyData) -> list[Law]:
     """The laws whose verdict is watched."""
     return [law for claim in (study.refine.laws if study.refine else ()) for law in study.laws if law.claim == claim]
 
 
-def _lines(study: "Study", claim: str, column: int) -> Lines:
+def _lines(study: StudyData, claim: str, column: int) -> Lines:
     """The lines of a watched law, whose observable is this column of the numbers."""
     assert study.refine is not None
     law = watched_laws(study)[study.refine.laws.index(claim)]
@@ -183,7 +132,7 @@ def _lines(study: "Study", claim: str, column: int) -> Lines:
     return Lines(list(study.axes).index(law.axis), column, judge)
 
 
-def coarse(study: "Study") -> Dimension:
+def coarse(study: StudyData) -> Dimension:
     """The cases of the coarse grid, as samples."""
     found = lattice(study)
     return Dimension(SAMPLE, found.values(found.coarse()))

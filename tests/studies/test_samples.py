@@ -220,7 +220,7 @@ def test_a_law_along_an_axis_may_be_decided_at_one_sample() -> None:
 
 def test_samples_of_an_ends_problem_exclude_axes_and_one_named_equilibrium() -> None:
     text = ENDS + "[zip]\nE = [1e4, 2e4]\nbeta0 = [0.4, 0.5]\n"
-    with pytest.raises(InputError, match="from neighbours along an axis, which those of zip have not: give MZ"):
+    with pytest.raises(InputError, match="compared along an axis, and those of zip have no order: give MZ"):
         loads(text + "[axes.MZ]\nvalues = [0.1, 0.2]")
     with pytest.raises(InputError, match="name the equilibrium of one case, and zip gives 2: give choose or index"):
         loads(text + "[equilibrium]\ndbeta0 = 0.1\nenergy = 1.0")
