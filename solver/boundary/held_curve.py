@@ -16,7 +16,7 @@ from ..problem.reduced import EndsProblem
 from .branch_coordinates import CORNER, Chart, LinePoint, Path, charts, coordinate, path_at
 from .equilibrium_curve import AHEAD
 from .held_index import held_index
-from .held_system import FREE, Given, State, corner_state, rates_in, rows_of, values_of
+from .held_system import FREE, Given, State, corner_state, is_hinged, rates_in, rows_of, values_of
 from .orbit_rates import HOW, NUMBERS, OrbitRates, orbit_numbers, solved, start_rates
 
 _FAR = FREE.index("betaL")
@@ -40,7 +40,7 @@ class HeldFamily:
     @property
     def hinged(self) -> bool:
         """Whether an end moment is given."""
-        return "dbeta0" in self.names or "dbetaL" in self.names
+        return is_hinged(self.names)
 
     @cached_property
     def steps(self) -> core.Steps | None:

@@ -17,8 +17,6 @@ from ..mechanics.potential import load_size, slope_rate
 from ..numerics.arrays import Array
 from .held_system import Given, State
 from .orbit_rates import NUMBERS, OrbitRates
-from .path_orbits import orbit_of
-from .stability import jacobi_zeros
 
 _DISPLACEMENTS = ("z", "alpha", "turn")  # in the order of `OrbitRates.compliance`
 _ANGLES = ("beta0", "betaL")
@@ -117,7 +115,7 @@ def _helix_index(state: State, ends: tuple[str, ...]) -> float:
 def dead_index_of(state: State) -> float:
     """The Morse index under dead loads between its own end angles; NaN where it is not decided."""
     if state.path.helix:
-        return float(jacobi_zeros(orbit_of(state.problem, state.path))[0])
+        return _helix_index(state, _ANGLES)
     rates, pace = state.rates, np.sqrt(1 + load_size(state.problem))
     if (np.maximum(np.abs(rates.value("dbeta0")), np.abs(rates.value("dbetaL"))) < _RESTS * pace).all():
         return np.nan  # beta_t itself is a direction of no stiffness

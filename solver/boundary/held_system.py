@@ -5,6 +5,7 @@ equations are the five given numbers and the length. All derivatives are those o
 regular wherever the problem with these ends has no fold, at folds under dead loads too.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,6 +34,11 @@ _CLOSE = 1e-10  # size of a correction below which it need not shrink any more
 _AT = {name: k for k, name in enumerate(NUMBERS)}
 
 
+def is_hinged(names: Collection[str]) -> bool:
+    """Whether an end moment is among the given numbers."""
+    return "dbeta0" in names or "dbetaL" in names
+
+
 @dataclass(frozen=True, eq=False)
 class State:
     """One equilibrium under held ends: as an ends problem under dead loads, its path, and how its numbers answer.
@@ -59,7 +65,7 @@ class Given:
     @property
     def hinged(self) -> bool:
         """Whether an end moment is given."""
-        return "dbeta0" in self.names or "dbetaL" in self.names
+        return is_hinged(self.names)
 
     def number(self, name: str, otherwise: float) -> float:
         """The value of a given number, or another one where it is not given."""
