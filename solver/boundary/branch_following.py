@@ -39,6 +39,7 @@ _EASY_BEND = 0.05  # distance from the predictor, as a share of the step, that t
 _LEAP = 1.0  # of the parameter's scale: the line whose shares `continuation_steps.LEAPS` are leapt
 _BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix
 _BESIDE_HELD_HELIX, _HELD_LEAP = 1e-3, 0.05  # the same with held ends; of p's scale, the way past a helix
+_BESIDE_HINGE, _SHORTER = 0.01, (5e-3, 5e-4)  # rad between the ends of a hinged rod there; shorter ways past it
 _CREEPS, _LITTLE = 60, 0.01  # points in a row that do not advance p; the share of the way that a leap must pass
 _SLIGHT = 0.1  # rad: the range of beta of a rod beside a helix
 _STEEP = 0.2  # dp along the branch, in scales, above which a step may end at a given p
@@ -261,12 +262,14 @@ def _shape(state: State) -> Array:
 
 def _is_near_helix(state: State) -> bool:
     """Whether the rod would be a helix at a parameter so near that its level leaves the range of floats there."""
-    found = state.curve.at(state.node.w)
-    if found is None or found[0].start != found[0].end:
+    found, family = state.curve.at(state.node.w), state.curve.family
+    hinged = isinstance(family, HeldFamily) and family.hinged
+    if found is None or abs(np.sin((found[0].start - found[0].end) / 2)) > (_BESIDE_HINGE if hinged else 0):
         return False
     problem = found[0].problem
-    near = _BESIDE_HELIX if isinstance(state.curve.family, Family) else _BESIDE_HELD_HELIX
-    return 0 < abs(float(slope(problem, problem.beta0)[0])) < near * height_scale(problem)
+    near = _BESIDE_HELIX if isinstance(family, Family) else _BESIDE_HELD_HELIX
+    pull = np.abs([slope(problem, end)[0] for end in (problem.beta0, problem.betaL)])
+    return bool(0 < pull.max() < near * height_scale(problem))
 
 
 def _held_leap(
@@ -292,9 +295,13 @@ def _leap(state: State, bounds: Bounds) -> State | None:
         at = state.curve.at(state.node.w) if _is_near_helix(state) else None
         if at is None:
             return None
-        here = state_of(at[0].problem, at[1])
-        found = _held_leap(here, state.p, state.rises > 0, state.curve.family, bounds)
-        return None if isinstance(found, str) else found
+        family = state.curve.family
+        here = state_of(at[0].problem, at[1], family.hinged)
+        for share in (_HELD_LEAP, *(_SHORTER if family.hinged else ())):
+            found = _held_leap(here, state.p, state.rises > 0, family, bounds, share)
+            if not isinstance(found, str):
+                return found
+        return None
     return _leap_from(state.curve.family, state.path(), state.p, state.rises > 0, bounds)
 
 
