@@ -145,7 +145,8 @@ class _Solver:
 def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array, Trajectory]:
     """The problem of a point, and its shape at stations s/L = u."""
     from .boundary.held_continuation import state_of
-    from .boundary.held_equilibrium import at_hinges
+    from .boundary.held_equilibrium import at_hinges, held_trajectory
+    from .boundary.held_starts import Reached
     from .boundary.held_system import Given
     from .boundary.path_orbits import orbit_of
     from .boundary.selected_equilibrium import equilibrium_trajectory
@@ -154,7 +155,8 @@ def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array
     if {"M10", "M1L"} & set(held_of(point.case)) and not path.helix:
         given = Given.of(reduce_held(point.case))
         state = at_hinges(state_of(problem, path, True), given)
-        problem, path = state.problem, state.path
+        t = problem.span[:, None] * u
+        return state.problem, t, held_trajectory(Reached(state, "a branch"), given, t, tol)
     t = problem.span[:, None] * u
     return problem, t, equilibrium_trajectory(problem, orbit_of(problem, path), t, tol)
 

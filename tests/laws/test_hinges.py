@@ -62,6 +62,7 @@ def test_every_point_of_a_branch_with_a_hinge_is_an_equilibrium_of_its_index(M3:
     branch = follow(solve(between_hinges(**AT_ONE_END)), M3=M3)
     for point in branch.points[:: max(len(branch) // 8, 1)]:
         end = marched(point.solution)
+        assert point.solution.solved, point.solution.outcome
         assert end[0] == pytest.approx(-1.118, abs=1e-6)  # a march from a start next to a saddle grows its rounding
         mesh = discrete_index(point.problem, point.solution.trajectory.orbit, names_of(point.case), 2.0)
         assert point.index == mesh or any(branch.points[one.position] is point for one in branch.special)
