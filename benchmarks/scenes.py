@@ -26,7 +26,7 @@ def main() -> None:
     able, advice = opengl.probe()
     if not able:
         raise SystemExit(advice)
-    from workbench.scene import layout, page, pixels
+    from workbench.scene import layout, page
     from workbench.scene.composition import Settings
 
     settings = Settings(size=(1600, 1200))
@@ -43,7 +43,7 @@ def main() -> None:
                 read = perf_counter()
                 taken = layout.compose(ds, kind=kind, settings=settings)
                 composed = perf_counter()
-                pixels.save(page.figure(taken.page), picture)
+                page.save(taken.page, picture)
                 end = perf_counter()
                 found.append((end - read, read - start, composed - read, end - composed, process_time() - busy))
             drawn, reading, composing, saving, busy = (min(times) for times in zip(*found, strict=True))

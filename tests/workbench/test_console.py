@@ -121,7 +121,7 @@ def test_a_cell_of_several_lines_has_them_below_one_another_and_escapes_commands
 
 
 def test_progress_without_a_terminal_is_a_line_now_and_then(monkeypatch, capsys) -> None:
-    clock = iter([0.0, 0.0, 1.0, 2.5, 2.5, 3.0])
+    clock = iter([0.0, 0.0, 3.0, 6.0, 6.0, 9.0])
     monkeypatch.setattr(console, "monotonic", lambda: next(clock))
     with console.progress(4, lines=True) as step:
         for text in "abcd":

@@ -1,25 +1,29 @@
 """The command animate: a film of the cases along an axis."""
 
 import inspect
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 from . import console
-from .options import At, File, ForceOutput, PixelError, numbered, option
+from .options import At, File, ForceOutput, PixelError, flag, numbered, option
 
 RATES = (0.1, 60.0)  # frames a second
+MOST = 480  # frames that are solved for a film
+STAYS = 1 / 3  # seconds for which a stored case stays where no others can be solved
 
 
 def animate_file(
     file: Path, axis: str | None, at: list[str], kind: str, show: str | None, out: list[Path], fps: float,
-    pixel_error: float, dpi: int, force: bool,
+    pixel_error: float, dpi: int, force: bool, stored: bool = False,
 ) -> int:  # fmt: skip
     """Write the film of a stored dataset; 0, or 1 where this machine cannot draw. Raises `InputError`."""
     from solver.problem.errors import InputError, choices
 
     from ..data import outcomes, schema, writing
     from ..scene import film, opengl
-    from . import at_option, output_file
+    from ..scene.kinds import kind_of
+    from . import at_option, output_file, study_scene
 
     ds = writing.read(file)
     outcomes.check_any_solved(ds)
@@ -43,10 +47,16 @@ def animate_file(
     if not able:
         console.warn(advice)
         return 1
+    solving = ds, axis, where, kind_of(kind), str(shown.observable), MOST
+    more = None if stored else study_scene.film_cases(*solving)
+    if more is not None:
+        ds, shown, cases = more, replace(shown, at={}), film.cases_of(more, replace(shown, at={}))
+    each = 1 if more is not None else max(round(STAYS * fps), 1)
     with console.progress(len(cases), lines=True) as step:
-        film.write(paths, film.frames(ds, shown, step), fps)
+        film.write(paths, film.frames(ds, shown, step), fps, each)
+    solved = "stored cases" if more is None else "cases, solved for this film"
     for path in paths:
-        console.say(f"{path}: {len(cases)} frames, {fps:g} per second")
+        console.say(f"{path}: {len(cases)} {solved}, {fps:g} frames per second")
     return 0
 
 
@@ -73,16 +83,18 @@ def animate(
         str | None, option("OBSERVABLE", "Observable drawn beside the rod; default: that of the axis's first law.")
     ] = None,
     out: Annotated[
-        list[Path] | None, option("FILE", "Film, .mp4 or .gif; repeatable; default: FILE_AXIS.mp4.", "--out", "-o")
+        list[Path] | None,
+        option("FILE", "Film, .mp4, .webp or .gif; repeatable; default: FILE_AXIS.mp4.", "--out", "-o"),
     ] = None,
-    fps: Annotated[float, numbered("Frames per second; each stored case is one frame.")] = 3.0,
+    fps: Annotated[float, numbered("Frames per second.")] = 24.0,
+    stored: Annotated[bool, flag("Show the stored cases alone, each for a third of a second.", "--stored")] = False,
     pixel_error: PixelError = 0.5,
-    dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 150 gives 1488 x 636 pixels.")] = 150,
+    dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 160 gives 1280 x 720 pixels.")] = 160,
     force: ForceOutput = False,
 ) -> int:
     """Make a film of the cases along an axis.
 
-    Each frame shows the rod and, beside it, the curve of an observable up to that case. Nothing is solved. Exit
-    status 1 if OpenGL does not work on this machine.
+    Each frame shows the rod and the curve of an observable up to that case. Between the stored cases others are solved,
+    as many as let the rod move smoothly. Exit status 1 if OpenGL does not work on this machine.
     """
-    return animate_file(file, axis, at or [], kind, show, out or [], fps, pixel_error, dpi, force)
+    return animate_file(file, axis, at or [], kind, show, out or [], fps, pixel_error, dpi, force, stored)

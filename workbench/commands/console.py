@@ -20,7 +20,7 @@ COLOURS = {  # verdict -> colour
     "true": "green", "true as a trend": "cyan", "true in part": "yellow", "not decided": "magenta", "false": "red",
 }  # fmt: skip
 HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
-EVERY = 2.0  # seconds between two lines of progress
+EVERY = 5.0  # seconds between two lines of progress
 GAP = 2  # characters between the columns of a table
 WHOLE: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 

@@ -19,6 +19,7 @@ from studies.dimensions import SAMPLE
 from studies.model import MAX_STATIONS, OUTPUTS
 
 from ..data import schema, selection
+from ..figures.scales import WIDE
 from ..run import in_memory
 from ..run.plan import plan
 from ..run.stored_case import solve_at, study_of
@@ -30,6 +31,7 @@ if TYPE_CHECKING:  # it draws, for which OpenGL must have been asked for
 FIRST = 21  # stations that are tried first
 ROUNDS = 12  # each finds some six times as many stations where the round before missed the bends
 MOST_CASES = 10_000
+TRIED, STEP, JUMP, LEAST = 49, 0.12, 1.0, 72  # of a film: first values, motion a frame in rho, at most; frames
 Solve = Callable[[int], xr.Dataset]  # the cases of a scene at a number of stations
 SHAPE = ("beta", "dbeta", "alpha", "z", "gamma", "contact")
 SAME = 1e-4  # rad, or a share of the length: by which a rod that is solved again may differ from the stored one
@@ -73,6 +75,44 @@ def needed_cases(study: Study, ds: xr.Dataset, kind: Kind, at: dict[str, float],
     if study.sampled and SAMPLE not in shown:
         part = part.with_sample(where[SAMPLE])
     return part.part_of(plan(study).spine) if study.sweeps else part
+
+
+def film_cases(
+    ds: xr.Dataset, axis: str, at: dict[str, float], kind: Kind, observable: str, most: int
+) -> xr.Dataset | None:
+    """The cases of a film along an axis, at most so many: as many as let no rod move far from one to the next.
+
+    None for a dataset whose cases a study does not give at any value of the axis. Raises `InputError` of the solver.
+    """
+    if not ds.attrs.get("study") or schema.axes_of(ds) != schema.remaining_axes(ds, study_of(ds)):
+        return None
+    study = study_of(ds)
+    field = schema.field_of(study, axis)
+    if field not in study.axes or study.follow is not None or study.sampled:
+        return None
+    where = selection.case(ds, at)
+    held = {name: [float(ds[schema.dimension(name)].values[where[schema.dimension(name)]])] for name in study.axes}
+    lean = _with_outputs(study, kind.reads | {"dbeta"}).model_copy(update={"observables": [observable]})
+
+    def solve(values: Any) -> xr.Dataset:
+        axes = {name: Axis.model_validate({"values": list(values) if name == field else held[name]}) for name in held}
+        return in_memory.run(lean.model_copy(update={"axes": axes}))
+
+    low, high = float(ds[axis].values[0]), float(ds[axis].values[-1])
+    values = np.geomspace(low, high, TRIED) if low > 0 and high > WIDE * low else np.linspace(low, high, TRIED)
+    first = solve(values)
+    way = np.concatenate([[0.0], np.cumsum(_motion(first, axis))])
+    count = int(np.clip(np.ceil(way[-1] / STEP), LEAST, most))
+    return solve(np.interp(np.linspace(0, way[-1], count), way + 1e-9 * np.arange(TRIED), values))
+
+
+def _motion(ds: xr.Dataset, axis: str) -> Any:
+    """How far rods move from one case of an axis to the next, in distances from the axis of the cylinder."""
+    line = ds.squeeze([name for name in schema.axes_of(ds) if name != axis])
+    place = np.stack([line["rho"] * np.cos(line["alpha"]), line["rho"] * np.sin(line["alpha"]), line["z"]], axis=-1)
+    place = np.moveaxis(place, line["alpha"].dims.index(axis), 0)
+    far = np.linalg.norm(np.diff(place, axis=0), axis=-1).max(axis=-1) / float(line["rho"].max())
+    return np.clip(np.nan_to_num(far), 0.02 * STEP, JUMP)
 
 
 def at_needed_stations(

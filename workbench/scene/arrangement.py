@@ -1,6 +1,6 @@
 """Where the views of a scene stand: in rows and columns, each in a box as large as what it shows. No OpenGL.
 
-Lengths are in pixels at `style.DPI`; a picture's are from its upper left.
+Lengths are in inches; a picture's are from its upper left.
 """
 
 from collections.abc import Sequence
@@ -9,17 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from . import measure
+from ..figures import style
 from .camera import Camera
-from .cells import Cell
+from .captions import Cell
 from .views import View
 
-GAP = 26.0  # between columns
-BELOW = 10.0  # from a view to its caption
-BETWEEN = 24.0  # from a caption to the next row
-EDGE = 3.0  # around what is drawn, for its lines; above and below not where rows have a pitch
-EMPTY = 150.0  # least width of a column with a cell without a rod, for its reason
-DOT = 42.0  # the width of the dot of an equilibrium and the gap after it
+LINE = 1.22 / 72  # from line to line of words, per point of their size
+GAP, BETWEEN = 0.13, 0.14  # between columns, and from a caption to the next row
+BELOW = 0.05  # from a view to its caption
+EDGE = 0.015  # around what is drawn, for its lines; above and below not where rows have a pitch
+EMPTY = 0.75  # least width of a column with a cell without a rod, for its reason
+DOT = 0.21  # the width of the dot of an equilibrium and the gap after it
+ROWS = 6  # rows that are tried
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class Arrangement:
-    """All boxes of a picture, row by row, its width and height, and the pixels per length at which they fit."""
+    """All boxes of a picture, row by row, its width and height, and the inches per length at which they fit."""
 
     rows: Sequence[Sequence[Box]]
     size: tuple[float, float]
@@ -58,13 +59,13 @@ def arrange(
     pitch
         From row to row in heights of a row, where rows have no captions; default: the captions decide.
     """
-    size = _sizes(rows, camera)
-    wide, high = size[..., 0].max(axis=0), size[..., 1].max(axis=1)
-    edge = 0.0 if pitch else EDGE
+    size = np.array([[np.subtract(*view.box(camera)[::-1]) if view.bodies else (0.0, 0.0) for view in row]
+                     for row in rows])  # fmt: skip
+    size = size if size.any() else np.ones_like(size)
+    wide, high, edge = size[..., 0].max(axis=0), size[..., 1].max(axis=1), 0.0 if pitch else EDGE
     least = np.array([max(map(_least_width, column)) for column in zip(*rows, strict=True)])
-    words = np.array([max(_words(view.cell) for view in row) for row in rows])
-    below = np.where(words > 0, words + BELOW, 0.0) + BETWEEN
-    below[-1] -= BETWEEN
+    words = np.array([max(height(view.cell.caption) for view in row) for row in rows])
+    below = np.where(words > 0, words + BELOW, 0.0) + BETWEEN * (np.arange(len(rows)) < len(rows) - 1)
     below = np.zeros(len(high)) if pitch else below
     free = room[0] - gutter - (len(wide) - 1) * GAP
 
@@ -74,57 +75,38 @@ def arrange(
     most = (room[1] - below.sum() - 2 * edge * len(high)) / (high.sum() * (pitch or 1.0))
     most = max(float(most), 1e-9)
     per_unit = most if over(most) <= 0 else float(brentq(over, 0.0, most)) if over(0.0) < 0 else free / wide.sum()
-    widths = np.maximum(wide * per_unit + 2 * EDGE, least)
-    heights = high * per_unit + 2 * edge
-    if pitch:
-        below = heights * (pitch - 1)
+    widths, heights = np.maximum(wide * per_unit + 2 * EDGE, least), high * per_unit + 2 * edge
+    below = heights * (pitch - 1) if pitch else below
     left = gutter + np.concatenate([[0.0], np.cumsum(widths[:-1] + GAP)])
     top = np.concatenate([[0.0], np.cumsum(heights[:-1] + below[:-1])])
-    boxes = [
-        [Box(view.cell, left[j], top[i], widths[j], heights[i]) for j, view in enumerate(row)]
-        for i, row in enumerate(rows)
-    ]
+    boxes = [[Box(view.cell, left[j], top[i], widths[j], heights[i]) for j, view in enumerate(row)]
+             for i, row in enumerate(rows)]  # fmt: skip
     return Arrangement(boxes, (float(left[-1] + widths[-1]), float(top[-1] + heights[-1] + below[-1])), per_unit)
 
 
-def in_rows(views: Sequence[View], camera: Camera, room: tuple[float, float], filler: View) -> list[list[View]]:
-    """The views in as many rows as let them be largest; the last row is filled up.
-
-    Of almost equal scales that with fewer rows.
-    """
-    best: tuple[float, list[list[View]]] = (0.0, [list(views)])
-    for count in range(1, min(len(views), 6) + 1):
+def in_rows(views: Sequence[View], camera: Camera, room: tuple[float, float]) -> list[list[View]]:
+    """The views in as many rows as let them be largest, of almost equal scales that with fewer; the last row is filled
+    up."""
+    best: tuple[float, list[list[View]]] = (0.0, [[view] for view in views])
+    for count in range(1, min(len(views), ROWS) + 1):
         columns = -(-len(views) // count)
         if -(-len(views) // columns) != count:
             continue
         rows = [list(views[i : i + columns]) for i in range(0, len(views), columns)]
-        rows[-1] += [filler] * (columns - len(rows[-1]))
-        scale = arrange(rows, camera, room).per_unit
-        if scale > 1.05 * best[0]:
-            best = scale, rows
+        rows[-1] += [View([], Cell())] * (columns - len(rows[-1]))
+        found = arrange(rows, camera, room)
+        if found.per_unit > 1.05 * best[0] and found.size[0] <= room[0] + 1e-6:
+            best = found.per_unit, rows
     return best[1]
 
 
-def _sizes(rows: Sequence[Sequence[View]], camera: Camera) -> np.ndarray:
-    """Width and height of what each view shows, (rows, columns, 2) [length]; 0 without rods."""
-    found = np.zeros((len(rows), len(rows[0]), 2))
-    for i, row in enumerate(rows):
-        for j, view in enumerate(row):
-            if view.bodies:
-                low, high = view.box(camera)
-                found[i, j] = high - low
-    if not found.any():
-        found[:] = 1.0
-    return found
-
-
-def _words(cell: Cell) -> float:
-    """The height of the words below a view."""
-    return measure.height(cell.caption)
+def height(text: str, size: float = style.NORMAL) -> float:
+    """The height of words in lines; 0 without any."""
+    return (text.count("\n") + 1) * size * LINE if text else 0.0
 
 
 def _least_width(view: View) -> float:
-    lines = view.cell.caption.split("\n")
-    wide = max(measure.width(line) for line in lines)
-    wide = max(wide, measure.width(lines[0]) + DOT) if view.cell.number is not None else wide
+    first, *more = view.cell.caption.split("\n")
+    dot = DOT if view.cell.number is not None else 0.0
+    wide = max(style.width_of(line, style.NORMAL) + dot * (line == first) for line in (first, *more))
     return max(wide, EMPTY if view.cell.why_empty else 0.0)

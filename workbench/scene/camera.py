@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 # name -> its views, each with the angle about the axis from the side where the rod is and the angle above the plane
 # across the axis, in degrees
 CAMERAS: dict[str, tuple[tuple[float, float], ...]] = {
+    "oblique": ((25.0, 20.0),),
     "sides": ((0.0, 0.0), (90.0, 0.0)),
     "front": ((0.0, 0.0),),
     "side": ((90.0, 0.0),),
-    "oblique": ((25.0, 20.0),),
 }
 STEEPEST = 60.0  # degrees; beyond, lengths along the axis are hardly seen
 
@@ -34,11 +34,14 @@ class Camera:
         Directions to the camera, and up on the page, (3,).
     per_unit
         Pixels per length.
+    seen_from
+        Direction to the viewer in the axes of the first view's rods, (3,), where it was turned.
     """
 
     toward: Array
     up: Array
     per_unit: float = 1.0
+    seen_from: Array | None = None
 
     @property
     def page(self) -> Array:
@@ -58,12 +61,12 @@ class Camera:
 
 
 def views_of(text: str | None) -> tuple[tuple[float, float], ...]:
-    """The views that --camera names, each as azimuth and elevation [deg]; default: both sides.
+    """The views that --camera names, each as azimuth and elevation [deg]; default: one, oblique.
 
     Raises `InputError` for what is neither a name of `CAMERAS` nor two angles.
     """
     if text is None:
-        return CAMERAS["sides"]
+        return CAMERAS["oblique"]
     if text in CAMERAS:
         return CAMERAS[text]
     try:
@@ -83,10 +86,15 @@ def facing(bodies: Sequence["Body"], elevation: float = 0.0, lying: bool = False
 
     elevation: the angle by which it looks down on the plane across the axis [deg].
     """
-    mean = np.mean([np.exp(1j * body.alpha).mean() for body in bodies] or [1.0])
-    azimuth = np.angle(mean) if abs(mean) > 0.05 else 0.0  # a rod all around the cylinder has no front
+    azimuth = azimuth_of(bodies)
     out, axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0]), np.array([0.0, 0.0, 1.0])
     above = np.radians(elevation)
     toward = np.cos(above) * out + np.sin(above) * axis
     flat = np.cos(above) * axis - np.sin(above) * out
     return Camera(toward, np.cross(toward, flat) if lying else flat)
+
+
+def azimuth_of(bodies: Sequence["Body"]) -> float:
+    """The mean azimuth of rods [rad]; 0 of those all around the cylinder, which have no front."""
+    mean = np.mean([np.exp(1j * body.alpha).mean() for body in bodies] or [1.0])
+    return float(np.angle(mean)) if abs(mean) > 0.05 else 0.0

@@ -1,7 +1,7 @@
-"""What is written beside a scene: which case it is, how much of the rod is drawn, what a real rod could not do."""
+"""What is written beside a scene: which case it is, and what stands below each rod."""
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import xarray as xr
 
@@ -10,56 +10,45 @@ from studies.dimensions import SAMPLE
 from ..data import labels
 from ..data.schema import dimension, sampled_fields
 
-if TYPE_CHECKING:
-    from .body import Body
-    from .colours import Bar
-
-ITSELF = "the rod passes through itself"
-UNSEEN = "\n(no ring where the cylinder hides it)"
-BEHIND = "a stretch behind the cylinder"
 ASKED = 6  # digits of a value with which --at finds its case again
 
 
-def impossible(bodies: Sequence["Body"]) -> list[str]:
-    """What a real rod could not do, beyond what colours show; of several rods how many."""
-    each = {id(body.line): body.caution for body in bodies}.values()
-    found = []
-    for key, one, more in (
-        ("overlaps", ITSELF, "pass through themselves"),
-        ("too tight", "bent tighter than its own radius (κa > 1)", "bent tighter than their own radius (κa > 1)"),
-    ):
-        count = sum(key in caution for caution in each)
-        if count:
-            found.append(one if len(each) == 1 else f"{count} of {len(each)} {more}")
-    return found
+@dataclass(frozen=True)
+class Cell:
+    """The words of a view.
+
+    Attributes
+    ----------
+    caption
+        Below it.
+    why_empty
+        Why there is no rod.
+    before
+        To the left of it.
+    number, stable
+        The number of an equilibrium, in a dot that is filled where it is stable; default: no dot.
+    """
+
+    caption: str = ""
+    why_empty: str = ""
+    before: str = ""
+    number: int | None = None
+    stable: bool = False
 
 
-def beyond(bodies: Sequence["Body"], bar: "Bar | None", chosen: tuple[float, float]) -> list[str]:
-    """The extremes of the rods where they lie outside the chosen scale of colours."""
-    if not bodies or bar is None:
-        return []
-    extremes = [body.extremes() for body in bodies]
-    low, high = min(one for one, _ in extremes), max(one for _, one in extremes)
-    said = [f"up to {labels.number(high)}"] if high > chosen[1] else []
-    said += [f"down to {labels.number(low)}"] if low < chosen[0] and not bar.pulls else []
-    return [f"{bar.label}: {', '.join(said)}"] if said else []
-
-
-def part_drawn(bodies: Sequence["Body"], unit: str) -> list[str]:
-    """Which part of the rods is drawn, where it is not all of them."""
-    parts = [body for body in bodies if not body.whole]
-    if not parts:
-        return []
-    low, high = parts[0].span
-    L = labels.number(parts[0].line.L)
-    return [f"only s = {labels.number(low)} to {labels.number(high)} {unit} of {L} {unit}"]
-
-
-def axis_values(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> str:
-    """The text below the cell of a case: its values along the axes that are shown."""
+def named(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> Cell:
+    """A cell with the case's values along the axes below it."""
     if len(names) == 1:
-        return labels.value(float(ds[names[0]].values[where[names[0]]]), ds[names[0]])
-    return "\n".join(values(ds, {name: where[name] for name in names}))
+        return Cell(labels.value(float(ds[names[0]].values[where[names[0]]]), ds[names[0]]))
+    return Cell("\n".join(values(ds, {name: where[name] for name in names})))
+
+
+def equilibrium(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> Cell:
+    """A cell with the number of an equilibrium, whether it is stable, and its energy."""
+    one, number = ds.isel(where), where["equilibrium"] + 1
+    index = int(one["index"])
+    words = "stable\n" if index == 0 else f"unstable\nin {index} way{'s' * (index > 1)}"
+    return Cell(f"{words}\n{labels.value(float(one['energy']), one['energy'])}", number=number, stable=index == 0)
 
 
 def headings(ds: xr.Dataset, name: str, cases: list[dict[str, int]]) -> list[str]:

@@ -1,94 +1,111 @@
 """The colours of a scene: the colour map of each quantity, the colour bar, and the look of rod and cylinder."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.colors import Colormap, LinearSegmentedColormap, to_hex, to_rgb
 
 from solver.problem.errors import InputError
 
 from ..data import labels
-from ..data.push_colours import STOPS
-from ..figures.style import LIFTED, RAMP
-
-if TYPE_CHECKING:
-    from .body import Body
-
+from ..data.push_colours import DIVERGING
+from ..figures.style import RAMP
 
 NEUTRAL = "#8d96a1"  # a rod in one colour
 UNPAINTED, STRIPE = "#d9c9a3", "#5d4a72"  # the rod beside its stripe, and the stripe; no colours of the push
 SEVERAL = ("#5b2a86", "#c2457f", "#259e73")  # several rods on one cylinder
 SURFACE = "#e6e1d8"  # the cylinder: warm, so a pale blue rod stands out from it
-PUSH_RAMP = LinearSegmentedColormap.from_list("push", [(at, to_hex(np.array(rgb) / 255)) for at, rgb in STOPS], 256)  # type: ignore[arg-type]
+# so many colours that a jump from pull to push is sharp
+PUSH_RAMP = LinearSegmentedColormap.from_list(
+    "push", [((share + 1) / 2, tuple(level / 255 for level in rgb)) for share, rgb in DIVERGING], 4096
+)
+ENDS = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)  # round numbers, at which a scale of pushes ends
+UNIFORM, ROOM = 0.95, 1.5  # a push that varies less than that; how far beyond it its scale then ends
+
+Extremes = tuple[float, float] | None  # the least and the largest value of all rods; None without rods
 
 
 @dataclass(frozen=True, eq=False)
 class Paint:
-    """The colour of a tube: one for all, or by a value along it between `low` and `high`, with another below `low`.
+    """The colour of a tube: one for all, or by a value along it between `low` and `high`.
 
     stripe: the colour of a stripe that turns with the material; default: none.
     """
 
     colour: str = NEUTRAL
-    ramp: Any = None
+    ramp: Colormap | None = None
     low: float = 0.0
     high: float = 1.0
-    below: str = ""
     stripe: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class Bar:
-    """A colour bar: its map, the values at its ends, the quantity with its unit, and whether below it is a pull."""
+    """A colour bar: the colours of a paint between two values, and the quantity with its unit."""
 
-    ramp: Colormap
+    paint: Paint
     low: float
     high: float
     label: str
-    pulls: bool = False
 
 
 Painted = tuple[Paint, Bar | None]
 
 
-def one_colour(ds: xr.Dataset, bodies: Sequence["Body"]) -> Painted:
+def one_colour(units: dict[str, str], extremes: Extremes) -> Painted:
     """All rods in a neutral colour, which says nothing of the push."""
     return Paint(NEUTRAL), None
 
 
-def by_push(ds: xr.Dataset, bodies: Sequence["Body"]) -> Painted:
-    """By the cylinder's push, one scale for all rods; where it would have to pull, the colour of lift-off."""
-    high = max((body.extremes()[1] for body in bodies), default=None)
-    if high is None:
+def striped(units: dict[str, str], extremes: Extremes) -> Painted:
+    """A stripe on an unpainted rod."""
+    return Paint(UNPAINTED, stripe=STRIPE), None
+
+
+def by_push(units: dict[str, str], extremes: Extremes) -> Painted:
+    """By the cylinder's push, one scale for all rods, as far below 0 as above it and pale there."""
+    size = max(map(abs, extremes)) if extremes else 0.0
+    if not extremes or size == 0:
         return Paint(NEUTRAL), None
-    if high <= 0:
-        return Paint(LIFTED), None
-    unit = labels.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}")
-    return Paint(ramp=PUSH_RAMP, high=high, below=LIFTED), Bar(
-        PUSH_RAMP, 0.0, high, f"push of the cylinder [{unit}]", pulls=True
-    )
+    end = round_up(size * (ROOM if min(extremes) > UNIFORM * size else 1.0))
+    unit = labels.unit(f"{units['force']}/{units['length']}")
+    paint = Paint(ramp=PUSH_RAMP, low=-end, high=end)
+    pulls = extremes[0] < -1e-9 * size
+    words = f"push [{unit}]" + (", orange: pull" if pulls else "")
+    return paint, Bar(paint, -end if pulls else 0.0, end, words)
 
 
-def by_curvature(ds: xr.Dataset, bodies: Sequence["Body"]) -> Painted:
+def round_up(size: float) -> float:
+    """The least of `ENDS` times a power of ten that is not below a size."""
+    power = 10.0 ** np.floor(np.log10(size))
+    return float(next(end for end in (*ENDS, 10.0 * ENDS[1]) if end * power >= size * (1 - 1e-9)) * power)
+
+
+def by_curvature(units: dict[str, str], extremes: Extremes) -> Painted:
     """By the curvature, one scale for all rods; one colour where it is the same everywhere."""
-    extremes = np.array([body.extremes() for body in bodies] or [(0.0, 0.0)])
-    low, high = float(extremes[:, 0].min()), float(extremes[:, 1].max())
-    if high - low < 1e-9 * high or high == 0:
+    low, high = extremes or (0.0, 0.0)
+    if high - low <= 1e-9 * high:
         return Paint(NEUTRAL), None
-    return Paint(ramp=RAMP, low=low, high=high), Bar(RAMP, low, high, f"curvature κ [1/{ds.attrs['length_unit']}]")
+    paint = Paint(ramp=RAMP, low=low, high=high)
+    return paint, Bar(paint, low, high, f"curvature κ [1/{units['length']}]")
 
 
-def ranged(paint: Paint, bar: Bar | None, chosen: tuple[float, float]) -> Painted:
-    """The same colours between two other values. Raises `InputError` where a scale of pushes would not begin at 0."""
-    if bar is None:
-        return paint, bar
+def ranged(paint: Paint, bar: Bar, chosen: tuple[float, float]) -> Painted:
+    """The same colours between two other values.
+
+    Raises `InputError` for a scale of pushes that is not pale at 0.
+    """
     low, high = chosen
-    if bar.pulls and low != 0:
-        raise InputError(f"the colours of a push begin at 0, so --color-range is 0,HIGH, got {low:g},{high:g}")
-    return replace(paint, low=low, high=high), replace(bar, low=low, high=high)
+    if paint.ramp is not PUSH_RAMP:
+        paint = replace(paint, low=low, high=high)
+    elif low not in (0.0, -high):
+        raise InputError(
+            f"the colours of a push are pale at 0, so --color-range is 0,HIGH or -HIGH,HIGH, got {low:g},{high:g}"
+        )
+    else:
+        paint = replace(paint, low=-high, high=high)
+    return paint, replace(bar, paint=paint, low=low, high=high)
 
 
 def hex_of(ramp: Colormap, share: float) -> str:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -10,13 +9,15 @@ import xarray as xr
 from solver.problem.errors import InputError
 from studies.model import MAX_STATIONS
 
+from ..data import labels, left_out
+from ..figures import style
 from ..geometry.centreline import APART, Array
 from ..geometry.refinement import stations_for
-from . import captions, colours, footer, long_rod, overlays, page, wording
+from . import colours, long_rod, page
 from .arrangement import EDGE, Arrangement, arrange
 from .body import Body
 from .camera import Camera
-from .cells import Cell
+from .captions import Cell
 from .colours import Bar
 from .kinds import Kind
 from .page import Page, Words
@@ -24,12 +25,17 @@ from .rendering import Placed, render
 from .settings import DEFAULT, Settings
 from .views import View
 
-SIZE = (1600, 1200)  # pixels at `style.DPI`: width, and largest height, of the page of one case
+SIZE = (8.0, 6.0)  # inches: width, and largest height, of the page of one case
 LINE = 1.5  # width of lines in pixels at `style.DPI`
-NARROWEST = 1400.0  # width of a page, for the line below the views
+NARROWEST = 7.0  # inches of a page, for the line below the views
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
+RING = (0.03, 0.065)  # inches: the least and the largest radius of a ring, else `IN_RODS` radii of its rod
+IN_RODS = 0.75
+ITSELF = "the rod passes through itself"
+UNSEEN = " (no ring where the cylinder hides it)"
+BEHIND = "a stretch behind the cylinder"
 
-__all__ = ["DEFAULT", "SIZE", "Picture", "Scene", "Settings", "TooFewStations", "composed"]
+__all__ = ["DEFAULT", "SIZE", "Picture", "Scene", "Settings", "TooFewStations", "compose"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,27 +68,23 @@ class Scene:
     rows
         Views in rows of cells.
     context
-        The rods that fix the scale of colours.
+        The rods that fix the scale of colours, and of which the legend speaks.
     case
         The case in words.
     camera
         Its scale is chosen here.
     size
-        Width and largest height of the page in pixels at `style.DPI`.
-    bar
-        The colour bar of rods that already have their colours.
+        Width and largest height of the page in inches.
     columns, heads
         Headings of columns and of rows.
     gutter, pitch
         As of `arrangement.arrange`.
     ringed
-        The views in which self-intersections are ringed.
-    labels
-        Of the rods of the first view, beside them.
-    outlined
-        Hidden stretches are drawn in outline.
-    frames
-        The scenes of all frames of the film of which this scene is one: they share legend and room.
+        Whether self-intersections are ringed.
+    names
+        Of the rods of the first view, in the legend.
+    glyph
+        Whether the page shows from where the rods are seen.
     """
 
     ds: xr.Dataset
@@ -93,16 +95,14 @@ class Scene:
     camera: Camera
     settings: Settings
     notes: Sequence[str] = ()
-    size: tuple[int, int] = SIZE
-    bar: Bar | None = None
+    size: tuple[float, float] = SIZE
     columns: Sequence[str] = ()
     heads: Sequence[str] = ()
     gutter: float = 0.0
     pitch: float = 0.0
-    ringed: Literal["none", "first", "all"] = "none"
-    labels: Sequence[str] = ()
-    outlined: bool = True
-    frames: Sequence["Scene"] = ()
+    ringed: bool = True
+    names: Sequence[str] = ()
+    glyph: bool = False
 
     @property
     def bodies(self) -> list[Body]:
@@ -112,111 +112,128 @@ class Scene:
     def views(self) -> list[View]:
         return [view for row in self.rows for view in row]
 
-    @property
-    def ringed_views(self) -> list[View]:
-        return {"none": [], "first": self.views[:1], "all": self.views}[self.ringed]
 
-    @property
-    def axes(self) -> Array:
-        """Where x, y, z point on the page in the first view, (3, 2)."""
-        return (self.camera.page @ self.rows[0][0].turn).T
-
-
-def composed(scene: Scene) -> Picture:
+def compose(scene: Scene) -> Picture:
     """Colour the rods, render them, and set the page. Raises `InputError`, `TooFewStations`."""
-    scene = _coloured(_bare(scene) if scene.settings.bare else scene)
-    settings, finer = scene.settings, scene.settings.finer
-    words = wording.words(scene)
+    settings, dpi = scene.settings, scene.settings.dpi
+    scene, bar, notes = coloured(_bare(scene) if settings.bare else scene)
+    words = replace(words_of(scene), bar=bar)
+    words = replace(words, notes=[*words.notes, *notes])
     arranged = arrange(scene.rows, scene.camera, room(scene, words), scene.gutter, scene.pitch)
-    camera = replace(scene.camera, per_unit=arranged.per_unit * finer)
+    camera = replace(scene.camera, per_unit=arranged.per_unit * dpi)
     _check_width(scene, camera)
     n, stations = _stations(scene.bodies, settings.pixel_error / camera.per_unit)
     if settings.strict and stations > n:
         raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
-    size = int(np.ceil(arranged.size[0] * finer)), int(np.ceil(arranged.size[1] * finer))
+    size = int(np.ceil(arranged.size[0] * dpi)), int(np.ceil(arranged.size[1] * dpi))
     pixels, error, outlined = render(
         _placed(scene, arranged, camera, size), camera, size, settings.pixel_error, settings.transparent,
-        max(LINE * finer, 0.8), scene.outlined,
+        max(LINE * dpi / style.DPI, 0.8), settings.samples,
     )  # fmt: skip
     blind = any(body.line.swing > APART for body in scene.bodies)  # then the push between stations is not known
     if error > (settings.pixel_error * (1 + 1e-9) if blind else COARSEST):
         raise TooFewStations(_too_few(n, stations, error, settings), stations)
     if error > settings.pixel_error * (1 + 1e-9):
         words = replace(words, notes=[*words.notes, f"drawn to within {error:.1f} pixels"])
-    boxes = [box for row in arranged.rows for box in row]
-    rings, radius = overlays.rings(list(zip(scene.ringed_views, boxes, strict=False)), camera, arranged.per_unit)
-    legend = [entry for entry in words.legend if outlined or scene.frames or entry[0] != footer.OUTLINE]
-    words = replace(words, legend=legend, radius=radius)
-    first = scene.rows[0][0], arranged.rows[0][0], camera, arranged.per_unit
-    labelled = overlays.names(*first, scene.labels, arranged.size) if scene.labels else []
+    along = len(scene.context) > len(scene.bodies)
+    words = replace(words, legend=[entry for entry in words.legend if outlined or along or entry[0] != page.OUTLINE])
     wide, high = page_size(scene)
     if settings.bare and not settings.size:
-        wide, high = size[0] / finer, size[1] / finer
+        wide, high = size[0] / dpi, size[1] / dpi
     elif not settings.size:
         wide = min(wide, max(NARROWEST, arranged.size[0] + words.heads[0] + 2 * page.MARGIN))
-    made = Page(words, pixels, arranged, scene.axes, wide, high, settings.dpi, rings, labelled,
-                settings.bare, _reserved(scene) if scene.frames else (0.0, 0.0))  # fmt: skip
+    made = Page(words, pixels, arranged, wide, high, dpi, _rings(scene, arranged), settings.bare)
     return Picture(made, error, stations)
 
 
+def words_of(scene: Scene) -> Words:
+    """The words around the views of a scene."""
+    ds = scene.ds
+    inside = str(ds.attrs["side"]) == "inside"
+    facts = (scene.case, labels.reading(ds), "inside the cylinder, cut open" if inside else "")
+    legend = [*scene.kind.legend]
+    legend += [(body.paint.colour, name) for body, name in zip(scene.bodies, scene.names, strict=False)]
+    views = scene.views
+    if len(views) == 1 and len(scene.context) > 1 and not scene.names:  # the pictures along an axis share a legend
+        views = [replace(views[0], bodies=[body]) for body in scene.context]
+    crossings = [view.crossings(scene.camera) for view in views if scene.ringed]
+    ringed = any(seen for seen, _ in crossings)
+    if ringed:
+        legend.append((page.RING, ITSELF + UNSEEN * any(hidden for _, hidden in crossings)))
+    if any(view.hides(body, scene.camera) for view in views for body in view.bodies):
+        legend.append((page.OUTLINE, BEHIND))
+    notes = [*scene.notes, *(impossible(scene.bodies) if scene.kind.cells != "together" else [])]
+    notes = [note for note in notes if not (ringed and note == ITSELF)] + [left_out.SENTENCE] * inside
+    subtitle, unit = " · ".join(fact for fact in facts if fact), str(ds.attrs["length_unit"])
+    toward = scene.camera.seen_from if scene.glyph else None
+    return Words(str(ds.attrs["title"]), subtitle, unit, legend, notes, None, scene.columns, scene.heads, toward,
+                 scene.camera.along_axis)  # fmt: skip
+
+
+def impossible(bodies: Sequence[Body]) -> list[str]:
+    """What a real rod could not do, beyond what colours show; of several rods how many."""
+    each = {id(body.line): body.caution for body in bodies}.values()
+    found = []
+    for key, one, more in (
+        ("overlaps", ITSELF, "pass through themselves"),
+        ("too tight", "bent tighter than its own radius (κa > 1)", "bent tighter than their own radius (κa > 1)"),
+    ):
+        count = sum(key in caution for caution in each)
+        if count:
+            found.append(one if len(each) == 1 else f"{count} of {len(each)} {more}")
+    return found
+
+
 def page_size(scene: Scene) -> tuple[float, float]:
-    """Width and height of the page in pixels at `style.DPI`; height 0: as its content needs."""
+    """Width and height of the page in inches; height 0: as its content needs."""
     if scene.settings.size:
-        return scene.settings.size[0] / scene.settings.finer, scene.settings.size[1] / scene.settings.finer
-    return float(scene.size[0]), 0.0
+        return scene.settings.size[0] / scene.settings.dpi, scene.settings.size[1] / scene.settings.dpi
+    return scene.size[0], 0.0
 
 
 def room(scene: Scene, words: Words | None = None) -> tuple[float, float]:
-    """The room of the views on the page, in pixels at `style.DPI`."""
-    words = words or wording.words(scene)
+    """The room of the views on the page in inches. Raises `InputError` where there is none."""
     wide, high = page_size(scene)
-    high = high or float(scene.size[1])
+    high = high or scene.size[1]
     if scene.settings.bare:
         return wide, high
+    words = words or replace(words_of(scene), bar=coloured(scene)[1])
     left, top = words.heads
-    head, foot = np.maximum(_around(scene, words), _reserved(scene))
-    inside = wide - 2 * page.MARGIN - left, float(high - head - foot - top)
-    if min(inside) < 60:
+    inside = wide - 2 * page.MARGIN - left, high - words.above(wide) - words.below(wide) - top
+    if min(inside) < 0.3:
+        asked = "x".join(f"{side * scene.settings.dpi:.0f}" for side in (wide, high))
         raise InputError(
-            f"--size {wide * scene.settings.finer:.0f}x{high * scene.settings.finer:.0f} leaves no room for the views "
-            f"beside the words at {scene.settings.dpi} dots per inch: give a larger size, fewer --dpi, or --bare"
+            f"--size {asked} leaves no room for the views beside the words at {scene.settings.dpi} dots per inch: give "
+            "a larger size, fewer --dpi, or --bare"
         )
     return inside
 
 
-def _around(scene: Scene, words: Words) -> tuple[float, float]:
-    """The heights of the words above and below the views."""
-    wide = page_size(scene)[0]
-    return page.above(words, wide), page.below(page.feet(words, scene.axes, 1.0, scene.camera.along_axis, wide))
-
-
-def _reserved(scene: Scene) -> tuple[float, float]:
-    """The largest of these heights in the frames of a film; 0 for a scene alone."""
-    each = [_around(frame, wording.words(replace(frame, frames=scene.frames))) for frame in scene.frames]
-    above, below = zip(*each, strict=True) if each else ((0.0,), (0.0,))
-    return max(above), max(below)
-
-
 def _bare(scene: Scene) -> Scene:
     """The scene without words beside its views."""
-    rows = [[replace(view, cell=Cell("")) for view in row] for row in scene.rows]
-    return replace(scene, rows=rows, columns=(), heads=(), gutter=0.0, labels=(), ringed="none")
+    rows = [[replace(view, cell=Cell()) for view in row] for row in scene.rows]
+    return replace(scene, rows=rows, columns=(), heads=(), gutter=0.0, names=(), ringed=False)
 
 
-def _coloured(scene: Scene) -> Scene:
-    """The scene with the colours of its kind on all rods."""
+def coloured(scene: Scene) -> tuple[Scene, Bar | None, list[str]]:
+    """The scene with the colours of its kind on all rods, their bar, and what lies beyond a chosen scale."""
     if scene.kind.cells == "together":
-        return scene
-    (paint, bar), notes = scene.kind.paint(scene.ds, scene.context), list[str]()
+        return scene, None, []
+    each = [body.extremes() for body in scene.context] if scene.kind.value else []
+    extremes = (min(low for low, _ in each), max(high for _, high in each)) if each else None
+    units = {kind: str(scene.ds.attrs[f"{kind}_unit"]) for kind in ("length", "force")}
+    (paint, bar), notes = scene.kind.paint(units, extremes), list[str]()
     if chosen := scene.settings.color_range:
         if scene.kind.value is None:
             raise InputError(f"a scene of kind {scene.kind.name} has no colour bar, so it takes no --color-range")
-        paint, bar = colours.ranged(paint, bar, chosen)
-        notes = captions.beyond(scene.context, bar, chosen)
+        if bar and extremes:
+            paint, bar = colours.ranged(paint, bar, chosen)
+            beyond = [f"up to {labels.number(extremes[1])}"] if extremes[1] > paint.high else []
+            beyond += [f"down to {labels.number(extremes[0])}"] if extremes[0] < paint.low else []
+            notes = [f"{bar.label if bar else ''}: {', '.join(beyond)}"] if beyond else []
     painted = {body: replace(body, paint=paint) for body in scene.bodies}
     rows = [[replace(view, bodies=[painted[body] for body in view.bodies]) for view in row] for row in scene.rows]
-    frames = [replace(frame, bar=bar, notes=[*frame.notes, *notes]) for frame in scene.frames]
-    return replace(scene, rows=rows, bar=bar, notes=[*scene.notes, *notes], frames=frames)
+    return replace(scene, rows=rows), bar, notes
 
 
 def _check_width(scene: Scene, camera: Camera) -> None:
@@ -229,17 +246,41 @@ def _check_width(scene: Scene, camera: Camera) -> None:
             )
 
 
+def _middle(view: View, camera: Camera, arranged: Arrangement, at: tuple[int, int], pitch: float) -> Array:
+    """Where the middle of a view is in the picture, in inches from its upper left: on the lower edge of its box."""
+    box = arranged.rows[at[0]][at[1]]
+    low, high = view.box(camera)
+    down = box.y + box.height - (0.0 if pitch else EDGE) - (high - low)[1] / 2 * arranged.per_unit
+    return np.array([box.x + box.width / 2, down])
+
+
 def _placed(scene: Scene, arranged: Arrangement, camera: Camera, size: tuple[int, int]) -> list[Placed]:
-    """The views where they stand in the picture: each in the middle of its box, on the lower edge of it."""
-    finer, found = scene.settings.finer, []
-    for row, boxes in zip(scene.rows, arranged.rows, strict=True):
-        for view, box in zip(row, boxes, strict=True):
+    """The views where they stand in the picture."""
+    found = []
+    for i, row in enumerate(scene.rows):
+        for j, view in enumerate(row):
             if view.bodies:
-                low, high = view.box(camera)
-                x = (box.x + box.width / 2) * finer
-                bottom = box.y + box.height - (0.0 if scene.pitch else EDGE)
-                y = size[1] - bottom * finer + (high - low)[1] / 2 * camera.per_unit
-                found.append(Placed(view, (float(x), float(y))))
+                x, down = _middle(view, camera, arranged, (i, j), scene.pitch) * scene.settings.dpi
+                found.append(Placed(view, (float(x), float(size[1] - down))))
+    return found
+
+
+def _on_page(scene: Scene, arranged: Arrangement, at: tuple[int, int], places: Array) -> Array:
+    """Places of a view, (n, 3) [length], in the picture in inches from its upper left, (n, 2)."""
+    view = scene.rows[at[0]][at[1]]
+    middle = sum(view.box(scene.camera)) / 2
+    away = (places @ scene.camera.page.T - middle) * arranged.per_unit
+    return _middle(view, scene.camera, arranged, at, scene.pitch) + away * [1, -1]
+
+
+def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, float]]:
+    """Where rods pass through themselves in sight: x, y and radius of each ring."""
+    found = []
+    for i, row in enumerate(scene.rows if scene.ringed else ()):
+        for j, view in enumerate(row):
+            if view.bodies and (seen := view.crossings(scene.camera)[0]):
+                radius = float(np.clip(IN_RODS * min(body.a for body in view.bodies) * arranged.per_unit, *RING))
+                found += [(float(x), float(y), radius) for x, y in _on_page(scene, arranged, (i, j), np.array(seen))]
     return found
 
 

@@ -1,7 +1,7 @@
-"""A film of the cases along an axis: the rod of each stored case, and beside it the growing curve of an observable.
+"""A film of the rods along an axis: one camera, one scale of colours, and the growing curve of an observable.
 
-One frame a stored case; nothing is solved between them. The rod's part of a frame is what `layout.compose` draws of
-that case with the same axis as `along`. MP4 and GIF are written by imageio, the extra `animate`. Frames need OpenGL.
+One frame a case of the dataset; nothing is solved. MP4 and GIF are written by imageio, the extra `animate`, and WebP by
+Pillow. Frames need OpenGL. Lengths are in inches.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -13,25 +13,32 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from solver.problem.errors import InputError, choices, no_such
 
-from ..data import atomic, labels, law_verdicts, schema, selection
+from ..data import atomic, labels, law_verdicts, left_out, schema, selection
 from ..figures import canvas, style
-from ..figures.trends import trend
-from . import page, pixels
-from .arrangement import Arrangement
-from .kinds import KINDS, kind_of
-from .page import Page, Words
-from .pixels import Pixels
+from ..figures.scales import WIDE, Ticks
+from . import body as rods
+from . import camera as cameras
+from . import kinds, page
+from .body import Body
+from .camera import Camera
+from .captions import Cell
+from .page import MARGIN, Pixels
+from .settings import Settings
+from .views import View, ends_of
 
-SUFFIXES = (".mp4", ".gif")
-DIAGRAM = 3.52  # inches of width
-SIZE = (1280, 848)  # pixels at `style.DPI` of the scene in a frame
-DIGITS = 4  # of the values in a frame
-HOLD = 1.0  # seconds for which the last frame stays
+SUFFIXES = (".mp4", ".webp", ".gif")
+SIZE = (8.0, 4.5)  # of a frame
+TOP, FOOT = 0.72, 0.58  # the room above the views for the value, and below them for the colours
+DIAGRAM = (3.0, 1.5)  # the width of a diagram beside the rod, its height below it
+SAMPLES = 2  # along each side of a pixel: a frame is seen for an instant
+FPS, HOLD = 24.0, 0.5  # frames a second; seconds for which the first and the last stay
+QUALITY = 80  # of WebP
 LEAST, MOST = 2, 2000  # frames
 INSTALL = "pip install 'rod-workbench[animate]'"
 
@@ -42,24 +49,25 @@ class Film:
 
     Attributes
     ----------
-    axis
-        The axis along which it runs.
-    at
-        Values of the other axes.
+    axis, at
+        The axis along which it runs, and values of the others.
     observable
-        The observable whose curve grows.
+        The observable whose curve grows; None: no diagram.
     kind
         A kind of scene that shows one case.
     pixel_error, dpi
         As of a scene.
+    size
+        Width and height of a frame.
     """
 
     axis: str
     at: dict[str, float]
-    observable: str
+    observable: str | None = None
     kind: str = "contact"
     pixel_error: float = 0.5
-    dpi: int = 150
+    dpi: int = 160
+    size: tuple[float, float] = SIZE
 
 
 def observable_of(ds: xr.Dataset, axis: str, name: str | None = None) -> str:
@@ -80,8 +88,8 @@ def observable_of(ds: xr.Dataset, axis: str, name: str | None = None) -> str:
 
 def cases_of(ds: xr.Dataset, film: Film) -> list[dict[str, int]]:
     """The indices of each frame's case. Raises `InputError` for a kind or an axis that makes no film."""
-    single = [kind.name for kind in KINDS.values() if kind.cells == "one"]
-    if kind_of(film.kind).name not in single:
+    single = [kind.name for kind in kinds.TABLE if kind.cells == "one"]
+    if kinds.kind_of(film.kind).cells != "one":
         raise InputError(f"a frame shows one case, so --kind is one of {choices(single)}, not {film.kind!r}")
     cases = selection.line(ds, film.axis, film.at)
     if not LEAST <= len(cases) <= MOST:
@@ -91,89 +99,161 @@ def cases_of(ds: xr.Dataset, film: Film) -> list[dict[str, int]]:
 
 def check_writers(paths: Sequence[Path]) -> None:
     """Raise `InputError` with what to install where films of these suffixes cannot be written."""
+    if not any(path.suffix.lower() == ".mp4" for path in paths):
+        return
     _imageio()
-    if any(path.suffix.lower() == ".mp4" for path in paths) and not find_spec("imageio_ffmpeg"):
-        raise InputError(f"an MP4 needs imageio-ffmpeg, which is not installed: {INSTALL}; a .gif does not")
+    if not find_spec("imageio_ffmpeg"):
+        raise InputError(f"an MP4 needs imageio-ffmpeg, which is not installed: {INSTALL}; .gif and .webp do not")
 
 
 def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text: None) -> Iterator[Pixels]:
     """The frames in rising order of the axis, (height, width, 3) each, all of one even size.
 
-    On the left the scene of the case, on the right the observable up to it. A case without a shape leaves the left side
-    empty but for its outcome. step: called with a text as each frame begins.
+    A case without a shape shows its outcome in place of the rod. step: called with a text as each frame begins. Raises
+    `InputError` where no case has a shape.
     """
-    from . import composition, layout  # VTK, which ends the process where OpenGL does not work
+    kind, cases = kinds.kind_of(film.kind), cases_of(ds, film)
+    bodies = [rods.of_case(ds, where, kind)[0] for where in cases]
+    context = [body for body in bodies if body]
+    if not context:
+        raise InputError(f"no case along {film.axis} has a shape: there is nothing to show")
+    ends = ends_of(context)
+    lying = bool(np.ptp(ends) > 1.3 * 2 * max(body.reach for body in context))
+    (azimuth, elevation), *_ = cameras.views_of(None)
+    camera = cameras.facing(context, elevation, lying)
+    for k, (where, body) in enumerate(zip(cases, bodies, strict=True)):
+        step(f"{film.axis} = {float(ds[film.axis][where[film.axis]]):.4g}")
+        view = View([body] if body else [], Cell(), -np.radians(azimuth), ends, context)
+        yield _even(page.drawn(_frame(ds, film, cases, k, view, context, camera, lying)))
 
-    size = tuple(round(n * film.dpi / style.DPI) for n in SIZE)
-    settings = composition.Settings(film.pixel_error, film.dpi, size=(size[0], size[1]), digits=DIGITS)
-    for k, where in enumerate(cases_of(ds, film)):
-        value = float(ds[film.axis].values[where[film.axis]])
-        step(f"{film.axis} = {value:.4g}")
-        if ds["solved"].isel(where):
-            picture = layout.compose(ds, {**film.at, film.axis: value}, film.kind, (), film.axis, settings)
-            left = pixels.drawn(page.figure(picture.page))
-        else:
-            left = _empty(ds, str(ds["outcome"].isel(where).values), film.dpi, SIZE)
-        yield even(np.concatenate([left, pixels.drawn(diagram(ds, film, k, left.shape[0]))], axis=1))
 
+def _frame(
+    ds: xr.Dataset, film: Film, cases: Sequence[dict[str, int]], k: int, view: View, context: Sequence[Body],
+    camera: Camera, lying: bool,
+) -> Figure:  # fmt: skip
+    """The k-th frame: its value, the rod, the scale of colours, and the observable up to it."""
+    from . import composition  # VTK, which ends the process where OpenGL does not work
 
-def diagram(ds: xr.Dataset, film: Film, k: int, height: int) -> Figure:
-    """The observable against the axis up to the k-th case, with the scales of the whole curve; height in pixels."""
-    cases = selection.line(ds, film.axis, film.at)
-    values = np.array([float(ds[film.observable].isel(where)) for where in cases])
-    along = labels.in_label_unit(ds[film.axis], ds[film.axis].values[[where[film.axis] for where in cases]])
+    kind, where, diagram = kinds.kind_of(film.kind), cases[k], DIAGRAM if film.observable else (0.0, 0.0)
+    across, tall = film.size
+    wide = across - 2 * MARGIN - (0.0 if lying else diagram[0])
+    high = tall - TOP - FOOT - (diagram[1] if lying else 0.0)
+    settings = Settings(film.pixel_error, film.dpi, bare=True, samples=SAMPLES,
+                        size=(round(wide * film.dpi), round(high * film.dpi)))  # fmt: skip
+    scene = composition.Scene(ds, kind, [[view]], context, "", camera, settings)
+    bar, picture = composition.coloured(scene)[1], composition.compose(scene).page if view.bodies else None
 
     def draw(fig: Figure) -> None:
-        ax = trend(ds, fig.add_subplot(), film.observable, film.axis, film.at)
-        limits = ax.get_xlim(), ax.get_ylim()
-        for artist in (*ax.lines, *ax.collections):  # the scales, labels and ticks stay those of the whole curve
-            artist.remove()
-        ax.plot(along[: k + 1], values[: k + 1], color=style.SOFT, linewidth=1.4)
-        ax.scatter(along[:k], values[:k], color=style.SOFT, s=14, zorder=3)
-        ax.scatter(along[k], values[k], color=style.PUSHED, s=60, zorder=4, edgecolors="white")
-        ax.set(xlim=limits[0], ylim=limits[1])
-        ax.set_title(style.wrapped(f"{_capital(labels.long_name(ds[film.observable]))} against {along_axis}", ax),
-                     loc="left")  # fmt: skip
+        ax = fig.add_axes((0.0, 0.0, 1.0, 1.0))
+        ax.set(xlim=(0, across), ylim=(0, tall))
+        ax.axis("off")
+        _draw_value(ax, ds[film.axis], where[film.axis], film.size)
+        low = tall - TOP - high
+        if picture:
+            corner = MARGIN + (wide - picture.size[0]) / 2, low + (high - picture.size[1]) / 2
+            page.put(fig, picture.pixels, *(round(length * film.dpi) for length in corner))
+        else:
+            ax.text(MARGIN, low + high / 2, str(ds["outcome"].isel(where).values), color=style.SOFT)
+        if bar:
+            page.draw_bar(fig, bar, (2 * MARGIN, 0.22), (1.6, 0.1))
+        if str(ds.attrs["side"]) == "inside":
+            words = style.fitted(left_out.SENTENCE, across - 2.4, style.SMALL)
+            ax.text(2.3, 0.24, words, size=style.SMALL, color=style.SOFT)
+        if film.observable:
+            box = ((0.62, FOOT + 0.3, across - 0.9, diagram[1] - 0.5) if lying else
+                   (across - diagram[0] + 0.45, FOOT + 0.35, diagram[0] - 0.65, high - 0.55))  # fmt: skip
+            place = (box[0] / across, box[1] / tall, box[2] / across, box[3] / tall)
+            _draw_curve(fig.add_axes(place), ds, film, cases, k)
 
-    along_axis = labels.long_name(ds[film.axis])
-    room = ConstrainedLayoutEngine(rect=(0.02, 0.08, 0.92, 0.78))
-    return canvas.figure((DIAGRAM, height / film.dpi), draw, dpi=film.dpi, layout=room)
+    return canvas.figure(film.size, draw, dpi=film.dpi, layout=None)
 
 
-def write(paths: Sequence[Path], made: Iterator[Pixels], fps: float) -> None:
-    """Write the frames as films, each complete before it takes its name. Raises `InputError` where that fails."""
+def _draw_value(ax: Axes, array: xr.DataArray, i: int, size: tuple[float, float]) -> None:
+    """The i-th value in words, and where it stands among the values of the axis, by ratios over a wide range."""
+    y, (left, right) = size[1] - MARGIN, (MARGIN, size[0] - MARGIN)
+    said = f"{labels.axis_symbol(str(array.name))} = {labels.value(float(array[i]), array, 3)}"
+    name = labels.long_name(array)
+    ax.text(left, y, said, size=style.LARGE, va="top", weight="bold")
+    ax.text(right, y - 0.02, name[:1].upper() + name[1:], color=style.SOFT, va="top", ha="right")
+    values = array.values
+    ends = values[[0, i, -1]]
+    first, at, last = np.log(ends) if values[0] > 0 and values[-1] > WIDE * values[0] else ends
+    place = left + (at - first) / (last - first) * (right - left)
+    for end, colour in ((right, style.FAINT), (place, style.SOFT)):
+        ax.plot([left, end], [y - 0.34] * 2, color=colour, linewidth=2.0, solid_capstyle="round")
+    ax.plot(place, y - 0.34, "o", color=style.INK, markersize=6)
+
+
+def _draw_curve(ax: Axes, ds: xr.Dataset, film: Film, cases: Sequence[dict[str, int]], k: int) -> None:
+    """The observable against the axis up to the k-th case, with the scales of the whole curve; a count in steps."""
+    array, axis = ds[film.observable], ds[film.axis]
+    values = np.array([float(array.isel(where)) for where in cases])
+    along = labels.in_label_unit(axis, axis.values[[where[film.axis] for where in cases]])
+    room = 0.08 * (np.nanmax(values) - np.nanmin(values) or 1.0) if np.isfinite(values).any() else 1.0
+    style.with_grid(ax)
+    if along[0] > 0 and along[-1] > WIDE * along[0]:
+        ax.set_xscale("log")
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.xaxis.set_major_formatter(Ticks())
+    shape = "steps-mid" if schema.is_count(array) else "default"
+    ax.plot(along[: k + 1], values[: k + 1], color=style.INK, linewidth=1.4, drawstyle=shape)
+    ax.plot(along[k], values[k], "o", color=style.INK, markersize=5)
+    ax.set(xlim=(along[0], along[-1]), xlabel=labels.axis_label(film.axis, axis))
+    if np.isfinite(values).any():
+        ax.set_ylim(np.nanmin(values) - room, np.nanmax(values) + room)
+    name = labels.axis_label(str(array.name), array)
+    ax.set_title(name[:1].upper() + name[1:], loc="left", size=style.SMALL)
+
+
+def write(paths: Sequence[Path], made: Iterator[Pixels], fps: float = FPS, each: int = 1, back: bool = False) -> None:
+    """Write the frames as films, each complete before it takes its name. Raises `InputError` where that fails.
+
+    each: how often a frame is shown. back: the film runs back again, and has no beginning.
+    """
     with atomic.refusing(paths[0].parent), ExitStack() as whole:
         aside = [whole.enter_context(atomic.replacing(path)) for path in paths]
         with ExitStack() as open_ones:
             # imageio's own context leaves ffmpeg running where something fails inside
             writers = [open_ones.enter_context(closing(_writer(path, fps))) for path in aside]
-            adding = [_adding(path, writer) for path, writer in zip(aside, writers, strict=True)]
-            last = np.zeros((0, 0, 3), dtype=np.uint8)
-            for last in made:
-                for add in adding:
-                    add(last)
-            for _ in range(round(HOLD * fps)):
-                for add in adding:
-                    add(last)
+            hold = 0 if back else round(HOLD * fps)
+            shown: list[Pixels] = []
+            for frame in made:
+                for writer in writers:
+                    for _ in range(each + (0 if shown else hold)):
+                        writer.append_data(frame)
+                shown = [*shown, frame] if back else [frame]
+            for frame in shown[-2:0:-1] if back else shown * hold:
+                for writer in writers:
+                    for _ in range(each if back else 1):
+                        writer.append_data(frame)
 
 
-def _adding(path: Path, writer: Any) -> Callable[[Pixels], None]:
-    """What adds a frame to a film; a GIF has 256 colours, which are mixed in dots where a colour changes smoothly."""
-    if path.suffix.lower() != ".gif":
-        return lambda frame: writer.append_data(frame)
+class _Pillow:
+    """A writer of WebP and GIF; a GIF has 256 colours, which are mixed in dots where a colour changes smoothly."""
 
-    def add(frame: Pixels) -> None:
+    def __init__(self, path: Path, fps: float) -> None:
+        self.path, self.duration, self.frames = path, 1000 / fps, list[Any]()
+
+    def append_data(self, frame: Pixels) -> None:
         from PIL import Image
 
-        picture = Image.fromarray(frame)
-        palette = picture.quantize(256, method=Image.Quantize.FASTOCTREE)
-        mixed = picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG)
-        writer.append_data(np.asarray(mixed.convert("RGB")))
+        picture: Any = Image.fromarray(frame)
+        if self.path.suffix.lower() == ".gif":
+            palette = picture.quantize(256, method=Image.Quantize.FASTOCTREE)
+            picture = picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG)
+        self.frames.append(picture)
 
-    return add
+    def close(self) -> None:
+        if not self.frames:
+            return
+        gif = self.path.suffix.lower() == ".gif"
+        duration = max(round(self.duration / 10) * 10, 20) if gif else round(self.duration)
+        how: dict[str, Any] = {} if gif else {"quality": QUALITY, "method": 4}
+        self.frames[0].save(self.path, save_all=True, append_images=self.frames[1:], duration=duration, loop=0, **how)
 
 
-def even(frame: Pixels) -> Pixels:
+def _even(frame: Pixels) -> Pixels:
     """The frame with a white row or column more where its size is odd: MP4 takes even sizes only."""
     high, wide = frame.shape[:2]
     return np.pad(frame, ((0, high % 2), (0, wide % 2), (0, 0)), constant_values=255)
@@ -184,26 +264,13 @@ def _imageio() -> Any:
     try:
         import imageio.v2
     except ImportError:
-        raise InputError(f"a film needs imageio, which is not installed: {INSTALL}") from None
+        raise InputError(f"an MP4 needs imageio, which is not installed: {INSTALL}; .gif and .webp do not") from None
     return imageio.v2
 
 
 def _writer(path: Path, fps: float) -> Any:
     """The writer of one film."""
-    if path.suffix.lower() == ".gif":
-        return _imageio().get_writer(path, mode="I", duration=1000 / fps, loop=0)
+    if path.suffix.lower() != ".mp4":
+        return _Pillow(path, fps)
     return _imageio().get_writer(path, fps=fps, codec="libx264", quality=8, macro_block_size=2,
                                   ffmpeg_log_level="error")  # fmt: skip
-
-
-def _capital(text: str) -> str:
-    """The text with a capital letter at its beginning, except where it begins with a symbol."""
-    return text[:1].upper() + text[1:] if text[1:2].isalpha() else text
-
-
-def _empty(ds: xr.Dataset, outcome: str, dpi: int, size: tuple[int, int]) -> Pixels:
-    """A page of a scene's size with the reason why there is no rod."""
-    blank = np.full((8, 8, 3), 255, dtype=np.uint8)
-    nothing = Arrangement([], (0.0, 0.0), 1.0)
-    words = Words(str(ds.attrs["title"]), outcome, str(ds.attrs["length_unit"]))
-    return pixels.drawn(page.figure(Page(words, blank, nothing, np.zeros((3, 2)), size[0], size[1], dpi)))

@@ -1,8 +1,8 @@
 """The rod on its cylinder in three dimensions: off-screen pictures of a stored dataset, never solving.
 
-The tube has the rod's true radius and touches the surface; where the cylinder would have to pull to hold it
-there, it has a colour of its own. All views are parallel projections, so one scale bar is right everywhere.
-Needs OpenGL: ask `opengl.probe` first, as without it VTK ends the process.
+The tube has the rod's true radius and touches the surface; where the cylinder would have to pull to hold it there, the
+scale of colours says so. All views are parallel projections. Needs OpenGL: ask `opengl.probe` first, as without it VTK
+ends the process.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,21 +19,27 @@ from ..data.schema import axes_of
 from ..figures import canvas
 from . import body as rods
 from . import camera as cameras
-from . import captions, colours, long_rod, page, pixels, table, triad
-from .arrangement import EDGE
+from . import captions, colours, composition, long_rod, page
+from .arrangement import EDGE, in_rows
 from .body import Body
 from .camera import Camera
-from .cells import Cell
+from .captions import Cell
 from .colours import Paint
-from .composition import DEFAULT, Picture, Scene, composed, room
+from .composition import DEFAULT, Picture, Scene, room
 from .kinds import Kind, kind_of
 from .settings import Settings, check, check_name
 from .views import View, ends_of
 
 SUFFIXES = (".png", ".jpg")
 LYING = 1.3  # how much taller than wide a scene must be to be laid on its side
-GUTTER = 130  # pixels before the lines of a long rod
+GUTTER = 0.65  # inches before the lines of a long rod
 GHOST = 0.3  # of its thickness is a rod drawn among others, so that none hides another
+MOST_ROWS = 5
+ROW, GRID = (10.0, 6.5), (10.0, 12.0)  # inches: width, and largest height, of a page
+IN_ROW = 9  # cases of one axis
+LEVEL = 12.0  # degrees from which a row of rods is seen
+
+Where = dict[str, int]
 
 
 def render(
@@ -50,12 +56,12 @@ def render(
     path = canvas.check_name(path, SUFFIXES)
     check_name(path, settings)
     picture = compose(ds, at, kind, axes, along, settings)
-    pixels.save(page.figure(picture.page), path, level)
+    page.save(picture.page, path, level)
     return picture
 
 
 def render_row(ds: xr.Dataset, path: str | Path, axis: str, at: Mapping[str, float] | None = None) -> Path:
-    """Draw the cases along an axis side by side, at one scale and with one camera. Raises `InputError`."""
+    """Draw the cases along an axis side by side, at one scale. Raises `InputError`."""
     render(ds, path, at, "grid", [axis])
     return Path(path)
 
@@ -83,7 +89,7 @@ def compose(
     along: str | None = None,
     settings: Settings = DEFAULT,
 ) -> Picture:
-    """The scene of a dataset. A case without a shape leaves an empty cell with the reason.
+    """The scene of a dataset. In place of a case without a shape stands the nearest one that has one, which is said.
 
     Parameters
     ----------
@@ -99,14 +105,14 @@ def compose(
     Raises
     ------
     InputError
-        An invalid name or value, one case without a shape, stations that are far too few.
+        An invalid name or value, one case that `at` names and that has no shape, stations that are far too few.
     """
     chosen, along = kind_of(kind), along and selection.axis_of(ds, along)
     check(settings)
     if chosen.cells == "one":
         if axes:
             raise InputError(f"a scene of kind {kind} shows one case, so it takes no axis; choose ghosts or grid")
-        return _one(ds, chosen, selection.case(ds, at), along, settings)
+        return _one(ds, chosen, at, along, settings)
     if along:
         raise InputError(f"a scene of kind {kind} shows a whole axis already: it takes no --along")
     chosen.check(ds)
@@ -118,34 +124,43 @@ def compose(
         raise InputError(f"a scene of kind {kind} shows at most {most} of the axes {', '.join(names)}")
     if chosen.cells == "together":
         return _together(ds, chosen, names[0], at, settings)
-    return table.several(ds, chosen, names, at, settings)
+    return (_row if len(names) == 1 else _table)(ds, chosen, names, at, settings)
 
 
-def _one(ds: xr.Dataset, kind: Kind, where: dict[str, int], along: str | None, settings: Settings) -> Picture:
-    """One case large, from its front and from its side; a long one in lines."""
+def _one(
+    ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str | None, settings: Settings
+) -> Picture:
+    """One case large; a long one in lines."""
+    asked = selection.case(ds, at)
+    where = asked if at else _nearest_solved(ds, asked)
     case = captions.case_values(ds, where, settings.digits)
     body, why = rods.of_case(ds, where, kind, settings.span)
     if body is None:
         raise InputError(f"nothing to draw{f' at {case}' if case else ''}: {why}")
-    film: list[tuple[str, Body]] = []
+    context = [body]
     if along:
-        at = {name: float(ds[name].values[i]) for name, i in where.items() if name != along}
-        film = [
-            (captions.case_values(ds, each, settings.digits), found)
-            for each in selection.line(ds, along, at)
-            if (found := rods.of_case(ds, each, kind, settings.span)[0])
-        ]
-    context = [found for _, found in film] or [body]
+        held = {name: float(ds[name].values[i]) for name, i in where.items() if name != along}
+        line = [rods.of_case(ds, each, kind, settings.span)[0] for each in selection.line(ds, along, held)]
+        context = [each for each in line if each]
+    notes = _part_drawn([body], ds)
+    if where != asked:
+        notes += [f"{captions.case_values(ds, asked, settings.digits)} is not solved; this is the nearest solved case"]
     if long_rod.is_long(context):
-        notes = captions.part_drawn([body], str(ds.attrs["length_unit"]))
         return _in_lines(ds, kind, body, context, case, settings, notes)
+    rows, camera = _from_sides([body], context, settings)
+    return composition.compose(Scene(ds, kind, rows, context, case, camera, settings, notes, glyph=len(rows[0]) == 1))
 
-    def scene(case: str, body: Body) -> Scene:
-        rows, camera = _from_sides([body], context, settings)
-        notes = captions.part_drawn([body], str(ds.attrs["length_unit"]))
-        return Scene(ds, kind, rows, context, case, camera, settings, notes, ringed="first")
 
-    return composed(replace(scene(case, body), frames=[scene(*each) for each in film]))
+def _nearest_solved(ds: xr.Dataset, where: Where, among: Sequence[Where] | None = None) -> Where:
+    """The solved case with the fewest steps along the axes to a case, of a list or of all; the case where none is."""
+    solved = ds["solved"]
+    if bool(solved.isel(where)):
+        return where
+    if among is None:
+        names = [str(name) for name in solved.dims]
+        among = [dict(zip(names, map(int, place), strict=True)) for place in np.argwhere(solved.values)]
+    able = [each for each in among if bool(solved.isel(each))]
+    return min(able, key=lambda each: sum(abs(each[name] - where[name]) for name in where), default=where)
 
 
 def _from_sides(bodies: Sequence[Body], context: Sequence[Body], settings: Settings) -> tuple[list[list[View]], Camera]:
@@ -154,14 +169,16 @@ def _from_sides(bodies: Sequence[Body], context: Sequence[Body], settings: Setti
     lying = bool(np.ptp(ends) > LYING * 2 * max(body.reach for body in context))
     sides = cameras.views_of(settings.camera)
     camera = cameras.facing(context, sides[0][1], lying)
-    faced = f"facing the rod{'s'[: len(bodies) - 1]}" if set(context) <= set(bodies) else triad.seen_from(camera.toward)
-    views = [View(bodies, Cell(_side(*side, faced)), -np.radians(side[0]), ends, context) for side in sides]
+    cells = [Cell(_side(*side) if len(sides) > 1 else "") for side in sides]
+    views = [View(bodies, cell, -np.radians(side[0]), ends, context) for side, cell in zip(sides, cells, strict=True)]
+    toward = views[0].turn.T @ camera.toward
+    camera = replace(camera, seen_from=toward)
     return ([[view] for view in views] if lying else [views]), camera
 
 
-def _side(azimuth: float, elevation: float, faced: str) -> str:
-    """In words from which side a view shows rods; faced: those for the side to which the others are turned."""
-    text = f"turned by {labels.number(azimuth)}° about the axis" if azimuth else faced
+def _side(azimuth: float, elevation: float) -> str:
+    """In words from which side one of several views shows rods."""
+    text = f"turned by {labels.number(azimuth)}° about the axis" if azimuth else "facing the rod"
     from_where = f", from {labels.number(abs(elevation))}° {'above' if elevation > 0 else 'below'}"
     return labels.minus_signs(text + (from_where if elevation else ""))
 
@@ -170,21 +187,22 @@ def _in_lines(
     ds: xr.Dataset, kind: Kind, body: Body, context: Sequence[Body], case: str, settings: Settings, notes: list[str]
 ) -> Picture:
     """All of a rod that would be too thin to see in one view."""
-    azimuth, elevation = cameras.views_of(settings.camera)[0]
+    azimuth, elevation = cameras.views_of(settings.camera)[0] if settings.camera else (0.0, 0.0)
     if elevation:
         raise InputError(
             f"a rod this long is set in lines, seen at right angles to its axis: --camera {settings.camera} has an "
             f"elevation of {elevation:g} degrees; draw a part of the rod with --from and --to"
         )
     camera, turned = cameras.facing(context, lying=True), -np.radians(azimuth)
-    scene = Scene(ds, kind, [[View([body], Cell(""))]], context, case, camera, settings, notes, gutter=GUTTER)
-    wide, high = room(scene)
-    lines = long_rod.lines_for(context, (int(wide - GUTTER - 2 * EDGE), int(high)))
+    scene = Scene(ds, kind, [[View([body], Cell())]], context, case, camera, settings, notes, gutter=GUTTER,
+                  ringed=False)  # fmt: skip
+    wide, high = (side * settings.dpi for side in room(scene))
+    lines = long_rod.lines_for(context, (int(wide - (GUTTER + 2 * EDGE) * settings.dpi), int(high)))
     pieces, unit = lines.cut(body), str(ds.attrs["length_unit"])
     cells = lines.cells(pieces, unit)
     rows = [[View([piece], cell, turned, lines.ends)] for piece, cell in zip(pieces, cells, strict=True)]
     notes = [*lines.notes(pieces, unit), *notes]
-    return composed(replace(scene, rows=rows, notes=notes, pitch=long_rod.PITCH))
+    return composition.compose(replace(scene, rows=rows, notes=notes, pitch=long_rod.PITCH))
 
 
 def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | None, settings: Settings) -> Picture:
@@ -204,10 +222,80 @@ def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | N
             words.append(captions.values(ds, {axis: where[axis]})[0])
     if not bodies:
         raise InputError(f"nothing to draw along {axis}: no case of it has a shape")
-    case = ", ".join([labels.axis_label(axis, ds[axis]),
-                      *captions.values(ds, {k: i for k, i in cases[0].items() if k != axis})])  # fmt: skip
+    held = {k: i for k, i in cases[0].items() if k != axis}
+    case = ", ".join([labels.axis_label(axis, ds[axis]), *captions.values(ds, held)])
     notes = [f"{len(cases)} of {len(line)} values"] if len(cases) < len(line) else []
-    notes += [f"drawn at {GHOST:g} of the thickness, one above the other"]
-    notes += captions.part_drawn(bodies, str(ds.attrs["length_unit"]))
+    notes += [f"drawn at {GHOST:g} of the thickness, one above the other", *_part_drawn(bodies, ds)]
     rows, camera = _from_sides(bodies, bodies, settings)
-    return composed(Scene(ds, kind, rows, bodies, case, camera, settings, notes, labels=words))
+    return composition.compose(Scene(ds, kind, rows, bodies, case, camera, settings, notes, ringed=False, names=words,
+                                     glyph=len(rows[0]) == 1))  # fmt: skip
+
+
+def _row(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Picture:
+    """The cases of an axis in rows, as large as they fit; each rod faces the viewer."""
+    line = selection.line(ds, names[0], at)
+    asked, chosen = selection.spread(line, kind.most), list[Where]()
+    for where in asked:
+        chosen.append(_nearest_solved(ds, where, [other for other in line if other not in [*asked, *chosen]]))
+    chosen.sort(key=lambda where: where[names[0]])
+    moved = sum(where not in chosen for where in asked)
+    rows, camera = _cells(ds, kind, names, [chosen], settings)
+    size = GRID if len(chosen) > IN_ROW else ROW
+    shown = [labels.axis_label(name, ds[name]) for name in names if name != "equilibrium"]
+    notes = [f"{len(chosen)} of {len(line)} values"] if len(chosen) < len(line) else []
+    notes += [f"in place of {moved} unsolved case{'s' * (moved > 1)} the nearest solved"] if moved else []
+    scene = _several(ds, kind, names, rows, camera, settings, chosen[0], shown, notes, size)
+    return composition.compose(replace(scene, rows=in_rows(rows[0], camera, room(scene))))
+
+
+def _table(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Picture:
+    """The cases of two axes, with headings."""
+    line, down = (selection.line(ds, name, at) for name in names)
+    across = selection.spread(line, kind.most)
+    cases = [[{**case, names[1]: row[names[1]]} for case in across] for row in selection.spread(down, MOST_ROWS)]
+    rows, camera = _cells(ds, kind, [], cases, settings)
+    notes = [f"{count} of {of} values of {labels.axis_symbol(name)}"
+             for name, count, of in zip(names, (len(across), len(cases)), (len(line), len(down)), strict=True)
+             if count < of]  # fmt: skip
+    scene = _several(ds, kind, names, rows, camera, settings, cases[0][0], [], notes, GRID)
+    heads = captions.headings(ds, names[0], cases[0]), captions.headings(ds, names[1], [row[0] for row in cases])
+    return composition.compose(replace(scene, columns=heads[0], heads=heads[1]))
+
+
+def _cells(
+    ds: xr.Dataset, kind: Kind, names: list[str], cases: Sequence[Sequence[Where]], settings: Settings
+) -> tuple[list[list[View]], Camera]:
+    """The views of cases, in which each rod faces the camera; of a case without a shape its reason."""
+    azimuth, elevation = cameras.views_of(settings.camera)[0] if settings.camera else (0.0, LEVEL)
+    camera, rows = cameras.facing([], elevation), []
+    for row in cases:
+        views = []
+        for where in row:
+            body, why = rods.of_case(ds, where, kind, settings.span)
+            body = rods.beginning(body) if body and not settings.span else body
+            cell = replace(kind.cell(ds, names, where) if names else Cell(), why_empty=why)
+            turned = -np.radians(azimuth) - (cameras.azimuth_of([body]) if body else 0.0)
+            views.append(View([body] if body else [], cell, turned))
+        rows.append(views)
+    return rows, camera
+
+
+def _several(
+    ds: xr.Dataset, kind: Kind, names: list[str], rows: list[list[View]], camera: Camera, settings: Settings,
+    first: Where, shown: list[str], notes: list[str], size: tuple[float, float],
+) -> Scene:  # fmt: skip
+    """The scene of cases side by side."""
+    bodies = [body for row in rows for view in row for body in view.bodies]
+    held = {name: i for name, i in first.items() if name not in names}
+    case = ", ".join([*shown, *captions.values(ds, held)])
+    return Scene(ds, kind, rows, bodies, case, camera, settings, [*notes, *_part_drawn(bodies, ds), *kind.notes], size)
+
+
+def _part_drawn(bodies: Sequence[Body], ds: xr.Dataset) -> list[str]:
+    """Which part of the rods is drawn, where it is not all of them."""
+    parts = [body for body in bodies if not body.whole]
+    if not parts:
+        return []
+    unit, (low, high) = str(ds.attrs["length_unit"]), parts[0].span
+    low_text, high_text, L = (labels.number(value) for value in (low, high, parts[0].line.L))
+    return [f"only s = {low_text} to {high_text} {unit} of {L} {unit}"]

@@ -9,7 +9,7 @@ from ..data import labels
 from ..geometry import lines
 from ..geometry.lines import LABELLED
 from .body import Body
-from .cells import Cell
+from .captions import Cell
 
 PITCH = lines.PITCH
 THINNEST = 4.0  # width of a cylinder in pixels; below, nothing of its rod is seen

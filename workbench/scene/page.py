@@ -1,217 +1,349 @@
-"""The page of a scene: rendered views with title, captions, and what stands below them (`footer`)."""
+"""The page of a scene: a Matplotlib figure, and in it the rendered picture, pixel by pixel, among words and bars.
 
+Lengths are in inches from the lower left of the page.
+"""
+
+import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Rectangle
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from ..data import atomic, labels
 from ..figures import canvas, style
-from . import drawing, footer, measure, pixels
-from .arrangement import BELOW, DOT, Arrangement, Box
-from .colours import Bar
+from .arrangement import BELOW, DOT, LINE, Arrangement, height
+from .captions import Cell
+from .colours import SURFACE, Bar
 
-# pixels at `style.DPI`
-MARGIN = 36.0  # around the page
-TITLE = 10.0  # from the title to the line below it
-AFTER = 30.0  # from there to the views, and from the views to the footer
-HEAD, SIDE = 34.0, 16.0  # the height of a line of headings, and the gap between a heading of a row and the row
+Pixels = NDArray[np.uint8]
+
+MARGIN = 0.15  # around the page
+AFTER = 0.1  # from the title to the views, and from the views to the line below
+HEAD = 0.17  # the height of a line of headings
+FOOT, APART = 0.42, 0.22  # the height of glyph and bars, and the gap after each
+GLYPH, SCALE, BAR = 0.62, 1.0, 1.6  # widths: the glyph, the longest scale bar, the colour bar
+PATCH = 0.13  # a colour of the legend
+RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
+QUALITY = 92  # of JPEG
+RUNS = 3  # the strategy of zlib that looks for runs alone: at level 1 the size of level 3 in two thirds of the time
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Words:
     """What is written around the views of a scene.
 
     Attributes
     ----------
     legend
-        Colours and their meaning; `footer.RING` for a ring, `footer.OUTLINE` for a hidden stretch.
+        Colours and their meaning; `RING` for a ring, `OUTLINE` for a hidden stretch.
     columns, rows
         Headings of a table: its quantity, then the values. Default: none.
-    radius
-        Of the rings.
+    toward
+        The direction to the viewer, (3,), where one view shows it; default: no glyph.
+    along
+        The share of a length along the axis that is seen.
     """
 
     title: str
     subtitle: str
-    length_unit: str
+    unit: str
     legend: Sequence[tuple[str, str]] = ()
     notes: Sequence[str] = ()
     bar: Bar | None = None
     columns: Sequence[str] = ()
     rows: Sequence[str] = ()
-    radius: float = drawing.PATCH / 2
+    toward: NDArray[np.float64] | None = None
+    along: float = 1.0
 
     @property
     def heads(self) -> tuple[float, float]:
         """The room of the headings: to the left of the views, and above them."""
-        left = max(map(measure.width, self.rows[1:]), default=0.0) + HEAD + 2 * SIDE if self.rows else 0.0
-        return left, 2 * HEAD + SIDE if self.columns else 0.0
+        left = max((style.width_of(row, style.NORMAL) for row in self.rows[1:]), default=0.0) + 2 * HEAD
+        return (left if self.rows else 0.0), (2 * HEAD if self.columns else 0.0)
+
+    def fitted(self, width: float) -> tuple[str, str]:
+        """Title and subtitle in lines that fit on a page of that width."""
+        room = width - 2 * MARGIN
+        return style.fitted(self.title, room, style.LARGE, bold=True), style.fitted(self.subtitle, room, style.NORMAL)
+
+    def above(self, width: float) -> float:
+        """The height of title and subtitle with the gaps around them."""
+        title, subtitle = self.fitted(width)
+        return MARGIN + height(title, style.LARGE) + height(subtitle) + AFTER
+
+    def beside(self, width: float) -> tuple[float, list[tuple[str, str]]]:
+        """Where the legend begins on a page of that width, and its entries in lines that fit, the notes last."""
+        left = MARGIN + (GLYPH + APART if self.toward is not None else 0.0) + SCALE + APART
+        left += BAR + 1.4 * APART if self.bar else 0.0
+        room = max(width - MARGIN - left - PATCH - 0.08, 1.0)
+        entries = [*self.legend, *(("", note) for note in self.notes)]
+        return left, [(colour, style.fitted(text, room, style.SMALL)) for colour, text in entries]
+
+    def below(self, width: float) -> float:
+        """The height of the line below the views with the gaps around it."""
+        _, entries = self.beside(width)
+        return AFTER + max(FOOT, sum(height(text, style.SMALL) for _, text in entries)) + 0.8 * MARGIN
 
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """What is put together.
+    """What is put together: a figure without its background where `pixels` have four channels.
 
     Attributes
     ----------
     pixels
-        (height, width, 3 or 4), all views in one picture; without background where there are four channels.
+        All views in one picture, (height, width, 3 or 4).
     arrangement
-        Where the views are in it, in pixels at `style.DPI`.
-    axes
-        Where x, y, z point on the page, (3, 2).
+        Where the views are in it.
     width, height
-        Of the page in pixels at `style.DPI`; height 0: as high as its content.
+        Of the page; height 0: as high as its content.
     dpi
-        Of the picture; all lengths in pixels grow with it, but `pixels` are taken as they are.
+        Pixels per inch.
     rings
-        Places to be ringed: x and y in the picture, in pixels at `style.DPI` from its upper left.
-    marks
-        Words beside places, each with x, y and colour.
+        Places to be ringed, x and y in the picture from its upper left, and their radius.
     bare
         Without words, bars and rings.
-    reserved
-        The least heights above and below the views: what any frame of a film needs.
     """
 
     words: Words
-    pixels: NDArray[np.uint8]
+    pixels: Pixels
     arrangement: Arrangement
-    axes: NDArray[np.float64]
     width: float
     height: float = 0.0
     dpi: int = style.DPI
-    rings: Sequence[tuple[float, float]] = field(default_factory=list)
-    marks: Sequence[tuple[float, float, str, str]] = field(default_factory=list)
+    rings: Sequence[tuple[float, float, float]] = ()
     bare: bool = False
-    reserved: tuple[float, float] = (0.0, 0.0)
+
 
     @property
-    def notes(self) -> Sequence[str]:
-        return self.words.notes
+    def size(self) -> tuple[float, float]:
+        """Width and height of the rendered picture."""
+        high, wide = (n / self.dpi for n in self.pixels.shape[:2])
+        return wide, high
 
     @property
-    def cells(self) -> list[list[Box]]:
-        return [list(row) for row in self.arrangement.rows]
+    def room(self) -> tuple[float, float, float, float]:
+        """The room to the left of the picture, above, and below it, and the height of the page."""
+        left, top, foot = 0.0, 0.0, 0.0
+        if not self.bare:
+            left, over = self.words.heads
+            top, foot = self.words.above(self.width) + over, self.words.below(self.width)
+        return left, top, foot, self.height or top + self.size[1] + foot
 
-    @cached_property
-    def head(self) -> tuple[str, str]:
-        """Title and subtitle in lines that fit."""
-        return fitted(self.words, self.width)
+    @property
+    def corner(self) -> NDArray[np.float64]:
+        """The lower left corner of the picture, between two pixels."""
+        (wide, high), (left, top, foot, whole) = self.size, self.room
+        corner = np.array([(self.width - wide - left) / 2 + left, foot + (whole - top - high - foot) / 2])
+        return np.round(np.maximum(corner, 0.0) * self.dpi) / self.dpi
 
-    @cached_property
-    def foot(self) -> list[list[drawing.Block]]:
-        """The blocks below the views; without views none."""
-        if not self.arrangement.rows:
-            return []
-        along = float(np.hypot(*self.axes[2]))
-        return feet(self.words, self.axes, self.arrangement.per_unit, along, self.width)
-
-
-def fitted(words: Words, width: float) -> tuple[str, str]:
-    """Title and subtitle in lines that fit on a page of that width."""
-    room = width - 2 * MARGIN
-    return measure.wrapped(words.title, room, style.LARGE, bold=True), measure.wrapped(words.subtitle, room)
-
-
-def feet(
-    words: Words, axes: NDArray[np.float64], per_unit: float, along_axis: float, width: float
-) -> list[list[drawing.Block]]:
-    """The lines below the views on a page of that width."""
-    room = width - 2 * MARGIN
-    scale = per_unit, words.length_unit, along_axis
-    return footer.lines_of(footer.blocks(axes, scale, words.bar, words.legend, words.notes, room, words.radius), room)
-
-
-def above(words: Words, width: float) -> float:
-    """The height of title and subtitle with the gaps around them."""
-    title, subtitle = fitted(words, width)
-    high = measure.height(title, style.LARGE) + (TITLE + measure.height(subtitle) if subtitle else 0.0)
-    return 0.7 * MARGIN + high + AFTER
-
-
-def below(lines: Sequence[Sequence[drawing.Block]]) -> float:
-    """The height of the footer with the gaps around it."""
-    return AFTER + footer.height(lines) + 0.7 * MARGIN
+    @property
+    def places(self) -> list[list[float]]:
+        """Left, top, right and bottom of each cell with words, in order, as shares of the page from its upper left."""
+        whole, (left, low) = self.room[3], self.corner
+        top, by = whole - low - self.size[1], np.array([self.width, whole] * 2)
+        boxes = [box for row in self.arrangement.rows for box in row if box.cell != Cell()]
+        each = [(left + box.x, top + box.y, left + box.x + box.width, top + box.y + box.height) for box in boxes]
+        return [[round(float(share), 5) for share in np.array(edges) / by] for edges in each]
 
 
 def figure(page: Page) -> Figure:
     """The page as a figure of its dpi, in which the pixels of the views are kept."""
-    finer = page.dpi / style.DPI
-    high, wide = (n / finer for n in page.pixels.shape[:2])
-    heads = page.words.heads
-    least = np.maximum((above(page.words, page.width), below(page.foot)), page.reserved)
-    top, foot = (0.0, 0.0) if page.bare else (float(least[0]), float(least[1]))
-    if page.bare:
-        heads = 0.0, 0.0
-    height = page.height or top + heads[1] + high + foot
+    whole, corner, high = page.room[3], page.corner, page.size[1]
 
     def draw(fig: Figure) -> None:
-        if not page.bare:
-            _title(fig, page, height)
-            footer.draw(fig, page.foot, MARGIN, 0.7 * MARGIN + foot - below(page.foot))
-        left = (page.width - wide - heads[0]) / 2 + heads[0]
-        bottom = foot + max(height - top - heads[1] - high - foot, 0.0) / 2
-        pixels.put(fig, page.pixels, round(left * finer), round(bottom * finer))
-        if not page.bare:
-            _cells(fig, page, left, bottom + high)
-            _headings(fig, page, left, bottom + high)
-            for x, y in page.rings:
-                drawing.ring(fig, left + x, bottom + high - y, page.words.radius)
-            for x, y, text, colour in page.marks:
-                drawing.text(fig, left + x, bottom + high - y, text, color=colour, va="center", **drawing.HALO)
+        put(fig, page.pixels, *(corner * page.dpi).round().astype(int))
+        if page.bare:
+            return
+        ax = fig.add_axes((0.0, 0.0, 1.0, 1.0))
+        ax.set(xlim=(0, page.width), ylim=(0, whole))
+        ax.axis("off")
+        _draw_title(ax, page.words, page.width, whole)
+        _draw_foot(fig, ax, page)
+        _draw_cells(ax, page, corner[0], corner[1] + high)
+        _draw_headings(ax, page, corner[0], corner[1] + high)
+        for x, y, radius in page.rings:
+            _draw_ring(ax, corner[0] + x, corner[1] + high - y, radius)
 
-    made = canvas.figure((page.width / style.DPI, height / style.DPI), draw, dpi=page.dpi, layout=None)
+    made = canvas.figure((page.width, whole), draw, dpi=page.dpi, layout=None)
     if page.pixels.shape[2] == 4:
         made.patch.set_alpha(0.0)
     return made
 
 
-def _title(fig: Figure, page: Page, height: float) -> None:
-    title, subtitle = page.head
-    y = height - 0.7 * MARGIN
-    drawing.text(fig, MARGIN, y, title, size=style.LARGE, va="top", weight="bold")
-    y -= measure.height(title, style.LARGE) + TITLE
-    drawing.text(fig, MARGIN, y, subtitle, color=style.SOFT, va="top")
+def put(fig: Figure, pixels: Pixels, x: int, y: int) -> None:
+    """Put a picture, (height, width, 3 or 4), on a figure; x, y: its lower left in pixels of the figure."""
+    fig.figimage(pixels, x, y, origin="upper", zorder=-1)
 
 
-def _cells(fig: Figure, page: Page, left: float, top: float) -> None:
-    for row in page.arrangement.rows:
-        for box in row:
-            cell, middle = box.cell, left + box.x + box.width / 2
-            y = top - box.y - box.height - BELOW
-            lines = cell.caption.split("\n")
-            shift = DOT / 2 if cell.number is not None else 0.0
-            drawing.text(fig, middle + shift, y, lines[0], ha="center", va="top")
-            for k, line in enumerate(lines[1:], start=1):
-                drawing.text(fig, middle, y - measure.step() * k, line, ha="center", va="top")
-            if cell.number is not None:
-                x = middle + shift - measure.width(lines[0]) / 2 - DOT / 2 - 3
-                drawing.dot(fig, x, y - measure.height("1") / 2, str(cell.number), cell.stable)
-            if cell.before:
-                drawing.text(fig, left + box.x - 8, top - box.y - box.height / 2, cell.before, ha="right", va="center",
-                            **drawing.SMALL)  # fmt: skip
-            if cell.why_empty:
-                reason = measure.wrapped(cell.why_empty, box.width, style.SMALL)
-                drawing.text(fig, middle, top - box.y - box.height / 2, reason, color=style.SOFT, ha="center",
-                            va="center", **drawing.SMALL)  # fmt: skip
+def _draw_title(ax: Axes, words: Words, width: float, whole: float) -> None:
+    title, subtitle = words.fitted(width)
+    y = whole - MARGIN
+    _write(ax, MARGIN, y, title, size=style.LARGE, weight="bold")
+    _write(ax, MARGIN, y - height(title, style.LARGE), subtitle, size=style.NORMAL, color=style.SOFT)
 
 
-def _headings(fig: Figure, page: Page, left: float, top: float) -> None:
+def _write(ax: Axes, x: float, y: float, text: str, size: float, **how: Any) -> None:
+    """Words in lines at the distance of `height`; x, y: their upper left."""
+    for k, line in enumerate(text.split("\n")):
+        ax.text(x, y - k * size * LINE, line, size=size, va="top", **how)
+
+
+def _draw_cells(ax: Axes, page: Page, left: float, top: float) -> None:
+    """The words below, beside and in place of the views."""
+    for box in (box for row in page.arrangement.rows for box in row):
+        cell, middle, foot = box.cell, left + box.x + box.width / 2, top - box.y - box.height - BELOW
+        dot = DOT / 2 if cell.number is not None else 0.0
+        for k, line in enumerate(cell.caption.split("\n")):
+            ax.text(middle + dot * (k == 0), foot - k * style.NORMAL * LINE, line, ha="center", va="top")
+        if cell.number is not None:
+            x = middle + dot - style.width_of(cell.caption.split("\n")[0], style.NORMAL) / 2 - DOT / 2
+            y = foot - style.NORMAL / 72 / 2
+            ax.add_patch(Circle((x, y), 0.075, edgecolor=style.INK, linewidth=0.9,
+                                facecolor=style.INK if cell.stable else "white"))  # fmt: skip
+            ax.text(x, y, str(cell.number), ha="center", va="center_baseline", size=style.SMALL * (0.9 if
+                    cell.number < 10 else 0.75), color="white" if cell.stable else style.INK)  # fmt: skip
+        if cell.before:
+            ax.text(left + box.x - 0.04, top - box.y - box.height / 2, cell.before, ha="right", va="center",
+                    size=style.SMALL)  # fmt: skip
+        if cell.why_empty:
+            ax.text(middle, top - box.y - box.height / 2, style.fitted(cell.why_empty, box.width, style.SMALL),
+                    color=style.SOFT, ha="center", va="center", size=style.SMALL)  # fmt: skip
+
+
+def _draw_headings(ax: Axes, page: Page, left: float, top: float) -> None:
     """The headings of a table: the values above its columns and to the left of its rows, once."""
     boxes, words = page.arrangement.rows, page.words
     if words.columns:
-        y, (first, last) = top + SIDE, (boxes[0][0], boxes[0][-1])
         for box, value in zip(boxes[0], words.columns[1:], strict=True):
-            drawing.text(fig, left + box.x + box.width / 2, y, value, ha="center", va="bottom")
-        middle = left + (first.x + last.x + last.width) / 2
-        drawing.text(fig, middle, y + HEAD, words.columns[0], ha="center", va="bottom")
+            ax.text(left + box.x + box.width / 2, top + 0.05, value, ha="center", va="bottom")
+        middle = (boxes[0][0].x + boxes[0][-1].x + boxes[0][-1].width) / 2
+        ax.text(left + middle, top + HEAD + 0.05, words.columns[0], ha="center", va="bottom")
     if words.rows:
         for row, value in zip(boxes, words.rows[1:], strict=True):
-            y = top - row[0].y - row[0].height / 2
-            drawing.text(fig, left + row[0].x - SIDE, y, value, ha="right", va="center")
+            ax.text(left + row[0].x - 0.08, top - row[0].y - row[0].height / 2, value, ha="right", va="center")
         y = top - (boxes[0][0].y + boxes[-1][0].y + boxes[-1][0].height) / 2
-        drawing.text(fig, left - words.heads[0] + HEAD / 2, y, words.rows[0], ha="center", va="center", rotation=90)
+        ax.text(left - words.heads[0] + HEAD / 2, y, words.rows[0], ha="center", va="center", rotation=90)
+
+
+def _draw_foot(fig: Figure, ax: Axes, page: Page) -> None:
+    """From where it is seen, scale bar, colour bar, legend and notes."""
+    words, x, y = page.words, MARGIN, 0.8 * MARGIN
+    if not page.arrangement.rows:
+        return
+    left, entries = words.beside(page.width)
+    tall = max(FOOT, sum(height(text, style.SMALL) for _, text in entries))
+    middle = y + tall / 2
+    if words.toward is not None:
+        _draw_glyph(ax, x, middle, words.toward)
+        x += GLYPH + APART
+    _draw_scale(ax, x, middle, page.arrangement.per_unit * words.along, words.unit, words.along)
+    x += SCALE + APART
+    if words.bar:
+        draw_bar(fig, words.bar, (x, middle - 0.06), (BAR, 0.1))
+    at = middle + sum(height(text, style.SMALL) for _, text in entries) / 2
+    for colour, text in entries:
+        line = at - style.SMALL * LINE / 2
+        if colour:
+            draw_patch(ax, left, line, colour)
+        _write(ax, left + (PATCH + 0.06 if colour else 0.0), at, text, style.SMALL,
+               color=style.INK if colour else style.SOFT)  # fmt: skip
+        at -= height(text, style.SMALL)
+
+
+def draw_patch(ax: Axes, x: float, y: float, colour: str) -> None:
+    """A colour of a legend, in the middle of a line."""
+    if colour == RING:
+        _draw_ring(ax, x + PATCH / 2, y, 0.05)
+    else:
+        look: dict[str, Any] = {"facecolor": colour, "linewidth": 0.0}
+        look = {"facecolor": SURFACE, "edgecolor": style.SOFT, "linewidth": 0.6} if colour == OUTLINE else look
+        ax.add_patch(Rectangle((x, y - 0.04), PATCH, 0.08, **look))
+
+
+def _draw_ring(ax: Axes, x: float, y: float, radius: float) -> None:
+    """An open circle in ink with a white edge, seen on every colour."""
+    for colour, wide in (("white", 2.2), (style.INK, 1.0)):
+        ax.add_patch(Circle((x, y), radius, fill=False, edgecolor=colour, linewidth=wide, zorder=3))
+
+
+def _draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along: float) -> None:
+    """A bar of a round length; where the axis is seen at a slant, of a length along it. per_unit: inches."""
+    length = round_length(SCALE / per_unit)
+    wide = length * per_unit
+    ax.plot([x, x + wide], [y, y], color=style.INK, linewidth=1.2, solid_capstyle="butt")
+    for end in (x, x + wide):
+        ax.plot([end, end], [y - 0.035, y + 0.035], color=style.INK, linewidth=1.2)
+    ax.text(x + wide / 2, y + 0.06, f"{labels.number(length)} {unit}", ha="center", va="bottom", size=style.SMALL)
+    if along < 1 - 1e-9:
+        ax.text(x, y - 0.06, "along the axis", va="top", size=style.SMALL, color=style.SOFT)
+
+
+def round_length(target: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above the target."""
+    power = 10.0 ** np.floor(np.log10(target))
+    return float(max(step for step in (1, 2, 5) if step * power <= target * (1 + 1e-9)) * power)
+
+
+def _draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> None:
+    """The cylinder seen along its axis, where alpha = 0, and an eye where the viewer is."""
+    middle, radius = np.array([x + GLYPH / 2, y]), 0.13
+    ax.add_patch(Circle(tuple(middle), radius, facecolor=SURFACE, edgecolor=style.SOFT, linewidth=0.8))
+    ax.plot([middle[0], middle[0] + radius], [y, y], color=style.SOFT, linewidth=0.8)
+    way = np.asarray(toward[:2]) / max(float(np.hypot(*toward[:2])), 1e-9)
+    eye, across = middle + 1.75 * radius * way, np.array([-way[1], way[0]])
+    t = np.linspace(-1, 1, 31)[:, None]
+    lid = 0.022 * (1 - t**2) * way
+    for side in (1, -1):
+        ax.plot(*(eye + 0.06 * t * across + side * lid).T, color=style.INK, linewidth=0.9)
+    ax.add_patch(Circle(tuple(eye), 0.014, facecolor=style.INK, linewidth=0))
+    if way[0] < 0.8:
+        ax.text(middle[0] + radius + 0.03, y, "α = 0", size=0.75 * style.SMALL, color=style.SOFT, va="center")
+
+
+def draw_bar(fig: Figure, bar: Bar, corner: tuple[float, float], size: tuple[float, float]) -> None:
+    """A colour bar with a few round values below and its quantity above; corner and size in inches."""
+    wide, whole = fig.get_size_inches()
+    ax = fig.add_axes((corner[0] / wide, corner[1] / whole, size[0] / wide, size[1] / whole))
+    ax.imshow(np.linspace(bar.low, bar.high, 1024)[None], cmap=bar.paint.ramp, vmin=bar.paint.low, vmax=bar.paint.high,
+              aspect="auto", extent=(bar.low, bar.high, 0, 1))  # fmt: skip
+    ax.set(yticks=[])
+    ax.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
+    ax.xaxis.set_major_formatter(lambda value, _: labels.minus_signs(labels.number(value)))
+    ax.tick_params(axis="x", length=2, labelsize=style.SMALL, labelcolor=style.INK, pad=1)
+    ax.set_title(bar.label, size=style.SMALL, loc="left", pad=2)
+    for spine in ax.spines.values():
+        spine.set(visible=True, color=style.SOFT, linewidth=0.5)
+
+
+def drawn(fig: Figure) -> Pixels:
+    """The figure as pixels, (height, width, 3), or 4 where its background is transparent."""
+    shown: Any = fig.canvas
+    with rc_context(style.RC):
+        shown.draw()
+    channels = 3 if fig.patch.get_alpha() is None else 4
+    return np.array(shown.buffer_rgba())[..., :channels]
+
+
+def save(page: Page, path: Path, level: int = 1) -> None:
+    """Save the page as PNG or JPEG by the suffix of the path; level: how hard a PNG is compressed, from 1 to 9.
+
+    A PNG has the places of its rods in its text "rods": a list of left, top, right and bottom, as shares of the page
+    from its upper left. Raises `InputError` where the file cannot be written; an existing file then stays as it was.
+    """
+    from PIL import Image, PngImagePlugin
+
+    picture, how = Image.fromarray(drawn(figure(page))), dict[str, Any](quality=QUALITY)
+    if path.suffix.lower() == ".png":
+        facts = PngImagePlugin.PngInfo()
+        facts.add_text("rods", json.dumps(page.places))
+        how = {"compress_level": level, "compress_type": RUNS if level == 1 else 0, "pnginfo": facts}
+    atomic.write(path, lambda aside: picture.save(aside, dpi=(page.dpi, page.dpi), **how))

@@ -36,7 +36,7 @@ def render(
     pixel_error: float,
     transparent: bool = False,
     line: float = 1.0,
-    outlined: bool = True,
+    samples: int = sampling.FINER,
 ) -> tuple[NDArray[np.uint8], float, bool]:
     """Render all views into one picture.
 
@@ -48,21 +48,21 @@ def render(
         The picture has no background: a fourth channel holds how much of each pixel is covered.
     line
         Width of lines in pixels.
-    outlined
-        Hidden stretches are drawn in outline, where they are thick enough.
+    samples
+        Along each side of a pixel.
 
     Returns
     -------
     tuple
         The pixels, (height, width, 3 or 4); the error of the drawn surface in pixels: at most `pixel_error` where the
-        stations allow it; whether hidden stretches are drawn in outline.
+        stations allow it; whether hidden stretches are drawn in outline, as they are where they are thick enough.
     """
     drawn = [one for one in placed if one.view.bodies]
     background = np.full((size[1], size[0], 4), 255, dtype=np.uint8)
     if not drawn:
         background[..., 3] = 0
         return background if transparent else background[..., :3], 0.0, False
-    block = sampling.block_for(size)
+    block = sampling.block_for(size, samples)
     plotter: Any = pv.Plotter(off_screen=True, window_size=[block * n for n in size], lighting="none")
     try:
         plotter.ren_win.SetMultiSamples(0)  # each pixel is a mean anyway
@@ -78,8 +78,9 @@ def render(
                 made[same] = _made(view, camera.per_unit, pixel_error)
             walls += _place(plotter, one, made[same], camera, size, line * block)
         depth = _set_camera(plotter, drawn, camera, size)
-        outline = _drawn(drawn, camera, depth, block, line) if outlined else None
-        pixels, alpha, outlined = sampling.mean(sampling.Window(plotter, size, block), walls, outline, transparent)
+        outline = _drawn(drawn, camera, depth, block, line)
+        window = sampling.Window(plotter, size, block, samples)
+        pixels, alpha, outlined = sampling.mean(window, walls, outline, transparent)
     finally:
         plotter.close()
     error = max(one.error for one in made.values())
@@ -142,7 +143,7 @@ def _place(plotter: Any, placed: Placed, made: _Made, camera: Camera, size: tupl
         mesh = pv.PolyData(part.points @ turn.T + where, faces=np.insert(part.triangles, 0, 3, axis=1).ravel())
         mesh.point_data.active_normals = part.normals @ turn.T
         mesh.active_texture_coordinates = part.at
-        return plotter.add_mesh(mesh, texture=_texture(part.texture), interpolation="Phong", **LOOK, **options)
+        return plotter.add_mesh(mesh, texture=_texture(part.texture), interpolation="Phong", **(LOOK | options))
 
     def rim(z: float) -> Any:
         beyond = 0.5 / camera.per_unit * (1 if z == ends[1] else -1)  # before the edge of the wall
@@ -156,7 +157,7 @@ def _place(plotter: Any, placed: Placed, made: _Made, camera: Camera, size: tupl
     walls = [add(made.wall, culling="front" if inside else "back", specular=0.0)]  # inside: the near half is cut away
     walls += [rim(z) for z in ends]
     if not inside:
-        walls += [add(surfaces.disc(first.R, z, z == ends[1]), specular=0.0) for z in ends]
+        walls += [add(surfaces.disc(first.R, z, z == ends[1]), specular=0.0, ambient=0.75) for z in ends]
     return [] if inside else walls
 
 

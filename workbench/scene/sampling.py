@@ -16,11 +16,15 @@ AT_ONCE = 5_000_000  # pixels of a picture, up to which 2 x 2 samples of each ar
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """What renders: a plotter, the width and height of the picture in pixels, and `block` x `block` samples of each."""
+    """What renders: a plotter, width and height of the picture in pixels, `block` x `block` samples of each at once.
+
+    finer: the places of samples along each side of a pixel.
+    """
 
     plotter: Any
     size: tuple[int, int]
     block: int
+    finer: int = FINER
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -42,7 +46,7 @@ class Window:
     @property
     def moves(self) -> list[tuple[float, float]]:
         """By how much the picture is moved for each rendering, in samples to the right and up."""
-        steps = FINER // self.block
+        steps = self.finer // self.block
         places = [place for place in np.ndindex(steps, steps) if sum(place) % 2 == 0]
         return [((i + 0.5) / steps - 0.5, (j + 0.5) / steps - 0.5) for i, j in places]
 
@@ -74,9 +78,9 @@ class Window:
             into += samples[i :: self.block, j :: self.block]
 
 
-def block_for(size: tuple[int, int]) -> int:
+def block_for(size: tuple[int, int], finer: int) -> int:
     """How many samples along each direction are rendered at once."""
-    return min(FINER, 2 if size[0] * size[1] <= AT_ONCE else 1)
+    return min(finer, 2 if size[0] * size[1] <= AT_ONCE else 1)
 
 
 def mean(

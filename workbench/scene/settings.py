@@ -29,8 +29,8 @@ class Settings:
     strict
         Raise `TooFewStations` where the stations do not allow the pixel error; default: draw as well as they allow.
     camera
-        A name of `camera.CAMERAS`, or azimuth and elevation in degrees; default: from both sides where one case is
-        shown, else from the front.
+        A name of `camera.CAMERAS`, or azimuth and elevation in degrees; default: oblique where one case is shown, else
+        from the front and a little above.
     color_range
         The values at the ends of the colour bar; default: those that the rods have.
     bare
@@ -39,6 +39,8 @@ class Settings:
         Without background.
     size
         Width and height of the picture in pixels; default: as high as its content.
+    samples
+        Along each side of a pixel.
     digits
         Of the values of the case in the line below the title; default: as many as --at needs to find the case again.
     """
@@ -53,11 +55,7 @@ class Settings:
     transparent: bool = False
     size: tuple[int, int] | None = None
     digits: int = captions.ASKED
-
-    @property
-    def finer(self) -> float:
-        """Pixels of the picture per pixel at `style.DPI`."""
-        return self.dpi / style.DPI
+    samples: int = 4
 
 
 DEFAULT = Settings()

@@ -19,8 +19,7 @@ from .colours import SURFACE, Paint
 FACETS = 180  # of a cylinder
 WALL_PIXELS = 4.0  # between points of the wall at which its light is computed
 MOST_WALL = 1000  # of these points along each direction
-COLUMNS = 8192  # of a texture: between a push and a pull of a ten thousandth of the scale no colours are mixed
-BELOW = 1 / 16  # of a texture's width is for values below the scale
+COLUMNS = 8192  # of a texture: between a push and a pull of a thousandth of the scale no colours are mixed
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,18 +87,15 @@ def rim(R: float, z: float) -> Array:
 
 
 def texture_of(paint: Paint, columns: int = COLUMNS) -> NDArray[np.uint8]:
-    """The colours of a scale from left to right, those below it first; black below, full light above."""
-    share = ((np.arange(columns) + 0.5) / columns - BELOW) / (1 - BELOW)
-    row = np.asarray(paint.ramp(np.clip(share, 0.0, 1.0)))[:, :3]
-    if paint.below:
-        row = np.where((share < 0)[:, None], to_rgb(paint.below), row)
-    row = np.round(255 * row)
+    """The colours of a scale from left to right; black below, full light above."""
+    assert paint.ramp is not None
+    row = np.round(255 * np.asarray(paint.ramp((np.arange(columns) + 0.5) / columns))[:, :3])
     return np.stack([0 * row, row]).astype(np.uint8)
 
 
 def place_on(paint: Paint, values: Array) -> Array:
     """Where on its texture a value has its colour."""
-    return BELOW + (1 - BELOW) * (values - paint.low) / ((paint.high - paint.low) or 1.0)
+    return np.clip((values - paint.low) / ((paint.high - paint.low) or 1.0), 0.0, 1.0)
 
 
 def one(colour: str) -> NDArray[np.uint8]:

@@ -8,7 +8,7 @@ import numpy as np
 from ..geometry.centreline import Array
 from .body import Body
 from .camera import Camera
-from .cells import Cell
+from .captions import Cell
 
 
 @dataclass(frozen=True, eq=False)
