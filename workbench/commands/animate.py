@@ -71,7 +71,8 @@ def film_of(file: Path, at: list[str], out: Path, force: bool, kind: str | None,
     """Write the film that `scene` asks for, with the rate and size of `animate`."""
     usual = inspect.signature(animate).parameters
     rest = {name: usual[name].default for name in ("fps", "pixel_error", "dpi")}
-    return animate_file(file, along, at, kind or usual["kind"].default, None, [out], **rest, force=force)
+    kind = kind or usual["kind"].default
+    return animate_file(file, along, at, kind, None, [out], **rest, force=force, stored=usual["stored"].default)
 
 
 def animate(
