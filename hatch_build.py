@@ -3,11 +3,10 @@
 A wheel also carries the documentation site, if `python -m docs.build` made it before.
 
 Where no C compiler is found, the build asks for the package `ziglang`, if the package index has it. Where this fails
-too, the package is installed without the core, and `workbench doctor` says so.
+too, the installation ends with one sentence that says what is missing.
 """
 
 import importlib.util
-import os
 import subprocess
 import sys
 import sysconfig
@@ -50,7 +49,7 @@ class CoreHook(BuildHookInterface):  # type: ignore[type-arg]
     def dependencies(self) -> list[str]:
         """The packages that the build needs beside hatchling."""
         core = core_build()
-        if core.compiler() or os.environ.get(core.OFF):
+        if core.compiler():
             return []
         return [ZIG] if within_reach(ZIG) else []
 
@@ -60,10 +59,9 @@ class CoreHook(BuildHookInterface):  # type: ignore[type-arg]
         if version != "editable" and (site / "index.html").is_file():
             build_data["force_include"][str(site)] = "workbench/web/docs"
         core = core_build()
-        path, why = (None, f"{core.OFF} is set") if os.environ.get(core.OFF) else core.build()
+        path, why = core.build()
         if path is None:
-            print(f"rod-workbench is installed without its compiled core: {why}", file=sys.stderr)
-            return
+            sys.exit(f"rod-workbench needs a C compiler (gcc, clang) or the package {ZIG} to be built: {why}")
         build_data["artifacts"].append(str(path.relative_to(self.root)))
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"

@@ -1,7 +1,6 @@
 """Times of following branches, against what a user would do instead.
 
-python benchmarks/branches.py           # with the compiled core, if it is there
-ROD_WORKBENCH_NO_CORE=1 python benchmarks/branches.py
+python benchmarks/branches.py
 
 CPU milliseconds a point: Table 1's 13 equilibria under a falling load and five of them with a falling height; and for
 the load, three of them (no stable one, whose shape hugs a saddle) by a loop of `solve`, each value from the shape
@@ -18,7 +17,6 @@ import numpy as np
 from scipy.integrate import solve_bvp
 
 from solver import Case, Ends, Solution, equilibria, follow, solve
-from solver.core.panels import available
 from solver.problem.case_fields import numbers_over, with_field
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -35,7 +33,6 @@ def main() -> None:
     loads = [float(load) for load in case.loads]
     ends = Case(case.rod, case.cylinder, Ends(case.given.beta, float(start.beta[-1]), *loads))
     every = [one.solution for one in equilibria(ends)]
-    print(f"compiled core: {available()}")
     values = np.linspace(loads[0], LAST, STEPS + 1)
     follow(every[0], FZ=values[:2])  # what is imported at the first call
     told("dead loads, FZ falling", [partial(followed, one, FZ=values) for one in every])

@@ -2,6 +2,7 @@
 
     python -m benchmarks.make_golden            # makes all rows anew: only after a change of an answer that is meant
     python -m benchmarks.make_golden compare    # names each stored row whose answer differs now
+    python -m benchmarks.make_golden store folds  # stores the answers of one kind anew, after a change that is meant
 
 `marched` of a shape is the largest difference of its far end from a march of the equations, written anew.
 Problems with M10 or M1L are left out until their answers are known to be right; then they belong here too.
@@ -269,9 +270,16 @@ def make() -> None:
                 row["marched"] = marched(solution_of(row))
             made.append(json.loads(json.dumps(row)))
         print(kind.__name__, len(made), flush=True)
-    FILE.write_text(
-        "[\n" + ",\n".join(json.dumps(row, separators=(",", ":")) for row in made) + "\n]\n", encoding="utf-8"
-    )
+    write(made)
+
+
+def write(made: list[Row]) -> None:
+    lines = (json.dumps(row, separators=(",", ":")) for row in made)
+    FILE.write_text("[\n" + ",\n".join(lines) + "\n]\n", encoding="utf-8")
+
+
+def store(kind: str) -> None:
+    write([{**row, "answer": short(answer(row))} if row["kind"] == kind else row for row in rows()])
 
 
 def compare() -> None:
@@ -283,4 +291,7 @@ def compare() -> None:
 if __name__ == "__main__":
     warnings.simplefilter("ignore")
     np.seterr(all="ignore")
-    compare() if "compare" in sys.argv else make()
+    if sys.argv[1:2] == ["store"]:
+        store(sys.argv[2])
+    else:
+        compare() if "compare" in sys.argv else make()

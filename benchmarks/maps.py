@@ -17,7 +17,6 @@ import numpy as np
 
 from benchmarks.timing import peak_gigabytes, seconds_of_processor
 from solver import solve
-from solver.core import library
 from solver.observe.observables import observe
 from studies import Study
 from studies.loader import load, loads
@@ -72,7 +71,7 @@ def main() -> None:
             "run: the same with all cautions, stored": stored,
             "plot: read and draw both maps": drawn,
         }
-        print(f"{both.size} rods; the compiled core {library.why_missing() or 'is used'}")
+        print(f"{both.size} rods")
         for name, part in rows.items():
             spent = [seconds_of_processor(part) for _ in range(given.rounds)]
             print(f"{name:<55} {min(spent):6.1f} s, median {statistics.median(spent):.1f} s", flush=True)

@@ -1,17 +1,12 @@
-"""Quadrature over orbits with the compiled core and with it switched off: a rod at a saddle, all equilibria between two
-ends, and continuation.
+"""Quadrature over orbits: a rod at a saddle, all equilibria between two ends, and continuation.
 
-Run from the checkout: `.venv/bin/python -m benchmarks.quadrature` (a minute; `--json FILE` writes the rows). Two child
-processes, one with the core and one without it, measure in turn; each row holds medians and their ratio. Nothing is
-asserted: machines differ.
+Run from the checkout: `.venv/bin/python -m benchmarks.quadrature` (`--json FILE` writes the rows). Each row is a median
+of processor times. Nothing is asserted: machines differ.
 """
 
 import argparse
 import json
-import os
 import statistics
-import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -22,7 +17,6 @@ from benchmarks.ends import REFERENCE
 from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.boundary.branch_coordinates import path_of
 from solver.boundary.continuation import continued
-from solver.core.build import OFF
 from solver.methods.orbit import OrbitQuadrature
 from solver.orbit.critical_points import critical_points
 from solver.problem.reduced import StartProblem, reduce
@@ -77,41 +71,13 @@ def measured() -> dict[str, float]:
     return out
 
 
-def child(switched_off: bool) -> dict[str, float]:
-    """What a child process measures."""
-    environment = {key: value for key, value in os.environ.items() if key != OFF} | ({OFF: "1"} if switched_off else {})
-    command = [sys.executable, "-m", "benchmarks.quadrature", "--one"]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-    found: dict[str, float] = json.loads(done.stdout)
-    return found
-
-
-def compared(rounds: int = 3) -> list[dict[str, object]]:
-    """A row for each measurement, with the core and without it, measured in turn."""
-    pairs = [(child(switched_off=False), child(switched_off=True)) for _ in range(rounds)]
-    return [
-        {
-            "measured": name,
-            "ms with the core": statistics.median(fast[name] for fast, _ in pairs),
-            "ms without": statistics.median(slow[name] for _, slow in pairs),
-            "ratio": statistics.median(slow[name] / fast[name] for fast, slow in pairs),
-        }
-        for name in pairs[0][0]
-    ]
-
-
 def main() -> None:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--json", type=Path)
-    options.add_argument("--one", action="store_true", help="measure in this process and print the numbers")
     asked = options.parse_args()
-    if asked.one:
-        print(json.dumps(measured()))
-        return
-    rows = compared()
+    rows = [{"measured": name, "ms": found} for name, found in measured().items()]
     for row in rows:
-        with_core, without, ratio = row["ms with the core"], row["ms without"], row["ratio"]
-        print(f"{row['measured']:<40} {with_core:9.3f} ms   {without:9.2f} ms   {ratio:6.1f} times")
+        print(f"{row['measured']:<40} {row['ms']:9.3f} ms")
     if asked.json:
         asked.json.write_text(json.dumps(rows, indent=2))
 

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from benchmarks.timing import peak_gigabytes
 from solver import solve
-from solver.core import library
 from solver.observe.observables import observe
 from studies import Study
 from studies.lattice import Lattice
@@ -77,7 +76,6 @@ def main() -> None:
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     work = study(given.points)
-    print(f"the compiled core {library.why_missing() or 'is used'}")
     ds = in_memory.run(work)
     found = refined.described(ds)
     lattice, cases, size = found.lattice, len(found.places), int(np.prod(found.lattice.sizes))

@@ -61,7 +61,7 @@ def shape(row: Row) -> Row:
     solution = solution_of(row)
     answer: Row = {"outcome": sentence(solution.outcome), "condition": float(solution.condition)}
     if solution.selection is not None:
-        answer["selection"] = str(solution.selection)
+        answer["selection"] = [solution.selection.count, solution.selection.stable]
     if solution.solved:
         ends = ("beta", "alpha", "z", "gamma", "push")
         answer |= {"beta": solution.beta[::2].tolist(), "dbeta0": float(solution.dbeta[0])}

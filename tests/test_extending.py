@@ -11,7 +11,7 @@ import pytest
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.benchmark import offered
 from solver.methods import METHODS, StartMethod, Verlet, available
-from solver.methods.automatic import PREFERRED
+from solver.methods.automatic import AUTOMATIC
 from solver.methods.base import knob
 from solver.methods.ladder import Ladder
 from solver.observe.observables import OBSERVABLES, Observable
@@ -66,7 +66,7 @@ def test_every_method_has_a_file_of_its_own_and_describes_itself() -> None:
         assert method.ladders, f"{method.name} has no ladder"
         assert all(ladder.method == method.name and ladder.marker for ladder in method.ladders)
         assert bool(method.requires) == bool(method.extra)
-    assert {name for names in PREFERRED.values() for name in names} <= set(METHODS)
+    assert set(AUTOMATIC.values()) <= set(METHODS)
     assert set(available()) <= set(METHODS)
 
 

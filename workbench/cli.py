@@ -182,9 +182,13 @@ def _run(words: list[str]) -> None:
         if error.errno not in NO_ROOM:
             raise
         fail(f"cannot write {error.filename or 'the output'}: {error.strerror}", 2)
-    except ModuleNotFoundError as error:
+    except ImportError as error:
+        from solver.core.library import MissingCore
+
         from .scene.opengl import MISSING
 
+        if isinstance(error, MissingCore):
+            fail(str(error), 2)
         if (error.name or "").partition(".")[0] not in OF_SCENE:
             raise
         fail(f"{MISSING} ({error.name} is missing)", 2)

@@ -46,7 +46,7 @@ class OrdinarySteps:
 
 
 def ordinary_steps(family: Family | HeldFamily, bounds: Bounds, first: Place) -> OrdinarySteps | None:
-    """None where the core is missing, or the problem is not known as numbers."""
+    """None where the problem is not known as numbers."""
     return None if family.steps is None else OrdinarySteps(family.steps, bounds, first)
 
 

@@ -22,7 +22,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core import levels as core
-from ..core.panels import available
 from ..orbit.critical_points import grid
 from ..problem.reduced import EndsProblem
 from .branch_coordinates import LinePoint, Path
@@ -59,17 +58,17 @@ def continued(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended
     Path or Ended
         `Ended` where the branch ends between the two; no other equilibrium is returned in its place.
     """
-    if available() and not path.helix:
+    if not path.helix:
         begin, end = (np.concatenate([getattr(one, name) for name in FIELDS]) for one in (first, last))
         level, way = (path.pin, path.sign, path.y), (path.leaving, path.turns)
         found = core.continued(begin, end, level, way, grid(), NODES, CUTTING)
         if found is not None:
             return Path(*found)
-    return reference_continued(first, path, last)
+    return _continued_by_leaps(first, path, last)
 
 
-def reference_continued(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended:
-    """The same without the core, which leaves it what needs a leap, passes a helix, or ends."""
+def _continued_by_leaps(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Ended:
+    """What the core leaves: a branch that needs a leap, passes a helix, or ends."""
     line = Line(first, last)
     place, target = line.at(0.0), line.at(1.0)
     if path.helix and target.helix is not None and first.beta0[0] == last.beta0[0]:

@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 
 from ..core import branches as core
-from ..core.panels import available
 from ..numerics.arrays import Array
 from ..orbit.critical_points import grid
 from ..problem.reduced import EndsProblem
@@ -35,8 +34,8 @@ class Family:
 
     @cached_property
     def steps(self) -> core.Steps | None:
-        """The core's functions on these problems; None without the core, or without `numbers`."""
-        if not available() or self.numbers is None:
+        """The core's functions on these problems; None without `numbers`."""
+        if self.numbers is None:
             return None
         return core.Steps(self.numbers, self.scale, grid(), NODES, (CUTTING, CUTTING))
 

@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 
 from ..core import branches as core
-from ..core.panels import available
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..orbit.critical_points import grid
@@ -44,9 +43,9 @@ class HeldFamily:
 
     @cached_property
     def steps(self) -> core.Steps | None:
-        """The core's functions on these problems; None without the core, or without `numbers`, and for hinged rods:
+        """The core's functions on these problems; None without `numbers`, and for hinged rods:
         the core knows no corners."""
-        if not available() or self.numbers is None or self.hinged:
+        if self.numbers is None or self.hinged:
             return None
         held = tuple((*NUMBERS, "turn").index(name) for name in self.names)
         return core.Steps(self.numbers, self.scale, grid(), POINTS, HOW, held)

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from ..core import levels as core
-from ..core.panels import available
 from ..numerics.arrays import Array, Booleans, Integers
 from .level_grid import LevelGrid
 from .paths import Levels, Paths
-from .transit_times import CUTTING, NODES, Boundary, TransitTimes, reference_transit_times, transit_times
+from .transit_times import CUTTING, NODES, Boundary, TransitTimes, transit_times
 
 _ZOOM, _ROUNDS = 17, 6  # points of the finer grid at a dip, and how often it is refined
 _ROUNDING = 1e-14  # of the rod's length: bound of the rounding of a sum of times
@@ -101,39 +100,11 @@ def roots_in(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array, 
         return y, 0
     some, counts = some.take(open_), counts[open_]
     low, high = np.minimum(some.first, some.second), np.maximum(some.first, some.second)
-    if available():
-        told = core.level_roots(boundary, some.pin, some.sign, counts, low, high, NODES, CUTTING)
-        if told is not None:
-            y[open_] = told[0]
-            return y, told[1]
-    y[open_], calls = reference_roots(boundary, some, counts)
-    return y, calls
-
-
-def reference_roots(boundary: Boundary, some: Brackets, counts: Array) -> tuple[Array, int]:
-    """y of the root in each bracket of two levels, (K,), without the core; and the evaluations of G."""
-    low, high = np.minimum(some.first, some.second), np.maximum(some.first, some.second)
-    from scipy.optimize import elementwise  # an import of scipy does not import this part
-
-    calls = 0
-
-    def off(y: Array, which: Array) -> Array:
-        nonlocal calls
-        i = which.astype(int)
-        seen = reference_transit_times(boundary, Levels(some.pin[i], some.sign[i], y))
-        calls += seen.calls
-        return seen.lengths_along(counts[i]) - boundary.problem.span[0]
-
-    which = np.arange(low.size, dtype=float)
-    tolerances = {"xatol": 1e-14, "xrtol": 1e-15}
-    found = elementwise.find_root(off, (low, high), args=(which,), tolerances=tolerances, maxiter=60)
-    root = np.where(found.success, found.x, np.nan)
-    for i in np.flatnonzero(~found.success):  # within rounding of one end of its bracket
-        ends = np.array([low[i], high[i]])
-        size = np.abs(off(ends, np.full(2, float(i))))
-        if np.nanmin(size) < 1e-9 * boundary.problem.span[0]:
-            root[i] = ends[int(np.nanargmin(size))]
-    return root, calls
+    roots = core.level_roots(boundary, some.pin, some.sign, counts, low, high, NODES, CUTTING)
+    if roots is None:  # the loads are not finite
+        roots = np.full(open_.size, np.nan), 0
+    y[open_] = roots[0]
+    return y, roots[1]
 
 
 def _dips(boundary: Boundary, grid: LevelGrid, some: Paths, off: Array) -> tuple[Brackets, int]:

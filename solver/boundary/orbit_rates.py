@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..core import orbit_rates as core
-from ..core.panels import Cutting, available
+from ..core.panels import Cutting
 from ..mechanics.potential import slope_higher_rates, slope_rate
 from ..numerics.arrays import Array
 from ..orbit import helix_variations
@@ -137,14 +137,12 @@ def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
     -------
     OrbitRates
     """
-    if not available():
-        return reference_orbit_rates(problem, paths)
     B = problem.size
     values, rows, by_span, span = np.empty((B, 11)), np.empty((B, 11, 5)), np.empty((B, 11)), np.empty(B)
     for i, path in enumerate(paths):
         found = core.orbit_rates(_numbers(problem, i), path, grid(), POINTS, HOW, True)
         if found is None:
-            one = reference_orbit_rates(problem.take(slice(i, i + 1)), [path])
+            one = _rates_beyond_core(problem.take(slice(i, i + 1)), [path])
             found = one.values[0], one.rows[0], one.by_span[0], one.length[0]
         values[i], rows[i], by_span[i], span[i] = found
     return OrbitRates(replace(problem, span=span), values, rows, by_span)
@@ -156,11 +154,9 @@ def start_rates(problem: StartProblem) -> OrbitRates:
     They are regular where the rod is at rest at an end, or at both: there the length at which an orbit meets beta(L)
     has no derivative. y has neither value nor row. NaN for a helix, and where the core cannot follow the orbit.
     """
-    found = None
-    if available():
-        numbers = [float(getattr(problem, name)[0]) for name in ("lam", "mu", "phi", "span", "beta0", "dbeta0")]
-        numbers[5] = numbers[5] if abs(numbers[5]) > _REST else 0.0
-        found = core.start_rates(numbers, grid(), POINTS, HOW[1], True)
+    numbers = [float(getattr(problem, name)[0]) for name in ("lam", "mu", "phi", "span", "beta0", "dbeta0")]
+    numbers[5] = numbers[5] if abs(numbers[5]) > _REST else 0.0
+    found = core.start_rates(numbers, grid(), POINTS, HOW[1], True)
     values, rows, by_span = (
         (np.full(11, np.nan), np.full((11, 5), np.nan), np.full(11, np.nan)) if found is None else found[:3]
     )
@@ -173,8 +169,8 @@ def _numbers(problem: EndsProblem, i: int) -> list[float]:
     return [float(number[i]) for number in vars(problem).values()]
 
 
-def reference_orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
-    """The same without the core, which leaves it helices, and gaps that floats cannot express."""
+def _rates_beyond_core(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
+    """What the core leaves: helices, and gaps that floats cannot express."""
     with np.errstate(all="ignore"):  # beside a critical point and for long rods some terms overflow and are not taken
         return _orbit_rates(problem, paths)
 
@@ -285,10 +281,9 @@ def _steepening(problem: EndsProblem, saddle: float) -> Array:
 
 def orbit_numbers(problem: EndsProblem, path: Path) -> tuple[Array, float]:
     """The `NUMBERS` of one equilibrium that is no helix, (11,), without their rates; and the length of its path."""
-    if available():
-        found = core.orbit_rates(_numbers(problem, 0), path, grid(), POINTS, HOW, False)
-        if found is not None:
-            return found[0], float(found[3])
+    found = core.orbit_rates(_numbers(problem, 0), path, grid(), POINTS, HOW, False)
+    if found is not None:
+        return found[0], float(found[3])
     place = LinePoint(problem)
     with np.errstate(all="ignore"):
         length = place.lengths([path])

@@ -15,10 +15,11 @@ import numpy as np
 
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array
-from ..orbit.conditioning import shear
+from ..numerics.chebyshev import basis
 from ..orbit.orbit_energy import accumulated
+from ..orbit.panels import Panels
 from ..orbit.pieces import HELIX, LIBRATION
-from ..problem.reduced import Reduced
+from ..problem.reduced import Reduced, StartProblem
 
 _MOST = 40_000  # steps of a mesh
 
@@ -114,7 +115,7 @@ def jacobi_end(orbit: Any) -> Array:
     """eta(L) of B orbits that librate, (B,), in some unit of time; NaN for others and where a float cannot hold it.
 
     eta = (c + beta_t(0) a) beta_t + beta_t(0) H / (beta_t^2 + H^2), with c = -H(0) / (beta_t(0)^2 + H(0)^2) and the
-    shear a(t) of `orbit.conditioning`, which grows by the same amount each period.
+    shear a(t), a' = (1 - H') (beta_t^2 - H^2)/(beta_t^2 + H^2)^2, which grows by the same amount each period.
     """
     problem, panels, librates = orbit.problem, orbit.panels, orbit.kind == LIBRATION
     eta = np.full(problem.size, np.nan)
@@ -122,10 +123,22 @@ def jacobi_end(orbit: Any) -> Array:
         return eta
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         unit = np.where(librates, np.pi / (orbit.ahead + orbit.back), 1.0)  # in which a small libration has no shear
-        a = accumulated(orbit, shear(problem, panels, unit), problem.span[:, None])[:, 0]
+        a = accumulated(orbit, _shear(problem, panels, unit), problem.span[:, None])[:, 0]
         beta, v, _, _ = (value[:, 0] for value in orbit.at(problem.span[:, None]))
         v0, H0 = problem.dbeta0 / unit, slope(problem, problem.beta0) / unit**2
         v, H = v / unit, slope(problem, beta) / unit**2
         found = (v0 * a - H0 / (v0 * v0 + H0 * H0)) * v + v0 * (H / (v * v + H * H))
     eta[librates] = found[librates]
     return eta
+
+
+def _shear(problem: StartProblem, panels: Panels, unit: Array) -> Array:
+    """The series of the shear a(t) on each panel from its near end, (P, n + 1), in time of 1/unit, (B,)."""
+    b, points = panels.arc // 2, basis(panels.series.shape[2] - 1)
+    loads, time = Loads.columns(problem, b), unit[b, None]
+    beta, v = panels.series[:, 0] @ points.values, panels.series[:, 1] @ points.values
+    v, H, rate = v / time, slope(loads, beta) / time**2, slope_rate(loads, beta) / time**2
+    size = v * v + H * H
+    pace = (1 - rate) * ((v - H) * (v + H) / size) / size
+    scale: Array = (panels.duration / 2 * unit[b])[:, None]
+    return (pace * scale) @ points.analyse @ points.integrate

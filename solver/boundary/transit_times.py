@@ -11,21 +11,17 @@ time for every unit that y falls; corrections are of the order of exp(y). Below 
 are continued by this law, so y has no lower limit.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..core import levels as core
-from ..core.panels import Cutting, available
-from ..mechanics.potential import TAU, load_size, slope
+from ..core.panels import Cutting
+from ..mechanics.potential import TAU, load_size
 from ..numerics.arrays import Array, Booleans
-from ..numerics.chebyshev import basis
-from ..orbit.arcs import apart, arcs_of
 from ..orbit.critical_points import CriticalPoints
-from ..orbit.local_potential import LocalPotential
-from ..orbit.panels import panelled
-from ..orbit.pieces import CENTRE, ROTATION, Pieces, start_variable
+from ..orbit.pieces import CENTRE, Pieces
 from ..problem.reduced import EndsProblem
 from .paths import Levels
 
@@ -79,17 +75,7 @@ def height_scale(problem: EndsProblem) -> float:
 
 def fall(problem: EndsProblem, pin: float, beta: float, extremum: bool) -> float:
     """G(pin) - G(beta) to relative accuracy in beta - pin; 0 for angles far apart where it is less than rounding."""
-    return core.fall(problem, pin, beta, extremum) if available() else reference_fall(problem, pin, beta, extremum)
-
-
-def reference_fall(problem: EndsProblem, pin: float, beta: float, extremum: bool) -> float:
-    """The same without the core."""
-    x = float(apart(np.array([beta]), np.array([pin]))[0])
-    at = np.array([pin])
-    value = float(LocalPotential.about(problem, at).drop(np.array([[x]]))[0, 0])
-    if not extremum:
-        value -= 2 * float(slope(problem, at)[0]) * np.sin(x)
-    return 0.0 if abs(x) > 1e-3 and abs(value) < _SAME * height_scale(problem) else value
+    return core.fall(problem, pin, beta, extremum)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,77 +110,11 @@ class TransitTimes:
 
 def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> TransitTimes:
     """The times at M levels. deep: continue them below `boundary.deepest`, else take those at `deepest`."""
-    if available():
-        found = core.transit_times(boundary, levels.pin, levels.sign, levels.y, deep, NODES, CUTTING)
-        if found is not None:
-            return TransitTimes(*found)
-    return reference_transit_times(boundary, levels, deep)
-
-
-def reference_transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> TransitTimes:
-    """The same without the core."""
-    if levels.y.size > _BLOCK:
-        blocks = [
-            reference_transit_times(boundary, levels.take(slice(k, k + _BLOCK)), deep)
-            for k in range(0, levels.y.size, _BLOCK)
-        ]
-        time, rate = (np.concatenate([getattr(b, name) for b in blocks], axis=1) for name in ("time", "rate"))
-        return TransitTimes(time, rate, np.concatenate([b.rotates for b in blocks]), sum(b.calls for b in blocks))
-    M = levels.y.size
-    gap = levels.sign * np.exp(np.maximum(levels.y, boundary.deepest))
-    v2 = gap + boundary.falls[levels.pin].T
-    joins = (v2 > 0).all(axis=0)
-    v_low, v_high = np.sqrt(np.where(joins, v2, 1.0))
-    start = replace(repeated(boundary.problem, M).started(v_low), beta0=np.full(M, boundary.low))
-    same = boundary.found
-    found = CriticalPoints(np.repeat(same.beta, M, axis=0), np.repeat(same.centre, M, axis=0), np.repeat(same.count, M))
-    arcs = arcs_of(start, (boundary.pins[levels.pin], gap), found)
-    pieces = _three(boundary, arcs.pieces, v_high, M)
-    twice = repeated(boundary.problem, 2 * M).started(np.tile(v_low, 2))
-    cut = replace(arcs, pieces=pieces)
-    panels = panelled(twice, cut, basis(NODES), CUTTING.length, CUTTING.goal, times_only=True, stretch=CUTTING.stretch)
-    time = _by_arc(panels.arc, panels.duration, M)
-    rate = _by_arc(pieces.arc, half_passages(pieces, np.tile(gap, 2)).sum(axis=0), M)
-    rotates = joins & (arcs.kind == ROTATION)
-    for value in (time, rate):
-        value[0, rotates] += boundary.whole_turns * (value[0] + value[1])[rotates]
-        value[1:, rotates] = 0
-    if deep:
-        time += rate * np.maximum(boundary.deepest - levels.y, 0)
-    joins &= rotates | (boundary.whole_turns == 0)
-    return TransitTimes(np.where(joins, time, np.nan), np.where(joins, rate, np.nan), rotates, int(panels.calls.sum()))
-
-
-def _by_arc(arc: Any, values: Array, M: int) -> Array:
-    """Sums over the arcs that `_three` numbers, (3, M): crossing, above, below."""
-    total = np.bincount(arc, weights=values, minlength=4 * M).astype(float)
-    return np.stack([total[: 2 * M : 2], total[2 * M :: 2], total[1 : 2 * M : 2]])
-
-
-def _three(boundary: Boundary, pieces: Pieces, v_high: Array, M: int) -> Pieces:
-    """The pieces of the arcs from low, the upward ones cut at high.
-
-    They are numbered as arcs: 2 b from low to high, 2 (M + b) beyond high, 2 b + 1 below low.
-    """
-    upward = pieces.arc % 2 == 0
-    holds = np.flatnonzero(upward & (pieces.rank == boundary.passed))
-    cut = pieces.take(holds)
-    x = apart(np.array([boundary.high]), cut.local.o[:, 0])
-    from_low = cut.displacement(cut.u1[:, None])[:, 0] > 0
-    x = np.where(from_low & (x < 0), x + TAU, np.where(~from_low & (x > 0), x - TAU, x))
-    u, _ = start_variable(cut.kind, cut.scale, x, v_high[cut.arc // 2], np.zeros(x.size, dtype=bool), cut.local)
-    u = np.clip(u, np.minimum(cut.u0, cut.u1), np.maximum(cut.u0, cut.u1))
-    arc = np.where(upward & (pieces.rank >= boundary.passed), pieces.arc + 2 * M, pieces.arc)
-    u0 = pieces.u0.copy()
-    u0[holds] = u
-    index = np.concatenate([np.arange(arc.size), holds])
-    arc = np.concatenate([arc, cut.arc])
-    u0, u1 = np.concatenate([u0, cut.u0]), np.concatenate([pieces.u1, u])
-    rank = pieces.rank[index]
-    order = np.lexsort((rank, arc))
-    order = order[u0[order] != u1[order]]
-    kept = pieces.take(index[order])
-    return Pieces(arc[order], rank[order], kept.kind, kept.base, kept.scale, u0[order], u1[order], kept.local)
+    found = core.transit_times(boundary, levels.pin, levels.sign, levels.y, deep, NODES, CUTTING)
+    if found is None:  # the loads are not finite
+        nothing = np.full((3, levels.y.size), np.nan)
+        return TransitTimes(nothing, nothing, np.zeros(levels.y.size, dtype=bool), 0)
+    return TransitTimes(*found)
 
 
 def half_passages(pieces: Pieces, gap: Array) -> Array:
@@ -203,8 +123,7 @@ def half_passages(pieces: Pieces, gap: Array) -> Array:
     1/(2 r) where the piece ends at the saddle from whose height the level is measured, or at the turning point before
     it, else 0. gap: (B,), of the problem of each piece, arc // 2.
     """
-    level = pieces.local.level[:, 0]
-    own = (pieces.kind != CENTRE) & (np.abs(np.abs(level) - np.abs(gap[pieces.arc // 2])) < 1e-9 * np.abs(level))
-    bend = np.maximum(pieces.local.steepness(np.zeros((level.size, 1)))[:, 0] / 4, 1e-30)
-    share = np.where(own, 0.5 / np.sqrt(bend), 0.0)
+    far = np.abs(np.abs(pieces.level) - np.abs(gap[pieces.arc // 2]))
+    own = (pieces.kind != CENTRE) & (far < 1e-9 * np.abs(pieces.level))
+    share = np.where(own, 0.5 / np.sqrt(np.maximum(pieces.bend, 1e-30)), 0.0)
     return np.stack([np.where(pieces.u0 == 0, share, 0.0), np.where(pieces.u1 == 0, share, 0.0)])

@@ -1,5 +1,4 @@
-/* The arcs of one orbit as pieces, from its start forward and backward to the turning points: solver/orbit/arcs.py,
-   pieces.py and local_potential.py. */
+/* The arcs of one orbit as pieces, from its start forward and backward to the turning points. */
 
 #include "panels.h"
 

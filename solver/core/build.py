@@ -13,7 +13,6 @@ from importlib.util import find_spec
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-OFF = "ROD_WORKBENCH_NO_CORE"  # an environment variable; set to any text, the core is neither built nor loaded
 OTHER = "ROD_WORKBENCH_CORE"  # an environment variable: the path of another library to load, for tests
 SANITIZED = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined", "-DROLLED")
 WASM = "rod.wasm"  # in the repository: not every installation can make it

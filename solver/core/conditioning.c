@@ -1,6 +1,5 @@
 /* The growth of changes along orbits: the condition number and estimated error of start problems, the response of
-   equilibria to a change of the far angle, and the action. solver/orbit/conditioning.py, error_estimate.py,
-   linearised_growth.py and orbit_energy.py, solver/boundary/end_conditioning.py. */
+   equilibria to a change of the far angle, and the action. */
 
 #include "panels.h"
 

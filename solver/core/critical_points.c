@@ -1,4 +1,4 @@
-/* The critical points of G of one problem, and bracketed roots: solver/orbit/critical_points.py. */
+/* The critical points of G of one problem, and bracketed roots. */
 
 #include "panels.h"
 

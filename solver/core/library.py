@@ -9,43 +9,28 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from .build import HERE, OFF, OTHER, digest, library_name
+from .build import HERE, OTHER, digest, library_name
 
+HOW = "install rod-workbench again, or in a checkout run python -m solver.core"
 _SHARE = 256  # problems that a thread takes at a time
+
+
+class MissingCore(ImportError):
+    """The compiled core is not there, or is another one than these sources make."""
 
 
 @cache
 def library() -> Any:
-    """The library; None where it was not built, or where `OFF` is set."""
-    return None if os.environ.get(OFF) else _loaded()[0]
-
-
-def why_missing() -> str:
-    """Why the library is not used; empty where it is."""
-    return f"switched off by {OFF}" if os.environ.get(OFF) else _loaded()[1]
-
-
-@cache
-def _loaded() -> tuple[Any, str]:
-    """The library and an empty text; or None and why there is none."""
+    """The library. Raises `MissingCore` with what to do where it cannot be used."""
     path = Path(os.environ.get(OTHER) or HERE / library_name())
-    if os.environ.get(OTHER) and not path.exists():
-        return None, f"{OTHER} names {path}, which does not exist"
-    if not path.exists():
-        return None, "the installation could not compile it; install a C compiler, then rod-workbench again"
     try:
         core = ctypes.CDLL(str(path))
-    except OSError as error:  # built for another system
-        return None, str(error)
-    if not hasattr(core, "rod_sources"):
-        return None, f"{path} is another library"
-    core.rod_sources.restype = ctypes.c_char_p
+        core.rod_sources.restype = ctypes.c_char_p
+    except (OSError, AttributeError) as error:  # not there, built for another system, or another library
+        raise MissingCore(f"the compiled core cannot be loaded ({error}); {HOW}") from None
     if core.rod_sources().decode() != digest():
-        return (
-            None,
-            f"{path} was compiled from other sources; install rod-workbench again, or run python -m solver.core",
-        )
-    return core, ""
+        raise MissingCore(f"{path} was compiled from other sources; {HOW}")
+    return core
 
 
 @cache

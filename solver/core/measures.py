@@ -8,7 +8,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import basis
-from .library import begin_of, function, library, shared_out, widest
+from .library import begin_of, function, shared_out, widest
 from .panels import fine
 
 NODES, LONGEST = 24, 64  # of each piece; most coefficients of a series
@@ -31,11 +31,6 @@ class _Rods(ctypes.Structure):
         ("n", ctypes.c_int64),
         *((name, ctypes.c_void_p) for name in _MAPS),
     ]
-
-
-def can_measure(coefficients: int) -> bool:
-    """Whether the core is there, and measures pieces whose series have so many coefficients."""
-    return library() is not None and coefficients <= LONGEST
 
 
 def measure(

@@ -1,5 +1,4 @@
-/* Panels of one orbit: short parts of an arc on which beta and the developed curve are Chebyshev series in time.
-   solver/orbit/panels.py and, for the pace at the nodes, pieces.py and local_potential.py. */
+/* Panels of one orbit: short parts of an arc on which beta and the developed curve are Chebyshev series in time. */
 
 #include "panels.h"
 

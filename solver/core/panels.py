@@ -59,20 +59,14 @@ def cut(cutting: Cutting, times_only: bool) -> Any:
 
 @cache
 def functions() -> Any:
-    """The library with the types of what its functions return; None where it is missing or switched off."""
+    """The library with the types of what its functions return."""
     core = library()
-    if core is not None:
-        core.rod_orbits.restype = ctypes.c_void_p
-        for one in (core.rod_orbits_fetch, core.rod_orbits_read, core.rod_orbits_action, core.rod_series_read):
-            one.restype = None
-        core.rod_fall.restype = ctypes.c_double
-        core.rod_fall.argtypes = [ctypes.c_double] * 5 + [ctypes.c_int]
+    core.rod_orbits.restype = ctypes.c_void_p
+    for one in (core.rod_orbits_fetch, core.rod_orbits_read, core.rod_orbits_action, core.rod_series_read):
+        one.restype = None
+    core.rod_fall.restype = ctypes.c_double
+    core.rod_fall.argtypes = [ctypes.c_double] * 5 + [ctypes.c_int]
     return core
-
-
-def available() -> bool:
-    """Whether the core is there and switched on."""
-    return functions() is not None
 
 
 def fine(status: int) -> bool:

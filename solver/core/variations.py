@@ -20,8 +20,8 @@ class _Kept(ctypes.Structure):
     _fields_ = [(name, ctypes.c_void_p) for name in KEPT]
 
 
-def variations(orbit: Any, origin: Array) -> dict[str, Array] | None:
-    """The arrays of `orbit.variations.Variations` and of its nodes, by their names; None where it is not possible.
+def variations(orbit: Any, origin: Array) -> dict[str, Array]:
+    """The arrays of `orbit.variations.Variations` and of its nodes, by their names.
 
     orbit: B orbits, none of them a helix, whose series of beta count from angles; origin: (P,), these, without whole
     turns.
@@ -31,9 +31,9 @@ def variations(orbit: Any, origin: Array) -> dict[str, Array] | None:
     loads, origin = np.stack([problem.lam, problem.mu, problem.phi], axis=1), np.ascontiguousarray(origin)
     shapes = (P, n), (P, n), (P,), (P, 3), (P, 3, n), (P, _PAIRS, n), (P, _PAIRS), (2 * B, _PAIRS)
     out = dict(zip(KEPT, map(np.empty, (*shapes, (P, _SERIES, n + 1), (B, 2, _PAIRS))), strict=True))
-    status = functions().rod_variations(
+    fine(functions().rod_variations(
         ctypes.c_int64(B), address(loads), ctypes.byref(of), address(origin), points(n),
         ctypes.byref(_Kept(*(address(a) for a in out.values()))),
-    )  # fmt: skip
+    ))  # fmt: skip
     del kept
-    return out if fine(status) else None
+    return out

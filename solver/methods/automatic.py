@@ -6,12 +6,7 @@ from ..problem.errors import InputError, choices, known_name, no_such
 from . import METHODS, available
 from .base import EndsMethod, Method, StartMethod
 
-PREFERRED = {"start": ("swing", "orbit"), "ends": ("shooting",)}  # measured, see docs/reference/methods.md
-
-
-def automatic_method(kind: str) -> str:
-    """The name of the automatic method for a kind of problem: the first preferred one that is installed."""
-    return next(name for name in PREFERRED[kind] if METHODS[name].installed())
+AUTOMATIC = {"start": "swing", "ends": "shooting"}  # measured, see docs/reference/methods.md
 
 
 def chosen_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> StartMethod | EndsMethod:
@@ -24,7 +19,7 @@ def chosen_method(kind: str, method: str | Method, knobs: dict[str, Any] | None 
     name = method.name if isinstance(method, Method) else method
     if not isinstance(method, Method) and not known_name(name, ["auto", *METHODS]):
         raise no_such("method", name, ["auto", *available()])
-    name = automatic_method(kind) if name == "auto" else name
+    name = AUTOMATIC[kind] if name == "auto" else name
     one = method if isinstance(method, Method) else METHODS[name].with_knobs(knobs or {})
     if kind not in one.problems:
         able = [other.name for other in available().values() if kind in other.problems]

@@ -5,8 +5,8 @@ from functools import partial
 
 import numpy as np
 
+from ..core.orbits import judge
 from ..numerics.arrays import Array
-from ..orbit.error_estimate import judged
 from ..orbit.panels import MOST
 from ..orbit.periodic_orbit import solve_orbit
 from ..problem.limits import TOO_LARGE, dimensionless
@@ -37,7 +37,7 @@ class OrbitQuadrature(StartMethod):
 def _run(problem: StartProblem, t: Array, tol: float) -> Trajectory:
     orbit = solve_orbit(problem, tol)
     beta, dbeta, alpha, z = orbit.at(t)
-    growth, error = judged(orbit)
+    growth, error = judge(orbit)
     spent = np.bincount(orbit.panels.arc // 2, minlength=problem.size) > MOST
     why = np.where(spent & (error > tol * growth), SPENT, "")
     verdict = verdicts(beta, error, growth, tol).failed(why)

@@ -10,7 +10,6 @@ from functools import partial
 
 import numpy as np
 
-from ..core.library import library, why_missing
 from ..numerics.arrays import Array
 from ..orbit.marched_orbit import MarchedOrbit, march_orbit
 from ..problem.reduced import StartProblem
@@ -34,10 +33,6 @@ class SwingTaylor(StartMethod):
     batched = True
     blockwise = False
     ladders = (Ladder("swing", "tol", TOLERANCES, "#000000", "h"),)
-
-    @classmethod
-    def lacks(cls) -> str:
-        return "" if library() is not None else f"the compiled core, which is missing: {why_missing()}"
 
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
         """All problems in one call; `orbit` solves those that a march loses or cannot do to the tolerance."""

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.measures import can_measure, measure
+from ..core.measures import LONGEST, measure
 from ..mechanics.potential import steepest
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import means, primitive, series_at
@@ -173,8 +173,8 @@ MIDDLE = (1 / 3, 2 / 3)  # the middle third of the length
 
 
 def _of_groups(groups: list[Group], pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    """The numbers of some groups, (B,) each; where the compiled core is there, by it."""
-    if not can_measure(pieces.series.shape[2]):
+    """The numbers of some groups, (B,) each; by the core, but of longer series than it takes."""
+    if pieces.series.shape[2] > LONGEST:
         return reference_groups(groups, pieces, sign, error, goal)
     found = measure(pieces, {"sign": sign, "error": error}, [GROUPS.index(group) for group in groups], goal)
     return {name: found[name] for group in groups for name in group.names}

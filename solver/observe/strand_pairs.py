@@ -97,7 +97,7 @@ def apart(a: Array, tightest: Array) -> Any:
 def meets(
     orbit: Any, length: Array, a: Array, tightest: Array, most_pairs: int = PAIRS, together: int = TOGETHER
 ) -> Array:
-    """Whether each rod meets itself, as `reference_meets`; rods that were marched are searched by the compiled core.
+    """Whether each rod meets itself, as `meets_of`; rods that were marched are searched by the core.
 
     orbit, length, a, tightest: as of `strands`.
     """
@@ -105,7 +105,7 @@ def meets(
     core = ~orbit.lost if marched else np.zeros(length.size, dtype=bool)
     if (rows := np.flatnonzero(~core)).size:
         rest = strands(orbit.pick(rows), length[rows], a[rows], tightest[rows])
-        found[rows] = reference_meets(rest, most_pairs, together)
+        found[rows] = meets_of(rest, most_pairs, together)
     if (rows := np.flatnonzero(core)).size:
         mine, of = orbit.pick(rows), (length[rows], a[rows], tightest[rows])
         period = period_of(mine, of[2])
@@ -115,7 +115,7 @@ def meets(
     return found
 
 
-def reference_meets(rods: Strands, most_pairs: int = PAIRS, together: int = TOGETHER) -> Array:
+def meets_of(rods: Strands, most_pairs: int = PAIRS, together: int = TOGETHER) -> Array:
     """Whether each rod meets itself, (B,): 1 or 0, NaN where more than `most_pairs` pairs would have to be compared.
 
     Never 0 for a rod of which a shorter one gives 1: the points compared do not depend on the length. together: the

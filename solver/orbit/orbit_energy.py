@@ -5,9 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..core import orbits as core
-from ..core.panels import available
 from ..numerics.arrays import Array
-from ..numerics.chebyshev import basis
 from .panels import running
 from .phase import unfolded
 from .pieces import HELIX, LIBRATION
@@ -29,15 +27,7 @@ def accumulated(orbit: Any, series: Array, t: Array) -> Array:
 
 def action(orbit: Any) -> Array:
     """The integral of beta_t^2 over the rod, (B,): exact on each panel, and a sum of positive terms."""
-    return core.action(orbit) if available() else reference_action(orbit)
-
-
-def reference_action(orbit: Any) -> Array:
-    """The same without the core."""
-    points = basis(orbit.panels.series.shape[2] - 1)
-    speed = orbit.panels.series[:, 1] @ points.values
-    series = (speed * speed * (orbit.panels.duration / 2)[:, None]) @ points.analyse @ points.integrate
-    return accumulated(orbit, series, orbit.problem.span[:, None])[:, 0]
+    return core.action(orbit)
 
 
 def energies(orbit: Any, level: Array) -> Array:

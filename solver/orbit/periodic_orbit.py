@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 
 from ..core import orbits as core
-from ..core.panels import Cutting, available
+from ..core.panels import Cutting
 from ..numerics.arrays import Array, Integers
-from ..numerics.chebyshev import basis, polynomials
+from ..numerics.chebyshev import polynomials
 from ..problem.reduced import StartProblem
-from .arcs import Arcs, arcs_of
+from ..problem.trajectory import PLAIN
+from .arcs import Arcs
 from .critical_points import grid
-from .panels import Panels, panelled, running
+from .panels import Panels, running
 from .phase import Phase, located, unfolded
 from .pieces import HELIX, LIBRATION, Pieces
 
@@ -83,12 +84,8 @@ class Orbit:
 
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
-        if available():
-            beta, dbeta, alpha, z, _ = core.read(self, t)
-            return beta, dbeta, alpha, z
-        phase = self.locate(t)
-        values = self.read(self.panels.series[:, 0:4], phase)
-        return self._unfold(values, phase)
+        beta, dbeta, alpha, z, _ = core.read(self, t)
+        return beta, dbeta, alpha, z
 
     def take(self, i: int) -> "Orbit":
         """The orbit of problem i alone; its arrays are views."""
@@ -125,13 +122,8 @@ class Orbit:
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
-        if available():
-            swirl: Array = core.read(self, t)[4]
-            return swirl
-        phase = self.locate(t)
-        value = self.read(self.panels.series[:, 4:5], phase)[..., 0]
-        s = np.sin(self.problem.beta0) * np.cos(self.problem.beta0)
-        return self._repeat(value, phase, 2, s)
+        swirl: Array = core.read(self, t)[4]
+        return swirl
 
     @property
     def exact(self) -> "Orbit":
@@ -145,7 +137,7 @@ class Orbit:
     def read_at(self, series: Array, t: Array) -> tuple[Array, Phase]:
         """Series of the panels (P, k, n + 1) at t (B, n), (B, n, k), and the phases; no orbit is a helix."""
         whole = series.shape[2] == self.panels.series.shape[2] and bool((self.count[::2] + self.count[1::2] > 0).all())
-        if available() and whole and bool(np.isfinite(t).all()):
+        if whole and bool(np.isfinite(t).all()):
             values, where = core.read_series(self, series, t)
             return values, Phase(t=t, folded=(self.kind == LIBRATION)[:, None], **where)
         phase = self.locate(t)
@@ -174,17 +166,6 @@ class Orbit:
             )
         return out.reshape(*phase.arc.shape, -1)
 
-    def _unfold(self, values: Array, phase: Phase) -> tuple[Array, Array, Array, Array]:
-        kind, direction = self.arcs.kind[:, None], self.arcs.direction[:, None]
-        sign = np.where(phase.second, -direction, direction) * np.where(phase.mirrored, -1.0, 1.0)
-        helix = kind == HELIX
-        around = np.where(kind == LIBRATION, 0.0, 2 * np.pi) * direction * phase.periods
-        beta = np.where(helix, self.problem.beta0[:, None], values[..., 0] + around)
-        dbeta = np.where(helix, 0.0, values[..., 1] * sign)
-        alpha = self._repeat(values[..., 2], phase, 0, np.sin(self.problem.beta0))
-        z = self._repeat(values[..., 3], phase, 1, np.cos(self.problem.beta0))
-        return beta, dbeta, alpha, z
-
     def _repeat(self, value: Array, phase: Phase, column: int, straight: Array, case: Any = slice(None)) -> Array:
         """An integral of the problems `case` from its value within an arc; column: of `gain`; straight: (B,), its rate
         on a helix."""
@@ -209,19 +190,7 @@ def solve_orbit(
         As in `arcs.arcs_of` and `panels.panelled`.
     """
     n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
-    cutting = Cutting(length, 0.05 * tol, stretch)
-    if available():
-        found = core.orbits(core.numbers_of(problem), pin, grid(), n, cutting)
-        if found is not None:
-            return orbit_of(problem, found)
-    return reference_orbit(problem, n, cutting, pin)
-
-
-def reference_orbit(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, Array] | None = None) -> Orbit:
-    """The same without the core; n: nodes of a panel."""
-    arcs = arcs_of(problem, pin)
-    panels = panelled(problem, arcs, basis(n), cutting.length, cutting.goal, stretch=cutting.stretch)
-    return assembled(problem, arcs, panels)
+    return _orbits(problem, n, Cutting(length, 0.05 * tol, stretch), pin)
 
 
 def relative_orbit(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, Array] | None = None) -> Orbit:
@@ -230,21 +199,28 @@ def relative_orbit(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[A
     Next to such an angle beta then has relative accuracy. The series of alpha, z and the swirl have no meaning.
     n: nodes of a panel. pin: as in `arcs.arcs_of`.
     """
-    if available():
-        found = core.orbits(core.numbers_of(problem), pin, grid(), n, cutting._replace(relative=True))
-        if found is not None:
-            return orbit_of(problem, found)
-    return reference_relative_orbit(problem, n, cutting, pin)
+    return _orbits(problem, n, cutting._replace(relative=True), pin)
 
 
-def reference_relative_orbit(
-    problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, Array] | None = None
-) -> Orbit:
-    """The same without the core."""
-    arcs = arcs_of(problem, pin)
-    plain = replace(arcs, pieces=replace(arcs.pieces, base=np.zeros_like(arcs.pieces.base)))
-    panels = panelled(problem, plain, basis(n), cutting.length, cutting.goal, stretch=cutting.stretch)
-    return replace(assembled(problem, plain, panels), arcs=arcs)
+def _orbits(problem: StartProblem, n: int, cutting: Cutting, pin: tuple[Array, Array] | None) -> Orbit:
+    """The orbits by the core; those of a problem that is not finite, which the core refuses, are NaN."""
+    numbers, pinned = core.numbers_of(problem), None if pin is None else np.stack(pin, axis=1)
+
+    def solve(rows: Any) -> core.FoundOrbits | None:
+        own = None if pinned is None else (pinned[rows, 0], pinned[rows, 1])
+        return core.orbits(np.ascontiguousarray(numbers[rows]), own, grid(), n, cutting)
+
+    found = solve(slice(None))
+    if found is not None:
+        return orbit_of(problem, found)
+    fit = np.array([solve(slice(b, b + 1)) is not None for b in range(problem.size)])
+    numbers[~fit] = [PLAIN[name] for name in vars(problem)]
+    if pinned is not None:
+        pinned[~fit] = PLAIN["beta0"], 0.0
+    found = solve(slice(None))
+    assert found is not None
+    found.series[~fit[found.arc // 2]] = np.nan
+    return orbit_of(problem, found)
 
 
 def orbit_of(problem: StartProblem, found: core.FoundOrbits) -> Orbit:

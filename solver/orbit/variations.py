@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from ..core import variations as core
-from ..core.panels import Cutting, available
+from ..core.panels import Cutting
 from ..mechanics.potential import TAU
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis, polynomials
@@ -34,7 +34,7 @@ from .panels import running
 from .periodic_orbit import Orbit, assembled, relative_orbit
 from .phase import unfolded
 from .pieces import LIBRATION
-from .variation_nodes import PAIRS, Nodes, jumps, nearest, state_at_nodes
+from .variation_nodes import PAIRS, Nodes, nearest
 
 POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
 
@@ -233,21 +233,10 @@ def variations_on(orbit: Orbit, arcs: Arcs) -> Variations:
     number = pieces.arc * most + pieces.rank
     order = np.argsort(number, kind="stable")
     place = order[np.searchsorted(number, panels.arc * most + panels.rank, sorter=order)]
-    base, origin = pieces.base[place], pieces.local.o[place, 0]
-    found = core.variations(orbit, origin) if available() else None
-    return reference_variations(orbit, base, origin) if found is None else _from_core(orbit, base, found)
-
-
-def _from_core(orbit: Orbit, base: Array, found: dict[str, Array]) -> Variations:
+    base, origin = pieces.base[place], pieces.origin[place]
+    found = core.variations(orbit, origin)
     nodes = Nodes(*(found[one.name] for one in fields(Nodes)))
     return Variations(orbit, base, nodes, *(found[name] for name in ("jump", "closing", "series", "gain")))
-
-
-def reference_variations(orbit: Orbit, base: Array, origin: Array) -> Variations:
-    """The same without the core; base, origin: (P,), the angle from which each panel counts, and less whole turns."""
-    nodes = state_at_nodes(orbit, origin)
-    jump, closing = jumps(orbit, nodes)
-    return _varied(orbit, base, nodes, jump, closing)
 
 
 def _varied(orbit: Orbit, base: Array, nodes: Nodes, jump: Array, closing: Array) -> Variations:

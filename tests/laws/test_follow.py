@@ -11,7 +11,6 @@ from scipy.optimize import minimize_scalar
 from solver import Branch, Case, Cylinder, Ends, InputError, Rod, Solution, equilibria, follow, solve
 from solver.boundary.path_orbits import orbit_of
 from solver.boundary.stability import jacobi_zeros
-from solver.core.library import library
 from solver.equilibria import Equilibrium
 from solver.problem.case_fields import with_field
 from solver.problem.reduced import reduce
@@ -303,7 +302,6 @@ def test_a_branch_passes_a_helix_without_a_fold() -> None:
     assert len(branch) < 120
 
 
-@pytest.mark.skipif(library() is None, reason="takes 7 s without the core")
 def test_a_branch_that_creeps_to_a_pitchfork_at_the_end_of_its_range_says_so() -> None:
     """A range of 1e-4 of Euler's load that ends there: leaps over ever less of the way."""
     first = -((np.pi / 10) ** 2)

@@ -18,7 +18,6 @@ from solver.boundary.orbit_rates import HOW
 from solver.boundary.transit_times import CUTTING, NODES
 from solver.core.branches import RECORD, Point, Steps, chart_of
 from solver.core.orbit_rates import orbit_rates
-from solver.core.panels import available
 from solver.orbit.critical_points import grid
 from solver.orbit.variations import POINTS
 from solver.problem.case_fields import numbers_over, unchecked_with_field, value_of
@@ -27,7 +26,6 @@ from solver.problem.reduced import reduce
 from solver.solve import between_ends, seed_of
 from tests.numerics.test_core_fuzz import ODD, odd
 
-needs_core = pytest.mark.skipif(not available(), reason="the compiled core is missing or switched off")
 ROD, CYLINDER = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0), Cylinder(R=0.75)
 DEAD = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1))
 
@@ -67,7 +65,6 @@ def same_branch(one: list[Place], other: list[Place], wanted: list[float]) -> No
                 assert getattr(a.problem, name) == pytest.approx(getattr(b.problem, name), rel=1e-9, abs=1e-9)
 
 
-@needs_core
 @pytest.mark.parametrize("which", [slice(3, 4), pytest.param(slice(None), marks=pytest.mark.slow)])
 def test_branches_under_dead_loads_are_those_of_the_steps_in_python(which: slice) -> None:
     wanted = np.linspace(-8.66, 0.0, 9).tolist()
@@ -89,7 +86,6 @@ def test_branches_under_dead_loads_are_those_of_the_steps_in_python(which: slice
     assert many >= 8
 
 
-@needs_core
 @pytest.mark.parametrize("held", [("height",), ("azimuth", "rotation"), ("height", "M1L")])
 def test_branches_with_held_ends_are_those_of_the_steps_in_python(held: tuple[str, ...]) -> None:
     start = list(equilibria(DEAD))[4].solution
@@ -119,7 +115,6 @@ def test_branches_with_held_ends_are_those_of_the_steps_in_python(held: tuple[st
     same_branch(here, there, wanted)
 
 
-@needs_core
 def test_what_the_problem_raises_passes_through_the_core() -> None:
     def numbers(value: float) -> Any:
         raise KeyError(value)
@@ -129,7 +124,6 @@ def test_what_the_problem_raises_passes_through_the_core() -> None:
         steps.excess(chart_of(Chart("start", Path(0.5, 1.0, 0.0, 1, 2), 1.0, False)), 0.0, np.array([1.0]))
 
 
-@needs_core
 @pytest.mark.parametrize("seed", range(3))
 def test_odd_numbers_end_in_an_answer_or_in_none(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -152,7 +146,6 @@ def test_odd_numbers_end_in_an_answer_or_in_none(seed: int) -> None:
             assert found.size <= 5
 
 
-@needs_core
 def test_a_branch_of_many_points_takes_several_calls() -> None:
     start = list(equilibria(DEAD))[2].solution
     branch = follow(start, FZ=np.linspace(-8.66, 0.0, 600))

@@ -6,15 +6,12 @@ import numpy as np
 import pytest
 
 from solver.boundary.branch_coordinates import Path, path_of
-from solver.boundary.continuation import Ended, continued, reference_continued
+from solver.boundary.continuation import Ended, _continued_by_leaps, continued
 from solver.boundary.continuation_steps import shape_of
 from solver.boundary.path_orbits import orbit_of
 from solver.boundary.search import search
-from solver.core.panels import available
 from solver.problem.reduced import EndsProblem
 from tests.numerics.test_core_orbits import REFERENCE
-
-pytestmark = pytest.mark.skipif(not available(), reason="the compiled core is missing or switched off")
 
 
 def problem_of(row: Any) -> EndsProblem:
@@ -46,7 +43,7 @@ def test_the_core_reaches_the_path_of_the_steps_in_numpy(count: int) -> None:
         found = search(first)
         assert found is not None
         for path in [path_of(found.path, i) for i in range(min(found.slope.size, 6))]:
-            plain, compiled = reference_continued(first, path, last), continued(first, path, last)
+            plain, compiled = _continued_by_leaps(first, path, last), continued(first, path, last)
             if isinstance(plain, Ended):
                 assert isinstance(compiled, Ended)
                 assert compiled.reason == plain.reason

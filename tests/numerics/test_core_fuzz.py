@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 
 from solver.core import march
-from solver.core.library import library
 from solver.methods import SwingTaylor
 from solver.problem.reduced import StartProblem
 
-pytestmark = pytest.mark.skipif(library() is None, reason="the compiled core is missing or switched off")
 ODD = np.array([0, -0.0, 1e300, -1e300, 1e-300, 5e-324, np.inf, -np.inf, np.nan, 1, -1, np.pi, 1e16, 1e-16, 1e6, -1e8])
 
 

@@ -12,12 +12,11 @@ import pytest
 from solver.boundary.level_grid import boundary_of
 from solver.boundary.transit_times import CUTTING, NODES
 from solver.core import levels, orbits
-from solver.core.panels import Cutting, available
+from solver.core.panels import Cutting
 from solver.orbit.critical_points import grid
 from solver.orbit.periodic_orbit import orbit_of
 from solver.problem.reduced import EndsProblem, StartProblem
 
-pytestmark = pytest.mark.skipif(not available(), reason="the compiled core is missing or switched off")
 ODD = np.array([0, -0.0, np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-300, 5e-324, 1e100, np.pi, -np.pi, 1e16, -1e8])
 PLAIN = EndsProblem(*(np.array([v]) for v in (0.3, -0.2, 0.5, 4.0, 0.4, -0.3)))
 

@@ -12,8 +12,8 @@ import pytest
 
 from solver import InputError, solve
 from solver.core import march
-from solver.core.library import OFF, OTHER, threads
-from solver.methods import METHODS, OrbitQuadrature, SwingTaylor, available
+from solver.core.library import OTHER, threads
+from solver.methods import METHODS, OrbitQuadrature, SwingTaylor
 from solver.observe.observables import OBSERVABLES, observe
 from solver.orbit.linearised_growth import beside_helix
 from solver.orbit.pieces import ROTATION
@@ -23,7 +23,6 @@ from tests.extreme_cases import KINDS, draw
 from tests.helix_cases import NEAR, problems
 from workbench.compare.trade_cases import CASES
 
-compiled = pytest.mark.skipif("swing" not in available(), reason="the compiled core is missing or switched off")
 NEAR_SADDLE = (0.0, 0.0, -1.0, 60.0, np.pi, 1e-9)  # a pendulum that all but stands on its head
 
 
@@ -48,7 +47,6 @@ def solved(told) -> np.ndarray:
     return np.array([text.startswith("solved") for text in told.outcome])
 
 
-@compiled
 @pytest.mark.parametrize("tol", [1e-5, 1e-8, 1e-11])
 @pytest.mark.parametrize("loads, spans", [(1, (0, 3)), (12, (-6, 9))])
 def test_it_keeps_its_promise_and_does_not_understate_its_error(loads: float, spans: tuple, tol: float) -> None:
@@ -68,7 +66,6 @@ def test_it_keeps_its_promise_and_does_not_understate_its_error(loads: float, sp
         assert np.percentile(fast.error[own] / off[own], 95) < 1000
 
 
-@compiled
 def test_its_condition_number_by_transfer_matrices_is_that_of_the_shear() -> None:
     fast, exact = both(random(1500, 6, 1, (0, 3)), 1e-11)
     own = ~fast.orbit.lost
@@ -78,7 +75,6 @@ def test_its_condition_number_by_transfer_matrices_is_that_of_the_shear() -> Non
     assert ratio.max() < 1.3  # two nodes a step against twenty-two a panel
 
 
-@compiled
 def test_both_find_the_same_arcs_and_turning_points() -> None:
     fast, exact = both(random(1500, 7, 1, (0, 3)), 1e-12)
     own = ~fast.orbit.lost
@@ -90,7 +86,6 @@ def test_both_find_the_same_arcs_and_turning_points() -> None:
     assert (fast.orbit.turns == exact.orbit.turns)[own].mean() > 0.999
 
 
-@compiled
 def test_a_case_has_the_same_bits_alone_and_among_others() -> None:
     problem = random(600, 8, 1, (0, 2))
     t = problem.span[:, None] * np.linspace(0, 1, 41)
@@ -102,7 +97,6 @@ def test_a_case_has_the_same_bits_alone_and_among_others() -> None:
             assert (getattr(alone, name)[0] == getattr(together, name)[i]).all()
 
 
-@compiled
 def test_what_a_march_would_lose_goes_to_the_quadrature() -> None:
     rows = np.array([NEAR_SADDLE, (0.1, 0.2, -0.5, 30.0, 0.4, 0.3), (0.0, 0.0, -1.0, 5.0, 0.0, 0.0)])
     problem = StartProblem(*rows.T)
@@ -119,7 +113,6 @@ def test_what_a_march_would_lose_goes_to_the_quadrature() -> None:
     assert fast.orbit.take(0).kind[0] == ROTATION
 
 
-@compiled
 def test_digits_that_only_a_march_would_lose_are_not_lost() -> None:
     """Strong tension, the start 1e-3 off: the condition number excuses 0.4 rad, the quadrature has 14 digits."""
     problem = StartProblem(*np.array([(0.0, 0.0, 1e4, 20.0, 1e-3, 0.0)]).T)
@@ -129,7 +122,6 @@ def test_digits_that_only_a_march_would_lose_are_not_lost() -> None:
     np.testing.assert_allclose(fast.beta, exact.beta, atol=1e-9)
 
 
-@compiled
 def test_steps_of_rods_that_go_to_the_quadrature_overwrite_no_others() -> None:
     """Some of these marches end, but too inaccurately: they are not kept and have no room among the steps."""
     case = draw(150, 0, "helix")
@@ -142,7 +134,6 @@ def test_steps_of_rods_that_go_to_the_quadrature_overwrite_no_others() -> None:
     np.testing.assert_array_equal([alpha, z], [row[:, 0] for row in orbit.at(t[:, None])[2:]])
 
 
-@compiled
 def test_numbers_beyond_a_float_are_refused_and_leave_their_neighbours_alone() -> None:
     problem = StartProblem(*np.array([(1e200, 0.0, 0.0, 5.0, 0.3, 0.1), (0.1, 0.2, -0.5, 30.0, 0.4, 0.3)]).T)
     fast, exact = both(problem, 1e-9)
@@ -152,7 +143,6 @@ def test_numbers_beyond_a_float_are_refused_and_leave_their_neighbours_alone() -
     np.testing.assert_allclose(fast.swirl()[1], exact.swirl()[1], atol=1e-9)
 
 
-@compiled
 @pytest.mark.parametrize("name", ["force-first/tension", "catenary", "long"])
 def test_observables_are_those_of_the_quadrature(name: str) -> None:
     ours, theirs = (solve(CASES[name].case, tol=1e-12, method=method) for method in ("swing", "orbit"))
@@ -161,7 +151,6 @@ def test_observables_are_those_of_the_quadrature(name: str) -> None:
         np.testing.assert_allclose(seen[key], known[key], rtol=1e-8, atol=1e-9, err_msg=key)
 
 
-@compiled
 def test_results_are_equal_to_the_bit_for_every_width_of_lanes_and_number_of_threads(monkeypatch) -> None:
     problem = random(1100, 9, 1, (0, 2.5))
     numbers, t = march.problems_of(problem), problem.span[:, None] * np.linspace(0, 1, 37)
@@ -178,7 +167,6 @@ def test_results_are_equal_to_the_bit_for_every_width_of_lanes_and_number_of_thr
     assert run(0, "8") == expected
 
 
-@compiled
 def test_eight_threads_that_solve_at_once_get_the_bits_of_one() -> None:
     problems = [random(40, seed, 1, (0, 2.5)) for seed in range(24)]
 
@@ -197,30 +185,14 @@ def test_the_number_of_threads_is_that_of_the_environment(monkeypatch) -> None:
     assert threads() >= 1
 
 
-@compiled
 def test_an_empty_batch_and_no_station_are_no_error() -> None:
     assert march.march(np.empty((0, 6)), 1e-9, np.empty((0, 5)), np.empty((4, 0, 5))).size == 0
     problem = random(3, 1, 1, (0, 1))
     assert np.isfinite(march.march(march.problems_of(problem), 1e-9, np.empty((3, 0)))["error"]).all()
 
 
-def test_without_the_core_the_automatic_method_is_orbit_and_swing_says_why() -> None:
-    code = (
-        "from solver import InputError, solve; from tests.cases import EXACT\n"
-        "print(solve(EXACT['catenary'].case).method)\n"
-        "try: solve(EXACT['catenary'].case, method='swing')\n"
-        "except InputError as error: print(error)"
-    )
-    run = subprocess.run(
-        [sys.executable, "-c", code], env=os.environ | {OFF: "1"}, capture_output=True, text=True, check=True
-    )
-    method, why = run.stdout.splitlines()
-    assert method == "orbit"
-    assert why == f"method 'swing' needs the compiled core, which is missing: switched off by {OFF}"
-
-
 ANOTHER = Path(_ctypes.__file__).read_bytes()
-UNUSABLE = [(None, "does not exist"), (b"half a library", "rod.so"), (ANOTHER, "another library")]
+UNUSABLE = [(None, "rod.so"), (b"half a library", "rod.so"), (ANOTHER, "rod_sources")]
 
 
 @pytest.mark.parametrize("content, why", UNUSABLE, ids=["missing", "half-written", "another"])
@@ -228,11 +200,13 @@ def test_a_library_that_cannot_be_used_is_told_in_a_sentence(content, why: str, 
     path = tmp_path / "rod.so"
     if content is not None:
         path.write_bytes(content)
-    code = "from solver.core.library import library, why_missing; print(library(), why_missing())"
-    told = {name: value for name, value in os.environ.items() if name != OFF} | {OTHER: str(path)}
-    run = subprocess.run([sys.executable, "-c", code], env=told, capture_output=True, text=True, check=True)
-    assert run.stdout.startswith("None ")
-    assert why in run.stdout
+    code = "from workbench.cli import main; main(['solve', '--table1'])"
+    told = os.environ | {OTHER: str(path)}
+    run = subprocess.run([sys.executable, "-c", code], env=told, capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stderr.count("\n")) == (2, 1)
+    assert run.stderr.startswith("workbench: the compiled core cannot be loaded")
+    assert why in run.stderr
+    assert "install rod-workbench again, or in a checkout run python -m solver.core" in run.stderr
 
 
 def test_a_method_whose_package_is_missing_is_refused_with_how_to_get_it(monkeypatch) -> None:
@@ -241,7 +215,6 @@ def test_a_method_whose_package_is_missing_is_refused_with_how_to_get_it(monkeyp
         solve(EXACT["catenary"].case, method="heyoka")
 
 
-@compiled
 def test_its_linearised_growth_is_that_of_the_arrays() -> None:
     some = 0
     for kind in (*KINDS, *NEAR):

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from solver.core import build, march
-from solver.core.library import library
 from solver.problem.reduced import StartProblem
 
 HERE = build.HERE
@@ -49,7 +48,6 @@ def in_node(folder: Path, problem: StartProblem, t: np.ndarray) -> list[dict]:
     return json.loads(run.stdout)
 
 
-@pytest.mark.skipif(library() is None, reason="the compiled core is missing or switched off")
 @pytest.mark.skipif(shutil.which("node") is None, reason="Node is not installed")
 def test_the_core_for_browsers_gives_the_numbers_of_this_machine(tmp_path: Path) -> None:
     problem = problems()

@@ -55,13 +55,12 @@ def _finding(what: str, works: bool, said: str, installed: bool = True) -> dict[
 
 def _core() -> dict[str, Any]:
     """Whether the compiled core of the solver is there."""
-    from solver.core.library import library, why_missing, widest
+    from solver.core.library import MissingCore, widest
 
-    if library() is None:
-        return _finding(
-            "compiled core", False, f"start problems are solved by orbit, more slowly: {why_missing()}", False
-        )
-    return _finding("compiled core", True, f"start problems are solved by swing, {widest()} rods at a time")
+    try:
+        return _finding("compiled core", True, f"start problems are solved by swing, {widest()} rods at a time")
+    except MissingCore as error:
+        return _finding("compiled core", False, str(error), False)
 
 
 def _hdf5() -> dict[str, Any]:

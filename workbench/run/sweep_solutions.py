@@ -21,10 +21,10 @@ _DENSE = 2001  # stations of the seed of a method that knows the rod at stations
 
 def shown(study: Study, state: State, stations: Any = None) -> Solution:
     """The solution of a state by the study's method, at the study's stations or at others: a number, or values of s."""
-    from solver.methods.automatic import automatic_method
+    from solver.methods.automatic import AUTOMATIC
 
     stations = study.stations if stations is None else stations
-    method = study.method if study.method != "auto" else automatic_method("ends")
+    method = study.method if study.method != "auto" else AUTOMATIC["ends"]
     if not state.solved:
         return _nothing(state, stations)
     if method == state.solution.method and state.solution.trajectory.orbit is not None:
