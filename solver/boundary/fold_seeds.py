@@ -23,7 +23,7 @@ from .separatrix_folds import deep_system
 _FIRST, _LAST = 0.02, 1e-7  # lengths of a line, in shares: from where Newton's rule is tried, and where it ends
 _DEEP = 1e-3  # length from which on the pair may be next to a separatrix
 _PAIRS = 6  # of equilibria that are tried as those that meet
-_FINER = 3  # parts of a line whose ends differ in the levels that nearly meet
+_FINER = 24  # parts of a range into which lines are cut whose ends differ in the levels that nearly meet
 _NARROW = 1e-4  # shares: a strip between two curves that is narrower is not looked for
 
 
@@ -42,7 +42,7 @@ class Counted:
 
     plane: ParameterPlane
     known: dict[tuple[float, float], Census] = field(default_factory=dict)
-    _missed: dict[tuple[float, float], Counter[Any]] = field(default_factory=dict)
+    _missed: dict[tuple[float, float], tuple[int, Counter[Any]]] = field(default_factory=dict)
 
     def at(self, shares: Array) -> Census:
         key = float(shares[0]), float(shares[1])
@@ -50,7 +50,7 @@ class Counted:
             self.known[key] = census(self.plane.problems(shares))
         return self.known[key]
 
-    def near_misses(self, shares: Array) -> Counter[Any]:
+    def near_misses(self, shares: Array) -> tuple[int, Counter[Any]]:
         key = float(shares[0]), float(shares[1])
         if key not in self._missed:
             self._missed[key] = near_misses(self.plane.problems(shares), MOST_PERIODS)
@@ -71,9 +71,10 @@ def strip_between(counted: Counted, pieces: Pieces, start: Array, end: Array) ->
     On some path two levels have met before and two others part beyond, so that two curves lie between the points and
     undo each other's change. None where no path shows it, or where the strip is narrower than `_NARROW`.
     """
-    parts = _FINER if counted.near_misses(start) != counted.near_misses(end) else 1
+    differ = counted.near_misses(start) != counted.near_misses(end)
+    parts = int(np.ceil(_FINER * np.abs(end - start).max())) if differ else 1
     points = [start + share * (end - start) for share in np.linspace(0, 1, parts + 1)]
-    strips = (_strip(counted, pieces, *two) for two in pairwise(points) if _may_hide_two(counted, *two))
+    strips = (_strip(counted, pieces, *two) for two in pairwise(points) if _may_hide_two(counted, pieces, *two))
     return next((strip for strip in strips if strip is not None), None)
 
 
@@ -85,18 +86,21 @@ def _strip(counted: Counted, pieces: Pieces, start: Array, end: Array) -> Array 
         middle = (start + end) / 2
         if unexplained(counted, pieces, start, middle):
             return np.asarray(middle)
-        if _may_hide_two(counted, start, middle):
+        if _may_hide_two(counted, pieces, start, middle):
             end = middle
         else:
             start = middle
     return None
 
 
-def _may_hide_two(counted: Counted, start: Array, end: Array) -> bool:
+def _may_hide_two(counted: Counted, pieces: Pieces, start: Array, end: Array) -> bool:
     """Whether the length of some path has one least value above the rod's less at one point than at the other, and one
-    largest value below it more."""
-    change = Counter(counted.near_misses(end))
-    change.subtract(counted.near_misses(start))
+    largest value below it more; or the number of equilibria changes as the known curves do not explain."""
+    (before, _), (after, missed) = counted.near_misses(start), counted.near_misses(end)
+    if after - before != sum(change_along(pieces, start, end).values()):
+        return True
+    change = Counter(missed)
+    change.subtract(counted.near_misses(start)[1])
     return any(n * change[(*key[:3], not key[3])] < 0 for key, n in list(change.items()) if key[3])
 
 

@@ -190,14 +190,16 @@ def _most_needed(boundary: Boundary, grid: LevelGrid, seen: TransitTimes) -> int
     return int(min(float(boundary.problem.span[0]) / shortest, 1e9)) + 1 if np.isfinite(shortest) else 0
 
 
-def near_misses(problem: EndsProblem, most_periods: int) -> Counter[tuple[int, int, int, bool]]:
-    """How often the length of each path (leaving, arriving, periods) has a least value above that of the rod (True), or
-    a largest below it (False), as seen on the grid of levels: there two equilibria appear if the two meet."""
+def near_misses(problem: EndsProblem, most_periods: int) -> tuple[int, Counter[tuple[int, int, int, bool]]]:
+    """The number of equilibria that are no helix, as seen on a coarse grid of levels; and how often the length of each
+    path (leaving, arriving, periods) has a least value above that of the rod (True), or a largest below it (False):
+    there two equilibria appear if the two meet."""
     boundary, grid = level_grid_of(boundary_of(problem), _COARSE)
     seen = transit_times(boundary, grid.levels)
     every = paths(boundary, 2 * min(_most_needed(boundary, grid, seen), most_periods) + 1)
     if grid.levels.y.size < 3 or not every.periods.size:
-        return Counter()
+        return 0, Counter()
+    count = brackets_on_grid(boundary, grid, seen, every, 0)[0].path.size
     off = seen.lengths(every.counts(boundary.rising)) - problem.span[0]
     off[:, grid.place] = np.nan
     before, here, after = off[:, :-2], off[:, 1:-1], off[:, 2:]
@@ -205,7 +207,8 @@ def near_misses(problem: EndsProblem, most_periods: int) -> Counter[tuple[int, i
         least = (here > 0) & (here < before) & (here <= after)
         largest = (here < 0) & (here > before) & (here >= after)
     ways = list(zip(every.leaving.tolist(), every.arriving.tolist(), every.periods.tolist(), strict=True))
-    return Counter((*ways[n], above) for above, some in ((True, least), (False, largest)) for n in np.nonzero(some)[0])
+    sides = ((True, least), (False, largest))
+    return count, Counter((*ways[n], above) for above, some in sides for n in np.nonzero(some)[0])
 
 
 def roots_on(boundary: Boundary, grid: LevelGrid, some: Paths) -> Roots:
