@@ -143,8 +143,10 @@ def _followed(state: State, places: list[Place], bounds: Bounds) -> tuple[list[P
             creeps = creeps + 1 if _creeps(state, past, bounds, True) else 0
             if creeps > _CREEPS:
                 return places, Stop(_CREEPING, state.p)
-            state = past
-            places.append(state.recorded())
+            state, place = past, past.recorded()
+            places.append(replace(place, p=bounds.snapped(place.p)))
+            if bounds.is_end(places[-1], state.rises):
+                return places, Stop(END, places[-1].p)
             continue
         there, passed = _passed(state, _step(state, step, bounds), bounds)
         if isinstance(there, str) and step < NARROW:
@@ -269,7 +271,9 @@ def _is_near_helix(state: State) -> bool:
     problem = found[0].problem
     near = _BESIDE_HELIX if isinstance(family, Family) else _BESIDE_HELD_HELIX
     pull = np.abs([slope(problem, end)[0] for end in (problem.beta0, problem.betaL)])
-    return bool(0 < pull.max() < near * height_scale(problem))
+    if not 0 < pull.max() < near * height_scale(problem):
+        return False
+    return not hinged or bool(np.ptp(_shape(state)) < _SLIGHT)  # ends of a long rod rest next to saddles too
 
 
 def _held_leap(
