@@ -25,7 +25,6 @@ from ..data import (
 from ..data.schema import Columns
 from . import shards
 from .plan import Plan, bytes_a_case, bytes_of_file, first_of
-from .recipe import recipe
 from .resume import StoredRun, places
 from .shards import Shards
 from .tally import Tally, statistics_of
@@ -49,7 +48,7 @@ def assemble(plan: Plan, parts: Shards, output: Path, there: StoredRun | None, t
             _write_cases(file, plan, _rows(plan, parts, output, there), tally)
         statistics = _statistics(aside, tally)
         with h5py.File(aside, "a") as file:
-            file.attrs["recipe"] = json.dumps(recipe(plan))
+            file.attrs["recipe"] = json.dumps(plan.recipe)
             file.attrs["statistics"] = json.dumps(statistics)
             checksums.store(file)
         atomic.move(aside, output)

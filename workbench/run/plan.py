@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from studies.refinement import Refinement
 from ..data.schema import LOADS, inner_shape
 from . import sweep, sweep_order
 from .block import Chunk
+from .recipe import recipe_of
 
 Coordinates = Mapping[str, NDArray[np.float64]]
 
@@ -67,6 +69,11 @@ class Plan:
             return sweep_order.block_size(self.shape, BLOCK_VALUES // self.study.stations)
         most = BLOCK if self.batched else BLOCK_ALONE
         return max(1, min(most, BLOCK_VALUES // self.study.stations))
+
+    @cached_property
+    def recipe(self) -> dict[str, Any]:
+        """All that the numbers depend on (`recipe_of`)."""
+        return recipe_of(self.study, self.dimensions, self.block)
 
     @property
     def batched(self) -> bool:

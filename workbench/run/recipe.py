@@ -1,10 +1,11 @@
 """The recipe of a run: all that its numbers depend on, by which a later run knows whether it continues this one."""
 
 import hashlib
+import json
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,25 +15,25 @@ import studies
 from solver.methods import METHODS, available
 from solver.problem.errors import InputError
 from studies import Study
+from studies.dimensions import Dimensions
 from studies.law import Law
 from studies.refine import lattice
 
 from ..data.versions import version_of
 
-if TYPE_CHECKING:
-    from .plan import Plan
 
+def recipe_of(study: Study, dimensions: Dimensions, block: int) -> dict[str, Any]:
+    """Everything the numbers depend on, as it comes back from JSON.
 
-def recipe(plan: "Plan") -> dict[str, Any]:
-    """Everything the numbers depend on: two runs of one recipe give the same bits on the same kind of machine."""
-    study = plan.study
-    return {
+    Two runs of one recipe give the same bits on the same kind of machine.
+    """
+    data = {
         "units": study.unit_system,
         "reading": study.reading or "",
         "base": study.base.given,
         "equilibrium": study.equilibrium.model_dump(exclude_none=True) if study.equilibrium else {},
-        "order": list(plan.dimensions.names),
-        "axes": {name: axis_line(values) for name, values in plan.dimensions.fields.items()},
+        "order": list(dimensions.names),
+        "axes": {name: axis_line(values) for name, values in dimensions.fields.items()},
         **({} if study.refine is None else {"refine": _refine_lines(study)}),
         **_follow_line(study),
         "stations": study.stations,
@@ -42,10 +43,12 @@ def recipe(plan: "Plan") -> dict[str, Any]:
         "laws": {str(i): _law_line(law) for i, law in enumerate(study.laws, 1)},  # their verdicts are stored as well
         "tol": study.tol,
         "method": study.method,
-        "block": plan.block,
+        "block": block,
         "code": code_version(),
         **{package: version_of(package) for package in ("numpy", "scipy", *_required(study.method))},
     }
+    plain: dict[str, Any] = json.loads(json.dumps(data))
+    return plain
 
 
 def differences(was: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:

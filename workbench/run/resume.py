@@ -16,7 +16,7 @@ from studies.dimensions import SAMPLE, Dimension, Dimensions
 from ..data import checksums, file_checks
 from ..data.schema import FORMAT, dimension
 from .plan import Plan
-from .recipe import axis_line, differences, recipe
+from .recipe import axis_line, differences
 
 MOST_TOLD = 5  # differences in one line
 _ROUNDING = 8 * 2.0**-52  # relative; values of an axis that differ by less are the same
@@ -61,7 +61,7 @@ def _read(file: h5py.File) -> StoredRun | None:
 
 def is_finished(there: StoredRun, plan: Plan) -> bool:
     """Whether the file is what the plan would make."""
-    return not differences(there.recipe, _plain(recipe(plan)))
+    return not differences(there.recipe, plan.recipe)
 
 
 def replaced(there: StoredRun | None, plan: Plan, path: Path) -> str | None:
@@ -71,7 +71,7 @@ def replaced(there: StoredRun | None, plan: Plan, path: Path) -> str | None:
     """
     if there is None or there.name != plan.study.name:
         return None
-    told = differences(there.recipe, _plain(recipe(plan)))
+    told = differences(there.recipe, plan.recipe)
     more = f"; and {len(told) - MOST_TOLD} more" if len(told) > MOST_TOLD else ""
     return f"replaces the results in {path}, which differ: {'; '.join(told[:MOST_TOLD])}{more}" if told else None
 
@@ -83,7 +83,7 @@ def grown(there: StoredRun, plan: Plan) -> Plan | None:
     """
     if plan.study.refine is not None:
         return _refined_further(there, plan)
-    now = _plain(recipe(plan))
+    now = plan.recipe
     if there.recipe.get("order") != now["order"] or not plan.shape:
         return None
     matched = _matched(there.dimensions, plan.dimensions)
@@ -91,7 +91,7 @@ def grown(there: StoredRun, plan: Plan) -> Plan | None:
         return None
     dimensions, _ = matched
     plan = Plan(plan.study, dimensions)
-    now = _plain(recipe(plan))
+    now = plan.recipe
     changed = [key for key in {**there.recipe, **now} if there.recipe.get(key) != now.get(key) and key != "axes"]
     if any(key not in _versions() for key in changed):
         return None
@@ -111,7 +111,7 @@ def _refined_further(there: StoredRun, plan: Plan) -> Plan | None:
     if there.recipe.get("order") != [SAMPLE] or "refine" not in there.recipe:
         return None
     same = Plan(plan.study, there.dimensions)
-    was, now = there.recipe, _plain(recipe(same))
+    was, now = there.recipe, same.recipe
     changed = [key for key in {**was, **now} if was.get(key) != now.get(key)]
     if not changed:
         return same
@@ -187,12 +187,6 @@ def _interleaved(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.
     if np.unique(nearest[same]).size < before.size:
         return None
     return Dimension(new.name, {new.name: np.where(same, before[nearest], values)}), np.where(same, nearest, -1)
-
-
-def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
-    """The data as it comes back from JSON."""
-    plain: dict[str, Any] = json.loads(json.dumps(data))
-    return plain
 
 
 def _versions() -> set[str]:

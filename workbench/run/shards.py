@@ -120,7 +120,7 @@ def check_recipe(folder: Path, recipe: dict[str, Any]) -> str:
 
     Raises `InputError` where existing shards have another recipe.
     """
-    path, recipe = folder / _MANIFEST, json.loads(json.dumps(recipe))
+    path = folder / _MANIFEST
     if not path.exists():
         if _shards(folder):
             raise InputError(f"{folder} holds results of an unknown run; use --restart to discard them")
@@ -147,7 +147,7 @@ def is_left_over(folder: Path, recipe: dict[str, Any]) -> bool:
     """Whether the folder is left from a run of that recipe that was killed after its output was complete."""
     try:
         was = json.loads((folder / _MANIFEST).read_text(encoding="utf-8"))["recipe"]
-        return not differences({key: was[key] for key in was if key != "grows"}, json.loads(json.dumps(recipe)))
+        return not differences({key: was[key] for key in was if key != "grows"}, recipe)
     except FileNotFoundError:
         return is_empty(folder)
     except (OSError, ValueError, KeyError, TypeError):

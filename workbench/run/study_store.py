@@ -16,7 +16,6 @@ from . import local_pool, shards, worker_processes
 from .block import unsolved
 from .plan import Plan, plan
 from .progress import Meter, Progress, unshown
-from .recipe import recipe
 from .resume import StoredRun, grown, is_finished, look, replaced
 from .room import room
 from .rounds import Rounds
@@ -132,7 +131,7 @@ def run_to_file(
             if options.restart:
                 shards.clear(folder, keep_lock=True)
             shards.clear_asides(folder)
-            digest = shards.check_recipe(folder, {**recipe(work), **_grows(there)})
+            digest = shards.check_recipe(folder, {**work.recipe, **_grows(there)})
             return _run(work, output, Shards(folder, digest), there, options, say, progress)
         finally:
             if shards.is_empty(folder):
@@ -151,7 +150,7 @@ def _follow(work: Plan, output: Path) -> Ran:
     count({name: ds[name].values for name in ("solved", *TEXTS)}, tally)
     statistics = statistics_of(tally, law_verdicts.verdicts(ds))
     writing.write(
-        ds.assign_attrs(recipe=json.dumps(recipe(work)), statistics=json.dumps(statistics)), output, force=True
+        ds.assign_attrs(recipe=json.dumps(work.recipe), statistics=json.dumps(statistics)), output, force=True
     )
     return Ran(statistics, ds["outcome"].size, time.monotonic() - began)
 
@@ -175,7 +174,7 @@ def _tidy(work: Plan, output: Path) -> None:
     if not folder.is_dir():
         return
     with suppress(InputError, OSError), shards.locked(folder):
-        if shards.is_left_over(folder, recipe(work)):
+        if shards.is_left_over(folder, work.recipe):
             shards.clear(folder)
 
 
