@@ -218,7 +218,7 @@ def test_small_blocks_write_the_same_bits_as_large_ones(tmp_path, monkeypatch) -
     files = stored(tmp_path, *parts)
     merge.merge(files, tmp_path / "large.h5")
     for most in (7, 50):
-        monkeypatch.setattr(concatenation, "BLOCK", most)
+        monkeypatch.setattr(concatenation, "WINDOW", 80 * most)
         merge.merge(files, tmp_path / "small.h5")
         with xr.open_dataset(tmp_path / "large.h5") as large, xr.open_dataset(tmp_path / "small.h5") as little:
             xr.testing.assert_identical(large.drop_attrs(deep=False), little.drop_attrs(deep=False))

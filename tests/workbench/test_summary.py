@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from studies.loader import loads
 from tests.workbench import small
 from workbench import cli
-from workbench.data import concatenation, labels, writing
+from workbench.data import grid_io, labels, writing
 from workbench.run import in_memory, summary
 
 AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
@@ -83,7 +83,7 @@ def test_small_blocks_tell_the_same(file, most: int, monkeypatch) -> None:
 @pytest.mark.parametrize("most", [1, 5, 12, 100])
 def test_blocks_cover_an_array_once_and_in_order(shape: tuple[int, ...], most: int) -> None:
     array = np.arange(np.prod(shape, dtype=int)).reshape(shape)
-    parts = [array[where].ravel() for where in concatenation.blocks(shape, most)]
+    parts = [array[where].ravel() for where in grid_io.blocks(shape, most)]
     np.testing.assert_array_equal(np.concatenate(parts), array.ravel())
     assert max(part.size for part in parts) <= most
 

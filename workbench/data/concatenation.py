@@ -1,11 +1,11 @@
-"""Datasets concatenated along one axis, block by block, so that memory stays small."""
+"""Cases of several sources in one grid: files along the union of their values, and new cases beside those of a file."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from math import prod
+from typing import Any, Protocol
 
-import h5py
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError
 from studies.dimensions import SAMPLE
 
-from . import file_checks, schema
-from .grid_io import Where, blocks
+from . import file_checks, grid_io
+from .schema import Columns
 
-BLOCK = 2**21  # numbers that are held of each file: 16 MB
+WINDOW = 2**25  # bytes of results held while they are copied
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,27 +33,80 @@ class Union:
     fields: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
+class Source(Protocol):
+    """Where cases of a grid come from; `find` and `read` take flat indices in the grid."""
+
+    @property
+    def name(self) -> str:
+        """Its name in messages."""
+
+    def find(self, start: int, stop: int) -> NDArray[np.int64]:
+        """Those of the cases `start` to `stop` that it holds, rising."""
+
+    def read(self, flat: NDArray[np.int64]) -> Columns:
+        """The variables of these cases, which it holds."""
+
+
 @dataclass(frozen=True, eq=False)
-class Joined:
-    """A variable of the union: its name, dimensions and shape there, and its parts in the files."""
+class FileSource:
+    """The cases of a stored dataset.
+
+    name: of the file. ds: its dataset, opened lazily. variables: those over all axes. shape: of the grid. places: for
+    each axis of the grid the index of each value in the file, or -1.
+    """
 
     name: str
-    dims: tuple[str, ...]
+    ds: xr.Dataset
+    variables: Sequence[str]
     shape: tuple[int, ...]
-    parts: list[xr.DataArray]
+    places: Sequence[NDArray[np.int64]]
 
-    @property
-    def is_text(self) -> bool:
-        """Whether it holds text and no numbers."""
-        return any(part.dtype.kind not in "biuf" for part in self.parts)
+    def find(self, start: int, stop: int) -> NDArray[np.int64]:
+        """Those of the cases `start` to `stop` that the file holds."""
+        flat = np.arange(start, stop)
+        at = np.unravel_index(flat, self.shape)
+        return flat[np.all([place[i] >= 0 for place, i in zip(self.places, at, strict=True)], axis=0)]
 
-    @property
-    def dtype(self) -> Any:
-        """That of all parts together: whole numbers stay whole where all are; netCDF has no booleans."""
-        if self.is_text:
-            return h5py.string_dtype()
-        dtype = np.result_type(*(part.dtype for part in self.parts))
-        return np.dtype(np.int8) if dtype.kind == "b" else dtype
+    def read(self, flat: NDArray[np.int64]) -> Columns:
+        """The variables of these cases. Raises `InputError` where the file is damaged."""
+        own = self.ds["outcome"].shape
+        at = np.unravel_index(flat, self.shape)
+        rows = np.ravel_multi_index([place[i] for place, i in zip(self.places, at, strict=True)], own)
+        with file_checks.reading(self.name):
+            return {name: _rows(self.ds[name].variable, own, rows) for name in self.variables}
+
+
+def _rows(variable: xr.Variable, shape: tuple[int, ...], rows: NDArray[np.int64]) -> NDArray[Any]:
+    """Rows at flat indices of a file: in one read where they lie close together, else a read for each run."""
+    low, high = int(rows.min()), int(rows.max()) + 1
+    if high - low <= 4 * rows.size:
+        values = grid_io.read(variable, shape, low, high)[rows - low]
+    else:
+        order = np.argsort(rows, kind="stable")
+        runs = np.split(rows[order], np.flatnonzero(np.diff(rows[order]) != 1) + 1)
+        values = np.concatenate([grid_io.read(variable, shape, int(run[0]), int(run[-1]) + 1) for run in runs])
+        values = values[np.argsort(order, kind="stable")]
+    return values.astype(str) if values.dtype.kind == "O" else values
+
+
+def gather(
+    sources: Sequence[Source], shape: tuple[int, ...], bytes_a_case: int, union: Union | None = None, axis: int = 0
+) -> Iterator[tuple[int, Columns]]:
+    """The first case and the columns of each window of cases, in flat order, each case from the first that holds it.
+
+    union: of the axis of that number, along which sources overlap. Raises `InputError` where they then differ.
+    """
+    size, window = prod(shape), max(1, WINDOW // bytes_a_case)
+    for start in range(0, size, window):
+        stop = min(start + window, size)
+        found = [(source, source.find(start, stop)) for source in sources]
+        pieces = [(source.name, flat - start, source.read(flat)) for source, flat in found if flat.size]
+        if len(pieces) == 1:
+            yield start, pieces[0][2]
+            continue
+        numbers = np.arange(start, stop)
+        values = numbers if union is None else union.values[np.unravel_index(numbers, shape)[axis]]
+        yield start, _combine(pieces, stop - start, "case" if union is None else union.axis, values)
 
 
 def unite(axis: str, rows: Sequence[NDArray[np.float64]]) -> Union:
@@ -87,104 +140,76 @@ def unite_samples(files: Sequence[Mapping[str, NDArray[np.float64]]]) -> Union:
     return Union(SAMPLE, np.arange(len(index)), places, together)
 
 
-def layout(files: Sequence[xr.Dataset], union: Union, axes: Sequence[str]) -> tuple[xr.Dataset, list[Joined]]:
-    """A dataset of all coordinates and of what does not vary along the axis, and a list of the variables that do.
+def layout(
+    files: Sequence[xr.Dataset], names: Sequence[str], union: Union, axes: Sequence[str]
+) -> tuple[xr.Dataset, list[str]]:
+    """The dataset of all that is not stored of each case, and the names of the variables over all axes.
 
-    A field of the case is stored without an axis of one value; it gets that axis if the files differ in the field.
+    names: of the files. A field of the case is stored without an axis of one value; it gets that axis if the files
+    differ in it. Raises `InputError` where two files differ at the same values.
     """
     first = files[0]
-    fixed: dict[str, Any] = {}
-    varying: list[Joined] = []
-    sizes = {**first.sizes, union.axis: union.values.size}
-    for name in map(str, first.variables):
-        if name == union.axis:
-            continue
-        parts = [ds[name] for ds in files]
-        dims = {str(dim) for part in parts for dim in part.dims}
-        if union.axis not in dims and all(_same_bits(parts[0].values, part.values) for part in parts):
-            fixed[name] = first[name].variable
-            continue
-        dims.add(union.axis)
-        ordered = tuple(dim for dim in (*axes, *map(str, first.dims)) if dim in dims)
-        ordered = tuple(dict.fromkeys(ordered))
-        varying.append(Joined(name, ordered, tuple(sizes[dim] for dim in ordered), parts))
-    coords = {name: variable for name, variable in fixed.items() if name in first.coords}
-    coords[union.axis] = xr.Variable((union.axis,), union.values, first[union.axis].attrs)
-    data = {name: variable for name, variable in fixed.items() if name not in first.coords}
-    return xr.Dataset(data, coords), varying
+    held: dict[str, Any] = {union.axis: xr.Variable((union.axis,), union.values, first[union.axis].attrs)}
+    cases: list[str] = []
+    for name in (str(name) for name in first.variables if name != union.axis):
+        parts = [ds[name].variable for ds in files]
+        if name not in first.coords and all(part.dims[: len(axes)] == tuple(axes) for part in parts):
+            cases.append(name)
+        elif any(union.axis in part.dims for part in parts) or not all(_same_bits(parts[0], part) for part in parts):
+            held[name] = _unite_field(name, parts, names, union, axes)
+        else:
+            held[name] = parts[0]
+    coords = {name: held.pop(name) for name in [*held] if name in first.coords}
+    return xr.Dataset(held, coords), cases
 
 
-def stream(file: Any, varying: Sequence[Joined], union: Union, names: Sequence[str]) -> None:
-    """Write the variables that vary along the axis into an open h5netcdf file.
+def _unite_field(
+    name: str, parts: Sequence[xr.Variable], names: Sequence[str], union: Union, axes: Sequence[str]
+) -> xr.Variable:
+    """A variable over the union of the axis, and over the other dimensions that it has in any file."""
+    sizes = {dim: size for part in parts for dim, size in zip(part.dims, part.shape, strict=True)}
+    others = {dim: sizes[dim] for dim in (*axes, "u", *sizes) if dim in sizes and dim != union.axis}
+    rows = []
+    for part, place in zip(parts, union.places, strict=True):
+        whole = part.set_dims({union.axis: int(place.max()) + 1, **others}).transpose(union.axis, *others)
+        mine = np.flatnonzero(place >= 0)
+        rows.append((mine, {name: whole.values[place[mine]]}))
+    pieces = [(source, mine, columns) for source, (mine, columns) in zip(names, rows, strict=True)]
+    values = _combine(pieces, union.values.size, union.axis, union.values)[name]
+    united = xr.Variable((union.axis, *others), values, parts[0].attrs)
+    return united.transpose(*(dim for dim in (*axes, *others) if dim in united.dims))
 
-    names: of the files, as a refusal tells them. Raises `InputError` where two files hold the same case with other
-    numbers.
+
+def _combine(
+    pieces: Sequence[tuple[str, NDArray[np.int64], Columns]], size: int, axis: str, values: NDArray[Any]
+) -> Columns:
+    """The columns of `size` cases from several sources, each case from the first that has it.
+
+    pieces: the name of a source, the cases that it holds, and their columns. axis, values: what a message says of a
+    case. Raises `InputError` where two sources differ in a case.
     """
-    if labels := [joined.name for joined in varying if joined.name in joined.parts[0].coords]:
-        file.attrs["coordinates"] = " ".join(labels)  # that s is one, which no dimension is named after
-    for joined in varying:
-        variable = _created(file, joined)
-        for where in blocks(joined.shape, BLOCK):
-            variable[where] = _gathered(joined, union, where, names)
-
-
-def _created(file: Any, joined: Joined) -> Any:
-    """The variable in the file, labelled and packed as in the first of the files."""
-    kind: dict[str, Any] = {"dtype": joined.dtype}
-    stored: list[Any] = [part.encoding.get("chunksizes") for part in joined.parts if part.dims == joined.dims]
-    if not joined.is_text:
-        kind |= schema.packing(len(joined.shape), joined.dtype)
-    if stored and all(stored):
-        kind["chunks"] = tuple(min(max(sizes), n) for *sizes, n in zip(*stored, joined.shape, strict=True))
-    if not joined.is_text and np.dtype(joined.dtype).kind == "f":
-        kind["fillvalue"] = np.nan
-    variable = file.create_variable(joined.name, joined.dims, **kind)
-    for key, value in joined.parts[0].attrs.items():
-        variable.attrs[key] = value
-    if joined.parts[0].dtype.kind == "b":
-        variable.attrs["dtype"] = "bool"
-    return variable
-
-
-def _gathered(joined: Joined, union: Union, where: Where, names: Sequence[str]) -> NDArray[Any]:
-    """One block of the union: each value of the axis from the first file that has it, the others compared with it."""
-    wanted = where[joined.dims.index(union.axis)]
-    block = np.empty([part.stop - part.start for part in where], dtype=object if joined.is_text else joined.dtype)
-    along = np.moveaxis(block, joined.dims.index(union.axis), 0)
-    owner = np.full(wanted.stop - wanted.start, -1)
-    for i, (part, places) in enumerate(zip(joined.parts, union.places, strict=True)):
-        mine = np.flatnonzero(places[wanted] >= 0)
-        if not mine.size:
-            continue
-        with file_checks.reading(names[i]):
-            rows = _rows(joined, part, union.axis, where, places[wanted][mine])
-        held = owner[mine] >= 0
-        if not _same_bits(along[mine[held]], rows[held].astype(along.dtype)):
-            k = next(k for k in np.flatnonzero(held) if not _same_bits(along[[mine[k]]], rows[[k]].astype(along.dtype)))
-            value = union.values[wanted][mine[k]]
-            both = f"{names[owner[mine[k]]]} and {names[i]}"
-            raise InputError(f"{both} both hold {union.axis} = {value:.10g}, but with other values of {joined.name}")
-        along[mine[~held]] = rows[~held]
+    owner = np.full(size, -1)
+    for i, (_, mine, _) in reversed([*enumerate(pieces)]):
         owner[mine] = i
-    return block
+    combined: Columns = {}
+    for name in pieces[0][2]:
+        both = np.concatenate([columns[name] for _, _, columns in pieces])
+        combined[name] = np.empty((size, *both.shape[1:]), dtype=both.dtype)
+        for _, mine, columns in reversed(pieces):
+            combined[name][mine] = columns[name]
+        for i, (source, mine, columns) in enumerate(pieces):
+            again = np.flatnonzero(owner[mine] != i)
+            if _same_bits(combined[name][mine[again]], columns[name][again].astype(both.dtype)):
+                continue
+            k = next(k for k in again if not _same_bits(combined[name][mine[[k]]], columns[name][[k]]))
+            sources = f"{pieces[owner[mine[k]]][0]} and {source}"
+            raise InputError(f"{sources} both hold {axis} = {values[mine[k]]:.10g}, but with other values of {name}")
+    return combined
 
 
-def _rows(joined: Joined, part: xr.DataArray, axis: str, where: Where, at: NDArray[np.int64]) -> NDArray[Any]:
-    """A file's part of a block, the axis first: its values at these places, the other dimensions as the block's."""
-    others = tuple(dim for dim in joined.dims if dim != axis)
-    low, high = int(at.min()), int(at.max()) + 1
-    chosen = {dim: piece for dim, piece in zip(joined.dims, where, strict=True) if dim != axis and dim in part.dims}
-    if axis in part.dims:
-        chosen[axis] = slice(low, high)
-    variable = part.variable.isel(chosen)
-    missing = {dim: piece.stop - piece.start for dim, piece in zip(joined.dims, where, strict=True)}
-    missing[axis] = high - low
-    whole = variable.set_dims({dim: missing[dim] for dim in (axis, *others)}).values
-    return whole[at - low]
-
-
-def _same_bits(a: NDArray[Any], b: NDArray[Any]) -> bool:
+def _same_bits(a: Any, b: Any) -> bool:
     """Equal, NaN being equal to NaN."""
+    a, b = np.asarray(a), np.asarray(b)
     if a.dtype.kind in "iuf" and b.dtype.kind in "iuf":
         return np.array_equal(a, b, equal_nan=True)
     return np.array_equal(a.astype(str), b.astype(str))

@@ -1,18 +1,20 @@
 """Datasets written to HDF5 (netCDF4-compatible) by an atomic replacement, and read whole into memory."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
 import xarray as xr
 
 from solver.problem.errors import InputError
 
-from . import atomic, checksums, file_checks, netcdf, reading, schema, value_checks
+from . import atomic, checksums, file_checks, grid_io, netcdf, reading, schema, value_checks
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
@@ -47,6 +49,45 @@ def appending(frame: xr.Dataset, path: Path, size: int) -> Iterator[netcdf.File]
             yield file
     except RuntimeError as error:  # HDF5 closing a file for which the disk has no room
         raise OSError(f"HDF5: {error}") from None
+
+
+@dataclass(frozen=True)
+class CaseVariable:
+    """A variable over all axes: its dimensions and attributes; dtype: None for that of its first values."""
+
+    name: str
+    dims: tuple[str, ...]
+    attrs: Mapping[str, Any]
+    dtype: Any = None
+
+
+def write_cases(
+    file: netcdf.File, variables: Sequence[CaseVariable], shape: tuple[int, ...],
+    windows: Iterable[tuple[int, schema.Columns]],
+) -> None:  # fmt: skip
+    """Write the variables over the axes into an open file, window by window; shape: of the grid."""
+    created: dict[str, Any] = {}
+    for start, columns in windows:
+        for one in variables:
+            values = columns[one.name] if one.dtype is None else columns[one.name].astype(one.dtype, copy=False)
+            if one.name not in created:
+                created[one.name] = _create(file, one, shape + values.shape[1:], values.dtype)
+            values = values.astype({"U": object, "b": np.int8}.get(values.dtype.kind, values.dtype), copy=False)
+            grid_io.write(created[one.name], shape, start, values)
+
+
+def _create(file: netcdf.File, one: CaseVariable, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Any:
+    kind: dict[str, Any] = {"dtype": {"U": h5py.string_dtype(), "b": np.dtype(np.int8)}.get(dtype.kind, dtype)}
+    if dtype.kind == "f":
+        kind["fillvalue"] = np.nan
+    if shape:
+        kind |= {"chunks": grid_io.packing(shape), **schema.packing(len(shape), dtype)}
+    variable = file.create_variable(one.name, one.dims, **kind)
+    for key, text in one.attrs.items():
+        variable.attrs[key] = text
+    if dtype.kind == "b":  # which netCDF has not: as xarray stores it
+        variable.attrs["dtype"] = "bool"
+    return variable
 
 
 def read(path: str | Path, study: bool = True) -> xr.Dataset:

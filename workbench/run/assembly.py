@@ -1,7 +1,8 @@
 """Assemble the shards into the output file, window by window, so that memory stays small."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,8 @@ from ..data import (
     branch_numbers,
     cautions,
     checksums,
+    concatenation,
     dataset,
-    grid_io,
     law_verdicts,
     netcdf,
     refined,
@@ -28,8 +29,6 @@ from .plan import Plan, bytes_a_case, bytes_of_file, first_of
 from .resume import StoredRun, places
 from .shards import Shards
 from .tally import Tally, statistics_of
-
-WINDOW = 2**25  # bytes of results held while they are copied
 
 
 def assemble(plan: Plan, parts: Shards, output: Path, there: StoredRun | None, tally: Tally) -> dict[str, Any]:
@@ -44,8 +43,15 @@ def assemble(plan: Plan, parts: Shards, output: Path, there: StoredRun | None, t
         frame = frame.assign_attrs(caution=cautions.told(tally["caution"]))
         if plan.refinement is not None:
             frame = frame.assign_attrs(refined.attributes(plan.study, plan.refinement))
-        with writing.appending(frame, aside, bytes_of_file(plan)) as file:
-            _write_cases(file, plan, _rows(plan, parts, output, there), tally)
+        with ExitStack() as stack:
+            sources: list[concatenation.Source] = [ShardSource(parts, plan)]
+            if there is not None:
+                held = stack.enter_context(netcdf.opened(output))
+                names = [row.name for row in dataset.stored(plan.study, plan.dimensions)]
+                source = concatenation.FileSource(str(output), held, names, plan.shape, places(there, plan))
+                sources = [source, *sources] if plan.todo else [source]
+            file = stack.enter_context(writing.appending(frame, aside, bytes_of_file(plan)))
+            _write_cases(file, plan, sources, tally)
         statistics = _statistics(aside, tally)
         with h5py.File(aside, "a") as file:
             file.attrs["recipe"] = json.dumps(plan.recipe)
@@ -66,122 +72,52 @@ def _statistics(path: Path, tally: Tally) -> dict[str, Any]:
     return {**statistics_of(tally, verdicts), "equilibria": first, "branches": branches, **sampling}
 
 
-def _write_cases(file: Any, plan: Plan, rows: Iterator[tuple[int, Columns]], tally: Tally) -> None:
-    """Every variable over the axes, window by window. Whole numbers stay whole where all cases are solved."""
-    all_solved = not tally["solved"][False]
-    variables: dict[str, Any] = {}
-    for start, columns in rows:
-        for row in dataset.stored(plan.study, plan.dimensions):
-            values = columns[row.column]
-            if row.name == "branch":
-                values = branch_numbers.numbered(values, tally["branch"])
-            elif values.dtype.kind == "i" and not all_solved:
-                values = values.astype(float)
-            if row.name not in variables:
-                variables[row.name] = _created(file, plan, row, values)
-            values = values.astype({"U": object, "b": np.int8}.get(values.dtype.kind, values.dtype), copy=False)
-            grid_io.write(variables[row.name], plan.shape, start, values)
+def _write_cases(file: Any, plan: Plan, sources: Sequence[concatenation.Source], tally: Tally) -> None:
+    """Every variable over the axes. Whole numbers stay whole where all cases are solved."""
+    rows = dataset.stored(plan.study, plan.dimensions)
+    variables = [writing.CaseVariable(row.name, row.dims, schema.labels_in(plan.study, row.row)) for row in rows]
+    windows = concatenation.gather(sources, plan.shape, bytes_a_case(plan.study))
+    writing.write_cases(file, variables, plan.shape, ((start, _final(columns, tally)) for start, columns in windows))
 
 
-def _created(file: Any, plan: Plan, row: dataset.Stored, values: NDArray[Any]) -> Any:
-    shape = plan.shape + values.shape[1:]
-    kind: dict[str, Any] = {"dtype": h5py.string_dtype()} if values.dtype.kind == "U" else {"dtype": values.dtype}
-    if values.dtype.kind == "f":
-        kind["fillvalue"] = np.nan
-    if values.dtype.kind == "b":  # which netCDF has not: as xarray stores it
-        kind["dtype"] = np.int8
-    if shape:
-        kind |= {"chunks": grid_io.packing(shape), **schema.packing(len(shape), values.dtype)}
-    variable = file.create_variable(row.name, row.dims, **kind)
-    for key, text in schema.labels_in(plan.study, row.row).items():
-        variable.attrs[key] = text
-    if values.dtype.kind == "b":
-        variable.attrs["dtype"] = "bool"
-    return variable
+def _final(columns: Columns, tally: Tally) -> Columns:
+    """The columns as they are stored: branches numbered from 0, and numbers that some case has not as floats."""
+    final = dict(columns)
+    if "branch" in final:
+        final["branch"] = branch_numbers.numbered(final["branch"], tally["branch"])
+    if tally["solved"][False]:
+        final |= {k: v.astype(float) for k, v in final.items() if v.dtype.kind == "i" and k != "branch"}
+    return final
 
 
-def _rows(plan: Plan, parts: Shards, output: Path, there: StoredRun | None) -> Iterator[tuple[int, Columns]]:
-    """The first case and the columns of each window of cases, in flat order."""
-    window = max(1, WINDOW // bytes_a_case(plan.study))
-    new = _Window(parts, plan.todo)
-    if plan.new is None:
-        for start in range(0, plan.size, window):
-            yield start, new.rows(start, min(start + window, plan.size))
-        return
-    assert there is not None
-    with h5py.File(output, "r") as file:
-        held = _Held(file, plan, there)
-        for start in range(0, plan.size, window):
-            stop = min(start + window, plan.size)
-            a, b = np.searchsorted(plan.new, [start, stop])
-            yield start, _merged(new.rows(int(a), int(b)) if a < b else {}, plan.new[a:b] - start, held, start, stop)
+class ShardSource:
+    """The cases in the shards of a run; one shard is held at a time."""
 
+    name = "the shards of the run"
 
-def _merged(new: Columns, at: NDArray[np.int64], held: "_Held", start: int, stop: int) -> Columns:
-    """The columns of a window: new rows at their places, rows of the existing file at the others."""
-    other = np.setdiff1d(np.arange(stop - start), at, assume_unique=True)
-    if not other.size:
-        return new
-    old = held.rows(start + other)
-    if not at.size:
-        return old
-    merged: Columns = {}
-    for name, rows in old.items():
-        both = np.concatenate([rows, new[name]])
-        merged[name] = np.empty_like(both)
-        merged[name][np.concatenate([other, at])] = both
-    return merged
-
-
-class _Window:
-    """The results in the shards, in order; one shard is held at a time."""
-
-    def __init__(self, parts: Shards, cases: int) -> None:
-        self._parts = parts
-        self._there = shards.stored_ranges(parts.folder, cases)
+    def __init__(self, parts: Shards, plan: Plan) -> None:
+        self._parts, self._new = parts, plan.new
+        self._stored = shards.stored_ranges(parts.folder, plan.todo)
+        self._names = {row.column: row.name for row in dataset.stored(plan.study, plan.dimensions)}
         self._held: tuple[int, int] = (0, 0)
         self._columns: Columns = {}
 
-    def rows(self, start: int, stop: int) -> Columns:
-        """The columns of the cases `start` to `stop`. Raises `Damaged`."""
+    def find(self, start: int, stop: int) -> NDArray[np.int64]:
+        """Those of the cases `start` to `stop` of the grid that the run solves."""
+        if self._new is None:
+            return np.arange(start, stop)
+        a, b = np.searchsorted(self._new, [start, stop])
+        return self._new[a:b]
+
+    def read(self, flat: NDArray[np.int64]) -> Columns:
+        """The variables of these cases, which follow one another in the run. Raises `Damaged`."""
+        ends = flat[[0, -1]] if self._new is None else np.searchsorted(self._new, flat[[0, -1]])
+        start, stop = int(ends[0]), int(ends[1]) + 1
         pieces: list[Columns] = []
-        for a, b in self._there:
+        for a, b in self._stored:
             if a < stop and b > start:
                 if (a, b) != self._held:
                     self._columns, self._held = self._parts.read(a, b), (a, b)
                 mine = slice(max(start - a, 0), stop - a)
-                pieces.append({name: values[mine] for name, values in self._columns.items()})
+                pieces.append({name: self._columns[column][mine] for column, name in self._names.items()})
         return {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
-
-
-class _Held:
-    """The cases of the existing file that is extended."""
-
-    def __init__(self, file: h5py.File, plan: Plan, there: StoredRun) -> None:
-        self._file, self._plan = file, plan
-        self._places = places(there, plan)
-        self._shape = there.dimensions.shape
-        self._stored = dataset.stored(plan.study, plan.dimensions)
-
-    def rows(self, flat: NDArray[np.int64]) -> Columns:
-        """The columns of cases of the new grid that the file holds."""
-        at = np.unravel_index(flat, self._plan.shape)
-        old = np.ravel_multi_index([place[i] for place, i in zip(self._places, at, strict=True)], self._shape)
-        found = {row.column: self._read(self._file[row.name], old) for row in self._stored}
-        return {**found, "solved": found["solved"].astype(bool)}
-
-    def _read(self, variable: h5py.Dataset, old: NDArray[np.int64]) -> NDArray[Any]:
-        """Rows at flat indices of the file: in one read where they lie close together, else a read for each run."""
-        if h5py.check_string_dtype(variable.dtype):
-            variable = variable.asstr()
-        low, high = int(old.min()), int(old.max()) + 1
-        if high - low <= 4 * old.size:
-            return self._text(grid_io.read(variable, self._shape, low, high))[old - low]
-        runs = np.split(old, np.flatnonzero(np.diff(old) != 1) + 1)
-        return self._text(
-            np.concatenate([grid_io.read(variable, self._shape, int(run[0]), int(run[-1]) + 1) for run in runs])
-        )
-
-    @staticmethod
-    def _text(values: NDArray[Any]) -> NDArray[Any]:
-        return values.astype(str) if values.dtype.kind == "O" else values

@@ -50,18 +50,41 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         writing.check_parent(out)
         if not force:
             writing.check_free(out, attrs["study_name"])
-        frame, varying = concatenation.layout(opened, union, schema.axes_of(opened[0]))
+        axes = schema.axes_of(opened[0])
+        frame, cases = concatenation.layout(opened, names, union, axes)
+        shape = tuple(frame.sizes[axis] for axis in axes)
+        sources = [_source(k, opened, names, cases, union, shape) for k in range(len(opened))]
+        variables = [_case_variable(name, opened) for name in cases]
+        size = sum(_bytes_a_case(opened[0][name], len(axes)) for name in cases)
+        most = int(1.02 * (frame.nbytes + prod(shape) * size)) + SPARE
         with atomic.refusing(out), atomic.replacing(out) as aside:
-            with writing.appending(frame.assign_attrs(attrs), aside, _most_bytes(frame, varying)) as file:
-                concatenation.stream(file, varying, union, names)
+            with writing.appending(frame.assign_attrs(attrs), aside, most) as file:
+                windows = concatenation.gather(sources, shape, size, union, axes.index(union.axis))
+                writing.write_cases(file, variables, shape, windows)
             result = _judged(aside, _recipe(opened, schema.field_of(studies[0], union.axis), union))
     return {"file": str(out), "axis": union.axis, "values": int(union.values.size), **result}
 
 
-def _most_bytes(frame: xr.Dataset, varying: Sequence[concatenation.Joined]) -> int:
-    """Bytes of the merged file, at most."""
-    each = [prod(joined.shape) * (TEXT_BYTES if joined.is_text else 8) for joined in varying]
-    return int(1.02 * (frame.nbytes + sum(each))) + SPARE
+def _source(
+    k: int, files: Sequence[xr.Dataset], names: Sequence[str], cases: Sequence[str], union: concatenation.Union,
+    shape: tuple[int, ...],
+) -> concatenation.FileSource:  # fmt: skip
+    """The cases of file `k` in the grid of the union."""
+    axes = schema.axes_of(files[k])
+    places = [union.places[k] if a == union.axis else np.arange(n) for a, n in zip(axes, shape, strict=True)]
+    return concatenation.FileSource(names[k], files[k], cases, shape, places)
+
+
+def _bytes_a_case(variable: xr.DataArray, axes: int) -> int:
+    """Bytes of a case of a variable in the file, at most."""
+    return prod(variable.shape[axes:]) * (8 if variable.dtype.kind in "biuf" else TEXT_BYTES)
+
+
+def _case_variable(name: str, files: Sequence[xr.Dataset]) -> writing.CaseVariable:
+    """A variable of each case, labelled as in the first file; whole numbers stay whole where all are."""
+    first, kinds = files[0][name], [ds[name].dtype for ds in files]
+    dtype = None if any(kind.kind not in "biuf" for kind in kinds) else np.result_type(*kinds)
+    return writing.CaseVariable(name, tuple(map(str, first.dims)), first.attrs, dtype)
 
 
 def _union(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence[str]) -> concatenation.Union:
