@@ -74,12 +74,12 @@ _ROWS = (
     Quantity("h", "h", (-2, 0), "first integral of the angle"),
     # observables
     Quantity("turns", "bends", _NUMBER, "number of bends (interior extrema of beta)"),
-    Quantity("bend_number", "half periods", _NUMBER, "number of half periods of beta along the rod", estimated=True),
-    Quantity("loops", "loops", _NUMBER, "full turns of beta"),
+    Quantity("bend_number", "half waves", _NUMBER, "number of half waves of beta along the rod", estimated=True),
+    Quantity("loops", "full turns of β", _NUMBER, "full turns of beta"),
     Quantity("amplitude", "amplitude of β", "rad", "largest beta minus smallest beta", estimated=True),
     Quantity("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature", estimated=True),
     Quantity("kappa_max", "max κ", _PER_LENGTH, "largest curvature", estimated=True),
-    Quantity("wraps", "wraps", _NUMBER, "wraps about the axis", estimated=True),
+    Quantity("wraps", "turns around", _NUMBER, "turns around the cylinder", estimated=True),
     Quantity("height", "z(L)", _LENGTH, "height of the far end", estimated=True),
     Quantity("pitch", "pitch", _LENGTH, "height of one turn about the axis, in the middle third", estimated=True),
     Quantity(

@@ -518,7 +518,7 @@ def test_the_printed_page_holds_a_picture_of_the_rod(page) -> None:
 def test_no_words_repeat_their_symbol_or_spell_a_letter(page) -> None:
     page.until(lambda: page("return document.getElementById('o-twist_energy')"), "its observables")
     told = page("return [...document.querySelectorAll('#numbers dt')].map((one) => one.textContent)")
-    assert {"bending energy", "twist energy", "wraps about the axis"} <= set(told)
+    assert {"bending energy", "twist energy", "turns around the cylinder"} <= set(told)
     assert not [words for words in told if re.search("beta|kappa", words)]
     page.until(lambda: page("return document.getElementById('o-overlaps')"), "the observables of the server")
     told = page("return [...document.querySelectorAll('#numbers dt')].map((one) => one.textContent)")

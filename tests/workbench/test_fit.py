@@ -171,16 +171,14 @@ def wide(beta=1.3) -> Case:
     return Case(rod, cylinder, Start(beta, 0.0, M3=float(rod.bending_stiffness) * np.sin(beta) * np.cos(beta)))
 
 
-@pytest.mark.parametrize(("case", "across", "along"), ((wide(), "ρα", "z"), (table1(), "z", "ρα")))
+@pytest.mark.parametrize(("case", "across", "along"), ((wide(), "distance", "z"), (table1(), "z", "distance")))
 def test_the_longer_extent_of_the_curve_is_drawn_to_the_right(case, across, along) -> None:
     figure, _ = drawn(case, ["M3"])
     panel = figure.axes[0]
     assert panel.get_xlabel().startswith(across)
     assert panel.get_ylabel().startswith(along)
-    assert panel.get_title(loc="left").endswith(
-        "ρα to the right, z up" if across == "ρα" else "z to the right, ρα down"
-    )
-    assert panel.yaxis_inverted() == (along == "ρα")
+    assert panel.get_title(loc="left").endswith("z up" if across == "distance" else "z to the right")
+    assert panel.yaxis_inverted() == (along == "distance")
     box, legend = panel.get_window_extent(), panel.get_legend().get_window_extent()
     title = next(
         text for text in panel.findobj(Text) if text.get_text() == panel.get_title(loc="left")

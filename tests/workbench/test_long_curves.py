@@ -103,7 +103,7 @@ def test_without_a_title_the_notes_are_kept_and_stand_in_the_table(pipe) -> None
     fig = curves.figure(pipe, sheet=sheet("paper", 183, titled=False))
     assert fig.legends[0].get_title().get_text() == ""
     told = [row["series"] for row in csv.DictReader(StringIO(drawn_data.table(fig))) if row["kind"] == "note"]
-    assert "Developed curve, seen from outside." in told
+    assert "Unrolled view, seen from outside." in told
 
 
 def test_the_start_of_a_rod_is_named_beside_its_dot_and_not_in_the_title() -> None:

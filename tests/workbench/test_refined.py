@@ -448,7 +448,7 @@ def test_shapes_are_drawn_over_the_refined_map(tmp_path) -> None:
     ds = in_memory.run(study(refine=REFINE.replace("15", "8"), head=HEAD.replace("[]", '["alpha", "z", "contact"]')))
     fig = map_figure.figure(ds, shapes=thumbnails.Shapes(3, 2))
     assert len(fig.axes[-1].child_axes) == 6 or any(len(ax.child_axes) == 6 for ax in fig.axes)
-    with pytest.raises(InputError, match="stores no developed curves"):
+    with pytest.raises(InputError, match="stores no unrolled curves"):
         map_figure.figure(ds.drop_vars("z"), shapes=thumbnails.Shapes(3, 2))
 
 

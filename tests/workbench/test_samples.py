@@ -437,7 +437,7 @@ def test_the_figure_has_a_panel_for_each_observable_and_sampled_field(stored: Pa
     ds = writing.read(stored)
     panels = drawn(ds)
     assert len(panels) == 3 * 3
-    assert [ax.get_ylabel() for ax in panels if ax.get_ylabel()] == ["bends", "wraps", "max κ [1/cm]"]
+    assert [ax.get_ylabel() for ax in panels if ax.get_ylabel()] == ["bends", "turns around", "max κ [1/cm]"]
     assert [ax.get_xlabel() for ax in panels[-3:]] == ["E [N/cm²]", "R [cm]", "β₀ [°]"]
     assert [ax.get_xscale() for ax in panels[:3]] == ["log", "linear", "linear"]
     points = panels[5].collections[0].get_offsets()  # wraps against beta0

@@ -162,4 +162,4 @@ def test_a_check_says_which_case_has_lost_digits_how_many_remain_and_why(tmp_pat
 def test_a_count_is_called_the_number_of_bends_in_a_sentence() -> None:
     row = {"observable": "turns", "axis": "E", "at": {}}
     assert labels.law_text(row, "turns stays at 8") == "the number of bends stays at 8"
-    assert labels.noun_of("wraps") == "wraps"
+    assert labels.noun_of("wraps") == "turns around"

@@ -50,13 +50,13 @@ def said(ax) -> str:
 def test_developed_curves_end_at_the_right_edge_and_begin_with_a_dot(angles) -> None:
     fig = study_figure.figure(angles, [])
     fig.draw_without_rendering()
-    strip = next(ax for ax in fig.axes if ax.get_title(loc="left").startswith("Developed curves"))
+    strip = next(ax for ax in fig.axes if ax.get_title(loc="left").startswith("Unrolled view"))
     right = [ax.get_position().x1 for ax in fig.axes]
     assert strip.get_position().x1 == pytest.approx(max(right), abs=0.01)
     dots = [line for line in strip.lines if line.get_marker() == "o"]
     cases = selection.spread(selection.line(angles, "beta0"), 9)
     assert [float(dot.get_ydata()[0]) for dot in dots] == [float(angles["z"].isel(case)[0]) for case in cases]
-    assert "black dot: s = 0" in " ".join(strip.get_title(loc="left").split())
+    assert "dot: s = 0" in " ".join(strip.get_title(loc="left").split())
 
 
 def test_curves_alone_fill_their_figure() -> None:
@@ -271,7 +271,9 @@ def test_whatever_a_study_asks_for_no_word_is_cut_off_and_no_two_ticks_meet(kind
         assert all(left[1] < right[0] for left, right in pairwise(edges))
 
 
-@pytest.mark.parametrize("kind, said", [("thin", "ρα drawn"), ("flat", "z [cm], drawn"), ("one value", None)])
+@pytest.mark.parametrize(
+    "kind, said", [("thin", "distance around the cylinder drawn"), ("flat", "z [cm], drawn"), ("one value", None)]
+)
 def test_curves_too_thin_to_see_are_drawn_at_two_scales_and_the_axis_says_so(kind: str, said: str | None) -> None:
     ds = of_user(kind)
     fig = Figure(figsize=(9, 6))
@@ -320,7 +322,7 @@ def test_a_study_without_observables_and_curves_has_nothing_to_draw() -> None:
 
 def test_any_stored_observable_is_drawn_if_asked_for_and_what_is_left_out_is_said(angles, tmp_path) -> None:
     asked = study_figure.figure(angles, show=["wraps", "turns", "condition"])
-    assert [ax.get_ylabel().split(" [")[0] for ax in asked.axes] == ["wraps", "bends", "condition"]
+    assert [ax.get_ylabel().split(" [")[0] for ax in asked.axes] == ["turns around", "bends", "condition"]
     assert "true" in said(asked.axes[1])  # an observable with a law has the panel of its law
     assert len(study_figure.figure(angles, sheet=sheet(panel="wraps")).axes) == 1
     (note,) = notes.kept(study_figure.figure(angles))

@@ -53,9 +53,7 @@ def figure(ds: xr.Dataset) -> Figure:
             cells = grid[len(names)].subgridspec(rows, ROW)
             _shapes(ds, fig, cells, count)
             some = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
-            notes.append(
-                "Developed curves at the numbered points, each with its own scale" + some + "; black dot: s = 0."
-            )
+            notes.append("Unrolled views at the numbered points, each with its own scale" + some + "; dot: s = 0.")
         if notes:
             fig.supxlabel("\n".join(notes), x=0.01, ha="left", size=style.small(), color=style.SOFT)
 

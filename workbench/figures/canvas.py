@@ -17,9 +17,10 @@ from solver.problem.errors import InputError
 
 from ..data import atomic, labels
 from . import style
-from .sheet import SCREEN, Sheet
+from .sheet import MILLIMETRES, SCREEN, Sheet
 from .style import DPI, RC, SOFT
 
+TALLEST, LEAST = 120 / MILLIMETRES, 0.62  # inches of a figure of one column; share of its height that stays
 DIAGRAMS = (".png", ".pdf", ".svg")
 
 
@@ -37,6 +38,8 @@ def figure(
     ds: the dataset whose title is written above it, where the sheet has one. said: what is written below the title,
     after the reading of the dataset.
     """
+    if sheet.narrow and sheet.style == "paper":  # a column has no room for more
+        size = size[0], max(min(size[1], TALLEST), LEAST * size[1])
     with rc_context(RC | sheet.settings()):
         fig = Figure(figsize=size, dpi=dpi, layout=layout)
         FigureCanvasAgg(fig)

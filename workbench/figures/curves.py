@@ -201,7 +201,7 @@ def _one_size(axes: list[Axes]) -> None:
 def _frame(ax: Axes, found: DrawnRods, limits: Any, page: Page, i: int) -> None:
     """The scales of one panel; only those at the edge of the figure have numbers."""
     unit = labels.unit(str(found.source.attrs["length_unit"]))
-    names = [f"ρα [{unit}]", f"z [{unit}]"]
+    names = [f"[{unit}]", f"z [{unit}]"]
     ax.set_xlim(*limits[int(page.lying)])
     ax.set_ylim(*limits[int(not page.lying)][:: -1 if page.lying else 1])
     ax.set_aspect(1 / page.factor, adjustable="box", anchor="NW")
@@ -234,6 +234,7 @@ def _said(found: DrawnRods, named: bool, page: Page) -> list[str]:
     """What stands above each curve, and at which scale."""
     said = [f"Above each curve its {found.axis_label()}."] if found.axis and not named else []
     said += found.said() if named or not found.axis else []
-    wide, tall = ("z", "ρα") if page.lying else ("ρα", "z")
+    wide, tall = ("z", developed.AROUND) if page.lying else (developed.AROUND, "z")
     larger = f"{developed.larger(page.factor, wide)}{developed.larger(1 / page.factor, tall)}"
-    return [*said, f"Developed curves, seen from outside, {'all ' * (len(found.rods) > 1)}at one scale{larger}."]
+    ways = f"z to the right, {developed.AROUND} down" if page.lying else f"{developed.AROUND} to the right, z up"
+    return [*said, f"Unrolled view, seen from outside: {ways}, at one scale{larger}."]

@@ -18,6 +18,7 @@ from . import notes, style
 from .sheet import SCREEN, Sheet
 
 MOST_CURVES = 9
+AROUND = "distance around the cylinder"
 STRIP = (1.5, 4.5)  # inches, the least and the greatest height of a row of curves
 SHORT = 0.9  # of the arc: a shorter chord has turned by a right angle or more in between
 LEAST = 0.3  # inches
@@ -109,14 +110,14 @@ def developed(ds: xr.Dataset, ax: Axes, axis: str, sheet: Sheet = SCREEN) -> Axe
     said = [f"each curve at its {axis_label(ds, axis, cases[0], long)}{some}" for long in (True, False)]
     texts = [style.wrapped(text, ax) for text in said]
     ax.set_xlabel(texts["\n" in texts[0]], loc="left")  # the short label where the long one needs two lines
-    ax.set_ylabel(f"z [{labels.unit(str(ds.attrs['length_unit']))}]{larger(factor, 'ρα')}{larger(1 / factor)}")
+    ax.set_ylabel(f"z [{labels.unit(str(ds.attrs['length_unit']))}]{larger(factor, AROUND)}{larger(1 / factor)}")
     scale = "at one scale" if factor == 1 else "at two scales"
     dots = f"; other dots: {ds.sizes['u']} stations miss bends" if coarse else ""
-    title = f"Developed curves: ρα to the right, z up, {scale}; black dot: s = 0{dots}"
+    title = f"Unrolled view: {AROUND} to the right, z up, {scale}; dot: s = 0{dots}"
     if sheet.titled:
         ax.set_title(style.wrapped(title, ax), loc="left")
     else:
-        ax.set_label(f"developed curves along {axis}")
+        ax.set_label(f"unrolled view along {axis}")
         fig = ax.get_figure(root=True)
         assert fig is not None
         notes.keep(fig, [f"{title}."])

@@ -23,7 +23,7 @@ def figure(ds: xr.Dataset) -> Figure:
     columns = int(np.clip(np.ceil(np.sqrt(1.9 * count)), *COLUMNS))
     rows, cell = max(-(-count // columns), 1), WIDTH / columns + 0.3
 
-    said = f"Developed curves, each with its own scale, {_below(ds)} below it; black dot: s = 0"
+    said = f"Unrolled views, each with its own scale, {_below(ds)} below it; dot: s = 0"
 
     def draw(fig: Figure) -> None:
         grid = fig.add_gridspec(2, 1, height_ratios=[rows * cell, HIGH])

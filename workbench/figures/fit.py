@@ -63,11 +63,11 @@ def curve(ds: xr.Dataset, ax: Axes, room: tuple[float, float] = ROOM) -> Axes:
     wide, high = _extent(ds)
     factor = developed.stretch(wide, high, room)
     ax.set_aspect(1 / factor, anchor="NW")
-    across, along = (f"ρα [{unit}]", f"z [{unit}]") if up else (f"z [{unit}]", f"ρα [{unit}]")
+    across, along = (f"{developed.AROUND} [{unit}]", f"z [{unit}]")[:: 1 if up else -1]
     ax.set_xlabel(f"{across}{developed.larger(factor)}")
     ax.set_ylabel(style.wrapped(f"{along}{developed.larger(1 / factor)}", ax, upward=True))
-    ways = "ρα to the right, z up" if up else "z to the right, ρα down"
-    title = style.wrapped(f"Developed curve, seen from outside: {ways}", ax)
+    ways = "z up" if up else "z to the right"
+    title = style.wrapped(f"Unrolled view, seen from outside: {ways}", ax)
     ax.set_title(title, loc="left", pad=22 if "measured_z" in ds else 6)
     ax.margins(x=max(0.06, 0.55 / room[0]), y=0.12)  # room for s = 0
     if not up:

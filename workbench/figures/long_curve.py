@@ -117,7 +117,7 @@ def draw(ax: Axes, curve: Curve, found: Lines, unit: str, dots: bool = False, na
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)
     ax.set_ylabel(f"line from s [{unit}]")
-    ax.set_xlabel(f"z from the start of a line [{unit}]; ρα down")
+    ax.set_xlabel(f"z from the start of a line [{unit}]; distance around the cylinder down")
     ax.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]))
     ax.xaxis.set_major_formatter(Ticks())
     ax.grid(axis="x", color=style.FAINT, linewidth=0.6)

@@ -33,7 +33,7 @@ def figure(found: DrawnRods, sheet: Sheet) -> Figure | None:
         push_scale.bar(fig, drawn, [ax], push_scale.unit(found.source), inches, below=sheet.narrow)
         if "overlaps" in cautions.keys(rod.caution):
             notes.append("The rod passes through itself; the places are not marked in lines.")
-        said = ["Developed curve, seen from outside.", *notes, *found.said(), *found.notes]
+        said = ["Unrolled view, seen from outside.", *notes, *found.said(), *found.notes]
         legend.below(fig, _entries(curve), said, sheet)
 
     height = lines.height + LABELS + 0.7 * sheet.titled + (0.9 if sheet.narrow else 0.0)

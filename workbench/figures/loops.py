@@ -31,7 +31,7 @@ def figure(ds: xr.Dataset) -> Figure:
         push_scale.bar(fig, drawn[0], list(grid), push_scale.unit(ds), rows * (cell + 0.6))
         orange = "Orange: the cylinder would have to pull, a rod that is free to unbind lifts off there"
         fig.supxlabel(
-            "ρα to the right, z up, all at one scale; the vertical lines are one wrap apart. "
+            "Unrolled views, z up, all at one scale; the vertical lines are one turn around the cylinder apart. "
             f"The rod lies {ds.attrs['side']}.\n"
             f"{orange}.\n"
             "Stable and index: of the closed rod on the surface, its section free to turn.",
@@ -69,9 +69,9 @@ def _draw(ds: xr.Dataset, ax: Axes, k: int, push: Any, norm: Any, half: float) -
     ax.set_aspect("equal")
     for spine in ax.spines.values():
         spine.set(visible=True, color=style.FAINT)
-    index, folds = int(one["index"]), int(one["folds"])
-    word = "stable" if index == 0 else f"index {index}"
-    ax.set_title(f"loop {k + 1}: {folds} fold{'s' * (folds > 1)}, {word}", loc="left", pad=4)
+    index, waves = int(one["index"]), int(one["folds"])
+    word = "stable" if index == 0 else f"unstable in {index} way{'s' * (index > 1)}"
+    ax.set_title(f"loop {k + 1}: {waves} wave{'s' * (waves > 1)}, {word}", loc="left", pad=4)
     shape_cell.bar(ax, 2 * half, labels.unit(str(ds.attrs["length_unit"])))
     meets = "\nintersects itself" if "overlaps" in str(one["caution"].values) else ""
     ax.set_xlabel(f"energy {labels.value(float(one['energy']), one['energy'])}{meets}", size=style.small(), labelpad=2)

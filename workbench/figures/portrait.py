@@ -11,7 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator, MultipleLocator
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from solver.mechanics.potential import TAU, Loads, potential, slope, slope_rate
@@ -21,7 +21,7 @@ from solver.problem.errors import no_such
 from ..data import labels
 from . import canvas, drawn_rods, legend, style
 from .drawn_rods import DrawnRod
-from .scales import Ticks
+from .scales import Ticks, angle_locator
 from .sheet import SCREEN, Sheet
 
 PANELS = {"portrait": "phase portrait", "potential": "potential"}
@@ -32,7 +32,6 @@ LEVELS = 7  # level sets
 ROUNDING = 1e-12
 SPARE = 0.06  # of the window, to the left and right of what must be seen
 LEAST = np.radians(0.5)  # of a window
-TICKS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720, 1800, 3600)  # degrees between two
 SADDLE = "the separatrix, through a saddle (×)"
 
 
@@ -238,7 +237,7 @@ def _frame(ax: Axes, name: str, one: Orbit, alone: bool, j: int, leftmost: bool,
         ax.set_title(one.rod.name if fits else one.rod.value, loc="left", size=style.small())
     ax.set_xlabel("β [°]")
     span = float(np.degrees(np.ptp(one.window)))
-    ax.xaxis.set_major_locator(MultipleLocator(next((step for step in TICKS if span < step * wide / 0.6), TICKS[-1])))
+    ax.xaxis.set_major_locator(angle_locator(span, wide - 0.5))
     ax.yaxis.set_major_locator(MaxNLocator(nbins=5))
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(Ticks())

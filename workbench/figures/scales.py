@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
-from matplotlib.ticker import FixedLocator, Formatter, MaxNLocator, NullLocator
+from matplotlib.ticker import FixedLocator, Formatter, MaxNLocator, MultipleLocator, NullLocator
 from numpy.typing import NDArray
 
 from ..data import labels
@@ -119,6 +119,13 @@ def _round_numbers(ends: tuple[float, float], logarithmic: bool, most: int) -> l
             return inside[:: ceil(len(inside) / most)]
     even = MaxNLocator(nbins=most, steps=[1, 2, 5, 10], min_n_ticks=1).tick_values(low, high)
     return [float(value) for value in even if low <= value <= high]
+
+
+def angle_locator(span: float, inches: float) -> MultipleLocator:
+    """Ticks of an axis of so many inches over a span of degrees: each 90 degrees, or a part or a multiple of it."""
+    steps = (0.5, 1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720, 1800, 3600)
+    least = 90 if 135 < span < 1000 * inches else 0
+    return MultipleLocator(next((step for step in steps if step >= least and span <= step * inches / 0.45), steps[-1]))
 
 
 def scale_of(axis: xr.DataArray) -> Scale:

@@ -15,13 +15,13 @@ from solver.problem.errors import InputError, no_such
 from ..data import labels
 from ..data.cautions import SLIGHT
 from . import canvas, developed, legend, long_curve, push_scale, style
-from .scales import Ticks
+from .scales import Ticks, angle_locator
 from .sheet import SCREEN, Sheet
 
 SIZE = (9.6, 8.0)  # inches
 FINE = 4001  # stations of a diagram, two for each pixel: fewer cut off the peaks of push
 FINE_IN_LINES = 20_001
-CURVE = "developed curve (unrolled cylinder), seen from outside"
+CURVE = "unrolled view, seen from outside"
 DOTS = {"linestyle": "none", "marker": ".", "markersize": 3}
 
 
@@ -108,6 +108,7 @@ def angle(ds: xr.Dataset, ax: Axes) -> Axes:
     ax.plot(ds["s"], np.degrees(ds["beta"]), color=style.PUSHED, **_look(ds))
     ax.axhline(0, color=style.SOFT, linewidth=0.8)
     ax.set_ylabel("β [°]")
+    ax.yaxis.set_major_locator(angle_locator(float(np.ptp(ax.get_ylim())), 1.6))
     ax.set_title(style.wrapped(_title(ds, "angle from the axis to the tangent"), ax), loc="left")
     return _along(ds, ax)
 
@@ -158,7 +159,7 @@ def curve(ds: xr.Dataset, ax: Axes) -> Axes:
     factor = developed.stretch(float(np.ptp(up)), float(np.ptp(across)), room)
     ax.set_aspect(1 / factor)
     ax.set_xlabel(f"z [{unit}]{developed.larger(factor)}")
-    ax.set_ylabel(style.wrapped(f"ρα [{unit}]{developed.larger(1 / factor)}", ax, upward=True))
+    ax.set_ylabel(style.wrapped(f"{developed.AROUND} [{unit}]{developed.larger(1 / factor)}", ax, upward=True))
     title = f"{CURVE}, at one scale" if factor == 1 and not _is_coarse(ds) else _title(ds, CURVE)
     ax.set_title(style.wrapped(title, ax), loc="left")
     ax.margins(x=max(0.08, 0.55 / style.inches(ax)[0]), y=0.15)  # room for s = 0

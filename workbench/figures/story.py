@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 
 from solver.mechanics import frames
 from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
+from studies.reasons import PLAIN
 
 from ..data import labels, law_verdicts
 from . import canvas, drawn_rods, push_scale, solid, style
@@ -134,7 +135,7 @@ def law(ds: xr.Dataset, ax: Axes) -> None:
     trend(ds, ax, verdict["observable"], verdict["axis"], verdict["at"])
     noun, axis = labels.noun_of(verdict["observable"]), labels.axis_symbol(verdict["axis"])
     said = f"{verdict['claim']} {noun} {verdict['does']} with {axis}:"
-    ax.set_title(style.wrapped(said, ax, style.small()) + f"\n{verdict['verdict']}", loc="left", size=style.small(),
+    ax.set_title(style.wrapped(said, ax, style.small()) + f"\n{PLAIN[verdict['verdict']]}", loc="left", size=style.small(),
                  color=style.VERDICT_COLOURS[verdict["verdict"]], pad=3)  # fmt: skip
 
 
@@ -156,7 +157,7 @@ def claims(ds: xr.Dataset, ax: Axes) -> None:
             ax.axvline(on[0] - 0.5, color=style.FAINT, linewidth=0.8)
     ax.tick_params(length=0, colors=style.INK, pad=2)
     ax.spines[:].set_visible(False)
-    handles = [Line2D([], [], label=one, **_mark(one)) for one in MARKS if one in verdicts]
+    handles = [Line2D([], [], label=PLAIN[one], **_mark(one)) for one in MARKS if one in verdicts]
     ax.legend(handles=handles, loc="upper right", bbox_to_anchor=(1.02, 0.0), ncols=len(handles), borderaxespad=0,
               handletextpad=0.1, columnspacing=0.7, handlelength=1.2)  # fmt: skip
 

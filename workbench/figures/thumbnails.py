@@ -46,7 +46,7 @@ def check(ds: xr.Dataset, grid: xr.Dataset, choice: Choice, shapes: Shapes) -> N
         if count > grid.sizes[axis]:
             raise InputError(f"{count} shapes along {axis} are more than its {grid.sizes[axis]} values")
     if not developed.has_curve(ds):
-        raise InputError('the study stores no developed curves: add "alpha" and "z" to its outputs, and run it again')
+        raise InputError('the study stores no unrolled curves: add "alpha" and "z" to its outputs, and run it again')
 
 
 def draw(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float], name: str) -> list[str]:
@@ -97,7 +97,7 @@ def _scale_of(ds: xr.Dataset, extent: tuple[float, float], factor: float) -> str
     """The scale of the shapes in words."""
     unit = labels.unit(str(ds.attrs["length_unit"]))
     size = f"the tallest is {labels.number(extent[1])} {unit} high"
-    enlarged = f"{developed.larger(factor, 'ρα')}{developed.larger(1 / factor, 'z')}"
+    enlarged = f"{developed.larger(factor, developed.AROUND)}{developed.larger(1 / factor, 'z')}"
     return f"Shapes: unrolled views, each about its own case, its number below; all at one scale{enlarged}; {size}."
 
 
