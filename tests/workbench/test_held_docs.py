@@ -53,8 +53,9 @@ def test_the_studies_of_the_page_run_and_are_drawn(name: str, tmp_path, monkeypa
             run(line)
     with xr.open_dataset(f"{name}.h5", engine="h5netcdf") as ds:
         assert ds["solved"].all()
-    assert Path(f"held_{name}.png").stat().st_size > 10_000
-    assert (ROOT / "docs" / "figures" / f"held_{name}.png").exists()
+    if f"held_{name}.png" in DOCS:
+        assert Path(f"held_{name}.png").stat().st_size > 10_000
+        assert (ROOT / "docs" / "figures" / f"held_{name}.png").exists()
 
 
 PYTHON = re.findall(r"```python\n(.*?)```", DOCS, re.DOTALL)
