@@ -14,6 +14,7 @@ from tests.workbench import doc_pages
 from tests.workbench.pictures import pixels
 from workbench import cli
 from workbench.data import writing
+from workbench.geometry import centreline, self_contact
 
 ROOT = Path(__file__).parents[2]
 PAGE = doc_pages.read(ROOT / "docs" / "how-to" / "close-a-rod.md")
@@ -112,3 +113,12 @@ def test_the_page_runs_as_it_stands(tmp_path, monkeypatch) -> None:
         exec(block, names)
         assert names["found"][0].index == 2
         assert names["found"][0].push_min == pytest.approx(-4 * 0.0947948, abs=1e-4)  # solid, not paper
+
+
+def test_the_ends_of_a_closed_rod_are_no_place_where_it_passes_through_itself() -> None:
+    found = loops(Rod(E=1.07e4, nu=0.25, a=0.05, L=12.0), Cylinder(R=1.05, side="inside"), folds=2)
+    ds = found.to_dataset(length="cm", force="N")
+    for k in range(ds.sizes["equilibrium"]):
+        line = centreline.read(ds, {"equilibrium": k})
+        end = line.frame(line.s[:1])[0]
+        assert all(np.linalg.norm(place - end) > line.a for place in self_contact.places(line, (0.0, line.L)))

@@ -12,6 +12,7 @@ from solver.problem.errors import InputError
 from .centreline import Array, Centreline
 
 MOST = 400_000  # points along the rod; some 300 MB of pairs
+CLOSED = 1e-3  # radii between the ends of a closed rod, at most
 APART = np.pi  # radii along the rod: nearer points are close as neighbours in a bend, not in self-contact
 
 
@@ -74,10 +75,16 @@ def places(line: Centreline, span: tuple[float, float], most: int = 40) -> list[
 
 
 def _close(line: Centreline, s: Array) -> tuple[Array, Any]:
-    """Points of the centreline, and the pairs of them that are not neighbours and about 2 a apart or less, (n, 2)."""
+    """Points of the centreline, and the pairs of them that are not neighbours and about 2 a apart or less, (n, 2).
+
+    The two ends of a closed rod are neighbours.
+    """
     points = line.frame(s)[0]
     pairs = cKDTree(points).query_pairs(2 * line.a + (s[1] - s[0]), output_type="ndarray")
-    return points, pairs[np.abs(s[pairs[:, 0]] - s[pairs[:, 1]]) > APART * line.a]
+    away = np.abs(s[pairs[:, 0]] - s[pairs[:, 1]])
+    if float(np.linalg.norm(points[-1] - points[0])) < CLOSED * line.a:
+        away = np.minimum(away, s[-1] - s[0] - away)
+    return points, pairs[away > APART * line.a]
 
 
 def _nearest(line: Centreline, s: Array) -> tuple[float, float, float] | None:
