@@ -5,7 +5,7 @@
     python -m benchmarks.make_golden store folds  # stores the answers of one kind anew, after a change that is meant
 
 `marched` of a shape is the largest difference of its far end from a march of the equations, written anew.
-Problems with M10 or M1L are left out until their answers are known to be right; then they belong here too.
+Rows with M10 or M1L are of the kinds that were compared with marches by SciPy and an index on a mesh.
 """
 
 import json
@@ -258,9 +258,24 @@ def short(value: Any, digits: int = 13) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
+def hinged() -> Iterator[Row]:
+    """Rods with a hinge at one end or at both, without an end moment."""
+    rng = np.random.default_rng(15)
+    for i in range(24):
+        loads = dict(zip(("FZ", "MZ", "M3"), rng.uniform(-2.5, 2.5, 3).tolist(), strict=True))
+        free = ({"M10": 0.0, "M1L": 0.0}, {"M10": 0.0, "betaL": rng.uniform(-2, 2)}, {"beta0": 0.4, "M1L": 0.0})[i % 3]
+        row = problem(float(rng.uniform(1.5, 6)), **free, **loads)
+        kind = ("shape", "follow", "sensitivity")[i // 3 % 3]
+        if kind == "follow":
+            row["over"] = {"M3": [loads["M3"] - 0.5, loads["M3"], loads["M3"] + 0.5]}
+        elif kind == "sensitivity":
+            row |= {"fields": ["E", "L", "FZ"], "observables": ["height", "energy"]}
+        yield {"kind": kind, "name": f"hinged {kind} {i}", **row}
+
+
 def make() -> None:
     made = []
-    for kind in (starts, dead, saddles, helices, held, follows, folds, closed, sensitivities, fits):
+    for kind in (starts, dead, saddles, helices, held, follows, folds, closed, sensitivities, fits, hinged):
         for row in kind():
             begun = perf_counter()
             row["answer"] = short(answer(row))
