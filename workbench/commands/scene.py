@@ -64,7 +64,7 @@ def scene_file(
         study, ds = study_scene.two_stations(file)
         file = Path(f"{study.name}.h5")
     else:
-        ds = read_dataset(file)
+        ds = study_scene.read_dataset(file)
     found = kinds.kind_of(kind or ("equilibria" if schema.axes_of(ds) == ["equilibrium"] else "contact"))
     where = at_option.values(ds, at)
     case = [f"{name}={selection.written(name, value)}" for name, value in where.items()]
@@ -109,19 +109,6 @@ def part_of(ds: "xr.Dataset", span: tuple[float | None, float | None]) -> tuple[
         return None
     low, high = span
     return (low or 0.0, float(ds["s"].max()) if high is None else high)
-
-
-def read_dataset(file: Path) -> "xr.Dataset":
-    """The dataset of a study, or of equilibria. Raises `InputError`."""
-    from solver.problem.errors import InputError
-
-    from ..data import kinds, reading, writing
-
-    with reading.raw(file) as ds:
-        kind = kinds.kind_of(ds)
-    if kind is not kinds.STUDY and not kind.scene:
-        raise InputError(f"{file} is {kind.what}, which {kinds.readers(kind)}; scene draws studies and equilibria")
-    return writing.read(file, study=kind is kinds.STUDY)
 
 
 def scene(

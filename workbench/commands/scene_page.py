@@ -31,7 +31,6 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
     from ..scene.kinds import kind_of
     from ..web.turntable import page
     from . import at_option, output_file, study_scene
-    from .scene import read_dataset
 
     if kind not in (None, KIND, "equilibria") or others:
         raise InputError(
@@ -46,7 +45,7 @@ def write(file: Path, at: list[str], out: Path, force: bool, kind: str | None, o
         needed = study_scene.needed_cases(study, ds, kind_of(KIND), where, _free(ds, where))
         solve, ds = study_scene.solver_of_study(needed), in_memory.run(needed.at_stations(FIRST))
     else:
-        ds = read_dataset(file)
+        ds = study_scene.read_dataset(file)
         where = at_option.values(ds, at)
         solve = study_scene.solver_of_file(ds, where, _free(ds, where))
     for _ in range(ROUNDS):

@@ -18,7 +18,7 @@ from studies.axes import Axis
 from studies.dimensions import SAMPLE
 from studies.model import MAX_STATIONS, OUTPUTS
 
-from ..data import schema, selection
+from ..data import kinds, reading, schema, selection, writing
 from ..figures.scales import WIDE
 from ..run import in_memory
 from ..run.plan import plan
@@ -35,6 +35,15 @@ TRIED, STEP, JUMP, LEAST = 49, 0.12, 1.0, 72  # of a film: first values, motion 
 Solve = Callable[[int], xr.Dataset]  # the cases of a scene at a number of stations
 SHAPE = ("beta", "dbeta", "alpha", "z", "gamma", "contact")
 SAME = 1e-4  # rad, or a share of the length: by which a rod that is solved again may differ from the stored one
+
+
+def read_dataset(file: Path) -> xr.Dataset:
+    """The dataset of a study, or of equilibria. Raises `InputError`."""
+    with reading.raw(file) as ds:
+        kind = kinds.kind_of(ds)
+    if kind is not kinds.STUDY and not kind.scene:
+        raise InputError(f"{file} is {kind.what}, which {kinds.readers(kind)}; scene draws studies and equilibria")
+    return writing.read(file, study=kind is kinds.STUDY)
 
 
 def is_study(file: Path) -> bool:
