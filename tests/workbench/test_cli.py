@@ -137,10 +137,10 @@ def test_check_tells_a_law_that_holds_from_one_that_fails_by_its_status(stored, 
     good = workbench("check", stored, "--json")
     assert (good.returncode, json.loads(good.stdout)["laws"][0]["verdict"]) == (0, "holds")
     ds = writing.read(stored)
-    turned = ds.assign(kappa_max=-ds["kappa_max"])
+    turned = ds.assign(kappa_max=ds["kappa_max"].copy(data=1 / ds["kappa_max"].values))
     bad = workbench("check", writing.write(turned, tmp_path / "bad.h5"))
-    assert bad.returncode == 1
-    assert "fails" in bad.stdout
+    assert bad.returncode == 1, bad.stderr
+    assert re.search(r"^false +\(2\)", bad.stdout, re.M)
 
 
 def test_solve_of_nothing_is_the_rod_of_table_1_and_says_so(here) -> None:
