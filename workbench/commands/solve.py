@@ -184,7 +184,8 @@ def _print(found: dict[str, Any], every: bool) -> None:
     console.print_table(["given", "value", "unit", ""], rows)
     console.say("")
     if results := _results(found):
-        shown = [name for name in results if every or name in HEADLINES or name not in found["observables"]]
+        plain = set(found["observables"]) | set(found["case"]) - set(HEADLINES)  # a load that is given stands above
+        shown = [name for name in results if every or name in HEADLINES or name not in plain]
         console.print_table(
             ["found", "value", "unit", ""],
             [[name, results[name], _unit(name, found), quantity(name).long_name] for name in shown],
