@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .mechanics import frames, statics
-from .mechanics.contact import contact_force, push_from
+from .mechanics.contact import contact_force, push_from, with_weight
 from .mechanics.potential import Loads, dimensional_slope, potential
 from .numerics.arrays import Array
 from .problem.case import PAIRS, Case
@@ -79,23 +79,28 @@ class Solution:
     @cached_property
     @_quiet
     def _loads(self) -> tuple[Array, Array, Array, Array]:
-        """A, l = MZ/A, m = M3/A and p = FZ/A, (*cases, 1) each."""
+        """A, l = MZ/A, m = M3/A and p = FZ/A, (*cases, 1) each, or (*cases, n) where they vary along the rod."""
         A = self._column(self.case.rod.bending_stiffness)
+        if self.trajectory.loads is not None:
+            lam, mu, phi = (self._along(load) / self._rho for load in self.trajectory.loads)
+            return A, lam, mu, phi / self._rho
         FZ, MZ, M3 = (self._column(load) for load in self.loads)
         return A, MZ / A, M3 / A, FZ / A
 
     @cached_property
     @_quiet
     def loads(self) -> tuple[Any, Any, Any]:
-        """FZ [force], MZ and M3 [force length]: those of the case, or found where displacements are held."""
+        """FZ [force], MZ and M3 [force length]: those of the case, or found where displacements are held.
+
+        Where loads vary along the rod, those of its far end.
+        """
         held = held_of(self.case)
-        if not held:
+        if not held and (self.case.kind == "ends" or not self.case.varies):
             return self.case.loads
-        assert isinstance(self.problem, EndsProblem)
         A, rho, given = self.case.rod.bending_stiffness, self.case.rho, self.case.given
         found = loads_of(self.problem, A, rho, self.case.shape)
         shown = (np.where(self.trajectory.solved, value, np.nan).reshape(self.case.shape)[()] for value in found)
-        own = (getattr(given, name) for name in ("FZ", "MZ", "M3"))
+        own = (getattr(given, name) if held else None for name in ("FZ", "MZ", "M3"))
         one, two, three = (value if known is None else known for known, value in zip(own, shown, strict=True))
         return one, two, three
 
@@ -207,7 +212,8 @@ class Solution:
     @cached_property
     @_quiet
     def _surface_forces(self) -> tuple[Array, Array]:
-        return statics.surface_forces(self.FY, self._column(self.FZ), self.beta)
+        A, _, _, p = self._loads
+        return statics.surface_forces(self.FY, self._column(self.FZ) if p.shape[-1] == 1 else A * p, self.beta)
 
     @property
     @_quiet
@@ -227,7 +233,8 @@ class Solution:
         """Contact force per length, positive outward, (*cases, n) [force/length]; eq. (34), corrected."""
         A, l, m, p = self._loads
         H = dimensional_slope(l, m, p, self._rho, self.beta)
-        return contact_force(A, m, self._rho, self.FY, H, self.beta, self.dbeta)
+        found = contact_force(A, m, self._rho, self.FY, H, self.beta, self.dbeta)
+        return with_weight(self.case, found, self.alpha, self.dbeta) if self.case.varies else found
 
     @property
     @_quiet
@@ -253,7 +260,14 @@ class Solution:
     @cached_property
     @_quiet
     def h(self) -> Array:
-        """First integral beta'^2 + G(beta), constant but for the error, (*cases, n) [1/length^2]; eq. (32)."""
+        """First integral beta'^2 + G(beta), constant but for the error, (*cases, n) [1/length^2]; eq. (32).
+
+        With weight or friction G has the loads of each place, and varies.
+        """
+        if self.trajectory.loads is not None:
+            _, l, m, p = self._loads
+            local = Loads(l * self._rho, m * self._rho, p * self._rho**2)
+            return self.dbeta**2 + potential(local, self.beta) / self._rho**2
         level = self.trajectory.dbeta**2 + potential(Loads.columns(self.problem), self.trajectory.beta)
         return self._along(level) / self._rho**2
 
@@ -327,6 +341,20 @@ class Solution:
         for i, (one, A, rho) in enumerate(zip(() if begun is None else begun, *map(np.ravel, scales), strict=False)):
             said[i] = one.said(float(A), float(rho)) if isinstance(one, DeadStart) else one
         return self._each(said)
+
+    @cached_property
+    def states(self) -> Any:
+        """Of rods with weight or friction, their states along s: straight, sinusoidal or helical, (*cases) of tuples.
+
+        Each state has a word, and the s at which it begins and ends [length]. None for other rods, and for an unsolved
+        case. `shooting.state.states` says what the words mean.
+        """
+        found = np.full(self.case.size, None, dtype=object)
+        if self.trajectory.shapes is not None:
+            rho = flat(self.case.rho, self.case.shape)
+            for i in np.flatnonzero(np.reshape(self.solved, -1)):
+                found[i] = self.trajectory.shapes.of(int(i)).states(rho[i])
+        return self._each(found)
 
     @cached_property
     def alternatives(self) -> "tuple[Alternative, ...]":

@@ -52,10 +52,12 @@ def solve(
         "auto", a name of `solver.methods.METHODS`, or a method with its knobs, for example ``Verlet(steps=400)``.
     stations : int or array, (n,) or (*cases, n)
         The number of stations, at equal steps of s; or their values of s [length], rising within [0, L].
-    seed : float, array or Solution, optional
+    seed : float, array, Solution or "straight", optional
         For an ends problem, which of its equilibria: the one with beta'(0) near this value [rad/length], or the one
         that continues from this solution. For held ends a solution. Default for held ends: the nearest equilibrium
-        under dead loads, carried to them; `Solution.begun` says which.
+        under dead loads, carried to them; `Solution.begun` says which. Of a rod with weight or friction: a solution of
+        such a rod, or "straight" for the straight rod where it is an equilibrium; default: the branch that continues
+        from the straight rod as the loads grow, stable where one is.
     choose : {"nearest", "lowest"} or int
         For an ends problem without a seed, which of its equilibria. "nearest": of the stable ones (of all, if none is
         stable) the one whose beta goes least beyond its end angles. "lowest": the one of
@@ -86,6 +88,8 @@ def solve(
     from .methods.automatic import chosen_method  # only a call of `solve` loads the methods
 
     case, tol = checked_case("solve", case), checked_tolerance(tol)
+    if case.varies:
+        return _varying(case, tol, method, knobs, stations, seed, choose)
     if held_of(case):
         return _held(case, tol, chosen_method("ends", method, knobs), stations, seed, checked(choose))
     problem = reduce(case)
@@ -102,6 +106,37 @@ def solve(
     else:
         which = {}
     return Solution(case, problem, _run(case, problem, one, t, tol, which), t, one.name, tol)
+
+
+def _varying(
+    case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
+) -> Solution:
+    """The solution of a case whose loads vary along the rod: by Taylor series; between ends by multiple shooting."""
+    from .shooting.answers import answer_ends, answer_starts
+
+    name = {"start": "taylor", "ends": "shooting"}[case.kind]
+    if method not in ("auto", name) or knobs:
+        asked = method if isinstance(method, str) else method.name
+        raise InputError(f"a rod with weight or friction is solved by {name} alone, without knobs; got {asked!r}")
+    if choose != NEAREST:
+        raise InputError(f"choose = {choose!r} needs all equilibria, which are not known with weight or friction")
+    straight = isinstance(seed, str) and seed == "straight"
+    if seed is not None and (case.kind == "start" or (not straight and not _is_seed(case, seed))):
+        raise InputError(
+            "seed of a rod with weight or friction is 'straight', or a Solution between ends of such a rod, got "
+            f"{seed if isinstance(seed, str | float | int) else type(seed).__name__}"
+        )
+    span = Reduced(*5 * [flat(case.rod.L / case.rho, case.shape)])
+    t = _stations(case, span, stations)
+    if case.kind == "start":
+        return Solution(case, *answer_starts(case, t, tol), t, name, tol)
+    begin = seed if straight or seed is None else seed.trajectory
+    return Solution(case, *answer_ends(case, t, tol, begin), t, name, tol)
+
+
+def _is_seed(case: Case, seed: Any) -> bool:
+    """Whether a value is a solution that can seed a case whose loads vary."""
+    return isinstance(seed, Solution) and seed.trajectory.shapes is not None and seed.case.shape in ((), case.shape)
 
 
 def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose: Choose) -> Solution:

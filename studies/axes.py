@@ -23,7 +23,7 @@ CYLINDER = tuple(f.name for f in fields(Cylinder))
 START = tuple(f.name for f in fields(Start))
 ENDS = tuple(f.name for f in fields(Ends))
 FIELDS = frozenset((*ROD, *CYLINDER, *START, *ENDS))  # of a case
-WORDS = ("stiffness", "side")  # the fields that are text
+WORDS = ("stiffness", "side", "sliding")  # the fields that are text
 
 MAX_COUNT = 10_000_000  # values of an axis: 80 MB
 MAX_CASES = 1_000_000_000  # cases of a grid: more than a day at 0.1 ms each
@@ -110,8 +110,12 @@ class Base(BaseModel):
     inner_radius: float | None = None
     EI: float | None = None
     GJ: float | None = None
+    weight: float | None = None
     R: float | None = None
     side: Literal["outside", "inside"] | None = None
+    inclination: Angle | None = None
+    friction: float | None = None
+    sliding: Literal["forward", "backward", "rotating"] | None = None
     beta: Angle | None = None
     dbeta: float | None = None
     F1: float | None = None

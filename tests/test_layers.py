@@ -32,7 +32,7 @@ FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 # The parts of a package in order: each imports only from those before it, and from itself.
 LISTS = {
     "solver": [
-        "numerics", "problem", "mechanics", "core", "orbit", "closed", "boundary", "methods", "solution",
+        "numerics", "problem", "mechanics", "core", "orbit", "closed", "boundary", "shooting", "methods", "solution",
         "observe", "sensitivity", "solve", "equilibrium_list", "held_equilibria", "equilibria", "branch", "follow",
         "switch", "end_angle_branch", "region_map", "loops", "inverse", "benchmark",
     ],

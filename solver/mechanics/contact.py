@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..problem.case import SIDES
+from ..problem.case import SIDES, SLIDING, Case
 
 
 def contact_force(A: Any, m: Any, rho: Any, FY: Array, H: Array, beta: Array, dbeta: Array) -> Array:
@@ -33,6 +33,21 @@ def contact_force(A: Any, m: Any, rho: Any, FY: Array, H: Array, beta: Array, db
     """
     bent = H * (1.5 * np.sin(2 * beta) / rho - m) - 3 / rho * dbeta**2 * np.cos(2 * beta)
     return np.sin(beta) * FY / rho + A * bent
+
+
+def with_weight(case: Case, contact: Array, alpha: Array, dbeta: Array) -> Array:
+    """The contact force per length of rods with weight or friction, (*cases, n), from that without them.
+
+    The weight across the axis pulls the rod to alpha = 0; the twisting moment of a rod that turns in place grows by the
+    friction, and its rate makes a force where the rod bends.
+    """
+    wall, column = case.cylinder, lambda value: np.expand_dims(np.broadcast_to(value, case.shape), -1)
+    if case.rod.weight is not None and wall.inclination is not None:
+        contact = contact - column(case.rod.weight * np.sin(wall.inclination)) * np.cos(alpha)
+    sign, turning = SLIDING[wall.sliding]
+    if turning and wall.friction is not None:
+        contact = contact / (1 - case.outward * sign * column(wall.friction * case.rod.a) * dbeta)
+    return contact
 
 
 def push_from(contact: Any, side: str) -> Any:

@@ -1,6 +1,7 @@
 """The densities whose integrals and extremes are the observables, in units of A and rho, at the nodes of rod pieces."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -57,13 +58,20 @@ def bending(pieces: Pieces) -> Density:
 
 
 def potential(pieces: Pieces) -> Density:
-    """Energy per length less the work of the dead loads in A/rho^2, without the constant -M3^2/(2C)."""
+    """Energy per length less the work of the dead loads in A/rho^2, without the constant -M3^2/(2C).
+
+    With weight the work of FZ at the far end less that of the weight along the axis is that of the local FZ.
+    """
     loads, speed, s, c = _loads(pieces), pieces.angles.speed, pieces.angles.sin, pieces.angles.cos
+    weight: Any = 0.0
+    if pieces.varying is not None:
+        far = Loads.columns(pieces.problem, pieces.case)
+        loads, weight = Loads(far.lam, far.mu, loads.phi), pieces.varying[3]
     s2 = s * s
     bent, twisted, pulled, turned = (speed * speed + s2 * s2) / 2, loads.mu * s * c, loads.phi * c, loads.lam * s
-    size = bent + np.abs(twisted) + np.abs(pulled) + np.abs(turned)
+    size = bent + np.abs(twisted) + np.abs(pulled) + np.abs(turned) + np.abs(weight)
     moved = 2 * s2 * s * c + loads.mu * (c - s) * (c + s) + loads.phi * s - loads.lam * c
-    return Density(bent + twisted - pulled - turned, size, np.abs(speed) * rate(pieces) + np.abs(moved))
+    return Density(bent + twisted - pulled - turned - weight, size, np.abs(speed) * rate(pieces) + np.abs(moved))
 
 
 def outward(pieces: Pieces) -> Density:
@@ -77,7 +85,11 @@ def outward(pieces: Pieces) -> Density:
     size = size + (np.abs(even) + np.abs(twist) + np.abs(rest)) * (3 * np.abs(s * c) + np.abs(loads.mu))
     moved = c * across + s * (loads.mu * s - 3 * s * s * c) + slope_rate_of(loads, s, c) * lever + 3 * H * cos2
     spread = np.abs(moved + 12 * v2 * s * c) + 6 * np.abs(speed * cos2) * rate(pieces)
-    return Density(s * across + H * lever - 3 * v2 * cos2, size, spread)
+    found = s * across + H * lever - 3 * v2 * cos2
+    if pieces.varying is not None:
+        weight, divisor = pieces.varying[3:]
+        found, size = (found - weight) / divisor, size + np.abs(weight)
+    return Density(found, size, spread)
 
 
 def tension(pieces: Pieces) -> Density:
@@ -103,5 +115,7 @@ def rate(pieces: Pieces) -> Array:
 
 
 def _loads(pieces: Pieces) -> Loads:
-    """The loads of each piece as columns, (Q, 1)."""
+    """The loads of each piece as columns, (Q, 1); where they vary, at the nodes, (Q, m)."""
+    if pieces.varying is not None:
+        return Loads(*pieces.varying[:3])
     return Loads.columns(pieces.problem, pieces.case)

@@ -65,6 +65,8 @@ def _last_without_push(sol: Solution, cases: Array, places: Array, far: bool) ->
 def push_at(sol: Solution, cases: Array, t: Array) -> Array:
     """The push at places t (k, m), in units of rho, of some cases (k,), in units of A/rho^3; between stations, where
     the method knows no orbit, linear in t."""
+    if sol.trajectory.shapes is not None:
+        return np.stack([sol.trajectory.shapes.of(int(i)).push_at(row) for i, row in zip(cases, t, strict=True)])
     problem: Reduced = sol.problem.take(cases)
     if sol.trajectory.orbit is None:
         shape = sol.trajectory

@@ -19,6 +19,7 @@ from ..numerics.chebyshev import means, primitive, series_at
 from ..orbit.marched_orbit import MarchedOrbit
 from ..problem.errors import InputError
 from ..problem.reduced import flat
+from ..shooting.loaded_rod import ALPHA, SHORT, SPEED
 from ..solution import Solution
 from . import densities
 from .peaks import first_peak
@@ -173,8 +174,8 @@ MIDDLE = (1 / 3, 2 / 3)  # the middle third of the length
 
 
 def _of_groups(groups: list[Group], pieces: Pieces, sign: Array, error: Array, goal: float) -> dict[str, Pair]:
-    """The numbers of some groups, (B,) each; by the core, but of longer series than it takes."""
-    if pieces.series.shape[2] > LONGEST:
+    """The numbers of some groups, (B,) each; by the core, but of longer series than it takes, and of varying loads."""
+    if pieces.varying is not None or pieces.series.shape[2] > LONGEST:
         return reference_groups(groups, pieces, sign, error, goal)
     found = measure(pieces, {"sign": sign, "error": error}, [GROUPS.index(group) for group in groups], goal)
     return {name: found[name] for group in groups for name in group.names}
@@ -228,7 +229,7 @@ class Reading:
         for some in blocks(sol):
             pieces = pieces_of(sol, some, until)
             measured = _of_groups(groups, pieces, sign[some], error[some], goal)
-            if sol.trajectory.orbit is None:
+            if sol.trajectory.orbit is None and sol.trajectory.shapes is None:
                 if PEAK in groups:  # at each bend the maximum is off by another amount
                     wide = error[some] + off_between(sol, some)
                     measured |= _of_groups([PEAK], pieces_of(sol, some, until), sign[some], wide, goal)
@@ -312,6 +313,9 @@ class Reading:
     def gain(self) -> tuple[Array, Array]:
         """alpha(L) - alpha(0) [rad] and z(L)/rho, (B,)."""
         shape = self.sol.trajectory
+        if shape.shapes is not None:
+            first, last = shape.shapes.ends()
+            return last[:, ALPHA] - first[:, ALPHA], self.sol.problem.span - last[:, SHORT]
         if shape.orbit is None or (self.sol.t[:, -1] == self.sol.problem.span).all():
             return shape.alpha[:, -1], shape.z[:, -1]
         _, _, alpha, z = shape.orbit.at(shape.orbit.problem.span[:, None])
@@ -327,6 +331,9 @@ class Reading:
     def end_rates(self) -> tuple[Any, Any]:
         """beta_t at the start and at the far end, (B,); NaN where the method knows no orbit and no station is there."""
         sol, orbit = self.sol, self.sol.trajectory.orbit
+        if sol.trajectory.shapes is not None:
+            first, last = sol.trajectory.shapes.ends()
+            return first[:, SPEED], last[:, SPEED]
         found = []
         for k, t in ((0, np.zeros_like(sol.problem.span)), (-1, sol.problem.span)):
             if (sol.t[:, k] == t).all():
@@ -344,6 +351,7 @@ class Reading:
     def length(self) -> Array:
         """Length of the rod in t, (B,); where no orbit is known, the length between the first and the last station."""
         t = self.sol.t
-        if self.sol.trajectory.orbit is not None or t.shape[1] < 2:
+        known = self.sol.trajectory.orbit is not None or self.sol.trajectory.shapes is not None
+        if known or t.shape[1] < 2:
             return self.sol.problem.span
         return t[:, -1] - t[:, 0]

@@ -17,7 +17,9 @@ from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION, ROTATION
 from ..problem.errors import known_name, no_such
 from ..problem.quantities import quantity
+from ..problem.reduced import flat
 from ..problem.rod import Rod
+from ..shooting.loaded_rod import MU, PHI, Q
 from ..solution import Solution
 from .measurement import SPREAD, Pair, Reading
 from .self_contact import overlaps
@@ -30,6 +32,8 @@ def turns(read: Reading) -> Any:
     NaN where the method knows no orbit and the stations are too few.
     """
     sol, orbit = read.sol, read.sol.trajectory.orbit
+    if sol.trajectory.shapes is not None:
+        return np.where(_librates(read), sol.trajectory.shapes.turns(), 0)
     if orbit is None:
         sign = np.sign(sol.trajectory.dbeta)
         count = np.count_nonzero(sign[:, 1:] * sign[:, :-1] < 0, axis=1)
@@ -83,7 +87,9 @@ def index(read: Reading) -> Any:
     its condition number leaves too few digits.
     """
     sol, problem, shape = read.sol, read.sol.problem, read.sol.trajectory
-    if shape.held_index is not None:
+    if shape.shapes is not None:
+        found = shape.shapes.index
+    elif shape.held_index is not None:
         found = shape.held_index
     elif shape.orbit is not None:
         found = jacobi_zeros(shape.orbit.exact)
@@ -160,6 +166,35 @@ def MZ(read: Reading) -> Pair:
 def M3(read: Reading) -> Pair:
     """Twisting moment [force length]: the dead load, or what holds the rotation."""
     return read.loads[2], 0.0
+
+
+def FZ0(read: Reading) -> Pair:
+    """Axial force at the start [force]; with weight or friction it differs from that at the far end."""
+    return _at_start(read, PHI, read.A / read.rho**2, read.loads[0])
+
+
+def MZ0(read: Reading) -> Pair:
+    """Axial moment at the start [force length]; with weight or friction it differs from that at the far end."""
+    return _at_start(read, Q, read.A / read.rho, read.loads[1])
+
+
+def _at_start(read: Reading, number: int, unit: Array, constant: Any) -> Pair:
+    shapes = read.sol.trajectory.shapes
+    if shapes is None:
+        return constant, 0.0
+    first = shapes.ends()[0]
+    value = first[:, number] + (first[:, MU] if number == Q else 0.0)
+    return value * unit, read.error * read.steepness**2 * unit
+
+
+def neutral_at(read: Reading) -> Pair:
+    """The first s at which the axial force FZ is 0 [length]; NaN where it is nowhere 0."""
+    shapes = read.sol.trajectory.shapes
+    if shapes is None:
+        return read.loads[0] * np.nan, np.nan
+    rods = [shapes.of(i) for i in range(read.sol.problem.size)]
+    value = np.array([np.nan if rod is None else rod.neutral() for rod in rods]) * read.rho
+    return value, np.abs(value) * read.error
 
 
 def M10(read: Reading) -> Pair:
@@ -284,10 +319,14 @@ def energy(read: Reading) -> Pair:
 
     That is bending_energy + twist_energy - FZ (z(L) - z(0)) - MZ (alpha(L) - alpha(0)) - M3 (gamma(L) - gamma(0)), the
     potential that equilibria under dead loads make stationary. As gamma(L) - gamma(0) = M3 L/C - integral of
-    sin cos/rho, it is Routh's integral of A kappa^2/2 + M3 sin cos/rho - FZ cos - MZ sin/rho less M3^2 L/(2 C).
+    sin cos/rho, it is Routh's integral of A kappa^2/2 + M3 sin cos/rho - FZ cos - MZ sin/rho less M3^2 L/(2 C). With
+    weight the loads are those of the far end, and the potential of the weight is added; with friction there is none.
     """
     value, error = read.scaled("potential", read.A / read.rho)
     twist, rounding = twist_energy(read)
+    rubbed = read.sol.case.cylinder.friction
+    if rubbed is not None:
+        value = np.where(flat(rubbed, read.sol.case.shape) != 0, np.nan, value)
     return value - twist, error + rounding
 
 
@@ -339,13 +378,16 @@ OBSERVABLES: dict[str, Observable] = {
     "bending_moment_max": Observable(bending_moment_max, ("tightest",)),
     "bending_stress_max": Observable(bending_stress_max, ("tightest",), needs="E"),
     "overlaps": Observable(overlapping, ("tightest", "low", "high")),
-    "energy": Observable(energy, ("potential",)),
+    "energy": Observable(energy, ("potential",), undefined="a rod that slides with friction has no energy to minimise"),
     "bending_energy": Observable(bending_energy, ("bending",)),
     "twist_energy": Observable(twist_energy),
     "index": Observable(index),
     "FZ": Observable(FZ, holds=True),
     "MZ": Observable(MZ, holds=True),
     "M3": Observable(M3, holds=True),
+    "FZ0": Observable(FZ0, holds=True),
+    "MZ0": Observable(MZ0, holds=True),
+    "neutral_at": Observable(neutral_at, undefined="the axial force is nowhere 0", holds=True),
     "M10": Observable(M10, holds=True),
     "M1L": Observable(M1L, holds=True),
 }

@@ -29,7 +29,9 @@ class Angles:
 class Pieces:
     """Q pieces of the rods of B problems.
 
-    series: (P, 2, N), Chebyshev coefficients of beta and |beta_t| on panels. case: (Q,), of which problem. row: (Q,),
+    series: (P, 2, N), Chebyshev coefficients of beta and |beta_t| on panels; where loads vary along the rods (P, 7, N),
+    also of lam, mu, phi, the weight across times cos(alpha), and what friction divides the contact by.
+    case: (Q,), of which problem. row: (Q,),
     on which panel. low, high: (Q,), from where to where on it, in [-1, 1]. time: (Q,), length in t. count: (Q,), how
     often the rod passes the piece. begin: (Q,), the t at which it first enters the piece. monotone: whether beta does
     not turn back on any piece, as on those of an orbit.
@@ -68,17 +70,26 @@ class Pieces:
 
     def at(self, nodes: Array) -> tuple[Array, Array]:
         """beta and |beta_t| at nodes (m,) of [-1, 1] on each piece, (Q, m) each."""
-        n = self.series.shape[2]
-        out = np.empty((self.case.size, 2, nodes.size))
+        return self._values(self.series[:, :2], nodes)
+
+    @cached_property
+    def varying(self) -> Array | None:
+        """The other five at the nodes, (5, Q, NODES); None where loads do not vary."""
+        return self._values(self.series[:, 2:], basis(NODES).nodes) if self.series.shape[1] > 2 else None
+
+    def _values(self, series: Array, nodes: Array) -> Any:
+        """The values of series (P, K, N) at nodes (m,) of [-1, 1] on each piece, (K, Q, m)."""
+        n = series.shape[2]
+        out = np.empty((self.case.size, series.shape[1], nodes.size))
         whole = (self.low == -1) & (self.high == 1)
         if whole.any():
-            out[whole] = self.series[self.row[whole]] @ polynomials(nodes, n)
+            out[whole] = series[self.row[whole]] @ polynomials(nodes, n)
         cut = np.flatnonzero(~whole)
         if cut.size:
             low, high = self.low[cut, None], self.high[cut, None]
             x = np.clip(low + (high - low) * (1 + nodes) / 2, -1, 1)
-            out[cut] = np.einsum("qcn,nqm->qcm", self.series[self.row[cut]], polynomials(x, n), optimize=True)
-        return out[:, 0], out[:, 1]
+            out[cut] = np.einsum("qcn,nqm->qcm", series[self.row[cut]], polynomials(x, n), optimize=True)
+        return out.transpose(1, 0, 2)
 
 
 def joined_pieces(parts: Sequence[Pieces], problem: Reduced) -> Pieces:

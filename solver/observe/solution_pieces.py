@@ -15,12 +15,12 @@ from numpy.polynomial import chebyshev as C
 
 from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import Array, Booleans
-from ..numerics.chebyshev import series_at, through
+from ..numerics.chebyshev import basis, series_at, through
 from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.pieces import LIBRATION
 from ..problem.reduced import Reduced
 from ..solution import Solution
-from .rod_pieces import Pieces, joined_pieces
+from .rod_pieces import NODES, Pieces, joined_pieces
 
 _CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
 _RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend
@@ -48,9 +48,34 @@ def pieces_of(sol: Solution, some: slice, until: float = 1.0, step: int = 1) -> 
 
     step: where no orbit is known, every `step`-th station is used.
     """
+    if sol.trajectory.shapes is not None:
+        return of_nodes(sol, some, until)
     if sol.trajectory.orbit is None:
         return of_stations(sol, some, step, until)
     return of_orbit(sol.trajectory.orbit, some, until)
+
+
+def of_nodes(sol: Solution, some: slice, until: float = 1.0) -> Pieces:
+    """The pieces of rods whose loads vary along them: the stretches between their nodes."""
+    x, parts, problem = basis(NODES), [], sol.problem.take(some)
+    for k, i in enumerate(range(some.start, some.stop)):
+        shape = sol.trajectory.shapes.of(i)
+        if shape is None:
+            still = _still(problem, np.array([k]), until * problem.span[[k]])
+            parts.append(replace(still, series=np.pad(still.series, ((0, 0), (0, 5), (0, 0)), constant_values=1.0)))
+            continue
+        values = shape.local_values(shape.between(x.nodes))
+        share = np.clip((until * shape.t[-1] - shape.t[:-1]) / np.diff(shape.t), 0, 1)
+        row = np.flatnonzero(share > 0)
+        one, share = np.ones(row.size), share[row]
+        series = through(values.reshape(-1, NODES), x.analyse).reshape(values.shape)
+        parts.append(
+            Pieces(
+                problem, series, np.full(row.size, k), row, -one, 2 * share - 1, share * np.diff(shape.t)[row], one,
+                shape.t[row],
+            )
+        )  # fmt: skip
+    return joined_pieces(parts, problem)
 
 
 def of_orbit(orbit: Any, some: slice, until: float = 1.0) -> Pieces:

@@ -20,6 +20,8 @@ from .shown import table_of
 
 SIDES = {"outside": 1.0, "inside": -1.0}  # the sign of rho - R, and of the contact force where the cylinder pushes
 TWISTS = ("F1", "dgamma", "M3")  # fields of Start: each alone determines the twisting moment
+# how the rod moves against the wall: the sign of sliding towards larger s, and whether it turns in place
+SLIDING = {"forward": (1.0, False), "backward": (-1.0, False), "rotating": (1.0, True)}
 # fields of Ends: one of each pair is given, the other one is then unknown
 PAIRS = (("beta0", "M10"), ("betaL", "M1L"), ("FZ", "height"), ("MZ", "azimuth"), ("M3", "rotation"))
 
@@ -27,7 +29,7 @@ PAIRS = (("beta0", "M10"), ("betaL", "M1L"), ("FZ", "height"), ("MZ", "azimuth")
 @named_fields
 @dataclass(frozen=True, eq=False)
 class Cylinder:
-    """The frictionless cylinder on which the rod lies.
+    """The cylinder on which the rod lies, without friction unless a coefficient is given.
 
     Parameters
     ----------
@@ -35,11 +37,18 @@ class Cylinder:
         Radius of the cylinder [length].
     side : {"outside", "inside"}
         The side of the wall on which the rod lies.
+    inclination : float, str or array, optional
+        Angle of the axis, in the direction of s, to the upward vertical [rad], 0 to pi: "90deg" lies, "180deg"
+        descends. It matters for a rod with weight. Default: 0.
+    friction : float or array, optional
+        Coefficient of the friction of a rod that slides everywhere, at least 0. Default: no friction.
+    sliding : {"forward", "backward", "rotating"}
+        How the rod moves: towards larger s, towards smaller s, or turning in place, counterclockwise seen against s.
 
     Raises
     ------
     InputError
-        If R is not positive, or the side is unknown.
+        If R is not positive, the inclination is outside [0, pi], the friction is negative, or a word is unknown.
 
     Examples
     --------
@@ -50,12 +59,27 @@ class Cylinder:
 
     R: Any
     side: Literal["outside", "inside"] = "outside"
+    inclination: Any = None
+    friction: Any = None
+    sliding: Literal["forward", "backward", "rotating"] = "forward"
 
     def __post_init__(self) -> None:
-        check_numbers(self, skip=("side",))
+        check_numbers(self, skip=("side", "sliding"))
         refuse("Cylinder", "R", self.R, np.less_equal(self.R, 0), "positive and finite")
         if not known_name(self.side, SIDES):
             raise no_such("side", self.side, SIDES)
+        if not known_name(self.sliding, SLIDING):
+            raise no_such("sliding", self.sliding, SLIDING)
+        if self.inclination is not None:
+            off = np.less(self.inclination, 0) | np.greater(self.inclination, np.pi * (1 + 1e-15))
+            refuse("Cylinder", "inclination", self.inclination, off, "from 0 to pi")
+        if self.friction is not None:
+            refuse("Cylinder", "friction", self.friction, np.less(self.friction, 0), "at least 0")
+
+    def __repr__(self) -> str:
+        plain = {"sliding"} if self.friction is None else set()
+        values = {field.name: getattr(self, field.name) for field in fields(self) if field.name not in plain}
+        return f"Cylinder({choices(f'{name}={value!r}' for name, value in values.items() if value is not None)})"
 
 
 @named_fields
@@ -81,7 +105,7 @@ class Start:
     dgamma : float or array, optional
         Rate of the rotation of the section against the normal [rad/length].
     alpha, gamma : float, str or array
-        Azimuth, and rotation of the section [rad].
+        Azimuth, and rotation of the section [rad]. With weight, alpha = 0 is the low side of the cylinder.
     M3 : float or array, optional
         Twisting moment [force length].
 
@@ -133,11 +157,11 @@ class Ends:
     beta0, betaL : float, str or array
         Angle from the axis of the cylinder to the tangent at s = 0 and at s = L [rad].
     FZ : float or array
-        Axial force, a dead load, tension positive [force]. Default: 0.
+        Axial force at s = L, a dead load, tension positive [force]. Default: 0.
     MZ, M3 : float or array
-        Axial moment and twisting moment, dead loads [force length]. Default: 0.
+        Axial moment and twisting moment at s = L, dead loads [force length]. Default: 0.
     alpha, gamma : float, str or array
-        Azimuth, and rotation of the section, at s = 0 [rad].
+        Azimuth, and rotation of the section, at s = 0 [rad]. With weight, alpha = 0 is the low side of the cylinder.
     height : float or array, optional
         z(L) - z(0) [length], held instead of FZ.
     azimuth : float, str or array, optional
@@ -319,6 +343,12 @@ class Case:
         return SIDES[self.cylinder.side]
 
     @cached_property
+    def varies(self) -> bool:
+        """Whether loads vary along a rod: it has weight, or slides with friction."""
+        given = (self.rod.weight, self.cylinder.friction)
+        return any(value is not None and bool(np.any(value)) for value in given)
+
+    @cached_property
     def rho(self) -> Any:
         """Distance of the centreline from the axis [length]: R + a outside, R - a inside; eq. (21)."""
         with np.errstate(over="ignore"):  # reported in the outcome
@@ -330,7 +360,8 @@ class Case:
 
     @cached_property
     def loads(self) -> tuple[Any, Any, Any]:
-        """FZ [force], MZ and M3 [force length], constant along the rod.
+        """FZ [force], MZ and M3 [force length], constant along the rod; with weight or friction those at the end, of a
+        start problem at the start.
 
         Of a start problem by eqs. (25) and (30), and M3 by eq. (33) from F1 or by eq. (24), row 6, from dgamma.
         """

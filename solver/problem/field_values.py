@@ -14,7 +14,7 @@ from .errors import InputError, choices, near, shown
 T = TypeVar("T")
 
 # the fields that may be text, read by `angles.angle`
-ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma", "azimuth", "rotation")
+ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma", "azimuth", "rotation", "inclination")
 
 
 def named_fields(kind: type[T]) -> type[T]:

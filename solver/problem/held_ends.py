@@ -13,7 +13,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from .case import PAIRS, Case, Ends
 from .case_fields import unchecked_with_field
-from .reduced import EndsProblem, flat
+from .reduced import EndsProblem, flat, refuse_varying
 
 # The number (`boundary.orbit_rates`, and the rotation "turn") that each field of Ends fixes, in the order of PAIRS.
 NUMBER_OF = {
@@ -72,7 +72,13 @@ def given_numbers(case: Case) -> tuple[str, ...]:
 
 
 def reduce_held(case: Case) -> HeldProblem:
-    """The dimensionless numbers of a case with Ends."""
+    """The dimensionless numbers of a case with Ends. Raises `InputError` where loads vary along the rod."""
+    refuse_varying(case)
+    return held_problem(case)
+
+
+def held_problem(case: Case) -> HeldProblem:
+    """The same of any case with Ends; where loads vary along the rod, its loads are those of the far end."""
     g, A, rho = case.given, case.rod.bending_stiffness, case.rho
     assert isinstance(g, Ends)
     with np.errstate(all="ignore"):  # overflow is reported in the outcome

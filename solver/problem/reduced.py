@@ -12,6 +12,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from .case import Case, Ends
+from .errors import InputError
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +63,16 @@ class EndsProblem(Reduced):
 
 
 def reduce(case: Case) -> StartProblem | EndsProblem:
-    """The dimensionless problems of a case; section 2 of the physics notes."""
+    """The dimensionless problems of a case; section 2 of the physics notes.
+
+    Raises `InputError` for a case whose loads vary along the rod.
+    """
+    refuse_varying(case)
+    return dimensionless_problem(case)
+
+
+def dimensionless_problem(case: Case) -> StartProblem | EndsProblem:
+    """The same of any case; where loads vary along the rod, with those that the case gives."""
     FZ, MZ, M3 = case.loads
     rho, A, given = case.rho, case.rod.bending_stiffness, case.given
     numbers = np.empty((6, *case.shape))
@@ -74,6 +84,17 @@ def reduce(case: Case) -> StartProblem | EndsProblem:
             return EndsProblem(*numbers.reshape(6, -1))
         numbers[4], numbers[5] = given.beta, given.dbeta * rho
         return StartProblem(*numbers.reshape(6, -1))
+
+
+def refuse_varying(case: Case) -> None:
+    """Raise `InputError` for a case whose loads vary along the rod."""
+    if case.varies:
+        given = (("weight", case.rod.weight), ("friction", case.cylinder.friction))
+        got = " and ".join(f"{name}={value}" for name, value in given if value is not None and np.any(value))
+        raise InputError(
+            f"this task needs loads that are constant along the rod, got {got}; of a rod with weight or friction solve "
+            "and observe are known"
+        )
 
 
 def flat(value: Any, shape: tuple[int, ...]) -> Array:

@@ -58,12 +58,15 @@ class Rod:
         Bending stiffness A [force length^2].
     GJ : float or array, optional
         Torsional stiffness C [force length^2].
+    weight : float or array, optional
+        Weight per length in the fluid around the rod [force/length], at least 0; `weight_in_fluid` gives that of a
+        section. Default: none.
 
     Raises
     ------
     InputError
-        If E, EI, GJ, a or L is not positive, nu is outside (-1, 0.5], inner_radius is outside [0, a), the stiffness is
-        unknown, or the fields are not one of the two ways to give a section.
+        If E, EI, GJ, a or L is not positive, the weight is negative, nu is outside (-1, 0.5], inner_radius is outside
+        [0, a), the stiffness is unknown, or the fields are not one of the two ways to give a section.
 
     Examples
     --------
@@ -86,6 +89,7 @@ class Rod:
     inner_radius: Any = None
     EI: Any = None
     GJ: Any = None
+    weight: Any = None
 
     def __post_init__(self) -> None:
         check_numbers(self, skip=("stiffness",))
@@ -100,6 +104,8 @@ class Rod:
             self._check_ratio()
         if self.inner_radius is not None:
             self._check_bore()
+        if self.weight is not None:
+            refuse("Rod", "weight", self.weight, np.less(self.weight, 0), "at least 0")
 
     def _check_fields(self) -> None:
         """Raise `InputError` unless the fields say one section, in one way."""
@@ -176,3 +182,35 @@ class Rod:
         """A/C: EI/GJ, or 1 + nu."""
         with np.errstate(over="ignore", under="ignore"):
             return 1 + self.nu if self.EI is None else self.EI / self.GJ
+
+
+def weight_in_fluid(
+    a: Any, inner_radius: Any = 0.0, density: float = 7850.0, fluid: float = 0.0, gravity: float = 9.80665
+) -> Any:
+    """The weight per length of a tube whose inside and outside are full of the same fluid.
+
+    By Archimedes it is that of the section of metal less that of the same volume of fluid.
+
+    Parameters
+    ----------
+    a, inner_radius : float or array
+        Outer and inner radius [length].
+    density : float
+        Of the material [mass/length^3]; default: steel in kg/m^3.
+    fluid : float
+        Of the fluid [mass/length^3]; default: none.
+    gravity : float
+        [force/mass]; default: N/kg.
+
+    Returns
+    -------
+    float or array
+        [force/length]; with metres and kg/m^3, N/m.
+
+    Examples
+    --------
+    >>> from solver.problem.rod import weight_in_fluid
+    >>> print(f"{weight_in_fluid(0.0635, 0.0543, fluid=1200.0):.1f} N/m")  # 5 inch pipe in mud
+    222.0 N/m
+    """
+    return np.pi * (a - inner_radius) * (a + inner_radius) * (density - fluid) * gravity

@@ -59,6 +59,8 @@ class Trajectory:
     held_index: (B,) of floats, the Morse index under held ends; None for other problems.
     alternatives: a function of the stations (1, n) that finds other equilibria with the held ends of a single problem,
     near its seed: distance from the seed, problem and trajectory of each; None for other problems.
+    loads: lam, mu and phi at the stations, (3, B, n), and shapes: `shooting.varying_shapes.VaryingShapes`, where loads
+    vary along the rod; else None.
     """
 
     beta: Array
@@ -76,6 +78,8 @@ class Trajectory:
     begun: NDArray[np.object_] | None = None
     held_index: Array | None = None
     alternatives: Callable[[Array], Any] | None = None
+    loads: Array | None = None
+    shapes: Any = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,7 +42,7 @@ class Values:
 def density_at(density: Density, sign: Array, problem: Reduced, case: Array, beta: Array, place: Place) -> Values:
     """A density times sign (B,) of the problems `case` (Q,), at beta and places (Q, m)."""
     angles, loads = Angles(beta, np.abs(place.v), np.sin(beta), np.cos(beta)), Loads.columns(problem, case)
-    found = density(SimpleNamespace(angles=angles, problem=problem, case=case))
+    found = density(SimpleNamespace(angles=angles, problem=problem, case=case, varying=None))
     rates = RATES[density](angles, loads)
     by_rate = rates.speed * np.where(place.v < 0, -1.0, 1.0)
     across = rates.beta * (place.c * place.H / place.D) + by_rate * (place.v / place.D)
@@ -127,7 +127,7 @@ class DensityChange:
 
     def at_angles(self, case: Array, beta: Array, speed: Array) -> Array:
         angles = Angles(beta, speed, np.sin(beta), np.cos(beta))
-        some: Any = SimpleNamespace(angles=angles, problem=self.problem, case=case)
+        some: Any = SimpleNamespace(angles=angles, problem=self.problem, case=case, varying=None)
         return np.asarray(self.sign[case, None] * self.density(some).values)
 
     def refined(self) -> "DensityChange":

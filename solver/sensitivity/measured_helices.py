@@ -129,3 +129,4 @@ class _Point:
     problem: Any
     angles: Angles
     case: Array
+    varying: None = None

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.field_rates import checked_fields, field_rates
-from ..problem.reduced import EndsProblem
+from ..problem.reduced import EndsProblem, refuse_varying
 from ..problem.trajectory import SOLVED
 from ..solution import Solution
 from .along import along, amounts, of_rows
@@ -68,6 +68,7 @@ class Sensitivity:
 
 def sensitivity(sol: Solution, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
     """The derivatives of a solution; see `Solution.sensitivity`."""
+    refuse_varying(sol.case)
     names, wanted = checked_fields(sol.case, fields), checked_observables(observables)
     ends = isinstance(sol.problem, EndsProblem)
     rates = ends_field_rates(sol, names) if ends else field_rates(sol.case, names)

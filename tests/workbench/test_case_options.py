@@ -58,6 +58,9 @@ def test_the_default_is_that_of_the_solver(name: str) -> None:
     defaults = {field.default for part in declared()[name] for field in fields(part) if field.name == name}
     if name in TWISTS or name in SECTION:  # required in one way or another
         assert FIELDS[name].default is None
+    elif name in ("weight", "inclination", "friction"):  # without one there is none
+        assert defaults == {None}
+        assert FIELDS[name].default is None
     elif name in {field for pair in PAIRS for field in pair}:  # a load is 0 unless its displacement is held
         assert defaults == {None}
         assert FIELDS[name].default == (0.0 if name in ("FZ", "MZ") else None)
@@ -131,15 +134,18 @@ PIPE = "--EI 1.228e6 --GJ 9.45e5 --a 0.0635 --L 60 --R 0.10795 --beta0 0 --betaL
     ("args", "status", "sentence"),
     [
         (["--FZ", "-2e5", "--side", "inside"], 0, "leaves out weight, friction, joints, and clearance at the ends.\n"),
-        (["--FZ", "-2e5", "--side", "inside", "--weight", "242"], 0, "of 1.635e+05 N (Dawson and Paslay); here it is "
-         "2e+05 N: beyond it the pipe buckles with its weight too."),
-        (["--FZ", "-1e5", "--side", "inside", "--weight", "242"], 0, "below it a pipe with weight is straight."),
-        (["--FZ", "-1e5", "--side", "inside", "--weight", "0"], 2, "--weight must be positive and finite, got 0"),
-        (["--FZ", "1e5", "--weight", "242"], 2, "--side inside"),
+        (["--FZ", "-2e5", "--side", "inside", "--weight", "242", "--inclination", "90deg"], 0,
+         "leaves out friction, joints, and clearance at the ends.\n"),
+        (["--FZ", "-2e5", "--side", "inside", "--weight", "242", "--inclination", "90deg"], 0,
+         "straight below 1.635e+05 N; from 2.244e+05 a helix can stay"),
+        (["--FZ", "-2e5", "--side", "inside", "--weight", "242", "--inclination", "90deg"], 0, "stable (index 0)"),
+        (["--FZ", "-1e5", "--side", "inside", "--weight", "242", "--inclination", "90deg"], 0,
+         "state: straight all along"),
+        (["--FZ", "-1e5", "--side", "inside", "--weight", "-1"], 2, "Rod.weight must be at least 0, got -1.0"),
     ],
 )  # fmt: skip
 def test_a_rod_in_a_hole_is_told_what_the_model_leaves_out(args, status, sentence: str, capsys) -> None:
-    """2 sqrt(EI w/rho) of a 5 in pipe in an 8.5 in hole is 163.5 kN."""
+    """2 sqrt(EI w/rho) of a 5 in pipe in an 8.5 in hole is 163.5 kN (Dawson and Paslay)."""
     with pytest.raises(SystemExit) as end:
         cli.main(["solve", *PIPE, *args])
     streams = capsys.readouterr()

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from . import console
 from .case_options import Given, takes_case
-from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Tol, flag, numbered
+from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Tol, flag
 
 if TYPE_CHECKING:
     from solver import Solution
@@ -32,10 +32,6 @@ def solve(
     method: Method = None,
     level: Fidelity = None,
     choose: Choose = None,
-    weight: Annotated[
-        float | None,
-        numbered("Weight per length in the fluid [force/length], which the model leaves out: compare with its effect."),
-    ] = None,
     every: Annotated[bool, flag("Print every number that is found, not only ten.", "--all")] = False,
     json: Json = False,
 ) -> int:
@@ -50,14 +46,15 @@ def solve(
     An ends problem has many equilibria: --choose selects one, by default the stable equilibrium whose beta goes least
     beyond its end angles. The command equilibria lists all.
 
-    The model leaves out weight, friction, joints, and clearance at the ends. --weight only states at which compression
-    a horizontal pipe of that weight begins to buckle.
+    With --weight, --inclination or --friction the loads vary along the rod. The answer then continues from the straight
+    rod, and the command says where the rod is straight, sinusoidal or helical. The model leaves out joints, and
+    clearance at the ends.
 
     Angles: a number in rad, or a form like 30deg or pi/6. Exit status 1 if the case is unsolved.
     """
     from solver import Ends, InputError
 
-    from ..data import cautions, left_out
+    from ..data import cautions, left_out, pipe_state
     from ..run.block import solve_one
     from ..run.case_input import read_case
     from ..run.fidelity import fidelity
@@ -83,7 +80,8 @@ def solve(
         "which": _which(sol, asked.which is not None and asked.study is None and choose is None),
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
         "caution": cautions.said(cautions.of_cases(sol, unit=asked.units["length"])),
-        "left_out": left_out.note(asked.case, sol, weight, asked.units["force"]),
+        "left_out": left_out.note(asked.case),
+        "pipe": pipe_state.sentences(sol, asked.units),
     }
     if json:
         console.print_json(found)
@@ -151,14 +149,14 @@ def _held_energy(sol: "Solution", wanted: bool) -> dict[str, float]:
     """The energy by which the equilibria of held ends are listed; empty under dead loads."""
     from solver.held_equilibria import held_energy
 
-    return {"held_energy": held_energy(sol)} if wanted and sol.held and sol.solved else {}
+    return {"held_energy": held_energy(sol)} if wanted and sol.held and sol.solved and not sol.case.varies else {}
 
 
 def _indices(sol: "Solution") -> dict[str, int]:
     """The Morse index under held ends and under dead loads; empty unless both are decided."""
     from solver.observe.observables import observe
 
-    if not sol.held or not sol.solved or not math.isfinite(sol.held_index):
+    if not sol.held or sol.case.varies or not sol.solved or not math.isfinite(sol.held_index):
         return {}
     dead = float(observe(sol, ["index"])["index"])
     return {"held ends": int(sol.held_index)} | ({"dead loads": int(dead)} if math.isfinite(dead) else {})
@@ -199,7 +197,9 @@ def _print(found: dict[str, Any], every: bool) -> None:
     console.say(f"{found['outcome']} ({found['method']}, tolerance {found['tolerance']:g}{accuracy})")
     if found["which"]:
         console.say(found["which"])
-    if found["begun"]:
+    for sentence in found["pipe"]:
+        console.say(sentence)
+    if found["begun"] and not found["pipe"]:
         console.say(f"held: {', '.join(found['held'])}; the search began at {found['begun']}")
     if found["indices"]:
         console.say("index " + ", ".join(f"{index} under {loading}" for loading, index in found["indices"].items()))
@@ -212,7 +212,7 @@ def _print(found: dict[str, Any], every: bool) -> None:
 def _results(found: dict[str, Any]) -> dict[str, float]:
     """Loads, reactions and observables; of an unsolved case those that are known, or none if no observable is known."""
     results = {**found["loads"], **found["reactions"], **found["observables"]}
-    if found["solved"]:
+    if found["solved"] and not found["pipe"]:
         return results
     known = {name: value for name, value in results.items() if not math.isnan(value)}
     return known if known.keys() & found["observables"].keys() else {}

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from solver import Case
 from studies import Study, expressions, paired, refine
-from studies.axes import quantity_of
+from studies.axes import CYLINDER, quantity_of
 from studies.dimensions import SAMPLE, Dimensions
 
 from . import cautions
@@ -96,7 +96,7 @@ def frame(study: Study, over: Dimensions, first: str = "", case: Case | None = N
     coords = _coordinates(study, over)
     data = {}
     for name in OF_THE_CASE:
-        value = getattr({"R": case.cylinder, "rho": case}.get(name, case.rod), name)
+        value = getattr(case if name == "rho" else case.cylinder if name in CYLINDER else case.rod, name)
         if name not in coords and value is not None:
             data[name] = xr.Variable(*_own_dims(value, axes), labels(name, units))
     for field, value in expressions.used_by_laws(study).items():

@@ -59,7 +59,7 @@ class Stored:
         key = schema.curve_name(name)
         if key in self.ds.data_vars:
             return self.ds[key]
-        if name not in RULES or name in above:
+        if name not in RULES or name in above or (name in BY_LOADS and schema.loads_vary(self.ds)):
             return None
         needs, rule = RULES[name]
         parts = [self.implied(need, (*above, name)) for need in needs]
@@ -153,6 +153,7 @@ def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:
                           output_dtypes=[float], dask_gufunc_kwargs=sizes)  # fmt: skip
 
 
+BY_LOADS = ("FY", "F1", "F2", "F3", "contact", "h")  # rules that take constant loads
 # name -> the arrays it needs, and the formula, which is the solver's own
 RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
     "dbeta": (("M1",), lambda at, M1: M1 / at.A),

@@ -30,12 +30,18 @@ LOADS = ("FZ", "MZ", "M3")
 TEXTS = ("outcome", "caution")  # of each case
 SAMPLING = ("sampling", "sampling_caution", "refinement")  # sentences on the samples of a file
 SECTION = ("E", "nu", "inner_radius", "EI", "GJ")  # the fields of a rod's section: a file stores those that it has
-OF_THE_CASE = ("R", "a", "L", "rho", *SECTION)
+VARYING = ("weight", "friction")  # fields with which loads vary along the rod
+OF_THE_CASE = ("R", "a", "L", "rho", *SECTION, *VARYING, "inclination")
 COMPONENTS = {"xyz": ("x", "y", "z"), "director": ("d1", "d2", "d3")}
 INNER = {"position": ("xyz",)}  # dimensions after u, of an output that is not one number at each station
 # The name in the file -> the output. Forces along the rod never take the name of an axis: F1 is the force at the start.
 CURVES = {f"{name}_along" if name in ("F1", "F2", "F3") else name: name for name in OUTPUTS}
 PACKED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+
+
+def loads_vary(ds: "xr.Dataset") -> bool:
+    """Whether loads vary along a rod of the dataset: one has weight or friction."""
+    return any(bool(np.any(ds[name].values != 0)) for name in VARYING if name in ds.variables)
 
 
 def inner_shape(output: str) -> tuple[int, ...]:

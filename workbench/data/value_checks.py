@@ -45,7 +45,8 @@ WORDS: Mapping[str, Any] = {
     "force_unit": FORCES,
 }
 POSITIVE = ("E", "EI", "GJ", "a", "R", "L", "rho")
-LIMITS = {"nu": (np.nextafter(-1.0, 0.0), 0.5), "inner_radius": (0.0, 1e50)}
+LIMITS = {"nu": (np.nextafter(-1.0, 0.0), 0.5), "inner_radius": (0.0, 1e50),
+          "weight": (0.0, 1e50), "friction": (0.0, 1e50), "inclination": (0.0, 3.1415926535897936)}  # fmt: skip
 # Of fields in their own units, and of dimensionless loads and lengths: beyond, squares and fourth powers overflow.
 SMALLEST, LARGEST, MOST = 1e-50, 1e50, 1e30
 MOST_ANGLE = 1e12  # rad: beyond, a float cannot hold the direction to 1e-4

@@ -21,7 +21,7 @@ from solver.mechanics.contact import contact_force, push_from
 from solver.mechanics.potential import Loads, dimensional_slope, potential
 from solver.problem.errors import InputError
 
-from ..data import rod_fields
+from ..data import rod_fields, schema
 
 Array = NDArray[np.float64]
 
@@ -204,8 +204,10 @@ class Centreline:
 def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     """The centreline of one case, by its indices along the axes.
 
-    Raises `InputError` where the dataset lacks one of `NEEDED`, or the case is not solved.
+    Raises `InputError` where the dataset lacks one of `NEEDED`, the case is not solved, or loads vary along the rod.
     """
+    if schema.loads_vary(ds):
+        raise InputError("scenes and exports need a rod without weight and friction")
     needed = (*NEEDED, *rod_fields.of_stiffness(ds))
     missing = [name for name in needed if name not in ds]
     if missing:

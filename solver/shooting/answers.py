@@ -1,0 +1,139 @@
+"""The answers to cases whose loads vary along the rod: start problems by one march, ends problems one by one."""
+
+from typing import Any
+
+import numpy as np
+
+from ..core.banded import solve_band
+from ..core.varying_loads import BY_STATE, SIZE, march
+from ..numerics.arrays import Array
+from ..problem.case import Case
+from ..problem.reduced import EndsProblem, StartProblem, flat
+from ..problem.trajectory import Trajectory, verdicts
+from .branch import Path, branch_from_straight, index_of_any, straight_shape
+from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
+from .newton import HALF, Shape, correct, linear_at
+from .numbers import rods_of, starts_of
+from .varying_shapes import Nodes, VaryingShapes, listed, marched, read_states
+
+SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error
+SAFETY, ROUNDING = 3.0, 2e-16
+LOST = 1e8  # condition number: beyond, a start problem has lost half its digits
+USE_ENDS = "; a long rod with weight is an ends problem: give Ends in place of Start"
+
+
+def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Trajectory]:
+    """The start problems at stations t (B, n); the problem has the loads of the far end.
+
+    The error is the difference of two marches with different steps, which holds what rounding grows to as well.
+    """
+    problem, numbers, begin, scale = starts_of(case)
+    B, n = t.shape
+    first, stations, alpha0 = n * np.arange(B + 1), t.reshape(-1), begin[:, ALPHA]
+    found = march(numbers, scale, begin, problem.span, BY_STATE, first, stations)
+    other = march(numbers, scale, begin, problem.span, 0, first, stations, SHORTER)
+    y, again = (np.concatenate([m.out.reshape(B, n, SIZE), m.end[:, None]], axis=1) for m in (found, other))
+    whole = np.maximum(1, problem.span)[:, None]
+    with np.errstate(invalid="ignore"):
+        parts = [np.abs(y - again)[:, :, k].max(axis=1, keepdims=True) for k in (BETA, ALPHA, SHORT)]
+        weight = np.sqrt(np.abs(begin[:, SPEED]) + scale[:, 4])
+        condition = np.maximum(1, np.maximum(found.growth[:, BETA], weight * found.growth[:, SPEED]))
+        error = SAFETY * np.max([parts[0], parts[1] / whole, parts[2] / whole], axis=0)[:, 0] + ROUNDING * condition
+    error = np.where(np.isfinite(error), error, np.inf)
+    end, twist = found.end, numbers[:, 0] * found.end[:, MU]
+    read = read_states(y[:, :-1], t, alpha0, twist)
+    solved, outcome = verdicts(read["beta"], error, condition, tol)
+    lost = ~(condition < LOST)
+    outcome = np.array(
+        [f"{one}{USE_ENDS}" if more else one for one, more in zip(outcome, lost, strict=True)], dtype=object
+    )
+    shapes = VaryingShapes(marched(numbers, scale, begin, problem.span, found.steps), *np.full((2, B), np.nan))
+    far = StartProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], problem.span, problem.beta0, problem.dbeta0)
+    return far, Trajectory(
+        **read, solved=solved, outcome=outcome, error=error, condition=condition, evaluations=found.steps, shapes=shapes
+    )
+
+
+def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[EndsProblem, Trajectory]:
+    """The ends problems at stations t (B, n), each from a seed: None, "straight", or the `Trajectory` of one or B."""
+    _, rods = rods_of(case)
+    n, alpha0 = t.shape[1], flat(case.given.alpha, case.shape)
+    y, nodes, paths, estimates = np.full((len(rods), n, SIZE), np.nan), [], [], []
+    for i, rod in enumerate(rods):
+        path = path_to(rod, seed, i)
+        shape = path.shape
+        paths.append(path)
+        nodes.append(None if shape is None else Nodes(rod.numbers, rod.scale, shape.t, shape.y))
+        estimates.append((np.inf, np.inf) if shape is None else estimate(shape))
+        if (one := nodes[-1]) is not None:
+            y[i] = one.at(t[i])
+    index = np.array([np.nan if path.shape is None or path.shape.rod.rubbed else path.index for path in paths])
+    critical = np.array([np.nan if path.buckled is None else path.buckled for path in paths])
+    shapes = VaryingShapes(listed(nodes), index, critical)
+    begin, end = shapes.ends()
+    error, condition = np.array(estimates).T
+    read = read_states(y, t, alpha0, np.array([rod.numbers[0] for rod in rods]) * end[:, MU])
+    why = np.array(["" if path.shape is not None else f"failed: {path.why}" for path in paths], dtype=object)
+    solved, outcome = verdicts(read["beta"], error, condition, tol).failed(why)
+    spans = np.array([rod.span for rod in rods])
+    problem = EndsProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], spans, begin[:, BETA], end[:, BETA])
+    work = np.array([0 if path.shape is None else path.shape.t.size * path.shape.steps for path in paths])
+    begun = np.array([words_of(path) for path in paths], dtype=object)
+    return problem, Trajectory(
+        **read, solved=solved, outcome=outcome, error=error, condition=condition, evaluations=work, begun=begun,
+        held_index=index, shapes=shapes,
+    )  # fmt: skip
+
+
+def path_to(rod: LoadedRod, seed: Any, i: int) -> Path:
+    """The shape of one rod that a seed means."""
+    if seed is None:
+        return branch_from_straight(rod)
+    if isinstance(seed, str):
+        if not rod.straight:
+            return Path(None, why="the straight rod is no equilibrium of this case")
+        shape = straight_shape(rod, rod.nodes())
+        return Path(shape, index_of_any(shape))
+    known = seed.shapes.of(i if seed.shapes.index.size > 1 else 0)
+    if known is None:
+        return Path(None, why="the seed has no shape")
+    t = rod.nodes()
+    start = known.at(t * (known.t[-1] / rod.span))
+    found = correct(Shape(rod, t, start))
+    if found is None:
+        return Path(None, why="Newton's method did not converge from the seed")
+    return Path(found, index_of_any(found), why="seed")
+
+
+def words_of(path: Path) -> str:
+    """How a shape was reached, in words."""
+    if path.shape is None:
+        return ""
+    if path.why == "seed":
+        return "the seed"
+    said = ["the straight rod"]
+    if path.buckled is not None:
+        said.append(f"which buckles at {path.buckled:.6g} times these loads")
+    said += [f"leaves its branch at {share:.4g} times them for another stable shape" for share in path.jumped]
+    return ", ".join(said)
+
+
+def estimate(shape: Shape) -> tuple[float, float]:
+    """The error of a shape and its condition number, in radians.
+
+    The error is what shorter steps of the series leave open, carried through the equations.
+    """
+    scale, span = shape.rod.scale, max(1.0, shape.rod.span)
+    linear = linear_at(shape, shorter=SHORTER)
+    size = linear.open.size
+    right = np.zeros((size, 3))
+    right[:, 0] = linear.open
+    right[0, 1] = right[size - HALF, 2] = 1
+    found = solve_band(linear.band, right)
+    if found is None:
+        return np.inf, np.inf
+    moved = np.abs(found.reshape(-1, SIZE, 3)) * scale[:, None]
+    off = moved[:, :, 0].max(axis=0)
+    condition = max(1.0, float(moved[:, BETA, 1:].max() / scale[BETA]))
+    error = SAFETY * max(off[BETA], off[ALPHA] / span, off[SHORT] / span) + ROUNDING * condition
+    return float(error), condition

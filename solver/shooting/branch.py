@@ -1,0 +1,241 @@
+"""The equilibrium that continues from the straight rod as its loads grow, stable where one is."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..core.banded import solve_band
+from ..numerics.arrays import Array
+from .inertia import index_of
+from .loaded_rod import ALPHA, BETA, SHORT, SPEED, LoadedRod, Q
+from .newton import Shape, correct, linear_at
+
+CLOSE = 1e-6  # relative: of the load at which the straight rod buckles
+LOOSE = 1e-4  # of the scales: a correction that is enough on the way
+AMPLITUDES = tuple(2.0**-k for k in range(12))  # of the angles, in their scales, with which a buckled shape is sought
+MOST_FORCES = 40  # that are tried for a held height
+FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.1, 1e-5, 0.25
+AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought to which a rod jumps
+WEAKEST, STIFFER, FIRM, ROUNDS = 1e-4, 3.0, 1e6, 300  # springs: weakest, factor, strongest; steps of a descent
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """How a shape was reached.
+
+    shape: None if none was. index: its Morse index; 0 with friction, which has none. buckled: the share of the loads at
+    which the straight rod buckles; None if it does not. jumped: shares at which the branch ended and the rod fell to
+    another one. why: why no shape, or none under the whole loads, was reached.
+    """
+
+    shape: Shape | None
+    index: int = 0
+    buckled: float | None = None
+    jumped: tuple[float, ...] = ()
+    why: str = ""
+
+
+def index_at(shape: Shape, springs: Array | None = None) -> int:
+    """The Morse index of a shape; with springs, of the shape that they hold."""
+    return index_of(shape.rod, linear_at(shape, shape.y, springs).transfer, shape.rod.scale, springs)
+
+
+def index_of_any(shape: Shape) -> int:
+    """The Morse index of a shape; 0 with friction, which has none."""
+    return 0 if shape.rod.rubbed else index_at(shape)
+
+
+def straight_shape(rod: LoadedRod, t: Array) -> Shape:
+    """The straight rod along the axis."""
+    return Shape(rod, t, rod.lying(t))
+
+
+def branch_from_straight(rod: LoadedRod) -> Path:
+    """The equilibrium on the branch of the straight rod.
+
+    A straight rod that is stable is the answer. Elsewhere the loads grow from 0, but for the weight across, which is
+    whole from the beginning; where the straight rod buckles the path takes the buckled shape, and where it ends, the
+    stable shape below it. Friction grows at last, on the shape without it.
+    """
+    if rod.rubbed:
+        return branch_with_friction(rod)
+    if "height" in rod.held:
+        return branch_to_height(rod)
+    t = rod.nodes()
+    if not rod.straight:
+        first = correct(straight_shape(rod.share(0.0), t))
+        if first is None:
+            return Path(None, why="no equilibrium without loads was found")
+        return grow(rod.share, first, 0.0, 1.0)
+    shape = straight_shape(rod, t)
+    if index_at(shape) == 0:
+        return Path(shape)
+    critical = buckling_share(rod, t, 1)
+    second = buckling_share(rod, t, 2, critical) if index_at(shape) > 1 else 1.0
+    share = min(1.0, critical + (second - critical) / 5)  # there the first mode is the weakest
+    buckled = buckle(straight_shape(rod.share(share), t))
+    if buckled is None:
+        why = f"no stable equilibrium was found near {critical:.6g} of the loads, where the straight rod buckles"
+        return Path(None, buckled=critical, why=why)
+    # in the root of the distance from the buckling load the branch is smooth
+    begin, end = np.sqrt(share - critical), np.sqrt(1 - critical)
+    found = grow(lambda x: rod.share(1.0 if x == end else critical + x * x), buckled, begin, end)
+    return replace(found, buckled=critical, jumped=tuple(critical + x * x for x in found.jumped))
+
+
+def branch_with_friction(rod: LoadedRod) -> Path:
+    """The same of a rod with friction, which grows on the shape without it."""
+    plain = branch_from_straight(rod.rubbed_by(0.0))
+    if plain.shape is None:
+        return plain
+    found = grow(rod.rubbed_by, plain.shape, 0.0, 1.0)
+    return replace(found, buckled=plain.buckled, jumped=plain.jumped)
+
+
+def branch_to_height(rod: LoadedRod) -> Path:
+    """The same where the height is held: the axial force changes until the far end is there.
+
+    A straight rod does not answer a change of its height, so this is a continuation in the force.
+    """
+    low, high, best = 0.0, np.inf, None  # sizes of the force
+    size = float(rod.rate(np.array([rod.span]))[0] ** 2) / 4
+    for _ in range(MOST_FORCES):
+        far = rod.far.copy()
+        far[2] = -size
+        path = branch_from_straight(replace(rod, held=rod.held - {"height"}, far=far))
+        if path.shape is None:
+            return replace(path, why=f"{path.why}, under a force on the way to the held height")
+        short = path.shape.y[-1, SHORT]
+        bent = short > 1e-3 * (rod.span - rod.far[2])
+        if bent:
+            best = path
+            shape = Shape(rod, path.shape.t, path.shape.y)
+            found = correct(shape, reach=1.0, most=12)
+            if found is not None and is_near(shape, found) and index_of_any(found) <= path.index:
+                return replace(path, shape=found, index=index_of_any(found))
+        low, high = (low, size) if short > rod.span - rod.far[2] else (size, high)
+        size = 2 * size if high == np.inf else (low + high) / 2
+    return Path(
+        None, why="no axial force was found that holds this height" + ("" if best else ": the rod stays straight")
+    )
+
+
+def buckling_share(rod: LoadedRod, t: Array, index: int, low: float = 0.0) -> float:
+    """The share of the loads above which the straight rod has this Morse index; above `low` it has less."""
+    high = 1.0
+    while high - low > CLOSE * high:
+        middle = (low + high) / 2
+        if index_at(straight_shape(rod.share(middle), t)) < index:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def buckle(shape: Shape) -> Shape | None:
+    """The stable shape into which an unstable straight rod buckles, along its weakest mode; or that below it."""
+    mode = weakest_mode(shape)
+    for amplitude in AMPLITUDES:
+        found = correct(replace(shape, y=shape.y + amplitude * mode), reach=2.0, most=15, enough=LOOSE)
+        if found is None:
+            continue
+        moved = np.abs(found.y - shape.y)[:, [BETA, ALPHA]] / shape.rod.scale[[BETA, ALPHA]]
+        if moved.max() > LOOSE * 10 and index_at(found) == 0:
+            return found
+    return descend(shape, mode)
+
+
+def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, x: float, last: float) -> Path:
+    """The equilibrium reached from one at x while x grows to its last value; a stable one stays stable.
+
+    rod_at: the rod at each x. The `jumped` of the path are values of x.
+    """
+    step, before = max(x, FIRST_STEP * last), None
+    jumped: list[float] = []
+    index = index_of_any(shape)
+    while x < last:
+        ahead = min(last, x + step)
+        guess = shape.y if before is None else shape.y + (shape.y - before[1]) * ((ahead - x) / (x - before[0]))
+        found = correct(Shape(rod_at(ahead), shape.t, guess), reach=2.0, most=10, enough=LOOSE)
+        if found is not None and is_near(shape, found) and index_of_any(found) <= index:
+            before = x, shape.y
+            x, shape = ahead, found
+            step = min(2 * step, LONGEST_STEP * last) if found.steps <= 5 else step
+            continue
+        step /= 3
+        if step > LEAST_STEP * last:
+            continue
+        ahead = min(last, x + AHEAD * last)
+        rod = rod_at(ahead)
+        below = None if rod.rubbed else descend(Shape(rod, shape.t, shape.y))
+        if below is None:
+            return Path(
+                None, index, None, tuple(jumped), f"the branch ends at {x / last:.6g} of the way to these loads"
+            )
+        jumped.append(x)
+        x, shape, index, before, step = ahead, below, 0, None, AHEAD * last
+    final = correct(Shape(rod_at(last), shape.t, shape.y))
+    if final is None or not is_near(shape, final):
+        return Path(None, index, None, tuple(jumped), "Newton's method did not converge under the whole loads")
+    return Path(final, index_of_any(final), None, tuple(jumped))
+
+
+def is_near(shape: Shape, other: Shape) -> bool:
+    """Whether no angle changed so much that it may be another branch."""
+    change = np.abs(other.y - shape.y)[:, [BETA, ALPHA]] / shape.rod.scale[[BETA, ALPHA]]
+    size = np.abs(shape.y[:, [BETA, ALPHA]] / shape.rod.scale[[BETA, ALPHA]]).max()
+    return bool(change.max() < 0.5 + size)
+
+
+def springs_of(shape: Shape, strength: float) -> Array:
+    """Springs at the nodes (N, 2), as much on each length, in the scales of beta and alpha."""
+    width, T = np.gradient(shape.t), shape.rod.time
+    return np.asarray(strength * width[:, None] / np.array([T**2, T**4]))
+
+
+def descend(shape: Shape, change: Array | None = None) -> Shape | None:
+    """A stable equilibrium below a shape, by steps each of which lowers the energy; None where none was reached.
+
+    Springs at the nodes hold each shape near the one before it, as weak as the stability of the next one allows.
+    """
+    strength = WEAKEST
+    while index_at(shape, springs_of(shape, strength)) > 0:
+        strength *= STIFFER
+        if strength > FIRM:
+            return None
+    y = shape.y + 0.1 * (weakest_mode(shape) if change is None else change)
+    for _ in range(ROUNDS):
+        now = replace(shape, y=y)
+        found = correct(now, y, springs_of(now, strength), reach=1.0, most=15, enough=LOOSE)
+        if found is None:
+            strength *= STIFFER
+            if strength > FIRM:
+                return None
+            continue
+        y = found.y
+        if index_at(found) == 0:
+            free = correct(found, reach=1.0, most=12)
+            if free is not None and is_near(found, free) and index_at(free) == 0:
+                return free
+            strength = max(WEAKEST, strength / 2)
+    return None
+
+
+def weakest_mode(shape: Shape, rounds: int = 4) -> Array:
+    """The change of the shape (N, 8) that the least force makes; its largest angle is of the scale."""
+    N, scale = shape.t.size, shape.rod.scale
+    u = np.arange(N)
+    push = np.stack([np.cos(2.399963 * u), 1 + 0.5 * np.sin(2.399963 * u)], axis=1)  # contains every mode
+    linear, mode = linear_at(shape), np.zeros((N, scale.size))
+    for _ in range(rounds):
+        right = np.zeros((N, scale.size))
+        right[:-1, [SPEED, Q]] = push[1:]
+        flat = np.concatenate([np.zeros(4), right[:-1].reshape(-1), np.zeros(4)])
+        step = solve_band(linear.band, flat)
+        assert step is not None
+        mode = np.asarray(step).reshape(N, -1)
+        mode /= np.abs(mode[:, [BETA, ALPHA]]).max()
+        push = mode[:, [BETA, ALPHA]]
+    first = mode[:, BETA][np.argmax(np.abs(mode[:, BETA]) > 0.3 * np.abs(mode[:, BETA]).max())]
+    return mode * scale * np.sign(first)

@@ -1,0 +1,150 @@
+"""One rod whose loads vary along it, in units of A and rho: its numbers, its scales, and what its ends are given."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ..core.varying_loads import SIZE
+from ..numerics.arrays import Array
+
+BETA, SPEED, ALPHA, Q, PHI, MU, SHORT, ROUND = range(SIZE)
+FAR = ("beta", "azimuth", "height", "rotation")  # what the far end can hold, in the order of its four conditions
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedRod:
+    """A rod between its ends.
+
+    numbers: (7,), as of `core.varying_loads.march`. span: L/rho. held: names of the held numbers: "beta0", "betaL",
+    "height", "azimuth", "rotation"; for any other one its partner is given: beta_t, phi, lam or mu. near: (2,), beta0
+    or beta_t(0), and alpha(0). far: (4,), beta or beta_t, lam or azimuth, phi or z/rho, mu or rotation, at the far end.
+    """
+
+    numbers: Array
+    span: float
+    held: frozenset[str]
+    near: Array
+    far: Array
+
+    @property
+    def along(self) -> float:
+        """omega cos(theta): phi grows by it along the rod."""
+        return float(self.numbers[1])
+
+    @property
+    def across(self) -> float:
+        """omega sin(theta)."""
+        return float(self.numbers[2])
+
+    @property
+    def rubbed(self) -> bool:
+        """Whether friction acts: then there is no energy and no index."""
+        return bool(self.numbers[3] != 0)
+
+    @cached_property
+    def tension_known(self) -> float:
+        """phi at the far end; 0 where the height is held."""
+        return 0.0 if "height" in self.held else float(self.far[2])
+
+    def rate(self, t: Array) -> Array:
+        """1 over the length on which the shape changes at t."""
+        phi = self.tension_known - self.along * (self.span - t)
+        mu = 0.0 if "rotation" in self.held else float(self.far[3])
+        lam = 0.0 if "azimuth" in self.held else float(self.far[1]) - mu
+        squares = np.abs(phi) + np.sqrt(abs(self.across)) + np.cbrt(self.along**2) + mu**2 + np.cbrt(lam * lam)
+        turned = 0.0
+        if "azimuth" in self.held:
+            turned = (self.far[1] / self.span) ** 2
+        return np.sqrt(squares + turned + 1 / self.span**2)
+
+    @cached_property
+    def time(self) -> float:
+        """The shortest length on which the shape changes."""
+        return float(1 / self.rate(np.array([0.0, self.span])).max())
+
+    @cached_property
+    def scale(self) -> Array:
+        """The sizes of the eight numbers of the state."""
+        T = self.time
+        B = min(1.0, 1 / T)
+        return np.array([B, B / T, 1.0, B / T**2, 1 / T**2, 1 / T, T * B * B, 1.0])
+
+    def conditions(self) -> tuple[Array, Array, Array, Array]:
+        """Rows (4, 8) and values (4,) of the conditions at the start and at the far end, each of order 1."""
+        start, far = np.zeros((4, SIZE)), np.zeros((4, SIZE))
+        values = np.array([self.near[0], self.near[1], 0.0, 0.0]), self.far.copy()
+        start[0, BETA if "beta0" in self.held else SPEED] = 1
+        start[1, ALPHA] = start[2, SHORT] = start[3, ROUND] = 1
+        far[0, BETA if "betaL" in self.held else SPEED] = 1
+        if "azimuth" in self.held:
+            far[1, ALPHA] = 1
+            values[1][1] += self.near[1]
+        else:
+            far[1, Q] = far[1, MU] = 1
+        if "height" in self.held:
+            far[2, SHORT] = 1
+            values[1][2] = self.span - self.far[2]
+        else:
+            far[2, PHI] = 1
+        if "rotation" in self.held:
+            far[3, ROUND], far[3, ALPHA] = 1, -1
+            values[1][3] -= self.near[1]
+        else:
+            far[3, MU] = 1
+        sizes = [1 / (rows * self.scale).max(axis=1) for rows in (start, far)]
+        return start * sizes[0][:, None], values[0] * sizes[0], far * sizes[1][:, None], values[1] * sizes[1]
+
+    def share(self, part: float) -> "LoadedRod":
+        """The rod under a share of its loads and held numbers; the weight across stays whole."""
+        numbers = self.numbers.copy()
+        numbers[1] *= part
+        far = self.far * part
+        if "height" in self.held:
+            far[2] = self.span + (self.far[2] - self.span) * part
+        return replace(self, numbers=numbers, near=self.near * part, far=far)
+
+    def rubbed_by(self, part: float) -> "LoadedRod":
+        """The rod with a share of its friction."""
+        numbers = self.numbers.copy()
+        numbers[3] *= part
+        return replace(self, numbers=numbers)
+
+    @property
+    def straight(self) -> bool:
+        """Whether the straight rod along the axis is an equilibrium."""
+        rest = [self.near[0], self.far[0]]
+        if "azimuth" in self.held:
+            rest.append(self.far[1])
+        else:
+            rest.append(self.far[1] - (0.0 if "rotation" in self.held else self.far[3]))
+        if "height" in self.held and self.far[2] != self.span:
+            return False
+        level = self.across * np.sin(self.near[1])
+        return not any(rest) and abs(level) <= 1e-15 * abs(self.across) and not self.turning
+
+    @property
+    def turning(self) -> bool:
+        """Whether the rod turns in place against friction."""
+        return bool(self.numbers[4] != 0 and self.rubbed)
+
+    def nodes(self, density: float = 1.0) -> Array:
+        """Nodes from 0 to the span, about one on each length on which the shape changes."""
+        t = np.linspace(0, self.span, 513)
+        passed = np.concatenate([[0], np.cumsum((self.rate(t[1:]) + self.rate(t[:-1])) / 2 * np.diff(t))]) * density
+        count = max(4, int(np.ceil(passed[-1])))
+        return np.interp(np.linspace(0, passed[-1], count + 1), passed, t)
+
+    def lying(self, nodes: Array) -> Array:
+        """The state of the straight rod at the nodes, (N, 8); friction on it included."""
+        y = np.zeros((nodes.size, SIZE))
+        y[:, ALPHA] = self.near[1]
+        outward, k = self.numbers[6], self.numbers[3]
+        push = -outward * self.across * np.cos(self.near[1])
+        rate = self.along + (0.0 if self.turning else k * push)
+        y[:, PHI] = self.tension_known - rate * (self.span - nodes)
+        y[:, MU] = 0.0 if "rotation" in self.held else self.far[3]
+        if "rotation" in self.held:
+            y[:, MU] = self.far[3] / (self.numbers[0] * self.span)
+        y[:, ROUND] = self.numbers[0] * y[:, MU] * nodes
+        return y

@@ -1,0 +1,55 @@
+"""From a case whose loads vary along the rod to numbers in units of A and rho."""
+
+import numpy as np
+
+from ..core.varying_loads import SIZE
+from ..numerics.arrays import Array
+from ..problem.case import SLIDING, Case
+from ..problem.held_ends import HeldProblem, held_problem
+from ..problem.reduced import StartProblem, dimensionless_problem, flat
+from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
+
+NAME_OF = {"beta0": "beta0", "betaL": "betaL", "z": "height", "alpha": "azimuth", "turn": "rotation"}
+
+
+def numbers_of(case: Case) -> Array:
+    """The numbers of each rod as `core.varying_loads.march` takes them, (B, 7)."""
+    A, rho, wall = case.rod.bending_stiffness, case.rho, case.cylinder
+    theta = 0.0 if wall.inclination is None else wall.inclination
+    sign, turning = SLIDING[wall.sliding]
+    with np.errstate(all="ignore"):  # overflow is reported in the outcome
+        omega = (0.0 if case.rod.weight is None else case.rod.weight) * rho**3 / A
+        # sines of both halves of the circle, so that a rod that lies feels no weight along it
+        along, across = omega * np.sin(np.pi / 2 - theta), omega * np.sin(theta)
+        rubbed = sign * (0.0 if wall.friction is None else wall.friction)
+        columns = (case.rod.stiffness_ratio, along, across, rubbed, float(turning), case.rod.a / rho, case.outward)
+        return np.stack([flat(column, case.shape) for column in columns], axis=1)
+
+
+def starts_of(case: Case) -> tuple[StartProblem, Array, Array, Array]:
+    """The start problems of a case, its numbers (B, 7), the states at the start and their scales, (B, 8) each."""
+    problem, numbers = dimensionless_problem(case), numbers_of(case)
+    assert isinstance(problem, StartProblem)
+    y = np.zeros((problem.size, SIZE))
+    y[:, BETA], y[:, SPEED], y[:, ALPHA] = problem.beta0, problem.dbeta0, flat(case.given.alpha, case.shape)
+    y[:, Q], y[:, PHI], y[:, MU] = problem.lam - problem.mu, problem.phi, problem.mu
+    weight = np.sqrt(np.abs(numbers[:, 2])) + np.cbrt(numbers[:, 1] ** 2)
+    rate = np.sqrt(np.abs(problem.phi) + weight + problem.mu**2 + np.cbrt(y[:, Q] ** 2) + 1 / problem.span**2)
+    size = np.minimum(1, np.maximum(rate, np.abs(problem.beta0)))  # of beta
+    ones = np.ones_like(rate)
+    scale = [size, np.maximum(size * rate, np.abs(problem.dbeta0)), ones, size * rate**2, rate**2, rate, size**2 / rate]
+    return problem, numbers, y, np.stack([*scale, ones], axis=1)
+
+
+def rods_of(case: Case) -> tuple[HeldProblem, list[LoadedRod]]:
+    """The ends problems of a case, one by one."""
+    problem, numbers = held_problem(case), numbers_of(case)
+    alpha0 = flat(case.given.alpha, case.shape)
+    held = frozenset(NAME_OF[name] for name in problem.numbers if name in NAME_OF)
+    rods = []
+    for i in range(problem.size):
+        values = dict(zip(("beta0", "betaL", "axial", "round", "twist"), problem.values[i], strict=True))
+        near = np.array([values["beta0"], alpha0[i]])
+        far = np.array([values["betaL"], values["round"], values["axial"], values["twist"]])
+        rods.append(LoadedRod(numbers[i], float(problem.span[i]), held, near, far))
+    return problem, rods

@@ -1,0 +1,64 @@
+"""The state of a pipe along its length, in words: straight, sinusoidal or helical, each with where it is."""
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from ..numerics.arrays import Array
+
+STRAIGHT, SINUSOIDAL, HELICAL = "straight", "sinusoidal", "helical"
+BENT = 0.1  # rad of azimuth from one bend to the next: less is straight
+TURN = 2 * np.pi  # of azimuth in one sense: as much is a helix
+
+
+class State(NamedTuple):
+    """A stretch of a rod in one state, from one s to another [length]."""
+
+    word: str
+    begin: float
+    end: float
+
+
+def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
+    """The states along a rod, from its values at places s (n,), dense enough to show each change of sign of beta.
+
+    Between two changes of sign the azimuth goes one way. There the rod is helical if it goes once round or more,
+    straight if it goes less than `BENT`, else sinusoidal; of a helix the ends on which it goes less than `BENT` are
+    straight.
+    """
+    cuts = [0, *(np.flatnonzero(np.sign(beta[1:]) * np.sign(beta[:-1]) < 0) + 1), s.size - 1]
+    found: list[State] = []
+    for first, last in pairwise(cuts):
+        turned = abs(alpha[last] - alpha[first])
+        if turned < TURN:
+            found.append(State(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last]))
+            continue
+        way = np.abs(alpha[first : last + 1] - alpha[first])
+        leaves, arrives = (s[first + int(np.searchsorted(way, value))] for value in (BENT, turned - BENT))
+        found += [State(STRAIGHT, s[first], leaves), State(HELICAL, leaves, arrives), State(STRAIGHT, arrives, s[last])]
+    return tuple(_joined([one for one in found if one.end > one.begin]))
+
+
+def _joined(found: list[State]) -> list[State]:
+    """Neighbours of the same state as one; a short straight piece between two bends belongs to them."""
+    kept: list[State] = []
+    longest = max((one.end - one.begin for one in found if one.word == SINUSOIDAL), default=0.0)
+    for i, one in enumerate(found):
+        word, around = one.word, [other.word for other in found[max(0, i - 1) : i + 2] if other is not one]
+        if word == STRAIGHT and len(around) == 2 and STRAIGHT not in around and one.end - one.begin < longest:
+            word = around[0]
+        if kept and kept[-1].word == word:
+            kept[-1] = State(word, kept[-1].begin, float(one.end))
+        else:
+            kept.append(State(word, float(one.begin), float(one.end)))
+    return kept
+
+
+def in_words(found: tuple[State, ...], unit: str = "") -> str:
+    """``straight from 0 to 12 m, sinusoidal to 288 m, straight to 300 m``."""
+    unit = unit and f" {unit}"
+    if len(found) == 1:
+        return f"{found[0].word} all along"
+    said = [f"{one.word} {'from 0 ' if i == 0 else ''}to {one.end:.4g}{unit}" for i, one in enumerate(found)]
+    return ", ".join(said)

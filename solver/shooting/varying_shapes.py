@@ -1,0 +1,154 @@
+"""The shapes of B rods whose loads vary along them, on nodes from which everything along them is read."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..core.varying_loads import SIZE, march
+from ..mechanics.contact import contact_force
+from ..mechanics.potential import Loads, slope
+from ..numerics.arrays import Array, Integers
+from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, Q
+from .state import State, states
+
+DENSE = 17  # places on a stretch, at which the states along a rod are judged
+FINE = 2  # nodes of a start problem, for each step of its march
+
+
+@dataclass(frozen=True, eq=False)
+class Nodes:
+    """One rod. numbers, scale: (7,) and (8,), as of `core.varying_loads.march`. t: (N,). y: (N, 8), states there."""
+
+    numbers: Array
+    scale: Array
+    t: Array
+    y: Array
+
+    def at(self, t: Array) -> Array:
+        """States at times t (n,), rising, (n, 8)."""
+        stretch = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, self.t.size - 2)
+        first = np.searchsorted(stretch, np.arange(self.t.size))
+        return march(
+            self.numbers, self.scale, self.y[:-1], np.diff(self.t), first=first, stations=t - self.t[stretch]
+        ).out
+
+    def between(self, places: Array) -> Array:
+        """States at places (m,) of [-1, 1], rising, on each stretch, (N - 1, m, 8)."""
+        width, m = np.diff(self.t), places.size
+        stations = (width[:, None] * (1 + places) / 2).reshape(-1)
+        first = m * np.arange(self.t.size)
+        found = march(self.numbers, self.scale, self.y[:-1], width, first=first, stations=stations).out
+        return found.reshape(width.size, m, SIZE)
+
+    def local_values(self, y: Array) -> Array:
+        """What `observe` integrates, from states (Q, m, 8), as (Q, 7, m).
+
+        beta, beta_t, lam, mu, phi, omega sin(theta) cos(alpha), and what friction divides the contact force by.
+        """
+        _, _, across, rubbed, turning, a, outward = self.numbers
+        divisor = 1 - turning * outward * rubbed * a * y[:, :, SPEED]
+        beta, speed, lam, mu, phi = (y[:, :, k] for k in (BETA, SPEED, Q, MU, PHI))
+        return np.stack([beta, speed, lam + mu, mu, phi, across * np.cos(y[:, :, ALPHA]), divisor], axis=1)
+
+    def push_at(self, t: Array) -> Array:
+        """The push at times t (n,) in any order, in units of A/rho^3, (n,)."""
+        order = np.argsort(t)
+        y = np.empty((t.size, SIZE))
+        y[order] = self.at(t[order])
+        beta, speed, lam, mu, phi, weight, divisor = self.local_values(y[None].transpose(1, 0, 2))[:, :, 0].T
+        around = lam - mu * np.cos(beta) - np.sin(beta) ** 3
+        plain = contact_force(1.0, mu, 1.0, around, slope(Loads(lam, mu, phi), beta), beta, speed)
+        return np.asarray(self.numbers[6] * (plain - weight) / divisor)
+
+    def states(self, rho: float) -> tuple[State, ...]:
+        """The states along the rod, with s in the unit of rho."""
+        places = np.linspace(-1, 1, DENSE)[:-1]
+        y = np.concatenate([self.between(places).reshape(-1, SIZE), self.y[-1:]])
+        t = (self.t[:-1, None] + np.diff(self.t)[:, None] * (1 + places) / 2).reshape(-1)
+        return states(np.append(t, self.t[-1]) * rho, y[:, BETA], y[:, ALPHA])
+
+    def neutral(self) -> float:
+        """The first t at which FZ changes its sign; NaN where it does not."""
+        phi = self.y[:, PHI]
+        where = np.flatnonzero(np.sign(phi[1:]) * np.sign(phi[:-1]) < 0)
+        if not where.size:
+            return np.nan
+        low, high = self.t[where[0]], self.t[where[0] + 1]
+        for _ in range(60):
+            middle = (low + high) / 2
+            same = np.sign(self.at(np.array([middle]))[0, PHI]) == np.sign(phi[where[0]])
+            low, high = (middle, high) if same else (low, middle)
+        return float(low + high) / 2
+
+    def turns(self) -> int:
+        """The number of interior extrema of beta."""
+        speed = self.between(np.linspace(-1, 1, 17))[:, :-1, SPEED].reshape(-1)[1:]
+        sign = np.sign(np.append(speed, self.y[-1, SPEED])[:-1])
+        sign = sign[sign != 0]
+        return int(np.count_nonzero(sign[1:] != sign[:-1]))
+
+
+@dataclass(frozen=True, eq=False)
+class VaryingShapes:
+    """The rods of B problems.
+
+    nodes: a function of the number of a rod; None for a rod without a shape. index: (B,), Morse indices under what the
+    ends hold, NaN where there is none. critical: (B,), the share of the loads at which the straight rod buckles, NaN
+    where it does not or was not asked.
+    """
+
+    nodes: Callable[[int], Nodes | None]
+    index: Array
+    critical: Array
+
+    @cached_property
+    def _known(self) -> dict[int, Nodes | None]:
+        return {}
+
+    def of(self, i: int) -> Nodes | None:
+        """The nodes of one rod, computed once."""
+        if i not in self._known:
+            self._known[i] = self.nodes(i)
+        return self._known[i]
+
+    def ends(self) -> tuple[Array, Array]:
+        """States at the start and at the far end, (B, 8) each; NaN for a rod without a shape."""
+        none = np.full(SIZE, np.nan)
+        shapes = [self.of(i) for i in range(self.index.size)]
+        pairs = [(none, none) if one is None else (one.y[0], one.y[-1]) for one in shapes]
+        return np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
+
+    def turns(self) -> Array:
+        """The number of interior extrema of beta of each rod, (B,); NaN for a rod without a shape."""
+        shapes = [self.of(i) for i in range(self.index.size)]
+        return np.array([np.nan if one is None else one.turns() for one in shapes])
+
+
+def listed(nodes: Sequence[Nodes | None]) -> Callable[[int], Nodes | None]:
+    """A list of nodes as a function."""
+    return lambda i: nodes[i]
+
+
+def marched(numbers: Array, scale: Array, begin: Array, span: Array, steps: Integers) -> Callable[[int], Nodes | None]:
+    """The nodes of start problems, whose march took so many steps."""
+
+    def nodes(i: int) -> Nodes | None:
+        t = np.linspace(0, span[i], max(FINE * int(steps[i]), 4) + 1)
+        one = Nodes(numbers[i], scale[i], np.array([0, span[i]]), np.stack([begin[i], begin[i]]))
+        y = one.at(t)
+        return Nodes(numbers[i], scale[i], t, y) if np.isfinite(y).all() else None
+
+    return nodes
+
+
+def read_states(y: Array, t: Array, alpha0: Array, twist: Array) -> dict[str, Any]:
+    """What a trajectory holds, from the states (B, n, 8) at t (B, n). twist: (B,), A/C times mu at the far end."""
+    swirl = twist[:, None] * t - y[:, :, ROUND] + y[:, :, ALPHA] - alpha0[:, None]
+    return {
+        "beta": y[:, :, BETA], "dbeta": y[:, :, SPEED], "alpha": y[:, :, ALPHA] - alpha0[:, None],
+        "z": t - y[:, :, SHORT], "swirl": lambda: swirl,
+        "loads": np.stack([y[:, :, Q] + y[:, :, MU], y[:, :, MU], y[:, :, PHI]]),
+    }  # fmt: skip

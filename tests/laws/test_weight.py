@@ -1,0 +1,192 @@
+"""Rods with weight and friction: balance in space, exact limits, and the Morse index."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.interpolate import make_interp_spline
+
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, observe, solve
+from solver.core.varying_loads import march
+from solver.problem.case import SLIDING
+from solver.shooting.branch import index_at, straight_shape
+from solver.shooting.loaded_rod import LoadedRod
+
+ROD: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 8.0, "weight": 3.0}
+PIPE: dict[str, Any] = {"EI": 1.228e6, "GJ": 9.45e5, "a": 0.0635, "weight": 242.0}  # 5 inch, in N and m
+HOLE = {"R": 0.10795, "side": "inside"}  # of 8.5 inches
+BUCKLES = 2 * np.sqrt(1.228e6 * 242 / (0.10795 - 0.0635))  # Dawson and Paslay, lying
+
+
+def unbalanced(sol: Any) -> tuple[float, float]:
+    """The largest force and moment per length that a rod's forces leave unbalanced in space, relative to the largest.
+
+    It reads positions, internal forces and contact; beta enters in the directions alone.
+    """
+    case, s, alpha = sol.case, sol.s, sol.alpha
+    theta, rubbed = case.cylinder.inclination or 0.0, case.cylinder.friction or 0.0
+    sense, turning = SLIDING[case.cylinder.sliding]
+    out = np.stack([np.cos(alpha), np.sin(alpha), 0 * alpha], axis=-1)
+    around, axis = np.stack([-np.sin(alpha), np.cos(alpha), 0 * alpha], axis=-1), np.array([0.0, 0.0, 1.0])
+    sin, cos = np.sin(sol.beta)[:, None], np.cos(sol.beta)[:, None]
+    tangent, across = sin * around + cos * axis, cos * around - sin * axis
+    force = -sol.F1[:, None] * out - sol.F2[:, None] * across + sol.F3[:, None] * tangent
+    up = np.cos(theta) * axis - np.sin(theta) * np.array([1.0, 0.0, 0.0])
+    slides = -case.outward * across if turning else tangent  # where the wall touches the rod
+    drag = -sense * rubbed * sol.push[:, None] * slides
+    load = sol.contact[:, None] * out - (case.rod.weight or 0.0) * up + drag
+    twisting = np.cross(-case.outward * case.rod.a * out, drag) if turning else np.zeros_like(drag)
+
+    def rate(values: Any) -> Any:
+        return make_interp_spline(s, values, k=9)(s, 1)
+
+    twist = np.broadcast_to(sol._loads[0] * sol._loads[2], s.shape)[:, None]
+    moment = case.rod.bending_stiffness * np.cross(tangent, rate(tangent)) + twist * tangent
+    inner = slice(20, -20)  # a spline's derivatives are poor at its ends
+    forces = (rate(force) + load)[inner]
+    moments = (rate(moment) + np.cross(tangent, force) + twisting)[inner]
+    return float(np.abs(forces).max() / np.abs(load).max()), float(np.abs(moments).max() / np.abs(force).max())
+
+
+@pytest.mark.parametrize("side", ("outside", "inside"))
+@pytest.mark.parametrize("sliding", ("", "forward", "backward", "rotating"))
+def test_a_marched_rod_is_in_balance_in_space(side: str, sliding: str) -> None:
+    rubbed: dict[str, Any] = {"friction": 0.3, "sliding": sliding} if sliding else {}
+    cylinder = Cylinder(R=1.0, side=side, inclination="60deg", **rubbed)
+    sol = solve(Case(Rod(**ROD), cylinder, Start(0.5, 0.3, F3=-5.0, F2=2.0, M3=6.0, alpha=0.4)), stations=2001)
+    assert sol.solved
+    assert sol.error < 1e-10
+    assert max(unbalanced(sol)) < 1e-8  # the ninth-order spline's
+
+
+@pytest.mark.parametrize("ends", ({"betaL": 0.0, "azimuth": 0.0}, {"M1L": 0.0}, {"betaL": 0.0, "height": 119.999}))
+def test_a_pipe_between_ends_is_in_balance_in_space_and_stable(ends: dict[str, float]) -> None:
+    load = {} if "height" in ends else {"FZ": -1.2 * BUCKLES}
+    case = Case(Rod(L=120.0, **PIPE), Cylinder(**HOLE, inclination="60deg"), Ends(beta0=0.0, **load, **ends))
+    sol = solve(case, stations=2001)
+    assert sol.solved
+    assert sol.held_index == 0
+    assert max(unbalanced(sol)) < 1e-7
+    total = sol.F3 + case.rod.bending_stiffness * sol.kappa**2 / 2  # F3 + A kappa^2/2 - w height is constant
+    height = sol.z * np.cos(np.pi / 3) - case.rho * np.sin(np.pi / 3) * np.cos(sol.alpha)
+    assert np.ptp(total - 242 * height) < 1e-9 * np.abs(sol.FZ)
+
+
+def straight(across: float, span: float, load: float, mu: float, along: float = 0, held: str = "azimuth") -> LoadedRod:
+    """A straight rod with hinges, in units of A and rho, unless an end is held."""
+    numbers = np.array([1.3, along, across, 0.0, 0.0, 0.3, -1.0])
+    return LoadedRod(numbers, span, frozenset(held.split()), np.zeros(2), np.array([0.0, 0.0, -load, mu]))
+
+
+def test_the_index_of_a_lying_rod_is_the_number_of_modes_below_its_load() -> None:
+    rng, modes = np.random.default_rng(27), np.pi * np.arange(1, 200)
+    seen = []
+    for _ in range(40):
+        across = 10 ** rng.uniform(-6, 0)
+        span = rng.uniform(2, 20) * across**-0.25
+        critical = (modes / span) ** 2 + across * (span / modes) ** 2
+        rod = straight(across, span, critical.min() * rng.uniform(0.5, 4), rng.normal() * across**0.25)
+        seen.append((critical < -rod.far[2]).sum())
+        assert index_at(straight_shape(rod, rod.nodes())) == seen[-1]
+    assert max(seen) > 8
+
+
+def critical_value(index: Any, low: float, high: float) -> float:
+    """Where an index leaves 0, to ten digits."""
+    while high - low > 1e-11 * high:
+        middle = (low + high) / 2
+        low, high = (low, middle) if index(middle) else (middle, high)
+    return high
+
+
+def index_of(rod: LoadedRod) -> int:
+    return index_at(straight_shape(rod, rod.nodes()))
+
+
+def test_greenhills_pole_buckles_under_its_own_weight() -> None:
+    def index(weight: float) -> int:
+        return index_of(straight(0.0, 1.0, 0.0, 0.4, along=weight, held="beta0"))
+
+    assert critical_value(index, 5.0, 10.0) == pytest.approx(7.837347438943, rel=1e-10)  # 9/4 j^2, J_(-1/3)
+
+
+@pytest.mark.parametrize(
+    ("held", "length", "expected"),
+    [
+        ("beta0", 20.0, 2.3381074105),  # a zero of Ai
+        ("", 20.0, 1.0187929716),  # a zero of Ai'
+        ("azimuth", 5.0, 2.1186),
+        ("azimuth", 7.94, 1.9395),
+        ("azimuth", 10.0, 1.8697),
+        ("azimuth", 20.0, 1.7110),
+    ],
+)
+def test_a_vertical_string_buckles_at_the_weight_on_its_foot(held: str, length: float, expected: float) -> None:
+    def index(weight: float) -> int:
+        return index_of(straight(0.0, length, weight - length, 0.0, along=1.0, held=held))
+
+    digits = 1e-10 if len(str(expected)) > 8 else 3e-5  # as many as are known
+    assert critical_value(index, 0.5, 3.0) == pytest.approx(expected, rel=digits)
+
+
+def test_derivatives_of_a_march_agree_with_differences() -> None:
+    rng = np.random.default_rng(1)
+    for turning in (0.0, 1.0):
+        rod = np.array([1.3, 0.3, 0.5, 0.2, turning, 0.4, -1.0])
+        begin, scale = np.append(rng.normal(size=6) / 2, [0.0, 0.0]), np.ones(8)
+        exact = march(rod, scale, begin[None], np.array([2.0]), 9).columns[0]
+        for k in range(9):
+            step = np.eye(9)[k] * 1e-6
+            ends = [
+                march(
+                    rod + sign * np.concatenate([[0], step[6:], [0, 0, 0]]), scale,
+                    (begin + sign * np.append(step[:6], [0, 0]))[None], np.array([2.0]),
+                ).end[0]
+                for sign in (1, -1)
+            ]  # fmt: skip
+            assert np.allclose((ends[0] - ends[1]) / 2e-6, exact[:, k], atol=1e-7 * (1 + np.abs(exact).max()))
+
+
+def test_without_weight_the_answer_is_the_same_bits() -> None:
+    given = Start(0.5, 0.5, F3=10.0, M3=0.0)
+    plain, rod = solve(Case(Rod(**ROD | {"weight": None}), Cylinder(R=0.75), given)), Rod(**ROD | {"weight": 0.0})
+    same = solve(Case(rod, Cylinder(R=0.75, inclination=1.0, friction=0.0), given))
+    assert plain.beta.tobytes() == same.beta.tobytes()
+
+
+def test_with_vanishing_weight_both_methods_agree() -> None:
+    given = Ends(0.5, 0.8, FZ=2.0, MZ=1.3, M3=6.1)
+    plain, light = (Rod(**ROD | {"weight": weight}) for weight in (None, 1e-12))
+    light_one = solve(Case(light, Cylinder(R=0.75, inclination=1.0), given))
+    known = solve(Case(plain, Cylinder(R=0.75), given))
+    assert np.abs(light_one.beta - known.beta).max() < 1e-10
+    names = ["kappa_max", "push_min", "push_mean", "energy", "index", "height", "turns", "M10"]
+    for name, value in observe(known, names).items():
+        assert observe(light_one, [name])[name] == pytest.approx(value, rel=1e-9), name
+
+
+def test_a_long_start_problem_says_that_it_has_lost_its_digits() -> None:
+    rod, cylinder = Rod(L=600.0, **PIPE), Cylinder(**HOLE, inclination="90deg")
+    sol = solve(Case(rod, cylinder, Start(beta=0.001, dbeta=0.0, F3=1e5, M3=0.0)))
+    assert not sol.solved
+    assert "give Ends" in sol.outcome
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda case: equilibria(case), "this task needs loads that are constant along the rod, got weight=3.0"),
+        (lambda case: solve(case, method="orbit"), "is solved by shooting alone"),
+        (lambda case: solve(case, choose="lowest"), "needs all equilibria"),
+        (lambda case: solve(case, seed=0.1), "seed of a rod with weight or friction is 'straight'"),
+        (lambda case: solve(case).sensitivity(["E"]), "needs loads that are constant"),
+        (lambda case: Rod(**ROD | {"weight": -1.0}), "Rod.weight must be at least 0, got -1.0"),
+        (lambda case: Cylinder(R=1.0, inclination=4.0), "Cylinder.inclination must be from 0 to pi"),
+        (lambda case: Cylinder(R=1.0, friction=-0.1), "Cylinder.friction must be at least 0"),
+        (lambda case: Cylinder(R=1.0, sliding="up"), "no sliding 'up'"),
+    ],
+)
+def test_what_weight_does_not_allow_is_refused_in_words(call: Any, sentence: str) -> None:
+    case = Case(Rod(**ROD), Cylinder(R=0.75, inclination="90deg"), Ends(beta0=0.0, betaL=0.1, FZ=5.0))
+    with pytest.raises(InputError, match=sentence.replace("(", "\\(")):
+        call(case)

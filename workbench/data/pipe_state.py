@@ -1,0 +1,75 @@
+"""A rod with weight or friction in sentences: its state along the length, when that changes, the forces at its ends."""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from solver.problem.case import SLIDING
+from solver.shooting.state import in_words
+
+if TYPE_CHECKING:
+    from solver import Solution
+
+# A long lying pipe without torque, slender: forces in sqrt(A w sin(theta)/rho), `studies/pipe_horizontal.toml`.
+SINUSOID, PRESSED, LEAST_ENERGY, SINUSOID_ENDS = 2.0, 2.744687, 2.901122, 5.2613
+REACHES = {"m": 30.0, "ft": 100.0}  # lengths on which drillers state a dogleg
+
+
+def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
+    """The sentences on one solved case; none of a rod without weight and friction, or without a shape."""
+    if not sol.case.varies or not sol.solved:
+        return []
+    length, force = units["length"], units["force"]
+    said = [f"state: {in_words(sol.states, length)}"]
+    critical = float(sol.trajectory.shapes.critical[0]) if sol.case.kind == "ends" else math.nan
+    if math.isfinite(critical):
+        load = f", FZ = {critical * float(sol.FZ):.6g} {force}" if float(sol.FZ) else ""
+        said.append(f"the straight rod buckles at {critical:.6g} times these loads{load}")
+    said += _long_pipe(sol, force)
+    said.append(_ends(sol, force, length))
+    reach = REACHES.get(length, 1.0)
+    most = math.degrees(_observed(sol, "kappa_max")) * reach
+    said.append(f"largest dogleg {most:.4g} deg in {reach:g} {length}")
+    said.append(_index(sol))
+    return said
+
+
+def _observed(sol: "Solution", name: str) -> float:
+    from solver import observe
+
+    return float(observe(sol, [name])[name])
+
+
+def _long_pipe(sol: "Solution", force: str) -> list[str]:
+    """The compressions at which a long pipe of this weight changes its state; none without weight across the axis."""
+    rod, wall = sol.case.rod, sol.case.cylinder
+    across = float(rod.weight or 0) * math.sin(float(wall.inclination or 0))
+    if across <= 1e-12 * float(rod.weight or 1) or wall.side == "outside":
+        return []
+    unit = math.sqrt(float(rod.bending_stiffness) * across / float(sol.case.rho))
+    one, two, three, four = (f"{x * unit:.4g}" for x in (SINUSOID, PRESSED, LEAST_ENERGY, SINUSOID_ENDS))
+    return [
+        f"compressions of a long pipe of this weight without torque: straight below {one} {force}; from {two} a helix "
+        f"can stay; from {three} it has less energy than the sinusoid, which cannot stay above {four}"
+    ]
+
+
+def _ends(sol: "Solution", force: str, length: str) -> str:
+    near, far = _observed(sol, "FZ0"), float(sol.FZ)
+    wall = sol.case.cylinder
+    text = f"axial force {near:.6g} {force} at s = 0 and {far:.6g} {force} at s = L"
+    text += f"; push {float(sol.push[0]):.4g} and {float(sol.push[-1]):.4g} {force}/{length}"
+    if wall.friction:
+        rubbed = float(wall.friction) * _observed(sol, "push_mean") * float(sol.case.rod.L)
+        way = "turns in place" if SLIDING[wall.sliding][1] else f"slides {wall.sliding}"
+        text += f"; friction of a rod that {way} everywhere: {rubbed:.4g} {force} in all"
+    return text
+
+
+def _index(sol: "Solution") -> str:
+    """Whether the shape is stable, in words."""
+    if sol.case.cylinder.friction:
+        return "with friction there is no energy, hence no Morse index: whether the shape is stable is not known"
+    index: Any = sol.held_index
+    if not math.isfinite(index):
+        return "of a start problem with weight no Morse index is computed"
+    return "stable (index 0)" if index == 0 else f"unstable in {index:.0f} way{'s' * (index != 1)}"
