@@ -14,7 +14,7 @@ from .branch import Path, branch_from_straight, index_of_any, straight_shape
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import HALF, Shape, correct, linear_at
 from .numbers import rods_of, starts_of
-from .varying_shapes import Nodes, VaryingShapes, listed, marched, read_states
+from .varying_shapes import Marched, Nodes, VaryingShapes, read_states
 
 SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error
 SAFETY, ROUNDING = 3.0, 2e-16
@@ -47,7 +47,7 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
     outcome = np.array(
         [f"{one}{USE_ENDS}" if more else one for one, more in zip(outcome, lost, strict=True)], dtype=object
     )
-    shapes = VaryingShapes(marched(numbers, scale, begin, problem.span, found.steps), *np.full((2, B), np.nan))
+    shapes = VaryingShapes(Marched(numbers, scale, begin, problem.span, found.steps), *np.full((2, B), np.nan))
     far = StartProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], problem.span, problem.beta0, problem.dbeta0)
     return far, Trajectory(
         **read, solved=solved, outcome=outcome, error=error, condition=condition, evaluations=found.steps, shapes=shapes
@@ -69,7 +69,7 @@ def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[End
             y[i] = one.at(t[i])
     index = np.array([np.nan if path.shape is None or path.shape.rod.rubbed else path.index for path in paths])
     critical = np.array([np.nan if path.buckled is None else path.buckled for path in paths])
-    shapes = VaryingShapes(listed(nodes), index, critical)
+    shapes = VaryingShapes(nodes, index, critical)
     begin, end = shapes.ends()
     error, condition = np.array(estimates).T
     read = read_states(y, t, alpha0, np.array([rod.numbers[0] for rod in rods]) * end[:, MU])

@@ -1,8 +1,8 @@
 """The shapes of B rods whose loads vary along them, on nodes from which everything along them is read."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -92,15 +92,35 @@ class Nodes:
 
 
 @dataclass(frozen=True, eq=False)
+class Marched:
+    """Start problems, whose nodes are computed when they are asked for.
+
+    numbers, scale, begin: (B, 7), (B, 8) and (B, 8). span, steps: (B,), lengths and steps of their march.
+    """
+
+    numbers: Array
+    scale: Array
+    begin: Array
+    span: Array
+    steps: Integers
+
+    def __getitem__(self, i: int) -> Nodes | None:
+        t = np.linspace(0, self.span[i], max(FINE * int(self.steps[i]), 4) + 1)
+        ends = np.array([0, self.span[i]]), np.stack([self.begin[i], self.begin[i]])
+        y = Nodes(self.numbers[i], self.scale[i], *ends).at(t)
+        return Nodes(self.numbers[i], self.scale[i], t, y) if np.isfinite(y).all() else None
+
+
+@dataclass(frozen=True, eq=False)
 class VaryingShapes:
     """The rods of B problems.
 
-    nodes: a function of the number of a rod; None for a rod without a shape. index: (B,), Morse indices under what the
+    nodes: of each rod, computed or in a list; None for a rod without a shape. index: (B,), Morse indices under what the
     ends hold, NaN where there is none. critical: (B,), the share of the loads at which the straight rod buckles, NaN
     where it does not or was not asked.
     """
 
-    nodes: Callable[[int], Nodes | None]
+    nodes: Marched | Sequence[Nodes | None]
     index: Array
     critical: Array
 
@@ -111,7 +131,7 @@ class VaryingShapes:
     def of(self, i: int) -> Nodes | None:
         """The nodes of one rod, computed once."""
         if i not in self._known:
-            self._known[i] = self.nodes(i)
+            self._known[i] = self.nodes[i]
         return self._known[i]
 
     def ends(self) -> tuple[Array, Array]:
@@ -127,28 +147,11 @@ class VaryingShapes:
         return np.array([np.nan if one is None else one.turns() for one in shapes])
 
 
-def listed(nodes: Sequence[Nodes | None]) -> Callable[[int], Nodes | None]:
-    """A list of nodes as a function."""
-    return lambda i: nodes[i]
-
-
-def marched(numbers: Array, scale: Array, begin: Array, span: Array, steps: Integers) -> Callable[[int], Nodes | None]:
-    """The nodes of start problems, whose march took so many steps."""
-
-    def nodes(i: int) -> Nodes | None:
-        t = np.linspace(0, span[i], max(FINE * int(steps[i]), 4) + 1)
-        one = Nodes(numbers[i], scale[i], np.array([0, span[i]]), np.stack([begin[i], begin[i]]))
-        y = one.at(t)
-        return Nodes(numbers[i], scale[i], t, y) if np.isfinite(y).all() else None
-
-    return nodes
-
-
 def read_states(y: Array, t: Array, alpha0: Array, twist: Array) -> dict[str, Any]:
     """What a trajectory holds, from the states (B, n, 8) at t (B, n). twist: (B,), A/C times mu at the far end."""
     swirl = twist[:, None] * t - y[:, :, ROUND] + y[:, :, ALPHA] - alpha0[:, None]
     return {
         "beta": y[:, :, BETA], "dbeta": y[:, :, SPEED], "alpha": y[:, :, ALPHA] - alpha0[:, None],
-        "z": t - y[:, :, SHORT], "swirl": lambda: swirl,
+        "z": t - y[:, :, SHORT], "swirl": partial(np.asarray, swirl),
         "loads": np.stack([y[:, :, Q] + y[:, :, MU], y[:, :, MU], y[:, :, PHI]]),
     }  # fmt: skip

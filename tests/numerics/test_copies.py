@@ -14,6 +14,7 @@ from solver import Case, Cylinder, Ends, Rod, Solution, Start
 from solver import equilibria, fit, fold_curves, follow, loops, observe, solve  # isort: skip
 
 ROD, CYLINDER = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
+HEAVY = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0, weight=1.0)
 METHODS = ("orbit", "swing", "rk4", "euler", "verlet", "dop853", "lsoda")
 
 
@@ -52,6 +53,8 @@ MAKERS = {
     "collocation": lambda: solve(Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.8)), method="collocation"),
     "dead": partial(ends, FZ=-8.66), "held": partial(ends, height=4.0), "seeded": held_from_seed,
     "unsolved": partial(ends, FZ=1e300),
+    "weight, start": partial(solve, Case(HEAVY, CYLINDER, Start(beta=[0.5, 0.7], dbeta=0.5, M3=1.0))),
+    "weight, ends": partial(solve, Case(HEAVY, CYLINDER, Ends(beta0=0.5, betaL=0.8, height=4.0))),
     "equilibria": lambda: equilibria(ends(FZ=-8.66).case),
     "branch": lambda: follow(ends(FZ=-8.66), FZ=-12.0),
     "held branch": lambda: follow(ends(height=4.0), height=3.8),
