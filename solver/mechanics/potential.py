@@ -78,12 +78,6 @@ def slope_terms(loads: HasLoads, s: Any, c: Any) -> tuple[Any, Any, Any]:
     return even, loads.mu * (s2 * (1 + 2 * size) / (1 + size)), (loads.phi + 2 * c * s2) * s
 
 
-def slope_size(loads: HasLoads, beta: Any) -> Any:
-    """The sum of the sizes of the terms of H; the rounding error of `slope` is that many eps."""
-    even, twist, rest = slope_terms(loads, np.sin(beta), np.cos(beta))
-    return np.abs(even) + np.abs(twist) + np.abs(rest)
-
-
 def slope_rate(loads: HasLoads, beta: Any) -> Any:
     """H'(beta); parameters as in `potential`. Positive at a centre, negative at a saddle."""
     return slope_rate_of(loads, np.sin(beta), np.cos(beta))

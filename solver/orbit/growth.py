@@ -5,10 +5,19 @@ import numpy as np
 from ..mechanics.potential import Loads, slope_rate, steepest
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced, StartProblem
-from .linearised_growth import slope_weight
 
 _BLOCK = 2**18  # stations computed at once
 _MOST = 2**22  # largest number of stations, for their memory
+
+
+def slope_weight(problem: StartProblem) -> Array:
+    """w = max(1, |beta_t(0)|, sqrt|H'(beta(0))|), (B,): the factor of a change of beta_t(0).
+
+    With it a change of beta_t counts as the change of angle that it becomes a quarter of a period later, so the
+    condition number does not depend on where in its period an orbit starts.
+    """
+    natural = np.sqrt(np.abs(slope_rate(problem, problem.beta0)))
+    return np.maximum(np.maximum(1, np.abs(problem.dbeta0)), natural)
 
 
 def growth(problem: StartProblem, t: Array, beta: Array, rate: Array) -> Array:

@@ -15,12 +15,12 @@ from solver.core import march
 from solver.core.library import OTHER, threads
 from solver.methods import METHODS, OrbitQuadrature, SwingTaylor
 from solver.observe.observables import OBSERVABLES, observe
-from solver.orbit.linearised_growth import beside_helix
 from solver.orbit.pieces import ROTATION
 from solver.problem.reduced import StartProblem
 from tests.cases import EXACT
 from tests.extreme_cases import KINDS, draw
 from tests.helix_cases import NEAR, problems
+from tests.linearised_growth import beside_helix
 from workbench.compare.trade_cases import CASES
 
 NEAR_SADDLE = (0.0, 0.0, -1.0, 60.0, np.pi, 1e-9)  # a pendulum that all but stands on its head

@@ -1,20 +1,11 @@
-"""The growth of a change of the start where H' hardly changes along the rod; and the weight of a change of beta_t."""
+"""The growth of a change of the start where H' hardly changes along the rod: the specification of the core's."""
 
 import numpy as np
 
-from ..mechanics.potential import slope, slope_higher_rates, slope_rate
-from ..numerics.arrays import Array, Booleans
-from ..problem.reduced import StartProblem
-
-
-def slope_weight(problem: StartProblem) -> Array:
-    """w = max(1, |beta_t(0)|, sqrt|H'(beta(0))|), (B,): the factor of a change of beta_t(0).
-
-    With it a change of beta_t counts as the change of angle that it becomes a quarter of a period later, so the
-    condition number does not depend on where in its period an orbit starts.
-    """
-    natural = np.sqrt(np.abs(slope_rate(problem, problem.beta0)))
-    return np.maximum(np.maximum(1, np.abs(problem.dbeta0)), natural)
+from solver.mechanics.potential import slope, slope_higher_rates, slope_rate
+from solver.numerics.arrays import Array, Booleans
+from solver.orbit.growth import slope_weight
+from solver.problem.reduced import StartProblem
 
 
 def beside_helix(problem: StartProblem) -> tuple[Booleans, Array]:
