@@ -9,7 +9,6 @@ import pytest
 import xarray as xr
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 
 from solver.mechanics.potential import Loads, potential
 from solver.problem.errors import InputError
@@ -18,7 +17,6 @@ from tests.workbench.small import study
 from workbench import cli
 from workbench.data import push_colours, selection, writing
 from workbench.figures import curves, drawn_data, drawn_rods, portrait, push_scale, ridge
-from workbench.figures.sheet import sheet
 from workbench.geometry.self_intersections import places
 from workbench.run import in_memory
 
@@ -38,30 +36,6 @@ def rows(fig: Figure) -> list[dict[str, str]]:
 
 def numbers(some: list[dict[str, str]], column: str) -> np.ndarray:
     return np.array([float(row[column]) for row in some])
-
-
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("page", [sheet(), sheet("paper", 89), sheet("paper", 183, titled=False)])
-def test_no_word_is_cut_off_and_no_two_ticks_meet(ds, kind: str, page) -> None:
-    fig = KINDS[kind](ds, sheet=page)
-    fig.draw_without_rendering()
-    assert fig.get_figwidth() == pytest.approx(page.width)
-    hidden = []
-    for ax in fig.axes:
-        for ticks, k, limits in ((ax.get_xticklabels(), 0, ax.get_xlim()), (ax.get_yticklabels(), 1, ax.get_ylim())):
-            low, high = sorted(limits)
-            hidden += [tick for tick in ticks if not low <= tick.get_position()[k] <= high]
-            boxes = [tick.get_window_extent() for tick in ticks if tick.get_text() and tick.get_visible()]
-            boxes = [box for box, tick in zip(boxes, ticks, strict=False) if tick not in hidden]
-            edges = sorted((box.x0, box.x1) if k == 0 else (box.y0, box.y1) for box in boxes)
-            assert all(left[1] < right[0] + 0.5 for left, right in pairwise(edges))
-    for text in fig.findobj(Text):
-        if text.get_text().strip() and text.get_visible() and text not in hidden:
-            box = text.get_window_extent()
-            assert box.x0 > -1, text.get_text()
-            assert box.x1 < fig.bbox.x1 + 1, text.get_text()
-            assert box.y0 > -1, text.get_text()
-            assert box.y1 < fig.bbox.y1 + 1, text.get_text()
 
 
 def test_the_points_of_a_curve_and_their_push_are_those_of_the_dataset(ds) -> None:

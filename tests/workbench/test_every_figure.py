@@ -3,9 +3,10 @@
 import pytest
 import xarray as xr
 
-from studies import load
+from studies import load, names
+from tests.workbench import small
 from tests.workbench.page_faults import faults
-from workbench.figures import story
+from workbench.figures import story, study_pictures
 from workbench.figures.sheet import sheet
 from workbench.run import in_memory
 from workbench.web.report import readings_table
@@ -26,3 +27,27 @@ def test_the_story_has_four_panels_that_can_be_read(told, width: float) -> None:
     steps = next(line for line in law.lines if line.get_drawstyle() == "steps-mid")
     assert steps.get_ydata().tolist() == told[story.ALONG]["turns"].values.tolist()
     assert len(table.lines) >= told[story.CLAIMS]["claim_verdict"].size
+
+
+SHEETS = {"screen": sheet(), "column": sheet("paper", 89, titled=False), "page": sheet("paper", 183, titled=False)}
+
+
+@pytest.fixture(scope="module")
+def two() -> xr.Dataset:
+    return in_memory.run(small.grid())
+
+
+@pytest.mark.parametrize("page", SHEETS)
+@pytest.mark.parametrize("kind", study_pictures.KINDS)
+def test_every_kind_of_picture_can_be_read_at_every_width(two, kind: str, page: str) -> None:
+    fig = study_pictures.KINDS[kind].figure(two, sheet=SHEETS[page])
+    assert fig.get_figwidth() == pytest.approx(SHEETS[page].width)
+    assert faults(fig) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", SHEETS)
+@pytest.mark.parametrize("name", names())
+def test_the_picture_of_every_study_can_be_read_at_every_width(name: str, page: str) -> None:
+    ds = in_memory.run(load(name).coarse())
+    assert faults(study_pictures.KINDS[study_pictures.kind_of(ds)].figure(ds, sheet=SHEETS[page])) == []

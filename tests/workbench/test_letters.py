@@ -70,14 +70,6 @@ def test_the_letters_of_every_figure_can_be_read_in_two_columns(two) -> None:
         assert smallest(fig, TWO_COLUMNS) >= LEAST - 0.01
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("width", (89, 183))
-def test_the_letters_of_paper_are_as_large_at_its_width(two, width) -> None:
-    page = sheet("paper", width)
-    for draw in (study_figure, map_figure, curves, ridge, portrait):
-        assert smallest(draw.figure(two, sheet=page), width / 25.4) >= 7.0 - 1e-9
-
-
 @pytest.mark.parametrize(
     "values, texts",
     (

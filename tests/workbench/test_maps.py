@@ -316,7 +316,7 @@ def test_a_law_along_a_further_axis_has_a_map_of_verdicts_where_its_lines_differ
     assert found == expected
     assert len(np.unique(expected)) > 1
     assert "F₁ =" not in ax.get_xlabel()
-    assert "Law (2): the number of bends falls with F₁; fails." in notes(fig)
+    assert "Law (2): the number of bends falls with F₁; false." in notes(fig)
 
 
 def test_shapes_are_developed_curves_at_one_scale_each_in_its_cell(regimes, tmp_path) -> None:

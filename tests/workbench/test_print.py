@@ -132,29 +132,6 @@ def test_a_figure_for_print_has_its_width_and_letters_of_seven_and_eight_points(
         assert two.attrs["title"] not in {text.get_text() for text in texts}
 
 
-def test_no_word_of_a_narrow_figure_lies_outside_it(two) -> None:
-    many = in_memory.run(load("fig7_4_end_angle"))  # whose values are upright below their curves
-    for fig in (
-        study_figure.figure(two, sheet=sheet("paper", 89)),
-        map_figure.figure(two, sheet=sheet("paper", 89)),
-        study_figure.figure(many, sheet=sheet("paper", 183, panel="betaL")),
-    ):
-        fig.draw_without_rendering()
-        hidden = []  # the labels of ticks beyond the axis are not drawn
-        for ax in fig.axes:
-            for ticks, k, limits in (
-                (ax.get_xticklabels(), 0, ax.get_xlim()),
-                (ax.get_yticklabels(), 1, ax.get_ylim()),
-            ):
-                hidden += [label for label in ticks if not limits[0] <= label.get_position()[k] <= limits[1]]
-        for text in fig.findobj(Text):
-            if text.get_text().strip() and text.get_visible() and text not in hidden:
-                box = text.get_window_extent()
-                assert box.x0 > -1, text.get_text()
-                assert box.x1 < fig.bbox.x1 + 1, text.get_text()
-                assert box.y0 > -1, text.get_text()
-
-
 def test_one_panel_is_drawn_alone_and_an_unknown_one_is_refused(two) -> None:
     alone = study_figure.figure(two, sheet=sheet(panel="(2)"))
     assert len(alone.axes) == 1

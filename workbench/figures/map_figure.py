@@ -238,7 +238,8 @@ class _Maps:
         else:
             ax.tick_params(labelbottom=False)
         if leftmost:
-            ax.set_ylabel(style.fitted(labels.axis_label(choice.y, self.ds[choice.y], not short), self.inches[1]))
+            words = labels.axis_label(choice.y, self.ds[choice.y], not short and self.across > 1)
+            ax.set_ylabel(style.fitted(words, self.inches[1]))
         else:
             ax.tick_params(labelleft=False)
 

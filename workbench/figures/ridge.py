@@ -165,7 +165,10 @@ def _name_curves(ax: Axes, found: DrawnRods, ridge: Ridge, tall: float, labelled
     texts = [found.rods[k].value if labelled else "" for k in shown]
     ax.set_yticks([ridge.foot + k * ridge.step for k in shown], texts)
     if found.axis is not None:
-        long = style.LETTER * style.normal() * len(labels.axis_label(found.axis, found.source[found.axis])) < tall
+        long = (
+            style.LETTER * style.normal() * len(labels.axis_label(found.axis, found.source[found.axis]))
+            < canvas.LEAST * tall
+        )
         ax.set_ylabel(labels.axis_label(found.axis, found.source[found.axis], long))
     ax.yaxis.label.set_visible(labelled)
 

@@ -127,9 +127,7 @@ def compose(
     return (_row if len(names) == 1 else _table)(ds, chosen, names, at, settings)
 
 
-def _one(
-    ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str | None, settings: Settings
-) -> Picture:
+def _one(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str | None, settings: Settings) -> Picture:
     """One case large; a long one in lines."""
     asked = selection.case(ds, at)
     where = asked if at else _nearest_solved(ds, asked)

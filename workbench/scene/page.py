@@ -122,7 +122,6 @@ class Page:
     rings: Sequence[tuple[float, float, float]] = ()
     bare: bool = False
 
-
     @property
     def size(self) -> tuple[float, float]:
         """Width and height of the rendered picture."""
