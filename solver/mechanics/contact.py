@@ -41,7 +41,11 @@ def with_weight(case: Case, contact: Array, alpha: Array, dbeta: Array) -> Array
     The weight across the axis pulls the rod to alpha = 0; the twisting moment of a rod that turns in place grows by the
     friction, and its rate makes a force where the rod bends.
     """
-    wall, column = case.cylinder, lambda value: np.expand_dims(np.broadcast_to(value, case.shape), -1)
+
+    def column(value: Any) -> Array:
+        return np.expand_dims(np.broadcast_to(value, case.shape), -1)
+
+    wall = case.cylinder
     if case.rod.weight is not None and wall.inclination is not None:
         contact = contact - column(case.rod.weight * np.sin(wall.inclination)) * np.cos(alpha)
     sign, turning = SLIDING[wall.sliding]

@@ -1,7 +1,7 @@
 """The error that the solver raises for an invalid value, and the wording of its messages."""
 
 from collections.abc import Iterable
-from difflib import get_close_matches
+from difflib import SequenceMatcher, get_close_matches
 
 # word -> the symbols of the fields that it may mean, in the order in which a message names them
 SYMBOLS = {
@@ -55,10 +55,17 @@ def no_such(kind: str, name: object, names: Iterable[object]) -> InputError:
 def near(name: object, known: Iterable[object]) -> str:
     """``, did you mean 'sobol'`` where known names are close to this one or are its symbols; else nothing."""
     text, names = str(name)[:60], [str(one) for one in known]
-    found = [one for one in names if one.lower() == text.lower()] or get_close_matches(text, names, 1, 0.9)
+    found = [one for one in names if one.lower() == text.lower()] or _closest(text, names, 0.9)
     found = found or _symbols(text, names) or _begun(text, names)
-    found = found or get_close_matches(text, names, 1) or _one_letter_off(text, names)
+    found = found or _closest(text, names) or _one_letter_off(text, names)
     return f", did you mean {' or '.join(map(repr, found))}" if found else ""
+
+
+def _closest(text: str, names: list[str], least: float = 0.6) -> list[str]:
+    """The names that are closest to the text: weight and height for ``eight``."""
+    found = get_close_matches(text, names, 3, least)
+    likeness = [SequenceMatcher(None, one, text).ratio() for one in found]
+    return [one for one, alike in zip(found, likeness, strict=True) if alike == max(likeness)]
 
 
 def _symbols(text: str, names: list[str]) -> list[str]:

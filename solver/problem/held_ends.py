@@ -13,7 +13,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from .case import PAIRS, Case, Ends
 from .case_fields import unchecked_with_field
-from .reduced import EndsProblem, flat, refuse_varying
+from .reduced import EndsProblem, Reduced, flat, refuse_varying
 
 # The number (`boundary.orbit_rates`, and the rotation "turn") that each field of Ends fixes, in the order of PAIRS.
 NUMBER_OF = {
@@ -122,7 +122,7 @@ def under_dead_loads(case: Case, problem: EndsProblem) -> Case:
     return replace(case, given=Ends(**kept, alpha=g.alpha, gamma=g.gamma))
 
 
-def loads_of(problem: EndsProblem, A: Any, rho: Any, shape: tuple[int, ...]) -> tuple[Array, Array, Array]:
+def loads_of(problem: Reduced, A: Any, rho: Any, shape: tuple[int, ...]) -> tuple[Array, Array, Array]:
     """FZ, MZ and M3 of B problems, (B,) each."""
     A, rho = flat(A, shape), flat(rho, shape)
     with np.errstate(all="ignore"):

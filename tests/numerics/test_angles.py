@@ -9,7 +9,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, solve
 from solver.problem.case import ANGLES
-from studies.axes import ENDS, START, is_angle
+from studies.axes import CYLINDER, ENDS, START, is_angle
 from studies.axes import Base as StudyBase
 
 WRITTEN = {
@@ -43,7 +43,7 @@ def test_every_angle_may_be_text_and_is_what_a_study_reads(text: str) -> None:
 
 
 def test_the_angles_are_those_of_a_study() -> None:
-    assert set(ANGLES) == {name for name in (*START, *ENDS) if is_angle(name)} - {"dbeta", "dgamma"}
+    assert set(ANGLES) == {name for name in (*START, *ENDS, *CYLINDER) if is_angle(name)} - {"dbeta", "dgamma"}
 
 
 def test_text_may_stand_among_the_values_of_an_array() -> None:

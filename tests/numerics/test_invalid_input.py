@@ -241,7 +241,10 @@ PLAIN = Rod(**ROD)
 REFUSALS: dict[str, tuple[Callable[[], Any], str]] = {
     "an unknown field": (lambda: Rod(e=1.0), "no field 'e' in Rod, did you mean 'E'; choose from E, nu"),
     "a missing field": (lambda: Start(beta=0.5), "Start needs dbeta; got beta"),
-    "a field twice": (lambda: Cylinder(2.0, R=3.0), "Cylinder takes each of R, side once, got R, R"),
+    "a field twice": (
+        lambda: Cylinder(2.0, R=3.0),
+        "Cylinder takes each of R, side, inclination, friction, sliding once, got R, R",
+    ),
     "a wrong value beside missing fields": (lambda: Rod(E=-1.0), "Rod.E must be positive and finite, got -1.0"),
     "no start and no ends": (lambda: Case(PLAIN, Cylinder(0.75)), "Case needs given; got rod, cylinder"),
     "no case": (lambda: solve(PLAIN, Cylinder(0.75)), "write solve(Case(rod, cylinder, Start(...) or Ends(...)))"),

@@ -269,7 +269,8 @@ def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
     (
         (
             ("--axis", "mass=1:2:3"),
-            "no axis 'mass'; choose from E, nu, a, L, inner_radius, EI, GJ, R, beta0, betaL, FZ, MZ, M3",
+            "no axis 'mass'; choose from E, nu, a, L, inner_radius, EI, GJ, weight, R, inclination, friction, beta0, "
+            "betaL, FZ, MZ, M3, height, azimuth, rotation, M10, M1L",
         ),
         (("--axis", "betaL=1:2"), "NAME=FROM:TO:COUNT"),
         (("--axis", "betaL=1:x:3"), "with numbers"),

@@ -144,7 +144,7 @@ def test_the_page_draws_a_rod_and_says_what_it_is(page, tmp_path) -> None:
     chip = page("return document.getElementById('chip').innerText")
     assert chip == (
         "Not physically possible. The rod passes through itself. The rod would lift off where the cylinder has to "
-        "pull. Lift-off from s = 0 cm."
+        "pull, no push on 77 % of the length. Lift-off from s = 0 cm."
     )
     assert page("return page.view.camera.lying")  # along the view, as the unrolled view below it
     assert page("return document.querySelectorAll('.diagram canvas').length") == 4

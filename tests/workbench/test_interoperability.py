@@ -173,7 +173,8 @@ def test_a_time_series_leaves_out_a_case_without_a_shape(line, tmp_path) -> None
     assert sorted(path.name for path in tmp_path.iterdir()) == ["one", "one.pvd"]
 
 
-def test_a_time_series_goes_along_the_axis_that_is_not_named(ds, tmp_path) -> None:
+def test_a_time_series_goes_along_the_axis_that_is_not_named(tmp_path) -> None:
+    ds = in_memory.run(small.grid().at_stations(61))
     export(ds, tmp_path / "radii.pvd", Options({"E": 1e4}))
     assert list(times(tmp_path / "radii.pvd")) == [0.5, 0.75, 1.0]
     with pytest.raises(InputError, match=r"the axes E, R remain: name all but one with --at"):

@@ -103,7 +103,7 @@ def test_the_file_opens_bare_and_check_and_summary_say_the_same(ds: xr.Dataset, 
         assert bare["share"].attrs["expression"] == "kappa_mean/kappa_max"
     status, said = run(path, "check")
     assert status == 0
-    assert "5 laws: 5 hold" in said
+    assert "5 laws: 5 true" in said
     assert "2 x solved; gap has no value: division by zero" in said
     status, said = run(path, "summary")
     assert (status, "share " in said, "tight " in said) == (0, True, True)

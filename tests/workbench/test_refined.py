@@ -433,7 +433,7 @@ def test_the_default_picture_is_a_map_in_the_plane_and_lines_along_an_axis(store
     raster = refined.raster(ds)
     np.testing.assert_array_equal(mesh.get_array().reshape(raster["turns"].T.shape), raster["turns"].T)
     edges = mesh.get_coordinates()
-    np.testing.assert_allclose(edges[0, [0, -1], 0], [5e3, 4e4])  # the map ends at the first and the last value
+    np.testing.assert_allclose(edges[0, [0, -1], 0], [5e3, 4e4])
     np.testing.assert_allclose(edges[[0, -1], 0, 1], [0.5, 1.5])
     notes = fig.legends[0].get_title().get_text().replace("\n", " ")
     assert "Refinement ended as the tolerance is reached" in notes

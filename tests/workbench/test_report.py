@@ -21,7 +21,7 @@ from matplotlib import image
 from PIL import Image, PngImagePlugin
 
 from solver.problem.errors import InputError
-from studies import READINGS, load, names
+from studies import READINGS, load, names, reasons
 from tests.workbench import browser, node, small
 from tests.workbench.pictures import share_of_hue
 from workbench.data import labels, law_verdicts, writing
@@ -172,8 +172,8 @@ def test_a_load_that_a_reading_drops_neither_supports_nor_refutes_a_claim(readin
             assert cell["verdict"] == ("fails" if along_f3["verdict"] == "fails" else "not decided")
             words = [one["verdict"] for one in row["cells"]]
             assert ("not decided" in row["counts"]) == ("not decided" in words)
-            assert row["counts"].endswith(f"{words.count('fails')} fail")
-    assert rows["twist-first/tension/solid"]["cells"][4]["reason"].endswith("along F₃ it holds.")
+            assert row["counts"].endswith(f"{words.count('fails')} false")
+    assert rows["twist-first/tension/solid"]["cells"][4]["reason"].endswith("along F₃ it is true.")
     assert rows["twist-first/compression/solid"]["cells"][4]["verdict"] == "fails"  # along F3, which this reading uses
 
 
@@ -185,7 +185,7 @@ def test_the_card_of_a_claim_and_the_table_of_readings_have_one_verdict(readings
     assert cells["twist-first/tension/solid"][4]["verdict"] == "not decided"
     assert re.search(r"Not decided: .*\(not decided\).*Fig. 7 \(5\)", told.partition("In the pictures")[0], re.DOTALL)
     assert "(1 law: " not in told
-    assert "(2 laws: 1 holds, 1 is not decided)" in told
+    assert "(2 laws: 1 true, 1 not decided)" in told
     assert "not tested along F₁: F₁ has no effect under this reading" in told
     assert "F1 has no effect" not in told
     assert set(law_verdicts.verdicts_of_lines(result.ds, study.laws[0]).values.ravel()) == {"not decided"}
@@ -198,8 +198,9 @@ TOLD = [[cell.strip(" `") for cell in row.strip("|").split("|")] for row in CLAI
 
 def test_the_page_on_the_claims_has_the_verdict_of_each_reading(readings) -> None:
     table = {row[0]: row[1:] for row in TOLD if row[0] in READINGS}
-    assert table == dict(zip(READINGS, readings["claim_verdict"].values.tolist(), strict=True))
-    failing = [claim for claim, *column in zip("12345", *table.values(), strict=True) if "fails" in column]
+    told = [[reasons.PLAIN[verdict] for verdict in row] for row in readings["claim_verdict"].values.tolist()]
+    assert table == dict(zip(READINGS, told, strict=True))
+    failing = [claim for claim, *column in zip("12345", *table.values(), strict=True) if "false" in column]
     assert failing == [*"1345"]  # every claim except (2), as the page says
 
 
@@ -209,11 +210,11 @@ def test_the_page_on_the_claims_has_the_measured_numbers_of_each_law(results) ->
     words = (law_verdicts.stated, law_verdicts.measured, law_verdicts.said)
     assert [row for row in TOLD[1:] if len(row) == 4][2:] == [[row["claim"], *(f(row) for f in words)] for row in laws]
     worst = {c: law_cards.worst([row["verdict"] for row in laws if row["claim"] == c]) for c in ("(3)", "(4)")}
-    both = "(3), (4)", ", ".join(f"{claim} {verdict}" for claim, verdict in worst.items())
+    both = "(3), (4)", ", ".join(f"{claim} {reasons.PLAIN[verdict]}" for claim, verdict in worst.items())
     sentences = {row[1]: (row[0], row[2]) for row in TOLD if len(row) == 3}
     for row in laws:
         claim = row["claim"]
-        alone = claim, law_cards.worst([one["verdict"] for one in laws if one["claim"] == claim])
+        alone = claim, reasons.PLAIN[law_cards.worst([one["verdict"] for one in laws if one["claim"] == claim])]
         assert sentences[row["source"]] == (both if claim in worst else alone)
     rods = sum(result.ds["outcome"].size for result in own)
     assert sum(int(re.findall(r"(\d+) would lift off", result.ds.attrs["caution"])[0]) for result in own) == rods

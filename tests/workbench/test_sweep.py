@@ -216,9 +216,9 @@ def test_the_first_case_is_the_one_that_equilibrium_chooses() -> None:
     index = in_memory.run(study(more="", axes=FORCES + "[equilibrium]\nindex = 2\n"))
     assert index["index"].sel(FZ=-50.0) == 2
     assert (index["branch"] == 0).all()
-    assert "among those of index 2" in index.attrs["equilibria"]
+    assert "of those of index 2 the shape that swings least" in index.attrs["equilibria"]
     low = in_memory.run(study(axes=FORCES.replace("21", "3") + '[equilibrium]\nchoose = "lowest"\n'))
-    assert "the one of lowest energy" in low.attrs["equilibria"]
+    assert "the shape of lowest energy" in low.attrs["equilibria"]
     named = float(solve(study().case_of({"FZ": -50.0}), choose=1, stations=3).dbeta[0])
     energy = 1e3
     text = FORCES.replace("21", "3") + f"[equilibrium]\ndbeta0 = {named!r}\nenergy = {energy!r}\n"

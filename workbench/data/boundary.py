@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from solver.problem.errors import InputError, choices, near, no_such
-from studies import refine as tables
 from studies.dimensions import SAMPLE
 from studies.lattice import Lattice
 from studies.refinement import Refinement, stored
+from studies.study_tables import OUTCOME
 
 from . import law_verdicts, observed, refined, schema
 
@@ -59,7 +59,7 @@ def boundary(ds: "xr.Dataset", name: str, step: float | None = None) -> "xr.Data
         result[axis] = ("pair", np.where(along == k, low + (high - low) / 2, low), label)
         half = {**label, "long_name": f"half the distance of the two cases along {axis}"}
         result[f"{axis}_half_width"] = ("pair", np.where(along == k, (high - low) / 2, 0.0), half)
-    label = {} if name == tables.OUTCOME else dict(ds[name].attrs)
+    label = {} if name == OUTCOME else dict(ds[name].attrs)
     for key, side in (("before", 0), ("after", 1)):
         result[key] = ("pair", found.numbers[pairs[:, side], 0], label)
     return xr.Dataset(result, attrs={"observable": name, "step": step, "unknown": unknown}).set_coords(list(values))
@@ -119,9 +119,9 @@ def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
 def _numbers(ds: "xr.Dataset", name: str, step: float | None) -> "tuple[Values, float]":
     """The numbers of an observable, of the shape of the cases, and the change that counts."""
     watch = refined.described(ds).watch if refined.is_refined(ds) else {}
-    if name == tables.OUTCOME:
+    if name == OUTCOME:
         return ds["solved"].values.astype(float), 0.0
-    known = [*observed.observables(ds), tables.OUTCOME]
+    known = [*observed.observables(ds), OUTCOME]
     if name not in ds.data_vars or ds[name].dims != ds["outcome"].dims or ds[name].dtype.kind not in "iuf":
         raise InputError(f"no observable {name!r}{near(name, known)}; the dataset has {choices(known)}")
     if step is None and name not in watch and not schema.is_count(ds[name]):

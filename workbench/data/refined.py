@@ -14,6 +14,7 @@ from studies import refine as tables
 from studies.dimensions import SAMPLE
 from studies.lattice import Lattice, Places, Values
 from studies.refinement import BUDGET, Refinement, stored
+from studies.study_tables import OUTCOME
 
 from .schema import OF_THE_CASE, SAMPLING, dimension
 
@@ -80,7 +81,7 @@ def _sentence(changes: str, found: Refinement) -> str:
 
 
 def _change(name: str, step: float) -> str:
-    if name == tables.OUTCOME:
+    if name == OUTCOME:
         return "the outcome changes"
     return f"{name} changes by more than {step:g}" if step else f"{name} changes"
 
@@ -181,6 +182,8 @@ def raster(ds: "xr.Dataset") -> "xr.Dataset":
     each = [str(name) for name in ds.data_vars if ds[name].dims == (SAMPLE,)]
     label = {"units": "1", "long_name": "level of the drawn cell", "symbol": tables.LEVEL}
     grid = gridded(ds[each].assign(case=(SAMPLE, np.arange(ds.sizes[SAMPLE]))), index, values)
+    for name, coarse in lattice.axes.items():
+        grid[name].attrs["ends"] = coarse[[0, -1]]
     return grid.assign({tables.LEVEL: (list(values), levels, label)}).set_coords("case")
 
 

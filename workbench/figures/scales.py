@@ -129,7 +129,7 @@ def angle_locator(span: float, inches: float) -> MultipleLocator:
 
 
 def scale_of(axis: xr.DataArray) -> Scale:
-    """The scale of the values of an axis, in any order."""
+    """The scale of the values of an axis, in any order: from the first to the last, or between the `ends` of the axis."""
     values = np.sort(labels.in_label_unit(axis, axis.values))
     logarithmic = is_geometric(values)
     points = np.log(values) if logarithmic else values
@@ -137,5 +137,7 @@ def scale_of(axis: xr.DataArray) -> Scale:
         edges = points + np.array([-0.5, 0.5]) * (abs(points[0]) or 1.0)
     else:
         between = (points[1:] + points[:-1]) / 2
-        edges = np.concatenate([points[:1], between, points[-1:]])
+        ends = labels.in_label_unit(axis, np.asarray(axis.attrs["ends"])) if "ends" in axis.attrs else values[[0, -1]]
+        low, high = np.log(ends) if logarithmic else ends
+        edges = np.concatenate([[low], between, [high]])
     return Scale(values, np.exp(edges) if logarithmic else edges, logarithmic)

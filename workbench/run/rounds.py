@@ -11,6 +11,7 @@ from studies import Study
 from studies import refine as tables
 from studies.dimensions import SAMPLE, Dimension, Dimensions
 from studies.lattice import Values
+from studies.study_tables import OUTCOME
 
 from ..data.schema import Columns
 from .plan import Plan
@@ -67,6 +68,6 @@ class Rounds:
 def numbers(study: Study, columns: Columns) -> Values:
     """The watched numbers of each case, (cases, watched), those of laws last; whether it is solved as 0 or 1."""
     assert study.refine is not None
-    watched = ["solved" if name == tables.OUTCOME else name for name in study.refine.watch]
+    watched = ["solved" if name == OUTCOME else name for name in study.refine.watch]
     rows = [columns[name] for name in (*watched, *(law.observable for law in tables.watched_laws(study)))]
     return np.stack([np.asarray(row, dtype=float) for row in rows], axis=1)

@@ -16,13 +16,6 @@ from studies.laws import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 from ...data import cautions, labels, law_verdicts
 
 NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
-PLAIN = {
-    HOLDS: "True",
-    TREND: "True as a trend",
-    QUALIFIED: "True in part",
-    UNDECIDED: "Not decided",
-    FAILS: "Not true",
-}
 CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
 
 
@@ -54,7 +47,7 @@ def _verdict(row: Mapping[str, Any], array: xr.DataArray) -> dict[str, str]:
     return {
         "verdict": row["verdict"],
         "class": CLASSES[row["verdict"]],
-        "plain": PLAIN[row["verdict"]],
+        "plain": reasons.PLAIN[row["verdict"]].capitalize(),
         "measured": _measured(row, array),
         "detail": labels.law_text(row, law_verdicts.detail(row)),
     }
@@ -76,7 +69,7 @@ def claims_of(sections: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
             claim = claims.setdefault(law["claim"], {**section, **law, "laws": []})
             claim["laws"].append(law)
             verdict = worst([law["verdict"], claim["verdict"]])
-            claim |= {"verdict": verdict, "class": CLASSES[verdict], "plain": PLAIN[verdict]}
+            claim |= {"verdict": verdict, "class": CLASSES[verdict], "plain": reasons.PLAIN[verdict].capitalize()}
     return list(claims.values())
 
 
